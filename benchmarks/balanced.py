@@ -22,9 +22,9 @@ import warnings
 from pathlib import Path
 from typing import Any
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
-from deformable.common.versions import machine
+from lammps_deformable.common.versions import machine
 from motion import energy_error, step
 
 HERE = Path(__file__).parent
@@ -38,15 +38,12 @@ LONGER = 16
 
 
 def steps(repeats: int) -> list[dict[str, Any]]:
-    packing = deformable.jam(deformable.bidisperse(256, seed=1)).at(0.9)
+    packing = ld.jam(ld.bidisperse(256, seed=1)).at(0.9)
     rows = []
     for kP in STIFFNESSES:
         for motion, (temperature, dt) in MOTIONS.items():
             runs = [
-                [
-                    step(packing, deformable.Ring(kP=kP, contact=c), temperature, dt, 60.0, 400)
-                    for c in LAWS
-                ]
+                [step(packing, ld.Ring(kP=kP, contact=c), temperature, dt, 60.0, 400) for c in LAWS]
                 for _ in range(repeats)
             ]
             rows.append(
@@ -64,8 +61,8 @@ def steps(repeats: int) -> list[dict[str, Any]]:
 
 def relaxation(seed: int, kP: float) -> dict[str, Any]:
     """Time and force calls of a compression with `balanced` over those with `radical`."""
-    jammed = deformable.jam(deformable.bidisperse(64, seed=seed))
-    sims = [deformable.Simulation(jammed, deformable.Ring(kP=kP, contact=c)) for c in LAWS]
+    jammed = ld.jam(ld.bidisperse(64, seed=seed))
+    sims = [ld.Simulation(jammed, ld.Ring(kP=kP, contact=c)) for c in LAWS]
     seconds, calls, stalled = np.zeros(2), np.zeros(2), 0
     for strain in np.arange(1, 9) * 0.0025:
         for n, sim in enumerate(sims):
@@ -90,11 +87,11 @@ def relaxation(seed: int, kP: float) -> dict[str, Any]:
 
 
 def energy() -> dict[str, Any]:
-    packing = deformable.jam(deformable.bidisperse(64, seed=1)).at(0.88)
+    packing = ld.jam(ld.bidisperse(64, seed=1)).at(0.88)
 
     def error(tolerance: float, dt: float = TIMESTEPS[2], duration: float = 400.0) -> float:
         style = f"pair_style deformable/ring contact balanced balance {tolerance!r} 100 reach 0.3"
-        return energy_error(packing, deformable.Ring(), dt, duration, 200, style)
+        return energy_error(packing, ld.Ring(), dt, duration, 200, style)
 
     errors = [error(1e-8, dt) for dt in TIMESTEPS]
     order = float(np.polyfit(np.log(TIMESTEPS), np.log(errors), 1)[0])

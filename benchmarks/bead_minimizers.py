@@ -18,11 +18,11 @@ import tempfile
 import time
 from pathlib import Path
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 
 HERE = Path(__file__).parent
-NUMBER, BEADS, STRAIN, LIMIT = 16, deformable.PolygonModel(50), 0.01, 14.0
+NUMBER, BEADS, STRAIN, LIMIT = 16, ld.PolygonModel(50), 0.01, 14.0
 TOLERANCES = (1e-1, 1e-2, 1e-3)
 DMAX = f"min_modify dmax {0.1 * BEADS.radius:g} norm max"
 OMEGA = (4.0 * (BEADS.kL + BEADS.kr)) ** 0.5
@@ -71,12 +71,12 @@ METHODS = {
 }
 
 
-def measure(name: str, jammed: deformable.Packing, seed: int) -> dict[str, object]:
+def measure(name: str, jammed: ld.Packing, seed: int) -> dict[str, object]:
     """Force calls and processor time until each tolerance, None if it was not reached."""
     row: dict[str, object] = {"method": name, "seed": seed, "calls": [], "seconds": []}
     with (
         tempfile.TemporaryDirectory() as folder,
-        deformable.PolygonSimulation(jammed, BEADS) as rings,
+        ld.PolygonSimulation(jammed, BEADS) as rings,
     ):
         log = Path(folder, "log")
         rings.lmp.command(f'log "{log}"')
@@ -111,7 +111,7 @@ def main() -> None:
     parser.add_argument("--methods", nargs="+", default=list(METHODS), choices=list(METHODS))
     options = parser.parse_args()
     seeds = range(1, options.seeds + 1)
-    packings = [deformable.jam(deformable.bidisperse(NUMBER, seed=seed)) for seed in seeds]
+    packings = [ld.jam(ld.bidisperse(NUMBER, seed=seed)) for seed in seeds]
     rows = []
     for name in options.methods:
         new = [measure(name, packing, seed) for seed, packing in zip(seeds, packings, strict=True)]

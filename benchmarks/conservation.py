@@ -17,7 +17,7 @@ import warnings
 from pathlib import Path
 from typing import Any
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 from motion import energies
 
@@ -28,19 +28,19 @@ TIMESTEP, LONGER = 0.05, (0.1, 0.2, 0.4)
 RUNS = ((256, 20_000), (64, 1_000_000))
 SAMPLES = 200
 SEEDS = range(4711, 4719)
-BALANCED = deformable.Ring()
+BALANCED = ld.Ring()
 
 
 def error_and_drift(
-    packing: deformable.Packing,
+    packing: ld.Packing,
     temperature: float,
     dt: float,
     steps: int,
     seed: int,
-    law: deformable.Ring | deformable.Droplet = BALANCED,
+    law: ld.Ring | ld.Droplet = BALANCED,
     bath: str = "",
 ) -> tuple[float, float]:
-    with deformable.Simulation(packing, law) as sim:
+    with ld.Simulation(packing, law) as sim:
         sim.relax(1e-6)
         sim.lmp.commands_string(
             f"timestep {dt!r}\nvelocity all create {temperature!r} {seed} loop all mom yes\n"
@@ -55,11 +55,11 @@ def error_and_drift(
 
 
 def run(
-    packing: deformable.Packing,
+    packing: ld.Packing,
     temperature: float,
     dt: float,
     steps: int,
-    law: deformable.Ring | deformable.Droplet = BALANCED,
+    law: ld.Ring | ld.Droplet = BALANCED,
     bath: str = "",
 ) -> dict[str, Any]:
     """bath: commands before the motion that counts, with {temperature} and {seed}."""
@@ -85,7 +85,7 @@ def main() -> None:
     warnings.simplefilter("ignore", UserWarning)
     rows = []
     for number, steps in RUNS:
-        jammed = deformable.jam(deformable.bidisperse(number, seed=1))
+        jammed = ld.jam(ld.bidisperse(number, seed=1))
         cases = [(phi, T, TIMESTEP) for phi in PHIS for T in TEMPERATURES]
         if number == RUNS[0][0]:
             cases += [(phi, TEMPERATURES[-1], dt) for phi in PHIS for dt in LONGER]

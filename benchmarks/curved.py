@@ -27,11 +27,11 @@ import warnings
 from pathlib import Path
 from typing import Any
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
-from deformable.common.versions import machine
-from deformable.model.polygons import PolygonModel
-from deformable.studies.accuracy.compressions import law_path, smooth_rows
+from lammps_deformable.common.versions import machine
+from lammps_deformable.model.polygons import PolygonModel
+from lammps_deformable.studies.accuracy.compressions import law_path, smooth_rows
 from motion import energies, energy_error, step
 
 HERE = Path(__file__).parent
@@ -121,17 +121,14 @@ def show(value: object) -> str:
 
 def steps(repeats: int = 3) -> list[dict[str, Any]]:
     """At N = 1024 and 9216, from the same packing."""
-    start = deformable.jam(deformable.bidisperse(1024, seed=1)).at(0.9)
-    with deformable.Simulation(start, deformable.Ring()) as sim:
+    start = ld.jam(ld.bidisperse(1024, seed=1)).at(0.9)
+    with ld.Simulation(start, ld.Ring()) as sim:
         cell = sim.relax(1e-4).packing
     rows = []
     for times, (motion, (temperature, dt)) in itertools.product((1, 3), MOTIONS.items()):
         packing, count = repeated(cell, times), 300 if times == 1 else 60
         runs = [
-            [
-                step(packing, deformable.Ring(contact=law), temperature, dt, 20.0, count)
-                for law in LAWS
-            ]
+            [step(packing, ld.Ring(contact=law), temperature, dt, 20.0, count) for law in LAWS]
             for _ in range(repeats)
         ]
         rows.append(
@@ -146,24 +143,24 @@ def steps(repeats: int = 3) -> list[dict[str, Any]]:
     return rows
 
 
-def repeated(packing: deformable.Packing, times: int) -> deformable.Packing:
+def repeated(packing: ld.Packing, times: int) -> ld.Packing:
     """The packing times x times side by side."""
     shifts = np.array(list(itertools.product(range(times), repeat=2))) @ packing.box
     positions = (packing.positions + shifts[:, None]).reshape(-1, 2)
     species = np.tile(packing.species, len(shifts))
-    return deformable.Packing(positions, species, packing.radii, times * packing.box)
+    return ld.Packing(positions, species, packing.radii, times * packing.box)
 
 
 def films(repeats: int = 3) -> list[dict[str, Any]]:
     """Droplets of tension 1, N = 1024, from the same packing, with and without adhesion."""
     adhesions = (0.0, 0.05, 0.2)
 
-    def droplets(w: float) -> deformable.Ring:
-        return deformable.Ring(kA=np.inf, kP=0.0, tension=1.0, contact="curved", adhesion=w)
+    def droplets(w: float) -> ld.Ring:
+        return ld.Ring(kA=np.inf, kP=0.0, tension=1.0, contact="curved", adhesion=w)
 
     rows = []
     for phi, (motion, (temperature, dt)) in itertools.product((0.84, 0.9), FILM_MOTIONS.items()):
-        start = deformable.jam(deformable.bidisperse(1024, seed=1)).at(phi)
+        start = ld.jam(ld.bidisperse(1024, seed=1)).at(phi)
         runs = [
             [step(start, droplets(w), temperature, dt, 10.0, 200) for w in adhesions]
             for _ in range(repeats)
@@ -187,9 +184,9 @@ def relaxations() -> list[dict[str, Any]]:
     for number in (64, 256):
         ratios = []
         for seed in (1, 2, 3):
-            start = deformable.jam(deformable.bidisperse(number, seed=seed))
+            start = ld.jam(ld.bidisperse(number, seed=seed))
             seconds = [
-                sum(spent for _, spent in law_path(start, deformable.Ring(contact=law), 0.05, 10))
+                sum(spent for _, spent in law_path(start, ld.Ring(contact=law), 0.05, 10))
                 for law in LAWS
             ]
             ratios.append(seconds[1] / seconds[0])
@@ -199,9 +196,9 @@ def relaxations() -> list[dict[str, Any]]:
 
 
 def energy() -> list[dict[str, Any]]:
-    rows, law = [], deformable.Ring(contact="curved")
+    rows, law = [], ld.Ring(contact="curved")
     for phi in (0.80, 0.88, 0.92):
-        packing = deformable.jam(deformable.bidisperse(64, seed=1)).at(phi)
+        packing = ld.jam(ld.bidisperse(64, seed=1)).at(phi)
         errors = [energy_error(packing, law, dt, 400.0, 100) for dt in TIMESTEPS]
         rows.append(
             {
@@ -220,10 +217,10 @@ def drift(runs: int = 8) -> list[dict[str, Any]]:
     """Trends of the total energy over the kinetic one, of runs with other velocities."""
     rows, dt, samples, seeds = [], 0.1, 500, range(1, runs + 1)
     for phi, contact in itertools.product((0.80, 0.88, 0.92), LAWS):
-        packing = deformable.jam(deformable.bidisperse(16, seed=1)).at(phi)
+        packing = ld.jam(ld.bidisperse(16, seed=1)).at(phi)
         trends = []
         for seed in seeds:
-            with deformable.Simulation(packing, deformable.Ring(contact=contact)) as sim:
+            with ld.Simulation(packing, ld.Ring(contact=contact)) as sim:
                 sim.lmp.commands_string(
                     f"timestep {dt!r}\nvelocity all create 1e-5 {4710 + seed} loop all\n"
                     "fix nve all nve\nthermo_style custom step ke etotal\n"

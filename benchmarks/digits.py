@@ -20,7 +20,7 @@ import warnings
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-import deformable as df
+import lammps_deformable as df
 import numpy as np
 from scipy import stats
 

@@ -18,11 +18,11 @@ import warnings
 from pathlib import Path
 
 import conservation
-import deformable
+import lammps_deformable as ld
 import nve
 
 HERE = Path(__file__).parent
-LAW = deformable.Droplet()
+LAW = ld.Droplet()
 PHIS = (0.66, 0.75, 0.85)
 TIME, TIMESTEP, TEMPERATURE = 100.0, 0.1, 1e-5
 STEPS, TEMPERATURES = 100_000, (1e-6, 1e-4)
@@ -33,14 +33,14 @@ velocity all zero linear
 """
 
 
-def jammed(number: int = 64) -> deformable.Packing:
+def jammed(number: int = 64) -> ld.Packing:
     """Touching spheres of radii 1 and 1.2."""
-    start = deformable.bidisperse(number, radii=(1.0, 1.2), dimension=3, seed=1)
-    return deformable.jam(start, tolerance=1e-2)
+    start = ld.bidisperse(number, radii=(1.0, 1.2), dimension=3, seed=1)
+    return ld.jam(start, tolerance=1e-2)
 
 
-def relaxed(packing: deformable.Packing) -> deformable.Packing:
-    with deformable.Simulation(packing, LAW) as sim:
+def relaxed(packing: ld.Packing) -> ld.Packing:
+    with ld.Simulation(packing, LAW) as sim:
         return sim.relax().packing
 
 

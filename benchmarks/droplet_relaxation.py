@@ -23,9 +23,9 @@ import warnings
 from pathlib import Path
 from typing import Any
 
-import deformable
-from deformable.common.versions import machine
-from deformable.engine.close_balance import balanced_to
+import lammps_deformable as ld
+from lammps_deformable.common.versions import machine
+from lammps_deformable.engine.close_balance import balanced_to
 from relaxation import summary
 
 HERE = Path(__file__).parent
@@ -46,9 +46,9 @@ MINIMIZERS = {
 }
 
 
-def relax(packing: deformable.Packing, minimizer: str) -> dict[str, Any]:
+def relax(packing: ld.Packing, minimizer: str) -> dict[str, Any]:
     commands, balance = MINIMIZERS[minimizer]
-    with deformable.Simulation(packing, deformable.Droplet()) as sim:
+    with ld.Simulation(packing, ld.Droplet()) as sim:
         sim.lmp.commands_string(commands)
         before = sim.lmp.extract_global("ntimestep")
         began = time.process_time()
@@ -76,7 +76,7 @@ def main() -> None:
     rows: list[dict[str, Any]] = []
     same = 0
     for number, seed, shape in itertools.product(options.numbers, SEEDS, SHAPES):
-        jammed = deformable.jam(deformable.bidisperse(number, seed=seed, dimension=3, **shape))
+        jammed = ld.jam(ld.bidisperse(number, seed=seed, dimension=3, **shape))
         for phi in (jammed.phi + ABOVE, *PHIS):
             pair = [relax(jammed.at(phi), minimizer) for minimizer in MINIMIZERS]
             rows += [{"seed": seed, **shape, **row} for row in pair]

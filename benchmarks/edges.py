@@ -23,8 +23,8 @@ from datetime import date
 from pathlib import Path
 
 import numpy as np
-from deformable.common.versions import machine
 from lammps import lammps
+from lammps_deformable.common.versions import machine
 from mpi4py import MPI  # noqa: F401  before lammps, which needs its library
 from sections import timed_run
 

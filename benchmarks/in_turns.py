@@ -2,11 +2,11 @@
 
     python benchmarks/in_turns.py BEFORE AFTER [--laws radical sector] [--sizes 1000 10000 100000]
 
-BEFORE, AFTER: folders that hold a compiled package `deformable`. Each version has a process of its
-own with the packing of loop_time.py in motion, and disks have one: they run a few steps in turn,
-so that a machine whose speed drifts does not favor one. A row has nanoseconds per particle and
-step, medians of the times over disks, and medians of the times over the first version. `reach` is
-the default, 0.3 for `radical`.
+BEFORE, AFTER: folders that hold a compiled package. Each version has a process of its own with the
+packing of loop_time.py in motion, and disks have one: they run a few steps in turn, so that a
+machine whose speed drifts does not favor one. A row has nanoseconds per particle and step, medians
+of the times over disks, and medians of the times over the first version. `reach` is the default,
+0.3 for `radical`.
 """
 
 from __future__ import annotations
@@ -85,7 +85,7 @@ def main() -> None:
         _, _, data, law, n, motion = sys.argv
         return move(Path(data), law, int(n), motion)
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("versions", nargs="+", help="folders that hold a package `deformable`")
+    parser.add_argument("versions", nargs="+", help="folders with a compiled package")
     parser.add_argument("--laws", nargs="+", default=["radical", "sector"])
     parser.add_argument("--sizes", nargs="+", type=int, choices=SIZES, default=list(SIZES)[:3])
     parser.add_argument("--simd", choices=LEVELS, default=LEVELS[0])

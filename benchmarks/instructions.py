@@ -4,8 +4,8 @@
 
 Valgrind counts the instructions of a short run of LAMMPS at constant energy, less those of a run of
 no steps. Counts do not depend on how busy a machine is, so that differences of a part of a percent
-show. Each checkout has its compiled plugin in python/deformable/lib. Valgrind knows AVX2, but not
-AVX-512.
+show. Each checkout has its compiled plugin in python/lammps_deformable/lib. Valgrind knows AVX2,
+but not AVX-512.
 """
 
 from __future__ import annotations

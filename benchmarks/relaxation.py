@@ -22,8 +22,8 @@ import warnings
 from pathlib import Path
 from typing import Any
 
-import deformable
-from deformable.common.versions import machine
+import lammps_deformable as ld
+from lammps_deformable.common.versions import machine
 
 HERE = Path(__file__).parent
 NUMBERS, SEEDS = (16, 32, 64, 128), (1, 2, 3)
@@ -40,11 +40,9 @@ def measure(
     law: str, number: int, seed: int, shape: dict[str, float], minimizer: str, dmax: float | None
 ) -> list[dict[str, Any]]:
     """The relaxed states of one packing, from the onset of jamming on."""
-    jammed = deformable.jam(deformable.bidisperse(number, seed=seed, **shape))
+    jammed = ld.jam(ld.bidisperse(number, seed=seed, **shape))
     rows = []
-    with deformable.Simulation(
-        jammed, deformable.Ring(kA=MINIMIZERS[minimizer], contact=law)
-    ) as sim:
+    with ld.Simulation(jammed, ld.Ring(kA=MINIMIZERS[minimizer], contact=law)) as sim:
         sim.lmp.command(f"min_style {minimizer}")
         if dmax:
             sim.lmp.command(f"min_modify dmax {dmax!r}")

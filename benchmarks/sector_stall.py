@@ -14,15 +14,15 @@ import json
 import warnings
 from pathlib import Path
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 
 HERE = Path(__file__).parent
-LAWS = {"sector": deformable.Sector(kA=1.0), "radical": deformable.Ring(contact="radical")}
+LAWS = {"sector": ld.Sector(kA=1.0), "radical": ld.Ring(contact="radical")}
 TIME, TIMESTEP, TEMPERATURE, SAMPLES = 400.0, 0.025, 1e-6, 40
 
 
-def run(sim: deformable.Simulation) -> dict[str, float | str]:
+def run(sim: ld.Simulation) -> dict[str, float | str]:
     """A run at constant energy: last total energy over the first one, and the time it lasted."""
     sim.lmp.commands_string(
         f"velocity all create {TEMPERATURE} 1\nfix nve all nve\ntimestep {TIMESTEP}\n"
@@ -42,10 +42,10 @@ def run(sim: deformable.Simulation) -> dict[str, float | str]:
     return {"energy_over_first": last / first, "time": lasted, "stopped_by": stopped}
 
 
-def measure(jammed: deformable.Packing, law: str, phi: float) -> dict[str, object]:
+def measure(jammed: ld.Packing, law: str, phi: float) -> dict[str, object]:
     """Relaxation of one packing, and a run from its end."""
-    with deformable.Simulation(jammed.at(phi), LAWS[law]) as sim, warnings.catch_warnings():
-        warnings.simplefilter("ignore", deformable.StalledWarning)
+    with ld.Simulation(jammed.at(phi), LAWS[law]) as sim, warnings.catch_warnings():
+        warnings.simplefilter("ignore", ld.StalledWarning)
         state = sim.relax(tolerance=1e-6)
         force = np.linalg.norm(sim.lmp.numpy.extract_atom("f")[: len(jammed), :2], axis=1)
         dynamics = run(sim)
@@ -65,7 +65,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--out", type=Path, default=HERE / "results" / "sector_stall.json")
     options = parser.parse_args()
-    jammed = deformable.jam(deformable.bidisperse(64, seed=1))
+    jammed = ld.jam(ld.bidisperse(64, seed=1))
     rows = [measure(jammed, law, phi) for law in LAWS for phi in (0.88, 0.92)]
     for row in rows:
         print("  ".join(f"{key} {value}" for key, value in row.items()))

@@ -15,10 +15,10 @@ import warnings
 from collections.abc import Sequence
 from pathlib import Path
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
-from deformable.engine import smooth_polygons
-from deformable.studies.accuracy.compressions import standard_polygons
+from lammps_deformable.engine import smooth_polygons
+from lammps_deformable.studies.accuracy.compressions import standard_polygons
 
 HERE = Path(__file__).parent
 NUMBER, BEADS, LIMIT, TOLERANCE = 16, standard_polygons(80), 20.0, 1e-6
@@ -26,7 +26,7 @@ STRAINS = (0.01, 0.02)
 ANNEALED, AT_ONCE = (0.002, 0.02, 0.2, 1.0), (1.0,)
 
 
-def fire(rings: deformable.PolygonSimulation, stages: Sequence[float]) -> deformable.PolygonState:
+def fire(rings: ld.PolygonSimulation, stages: Sequence[float]) -> ld.PolygonState:
     """FIRE, with contacts of these stiffnesses over kr; soft ones end at a residual of 1e-3."""
     began = time.process_time()
     for part in stages:
@@ -42,7 +42,7 @@ def fire(rings: deformable.PolygonSimulation, stages: Sequence[float]) -> deform
     return state
 
 
-def newton(rings: deformable.PolygonSimulation, stages: Sequence[float]) -> deformable.PolygonState:
+def newton(rings: ld.PolygonSimulation, stages: Sequence[float]) -> ld.PolygonState:
     """Newton's method, as `PolygonSimulation.relax` or without its soft contacts."""
     before, smooth_polygons._SOFT = smooth_polygons._SOFT, tuple(stages)
     try:
@@ -59,10 +59,10 @@ METHODS = {
 }
 
 
-def measure(name: str, jammed: deformable.Packing, seed: int, strain: float) -> dict[str, object]:
+def measure(name: str, jammed: ld.Packing, seed: int, strain: float) -> dict[str, object]:
     """Energy, residual and processor time of one relaxation."""
     method, stages = METHODS[name]
-    with deformable.PolygonSimulation(jammed, BEADS) as rings:
+    with ld.PolygonSimulation(jammed, BEADS) as rings:
         rings.deform((1.0 - strain) * rings.box)
         began = time.process_time()
         state = method(rings, stages)
@@ -86,7 +86,7 @@ def main() -> None:
     rows = []
     for strain in STRAINS:
         for seed in options.seeds:
-            jammed = deformable.jam(deformable.bidisperse(NUMBER, seed=seed))
+            jammed = ld.jam(ld.bidisperse(NUMBER, seed=seed))
             for name in METHODS:
                 row = measure(name, jammed, seed, strain)
                 rows.append(row)

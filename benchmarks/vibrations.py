@@ -32,8 +32,8 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=FOLDER, help="folder of the results")
     options = parser.parse_args()
 
-    from deformable.common.files import make_folder, write_whole
-    from deformable.studies import vibrations
+    from lammps_deformable.common.files import make_folder, write_whole
+    from lammps_deformable.studies import vibrations
 
     path = make_folder(options.out) / "vibrations.json"
     rows = json.loads(path.read_text())["rows"] if path.exists() else []

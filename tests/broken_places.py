@@ -33,7 +33,7 @@ def with_switches(source: Path) -> None:
     (source / "src/core/broken_place.h").write_text(SWITCH)
     for number, (name, old, new, _) in enumerate(PLACES, 1):
         is_python = name.endswith(".py")
-        file = source / ("python/deformable" if is_python else "src") / name
+        file = source / ("python/lammps_deformable" if is_python else "src") / name
         text, old = file.read_text(), old.replace(r"\n", "\n")
         assert text.count(old) == 1, (name, old)
         if is_python:

@@ -42,7 +42,7 @@ def output(*words: object, cwd: Path, **options: object) -> str:
 
 def command(*words: object, cwd: Path) -> subprocess.CompletedProcess[str]:
     """The command `deformable` in this process, which has loaded what it loads in half a second."""
-    from deformable.cli.main import main
+    from lammps_deformable.cli.main import main
 
     arguments = ["deformable", *map(str, words)]
     here, code = Path.cwd(), None

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from deformable.studies.ensemble.packings import exponents, measure, summarize
-from deformable.studies.ensemble.tables import read_table, write_tables
+from lammps_deformable.studies.ensemble.packings import exponents, measure, summarize
+from lammps_deformable.studies.ensemble.tables import read_table, write_tables
 from scipy.stats import chi2
 
 FOLDER = Path(__file__).parents[1] / "docs" / "jamming"

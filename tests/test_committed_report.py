@@ -5,8 +5,8 @@ import math
 from pathlib import Path
 
 import pytest
-from deformable.studies.accuracy.errors import energy_errors, exceptions
-from deformable.studies.packings.rows import mixed_rows
+from lammps_deformable.studies.accuracy.errors import energy_errors, exceptions
+from lammps_deformable.studies.packings.rows import mixed_rows
 
 REPORT = json.loads((Path(__file__).parents[1] / "docs" / "report" / "report.json").read_text())
 

@@ -4,7 +4,7 @@ import json
 import math
 from pathlib import Path
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
 from example_modules import example
@@ -22,9 +22,9 @@ PHI, TOUCH = 0.94, math.pi / math.sqrt(12.0)
 HEXAGON = 2.0 * math.sqrt(3.0)  # its area over the square of its inradius
 
 
-def fine(law: str, u: np.ndarray, eta: float) -> deformable.State | deformable.DiskState:
+def fine(law: str, u: np.ndarray, eta: float) -> ld.State | ld.DiskState:
     packing = crystals.spread(crystals.crystal(len(u), PHI), u, eta)
-    return deformable.polish(crystals.relaxed(packing, crystals.LAWS[law]), 1e-9)
+    return ld.polish(crystals.relaxed(packing, crystals.LAWS[law]), 1e-9)
 
 
 def pressure(law: str, phi: float) -> float:
@@ -76,7 +76,7 @@ def test_droplets_of_unequal_sizes_are_as_stiff_as_equal_ones() -> None:
     assert tensors[1] == pytest.approx(tensors[0], rel=1e-8, abs=1e-8)
     moved = other.nonaffine(same)
     assert np.abs(moved - moved.mean(axis=0)).max() > 0.02
-    straight = deformable.Ring(kA=math.inf, kP=0.0, tension=1.0)
+    straight = ld.Ring(kA=math.inf, kP=0.0, tension=1.0)
     perpendicular = crystals.relaxed(other.packing, straight)  # its lines do not turn
     assert 1e-3 < perpendicular.pressure / same.pressure - 1.0 < 1e-2
 
@@ -100,7 +100,7 @@ def test_linear_response_is_that_of_relaxed_packings(law: str, impurity: bool) -
         assert out[distance < 1.1 * distance.min()].min() > 3.0 * np.abs(out[distance > 5.0]).max()
 
 
-def pushed(lattice: deformable.Packing, n: int, moved: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def pushed(lattice: ld.Packing, n: int, moved: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Radial parts of displacements relative to a particle, and distances from it."""
     fractions = (lattice.positions - lattice.positions[n]) / lattice.box.diagonal()
     away = np.delete((fractions - np.rint(fractions)) * lattice.box.diagonal(), n, axis=0)

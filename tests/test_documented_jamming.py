@@ -10,7 +10,7 @@ from textwrap import fill
 
 import numpy as np
 import pytest
-from deformable.studies.vibrations import exponent, summarize
+from lammps_deformable.studies.vibrations import exponent, summarize
 
 ROOT = Path(__file__).parents[1]
 PAGE, FOLDER = ROOT / "docs" / "jamming.md", ROOT / "docs" / "jamming"

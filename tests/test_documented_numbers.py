@@ -8,14 +8,14 @@ import re
 from pathlib import Path
 
 import pytest
-from deformable.studies.accuracy.errors import (
+from lammps_deformable.studies.accuracy.errors import (
     CONVERGED,
     fastest_as_good,
     label,
     summary,
     whole_percents,
 )
-from deformable.studies.section import percent
+from lammps_deformable.studies.section import percent
 
 ROOT = Path(__file__).parents[1]
 REPORT = json.loads((ROOT / "docs" / "report" / "report.json").read_text())

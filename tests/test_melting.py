@@ -8,7 +8,7 @@ import json
 import math
 from pathlib import Path
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
 from example_modules import example
@@ -27,14 +27,14 @@ RESULT = json.loads((FOLDER / "small.json").read_text())
 def close(values: list[float], expected: float) -> None:
     """Whether the mean of a series is as expected, by 20 blocks after the first tenth."""
     blocks = np.array_split(np.array(values)[len(values) // 10 :], 20)
-    found, error = deformable.jackknife(np.mean, [block.mean() for block in blocks])
+    found, error = ld.jackknife(np.mean, [block.mean() for block in blocks])
     assert abs(found - expected) < 5.0 * error, (found, expected, error)
     assert error < 0.1 * abs(expected)
 
 
-def resting(number: int) -> tuple[deformable.Packing, deformable.State]:
+def resting(number: int) -> tuple[ld.Packing, ld.State]:
     packing = motion.crystal(number, motion.PHI)
-    with deformable.Simulation(packing, motion.LAW) as sim:
+    with ld.Simulation(packing, motion.LAW) as sim:
         return packing, sim.relax(1e-10)
 
 
@@ -44,9 +44,9 @@ def test_cold_crystal_is_harmonic() -> None:
     stiffness = rest.modes(vectors=False).stiffness
     assert len(stiffness) == 30
     rows = []
-    with deformable.Simulation(packing, motion.LAW) as sim:
+    with ld.Simulation(packing, motion.LAW) as sim:
         sim.relax(1e-10)
-        for state in deformable.move(
+        for state in ld.move(
             sim, 20_000, temperature=temperature, every=40, seed=1, friction=0.3, timestep=0.05
         ):
             u = state.displacements(rest)
@@ -129,10 +129,10 @@ def test_neighbors_of_the_crystal_and_of_random_points() -> None:
     between = order.apart(box, packing.positions[j] - packing.positions[i])
     assert np.hypot(*between.T) == pytest.approx(np.full(108, motion.spacing(packing)))
     places = np.random.default_rng(1).random((200, 2)) @ packing.box
-    packing = deformable.Packing(places, np.zeros(200, int), [0.01], packing.box)
+    packing = ld.Packing(places, np.zeros(200, int), [0.01], packing.box)
     pairs = order.neighbors(places, box)
     assert len(pairs[0]) == 600
-    with deformable.Simulation(packing, deformable.Ring()) as sim:
+    with ld.Simulation(packing, ld.Ring()) as sim:
         sides = sim.state().cell_sides
     assert (np.bincount(np.concatenate(pairs), minlength=200) == sides).all()
 
@@ -187,7 +187,7 @@ def test_interrupted_ramps_go_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     for leg, found in zip(ramp["legs"], (one, two), strict=False):
         assert leg["energy"] == np.mean([row["energy"] for row in found["rows"]])
     assert (ramp["ends"][0][1] == two["places"][-1]).all()
-    monkeypatch.setattr(deformable, "move", None)
+    monkeypatch.setattr(ld, "move", None)
     again = melting.ramp(16, motion.PHI, "crystal", 1, ((0.01, 2), (0.02, 1)), tmp_path)
     assert again["legs"] == ramp["legs"]
 
@@ -227,9 +227,9 @@ def test_legs_without_a_shape_begin_anew_and_are_counted(
 
 def test_a_leg_ends_where_a_droplet_finds_no_shape(monkeypatch: pytest.MonkeyPatch) -> None:
     def no_shape(*_: object, **__: object) -> None:
-        raise deformable.LammpsError("no shape")
+        raise ld.LammpsError("no shape")
 
-    monkeypatch.setattr(deformable, "move", no_shape)
+    monkeypatch.setattr(ld, "move", no_shape)
     start = motion.crystal(16, motion.PHI).positions
     assert motion.leg(16, motion.PHI, 0.01, 1, start)["ended"] == "no shape"
 

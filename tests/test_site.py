@@ -13,9 +13,9 @@ from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
-import deformable
+import lammps_deformable as ld
 import pytest
-from deformable import core
+from lammps_deformable import core
 from programs import output
 
 ROOT = Path(__file__).parents[1]
@@ -143,11 +143,11 @@ def test_the_api_has_every_public_name_once():
         "studies.paper.single.Squeezed",
     }
     text = "\n".join(page.read_text() for page in API)
-    names = re.findall(r"^::: deformable\.(\S+)$", text, re.MULTILINE)
+    names = re.findall(r"^::: lammps_deformable\.(\S+)$", text, re.MULTILINE)
     assert len(names) == len(set(names))
-    assert set(names) == set(deformable.__all__) | (kernels - constants) | results
+    assert set(names) == set(ld.__all__) | (kernels - constants) | results
     contents = (ROOT / "docs" / "api" / "README.md").read_text()
-    assert [name for name in deformable.__all__ if f"`{name}`" not in contents] == []
+    assert [name for name in ld.__all__ if f"`{name}`" not in contents] == []
 
 
 def test_examples_of_the_api_run(tmp_path):

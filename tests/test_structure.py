@@ -16,7 +16,7 @@ import pytest
 from broken_places import with_switches
 
 ROOT = Path(__file__).parents[1]
-PACKAGE = ROOT / "python" / "deformable"
+PACKAGE = ROOT / "python" / "lammps_deformable"
 
 # From the top to the bottom: a folder imports from those below it. Folders side by side do not
 # import each other.
@@ -57,15 +57,17 @@ def imports_of(module: str, path: Path, text: str) -> Iterator[str]:
         if isinstance(node, ast.Import):
             found = [alias.name for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
-            base = ["deformable", *folder][: len(folder) + 2 - node.level] if node.level else []
+            base = (
+                ["lammps_deformable", *folder][: len(folder) + 2 - node.level] if node.level else []
+            )
             source = ".".join([*base, *([node.module] if node.module else [])])
             found = [f"{source}.{alias.name}" for alias in node.names]
         else:
             continue
         for name in found:
-            if not name.startswith("deformable."):
+            if not name.startswith("lammps_deformable."):
                 continue
-            target = name.removeprefix("deformable.")
+            target = name.removeprefix("lammps_deformable.")
             while target and target not in SOURCES and target not in BELOW_ALL:
                 target = target.rpartition(".")[0]  # a name within the module
             yield target
@@ -131,7 +133,7 @@ def test_imports_have_no_circle() -> None:
     [
         ("model.packing", "from ..state.state import State"),
         ("model.packing", "def f():\n    from ..engine import lammps"),
-        ("io.store", "import deformable.runs.record"),
+        ("io.store", "import lammps_deformable.runs.record"),
         ("studies.comparison", "from ..runs.resume import resume"),
         ("common.errors", "from .. import Simulation"),
     ],

@@ -5,7 +5,7 @@ import re
 import warnings
 from pathlib import Path
 
-import deformable
+import lammps_deformable as ld
 import networkx
 import numpy as np
 import pytest
@@ -35,14 +35,14 @@ def test_there_are_twenty() -> None:
 def names(tmp_path_factory: pytest.TempPathFactory) -> dict[str, object]:
     """What the text above the table begins with, in a folder of its own."""
     folder = tmp_path_factory.mktemp("tasks")
-    jammed = deformable.jam(deformable.bidisperse(16, seed=1)).at(0.87)
+    jammed = ld.jam(ld.bidisperse(16, seed=1)).at(0.87)
     jammed.to_file(folder / "start.dump")
-    with deformable.Simulation(jammed, deformable.Ring()) as sim:
+    with ld.Simulation(jammed, ld.Ring()) as sim:
         state = sim.relax()
-        list(deformable.record(deformable.shear(sim, strain=0.02, steps=1), folder / "run"))
-    run = deformable.Run(folder / "run")
+        list(ld.record(ld.shear(sim, strain=0.02, steps=1), folder / "run"))
+    run = ld.Run(folder / "run")
     given = {"folder": folder, "jammed": jammed, "state": state, "run": run}
-    public = {name: getattr(deformable, name) for name in deformable.__all__}
+    public = {name: getattr(ld, name) for name in ld.__all__}
     return {**public, "networkx": networkx, "numpy": np, "math": math, **given}
 
 
@@ -53,8 +53,8 @@ def test_task(
     """Each call in turn."""
     monkeypatch.chdir(names["folder"])
     space = dict(names)
-    with deformable.Simulation(names["state"], deformable.Ring()) as space["sim"]:
+    with ld.Simulation(names["state"], ld.Ring()) as space["sim"]:
         for call in map(smaller, re.findall(r"`([^`]+)`", calls)):
             with warnings.catch_warnings():
-                warnings.simplefilter("ignore", deformable.UnjammedWarning)
+                warnings.simplefilter("ignore", ld.UnjammedWarning)
                 exec(call, space)

@@ -108,7 +108,9 @@ def test_the_wheel_in_a_new_environment_without_a_compiler(dist, pythons, tmp_pa
     (wheel,) = dist.glob("*.whl")
     run("python", "-m", "pip", "install", "--quiet", "--only-binary", ":all:", str(wheel))
     version = "{}.{}".format(*pythons[1])
-    code = "import deformable, sys; print(*sys.version_info[:2], sep='.'); print(deformable.core)"
+    code = (
+        "import lammps_deformable as ld, sys; print(*sys.version_info[:2], sep='.'); print(ld.core)"
+    )
     first, module = run("python", "-c", code).splitlines()
     assert first == version
     assert ("abi3" in module) == (pythons[0] >= STABLE)

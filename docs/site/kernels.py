@@ -20,10 +20,10 @@ def parse(function: griffe.Function) -> list[griffe.DocstringSection]:
 
 
 class Kernels(griffe.Extension):
-    """What griffe reads from `deformable.core`, with the arguments of its functions."""
+    """What griffe reads from `lammps_deformable.core`, with the arguments of its functions."""
 
     def on_package(self, *, pkg: griffe.Module, **_: Any) -> None:
-        if pkg.name != "deformable":
+        if pkg.name != "lammps_deformable":
             return
         core = pkg["core"]
         stub = core.filepath.parent / "core.pyi"

@@ -1,6 +1,6 @@
 """Cells that hold together: a strip of them rounds up, and two droplets are pulled apart."""
 
-import deformable
+import lammps_deformable as ld
 import matplotlib.pyplot as plt
 import numpy as np
 from scipy.sparse import coo_array
@@ -18,12 +18,12 @@ PULL = 0.002  # steps of their distance
 
 def cell(adhesion):
     """Resists changes of its area, and has a tension of 1."""
-    return deformable.Ring(kA=20.0, kP=0.0, tension=1.0, contact="curved", adhesion=adhesion)
+    return ld.Ring(kA=20.0, kP=0.0, tension=1.0, contact="curved", adhesion=adhesion)
 
 
 def droplet(adhesion):
     """Conserves its area, and has a tension of 1."""
-    return deformable.Ring(kA=np.inf, kP=0.0, tension=1.0, contact="curved", adhesion=adhesion)
+    return ld.Ring(kA=np.inf, kP=0.0, tension=1.0, contact="curved", adhesion=adhesion)
 
 
 def strip():
@@ -31,7 +31,7 @@ def strip():
     row, column = (each.ravel() for each in np.mgrid[:ROWS, :COLUMNS])
     place = 0.99 * np.column_stack([column + 0.5 * (row % 2), row * np.sqrt(0.75)])
     place += 1.5 * COLUMNS - place.mean(axis=0)
-    return deformable.Packing(place, np.zeros(len(place)), [0.5], 3.0 * COLUMNS * np.eye(2))
+    return ld.Packing(place, np.zeros(len(place)), [0.5], 3.0 * COLUMNS * np.eye(2))
 
 
 def aggregate(state):
@@ -51,18 +51,18 @@ def axes_ratio(state):
 
 def round_up(seed):
     """The strip at rest, and the states of its motion in a heat bath."""
-    with deformable.Simulation(strip(), cell(ADHESION)) as sim:
+    with ld.Simulation(strip(), cell(ADHESION)) as sim:
         first = sim.relax()
         bath = {"temperature": TEMPERATURE, "friction": FRICTION, "seed": seed}
         yield first
-        yield from deformable.move(sim, ROUNDS * STEPS, TIMESTEP, every=STEPS, **bath)
+        yield from ld.move(sim, ROUNDS * STEPS, TIMESTEP, every=STEPS, **bath)
 
 
 def pull(adhesion):
     """Distance and force of two droplets of radius 1, in steps from rest until they let go."""
-    two = deformable.Packing([[9, 10], [10.99, 10]], [0, 0], [1.0], 20 * np.eye(2))
+    two = ld.Packing([[9, 10], [10.99, 10]], [0, 0], [1.0], 20 * np.eye(2))
     rows = []
-    with deformable.Simulation(two, droplet(adhesion)) as sim:
+    with ld.Simulation(two, droplet(adhesion)) as sim:
         state = sim.relax()
         while state.contact_table["attached"].any():
             one = state.contact_table[0]

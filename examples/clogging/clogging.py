@@ -3,7 +3,7 @@
 Under mpiexec the ranks share the trials: mpiexec -n 4 python -m mpi4py clogging.py
 """
 
-import deformable
+import lammps_deformable as ld
 import matplotlib.pyplot as plt
 import numpy as np
 from mpi4py import MPI
@@ -13,7 +13,7 @@ WEIGHTS = (0.01, 0.03, 0.1)  # of a droplet, over its line tension: heavy drople
 WIDTHS = (0.8, 1.0, 1.2, 1.4, 1.6, 1.8, 2.0)  # of the slit, over the mean diameter
 SEEDS = 12  # trials of each width and weight
 NUMBER = 80  # droplets, with diameters of 1 +- 0.1
-DROPLET = deformable.Ring(kA=np.inf, kP=0.0, tension=1.0, reach=1.0)  # conserves its area
+DROPLET = ld.Ring(kA=np.inf, kP=0.0, tension=1.0, reach=1.0)  # conserves its area
 DRAG = 0.3
 SPACE, SLIT = 10.0, 4.0  # inner width of the hopper, height of the slit above the floor
 
@@ -27,12 +27,12 @@ def filled(width, seed):
     place = np.column_stack([1.0 + distance * column, SLIT + arm + 1.0 + distance * row])
     left = np.array([[0.0, SLIT - 1.0], [arm, SLIT], [0.0, SLIT + arm]])
     walls = [
-        *deformable.rectangle(SPACE, place[:, 1].max() + 2.0),
-        deformable.Polygon(left),
-        deformable.Polygon([SPACE, 0.0] + [-1.0, 1.0] * left),
+        *ld.rectangle(SPACE, place[:, 1].max() + 2.0),
+        ld.Polygon(left),
+        ld.Polygon([SPACE, 0.0] + [-1.0, 1.0] * left),
     ]
     radius = rng.uniform(0.45, 0.55, NUMBER)
-    return deformable.Packing(
+    return ld.Packing(
         place + rng.uniform(-0.02, 0.02, (NUMBER, 2)),
         np.zeros(NUMBER),
         [0.55],
@@ -72,7 +72,7 @@ def discharge(sim, weight):
 
 def trial(width, weight, seed):
     """Number of droplets that have passed, and whether the slit is clogged."""
-    with deformable.Simulation(filled(width, seed), DROPLET) as sim:
+    with ld.Simulation(filled(width, seed), DROPLET) as sim:
         return discharge(sim, weight)
 
 
@@ -103,7 +103,7 @@ def fitted_with_error(clogged):
 
 def clogged_state(width, weight, seed):
     """The end of a trial, on this rank alone."""
-    with deformable.Simulation(filled(width, seed), DROPLET, MPI.COMM_SELF) as sim:
+    with ld.Simulation(filled(width, seed), DROPLET, MPI.COMM_SELF) as sim:
         discharge(sim, weight)
         return sim.state()
 
@@ -140,7 +140,7 @@ def picture(passed, clogged, fits):
 
 if __name__ == "__main__":
     cases = [(w, weight, seed) for weight in WEIGHTS for w in WIDTHS for seed in range(SEEDS)]
-    found = np.array(deformable.parallel_map(trial, cases))
+    found = np.array(ld.parallel_map(trial, cases))
     passed, clogged = found.T.reshape(2, len(WEIGHTS), len(WIDTHS), SEEDS)
     if MPI.COMM_WORLD.rank == 0:
         fits = []

@@ -10,7 +10,7 @@ import argparse
 import json
 from dataclasses import asdict, dataclass
 
-import deformable
+import lammps_deformable as ld
 import matplotlib.pyplot as plt
 import numpy as np
 from mpi4py import MPI
@@ -21,7 +21,7 @@ SEEDS = 3  # runs of each opening
 GRAINS = 120  # that leave in a run, after half of so many
 ROWS = 18  # of grains: the height of the filling
 HEIGHTS = (27,)  # of other fillings, for the opening of 6
-DROPLET = deformable.Ring(kA=np.inf, kP=0.0, tension=1.0, reach=1.0)  # conserves its area
+DROPLET = ld.Ring(kA=np.inf, kP=0.0, tension=1.0, reach=1.0)  # conserves its area
 CONTACT = {"kt": 2.0, "gt": 0.3, "damp": 0.5}
 WIDTH, COLUMNS = 20.0, 18
 RATES = (3, 5, 10, 20)  # on the axis of the picture
@@ -75,13 +75,13 @@ def filled(opening, rows, seed):
     column, row = np.arange(number) % COLUMNS, np.arange(number) // COLUMNS
     place = np.column_stack([WIDTH / COLUMNS * (column + row % 2 / 2), 1.65 + 0.98 * row])
     floor = [[-half, 1.0], [0.6 - half, 0.4], [half - 0.6, 0.4], [half, 1.0]]
-    return deformable.Packing(
+    return ld.Packing(
         place + rng.uniform(-0.02, 0.02, place.shape),
         np.zeros(number),
         [0.55],
         [[WIDTH, 0.0], [0.5 * WIDTH, 1.65 + 0.98 * rows]],
         rng.uniform(0.45, 0.55, number),
-        [deformable.Polygon(floor)],
+        [ld.Polygon(floor)],
     )
 
 
@@ -131,9 +131,9 @@ class Flow:
 
 def silo(case, opening, rows, seed):
     """A simulation of the filled silo."""
-    friction = deformable.Friction(case.mu, **CONTACT)
+    friction = ld.Friction(case.mu, **CONTACT)
     packing = filled(opening, rows, seed)
-    return deformable.Simulation(packing, DROPLET, MPI.COMM_SELF, friction=friction)
+    return ld.Simulation(packing, DROPLET, MPI.COMM_SELF, friction=friction)
 
 
 def flow(case, opening, rows, seed, grains=GRAINS):
@@ -270,7 +270,7 @@ def planned(quick):
 def main(quick):
     scenes, seeds, grains = planned(quick), 2 if quick else SEEDS, 20 if quick else GRAINS
     calls = [(*each, seed, grains) for each in scenes for seed in range(1, seeds + 1)]
-    found = deformable.parallel_map(flow, calls, keep=None if quick else "discharge")
+    found = ld.parallel_map(flow, calls, keep=None if quick else "discharge")
     if MPI.COMM_WORLD.rank == 0:
         data = []
         for n, (case, opening, rows) in enumerate(scenes):

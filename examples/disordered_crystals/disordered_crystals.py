@@ -12,7 +12,7 @@ import time
 import warnings
 from dataclasses import replace
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import results
 
@@ -20,9 +20,9 @@ import results
 # their perimeter, or may stretch. Droplets keep their area, and have the line tension 1.
 LAWS = {
     "disks": None,
-    "rings": deformable.Ring(kA=1.0, contact="curved"),
-    "soft rings": deformable.Ring(kA=1.0, kP=0.1, contact="curved"),
-    "droplets": deformable.Ring(kA=math.inf, kP=0.0, tension=1.0, contact="curved"),
+    "rings": ld.Ring(kA=1.0, contact="curved"),
+    "soft rings": ld.Ring(kA=1.0, kP=0.1, contact="curved"),
+    "droplets": ld.Ring(kA=math.inf, kP=0.0, tension=1.0, contact="curved"),
 }
 
 # The spread eta of the sizes goes up, and then down.
@@ -66,7 +66,7 @@ FULL = {
 
 def crystal(number, phi):
     side = math.isqrt(number)
-    return deformable.triangular(side, side, radius=1.0, phi=phi)
+    return ld.triangular(side, side, radius=1.0, phi=phi)
 
 
 def sizes(number, seed):
@@ -82,7 +82,7 @@ def spread(packing, u, eta):
 
 
 def simulation(packing, law):
-    return deformable.Disks(packing) if law is None else deformable.Simulation(packing, law)
+    return ld.Disks(packing) if law is None else ld.Simulation(packing, law)
 
 
 def relaxed(packing, law):
@@ -94,7 +94,7 @@ def relaxed_at(packing, u, eta, to, law):
     """At another spread than eta; by half of the step first where it leaves a particle no room."""
     try:
         return relaxed(spread(packing, u, to), law)
-    except deformable.LammpsError:
+    except ld.LammpsError:
         if abs(to - eta) < 1e-3:
             raise
     middle = 0.5 * (eta + to)
@@ -153,7 +153,7 @@ def measure(state, stiffness):
         try:
             moduli = state.elastic_moduli()
             row |= {"G": moduli.mean_shear_modulus, "K": moduli.bulk_modulus}
-        except deformable.ParameterError:  # a motion has no stiffness
+        except ld.ParameterError:  # a motion has no stiffness
             pass
     return row
 
@@ -168,7 +168,7 @@ def columns(rows):
 
 def ramp(law, number, phi, seed):
     """The sizes of a crystal spread, and become equal again."""
-    warnings.simplefilter("ignore", deformable.BeyondModelWarning)  # `beyond` counts
+    warnings.simplefilter("ignore", ld.BeyondModelWarning)  # `beyond` counts
     start, u, packing = time.process_time(), sizes(number, seed), crystal(number, phi)
     found = {"law": law, "number": number, "phi": phi, "seed": seed}
     linear = mean_square(linear_response(packing, LAWS[law], u), packing)
@@ -193,7 +193,7 @@ def ramp(law, number, phi, seed):
 
 def compression(law, number, eta, seed):
     """A crystal with spread sizes, compressed and expanded again."""
-    warnings.simplefilter("ignore", deformable.BeyondModelWarning)
+    warnings.simplefilter("ignore", ld.BeyondModelWarning)
     start, u, packing = time.process_time(), sizes(number, seed), crystal(number, PHIS[0])
     for step in np.arange(1, round(20 * eta)) / 20:
         packing = relaxed(spread(packing, u, step), LAWS[law]).packing
@@ -230,9 +230,7 @@ if __name__ == "__main__":
     plan, name = (FULL, "full") if given.full else (QUICK, "quick")
     # each ramp is kept as soon as it is measured: an interrupted run goes on from there
     data = {
-        kind: deformable.parallel_map(
-            function, plan[kind], given.workers, kind, keep=f"{name}_kept"
-        )
+        kind: ld.parallel_map(function, plan[kind], given.workers, kind, keep=f"{name}_kept")
         for kind, function in (
             ("ramps", ramp),
             ("compressions", compression),

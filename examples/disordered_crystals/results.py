@@ -10,7 +10,7 @@ import json
 import math
 from pathlib import Path
 
-import deformable
+import lammps_deformable as ld
 import matplotlib.pyplot as plt
 import numpy as np
 
@@ -67,7 +67,7 @@ def mean(values):
     """Mean and standard error of numbers, one of each packing; both nan if one is not known."""
     if len(values) < 2:
         return float(np.mean(values)), math.nan
-    found, error = deformable.jackknife(np.mean, list(values))
+    found, error = ld.jackknife(np.mean, list(values))
     return float(found), float(error)
 
 
@@ -97,7 +97,7 @@ def power(ramps, name):
         values = column(some, name).mean(axis=0)
         return np.polyfit(np.log(eta[kept]), np.log(np.abs(values - values[0])[kept]), 1)[0]
 
-    return deformable.jackknife(slope, ramps) if len(ramps) > 1 else (slope(ramps), math.nan)
+    return ld.jackknife(slope, ramps) if len(ramps) > 1 else (slope(ramps), math.nan)
 
 
 def small_table(data):
@@ -257,7 +257,7 @@ def draw_packing(ax, folder, eta):
     if not folder.exists():
         ax.set_axis_off()
         return
-    with deformable.Run(folder).simulation() as sim:
+    with ld.Run(folder).simulation() as sim:
         state = sim.state()
     order = np.abs(state.hexatic())
     state.plot(ax, title=rf"droplets, $\eta$ = {eta:g}, mean $|\psi_6|$ {order.mean():.2f}")

@@ -1,22 +1,22 @@
 """Compress a packing in a round container with pillars: the pressure, and the force on a pillar."""
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 
 walls = [
-    deformable.Circle((0, 0), 10),  # walls[0]: the container
-    deformable.Disk((4, 0), 1.5),
-    deformable.Polygon([(-5, -5), (-2, -5), (-2, -2), (-5, -2)]),
-    deformable.Segment((-4, 2), (-4, 6)),
+    ld.Circle((0, 0), 10),  # walls[0]: the container
+    ld.Disk((4, 0), 1.5),
+    ld.Polygon([(-5, -5), (-2, -5), (-2, -2), (-5, -2)]),
+    ld.Segment((-4, 2), (-4, 6)),
 ]
-loose = deformable.bidisperse(150, radii=(0.5, 0.7), seed=1).between(walls)
+loose = ld.bidisperse(150, radii=(0.5, 0.7), seed=1).between(walls)
 print(f"the container has phi = {loose.phi:.4f}")
-jammed = deformable.jam(loose)
+jammed = ld.jam(loose)
 print(f"jammed at phi = {jammed.phi:.5f}")
 
-sim = deformable.Simulation(jammed, deformable.Ring(kA=1.0))
-steps = deformable.compress(sim, strain=0.03, steps=6, tolerance=1e-4)
-for state in deformable.record(steps, "run", overwrite=True):
+sim = ld.Simulation(jammed, ld.Ring(kA=1.0))
+steps = ld.compress(sim, strain=0.03, steps=6, tolerance=1e-4)
+for state in ld.record(steps, "run", overwrite=True):
     on_disk = np.linalg.norm(state.wall_forces[1])
     print(f"phi {state.phi:.4f}  pressure {state.pressure:.3e}  on the disk {on_disk:.2e}")
 

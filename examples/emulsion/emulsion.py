@@ -6,12 +6,12 @@ python emulsion.py
 import json
 import math
 
-import deformable
+import lammps_deformable as ld
 import matplotlib.pyplot as plt
 import numpy as np
 
 # Droplets keep their area and have a line tension of 1; films between them curve as pressures say.
-DROPLETS = deformable.Ring(kA=math.inf, kP=0.0, tension=1.0, contact="curved")
+DROPLETS = ld.Ring(kA=math.inf, kP=0.0, tension=1.0, contact="curved")
 RADII = (0.5, 0.7)
 UNIT = 1.0 / np.mean(RADII)  # of pressures and moduli: tension/R0, with R0 the mean radius
 
@@ -23,12 +23,12 @@ HEADS = ("phi", "pressure", "coordination", "shear modulus", "bulk modulus", "sh
 
 def measure(seed):
     """A packing from its onset to the last phi: phi_J, and a row for each phi."""
-    loose = deformable.bidisperse(NUMBER, radii=RADII, seed=seed)
-    jammed = deformable.jam(loose, DROPLETS, tolerance=1e-6)  # 1e-6 above the onset
+    loose = ld.bidisperse(NUMBER, radii=RADII, seed=seed)
+    jammed = ld.jam(loose, DROPLETS, tolerance=1e-6)  # 1e-6 above the onset
     rows = []
-    with deformable.Simulation(jammed, DROPLETS) as sim:
+    with ld.Simulation(jammed, DROPLETS) as sim:
         for phi in PHI:
-            (state,) = deformable.compress(sim, phi=phi, steps=1)
+            (state,) = ld.compress(sim, phi=phi, steps=1)
             moduli = state.elastic_moduli()
             shear, bulk = moduli.mean_shear_modulus / UNIT, moduli.bulk_modulus / UNIT
             shape = float(state.shape_parameter.mean())
@@ -41,12 +41,12 @@ def measure(seed):
 def means(packings):
     """Means over the packings and their errors, each of shape (phi, quantities)."""
     rows = [packing["rows"] for packing in packings]
-    return deformable.jackknife(lambda some: np.mean(some, axis=0), rows)
+    return ld.jackknife(lambda some: np.mean(some, axis=0), rows)
 
 
 def table(packings):
     """phi_J, and the lines of the table, with errors of the last digits."""
-    onset, error = deformable.jackknife(np.mean, [packing["phi_J"] for packing in packings])
+    onset, error = ld.jackknife(np.mean, [packing["phi_J"] for packing in packings])
     yield f"phi_J = {with_error(onset, error)}, {len(packings)} packings of {NUMBER} droplets"
     yield "| " + " | ".join(HEADS) + " |"
     yield "|" + "---|" * len(HEADS)
@@ -73,7 +73,7 @@ def princen(phi):
 def draw(packings, file):
     """A packing, and pressure, contacts and moduli over phi."""
     figure, ((one, two), (three, four)) = plt.subplots(2, 2, figsize=(9, 7.6), layout="constrained")
-    with deformable.Run("packing").simulation() as sim:
+    with ld.Run("packing").simulation() as sim:
         sim.state().plot(one)
     (pressure, z, shear, bulk, _), errors = (each.T for each in means(packings))
     dense = np.linspace(0.907, 0.992, 200)[1:]
@@ -95,7 +95,7 @@ def draw(packings, file):
 
 
 if __name__ == "__main__":
-    packings = deformable.parallel_map(measure, [(seed,) for seed in SEEDS])
+    packings = ld.parallel_map(measure, [(seed,) for seed in SEEDS])
     with open("emulsion.json", "w") as file:
         json.dump(packings, file, separators=(",", ":"))
     print(*table(packings), sep="\n")

@@ -11,7 +11,7 @@ import math
 import time
 from pathlib import Path
 
-import deformable
+import lammps_deformable as ld
 import matplotlib.pyplot as plt
 import numpy as np
 from scipy.stats import lognorm
@@ -32,20 +32,20 @@ HEADS = (*HEADS, "bulk modulus", "z - z_iso", "mean load", "largest load")
 def measure(kind, number, seed):
     """phi_J of a packing of spheres, and a row for each phi; moduli in units of tension/R32."""
     if kind == "polydisperse":
-        start = deformable.polydisperse(number, lognorm(WIDTH), dimension=3, seed=seed)
+        start = ld.polydisperse(number, lognorm(WIDTH), dimension=3, seed=seed)
     else:
-        start = deformable.bidisperse(number, radii=RADII, dimension=3, seed=seed)
-    jammed = deformable.jam(start)
+        start = ld.bidisperse(number, radii=RADII, dimension=3, seed=seed)
+    jammed = ld.jam(start)
     unit = np.sum(jammed.radius**2) / np.sum(jammed.radius**3)
     rows = []
-    with deformable.Simulation(jammed, deformable.Droplet(tension=1.0)) as sim:
+    with ld.Simulation(jammed, ld.Droplet(tension=1.0)) as sim:
         for phi in [*(jammed.phi + above for above in ABOVE), *PHI]:
             begun, step = time.process_time(), sim.lmp.extract_global("ntimestep")
-            (state,) = deformable.compress(sim, phi=phi, steps=1)
+            (state,) = ld.compress(sim, phi=phi, steps=1)
             taken = time.process_time() - begun, sim.lmp.extract_global("ntimestep") - step
             row = row_of(state, unit) | dict(zip(("seconds", "steps"), taken, strict=True))
             if seed == 1 and phi in FINITE:
-                row["sheared"] = deformable.shear_modulus(state, STRAIN).value / unit
+                row["sheared"] = ld.shear_modulus(state, STRAIN).value / unit
             rows.append(row)
     width = float(jammed.radius.std() / jammed.radius.mean())
     return {"kind": kind, "seed": seed, "width": width, "phi_J": jammed.phi, "rows": rows}
@@ -90,13 +90,13 @@ def of_kind(packings, kind):
 
 def means(packings, kind):
     """Means over the packings and their errors, by name, each of one number for each phi."""
-    values, errors = deformable.jackknife(lambda some: np.mean(some, 0), of_kind(packings, kind))
+    values, errors = ld.jackknife(lambda some: np.mean(some, 0), of_kind(packings, kind))
     return dict(zip(NAMES, values.T, strict=True)), dict(zip(NAMES, errors.T, strict=True))
 
 
 def onset(packings, kind):
     """phi_J of a kind, and its error."""
-    return deformable.jackknife(np.mean, [p["phi_J"] for p in packings if p["kind"] == kind])
+    return ld.jackknife(np.mean, [p["phi_J"] for p in packings if p["kind"] == kind])
 
 
 def exponent(packings, kind, name, rows):
@@ -107,7 +107,7 @@ def exponent(packings, kind, name, rows):
         mean = np.mean(some, axis=0)[rows]
         return np.polyfit(np.log(mean[:, pressure]), np.log(np.abs(mean[:, column])), 1)[0]
 
-    return deformable.jackknife(slope, of_kind(packings, kind))
+    return ld.jackknife(slope, of_kind(packings, kind))
 
 
 def microseconds(packings, number):
@@ -230,7 +230,7 @@ def main():
         packings.append(packing)
         file.write_text(json.dumps(packings))
 
-    deformable.parallel_map(measure, calls, asked.workers, "packings", keep)
+    ld.parallel_map(measure, calls, asked.workers, "packings", keep)
     packings.sort(key=lambda one: (one["seed"], one["kind"]))
     print(*lines(packings, asked.number), sep="\n")
     draw(packings, file.with_suffix(".png"))

@@ -10,7 +10,7 @@ import argparse
 import json
 from pathlib import Path
 
-import deformable
+import lammps_deformable as ld
 import matplotlib.pyplot as plt
 import numpy as np
 from emulsion_3d import KINDS, RADII, height, means, onset, with_error
@@ -25,17 +25,15 @@ HEADS = ("height", "weight below", "phi", "phi by the measured pressure", "stres
 def column(number, seed):
     """Droplets at rest below the ceiling; a row for each slab, see `slabs`."""
     width = WIDTH * (number / 512) ** (1 / 3)
-    loose = deformable.bidisperse(number, phi=0.5, radii=RADII, dimension=3, seed=seed)
+    loose = ld.bidisperse(number, phi=0.5, radii=RADII, dimension=3, seed=seed)
     tall = loose.volume / width**2
-    start = deformable.bidisperse(
-        number, phi=0.5, radii=RADII, aspect=tall / width, dimension=3, seed=seed
-    )
-    floor = deformable.Plane((0, 0, 0), (0, 0, 1))
-    ceiling = deformable.Plane((0, 0, tall), (0, 0, -1))
-    start = deformable.push_off(start.between([floor, ceiling]))
+    start = ld.bidisperse(number, phi=0.5, radii=RADII, aspect=tall / width, dimension=3, seed=seed)
+    floor = ld.Plane((0, 0, 0), (0, 0, 1))
+    ceiling = ld.Plane((0, 0, tall), (0, 0, -1))
+    start = ld.push_off(start.between([floor, ceiling]))
     r32 = np.sum(start.radius**3) / np.sum(start.radius**2)
     weight = HIGHEST / r32 * width**2 / (0.5 * start.volume)  # of a unit of volume
-    with deformable.Simulation(start, deformable.Droplet(tension=1.0)) as sim:
+    with ld.Simulation(start, ld.Droplet(tension=1.0)) as sim:
         for species, radius in enumerate(RADII, start=1):
             up = weight * 4.0 / 3.0 * np.pi * radius**3
             sim.lmp.command(f"group size{species} type {species}")
@@ -83,7 +81,7 @@ def expected(pressure, packings):
 def profile(columns):
     """Means over the columns and their errors, each of shape (quantities, slabs)."""
     rows = [np.transpose(one["rows"]) for one in columns]
-    return deformable.jackknife(lambda some: np.mean(some, axis=0), rows)
+    return ld.jackknife(lambda some: np.mean(some, axis=0), rows)
 
 
 def table(columns, packings):
@@ -126,7 +124,7 @@ def main():
         columns.append(one)
         file.write_text(json.dumps(columns))
 
-    deformable.parallel_map(column, calls, asked.workers, "columns", keep)
+    ld.parallel_map(column, calls, asked.workers, "columns", keep)
     columns.sort(key=lambda one: one["seed"])
     print(*table(columns, packings), sep="\n")
     draw(columns, packings, file.with_suffix(".png"))

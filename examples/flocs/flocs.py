@@ -3,7 +3,7 @@
 How much sticks for each adhesion, and the angles at which droplets meet, off their outlines.
 """
 
-import deformable
+import lammps_deformable as ld
 import matplotlib.pyplot as plt
 import numpy as np
 from scipy.sparse import coo_array
@@ -19,17 +19,17 @@ TEMPERATURE, FRICTION = 0.02, 0.3
 
 def droplet(adhesion):
     """Conserves its area, and has a tension of 1."""
-    return deformable.Ring(kA=np.inf, kP=0.0, tension=1.0, contact="curved", adhesion=adhesion)
+    return ld.Ring(kA=np.inf, kP=0.0, tension=1.0, contact="curved", adhesion=adhesion)
 
 
 def free_droplets(seed):
     """At random positions, where they do not touch."""
     radius = np.random.default_rng(seed).uniform(0.45, 0.55, NUMBER)
-    start = deformable.bidisperse(NUMBER, phi=PHI, seed=seed)
+    start = ld.bidisperse(NUMBER, phi=PHI, seed=seed)
     box = start.box * np.sqrt(np.pi * np.sum(radius**2) / PHI / np.linalg.det(start.box))
     place = start.positions @ np.linalg.solve(start.box, box)
     species = np.zeros(NUMBER, int)
-    return deformable.push_off(deformable.Packing(place, species, [0.55], box, radius))
+    return ld.push_off(ld.Packing(place, species, [0.55], box, radius))
 
 
 def films_of(state):
@@ -46,8 +46,8 @@ def floc_sizes(state):
 
 def binding_energy(adhesion):
     """Of two droplets of the mean radius, to their state at rest."""
-    two = deformable.Packing([[0, 0], [0.99, 0]], [0, 0], [0.5], 4 * np.eye(2))
-    with deformable.Simulation(two, droplet(adhesion)) as sim:
+    two = ld.Packing([[0, 0], [0.99, 0]], [0, 0], [0.5], 4 * np.eye(2))
+    with ld.Simulation(two, droplet(adhesion)) as sim:
         return -sim.relax().energy
 
 
@@ -98,9 +98,9 @@ def measured_angles(state, theta):
 
 def flocculate(adhesion, seed=1):
     """The states of a motion in the bath, and the last one relaxed."""
-    with deformable.Simulation(free_droplets(seed), droplet(adhesion)) as sim:
+    with ld.Simulation(free_droplets(seed), droplet(adhesion)) as sim:
         states = list(
-            deformable.move(
+            ld.move(
                 sim,
                 STEPS,
                 timestep=TIMESTEP,

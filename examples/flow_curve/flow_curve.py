@@ -8,14 +8,14 @@ import argparse
 import json
 import math
 
-import deformable
+import lammps_deformable as ld
 import matplotlib.pyplot as plt
 import numpy as np
 from scipy.optimize import curve_fit
 
 # Droplets keep their area and have a line tension of 1. Stresses are given in units of tension/R0,
 # rates in units of tension/(drag R0), with the mean radius R0.
-DROPLETS = deformable.Ring(kA=math.inf, kP=0.0, tension=1.0)
+DROPLETS = ld.Ring(kA=math.inf, kP=0.0, tension=1.0)
 RADII, PHI, DRAG = (0.5, 0.7), 0.90, 5.0
 R0 = np.mean(RADII)
 
@@ -28,16 +28,16 @@ STEP = 0.01  # strain between states
 
 def prepare(number):
     """A packing at rest, saved in a folder."""
-    jammed = deformable.jam(deformable.bidisperse(number, radii=RADII, seed=1), DROPLETS, 1e-4)
-    with deformable.Simulation(jammed.at(PHI), DROPLETS) as sim:
+    jammed = ld.jam(ld.bidisperse(number, radii=RADII, seed=1), DROPLETS, 1e-4)
+    with ld.Simulation(jammed.at(PHI), DROPLETS) as sim:
         sim.relax(1e-4).save("start", overwrite=True)
 
 
 def flow(rate, strain):
     """Strain, stress and pressure of an emulsion that flows, or in relaxed steps at the rate 0."""
-    with deformable.Run("start").simulation() as sim:
+    with ld.Run("start").simulation() as sim:
         how = {"rate": rate, "friction": DRAG} if rate else {"tolerance": 1e-4}
-        states = deformable.shear(sim, strain, round(strain / STEP), **how)
+        states = ld.shear(sim, strain, round(strain / STEP), **how)
         rows = [(state.strain, state.shear_stress, state.pressure) for state in states]
     return np.transpose(rows)
 
@@ -122,7 +122,7 @@ if __name__ == "__main__":
     longer = [min(math.sqrt(rate / RATES[0]), LONGER) for rate in RATES]
     calls = [(rate, given.strain * more) for rate, more in zip(RATES, longer, strict=True)]
     calls.append((0.0, given.strain))
-    found = deformable.parallel_map(flow, calls)
+    found = ld.parallel_map(flow, calls)
     runs = [
         {"rate": rate, "blocks": blocks(*curve[:2])}
         for (rate, _), curve in zip(calls, found, strict=True)

@@ -3,7 +3,7 @@
 Bubbles are relaxed, exchange gas for a short time, and so on: diffusion is slow against relaxation.
 """
 
-import deformable
+import lammps_deformable as ld
 import matplotlib.pyplot as plt
 import numpy as np
 from scipy import stats
@@ -11,7 +11,7 @@ from scipy import stats
 NUMBER = 400  # bubbles at the start
 LAST = 80  # and at the end
 PHI = 0.90  # their packing fraction: a tenth of the area is liquid
-BUBBLE = deformable.Ring(kA=300.0, kP=0.0, tension=1.0, reach=1.0)  # gas behind a surface
+BUBBLE = ld.Ring(kA=300.0, kP=0.0, tension=1.0, reach=1.0)  # gas behind a surface
 FILM, BORDER = 1.0, 0.1  # permeabilities of films and of the liquid around bubbles
 STEP = 0.03  # time step, over the mean area of a bubble
 SMALLEST = 0.04  # a bubble vanishes at this part of the mean area
@@ -47,7 +47,7 @@ def coarsen(sim, state):
         left = after > SMALLEST * gas.mean()
         after = after[left] * gas.sum() / after[left].sum()  # others take what is left of the rest
         radius = np.sqrt(after / np.pi)
-        bubbles = deformable.Packing(
+        bubbles = ld.Packing(
             packing.positions[left], packing.species[left], [radius.max()], packing.box, radius
         )
         sim.restart(bubbles)
@@ -65,8 +65,8 @@ def rates(state):
 
 def relaxed(phi, width, number):
     """Bubbles at a packing fraction, with a lognormal distribution of radii of this width."""
-    loose = deformable.polydisperse(number, stats.lognorm(width, scale=0.5), phi=phi, seed=1)
-    sim = deformable.Simulation(deformable.push_off(loose), BUBBLE)
+    loose = ld.polydisperse(number, stats.lognorm(width, scale=0.5), phi=phi, seed=1)
+    sim = ld.Simulation(ld.push_off(loose), BUBBLE)
     return sim, sim.relax(TOLERANCE)
 
 

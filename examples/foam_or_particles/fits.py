@@ -9,9 +9,9 @@ import json
 import math
 import sys
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
-from deformable.studies.ensemble.packings import before_rearrangement
+from lammps_deformable.studies.ensemble.packings import before_rearrangement
 from scipy.optimize import curve_fit
 
 LAWS = ("foam", "foam, wetted", "straight films", "elastic rings", "stiff rings", "disks")
@@ -91,7 +91,7 @@ def fit(packings, shape, window=WINDOW, threshold=0.0):
         z = mean(excess(some, threshold)[:, kept])
         return np.linalg.lstsq(terms / error[:, None], z / error, rcond=None)[0]
 
-    found, errors = deformable.jackknife(coefficients, packings)
+    found, errors = ld.jackknife(coefficients, packings)
     z = mean(excess(packings, threshold)[:, kept])
     chi2 = np.sum(((terms @ found - z) / error) ** 2) / (len(x) - len(found))
     return found, errors, chi2
@@ -107,7 +107,7 @@ def power(packings, window=WINDOW, threshold=0.0):
             return math.nan
         return np.polyfit(np.log(x), np.log(z), 1, w=z / error)[0]
 
-    return deformable.jackknife(slope, packings)
+    return ld.jackknife(slope, packings)
 
 
 def with_error(value, error):
@@ -149,7 +149,7 @@ def laws_table(rows):
         for law in LAWS:
             packings = chosen(rows, law, number)
             if packings:
-                onset = deformable.jackknife(np.mean, [row["phi_J"] for row in packings])
+                onset = ld.jackknife(np.mean, [row["phi_J"] for row in packings])
                 lines.append([law, number, len(packings), with_error(*onset), *of_fits(packings)])
     return table(heads, lines)
 
@@ -227,7 +227,7 @@ def at_equal_phi(packings, shape):
     def coefficients(some):
         return curve_fit(shape, EQUAL[kept], mean(some)[kept], (10.0, 0.83), error)[0]
 
-    found, errors = deformable.jackknife(lambda some: coefficients(np.array(some)), z)
+    found, errors = ld.jackknife(lambda some: coefficients(np.array(some)), z)
     deviation = (shape(EQUAL[kept], *found) - mean(z)[kept]) / error
     return found, errors, np.sum(deviation**2) / (kept.sum() - 2)
 

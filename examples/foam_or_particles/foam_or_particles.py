@@ -11,8 +11,8 @@ import math
 import time
 import warnings
 
-import deformable
 import fits
+import lammps_deformable as ld
 import numpy as np
 import picture
 
@@ -24,10 +24,10 @@ KP = R0**2  # the stiffness of the perimeter of elastic rings: as that of the ar
 # Each law with its unit of pressure. All of them start from the same jammed disks: at their onset
 # particles are round, so that all laws have the same contacts there.
 LAWS = {
-    "foam": (deformable.Ring(**DROPLETS, contact="curved"), 1.0 / R0),
-    "straight films": (deformable.Ring(**DROPLETS, contact="balanced"), 1.0 / R0),
-    "elastic rings": (deformable.Ring(kA=1.0, kP=KP, contact="curved"), 0.5 * KP),
-    "stiff rings": (deformable.Ring(kA=1.0, contact="curved"), R0**2),
+    "foam": (ld.Ring(**DROPLETS, contact="curved"), 1.0 / R0),
+    "straight films": (ld.Ring(**DROPLETS, contact="balanced"), 1.0 / R0),
+    "elastic rings": (ld.Ring(kA=1.0, kP=KP, contact="curved"), 0.5 * KP),
+    "stiff rings": (ld.Ring(kA=1.0, contact="curved"), R0**2),
     "disks": (None, 1.0),
 }
 WETTED = "foam, wetted"  # from the end of the foam back to its onset
@@ -42,12 +42,12 @@ MOST = 12  # contacts that are counted
 
 def measure(law, number, seed):
     """A packing of a law from its onset to phi = 0.99, and of foam back again."""
-    warnings.simplefilter("ignore", deformable.UnjammedWarning)  # near the onset some rearrange
+    warnings.simplefilter("ignore", ld.UnjammedWarning)  # near the onset some rearrange
     began = time.process_time()
-    loose = deformable.bidisperse(number, radii=RADII, seed=seed)
-    onset = deformable.jam(loose, pressure=ONSET, tolerance=1e-6)
+    loose = ld.bidisperse(number, radii=RADII, seed=seed)
+    onset = ld.jam(loose, pressure=ONSET, tolerance=1e-6)
     particles, unit = LAWS[law]
-    sim = deformable.Simulation(onset, particles) if particles else deformable.Disks(onset)
+    sim = ld.Simulation(onset, particles) if particles else ld.Disks(onset)
     key = {"number": number, "seed": seed}
     with sim:
         states = [row(state, unit) for state in compressed(sim, onset.phi)]
@@ -64,14 +64,14 @@ def measure(law, number, seed):
 def compressed(sim, phi_J):
     near = [phi_J + x for x in NEAR if phi_J + x < DENSE[0]]
     for phi in (*near, *DENSE):
-        (state,) = deformable.compress(sim, phi=phi, steps=1, tolerance=TOLERANCE)
+        (state,) = ld.compress(sim, phi=phi, steps=1, tolerance=TOLERANCE)
         yield state
 
 
 def decompressed(sim, unit):
     """Back to the onset, first by phi, then by pressure, which tells how near the onset is."""
     for phi in DENSE[-2::-1]:
-        (state,) = deformable.compress(sim, phi=phi, steps=1, tolerance=TOLERANCE)
+        (state,) = ld.compress(sim, phi=phi, steps=1, tolerance=TOLERANCE)
         yield state
     for pressure in (*PRESSURES, 10.0 * ONSET):
         yield sim.relax(TOLERANCE, pressure=pressure * unit)
@@ -82,7 +82,7 @@ def row(state, unit):
     try:
         moduli = state.elastic_moduli()
         shear, bulk = moduli.mean_shear_modulus / unit, moduli.bulk_modulus / unit
-    except deformable.ParameterError:  # it resists no strain
+    except ld.ParameterError:  # it resists no strain
         shear = bulk = math.nan
     rigid = state.coordination > 0.0
     return {
@@ -129,7 +129,7 @@ def main():
     # seed by seed: an interrupted run has some packings of all laws
     calls = [(law, given.number, seed + 1) for seed in range(given.seeds) for law in given.laws]
     # each packing is kept as soon as it is measured: the same command goes on after an interruption
-    found = deformable.parallel_map(measure, calls, given.workers, keep=f"{run}_kept")
+    found = ld.parallel_map(measure, calls, given.workers, keep=f"{run}_kept")
     rows = [each for both in found for each in both]
     with open(f"{run}.json", "w") as file:
         file.write(

@@ -14,11 +14,11 @@ import math
 import time
 from pathlib import Path
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import results
-from deformable.state.contact_network import without_rattlers
-from deformable.studies.matching import matching, matching_laws
+from lammps_deformable.state.contact_network import without_rattlers
+from lammps_deformable.studies.matching import matching, matching_laws
 
 NUMBER, LOOSE = 32, 0.65
 PACKINGS = 24  # of rings
@@ -38,7 +38,7 @@ timestep {timestep!r}
 
 
 def model(beads):
-    return deformable.PolygonModel(vertices=beads, radius=0.05, kL=300.0, kA=1.0, kr=30.0)
+    return ld.PolygonModel(vertices=beads, radius=0.05, kL=300.0, kA=1.0, kr=30.0)
 
 
 def bead_friction(polygons, radius):
@@ -48,13 +48,13 @@ def bead_friction(polygons, radius):
 
 
 def loose(seed):
-    return deformable.push_off(deformable.bidisperse(NUMBER, phi=LOOSE, seed=seed))
+    return ld.push_off(ld.bidisperse(NUMBER, phi=LOOSE, seed=seed))
 
 
 def of_beads(beads, seed):
     """Polygons at rest, with the packing fraction of their effective radii."""
     begun, start = time.process_time(), loose(seed)
-    with deformable.PolygonSimulation(matching(start, model(beads)), model(beads)) as sim:
+    with ld.PolygonSimulation(matching(start, model(beads)), model(beads)) as sim:
         polygons = sim.polygons
         mass = float(polygons.number[start.species].mean())
         rate = math.sqrt(PRESSURE / mass)
@@ -93,9 +93,9 @@ def of_rings(mu, beads, seed):
     polygons = model(beads).polygons(matching(start, model(beads)).radii)
     law = matching_laws(model(beads), polygons)["balanced"]
     # about the stiffness k of contacts, and damping of sqrt(k m), at this pressure
-    friction = deformable.Friction(mu, kt=0.01, gt=0.05, damp=0.1)
-    with deformable.Simulation(start, law, friction=friction) as sim:
-        state = deformable.settle(sim, PRESSURE, AT_REST, INERTIAL_NUMBER)
+    friction = ld.Friction(mu, kt=0.01, gt=0.05, damp=0.1)
+    with ld.Simulation(start, law, friction=friction) as sim:
+        state = ld.settle(sim, PRESSURE, AT_REST, INERTIAL_NUMBER)
     return {
         "mu": mu,
         "beads": beads,
@@ -118,13 +118,13 @@ def friction_of(polygons, rings, name):
 
 def with_error(polygons, rings, name):
     """That mu and its error, from leaving out packings of both, one after another."""
-    mu, first = deformable.jackknife(lambda some: friction_of(some, rings, name), polygons)
+    mu, first = ld.jackknife(lambda some: friction_of(some, rings, name), polygons)
     seeds = sorted({row["seed"] for row in rings})
 
     def without(some):
         return friction_of(polygons, [row for row in rings if row["seed"] in some], name)
 
-    return mu, math.hypot(first, deformable.jackknife(without, seeds)[1])
+    return mu, math.hypot(first, ld.jackknife(without, seeds)[1])
 
 
 def main():
@@ -132,9 +132,9 @@ def main():
     parser.add_argument("--workers", type=int, help="processes, all cores if not given")
     workers = parser.parse_args().workers
     calls = list(itertools.product(FRICTION, BEADS, range(1, PACKINGS + 1)))
-    rings = deformable.parallel_map(of_rings, calls, workers, "rings", keep="rings_kept")
+    rings = ld.parallel_map(of_rings, calls, workers, "rings", keep="rings_kept")
     calls = [(beads, seed) for beads, count in BEADS.items() for seed in range(1, count + 1)]
-    polygons = deformable.parallel_map(of_beads, calls, workers, "polygons", keep="beads_kept")
+    polygons = ld.parallel_map(of_beads, calls, workers, "polygons", keep="beads_kept")
     found = {"pressure": PRESSURE, "polygons": polygons, "rings": rings}
     Path("beads.json").write_text(json.dumps(found, indent=1) + "\n")
     results.write_beads(found, with_error)

@@ -10,13 +10,13 @@ import math
 import time
 from pathlib import Path
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import results
 
 # Droplets of radii 1 : 1.4 and mass 1 that keep their area. A contact has the stiffness 2 to 4, so
 # that these springs and dashpots are as stiff, and damp a bounce nearly.
-LAW = deformable.Ring(kA=math.inf, kP=0.0, tension=1.0)
+LAW = ld.Ring(kA=math.inf, kP=0.0, tension=1.0)
 SPRING, DASHPOT, DAMPING = 1.0, 0.5, 1.0
 TIMESTEP = 0.08  # the longest stable one for any contacts of these droplets
 LOOSE = 0.7
@@ -58,14 +58,12 @@ def measure(sim, state, mu):
 def jammed(number, mu, seed, pressures, inertial_number):
     """A loose packing that is compressed to a pressure, and to higher ones from there."""
     begun = time.process_time()
-    friction = deformable.Friction(mu, SPRING, DASHPOT, damp=DAMPING)
-    start = deformable.push_off(deformable.bidisperse(number, phi=LOOSE, seed=seed))
+    friction = ld.Friction(mu, SPRING, DASHPOT, damp=DAMPING)
+    start = ld.push_off(ld.bidisperse(number, phi=LOOSE, seed=seed))
     found = []
-    with deformable.Simulation(start, LAW, friction=friction) as sim:
+    with ld.Simulation(start, LAW, friction=friction) as sim:
         for pressure in pressures:
-            state = deformable.settle(
-                sim, pressure, inertial_number=inertial_number, timestep=TIMESTEP
-            )
+            state = ld.settle(sim, pressure, inertial_number=inertial_number, timestep=TIMESTEP)
             found.append(measure(sim, state, mu))
     seconds = time.process_time() - begun
     return {"mu": mu, "seed": seed, "seconds": round(seconds, 1), "states": found}
@@ -81,7 +79,7 @@ def main():
         (number, mu, seed, pressures, slow) for seed in range(1, packings + 1) for mu in frictions
     ]
     keep = f"{asked.plan}_kept"
-    rows = deformable.parallel_map(jammed, calls, asked.workers, "jamming", keep=keep)
+    rows = ld.parallel_map(jammed, calls, asked.workers, "jamming", keep=keep)
     found = {"number": number, "pressures": pressures, "inertial_number": slow, "packings": rows}
     Path(f"{asked.plan}.json").write_text(json.dumps(found, indent=1) + "\n")
     results.write(found, asked.plan)

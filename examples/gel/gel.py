@@ -5,7 +5,7 @@ Stress and films against strain for several adhesions, and the balance of work a
 
 from itertools import pairwise
 
-import deformable
+import lammps_deformable as ld
 import matplotlib.pyplot as plt
 import numpy as np
 
@@ -21,17 +21,17 @@ STRAIN, SHEARS = 1.0, 100
 
 def droplet(adhesion):
     """Conserves its area, and has a tension of 1."""
-    return deformable.Ring(kA=np.inf, kP=0.0, tension=1.0, contact="curved", adhesion=adhesion)
+    return ld.Ring(kA=np.inf, kP=0.0, tension=1.0, contact="curved", adhesion=adhesion)
 
 
 def free_droplets(seed):
     """At random positions, where they do not touch."""
     radius = np.random.default_rng(seed).uniform(0.45, 0.55, NUMBER)
-    start = deformable.bidisperse(NUMBER, phi=PHI, seed=seed)
+    start = ld.bidisperse(NUMBER, phi=PHI, seed=seed)
     box = start.box * np.sqrt(np.pi * np.sum(radius**2) / PHI / np.linalg.det(start.box))
     place = start.positions @ np.linalg.solve(start.box, box)
     species = np.zeros(NUMBER, int)
-    return deformable.push_off(deformable.Packing(place, species, [0.55], box, radius))
+    return ld.push_off(ld.Packing(place, species, [0.55], box, radius))
 
 
 def films_of(state):
@@ -43,12 +43,12 @@ def films_of(state):
 
 def gel(adhesion, seed):
     """The states of a gel: at rest, and after each step of shear."""
-    with deformable.Simulation(free_droplets(seed), droplet(adhesion)) as sim:
+    with ld.Simulation(free_droplets(seed), droplet(adhesion)) as sim:
         bath = {"temperature": TEMPERATURE, "friction": FRICTION, "seed": seed}
-        for _ in deformable.move(sim, STEPS, TIMESTEP, every=STEPS, **bath):
+        for _ in ld.move(sim, STEPS, TIMESTEP, every=STEPS, **bath):
             pass
         yield sim.relax()
-        yield from deformable.shear(sim, STRAIN, SHEARS)
+        yield from ld.shear(sim, STRAIN, SHEARS)
 
 
 def measure(adhesion, seed):
@@ -59,7 +59,7 @@ def measure(adhesion, seed):
     area = np.linalg.det(states[0].packing.box)
     films = [films_of(state) for state in states]
     return {
-        "modulus": deformable.shear_modulus(states[0], 1e-3).value,
+        "modulus": ld.shear_modulus(states[0], 1e-3).value,
         "stress": stress,
         "energy": energy[1:] - energy[0],
         # of each step, by the mean of the stresses before and after it
@@ -107,7 +107,7 @@ def summarize(adhesion, gels):
 
 def main():
     calls = [(adhesion, seed) for adhesion in (0.0, *ADHESIONS) for seed in SEEDS]
-    found = deformable.parallel_map(measure, calls)
+    found = ld.parallel_map(measure, calls)
     gels = dict(zip(calls, found, strict=True))
     for call in calls[len(SEEDS) :]:
         show(*call, gels[call])

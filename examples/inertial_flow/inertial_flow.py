@@ -10,7 +10,7 @@ import argparse
 import json
 import math
 
-import deformable
+import lammps_deformable as ld
 import matplotlib.pyplot as plt
 import numpy as np
 from mpi4py import MPI
@@ -18,7 +18,7 @@ from scipy.optimize import curve_fit
 
 NUMBER = 200
 RADII = (0.4, 0.6)  # the mean diameter is 1, as all masses are
-GRAIN = deformable.Ring(kA=math.inf, kP=0.0, tension=1.0, reach=1.0)  # keeps its area
+GRAIN = ld.Ring(kA=math.inf, kP=0.0, tension=1.0, reach=1.0)  # keeps its area
 STIFFNESS = 4 * math.pi / 3  # of a contact, 2 pi tension/(3 R)
 CONTACT = {"kt": 2.0, "gt": 0.3, "damp": 0.5}
 STEP = 0.05  # of time
@@ -73,10 +73,10 @@ run 0
 
 def started(softness, mu, inertia, number):
     """A simulation that has begun, and the number of steps for a block of strain."""
-    loose = deformable.polydisperse(number, np.linspace(*RADII, number), seed=1)
-    packing = deformable.jam(loose).at(0.8)
-    friction = deformable.Friction(mu, **CONTACT)
-    sim = deformable.Simulation(packing, GRAIN, MPI.COMM_SELF, friction=friction)
+    loose = ld.polydisperse(number, np.linspace(*RADII, number), seed=1)
+    packing = ld.jam(loose).at(0.8)
+    friction = ld.Friction(mu, **CONTACT)
+    sim = ld.Simulation(packing, GRAIN, MPI.COMM_SELF, friction=friction)
     commands, steps = scene(softness, inertia, packing.box[1, 1])
     sim.lmp.commands_string(commands)
     return sim, steps
@@ -119,7 +119,7 @@ def averaged(run):
         "sideways": (of["sideways"], of["pressure"]),
         "lost": (of["lost"], of["work"]),
     }
-    return {name: deformable.jackknife(ratio, np.transpose(each)) for name, each in pairs.items()}
+    return {name: ld.jackknife(ratio, np.transpose(each)) for name, each in pairs.items()}
 
 
 def ratio(pairs):
@@ -203,7 +203,7 @@ def planned(quick):
 
 def main(quick):
     calls = planned(quick)
-    found = deformable.parallel_map(flow, calls, keep=None if quick else "flows")
+    found = ld.parallel_map(flow, calls, keep=None if quick else "flows")
     if MPI.COMM_WORLD.rank == 0:
         data = []
         for (softness, mu, inertia, number, _), rows in zip(calls, found, strict=True):

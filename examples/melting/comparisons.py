@@ -4,7 +4,7 @@ import math
 import time
 from dataclasses import replace
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 from limits import harmonic
 from motion import BATH, LAW, PHI, STEPS, begin, crystal, kept, leg
@@ -20,9 +20,9 @@ SETTINGS = {
 # Laws whose crystal and whose packings with defects have energies to be compared.
 LAWS = {
     "droplets": LAW,
-    "soft droplets": deformable.Ring(kA=3.0, kP=0.0, tension=1.0, contact="curved"),
-    "rings": deformable.Ring(kA=1.0, contact="curved"),
-    "soft rings": deformable.Ring(kA=1.0, kP=0.1, contact="curved"),
+    "soft droplets": ld.Ring(kA=3.0, kP=0.0, tension=1.0, contact="curved"),
+    "rings": ld.Ring(kA=1.0, contact="curved"),
+    "soft rings": ld.Ring(kA=1.0, kP=0.1, contact="curved"),
 }
 
 
@@ -36,9 +36,7 @@ def check(name, temperature, folder, number=256, legs=3):
         positions = found["places"][-1]
         seconds += found["seconds"]
         rows.append([(row["energy"], row["pressure"]) for row in found["rows"]])
-    (energy, pressure), errors = deformable.jackknife(
-        lambda some: np.mean(some, axis=(0, 1)), rows[1:]
-    )
+    (energy, pressure), errors = ld.jackknife(lambda some: np.mean(some, axis=(0, 1)), rows[1:])
     return {
         "settings": name,
         "T": temperature,
@@ -58,8 +56,8 @@ def quench(law, number, phi, positions, start, temperature):
     packing, energies = crystal(number, phi), []
     scaled = positions * packing.box[0, 0] / crystal(number, PHI).box[0, 0]
     for at in (packing.positions, scaled):
-        begun = deformable.push_off(replace(packing, positions=at))
-        with deformable.Simulation(begun, LAWS[law]) as sim:
+        begun = ld.push_off(replace(packing, positions=at))
+        with ld.Simulation(begun, LAWS[law]) as sim:
             state = sim.relax(1e-3)
         energies.append(state.energy / number)
     box, places = state.packing.box.diagonal(), state.packing.positions
@@ -80,10 +78,10 @@ def polygons(number=16, vertices=76, steps=2000):
     The mass of a particle is shared by its vertices. Steps are the part 1/2 of the time in which
     the fastest vertex would turn by a radian; twice as long ones are unstable.
     """
-    model = deformable.PolygonModel(
+    model = ld.PolygonModel(
         vertices=vertices, radius=0.02, kL=float(vertices), kA=30.0, kr=300.0, smooth=True
     )
-    with deformable.PolygonSimulation(crystal(number, 0.88), model) as sim:
+    with ld.PolygonSimulation(crystal(number, 0.88), model) as sim:
         fastest = sim.polygons.fastest_frequency(model.kr) * math.sqrt(vertices)
         step = 0.5 / fastest
         sim.lmp.commands_string(

@@ -2,7 +2,7 @@
 
 import math
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 from motion import BATH, LAW, crystal, spacing
 from scipy.integrate import simpson
@@ -14,7 +14,7 @@ def harmonic(phi, law=LAW):
     Kosterlitz, Thouless, Halperin, Nelson and Young: T = Y a^2 / 16 pi with Y = 4 G K / (G + K), of
     the moduli at this temperature. Those at rest give an estimate.
     """
-    with deformable.Simulation(crystal(64, phi), law) as sim:
+    with ld.Simulation(crystal(64, phi), law) as sim:
         state = sim.relax(1e-8)
         moduli = state.elastic_moduli()
     shear, bulk = moduli.mean_shear_modulus, moduli.bulk_modulus
@@ -28,7 +28,7 @@ def pair(distances):
     energies, virials = [], []
     for distance in distances:
         places, box = [[0.0, 0.0], [distance, 0.0]], np.diag([12.0, 12.0])
-        with deformable.Simulation(deformable.Packing(places, [0, 0], [1.0], box), LAW) as sim:
+        with ld.Simulation(ld.Packing(places, [0, 0], [1.0], box), LAW) as sim:
             state = sim.state()
         energies.append(state.energy)
         virials.append(2.0 * state.pressure * state.packing.area)
@@ -51,11 +51,11 @@ def second_virial(temperature):
 def dilute(phi, temperature=0.02, number=64, steps=20_000):
     """p A / N T of a gas by motion, and by virial coefficients; the third one is that of disks."""
     packing, rows = crystal(number, phi), []
-    with deformable.Simulation(packing, LAW) as sim:
-        for state in deformable.move(sim, steps, temperature=temperature, every=10, seed=1, **BATH):
+    with ld.Simulation(packing, LAW) as sim:
+        for state in ld.move(sim, steps, temperature=temperature, every=10, seed=1, **BATH):
             rows.append(1.0 + state.pressure * packing.area / number / temperature)
     blocks = np.array_split(rows[len(rows) // 10 :], 20)
-    found, error = deformable.jackknife(np.mean, [block.mean() for block in blocks])
+    found, error = ld.jackknife(np.mean, [block.mean() for block in blocks])
     x = second_virial(temperature)[0] * number / packing.area
     return {
         "phi": phi,

@@ -13,7 +13,7 @@ from itertools import product
 from pathlib import Path
 
 import comparisons
-import deformable
+import lammps_deformable as ld
 import limits
 import motion
 import numpy as np
@@ -90,7 +90,7 @@ def compared(ramps, folder, workers):
         for temperature, places in each["ends"]
         if (each["number"], each["phi"]) == (256, PHI) and temperature in QUENCHED
     ]
-    share = partial(deformable.parallel_map, workers=workers, keep=folder)
+    share = partial(ld.parallel_map, workers=workers, keep=folder)
     return {
         "checks": share(comparisons.check, checks, description="checks"),
         "solids": share(comparisons.solid, laws, description="crystals"),
@@ -119,7 +119,7 @@ if __name__ == "__main__":
         options.error(f"--workers must be at least 1, not {given.workers}")
     folder = f"{given.plan}_kept"
     plan = [(*each, folder) for each in PLANS[given.plan]]
-    ramps = deformable.parallel_map(ramp, plan, given.workers, "melting")
+    ramps = ld.parallel_map(ramp, plan, given.workers, "melting")
     found = {
         "phi": PHI,
         **BATH,

@@ -4,12 +4,12 @@ import math
 import time
 from dataclasses import replace
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 
 # Droplets have the radius 1, the line tension 1 and the mass 1, and hardly change their area: hot
 # ones that may not change it at all find no shape now and then, which ends a run.
-LAW = deformable.Ring(kA=30.0, kP=0.0, tension=1.0, contact="curved")
+LAW = ld.Ring(kA=30.0, kP=0.0, tension=1.0, contact="curved")
 BATH = {"friction": 0.1, "timestep": 0.06, "tolerance": 1e-4}
 STEPS, SAMPLES = 4000, 25  # of a leg
 PHI = 0.92
@@ -17,7 +17,7 @@ PHI = 0.92
 
 def crystal(number, phi):
     side = math.isqrt(number)
-    return deformable.triangular(side, side, radius=1.0, phi=phi)
+    return ld.triangular(side, side, radius=1.0, phi=phi)
 
 
 def spacing(packing):
@@ -30,8 +30,8 @@ def begin(number, phi, start, seed):
     packing = crystal(number, phi)
     if start == "random":
         at = np.random.default_rng(seed).random((number, 2)) @ packing.box
-        packing = deformable.push_off(replace(packing, positions=at))
-        with deformable.Simulation(packing, LAW) as sim:
+        packing = ld.push_off(replace(packing, positions=at))
+        with ld.Simulation(packing, LAW) as sim:
             packing = sim.relax(1e-2).packing
     return packing.positions
 
@@ -44,8 +44,8 @@ def leg(number, phi, temperature, seed, positions, law=LAW, bath=BATH, steps=STE
     begun, packing = time.process_time(), replace(crystal(number, phi), positions=positions)
     rows, places, order = [], [], []
     try:
-        with deformable.Simulation(packing, law) as sim:
-            for state in deformable.move(
+        with ld.Simulation(packing, law) as sim:
+            for state in ld.move(
                 sim, steps, temperature=temperature, every=steps // SAMPLES, seed=seed, **bath
             ):
                 rows.append(
@@ -60,7 +60,7 @@ def leg(number, phi, temperature, seed, positions, law=LAW, bath=BATH, steps=STE
                 )
                 places.append(state.packing.positions)
                 order.append(state.hexatic())
-    except deformable.LammpsError as error:
+    except ld.LammpsError as error:
         return {"ended": str(error), "seconds": time.process_time() - begun}
     return {
         "rows": rows,
@@ -72,4 +72,4 @@ def leg(number, phi, temperature, seed, positions, law=LAW, bath=BATH, steps=STE
 
 def kept(function, arguments, folder):
     """The result of a call, from a folder of pickles that has it."""
-    return deformable.parallel_map(function, [arguments], workers=1, keep=folder)[0]
+    return ld.parallel_map(function, [arguments], workers=1, keep=folder)[0]

@@ -6,7 +6,7 @@ others after another (jackknife), so they are right if order is forgotten within
 
 import math
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 
 LEG = 240.0  # time, of melting.py
@@ -119,7 +119,7 @@ def value(legs, name):
     some, quantity = late(legs), QUANTITIES.get(name, name)
     if len(some) < 2:
         return float(quantity(some)), math.nan
-    found, error = deformable.jackknife(quantity, some)
+    found, error = ld.jackknife(quantity, some)
     return float(found), float(error)
 
 

@@ -3,13 +3,11 @@
 All ranks run the script and get the same states; rank 0 writes the files.
 """
 
-import deformable
+import lammps_deformable as ld
 from mpi4py import MPI
 
-jammed = deformable.jam(deformable.bidisperse(128, seed=1))
-sim = deformable.Simulation(jammed, deformable.Ring(kA=1.0))
-for state in deformable.record(
-    deformable.compress(sim, strain=0.005, steps=2), "run", overwrite=True
-):
+jammed = ld.jam(ld.bidisperse(128, seed=1))
+sim = ld.Simulation(jammed, ld.Ring(kA=1.0))
+for state in ld.record(ld.compress(sim, strain=0.005, steps=2), "run", overwrite=True):
     if MPI.COMM_WORLD.rank == 0:
         print(f"phi {state.phi:.5f}  pressure {state.pressure:.4e}  energy {state.energy:.6e}")

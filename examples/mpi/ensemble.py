@@ -2,19 +2,19 @@
 mpiexec -n 2 python -m mpi4py ensemble.py
 """
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 from mpi4py import MPI
 
 
 def pressure(seed):
-    jammed = deformable.jam(deformable.bidisperse(32, seed=seed))
-    with deformable.Simulation(jammed, deformable.Ring()) as sim:
-        *_, state = deformable.compress(sim, strain=0.01, steps=1)
+    jammed = ld.jam(ld.bidisperse(32, seed=seed))
+    with ld.Simulation(jammed, ld.Ring()) as sim:
+        *_, state = ld.compress(sim, strain=0.01, steps=1)
     return state.pressure
 
 
 if __name__ == "__main__":
-    found = deformable.parallel_map(pressure, [(seed,) for seed in range(1, 9)])
+    found = ld.parallel_map(pressure, [(seed,) for seed in range(1, 9)])
     if MPI.COMM_WORLD.rank == 0:
         print(f"pressure {np.mean(found):.15e} +- {np.std(found) / np.sqrt(7):.1e}")

@@ -2,10 +2,10 @@
 
 import csv
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 
-universe = deformable.Run("run").universe()
+universe = ld.Run("run").universe()
 with open("run/series.csv", newline="") as file:
     phi = [float(row["phi"]) for row in csv.DictReader(file)]
 

@@ -1,13 +1,11 @@
 """Compress a packing, keep the run, and draw force chains, shapes and a movie."""
 
-import deformable
+import lammps_deformable as ld
 import matplotlib.pyplot as plt
 
-jammed = deformable.jam(deformable.bidisperse(48, radii=(0.5, 0.7), seed=1))
-sim = deformable.Simulation(jammed, deformable.Ring(kA=1.0))
-for state in deformable.record(
-    deformable.compress(sim, strain=0.06, steps=15), "run", overwrite=True
-):
+jammed = ld.jam(ld.bidisperse(48, radii=(0.5, 0.7), seed=1))
+sim = ld.Simulation(jammed, ld.Ring(kA=1.0))
+for state in ld.record(ld.compress(sim, strain=0.06, steps=15), "run", overwrite=True):
     print(f"phi {state.phi:.4f}  mean shape parameter {state.shape_parameter.mean():.5f}")
 
 figure, (left, right) = plt.subplots(1, 2, figsize=(11.0, 4.6), layout="constrained")
@@ -15,4 +13,4 @@ state.plot(left, forces=True)
 state.plot(right, color_by="shape_parameter", contacts=True)
 figure.savefig("pictures.png", dpi=70)
 
-deformable.Run("run").movie("compression.gif", color_by="shape_parameter", forces=True)
+ld.Run("run").movie("compression.gif", color_by="shape_parameter", forces=True)

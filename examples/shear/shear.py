@@ -1,17 +1,17 @@
 """Shear a packing far beyond yielding: stress over strain, and plastic events."""
 
-import deformable
+import lammps_deformable as ld
 import matplotlib.pyplot as plt
 import numpy as np
 
 PHI, STRAIN, STEPS = 0.90, 1.0, 200
 
-jammed = deformable.jam(deformable.bidisperse(64, seed=1))
-with deformable.Simulation(jammed.at(PHI), deformable.Ring()) as sim:
+jammed = ld.jam(ld.bidisperse(64, seed=1))
+with ld.Simulation(jammed.at(PHI), ld.Ring()) as sim:
     start = sim.relax(1e-4)
-    modulus = deformable.shear_modulus(start, strain=1e-4).value
+    modulus = ld.shear_modulus(start, strain=1e-4).value
     print(f"phi {start.phi:.3f}  pressure {start.pressure:.3e}  shear modulus {modulus:.2e}")
-    states = list(deformable.shear(sim, STRAIN, STEPS, tolerance=1e-4))
+    states = list(ld.shear(sim, STRAIN, STEPS, tolerance=1e-4))
 
 strain = STRAIN * np.arange(1, STEPS + 1) / STEPS
 stress = np.array([state.shear_stress for state in states])

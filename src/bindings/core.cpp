@@ -1,4 +1,4 @@
-// deformable.core: the C++ kernels for Python.
+// ld.core: the C++ kernels for Python.
 
 #include "laws.h"
 

@@ -4,8 +4,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
-from deformable import core
 from hypothesis import strategies as st
+from lammps_deformable import core
 
 LAWS = {"sector": core.sector, "area_sector": core.area_sector, "ring": core.ring}
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 from contacts import Contacts, contacts, regular_polygon
-from deformable import core
 from hypothesis import given
 from hypothesis import strategies as st
+from lammps_deformable import core
 
 EPSILON = np.finfo(float).eps
 

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from deformable import core
+from lammps_deformable import core
 
 
 def in_eight_parts(a: np.ndarray, b: np.ndarray) -> float:

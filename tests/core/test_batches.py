@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
-from deformable import core
+from lammps_deformable import core
 
 LEVELS = core.simd_levels()
 OUTPUTS = ("energy", "pressure", "area_deficit", "perimeter_excess", "arc_radius", "force")

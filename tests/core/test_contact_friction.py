@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from deformable import core
 from hypothesis import given
 from hypothesis import strategies as st
+from lammps_deformable import core
 
 numbers = st.floats(0, 10)
 ways = st.lists(st.floats(-1, 1), min_size=1, max_size=20)

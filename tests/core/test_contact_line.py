@@ -4,9 +4,9 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from deformable import core
 from hypothesis import given
 from hypothesis import strategies as st
+from lammps_deformable import core
 
 EPSILON = np.finfo(float).eps
 radii = st.floats(0.1, 10)

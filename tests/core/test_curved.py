@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from contacts import contacts
-from deformable import core
 from hypothesis import assume, given
 from hypothesis import strategies as st
+from lammps_deformable import core
 from test_ring_forces import STIFFNESS, pressed
 
 DATA = Path(__file__).parents[1] / "data" / "curved_cases.json"

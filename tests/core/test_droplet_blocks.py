@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from deformable import core
+from lammps_deformable import core
 from polyhedra import random_normals
 from scipy.optimize import brentq
 from test_droplet_kernel import changes

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from deformable import core
+from lammps_deformable import core
 from polyhedra import FACES, FORCES, INDENTATIONS, random_normals
 from scipy.integrate import quad
 from scipy.optimize import brentq

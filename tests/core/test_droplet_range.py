@@ -5,8 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from deformable import core
-from deformable.model import droplet
+from lammps_deformable import core
+from lammps_deformable.model import droplet
 from polyhedra import FACES
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq

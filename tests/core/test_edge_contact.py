@@ -4,9 +4,9 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from deformable import core
 from hypothesis import assume, example, given
 from hypothesis import strategies as st
+from lammps_deformable import core
 
 KR, C = 10.0, 0.05
 EPSILON = np.finfo(float).eps

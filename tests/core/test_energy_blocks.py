@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from deformable import core
+from lammps_deformable import core
 
 INF = float("inf")
 # kA, kP, skin, tension

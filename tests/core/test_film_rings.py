@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from deformable import core
+from lammps_deformable import core
 from test_curved import polygon
 
 INF = np.inf

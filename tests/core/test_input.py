@@ -5,7 +5,7 @@ from functools import partial
 import numpy as np
 import pytest
 from contacts import LAWS
-from deformable import core
+from lammps_deformable import core
 
 ANGLE, INDENTATION = [0.0, 2.0, 4.0], [0.01, 0.02, 0.01]
 BAD = {

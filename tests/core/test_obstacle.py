@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from deformable import core
 from hypothesis import assume, given
 from hypothesis import strategies as st
+from lammps_deformable import core
 from shapely import LineString, MultiPoint, Point, Polygon
 from shapely.geometry import box
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from contacts import IRREGULAR, soft_ring
-from deformable import core
+from lammps_deformable import core
 
 INF, NAN = np.inf, np.nan
 

@@ -5,9 +5,9 @@ import contextlib
 import numpy as np
 import pytest
 from contacts import TENSE, contacts, regular_polygon, sized
-from deformable import core
 from hypothesis import assume, given
 from hypothesis import strategies as st
+from lammps_deformable import core
 
 INF = float("inf")
 STIFFNESS = [(1.0, INF), (2.0, 0.3), (1.0, 1e-6), (1.0, 1e12), (1e-3, 1e3), (INF, 1.0)]

@@ -1,6 +1,6 @@
 """Soft disks and spheres: energy, virial and gradient of listed pairs."""
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
 
@@ -11,7 +11,7 @@ X = np.array([[0.0, 0.0], [0.3, 0.4], [3.0, 0.0]])
 
 def test_values_of_three_pairs() -> None:
     """d = 0.6 and an image at 0.96 at a scale of 1.2; the third pair does not touch."""
-    energy, virial, gradient = deformable.core.SoftDisks(3, FIRST, SECOND, SHIFT, CONTACT)(X, 1.2)
+    energy, virial, gradient = ld.core.SoftDisks(3, FIRST, SECOND, SHIFT, CONTACT)(X, 1.2)
     assert energy == pytest.approx(0.5 * (0.4**2 + 0.04**2), rel=1e-14)
     assert virial == pytest.approx(0.4 * 0.6 + 0.04 * 0.96, rel=1e-14)
     # -1.2 (0.4) (0.6, 0.8) on disk 1; its image pushes itself from both sides
@@ -20,10 +20,10 @@ def test_values_of_three_pairs() -> None:
 
 def test_spheres_in_a_plane_are_disks() -> None:
     """In any of the three planes."""
-    expected = deformable.core.SoftDisks(3, FIRST, SECOND, SHIFT, CONTACT)(X, 1.2)
+    expected = ld.core.SoftDisks(3, FIRST, SECOND, SHIFT, CONTACT)(X, 1.2)
     for axis in range(3):
         shift, x = (np.insert(values, axis, 0.0, axis=1) for values in (SHIFT, X))
-        spheres = deformable.core.SoftSpheres(3, FIRST, SECOND, shift, CONTACT)
+        spheres = ld.core.SoftSpheres(3, FIRST, SECOND, shift, CONTACT)
         energy, virial, gradient = spheres(x, 1.2)
         assert (energy, virial) == pytest.approx(expected[:2], rel=1e-14)
         flat = np.insert(expected[2].reshape(-1, 2), axis, 0.0, axis=1)
@@ -34,7 +34,7 @@ def test_spheres_in_a_plane_are_disks() -> None:
 def test_gradient_is_that_of_finite_differences(dimension: int) -> None:
     rng, step = np.random.default_rng(1), 1e-6
     i, j = np.triu_indices(20, 1)
-    kernel = deformable.core.SoftDisks if dimension == 2 else deformable.core.SoftSpheres
+    kernel = ld.core.SoftDisks if dimension == 2 else ld.core.SoftSpheres
     disks = kernel(20, i, j, np.zeros((190, dimension)), np.full(190, 0.4))
     x, way = rng.random((20, dimension)), rng.normal(size=(20, dimension))
     above, below = (disks(x + sign * step * way, 1.3)[0] for sign in (1.0, -1.0))
@@ -43,7 +43,7 @@ def test_gradient_is_that_of_finite_differences(dimension: int) -> None:
 
 
 def test_disks_at_one_place_push_in_no_direction() -> None:
-    energy, virial, gradient = deformable.core.SoftDisks(
+    energy, virial, gradient = ld.core.SoftDisks(
         2, np.array([0]), np.array([1]), np.zeros((1, 2)), np.array([1.0])
     )(np.zeros((2, 2)), 1.0)
     assert (energy, virial, gradient.tolist()) == (0.5, 0.0, [0.0] * 4)
@@ -51,8 +51,8 @@ def test_disks_at_one_place_push_in_no_direction() -> None:
 
 def test_wrong_pairs_are_refused() -> None:
     with pytest.raises(ValueError, match="each of 3 pairs"):
-        deformable.core.SoftDisks(3, FIRST, SECOND, SHIFT[:2], CONTACT)
+        ld.core.SoftDisks(3, FIRST, SECOND, SHIFT[:2], CONTACT)
     with pytest.raises(ValueError, match="pair 1 has the disk 2 of 2"):
-        deformable.core.SoftDisks(2, FIRST, SECOND, SHIFT, CONTACT)
+        ld.core.SoftDisks(2, FIRST, SECOND, SHIFT, CONTACT)
     with pytest.raises(ValueError, match="x has 2 rows"):
-        deformable.core.SoftDisks(3, FIRST, SECOND, SHIFT, CONTACT)(X[:2], 1.0)
+        ld.core.SoftDisks(3, FIRST, SECOND, SHIFT, CONTACT)(X[:2], 1.0)

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from contacts import Contacts, contacts, regular_polygon, soft_ring, stiffnesses
-from deformable import core
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from lammps_deformable import core
 
 
 def ring_at(contacts, delta):

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from contacts import IRREGULAR, contacts, soft_ring, stiffnesses
-from deformable import core
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
+from lammps_deformable import core
 
 
 def test_limit_of_a_stiff_perimeter():

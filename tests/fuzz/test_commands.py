@@ -4,10 +4,10 @@ import re
 from itertools import chain
 
 import pytest
-from deformable.model.laws import LAWS
 from grammar import numbers, positive, words_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from lammps_deformable.model.laws import LAWS
 from test_species_file import SCENE
 
 CONTACTS = [name for name in LAWS if name != "sector"]

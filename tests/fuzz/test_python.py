@@ -3,7 +3,7 @@
 import json
 import re
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -24,38 +24,38 @@ ANYTHING = st.one_of(
 )
 BUILDERS = {
     "bidisperse": (
-        deformable.bidisperse,
+        ld.bidisperse,
         {"number": 6, "radii": None, "fraction": 0.5, "phi": 0.3, "aspect": 1.0, "tilt": 0.0}
         | {"seed": 1, "ratio": None},
     ),
     "polydisperse": (
-        deformable.polydisperse,
+        ld.polydisperse,
         {"number": 3, "radii": [0.5, 0.6, 0.7], "phi": 0.3, "aspect": 1.0, "tilt": 0.0, "seed": 1},
     ),
     "bidisperse in space": (
-        deformable.bidisperse,
+        ld.bidisperse,
         {"number": 6, "phi": 0.3, "aspect": 1.0, "tilt": 0.0, "seed": 1, "ratio": None}
         | {"dimension": 3},
     ),
-    "Droplet": (deformable.Droplet, {"tension": 1.0}),
+    "Droplet": (ld.Droplet, {"tension": 1.0}),
     "Packing in space": (
-        deformable.Packing,
+        ld.Packing,
         {"positions": [[0.0, 0.0, 0.0], [1.0, 0.0, 2.0]], "species": [0, 1], "radii": [0.5, 0.6]}
         | {"box": [[4.0, 0.0, 0.0], [0.1, 4.0, 0.0], [0.2, 0.3, 5.0]]},
     ),
     "Ring": (
-        deformable.Ring,
+        ld.Ring,
         {"kA": 1.0, "reach": 0.3, "kP": 1.0, "skin": 0.1, "contact": "radical"},
     ),
-    "Sector": (deformable.Sector, {"kA": 1.0, "kP": float("inf")}),
-    "Friction": (deformable.Friction, {"mu": 0.5, "kt": 1.0, "gt": 0.1, "damp": 0.1}),
+    "Sector": (ld.Sector, {"kA": 1.0, "kP": float("inf")}),
+    "Friction": (ld.Friction, {"mu": 0.5, "kt": 1.0, "gt": 0.1, "damp": 0.1}),
     "PolygonModel": (
-        deformable.PolygonModel,
+        ld.PolygonModel,
         {"vertices": 50, "radius": 0.05, "kL": 1.0, "kA": 1.0, "kr": 1.0},
     ),
-    "Walls": (deformable.Walls, {"angle": [0.0, 2.0, 4.0], "height": [1.0, 1.0, 1.0]}),
+    "Walls": (ld.Walls, {"angle": [0.0, 2.0, 4.0], "height": [1.0, 1.0, 1.0]}),
     "Packing": (
-        deformable.Packing,
+        ld.Packing,
         {"positions": [[0.0, 0.0], [1.0, 0.0]], "species": [0, 1], "radii": [0.5, 0.6]}
         | {"box": [[4.0, 0.0], [0.1, 4.0]]},
     ),
@@ -67,7 +67,7 @@ def is_large(number):
     return isinstance(number, (int, float)) and 1e4 < number < 2**31
 
 
-def refuses_or_works(call, refused=deformable.ParameterError):
+def refuses_or_works(call, refused=ld.ParameterError):
     """What a call returns, or nothing if it is refused by one line."""
     try:
         return call()
@@ -78,18 +78,18 @@ def refuses_or_works(call, refused=deformable.ParameterError):
         return None
 
 
-LAWS = {2: deformable.Ring(contact="radical"), 3: deformable.Droplet()}
+LAWS = {2: ld.Ring(contact="radical"), 3: ld.Droplet()}
 
 
 @pytest.fixture(scope="module", params=LAWS)
 def packing(request):
-    start = deformable.bidisperse(8, dimension=request.param, seed=1)
-    return deformable.jam(start).at(0.86 if request.param == 2 else 0.7)
+    start = ld.bidisperse(8, dimension=request.param, seed=1)
+    return ld.jam(start).at(0.86 if request.param == 2 else 0.7)
 
 
 @pytest.fixture(scope="module")
 def sim(packing):
-    with deformable.Simulation(packing, LAWS[packing.dimension]) as sim:
+    with ld.Simulation(packing, LAWS[packing.dimension]) as sim:
         yield sim
 
 
@@ -136,13 +136,13 @@ def test_protocols(sim, packing, examples):
             packing.at,
             sim.relax,
             lambda _: sim.deform(no_box),
-            lambda value: deformable.jam(packing, pressure=value),
-            lambda value: deformable.jam(packing, step=value),
-            lambda value: deformable.compress(sim, 0.1, value),
+            lambda value: ld.jam(packing, pressure=value),
+            lambda value: ld.jam(packing, step=value),
+            lambda value: ld.compress(sim, 0.1, value),
         ):
-            with pytest.raises(deformable.ParameterError, match=r"\A[^\n]{10,1000}\Z"):
+            with pytest.raises(ld.ParameterError, match=r"\A[^\n]{10,1000}\Z"):
                 call(wrong)
-        refuses_or_works(lambda: deformable.compress(sim, other, 1))
+        refuses_or_works(lambda: ld.compress(sim, other, 1))
 
     answers()
     # Balanced anew; its error is of second order in what is left of that. Indentations of
@@ -168,7 +168,7 @@ def check(answer):
 def saved(packing, tmp_path_factory):
     """Texts of a saved run by file name; a character is a byte."""
     folder = tmp_path_factory.mktemp("saved")
-    with deformable.Simulation(packing, LAWS[packing.dimension]) as sim:
+    with ld.Simulation(packing, LAWS[packing.dimension]) as sim:
         sim.state().save(folder)
     return {file.name: file.read_bytes().decode("latin-1") for file in folder.iterdir()}
 

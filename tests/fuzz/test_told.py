@@ -3,7 +3,7 @@
 import re
 from itertools import chain
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -61,13 +61,13 @@ def saved(host):
     folders = []
     for n, (start, law) in enumerate(
         [
-            (deformable.bidisperse(10, seed=1), deformable.Ring()),
-            (deformable.polydisperse(8, [0.4, 0.5] * 4, seed=1), deformable.Ring()),
-            (deformable.bidisperse(10, dimension=3, seed=1), deformable.Droplet()),
+            (ld.bidisperse(10, seed=1), ld.Ring()),
+            (ld.polydisperse(8, [0.4, 0.5] * 4, seed=1), ld.Ring()),
+            (ld.bidisperse(10, dimension=3, seed=1), ld.Droplet()),
         ]
     ):
-        jammed = deformable.jam(start)
-        with deformable.Simulation(jammed.at(jammed.phi + 0.01), law) as sim:
+        jammed = ld.jam(start)
+        with ld.Simulation(jammed.at(jammed.phi + 0.01), law) as sim:
             sim.relax().save(host.folder / f"saved{n}")
         folders.append(f"saved{n}")
     return folders

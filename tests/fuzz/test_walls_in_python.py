@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -11,18 +11,18 @@ from scenes import build, scenes, space_scenes
 from test_python import refuses_or_works
 
 LAWS = [
-    deformable.Ring(contact="radical"),
-    deformable.Ring(kP=2.0),
-    deformable.Ring(contact="curved"),
-    deformable.Sector(kP=1.0),
+    ld.Ring(contact="radical"),
+    ld.Ring(kP=2.0),
+    ld.Ring(contact="curved"),
+    ld.Sector(kP=1.0),
 ]
-REFUSED = (deformable.ParameterError, deformable.LammpsError)
+REFUSED = (ld.ParameterError, ld.LammpsError)
 STEP = 1e-6
 
 
 def state_of(packing, law):
     def call():
-        with deformable.Simulation(packing, law) as sim:
+        with ld.Simulation(packing, law) as sim:
             state = sim.state()
             force = np.array(sim.lmp.gather("f", 1, 3)).reshape(-1, 3)
             return state, force[:, : packing.dimension]
@@ -51,23 +51,21 @@ def slope(packing, law, i, k):
 def test_walls_in_python(dimension, examples):
     worked = []
     some_scenes = scenes if dimension == 2 else space_scenes
-    laws = LAWS if dimension == 2 else [deformable.Droplet(), deformable.Droplet(tension=(1, 3))]
+    laws = LAWS if dimension == 2 else [ld.Droplet(), ld.Droplet(tension=(1, 3))]
 
     @settings(max_examples=examples, deadline=None)
     @given(
         some_scenes, st.sampled_from(laws), st.integers(1, 30), st.integers(0, 99), st.booleans()
     )
     def answers(parts, law, number, seed, tilted):
-        loose = deformable.bidisperse(
-            number, seed=seed, tilt=0.2 * tilted, phi=0.2, dimension=dimension
-        )
+        loose = ld.bidisperse(number, seed=seed, tilt=0.2 * tilted, phi=0.2, dimension=dimension)
 
         def start():
-            packing = loose.between(build(deformable, parts), seed=seed)
+            packing = loose.between(build(ld, parts), seed=seed)
             room = packing.area if dimension == 2 else packing.volume
             assert 0 < room < np.inf
             if number > 5 and packing.phi < 1.5:
-                packing = deformable.push_off(packing)
+                packing = ld.push_off(packing)
             return packing
 
         packing = refuses_or_works(start, REFUSED)
@@ -83,7 +81,7 @@ def test_walls_in_python(dimension, examples):
         scale = max(np.abs(forces).max(), np.abs(state.wall_forces).max(initial=0.0), 1e-6)
         assert state.wall_forces.sum(0) == pytest.approx(-forces.sum(0), abs=1e-9 * scale)
         i = int(np.linalg.norm(forces, axis=1).argmax())
-        if not isinstance(law, deformable.Sector):  # whose energy jumps
+        if not isinstance(law, ld.Sector):  # whose energy jumps
             near = slope(packing, law, i, seed % 2)
             if near is not None and abs(near[0] - near[1]) < 1e-4 * scale:
                 assert near[0] == pytest.approx(forces[i, seed % 2], abs=1e-3 * scale)

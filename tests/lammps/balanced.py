@@ -1,7 +1,7 @@
 """Balanced contacts in LAMMPS, and the same by brute force from the kernels."""
 
 import numpy as np
-from deformable import core
+from lammps_deformable import core
 from materials import STIFFNESS, pushed, radii_of, species_of
 
 

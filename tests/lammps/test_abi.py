@@ -7,7 +7,7 @@ from importlib import metadata
 from pathlib import Path
 
 import pytest
-from deformable import core, plugin
+from lammps_deformable import core, plugin
 
 (LIBRARY,) = Path(plugin.directory()).glob("*plugin.so")
 STYLES = (

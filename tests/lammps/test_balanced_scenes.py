@@ -1,11 +1,11 @@
 """Balanced contacts: scenes with a known answer."""
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
 from contact_rows import of_compute_pair
-from deformable.engine.lammps import gather
 from derivatives import assert_forces
+from lammps_deformable.engine.lammps import gather
 from laws import BALANCED, EXACT, LAWS, RADICAL, balanced_laws
 from scene import BOX, PACKINGS, Scene, polygon_walls
 from test_refusals import refuses
@@ -230,10 +230,10 @@ def test_stiff_beside_soft(draw, seed, tmp_path):
 @pytest.mark.parametrize("unit", [2.0**-132, 2.0**132])
 def test_any_unit_of_stiffness(unit):
     """Corrections are in single precision, whose numbers end at 1e-38 and 3e38."""
-    packing = deformable.jam(deformable.bidisperse(64, seed=1)).at(0.9)
+    packing = ld.jam(ld.bidisperse(64, seed=1)).at(0.9)
     forces = []
     for kA in (1.0, unit):
-        with deformable.Simulation(packing, deformable.Ring(kA=kA, kP=0.1 * kA)) as sim:
+        with ld.Simulation(packing, ld.Ring(kA=kA, kP=0.1 * kA)) as sim:
             sim.lmp.command("run 0 post no")
             forces.append(gather(sim.lmp, "f", 3) / kA)
     scale = np.abs(forces[0]).max()

@@ -1,6 +1,6 @@
 """Droplets beyond the model: counted and told where contacts are few and strong, too."""
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
 from droplet_walls import walled
@@ -20,9 +20,9 @@ def test_between_two_plates(half, beyond, tmp_path):
 
 def test_dense_packings_are_within_both_measures():
     """Loads of up to a third, in a random packing, with a mean facet below 0.045."""
-    spheres = deformable.bidisperse(64, ratio=1.4, dimension=3, seed=1)
-    sim = deformable.Simulation(deformable.jam(spheres).at(0.78), deformable.Droplet())
-    for _ in deformable.compress(sim, phi=0.88, steps=2):
+    spheres = ld.bidisperse(64, ratio=1.4, dimension=3, seed=1)
+    sim = ld.Simulation(ld.jam(spheres).at(0.78), ld.Droplet())
+    for _ in ld.compress(sim, phi=0.88, steps=2):
         pass
     state = sim.relax(1e-4)
     sides, count = state.contact_table, len(spheres)

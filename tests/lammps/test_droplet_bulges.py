@@ -6,9 +6,9 @@ to find them.
 
 import numpy as np
 import pytest
-from deformable import core
 from droplet_walls import CUBE, ORIGIN, SCENES, SIDE, at_walls, faces, walled
 from droplets import CASES, EXACT, Droplets, dense
+from lammps_deformable import core
 from polyhedra import FACES
 
 M = 0.269  # at this cosine from a contact droplets bulge most

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from deformable import bidisperse, jam
 from droplets import Droplets, dual
+from lammps_deformable import bidisperse, jam
 from test_droplet import alone, pair
 
 # ratio of radii, tensions of the small and the large ones

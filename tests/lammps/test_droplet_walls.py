@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from deformable import core
 from droplet_walls import (
     CUBE,
     ORIGIN,
@@ -14,6 +13,7 @@ from droplet_walls import (
     region,
     walled,
 )
+from lammps_deformable import core
 from polyhedra import FACES, FORCES, INDENTATIONS, precision
 
 shaken = CUBE + 0.02 * np.random.default_rng(3).normal(size=CUBE.shape)

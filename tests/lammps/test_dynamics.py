@@ -3,7 +3,7 @@
 import sys
 from pathlib import Path
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
 from laws import LAWS
@@ -17,7 +17,7 @@ import sector_stall
 
 @pytest.fixture(scope="module")
 def jammed():
-    return {n: deformable.jam(deformable.bidisperse(n, seed=1)) for n in (16, 64)}
+    return {n: ld.jam(ld.bidisperse(n, seed=1)) for n in (16, 64)}
 
 
 def test_energy_error_falls_with_the_square_of_the_time_step(jammed):

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from deformable import core
+from lammps_deformable import core
 from laws import LAWS, RADICAL, direct_laws
 from materials import MATERIALS, STIFFNESS, packing, radii_of, species_of
 from scene import PACKINGS, RESULTS, Scene

@@ -8,8 +8,8 @@ from importlib import metadata
 from pathlib import Path
 
 import pytest
-from deformable import core
 from lammps_builds import ROOT, TESTED, build_plugin, call, program, tool
+from lammps_deformable import core
 from releases import assert_same, evaluate
 
 

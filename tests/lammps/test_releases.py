@@ -4,7 +4,6 @@ These tests install and compile LAMMPS.
 """
 
 import pytest
-from deformable import core, plugin
 from lammps_builds import (
     BIN,
     ROOT,
@@ -16,6 +15,7 @@ from lammps_builds import (
     sources,
     wheel,
 )
+from lammps_deformable import core, plugin
 from releases import assert_same, evaluate
 
 pytestmark = pytest.mark.slow

@@ -1,10 +1,10 @@
 """The levels of SIMD instructions: DEFORMABLE_SIMD."""
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
-from deformable import core
-from deformable.engine.lammps import gather
+from lammps_deformable import core
+from lammps_deformable.engine.lammps import gather
 from laws import LAWS
 from materials import KINDS, packing, pushed
 from scene import PACKINGS, Scene, box_walls
@@ -59,11 +59,11 @@ def test_forces_in_motion(contact, number, accuracy, kP):
     contact that changes alone. Contacts are up to 7 times as soft together (the least eigenvalue is
     0.15), and a particle has 6 of them.
     """
-    packing = deformable.jam(deformable.bidisperse(number, seed=1)).at(0.9)
-    law = deformable.Ring(contact=contact, kP=kP)
+    packing = ld.jam(ld.bidisperse(number, seed=1)).at(0.9)
+    law = ld.Ring(contact=contact, kP=kP)
     with (
-        deformable.Simulation(packing, law) as moving,
-        deformable.Simulation(packing, law) as still,
+        ld.Simulation(packing, law) as moving,
+        ld.Simulation(packing, law) as still,
     ):
         moving.relax(1e-3)
         moving.lmp.commands_string(

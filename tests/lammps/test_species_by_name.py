@@ -4,7 +4,7 @@ import shutil
 import subprocess
 from pathlib import Path
 
-import deformable
+import lammps_deformable as ld
 import pytest
 from programs import output, program
 from test_refusals import refuses, two_particles
@@ -33,16 +33,16 @@ def lmp(folder: Path, file: str, **environment: str) -> subprocess.CompletedProc
 
 def test_the_package_has_all_species_files():
     names = {path.name for path in POTENTIALS.iterdir()}
-    assert {path.name for path in deformable.potentials.iterdir()} == names
+    assert {path.name for path in ld.potentials.iterdir()} == names
     for name in names:
-        assert (deformable.potentials / name).read_text() == (POTENTIALS / name).read_text()
+        assert (ld.potentials / name).read_text() == (POTENTIALS / name).read_text()
 
 
 @pytest.mark.parametrize("name", ["beads", "bubbles", "cells"])
 def test_found_by_name_from_an_empty_folder(name, tmp_path):
     done = lmp(tmp_path, f"{name}.deformable")
     assert done.returncode == 0, done.stdout + done.stderr
-    assert f"package: {deformable.potentials}/{name}.deformable\n" in done.stdout
+    assert f"package: {ld.potentials}/{name}.deformable\n" in done.stdout
     assert f"Reading species file {name}.deformable with DATE: 2026" in done.stdout
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from contact_rows import of_compute_pair
-from deformable import core
+from lammps_deformable import core
 from laws import BALANCED, EXACT, RADICAL, ring_laws
 from materials import STIFFNESS
 from scene import BOX, PACKINGS, SPECIES, Scene, box_walls

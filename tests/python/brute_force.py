@@ -2,13 +2,13 @@
 
 from dataclasses import replace
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
-from deformable import core
+from lammps_deformable import core
 
 
-def shapes(state: deformable.State) -> list[core.Shape]:
+def shapes(state: ld.State) -> list[core.Shape]:
     """What the kernel makes of each particle."""
     return [
         core.ring(radius, seen["angle"], seen["indentation"])
@@ -16,7 +16,7 @@ def shapes(state: deformable.State) -> list[core.Shape]:
     ]
 
 
-def brute_force_contacts(state: deformable.State) -> dict[tuple[int, int, int, int], bool]:
+def brute_force_contacts(state: ld.State) -> dict[tuple[int, int, int, int], bool]:
     """Pairs (i, j, image) in range and whether either side presses, by looking at all images."""
     packing, found = state.packing, {}
     for i in range(len(packing)):
@@ -54,14 +54,14 @@ def brute_force_rattlers(contacts: dict[tuple[int, int, int, int], bool], number
         rattlers = now
 
 
-def check_pressure(packing: deformable.Packing) -> None:
+def check_pressure(packing: ld.Packing) -> None:
     """The pressure is -dE/d(area of the box)."""
     energy = []
     for factor in (1.0 - 1e-6, 1.0 + 1e-6):
         scaled = replace(packing, positions=packing.positions * factor, box=packing.box * factor)
-        with deformable.Simulation(scaled, deformable.Ring()) as sim:
+        with ld.Simulation(scaled, ld.Ring()) as sim:
             energy.append(sim.state().energy)
-    with deformable.Simulation(packing, deformable.Ring()) as sim:
+    with ld.Simulation(packing, ld.Ring()) as sim:
         pressure = sim.state().pressure
     area = np.prod(packing.box.diagonal())
     assert pressure == pytest.approx(-(energy[1] - energy[0]) / (4e-6 * area), rel=1e-6)

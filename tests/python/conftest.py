@@ -2,20 +2,20 @@
 
 from collections.abc import Iterator
 
-import deformable
+import lammps_deformable as ld
 import pytest
 from exact_balance import exactly_balanced
 
 
 @pytest.fixture(scope="session")
-def jammed() -> deformable.Packing:
-    return deformable.jam(deformable.bidisperse(32, seed=3))
+def jammed() -> ld.Packing:
+    return ld.jam(ld.bidisperse(32, seed=3))
 
 
 @pytest.fixture(scope="session")
-def state(jammed: deformable.Packing) -> deformable.State:
-    with deformable.Simulation(jammed, deformable.Ring(kA=2.0)) as sim:
-        *_, last = deformable.compress(sim, strain=0.02, steps=2)
+def state(jammed: ld.Packing) -> ld.State:
+    with ld.Simulation(jammed, ld.Ring(kA=2.0)) as sim:
+        *_, last = ld.compress(sim, strain=0.02, steps=2)
     return last
 
 

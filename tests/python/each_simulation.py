@@ -3,11 +3,19 @@
 from collections.abc import Callable
 from typing import Any
 
-import deformable
-from deformable import Disks, Droplet, PolygonModel, PolygonSimulation, Ring, Simulation, Spheres
+import lammps_deformable as ld
+from lammps_deformable import (
+    Disks,
+    Droplet,
+    PolygonModel,
+    PolygonSimulation,
+    Ring,
+    Simulation,
+    Spheres,
+)
 
-PLANE = deformable.bidisperse(4, seed=1).at(0.3)
-SPACE = deformable.bidisperse(4, dimension=3, seed=1).at(0.2)
+PLANE = ld.bidisperse(4, seed=1).at(0.3)
+SPACE = ld.bidisperse(4, dimension=3, seed=1).at(0.2)
 MAKERS: dict[str, Callable[[], Any]] = {
     "rings": lambda: Simulation(PLANE, Ring()),
     "droplets": lambda: Simulation(SPACE, Droplet()),

@@ -4,8 +4,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 import pytest
-from deformable.io import lammps_commands
-from deformable.model.droplet import AnyLaw, Droplet
+from lammps_deformable.io import lammps_commands
+from lammps_deformable.model.droplet import AnyLaw, Droplet
 
 
 @contextmanager

@@ -4,7 +4,7 @@ import csv
 import subprocess
 from pathlib import Path
 
-import deformable
+import lammps_deformable as ld
 import pytest
 from programs import command
 
@@ -31,7 +31,7 @@ def test_a_run_reaches_its_targets(tmp_path: Path) -> None:
         *_, reached, last = csv.DictReader(file)
     assert float(reached["phi"]) == pytest.approx(0.87, rel=1e-9)
     assert float(last["pressure"]) == pytest.approx(0.005, rel=1e-6)
-    assert deformable.Run(tmp_path / "run").parameters["pressure"] == 0.005
+    assert ld.Run(tmp_path / "run").parameters["pressure"] == 0.005
 
 
 @pytest.mark.parametrize(

@@ -3,28 +3,28 @@
 import math
 from pathlib import Path
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
-from deformable.cli.main import app
+from lammps_deformable.cli.main import app
 from programs import command
 
 
 @pytest.fixture
-def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, jammed: deformable.Packing) -> Path:
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, jammed: ld.Packing) -> Path:
     """A folder with a packing in it."""
     jammed.to_file(tmp_path / "a.xyz")
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
 
-def test_it_begins_with_the_packing_as_it_is(here: Path, jammed: deformable.Packing) -> None:
+def test_it_begins_with_the_packing_as_it_is(here: Path, jammed: ld.Packing) -> None:
     done = command("compress", "--from", "a.xyz", "--steps", "1", cwd=here)
     assert done.returncode == 0, done.stderr
     assert done.stdout.startswith(f"32 particles at phi = {jammed.phi:.5f}")
-    with deformable.Simulation(jammed, deformable.Ring()) as sim:
-        *_, state = deformable.compress(sim, strain=0.01, steps=1)
-    run = deformable.Run(here / "compress")
+    with ld.Simulation(jammed, ld.Ring()) as sim:
+        *_, state = ld.compress(sim, strain=0.01, steps=1)
+    run = ld.Run(here / "compress")
     np.testing.assert_allclose(run[-1].packing.box, state.packing.box, rtol=1e-14)
     assert run[-1].phi == pytest.approx(state.phi, rel=1e-4)
     known = run.parameters
@@ -48,7 +48,7 @@ def test_it_begins_with_the_packing_as_it_is(here: Path, jammed: deformable.Pack
     ],
 )
 def test_nonsense_is_told(options: str, message: str, here: Path) -> None:
-    with pytest.raises((deformable.ParameterError, deformable.FileError), match=message) as caught:
+    with pytest.raises((ld.ParameterError, ld.FileError), match=message) as caught:
         app(["compress", *options.split()], standalone_mode=False)
     assert "\n" not in str(caught.value)
     assert [path.name for path in here.iterdir()] == ["a.xyz"]
@@ -61,24 +61,24 @@ def test_radii(word: str, radii: list[float], here: Path, monkeypatch: pytest.Mo
     """They reach the compression, which does not begin here."""
     begun = []
 
-    def compress_in(sim: deformable.Simulation, *_: object, **__: object) -> list[object]:
+    def compress_in(sim: ld.Simulation, *_: object, **__: object) -> list[object]:
         begun.append(sim.state().packing.radii.tolist())
         return []
 
-    monkeypatch.setattr("deformable.cli.compress.compress_in", compress_in)
+    monkeypatch.setattr("lammps_deformable.cli.compress.compress_in", compress_in)
     app(["compress", "--from", "a.xyz", "--from-radii", word], standalone_mode=False)
     assert begun == [radii]
 
 
-def test_shear_begins_with_it(here: Path, jammed: deformable.Packing) -> None:
+def test_shear_begins_with_it(here: Path, jammed: ld.Packing) -> None:
     droplets = ("--kA", "inf", "--kP", "0", "--tension", "1")
     ask = ("shear", "--from", "a.xyz", *droplets, "--strain", "0.01", "--steps", "2")
     done = command(*ask, cwd=here)
     assert done.returncode == 0, done.stderr
-    law = deformable.Ring(kA=math.inf, kP=0.0, tension=1.0)
-    with deformable.Simulation(jammed, law) as sim:
-        *_, state = deformable.shear(sim, 0.01, 2)
-    run = deformable.Run(here / "shear")
+    law = ld.Ring(kA=math.inf, kP=0.0, tension=1.0)
+    with ld.Simulation(jammed, law) as sim:
+        *_, state = ld.shear(sim, 0.01, 2)
+    run = ld.Run(here / "shear")
     assert run[-1].law == law
     np.testing.assert_allclose(run[-1].packing.box, state.packing.box, rtol=1e-14, atol=1e-14)
     assert run[-1].shear_stress == pytest.approx(state.shear_stress, rel=1e-4)
@@ -102,7 +102,7 @@ def test_shear_begins_with_it(here: Path, jammed: deformable.Packing) -> None:
     ],
 )
 def test_nonsense_is_told_of_shear(options: str, message: str, here: Path) -> None:
-    with pytest.raises((deformable.ParameterError, deformable.FileError), match=message) as caught:
+    with pytest.raises((ld.ParameterError, ld.FileError), match=message) as caught:
         app(["shear", *options.split()], standalone_mode=False)
     assert "\n" not in str(caught.value)
     assert [path.name for path in here.iterdir()] == ["a.xyz"]

@@ -4,11 +4,11 @@ import csv
 import json
 from pathlib import Path
 
-import deformable
+import lammps_deformable as ld
 import pytest
-from deformable.cli import main as cli
-from deformable.studies.ensemble.packings import measure
-from deformable.studies.ensemble.tables import read_table
+from lammps_deformable.cli import main as cli
+from lammps_deformable.studies.ensemble.packings import measure
+from lammps_deformable.studies.ensemble.tables import read_table
 
 
 def jam(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> int:
@@ -50,10 +50,10 @@ def test_command_keeps_what_is_done_when_it_fails(
         law: str, pressure: float, number: int, seed: int, *others: object
     ) -> object:
         if seed == 3:
-            raise deformable.LammpsError("out of luck")
+            raise ld.LammpsError("out of luck")
         return measure(law, pressure, number, seed)
 
-    monkeypatch.setattr("deformable.cli.jam.measure", fails_at_three)
+    monkeypatch.setattr("lammps_deformable.cli.jam.measure", fails_at_three)
     ask = ("8", "--seeds", "4", "--workers", "1", "--law", "disk", "--out", "run")
     assert jam(monkeypatch, *ask) == 2
     assert capsys.readouterr().err.endswith("error: out of luck\n")
@@ -63,8 +63,8 @@ def test_command_keeps_what_is_done_when_it_fails(
 def test_command_leaves_other_folders_alone(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    packing = deformable.jam(deformable.bidisperse(4, seed=1))
-    with deformable.Simulation(packing, deformable.Ring()) as sim:
+    packing = ld.jam(ld.bidisperse(4, seed=1))
+    with ld.Simulation(packing, ld.Ring()) as sim:
         sim.state().save(tmp_path / "run")
     before = (tmp_path / "run" / "summary.json").read_text()
     for out, message in ((str(tmp_path / "run"), "holds a run"), ("", "a folder needs a name")):
@@ -103,7 +103,7 @@ def test_packings_are_saved(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
     folders = sorted((tmp_path / "run" / "packings").iterdir())
     assert [folder.name for folder in folders] == ["radical_1e-06_8_1", "radical_1e-06_8_2"]
     for row, folder in zip(rows, folders, strict=True):
-        with deformable.Run(folder).simulation() as sim:
+        with ld.Run(folder).simulation() as sim:
             assert sim.state().phi == pytest.approx(row["phi"], rel=1e-12)
     assert jam(monkeypatch, "8", "--save", "--out", "disks") == 2
     assert not (tmp_path / "disks").exists()
@@ -113,7 +113,7 @@ def test_the_packing_in_a_file_is_jammed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    start = deformable.bidisperse(10, (0.5, 0.6), phi=0.7, seed=4)
+    start = ld.bidisperse(10, (0.5, 0.6), phi=0.7, seed=4)
     start.to_file("a.xyz")
     ask = ("--from", "a.xyz", "--law", "radical", "--out", "run")
     assert jam(monkeypatch, *ask, "--save") == 0
@@ -121,7 +121,7 @@ def test_the_packing_in_a_file_is_jammed(
     expected, _ = measure("radical", 1e-6, 10, 1, start=start)
     assert row["number"] == 10
     assert row["phi"] == pytest.approx(expected["phi"], rel=1e-6)
-    with deformable.Run(tmp_path / "run" / "packings" / "radical_1e-06_10_1").simulation() as sim:
+    with ld.Run(tmp_path / "run" / "packings" / "radical_1e-06_10_1").simulation() as sim:
         assert sim.state().packing.radii.tolist() == [0.5, 0.6]
     assert jam(monkeypatch, *ask) == 0
     assert capsys.readouterr().err == ""

@@ -8,12 +8,12 @@ import re
 import subprocess
 from pathlib import Path
 
-import deformable
+import lammps_deformable as ld
 import pytest
 import ranks
-from deformable import core
-from deformable.cli import main as cli
-from deformable.studies.packings import rows as packings
+from lammps_deformable import core
+from lammps_deformable.cli import main as cli
+from lammps_deformable.studies.packings import rows as packings
 from programs import command, program
 
 SMALL = ("--number", "12", "--steps", "1")
@@ -52,8 +52,8 @@ def test_compress_writes_everything_and_goes_further(tmp_path: Path) -> None:
 def test_ring_laws(name: str, tmp_path: Path) -> None:
     result = run("compress", *SMALL, "--law", name, "--kP", "5", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
-    with deformable.Run(tmp_path / "compress").simulation() as sim:
-        assert sim.law == deformable.Ring(kP=5.0, contact=name)
+    with ld.Run(tmp_path / "compress").simulation() as sim:
+        assert sim.law == ld.Ring(kP=5.0, contact=name)
     summary = json.loads((tmp_path / "compress" / "summary.json").read_text())
     assert summary["parameters"]["law"] == name
     assert result.stderr == ""
@@ -256,7 +256,7 @@ def test_ranks_print_once_what_is_wrong(tmp_path: Path) -> None:
     """Commands one after another, in processes that load only once what they need."""
     script = f"""
 import sys
-from deformable.cli.main import main
+from lammps_deformable.cli.main import main
 for words in {[*WRONG]}:
     sys.argv = ["deformable", *words.split()]
     try:
@@ -277,7 +277,7 @@ def test_an_interruption_tells_how_to_go_on(
     def interrupted(*_: object, **settings: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(deformable.Run, "__init__", interrupted)
+    monkeypatch.setattr(ld.Run, "__init__", interrupted)
     monkeypatch.setattr("sys.argv", ["deformable", "movie", "run"])
     with pytest.raises(SystemExit) as end:
         cli.main()
@@ -293,7 +293,7 @@ def test_warnings_of_a_command_come_from_any_rank(tmp_path: Path) -> None:
     script = """
 import sys, warnings
 from mpi4py import MPI
-from deformable.cli import main as cli
+from lammps_deformable.cli import main as cli
 @cli.app.command("speak", cls=cli.Command)
 def speak():
     if MPI.COMM_WORLD.rank == 1:

@@ -3,10 +3,10 @@
 import json
 from pathlib import Path
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
-from deformable.cli.main import app
+from lammps_deformable.cli.main import app
 from programs import command, program
 
 SCRIPT = '''
@@ -50,7 +50,7 @@ def dumped(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_state_is_that_of_lammps(dumped: Path) -> None:
     """Energy, areas and pressures are those of the script; outlines enclose the areas."""
-    state = deformable.state_in_file(
+    state = ld.state_in_file(
         dumped / "shapes.dump", dumped / "mixture", law="curved", types=["soft", "stiff"]
     )
     rows = np.loadtxt(
@@ -79,37 +79,35 @@ def test_files(dumped: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
     assert (tmp_path / "a.svg").exists()
 
 
-def form(law: deformable.Ring | deformable.Sector) -> tuple[str, object]:
+def form(law: ld.Ring | ld.Sector) -> tuple[str, object]:
     """What a species file does not have."""
     return law.name, getattr(law, "reach", None)
 
 
 def test_files_of_a_run_tell_its_law(tmp_path: Path) -> None:
     """Of each frame, with its reach: energies are those of the run."""
-    start = deformable.jam(deformable.bidisperse(16, seed=1)).at(0.88)
+    start = ld.jam(ld.bidisperse(16, seed=1)).at(0.88)
     states = []
-    for law in (deformable.Ring(contact="curved", reach=0.4), deformable.Sector()):
-        with deformable.Simulation(start, law) as sim:
+    for law in (ld.Ring(contact="curved", reach=0.4), ld.Sector()):
+        with ld.Simulation(start, law) as sim:
             states.append(sim.state())
-    list(deformable.record(states, tmp_path / "run"))
+    list(ld.record(states, tmp_path / "run"))
     states[0].save(tmp_path / "saved")
     dump, species = tmp_path / "run" / "trajectory.lammpstrj", tmp_path / "saved"
     types = ["s1", "s2"]
     for frame in (0, 1, -1, -2):
-        found = deformable.state_in_file(
-            dump, species / "species.deformable", types=types, frame=frame
-        )
+        found = ld.state_in_file(dump, species / "species.deformable", types=types, frame=frame)
         assert form(found.law) == form(states[frame].law)
         assert found.energy == pytest.approx(states[frame].energy, rel=1e-9)
     alone = tmp_path / "alone.dump"
     alone.write_text(dump.read_text())
     for file in (species / "packing.data", alone):  # the species file is that of a run
-        found = deformable.state_in_file(file, species / "species.deformable")
+        found = ld.state_in_file(file, species / "species.deformable")
         assert form(found.law) == ("curved", 0.4)
     own = tmp_path / "own.deformable"
     own.write_text((species / "species.deformable").read_text())
-    assert deformable.state_in_file(alone, own).law.name == "balanced"
-    assert deformable.state_in_file(dump, own, law="radical").law.name == "radical"
+    assert ld.state_in_file(alone, own).law.name == "balanced"
+    assert ld.state_in_file(dump, own, law="radical").law.name == "radical"
     for file, law in ((species / "packing.data", "curved"), (alone, "balanced")):
         words = ("outline", file, "--species", own, "--out", "a.vtp")
         said = command(*words, cwd=tmp_path).stdout.splitlines()
@@ -124,10 +122,10 @@ def test_species_of_the_package_and_radii_of_atoms(tmp_path: Path) -> None:
         "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n2\nITEM: BOX BOUNDS pp pp pp\n0 3\n0 3\n-1 1\n"
         f"ITEM: ATOMS id type x y size\n{rows}"
     )
-    state = deformable.state_in_file(dump, "droplets.deformable")
+    state = ld.state_in_file(dump, "droplets.deformable")
     np.testing.assert_array_equal(state.packing.radius, [0.5, 0.7])
     np.testing.assert_allclose(state.area, np.pi * np.array([0.5, 0.7]) ** 2, rtol=1e-12)
-    own = deformable.state_in_file(dump, "droplets.deformable", radii="size")
+    own = ld.state_in_file(dump, "droplets.deformable", radii="size")
     np.testing.assert_array_equal(own.packing.radius, [0.4, 0.6])
     assert own.energy > 0
 
@@ -154,12 +152,12 @@ def test_nonsense_is_told(
     monkeypatch.chdir(dumped)
     text = (dumped / "shapes.dump").read_text()
     (dumped / "walled.dump").write_text(text.replace("pp pp pp", "ff pp pp"))
-    errors = deformable.ParameterError, deformable.FileError, deformable.LammpsError
+    errors = ld.ParameterError, ld.FileError, ld.LammpsError
     with pytest.raises(errors, match=message) as caught:
         app(["outline", *words.split()], standalone_mode=False)
     assert "\n" not in str(caught.value)
 
 
 def test_law_must_be_one() -> None:
-    with pytest.raises(deformable.ParameterError, match=r"law must be .*balanced.*, not flat"):
-        deformable.state_in_file("a", "droplets.deformable", law="flat")
+    with pytest.raises(ld.ParameterError, match=r"law must be .*balanced.*, not flat"):
+        ld.state_in_file("a", "droplets.deformable", law="flat")

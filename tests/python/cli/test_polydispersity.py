@@ -3,7 +3,7 @@
 import json
 from pathlib import Path
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
 from test_main import run
@@ -15,7 +15,7 @@ def test_command_line(tmp_path: Path) -> None:
     assert (result.returncode, result.stderr) == (0, "")
     summary = json.loads((tmp_path / "compress" / "summary.json").read_text())
     assert summary["parameters"]["polydispersity"] == 0.1
-    with deformable.Run(tmp_path / "compress").simulation() as sim:
+    with ld.Run(tmp_path / "compress").simulation() as sim:
         radius = sim.state().packing.radius
     assert len(np.unique(radius)) == 16
     # mean 0.5 and standard deviation 0.05 are known to 0.05/sqrt(16) and less

@@ -5,7 +5,7 @@ import json
 import subprocess
 from pathlib import Path
 
-import deformable
+import lammps_deformable as ld
 import pytest
 from programs import command
 
@@ -34,8 +34,8 @@ def test_shear_starts_from_the_last_packing(folder: Path) -> None:
     with (folder / "shear" / "series.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
     assert [float(row["strain"]) for row in rows] == [0.0, 0.005, 0.01, 0.015, 0.02]
-    with deformable.Run(folder / "run").simulation() as sim:
-        states = [sim.state(), *deformable.shear(sim, 0.02, 4)]
+    with ld.Run(folder / "run").simulation() as sim:
+        states = [sim.state(), *ld.shear(sim, 0.02, 4)]
     assert [state.strain for state in states] == [None, 0.005, 0.01, 0.015, 0.02]
     for row, state in zip(rows, states, strict=True):
         assert float(row["shear_stress"]) == pytest.approx(-state.stress[0, 1], abs=1e-5)
@@ -47,9 +47,9 @@ def test_shear_starts_from_the_last_packing(folder: Path) -> None:
 
 
 def test_shear_resumes(folder: Path, tmp_path: Path) -> None:
-    with deformable.Run(folder / "run").simulation() as sim:
-        before = {"before": deformable.Run(folder / "run").parameters}
-        steps = deformable.shear_in(sim, tmp_path / "part", 0.02, 4, parameters=before)
+    with ld.Run(folder / "run").simulation() as sim:
+        before = {"before": ld.Run(folder / "run").parameters}
+        steps = ld.shear_in(sim, tmp_path / "part", 0.02, 4, parameters=before)
         next(steps)
     done = run("shear", "--resume", "--strain", "0.02", "--out", "part", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
@@ -126,10 +126,10 @@ def test_plot(folder: Path, tmp_path: Path) -> None:
 def test_plot_draws_the_frame(folder: Path, tmp_path: Path) -> None:
     """The title has phi and pressure of the frame."""
     pytest.importorskip("matplotlib")
-    states = list(deformable.Run(folder / "run"))
+    states = list(ld.Run(folder / "run"))
     for frame, state in ((0, states[0]), (-1, states[2])):
         name = f"{frame}.svg"
         run("plot", str(folder / "run"), "--frame", str(frame), "--out", name, cwd=tmp_path)
         assert f"{state.phi:.4f}" in (tmp_path / name).read_text()
-    (again,) = [deformable.Run(folder / "run")[-3]]
+    (again,) = [ld.Run(folder / "run")[-3]]
     assert again.energy == states[0].energy

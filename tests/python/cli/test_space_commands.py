@@ -3,11 +3,11 @@
 import csv
 from pathlib import Path
 
-import deformable
+import lammps_deformable as ld
 import pytest
-from deformable.cli.main import app
-from deformable.cli.settings import law_and_dimension
-from deformable.studies.ensemble.packings import (
+from lammps_deformable.cli.main import app
+from lammps_deformable.cli.settings import law_and_dimension
+from lammps_deformable.studies.ensemble.packings import (
     SOFT,
     contact_law,
     dimension_of,
@@ -22,8 +22,8 @@ def shell(line: str) -> None:
 @pytest.fixture
 def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A folder with a packing of spheres and one of disks in it."""
-    deformable.cubic("fcc", 2, phi=0.78).to_file(tmp_path / "space.xyz")
-    deformable.bidisperse(8, dimension=2).to_file(tmp_path / "plane.xyz")
+    ld.cubic("fcc", 2, phi=0.78).to_file(tmp_path / "space.xyz")
+    ld.bidisperse(8, dimension=2).to_file(tmp_path / "plane.xyz")
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
@@ -46,8 +46,8 @@ def test_one_of_law_and_dimension(
 
 
 def test_names_of_laws_in_tables() -> None:
-    assert contact_law("droplet") == deformable.Droplet()
-    assert contact_law("droplet, tension 2.0") == deformable.Droplet(2.0)
+    assert contact_law("droplet") == ld.Droplet()
+    assert contact_law("droplet, tension 2.0") == ld.Droplet(2.0)
     assert contact_law("sphere") is None
     assert [dimension_of(name) for name in ("sphere", "disk", "droplet", "radical")] == [3, 2, 3, 2]
     # ten contacts more, of 20 particles that are no rattlers
@@ -66,15 +66,15 @@ def test_jam_finds_the_onset_of_spheres_and_droplets(here: Path) -> None:
     phi = [float(row["phi"]) for row in rows.values()]
     assert phi[0] == pytest.approx(phi[1], abs=3e-4)
     assert all(row["stalled"] == "False" for row in rows.values())
-    saved = deformable.Run(here / "jam" / "packings" / "droplet_1e-07_12_1")
+    saved = ld.Run(here / "jam" / "packings" / "droplet_1e-07_12_1")
     assert saved.simulation().state().phi == pytest.approx(float(rows["droplet"]["phi"]))
 
 
 def test_droplets_in_a_dump_are_drawn(here: Path) -> None:
     """With a tension and a radius for each type."""
-    packing = deformable.push_off(deformable.bidisperse(8, ratio=1.2, dimension=3).at(0.6))
-    law = deformable.Droplet([1.0, 1.5])
-    with deformable.Simulation(packing, law) as sim:
+    packing = ld.push_off(ld.bidisperse(8, ratio=1.2, dimension=3).at(0.6))
+    law = ld.Droplet([1.0, 1.5])
+    with ld.Simulation(packing, law) as sim:
         expected = sim.state()
     packing.to_file("lammps.dump")
     (here / "oil.deformable").write_text(
@@ -85,7 +85,7 @@ def test_droplets_in_a_dump_are_drawn(here: Path) -> None:
         "--contacts --out section.png --out droplets.vtp"
     )
     assert {"section.png", "droplets.vtp"} <= {path.name for path in here.iterdir()}
-    found = deformable.state_in_file("lammps.dump", "oil.deformable", law="droplet")
+    found = ld.state_in_file("lammps.dump", "oil.deformable", law="droplet")
     assert found.law == law
     assert found.energy == pytest.approx(expected.energy, rel=1e-6, abs=1e-12)
     assert "<polydata" in (here / "droplets.vtp").read_text().lower()
@@ -113,7 +113,7 @@ def test_droplets_in_a_dump_are_drawn(here: Path) -> None:
     ],
 )
 def test_nonsense_is_told(line: str, message: str, here: Path) -> None:
-    errors = (deformable.ParameterError, deformable.FileError)
+    errors = (ld.ParameterError, ld.FileError)
     with pytest.raises(errors, match=message) as caught:
         shell(line)
     assert "\n" not in str(caught.value)
@@ -121,9 +121,9 @@ def test_nonsense_is_told(line: str, message: str, here: Path) -> None:
 
 def test_nonsense_of_pictures_is_told(here: Path) -> None:
     """Of a packing in space, and of one in the plane."""
-    with deformable.Simulation(deformable.cubic("fcc", 2, phi=0.78), deformable.Droplet()) as sim:
+    with ld.Simulation(ld.cubic("fcc", 2, phi=0.78), ld.Droplet()) as sim:
         sim.state().save("space")
-    with deformable.Simulation(deformable.triangular(4, 4, phi=0.92), deformable.Ring()) as sim:
+    with ld.Simulation(ld.triangular(4, 4, phi=0.92), ld.Ring()) as sim:
         sim.state().save("plane")
     for line, message in (
         ("plot space --spins", "spins is for states in the plane"),
@@ -132,7 +132,7 @@ def test_nonsense_of_pictures_is_told(here: Path) -> None:
         ("plot plane --slice 1", "slice is for states in three dimensions"),
         ("plot plane --view 1 2", "view is for states in three dimensions"),
     ):
-        with pytest.raises(deformable.ParameterError, match=message):
+        with pytest.raises(ld.ParameterError, match=message):
             shell(line)
     shell("plot space --view 10 30 --color-by load --out view.png")
     shell("plot space --slice 0.2 --contacts --out slice.png")

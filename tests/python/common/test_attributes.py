@@ -1,8 +1,8 @@
 """What an object lacks is no attribute of it, so that `hasattr` answers."""
 
 import pytest
-from deformable.engine.lammps import Engine
 from each_simulation import MAKERS, PLANE, SPACE
+from lammps_deformable.engine.lammps import Engine
 
 EACH = {"plane": lambda: PLANE, "space": lambda: SPACE, **MAKERS}
 

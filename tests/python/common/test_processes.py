@@ -11,12 +11,14 @@ from pathlib import Path
 import nbclient
 import nbformat
 import pytest
-from deformable.common.parallel import parallel_map
+from lammps_deformable.common.parallel import parallel_map
 from programs import PATIENT, program
 
 PAGE = Path(__file__).parents[3] / "docs" / "cookbook.md"
 (ROW,) = [line for line in PAGE.read_text().splitlines() if "parallel_map" in line]
-COOKBOOK = "\n".join(["from deformable import *\nimport numpy", *re.findall(r"`([^`]+)`", ROW)])
+COOKBOOK = "\n".join(
+    ["from lammps_deformable import *\nimport numpy", *re.findall(r"`([^`]+)`", ROW)]
+)
 COOKBOOK = COOKBOOK.replace("jackknife(", "print(*jackknife(") + ")"
 
 # In a script without a guard: where calls are, a function and a class of the script, a constant.
@@ -85,8 +87,8 @@ def test_a_cell_of_a_notebook(tmp_path: Path) -> None:
 
 def test_lambdas_on_ranks(tmp_path: Path) -> None:
     (tmp_path / "script.py").write_text(
-        "import deformable\n"
-        "print(deformable.parallel_map(lambda value: value + 1, [(1,), (2,), (3,)]))\n"
+        "import lammps_deformable as ld\n"
+        "print(ld.parallel_map(lambda value: value + 1, [(1,), (2,), (3,)]))\n"
     )
     result = program("python", "-m", "mpi4py", "script.py", cwd=tmp_path, ranks=2, timeout=60)
     assert result.stdout.count("[2, 3, 4]") == 2, result.stderr
@@ -103,14 +105,14 @@ def test_errors_note_the_call(workers: int) -> None:
 
 
 LONG = """
-import os, deformable
+import os, lammps_deformable as ld
 def run(seed):
-    packing = deformable.jam(deformable.bidisperse(24, seed=seed))
-    with deformable.Simulation(packing, deformable.Ring()) as sim:
+    packing = ld.jam(ld.bidisperse(24, seed=seed))
+    with ld.Simulation(packing, ld.Ring()) as sim:
         open(f"pid-{os.getpid()}", "w").close()
-        for state in deformable.move(sim, 1e9, temperature=1e-7):
+        for state in ld.move(sim, 1e9, temperature=1e-7):
             pass
-deformable.parallel_map(run, [(1,), (2,), (3,)], workers=2)
+ld.parallel_map(run, [(1,), (2,), (3,)], workers=2)
 """
 
 

@@ -3,9 +3,9 @@
 import re
 import sys
 
-import deformable
+import lammps_deformable as ld
 import pytest
-from deformable.common import progress
+from lammps_deformable.common import progress
 
 
 def test_lines_off_a_terminal(
@@ -38,7 +38,7 @@ def test_lines_of_jam_tell_the_stage_and_how_far_it_is(
     monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(progress, "_LINES", 1e-9)
-    deformable.jam(deformable.bidisperse(64, seed=1))
+    ld.jam(ld.bidisperse(64, seed=1))
     lines = [line for line in capfd.readouterr().err.splitlines() if "jamming" in line]
     first, last = lines[0], lines[-1]
     assert "jamming, compression: 20" in first

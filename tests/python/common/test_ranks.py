@@ -8,9 +8,9 @@ import time
 from functools import cache
 from pathlib import Path
 
-import deformable
+import lammps_deformable as ld
 import pytest
-from deformable.common.ranks import independently, world
+from lammps_deformable.common.ranks import independently, world
 from mpi4py import MPI
 from programs import BIN, PATIENT, command, output
 from ranks import launch
@@ -18,14 +18,14 @@ from ranks import launch
 # Simulations without `comm`, and a further map in each call.
 ENSEMBLE = """
 import json, os
-import deformable
+import lammps_deformable as ld
 from mpi4py import MPI
 
 def strained(seed):
-    jammed = deformable.jam(deformable.bidisperse(8, seed=seed))
-    with deformable.Simulation(jammed, deformable.Ring()) as sim:
-        *_, state = deformable.compress(sim, 0.02, 2)
-    here = deformable.parallel_map(os.getpid, [(), ()]) == [os.getpid()] * 2
+    jammed = ld.jam(ld.bidisperse(8, seed=seed))
+    with ld.Simulation(jammed, ld.Ring()) as sim:
+        *_, state = ld.compress(sim, 0.02, 2)
+    here = ld.parallel_map(os.getpid, [(), ()]) == [os.getpid()] * 2
     return MPI.COMM_WORLD.rank, here, state.energy, state.packing.positions.tolist()
 
 def write(results, name):
@@ -34,19 +34,19 @@ def write(results, name):
 
 if __name__ == "__main__":
     kept = []
-    write(deformable.parallel_map(strained, [(n,) for n in range(1, 6)], each=kept.append), "all")
+    write(ld.parallel_map(strained, [(n,) for n in range(1, 6)], each=kept.append), "all")
     write(kept, "kept")
-    write(deformable.parallel_map(strained, [(3,)]), "one")
-    write(deformable.parallel_map(strained, []), "none")
+    write(ld.parallel_map(strained, [(3,)]), "one")
+    write(ld.parallel_map(strained, []), "none")
 """
 
 
 @cache
 def strained(seed: int) -> list[object]:
     """As in the script, in this process."""
-    jammed = deformable.jam(deformable.bidisperse(8, seed=seed))
-    with deformable.Simulation(jammed, deformable.Ring()) as sim:
-        *_, state = deformable.compress(sim, 0.02, 2)
+    jammed = ld.jam(ld.bidisperse(8, seed=seed))
+    with ld.Simulation(jammed, ld.Ring()) as sim:
+        *_, state = ld.compress(sim, 0.02, 2)
     return [state.energy, state.packing.positions.tolist()]
 
 
@@ -76,8 +76,8 @@ def test_ranks_share_calls(tmp_path: Path, ranks: int, module: str) -> None:
 
 FAILS = """
 import os, time
-import deformable
-from deformable.common.ranks import world
+import lammps_deformable as ld
+from lammps_deformable.common.ranks import world
 
 def inverse(value):
     open(f"called-{value}", "w").close()
@@ -89,12 +89,12 @@ def inverse(value):
 if __name__ == "__main__":
     (what,) = [what for what in (0, "exit", "unfit") if os.path.exists(f"try-{what}")]
     if what == "unfit":
-        deformable.parallel_map(eval, [("lambda: 0",)])
+        ld.parallel_map(eval, [("lambda: 0",)])
     try:
-        deformable.parallel_map(inverse, [(1,), (2,), (what,), *[(n,) for n in range(3, 99)]])
+        ld.parallel_map(inverse, [(1,), (2,), (what,), *[(n,) for n in range(3, 99)]])
     except ZeroDivisionError as error:
         print(f"{world().rank}: {error}", flush=True)
-    print(deformable.parallel_map(inverse, [(4,), (5,)]), flush=True)
+    print(ld.parallel_map(inverse, [(4,), (5,)]), flush=True)
 """
 
 
@@ -154,11 +154,11 @@ def test_jam_on_ranks_is_killed_and_goes_on(tmp_path: Path) -> None:
 
 
 UNLUCKY = """
-import deformable
-from deformable.cli import jam, main
+import lammps_deformable as ld
+from lammps_deformable.cli import jam, main
 
 def unlucky(law, pressure, number, seed, *others):
-    raise deformable.LammpsError("out of luck")
+    raise ld.LammpsError("out of luck")
 
 jam.measure = unlucky
 main.sys.argv = ["deformable", "jam", "8", "--out", "run"]

@@ -3,21 +3,19 @@
 import warnings
 from pathlib import Path
 
-import deformable
+import lammps_deformable as ld
 import pytest
 
 
 @pytest.mark.parametrize("protocol", ["compress", "shear", "move", "record", "compress_in"])
-def test_a_call_that_does_nothing_warns(
-    protocol: str, state: deformable.State, tmp_path: Path
-) -> None:
-    with deformable.Simulation(state.packing, state.law) as sim:
+def test_a_call_that_does_nothing_warns(protocol: str, state: ld.State, tmp_path: Path) -> None:
+    with ld.Simulation(state.packing, state.law) as sim:
         calls = {
-            "compress": lambda: deformable.compress(sim, 0.001, 2),
-            "shear": lambda: deformable.shear(sim, 0.001, 2),
-            "move": lambda: deformable.move(sim, 10),
-            "record": lambda: deformable.record([state], tmp_path),
-            "compress_in": lambda: deformable.compress_in(sim, tmp_path / "run", 0.001, 2),
+            "compress": lambda: ld.compress(sim, 0.001, 2),
+            "shear": lambda: ld.shear(sim, 0.001, 2),
+            "move": lambda: ld.move(sim, 10),
+            "record": lambda: ld.record([state], tmp_path),
+            "compress_in": lambda: ld.compress_in(sim, tmp_path / "run", 0.001, 2),
         }
         said = rf"^{protocol} has done nothing: .*list\({protocol}"
         with pytest.warns(RuntimeWarning, match=said):
@@ -28,14 +26,14 @@ def test_a_call_that_does_nothing_warns(
                 assert next(calls[protocol]())
 
 
-def test_nothing_is_written_before_the_first_step(state: deformable.State, tmp_path: Path) -> None:
+def test_nothing_is_written_before_the_first_step(state: ld.State, tmp_path: Path) -> None:
     folder = tmp_path / "run"
-    with deformable.Simulation(state.packing, state.law) as sim:
+    with ld.Simulation(state.packing, state.law) as sim:
         with pytest.warns(RuntimeWarning, match="^compress_in has done nothing"):
-            deformable.compress_in(sim, folder, 0.001, 2)
+            ld.compress_in(sim, folder, 0.001, 2)
         assert not folder.exists()
-        list(deformable.compress_in(sim, folder, 0.001, 2))
-    run = deformable.Run(folder)
+        list(ld.compress_in(sim, folder, 0.001, 2))
+    run = ld.Run(folder)
     before = {path.name: path.read_bytes() for path in folder.iterdir()}
     with pytest.warns(RuntimeWarning, match=r"^Run\.compress has done nothing"):
         run.compress(0.001, 2)

@@ -4,12 +4,12 @@ import json
 import math
 from typing import Any
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
-from deformable.common.strict_json import as_json, from_json
 from hypothesis import example, given
 from hypothesis import strategies as st
+from lammps_deformable.common.strict_json import as_json, from_json
 
 WORDS = st.text() | st.sampled_from(["inf", "-inf", "nan", "Infinity", "word", "3", "True"])
 LEAVES = st.none() | st.booleans() | st.integers() | st.floats() | WORDS
@@ -60,8 +60,8 @@ def test_numbers_of_numpy_are_numbers(value: Any, back: Any) -> None:
     assert same(through({"a": value}), {"a": back})
 
 
-@pytest.mark.parametrize("value", [{1, 2}, 1j, object, deformable.Ring(), {3: 4}, np.array(1j)])
+@pytest.mark.parametrize("value", [{1, 2}, 1j, object, ld.Ring(), {3: 4}, np.array(1j)])
 def test_what_json_cannot_hold_is_refused(value: Any) -> None:
     for given_value in (value, [value], {"a": {"b": value}}):
-        with pytest.raises(deformable.ParameterError, match=r"^[^\n]*seed[^\n]*$"):
+        with pytest.raises(ld.ParameterError, match=r"^[^\n]*seed[^\n]*$"):
             as_json("seed", given_value)

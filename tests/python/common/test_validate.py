@@ -4,64 +4,64 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
-from deformable import Ring
+from lammps_deformable import Ring
 
-P = deformable.bidisperse(4, seed=1)
+P = ld.bidisperse(4, seed=1)
 
 # A call, the argument that is wrong, and its value as the message shows it.
 CASES: list[tuple[Callable[[], Any], str, str]] = [
-    (lambda: deformable.Simulation(P, "ring"), "law", "'ring'"),
-    (lambda: deformable.Simulation(P, Ring), "law", "call it, Ring(...)"),
-    (lambda: deformable.Simulation("base", Ring()), "packing", "'base'"),
-    (lambda: deformable.Disks(3), "packing", "3"),
-    (lambda: deformable.jam("x"), "packing", "'x'"),
-    (lambda: deformable.jam(P, "ring"), "law", "'ring'"),
-    (lambda: deformable.push_off("x"), "packing", "'x'"),
-    (lambda: deformable.compress(P, 0.01, 1), "sim", "a Packing"),
-    (lambda: deformable.shear(P, 0.01, 1), "sim", "a Packing"),
-    (lambda: deformable.move(P, 1), "sim", "a Packing"),
-    (lambda: deformable.shear_modulus(P, 0.01), "state", "a Packing"),
-    (lambda: deformable.bulk_modulus(P, 0.01), "state", "a Packing"),
-    (lambda: deformable.Run(3).simulation(), "folder", "3"),
-    (lambda: deformable.bidisperse("16"), "number", "'16'"),
-    (lambda: deformable.bidisperse(True), "number", "True"),
+    (lambda: ld.Simulation(P, "ring"), "law", "'ring'"),
+    (lambda: ld.Simulation(P, Ring), "law", "call it, Ring(...)"),
+    (lambda: ld.Simulation("base", Ring()), "packing", "'base'"),
+    (lambda: ld.Disks(3), "packing", "3"),
+    (lambda: ld.jam("x"), "packing", "'x'"),
+    (lambda: ld.jam(P, "ring"), "law", "'ring'"),
+    (lambda: ld.push_off("x"), "packing", "'x'"),
+    (lambda: ld.compress(P, 0.01, 1), "sim", "a Packing"),
+    (lambda: ld.shear(P, 0.01, 1), "sim", "a Packing"),
+    (lambda: ld.move(P, 1), "sim", "a Packing"),
+    (lambda: ld.shear_modulus(P, 0.01), "state", "a Packing"),
+    (lambda: ld.bulk_modulus(P, 0.01), "state", "a Packing"),
+    (lambda: ld.Run(3).simulation(), "folder", "3"),
+    (lambda: ld.bidisperse("16"), "number", "'16'"),
+    (lambda: ld.bidisperse(True), "number", "True"),
     (lambda: P.at(True), "phi", "True"),
-    (lambda: deformable.rectangle(1.0, np.True_), "height", "True"),
+    (lambda: ld.rectangle(1.0, np.True_), "height", "True"),
     (lambda: Ring(kA="1"), "kA", "'1'"),
     (lambda: Ring(kA=[1, -1]), "kA", "-1"),
     (lambda: Ring(contact=2), "contact", "2"),
     (lambda: P.at(np.float64(-0.5)), "phi", "-0.5"),
-    (lambda: deformable.Simulation(P, Ring(), comm=1), "comm", "1"),
-    (lambda: deformable.PolygonSimulation("x"), "packing", "'x'"),
-    (lambda: deformable.PolygonSimulation(P, 0.05), "model", "0.05"),
-    (lambda: deformable.PolygonSimulation(P, walls=3), "walls", "3"),
-    (lambda: deformable.record(P, "x"), "states", "a Packing"),
-    (lambda: next(deformable.record([P], "x")), "a state that is recorded", "a Packing"),
-    (lambda: deformable.record([], 3), "folder", "3"),
-    (lambda: deformable.record([], "x", "seed 3"), "parameters", "'seed 3'"),
-    (lambda: deformable.record([], "x", {"seed": {3}}), "parameters['seed']", "str() of it"),
-    (lambda: deformable.compress_in(P, "x", 0.01, 1), "sim", "a Packing"),
-    (lambda: deformable.Run(3).resume(), "folder", "3"),
-    (lambda: deformable.movie(3, "a.gif"), "states", "3"),
-    (lambda: deformable.movie([P], "a.gif"), "a state of a movie", "a Packing"),
-    (lambda: deformable.movie([], 3), "path", "3"),
-    (lambda: deformable.predict(P, Ring()), "reference", "a Packing"),
-    (lambda: deformable.compare(None, Ring()), "reference", "None"),
-    (lambda: deformable.resolve_secondary(P), "state", "a Packing"),
-    (lambda: deformable.squeeze([0.0], [0.1], 50, True), "model", "50"),
-    (lambda: deformable.Disks(P).relax(1e-3, None), "minimum_contact_force", "None"),
-    (lambda: deformable.Disks(P).relax(1e-3, -1.0), "minimum_contact_force", "-1.0"),
-    (lambda: deformable.Simulation(P, Ring()).restart(None), "packing", "None"),
-    (lambda: next(deformable.compress(deformable.Disks(P), 0.1, 10**400)), "steps", "..."),
+    (lambda: ld.Simulation(P, Ring(), comm=1), "comm", "1"),
+    (lambda: ld.PolygonSimulation("x"), "packing", "'x'"),
+    (lambda: ld.PolygonSimulation(P, 0.05), "model", "0.05"),
+    (lambda: ld.PolygonSimulation(P, walls=3), "walls", "3"),
+    (lambda: ld.record(P, "x"), "states", "a Packing"),
+    (lambda: next(ld.record([P], "x")), "a state that is recorded", "a Packing"),
+    (lambda: ld.record([], 3), "folder", "3"),
+    (lambda: ld.record([], "x", "seed 3"), "parameters", "'seed 3'"),
+    (lambda: ld.record([], "x", {"seed": {3}}), "parameters['seed']", "str() of it"),
+    (lambda: ld.compress_in(P, "x", 0.01, 1), "sim", "a Packing"),
+    (lambda: ld.Run(3).resume(), "folder", "3"),
+    (lambda: ld.movie(3, "a.gif"), "states", "3"),
+    (lambda: ld.movie([P], "a.gif"), "a state of a movie", "a Packing"),
+    (lambda: ld.movie([], 3), "path", "3"),
+    (lambda: ld.predict(P, Ring()), "reference", "a Packing"),
+    (lambda: ld.compare(None, Ring()), "reference", "None"),
+    (lambda: ld.resolve_secondary(P), "state", "a Packing"),
+    (lambda: ld.squeeze([0.0], [0.1], 50, True), "model", "50"),
+    (lambda: ld.Disks(P).relax(1e-3, None), "minimum_contact_force", "None"),
+    (lambda: ld.Disks(P).relax(1e-3, -1.0), "minimum_contact_force", "-1.0"),
+    (lambda: ld.Simulation(P, Ring()).restart(None), "packing", "None"),
+    (lambda: next(ld.compress(ld.Disks(P), 0.1, 10**400)), "steps", "..."),
 ]
 
 
 @pytest.mark.parametrize(("call", "name", "value"), CASES)
 def test_one_line_names_argument_and_value(call: Callable[[], Any], name: str, value: str) -> None:
-    with pytest.raises(deformable.ParameterError) as caught:
+    with pytest.raises(ld.ParameterError) as caught:
         call()
     line = str(caught.value)
     assert line.startswith(f"{name} must ")
@@ -69,26 +69,24 @@ def test_one_line_names_argument_and_value(call: Callable[[], Any], name: str, v
     assert "\n" not in line
 
 
-def test_a_run_needs_its_folder_and_a_communicator(state: deformable.State, tmp_path: Path) -> None:
-    with pytest.raises(deformable.FileError, match=r"\Ano saved run in 'typo': [^\n]*\Z"):
-        deformable.Run("typo")
+def test_a_run_needs_its_folder_and_a_communicator(state: ld.State, tmp_path: Path) -> None:
+    with pytest.raises(ld.FileError, match=r"\Ano saved run in 'typo': [^\n]*\Z"):
+        ld.Run("typo")
     state.save(tmp_path)
-    for call in (deformable.Run(tmp_path).simulation, deformable.Run(tmp_path).resume):
-        with pytest.raises(deformable.ParameterError, match="comm must be of the kind Comm, not 0"):
+    for call in (ld.Run(tmp_path).simulation, ld.Run(tmp_path).resume):
+        with pytest.raises(ld.ParameterError, match="comm must be of the kind Comm, not 0"):
             call(comm=0)
 
 
 def test_shear_strain_in_quotes() -> None:
     with (
-        deformable.Disks(P) as sim,
-        pytest.raises(deformable.ParameterError, match="strain must be a finite number, not 'a'"),
+        ld.Disks(P) as sim,
+        pytest.raises(ld.ParameterError, match="strain must be a finite number, not 'a'"),
     ):
-        deformable.shear(sim, "a", 2)  # type: ignore[arg-type]
+        ld.shear(sim, "a", 2)  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize(
-    "kind", [lambda: deformable.Simulation(P, Ring()), lambda: deformable.Disks(P)]
-)
+@pytest.mark.parametrize("kind", [lambda: ld.Simulation(P, Ring()), lambda: ld.Disks(P)])
 def test_a_closed_simulation_refuses_calls(kind: Callable[[], Any], tmp_path: Path) -> None:
     sim = kind()
     calls: list[Callable[[], Any]] = [
@@ -97,51 +95,51 @@ def test_a_closed_simulation_refuses_calls(kind: Callable[[], Any], tmp_path: Pa
         lambda: sim.box,
         lambda: sim.lmp,
         lambda: sim.deform(P.box),
-        lambda: deformable.compress(sim, 0.01, 1),
-        lambda: next(deformable.shear(sim, 0.01, 1)),
+        lambda: ld.compress(sim, 0.01, 1),
+        lambda: next(ld.shear(sim, 0.01, 1)),
     ]
-    if isinstance(sim, deformable.Simulation):
-        calls += [lambda: deformable.move(sim, 1, temperature=1.0), lambda: sim.restart(P)]
-        calls += [lambda: deformable.compress_in(sim, tmp_path, 0.01, 1)]
+    if isinstance(sim, ld.Simulation):
+        calls += [lambda: ld.move(sim, 1, temperature=1.0), lambda: sim.restart(P)]
+        calls += [lambda: ld.compress_in(sim, tmp_path, 0.01, 1)]
     assert not sim.closed
     sim.close()
     sim.close()  # which changes nothing
     assert sim.closed
     for call in calls:
-        with pytest.raises(deformable.ParameterError, match=f"this {type(sim).__name__} is closed"):
+        with pytest.raises(ld.ParameterError, match=f"this {type(sim).__name__} is closed"):
             call()
 
 
 @pytest.mark.parametrize("folder", ["/dev/null/x", "/proc/none", "x" * 300])
-def test_folders_that_cannot_be_written(folder: str, state: deformable.State) -> None:
+def test_folders_that_cannot_be_written(folder: str, state: ld.State) -> None:
     for call in (
         lambda: state.save(folder),
-        lambda: next(deformable.record([state], folder)),
-        lambda: deformable.movie([state], f"{folder}/movie.gif"),
+        lambda: next(ld.record([state], folder)),
+        lambda: ld.movie([state], f"{folder}/movie.gif"),
     ):
         told = rf"\A'{folder}[^\n]* cannot be written: |\A'/dev/null' is a file, not a folder: "
-        with pytest.raises(deformable.FileError, match=told):
+        with pytest.raises(ld.FileError, match=told):
             call()
 
 
-def test_a_simulation_outlives_a_restart_that_is_refused(jammed: deformable.Packing) -> None:
-    with deformable.Simulation(jammed, Ring(kA=[1.0, 2.0])) as sim:
-        for wrong in (None, deformable.polydisperse(4, [0.5] * 4)):
-            with pytest.raises(deformable.ParameterError):
+def test_a_simulation_outlives_a_restart_that_is_refused(jammed: ld.Packing) -> None:
+    with ld.Simulation(jammed, Ring(kA=[1.0, 2.0])) as sim:
+        for wrong in (None, ld.polydisperse(4, [0.5] * 4)):
+            with pytest.raises(ld.ParameterError):
                 sim.restart(wrong)
         assert sim.state().packing.phi == pytest.approx(jammed.phi)
 
 
-def test_colors_have_names(state: deformable.State) -> None:
+def test_colors_have_names(state: ld.State) -> None:
     """Those of attributes, and those of a trajectory."""
     assert state.values("pressure").tolist() == state.particle_pressure.tolist()
     assert state.values("vx").tolist() == state.velocities[:, 0].tolist()
     for wrong in ("energy", "beauty", 3, None):
-        with pytest.raises(deformable.ParameterError, match=r"area_deficit.*pressure.*not"):
+        with pytest.raises(ld.ParameterError, match=r"area_deficit.*pressure.*not"):
             state.values(wrong)
 
 
 def test_a_mask_makes_two_species() -> None:
     radius = np.array([0.5, 0.7])
-    packing = deformable.Packing.from_arrays([[1, 1], [3, 1]], radius, (4, 2), radius > 0.6)
+    packing = ld.Packing.from_arrays([[1, 1], [3, 1]], radius, (4, 2), radius > 0.6)
     assert packing.species.tolist() == [0, 1]

@@ -3,7 +3,7 @@
 import itertools
 from dataclasses import dataclass
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 
 
@@ -21,7 +21,7 @@ class Naive:
     contacts: dict[tuple[int, int, int, int], np.ndarray]
 
 
-def naive(state: deformable.PolygonState, outlines: list[np.ndarray], box: np.ndarray) -> Naive:
+def naive(state: ld.PolygonState, outlines: list[np.ndarray], box: np.ndarray) -> Naive:
     """Energy, forces on beads and forces of ring j's image on ring i, for these beads."""
     model, rest, kinds = state.model, state.polygons, state.packing.species
     energy, force, contacts = 0.0, [np.zeros_like(outline) for outline in outlines], {}
@@ -56,18 +56,16 @@ def naive(state: deformable.PolygonState, outlines: list[np.ndarray], box: np.nd
     return Naive(energy, force, contacts)
 
 
-def pair(width: float) -> deformable.Packing:
+def pair(width: float) -> ld.Packing:
     """Two equal particles that meet each other through four images, 45 degrees off the axes."""
-    return deformable.Packing(
-        [[0.0, 0.0], [0.5 * width, 0.5 * width]], [0, 0], [0.5], width * np.eye(2)
-    )
+    return ld.Packing([[0.0, 0.0], [0.5 * width, 0.5 * width]], [0, 0], [0.5], width * np.eye(2))
 
 
-def square(height: float, stick: bool = False) -> deformable.Walls:
-    return deformable.Walls(0.3 + np.arange(4) * np.pi / 2.0, np.full(4, height), stick)
+def square(height: float, stick: bool = False) -> ld.Walls:
+    return ld.Walls(0.3 + np.arange(4) * np.pi / 2.0, np.full(4, height), stick)
 
 
-ALONE = deformable.Packing(np.zeros((1, 2)), [0], [0.5], 3.0 * np.eye(2))
+ALONE = ld.Packing(np.zeros((1, 2)), [0], [0.5], 3.0 * np.eye(2))
 
 
-LONE_BEADS = deformable.PolygonModel(vertices=40, radius=0.03)
+LONE_BEADS = ld.PolygonModel(vertices=40, radius=0.03)

@@ -1,6 +1,6 @@
 """Far beyond the model curved lines may lead to rings without a shape: they are held straight."""
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
 
@@ -9,11 +9,9 @@ CROWDED = [(8, 4, 1.0), (8, 11, 1.05), (8, 22, 1.05), (12, 8, 1.05), (16, 5, 1.0
 
 
 def crowded(number, seed, phi):
-    packing = deformable.jam(deformable.bidisperse(number, seed=seed)).at(phi)
+    packing = ld.jam(ld.bidisperse(number, seed=seed)).at(phi)
     moved = np.random.default_rng(seed).normal(0.0, 0.08, packing.positions.shape)
-    return deformable.Packing(
-        packing.positions + moved, packing.species, packing.radii, packing.box
-    )
+    return ld.Packing(packing.positions + moved, packing.species, packing.radii, packing.box)
 
 
 @pytest.mark.filterwarnings("ignore::UserWarning")
@@ -22,8 +20,8 @@ def test_straight_where_curved_lines_lead_astray():
     for case in CROWDED:
         found = {}
         for contact in ("balanced", "curved"):
-            law = deformable.Ring(kA=1.0, kP=0.1, contact=contact)
-            with deformable.Simulation(crowded(*case), law) as sim:
+            law = ld.Ring(kA=1.0, kP=0.1, contact=contact)
+            with ld.Simulation(crowded(*case), law) as sim:
                 state = sim.state()
                 limited = sim.lmp.numpy.extract_compute("deformable_beyond", 0, 1)[4]
             assert np.isfinite([state.energy, state.pressure, *state.stress.flat]).all()

@@ -7,10 +7,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import deformable
+import lammps_deformable as ld
 import pytest
-from deformable import Ring, Simulation
 from each_simulation import MAKERS, PLANE
+from lammps_deformable import Ring, Simulation
 from programs import program
 
 
@@ -19,7 +19,7 @@ from programs import program
 def test_no_copies(name: str, way: Callable[[Any], Any]) -> None:
     with MAKERS[name]() as sim:
         told = rf"\Aa {type(sim).__name__} cannot be pickled or copied, [^\n]*state\(\)\Z"
-        with pytest.raises(deformable.ParameterError, match=told):
+        with pytest.raises(ld.ParameterError, match=told):
             way(sim)
         state = sim.state()
         assert copy.deepcopy(pickle.loads(pickle.dumps(state))).energy == state.energy
@@ -64,7 +64,7 @@ def test_another_thread_is_refused(name: str) -> None:
         try:
             for call in calls:
                 told = r"\A[^\n]* is asked for while another thread is in a call [^\n]*\Z"
-                with pytest.raises(deformable.CallError, match=told):
+                with pytest.raises(ld.CallError, match=told):
                     call()
         finally:
             leave.set()
@@ -73,7 +73,7 @@ def test_another_thread_is_refused(name: str) -> None:
         assert sim.state().energy == pytest.approx(energy, abs=1e-9)  # one after the other
 
 
-def test_threads_relax_one_simulation(jammed: deformable.Packing) -> None:
+def test_threads_relax_one_simulation(jammed: ld.Packing) -> None:
     with Simulation(jammed.at(0.87), Ring()) as sim, Simulation(jammed.at(0.87), Ring()) as alone:
         found: list[float] = []
         errors: list[Exception] = []
@@ -81,7 +81,7 @@ def test_threads_relax_one_simulation(jammed: deformable.Packing) -> None:
         def relax() -> None:
             try:
                 found.append(sim.relax().energy)
-            except deformable.CallError as error:
+            except ld.CallError as error:
                 errors.append(error)
 
         threads = [threading.Thread(target=relax) for _ in range(4)]
@@ -93,7 +93,7 @@ def test_threads_relax_one_simulation(jammed: deformable.Packing) -> None:
         assert found[0] == pytest.approx(alone.relax().energy, rel=1e-9)
 
 
-def test_threads_with_simulations_of_their_own(jammed: deformable.Packing) -> None:
+def test_threads_with_simulations_of_their_own(jammed: ld.Packing) -> None:
     """And one that a restart gave to another LAMMPS is still one."""
     found: list[float] = []
 
@@ -113,13 +113,13 @@ def test_threads_with_simulations_of_their_own(jammed: deformable.Packing) -> No
 # each rank has a file for its errors, as mpiexec may mix their lines
 ALONE = """
 import sys
-import deformable
+import lammps_deformable as ld
 from mpi4py import MPI
 rank = MPI.COMM_WORLD.rank
 sys.stderr = open(f"errors{{rank}}", "w", buffering=1)
-packing = deformable.triangular(4, 4, phi=0.92)
+packing = ld.triangular(4, 4, phi=0.92)
 if {made}:
-    sim = deformable.Simulation(packing, deformable.Ring())
+    sim = ld.Simulation(packing, ld.Ring())
 {calls}
 """
 MISTAKES = {
@@ -141,7 +141,7 @@ MISTAKES = {
     ),
     "a rank that fails": (
         "True",
-        "if rank == 1: raise ValueError('mine')\nlist(deformable.compress(sim, 0.01, 2))",
+        "if rank == 1: raise ValueError('mine')\nlist(ld.compress(sim, 0.01, 2))",
         "rank 1 has ended without the call Simulation.deform",
     ),
 }
@@ -164,17 +164,17 @@ def test_one_rank_alone(name: str, tmp_path: Path) -> None:
 
 LATE = """
 import time
-import deformable
+import lammps_deformable as ld
 from mpi4py import MPI
 rank = MPI.COMM_WORLD.rank
-sim = deformable.Simulation(deformable.triangular(4, 4, phi=0.92), deformable.Ring())
+sim = ld.Simulation(ld.triangular(4, 4, phi=0.92), ld.Ring())
 if rank == 1:
     time.sleep(4)
 first = sim.relax()
 if rank == 0:
     time.sleep(4)
 half = MPI.COMM_WORLD.Split(rank == 2, rank)
-own = deformable.Simulation(first, deformable.Ring(), comm=half)
+own = ld.Simulation(first, ld.Ring(), comm=half)
 if rank < 2:
     print(abs(own.state().energy / first.energy - 1.0) < 1e-12, flush=True)
 """

@@ -3,34 +3,34 @@
 import csv
 from pathlib import Path
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
-from deformable.io.frames import append_frame
-from deformable.io.run_folder import SERIES
+from lammps_deformable.io.frames import append_frame
+from lammps_deformable.io.run_folder import SERIES
 from mpi4py import MPI
 
 
 @pytest.fixture(scope="module")
-def states() -> dict[str, deformable.State]:
+def states() -> dict[str, ld.State]:
     """A packing strained by 3 % beyond jamming, with each ring law."""
-    jammed = deformable.jam(deformable.bidisperse(16, seed=1))
+    jammed = ld.jam(ld.bidisperse(16, seed=1))
     found = {}
     for law in ("balanced", "curved", "radical"):
-        with deformable.Simulation(jammed, deformable.Ring(contact=law), MPI.COMM_SELF) as sim:
+        with ld.Simulation(jammed, ld.Ring(contact=law), MPI.COMM_SELF) as sim:
             sim.deform(sim.box * 0.97)
             found[law] = sim.relax()
     return found
 
 
-def test_energy(states: dict[str, deformable.State]) -> None:
+def test_energy(states: dict[str, ld.State]) -> None:
     """Tilts and curves lower the energy by about a per cent at this strain, on any way to rest."""
     below = 1.0 - states["curved"].energy / states["balanced"].energy
     assert 0.004 < below < 0.02
     assert states["curved"].residual <= 1e-6
 
 
-def test_contacts(states: dict[str, deformable.State]) -> None:
+def test_contacts(states: dict[str, ld.State]) -> None:
     """Forces and tilts are equal from both sides, and partners stand where they are."""
     state = states["curved"]
     table, centers = state.contact_table, state.packing.positions
@@ -51,7 +51,7 @@ def test_contacts(states: dict[str, deformable.State]) -> None:
     assert (states["balanced"].contact_table["tilt"] == 0).all()
 
 
-def test_force_is_along_normals(states: dict[str, deformable.State]) -> None:
+def test_force_is_along_normals(states: dict[str, ld.State]) -> None:
     """Nothing but p L n: they sum to zero at rest, to the tolerance of the relaxation."""
     table = states["curved"].contact_table
     out = np.column_stack([np.cos(table["angle"]), np.sin(table["angle"])])
@@ -60,7 +60,7 @@ def test_force_is_along_normals(states: dict[str, deformable.State]) -> None:
     assert np.abs(force).max() < 2e-6 * table["force"].mean()
 
 
-def test_outlines(states: dict[str, deformable.State]) -> None:
+def test_outlines(states: dict[str, ld.State]) -> None:
     """They are drawn with the arcs: their areas and perimeters are those of the law."""
     state = states["curved"]
     assert np.abs(state.contact_table["half_angle"]).max() > 0.01
@@ -75,16 +75,16 @@ def test_outlines(states: dict[str, deformable.State]) -> None:
 
 def test_runs(tmp_path: Path) -> None:
     """The law comes back."""
-    jammed = deformable.jam(deformable.bidisperse(16, seed=1))
-    law, folder = deformable.Ring(contact="curved"), tmp_path / "run"
-    with deformable.Simulation(jammed, law, MPI.COMM_SELF) as sim:
-        *_, last = deformable.compress_in(sim, folder, strain=0.02, steps=2)
-    with deformable.Run(folder).simulation(MPI.COMM_SELF) as again:
+    jammed = ld.jam(ld.bidisperse(16, seed=1))
+    law, folder = ld.Ring(contact="curved"), tmp_path / "run"
+    with ld.Simulation(jammed, law, MPI.COMM_SELF) as sim:
+        *_, last = ld.compress_in(sim, folder, strain=0.02, steps=2)
+    with ld.Run(folder).simulation(MPI.COMM_SELF) as again:
         assert again.law == law
         assert again.state().energy == pytest.approx(last.energy, rel=1e-9)
 
 
-def test_series_of_an_older_version(states: dict[str, deformable.State], tmp_path: Path) -> None:
+def test_series_of_an_older_version(states: dict[str, ld.State], tmp_path: Path) -> None:
     """Rows that are appended have the columns that the series was begun with."""
     state = states["curved"]
     numbers = state.numbers()
@@ -100,10 +100,10 @@ def test_series_of_an_older_version(states: dict[str, deformable.State], tmp_pat
 
 def test_confluence() -> None:
     """Free arcs vanish near it; beyond, the undeformed disks overlap by a tenth of the box."""
-    jammed = deformable.jam(deformable.bidisperse(8, seed=1))
-    law = deformable.Ring(contact="curved", reach=1.0)
+    jammed = ld.jam(ld.bidisperse(8, seed=1))
+    law = ld.Ring(contact="curved", reach=1.0)
     for phi in (1.0, 1.1):
-        with deformable.Simulation(jammed.at(phi), law) as sim:
+        with ld.Simulation(jammed.at(phi), law) as sim:
             state = sim.relax()
             assert sim.lmp.extract_global("ntimestep") < 20_000  # not the patience of 60 000
         assert state.stalled == (state.residual > 1e-6)

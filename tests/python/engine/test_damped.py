@@ -1,11 +1,11 @@
 """Damped motion to a minimum."""
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
-from deformable.engine.damped import settle
-from deformable.engine.enthalpy import Enthalpy
-from deformable.engine.relaxed_disks import relax_at_pressure, settle_at_pressure
+from lammps_deformable.engine.damped import settle
+from lammps_deformable.engine.enthalpy import Enthalpy
+from lammps_deformable.engine.relaxed_disks import relax_at_pressure, settle_at_pressure
 
 
 @pytest.mark.parametrize("softest", [1e-2, 1e-4])
@@ -33,7 +33,7 @@ def test_critical_damping(softest: float) -> None:
 @pytest.mark.parametrize("ratio", [1.4, 5.0])
 def test_settled_disks(ratio: float) -> None:
     """The minimum is that of the minimizer, also with many small disks around a large one."""
-    packing = deformable.push_off(deformable.bidisperse(60, ratio=ratio, phi=0.95, seed=3))
+    packing = ld.push_off(ld.bidisperse(60, ratio=ratio, phi=0.95, seed=3))
     minimized = relax_at_pressure(packing, 0.02, 1e-9, 1000, lambda *values: None)
     pushed = minimized.packing.at(minimized.packing.phi * 1.001)
     found = settle_at_pressure(pushed, 0.02, 1e-6, 10_000, lambda *values: None)
@@ -45,7 +45,7 @@ def test_settled_disks(ratio: float) -> None:
 
 def test_mass_bounds_frequencies() -> None:
     """With it no mode is beyond the stability of the time step, w^2 < (2/0.5)^2, at any sizes."""
-    packing = deformable.polydisperse(60, np.geomspace(0.1, 2.0, 60), phi=1.0, seed=1)
+    packing = ld.polydisperse(60, np.geomspace(0.1, 2.0, 60), phi=1.0, seed=1)
     packing = relax_at_pressure(packing, 0.05, 1e-6, 2000, lambda *values: None).packing
     enthalpy = Enthalpy(packing, 0.05)
     z, small = enthalpy.start, 1e-6

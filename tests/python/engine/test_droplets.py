@@ -2,26 +2,26 @@
 
 import math
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
 from contact_laws import contacts
-from deformable.protocols.jamming import natural_pressure
+from lammps_deformable.protocols.jamming import natural_pressure
 
-DROPLETS = deformable.Ring(kA=math.inf, kP=0.0, tension=1.0)
+DROPLETS = ld.Ring(kA=math.inf, kP=0.0, tension=1.0)
 
 
 @pytest.fixture(scope="module")
-def squeezed() -> deformable.Packing:
+def squeezed() -> ld.Packing:
     """24 particles 3 % beyond the onset of jamming."""
-    jammed = deformable.jam(deformable.bidisperse(24, seed=3))
+    jammed = ld.jam(ld.bidisperse(24, seed=3))
     return jammed.at(jammed.phi + 0.03)
 
 
 @contacts
-def test_relaxation(squeezed: deformable.Packing, contact: str) -> None:
-    law = deformable.Ring(kA=math.inf, kP=0.0, tension=1.0, contact=contact)
-    with deformable.Simulation(squeezed, law) as sim:
+def test_relaxation(squeezed: ld.Packing, contact: str) -> None:
+    law = ld.Ring(kA=math.inf, kP=0.0, tension=1.0, contact=contact)
+    with ld.Simulation(squeezed, law) as sim:
         state = sim.relax(1e-6)
     assert not state.stalled
     assert state.residual <= 1e-6
@@ -31,10 +31,10 @@ def test_relaxation(squeezed: deformable.Packing, contact: str) -> None:
     assert (state.particle_pressure >= 1.0 / radius * (1 - 1e-12)).all()
 
 
-def test_no_tension_of_its_own_beside_rings(squeezed: deformable.Packing) -> None:
+def test_no_tension_of_its_own_beside_rings(squeezed: ld.Packing) -> None:
     """Small particles are droplets, large ones conserve their perimeter."""
-    law = deformable.Ring(kA=[math.inf, 10.0], kP=[0.0, math.inf], tension=[1.0, 0.0])
-    with deformable.Simulation(squeezed, law) as sim:
+    law = ld.Ring(kA=[math.inf, 10.0], kP=[0.0, math.inf], tension=[1.0, 0.0])
+    with ld.Simulation(squeezed, law) as sim:
         state = sim.relax(1e-6)
     small = squeezed.species == 0
     assert not state.stalled
@@ -42,23 +42,23 @@ def test_no_tension_of_its_own_beside_rings(squeezed: deformable.Packing) -> Non
     np.testing.assert_allclose(state.perimeter[~small], 2 * np.pi * 0.7, rtol=1e-12)
 
 
-def test_motion(squeezed: deformable.Packing) -> None:
+def test_motion(squeezed: ld.Packing) -> None:
     """The default step keeps the energy, and a hot start too."""
-    with deformable.Simulation(squeezed, DROPLETS) as sim:
+    with ld.Simulation(squeezed, DROPLETS) as sim:
         sim.relax(1e-4)
         for temperature in (1e-8, 1e-3):
-            states = list(deformable.move(sim, 400, temperature=temperature, every=40, seed=1))
+            states = list(ld.move(sim, 400, temperature=temperature, every=40, seed=1))
             total = [state.energy + state.kinetic_energy for state in states[1:]]
             kinetic = np.mean([state.kinetic_energy for state in states[1:]])
             assert np.ptp(total) < 0.05 * kinetic
 
 
 def test_droplets_jam_where_disks_do() -> None:
-    packing = deformable.bidisperse(16, seed=1)
-    disks = deformable.jam(packing, pressure=1e-5)
-    droplets = deformable.jam(disks.at(disks.phi - 1e-3), DROPLETS, pressure=1e-5, step=1e-3)
+    packing = ld.bidisperse(16, seed=1)
+    disks = ld.jam(packing, pressure=1e-5)
+    droplets = ld.jam(disks.at(disks.phi - 1e-3), DROPLETS, pressure=1e-5, step=1e-3)
     # the search may rearrange the packing, which moves its onset
     assert droplets.phi == pytest.approx(disks.phi, abs=1e-3)
-    with deformable.Simulation(droplets, DROPLETS) as sim:
+    with ld.Simulation(droplets, DROPLETS) as sim:
         pressure = sim.relax(1e-6).pressure / natural_pressure(droplets, DROPLETS)
     assert 0.9e-5 < pressure < 2.1e-5

@@ -3,49 +3,49 @@
 import dataclasses
 from itertools import product
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
-from deformable.engine.enthalpy import Enthalpy
-from deformable.engine.relaxed_disks import relax_at_pressure
-from deformable.model.neighbors import near_pairs
-from deformable.protocols.starts import soft
+from lammps_deformable.engine.enthalpy import Enthalpy
+from lammps_deformable.engine.relaxed_disks import relax_at_pressure
+from lammps_deformable.protocols.starts import soft
+from ld.model.neighbors import near_pairs
 
-SCENE = (deformable.Circle((0, 0), 4), deformable.Disk((1, 0.5), 0.6))
-BELOW = (deformable.Plane((0, -9), (0, 1)), deformable.Plane((0, -4), (0, -1)))
-BALLS = (deformable.Sphere((1, 2, 3), 2), deformable.Ball((1, 2, 2.5), 0.4))
-CHANNEL = (deformable.Plane((0, 0), (0, 1)), deformable.Plane((0, 5), (0, -1)))
+SCENE = (ld.Circle((0, 0), 4), ld.Disk((1, 0.5), 0.6))
+BELOW = (ld.Plane((0, -9), (0, 1)), ld.Plane((0, -4), (0, -1)))
+BALLS = (ld.Sphere((1, 2, 3), 2), ld.Ball((1, 2, 2.5), 0.4))
+CHANNEL = (ld.Plane((0, 0), (0, 1)), ld.Plane((0, 5), (0, -1)))
 
 
-def in_box(box: tuple[tuple[float, ...], ...]) -> deformable.Packing:
+def in_box(box: tuple[tuple[float, ...], ...]) -> ld.Packing:
     """Spheres of any sizes at random places in a tilted box."""
     rng = np.random.default_rng(4)
     places, radii = rng.random((10, 3)) @ np.array(box), rng.uniform(0.3, 0.5, 10)
-    return deformable.Packing.from_arrays(places, radii, box)
+    return ld.Packing.from_arrays(places, radii, box)
 
 
 PACKINGS = {
-    "rectangle": deformable.bidisperse(30, phi=0.95, aspect=1.4, seed=1),
-    "tilted": deformable.bidisperse(30, phi=0.95, tilt=-0.7, seed=2),
-    "one": deformable.bidisperse(1, phi=0.9, tilt=0.3),
-    "two": deformable.bidisperse(2, phi=0.95, aspect=3.0),
-    "sizes": deformable.polydisperse(20, np.linspace(0.1, 1.0, 20), phi=0.95, tilt=2.2),
-    "circle": deformable.bidisperse(40).between(SCENE),
-    "channel": deformable.bidisperse(20, phi=0.9).between(CHANNEL),
-    "channel elsewhere": deformable.bidisperse(40, phi=0.9, seed=2).between(BELOW),
-    "cube": deformable.bidisperse(12, phi=0.8, dimension=3),
-    "tube": deformable.bidisperse(40, dimension=3).between(deformable.Cylinder((0, 0, 0), 2)),
-    "sphere": deformable.bidisperse(30, dimension=3).between(BALLS),
+    "rectangle": ld.bidisperse(30, phi=0.95, aspect=1.4, seed=1),
+    "tilted": ld.bidisperse(30, phi=0.95, tilt=-0.7, seed=2),
+    "one": ld.bidisperse(1, phi=0.9, tilt=0.3),
+    "two": ld.bidisperse(2, phi=0.95, aspect=3.0),
+    "sizes": ld.polydisperse(20, np.linspace(0.1, 1.0, 20), phi=0.95, tilt=2.2),
+    "circle": ld.bidisperse(40).between(SCENE),
+    "channel": ld.bidisperse(20, phi=0.9).between(CHANNEL),
+    "channel elsewhere": ld.bidisperse(40, phi=0.9, seed=2).between(BELOW),
+    "cube": ld.bidisperse(12, phi=0.8, dimension=3),
+    "tube": ld.bidisperse(40, dimension=3).between(ld.Cylinder((0, 0, 0), 2)),
+    "sphere": ld.bidisperse(30, dimension=3).between(BALLS),
     "leaning": in_box(((1.6, 0.0, 0.0), (0.9, 1.9, 0.0), (-0.7, 1.2, 1.7))),
 }
 
 
 @pytest.fixture(params=PACKINGS)
-def packing(request: pytest.FixtureRequest) -> deformable.Packing:
+def packing(request: pytest.FixtureRequest) -> ld.Packing:
     return PACKINGS[request.param]
 
 
-def strayed(packing: deformable.Packing) -> deformable.Packing:
+def strayed(packing: ld.Packing) -> ld.Packing:
     """The same packing, with some particles in other periodic images."""
     if packing.walls:
         return packing
@@ -53,7 +53,7 @@ def strayed(packing: deformable.Packing) -> deformable.Packing:
     return dataclasses.replace(packing, positions=packing.positions + cells @ packing.box)
 
 
-def test_near_pairs_are_all_pairs(packing: deformable.Packing) -> None:
+def test_near_pairs_are_all_pairs(packing: ld.Packing) -> None:
     """Against a search through all images."""
     packing = strayed(packing)
     skin = 0.2
@@ -62,7 +62,7 @@ def test_near_pairs_are_all_pairs(packing: deformable.Packing) -> None:
     distance = np.linalg.norm(apart, axis=1)
     assert (distance < packing.radius[i] + packing.radius[j] + skin).all()
     x = packing.positions
-    shut = deformable.model.room.closed(packing.walls, packing.dimension)
+    shut = ld.model.room.closed(packing.walls, packing.dimension)
     farthest = 12 if packing.dimension == 2 else 8
     spans = [range(1) if closed else range(-farthest, farthest + 1) for closed in shut]
     steps = np.array(list(product(*spans))) @ packing.box
@@ -71,7 +71,7 @@ def test_near_pairs_are_all_pairs(packing: deformable.Packing) -> None:
     assert 2 * len(i) == near.sum() - len(packing)  # but itself
 
 
-def test_energy_and_pressure_are_those_of_disks_in_lammps(packing: deformable.Packing) -> None:
+def test_energy_and_pressure_are_those_of_disks_in_lammps(packing: ld.Packing) -> None:
     enthalpy = Enthalpy(strayed(packing), None)
     energy, gradient = enthalpy(enthalpy.start)
     with soft(packing) as disks:
@@ -82,7 +82,7 @@ def test_energy_and_pressure_are_those_of_disks_in_lammps(packing: deformable.Pa
     assert gradient[:-1].reshape(forces.shape) == pytest.approx(-forces, abs=1e-12)
 
 
-def test_gradient_is_that_of_finite_differences(packing: deformable.Packing) -> None:
+def test_gradient_is_that_of_finite_differences(packing: ld.Packing) -> None:
     enthalpy = Enthalpy(packing, 0.1)
     rng, step = np.random.default_rng(3), 1e-5
     z = enthalpy.start + np.append(np.zeros(packing.positions.size), 0.3)  # in a larger box

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from pathlib import Path
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
 
@@ -58,21 +58,19 @@ REFUSED = {
 
 
 @pytest.fixture
-def sim(jammed: deformable.Packing) -> Iterator[deformable.Simulation]:
-    with deformable.Simulation(jammed.at(0.87), deformable.Ring()) as sim:
+def sim(jammed: ld.Packing) -> Iterator[ld.Simulation]:
+    with ld.Simulation(jammed.at(0.87), ld.Ring()) as sim:
         yield sim
 
 
-def tell(
-    sim: deformable.Simulation | deformable.Disks | deformable.PolygonSimulation, commands: str
-) -> None:
+def tell(sim: ld.Simulation | ld.Disks | ld.PolygonSimulation, commands: str) -> None:
     for command in commands.splitlines():
         sim.lmp.command(command)
 
 
-def assert_saved_as_it_is(state: deformable.State, folder: Path) -> None:
+def assert_saved_as_it_is(state: ld.State, folder: Path) -> None:
     state.save(folder, overwrite=True)
-    with deformable.Run(folder).simulation() as again:
+    with ld.Run(folder).simulation() as again:
         found = again.state()
     # balanced contacts are known to 1e-8 of their forces
     assert found.energy == pytest.approx(state.energy, rel=1e-7, abs=1e-16)
@@ -80,9 +78,9 @@ def assert_saved_as_it_is(state: deformable.State, folder: Path) -> None:
     np.testing.assert_allclose(found.stress, state.stress, rtol=0, atol=1e-7 * largest + 1e-14)
 
 
-@pytest.mark.filterwarnings("ignore::deformable.StalledWarning")
+@pytest.mark.filterwarnings("ignore::ld.StalledWarning")
 @pytest.mark.parametrize("commands", FOLLOWED.values(), ids=FOLLOWED)
-def test_states_follow(commands: str, sim: deformable.Simulation, tmp_path: Path) -> None:
+def test_states_follow(commands: str, sim: ld.Simulation, tmp_path: Path) -> None:
     tell(sim, commands)
     for call in (sim.state, sim.relax, sim.state):
         state = call()
@@ -91,15 +89,13 @@ def test_states_follow(commands: str, sim: deformable.Simulation, tmp_path: Path
 
 
 @pytest.mark.parametrize(("commands", "named"), REFUSED.values(), ids=REFUSED)
-def test_the_rest_is_refused(
-    commands: str, named: str, sim: deformable.Simulation, tmp_path: Path
-) -> None:
+def test_the_rest_is_refused(commands: str, named: str, sim: ld.Simulation, tmp_path: Path) -> None:
     """By one line, as often as it is asked; `restart` brings the simulation back."""
     packing = sim.state().packing
     (tmp_path / "species").write_text(SPECIES)
     tell(sim, commands.format(species=tmp_path / "species"))
     for call in (sim.state, sim.relax, sim.state):
-        with pytest.raises(deformable.LammpsError, match=rf"\A[^\n]*({named})[^\n]*\Z"):
+        with pytest.raises(ld.LammpsError, match=rf"\A[^\n]*({named})[^\n]*\Z"):
             call()
     sim.restart(packing)
     assert_saved_as_it_is(sim.state(), tmp_path)
@@ -107,10 +103,10 @@ def test_the_rest_is_refused(
 
 def test_particles_of_atom_style_sphere_need_a_mass(tmp_path: Path) -> None:
     """New ones get another from LAMMPS."""
-    loose = deformable.polydisperse(4, [0.5, 0.4, 0.5, 0.4], phi=0.05, seed=2)
-    with deformable.Simulation(loose, deformable.Ring()) as sim:
+    loose = ld.polydisperse(4, [0.5, 0.4, 0.5, 0.4], phi=0.05, seed=2)
+    with ld.Simulation(loose, ld.Ring()) as sim:
         tell(sim, "create_atoms 1 random 1 3 NULL overlap 1.5 maxtry 1000\nset atom 1 diameter 0.7")
-        with pytest.raises(deformable.LammpsError, match=r"atom 5 is 0.52.*set group all mass 1"):
+        with pytest.raises(ld.LammpsError, match=r"atom 5 is 0.52.*set group all mass 1"):
             sim.state()
         tell(sim, "set group all mass 1")
         state = sim.relax()
@@ -128,25 +124,25 @@ def test_particles_of_atom_style_sphere_need_a_mass(tmp_path: Path) -> None:
     ],
 )
 def test_what_is_not_saved_is_named(commands: str, named: str, tmp_path: Path) -> None:
-    with deformable.Simulation(deformable.bidisperse(1, phi=0.2), deformable.Ring()) as sim:
+    with ld.Simulation(ld.bidisperse(1, phi=0.2), ld.Ring()) as sim:
         tell(sim, commands)
         state = sim.state()
     assert state.unsaved == named
-    with pytest.warns(deformable.UnsavedWarning, match=named):
+    with pytest.warns(ld.UnsavedWarning, match=named):
         state.save(tmp_path)
 
 
-def test_disks_follow_as_well(jammed: deformable.Packing) -> None:
+def test_disks_follow_as_well(jammed: ld.Packing) -> None:
     commands = (
         "set atom 1 type 2\ngroup one id 3\ndelete_atoms group one\n"
         "change_box all xy delta 0.1 remap"
     )
-    with deformable.Disks(jammed.at(0.87)) as disks:
+    with ld.Disks(jammed.at(0.87)) as disks:
         tell(disks, commands)
         state = disks.relax()
     assert state.packing.species[0] == 1
     assert len(state.packing) == len(jammed) - 1
-    with deformable.Disks(state.packing) as fresh:
+    with ld.Disks(state.packing) as fresh:
         assert fresh.state().energy == pytest.approx(state.energy, rel=1e-9)
 
 
@@ -161,24 +157,24 @@ def test_disks_follow_as_well(jammed: deformable.Packing) -> None:
     ],
 )
 def test_disks_and_beads_refuse_the_rest(commands: str, named: str) -> None:
-    start = deformable.Packing([[1, 1], [2.2, 1]], [0, 1], [0.5, 0.6], [[5.0, 0.0], [0.0, 5.0]])
+    start = ld.Packing([[1, 1], [2.2, 1]], [0, 1], [0.5, 0.6], [[5.0, 0.0], [0.0, 5.0]])
     for sim in (
-        deformable.Disks(start),
-        deformable.PolygonSimulation(start, deformable.PolygonModel(vertices=20)),
+        ld.Disks(start),
+        ld.PolygonSimulation(start, ld.PolygonModel(vertices=20)),
     ):
         with sim:
             tell(sim, commands)
             for call in (sim.state, sim.relax):
-                with pytest.raises(deformable.LammpsError, match=rf"\A[^\n]*{named}[^\n]*\Z"):
+                with pytest.raises(ld.LammpsError, match=rf"\A[^\n]*{named}[^\n]*\Z"):
                     call()
 
 
 @pytest.mark.parametrize("commands", ["set atom 1 type 2", "replicate 2 1 1", "unfix area0"])
 def test_beads_stay(commands: str) -> None:
-    start = deformable.Packing([[1, 1], [2.2, 1]], [0, 1], [0.5, 0.6], [[5.0, 0.0], [0.0, 5.0]])
-    with deformable.PolygonSimulation(start, deformable.PolygonModel(vertices=20)) as sim:
+    start = ld.Packing([[1, 1], [2.2, 1]], [0, 1], [0.5, 0.6], [[5.0, 0.0], [0.0, 5.0]])
+    with ld.PolygonSimulation(start, ld.PolygonModel(vertices=20)) as sim:
         tell(sim, commands)
-        with pytest.raises(deformable.LammpsError, match=r"beads|area0"):
+        with pytest.raises(ld.LammpsError, match=r"beads|area0"):
             sim.state()
 
 
@@ -187,8 +183,8 @@ def test_obstacles_many_boxes_away(periods: float) -> None:
     """Their images are in the box; at any distance they are found at once."""
     energy = []
     for y in (0.7, 0.7 + 8.0 * periods):
-        packing = deformable.Packing([[1.0, 1.0]], [0], [0.5], [[8.0, 0.0], [0.0, 8.0]])
-        with deformable.Simulation(packing, deformable.Ring()) as sim:
+        packing = ld.Packing([[1.0, 1.0]], [0], [0.5], [[8.0, 0.0], [0.0, 8.0]])
+        with ld.Simulation(packing, ld.Ring()) as sim:
             tell(sim, f"fix w all deformable/wall disk 1.6 {y!r} 0.2")
             energy.append(sim.state().energy)
     assert np.isfinite(energy).all()

@@ -4,28 +4,28 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
-from deformable.engine import free_box
+from lammps_deformable.engine import free_box
 from numpy.typing import NDArray
 
-DROPLETS = deformable.Ring(kA=math.inf, kP=0.0, tension=1.0)
+DROPLETS = ld.Ring(kA=math.inf, kP=0.0, tension=1.0)
 
 # Pressures at which packings of 32 are far enough from the onset to rearrange little.
-KINDS: dict[str, tuple[deformable.Ring | None, float]] = {
+KINDS: dict[str, tuple[ld.Ring | None, float]] = {
     "disks": (None, 1e-2),
-    "balanced": (deformable.Ring(), 1e-3),
-    "curved": (deformable.Ring(contact="curved"), 1e-3),
-    "radical": (deformable.Ring(contact="radical"), 1e-3),
-    "soft": (deformable.Ring(kA=1.0, kP=5.0), 1e-3),
+    "balanced": (ld.Ring(), 1e-3),
+    "curved": (ld.Ring(contact="curved"), 1e-3),
+    "radical": (ld.Ring(contact="radical"), 1e-3),
+    "soft": (ld.Ring(kA=1.0, kP=5.0), 1e-3),
     "droplets": (DROPLETS, 3e-2),
 }
 every_kind = pytest.mark.parametrize(("law", "pressure"), KINDS.values(), ids=KINDS)
 
 
-def simulation(start: deformable.Packing, law: deformable.Ring | None) -> Any:
-    return deformable.Disks(start) if law is None else deformable.Simulation(start, law)
+def simulation(start: ld.Packing, law: ld.Ring | None) -> Any:
+    return ld.Disks(start) if law is None else ld.Simulation(start, law)
 
 
 def excess(state: Any, pressure: float) -> NDArray[np.float64]:
@@ -35,7 +35,7 @@ def excess(state: Any, pressure: float) -> NDArray[np.float64]:
 @pytest.mark.parametrize("box", ["size", "sides", "shape"])
 @every_kind
 def test_the_stress_is_the_pressure_where_the_box_is_free(
-    jammed: deformable.Packing, law: deformable.Ring | None, pressure: float, box: str
+    jammed: ld.Packing, law: ld.Ring | None, pressure: float, box: str
 ) -> None:
     with simulation(jammed, law) as sim:
         state = sim.relax(pressure=pressure, box=box)
@@ -58,14 +58,14 @@ def test_packings_of_many_seeds_come_to_rest(seed: int, monkeypatch: pytest.Monk
     """Down to a low pressure, where many contacts change on the way."""
     count = 0
 
-    def counted(self: deformable.Disks, *given: Any, **named: Any) -> deformable.DiskState:
+    def counted(self: ld.Disks, *given: Any, **named: Any) -> ld.DiskState:
         nonlocal count
         count += "pressure" not in named
         return relax(self, *given, **named)
 
-    relax = deformable.Disks.relax
-    monkeypatch.setattr(deformable.Disks, "relax", counted)
-    with deformable.Disks(deformable.jam(deformable.bidisperse(32, seed=seed))) as disks:
+    relax = ld.Disks.relax
+    monkeypatch.setattr(ld.Disks, "relax", counted)
+    with ld.Disks(ld.jam(ld.bidisperse(32, seed=seed))) as disks:
         for pressure in (1e-2, 1e-3, 1e-4):
             count = 0
             state = disks.relax(pressure=pressure, box="shape")
@@ -74,9 +74,7 @@ def test_packings_of_many_seeds_come_to_rest(seed: int, monkeypatch: pytest.Monk
 
 
 @every_kind
-def test_the_enthalpy_is_least(
-    jammed: deformable.Packing, law: deformable.Ring | None, pressure: float
-) -> None:
+def test_the_enthalpy_is_least(jammed: ld.Packing, law: ld.Ring | None, pressure: float) -> None:
     """Any small strain of the box raises E + p A of the relaxed packing."""
 
     def enthalpy(state: Any) -> float:
@@ -93,7 +91,7 @@ def test_the_enthalpy_is_least(
                 assert enthalpy(sim.relax(1e-8)) > enthalpy(rest)
 
 
-def by_lammps(start: deformable.Packing, law: deformable.Ring | None, pressure: float) -> Any:
+def by_lammps(start: ld.Packing, law: ld.Ring | None, pressure: float) -> Any:
     """Conjugate gradients of centers and box together, by LAMMPS' fix box/relax."""
     free = f"x {pressure!r} y {pressure!r} xy 0.0 couple none vmax 1e-4"
     with simulation(start, law) as sim:
@@ -113,7 +111,7 @@ def by_lammps(start: deformable.Packing, law: deformable.Ring | None, pressure: 
 
 @every_kind
 def test_fix_box_relax_comes_to_the_same_packing(
-    jammed: deformable.Packing, law: deformable.Ring | None, pressure: float
+    jammed: ld.Packing, law: ld.Ring | None, pressure: float
 ) -> None:
     """From a packing a strain of 1e-4 away, so that neither route leads to another one."""
     with simulation(jammed, law) as sim:
@@ -132,22 +130,22 @@ def test_fix_box_relax_comes_to_the_same_packing(
 
 
 def test_walls_are_scaled_with_the_box() -> None:
-    scene = [*deformable.rectangle(8, 7), deformable.Disk((3, 3), 1.0)]
-    start = deformable.push_off(deformable.bidisperse(24, seed=1).between(scene).at(0.75))
-    for sim in (deformable.Simulation(start, deformable.Ring()), deformable.Disks(start)):
+    scene = [*ld.rectangle(8, 7), ld.Disk((3, 3), 1.0)]
+    start = ld.push_off(ld.bidisperse(24, seed=1).between(scene).at(0.75))
+    for sim in (ld.Simulation(start, ld.Ring()), ld.Disks(start)):
         with sim:
             state = sim.relax(1e-5, pressure=1e-3)
             assert state.pressure == pytest.approx(1e-3, rel=1e-6)
             scale = state.packing.box[0, 0] / start.box[0, 0]
             assert sim.walls[-1].radius == pytest.approx(scale * start.walls[-1].radius)
-            with pytest.raises(deformable.ParameterError, match="box='shape' is not for walls"):
+            with pytest.raises(ld.ParameterError, match="box='shape' is not for walls"):
                 sim.relax(pressure=1e-3, box="shape")
 
 
 def test_particles_that_stick() -> None:
-    sticky = deformable.Ring(kA=math.inf, kP=0.0, tension=1.0, contact="curved", adhesion=0.2)
-    start = deformable.push_off(deformable.bidisperse(16, phi=0.9, seed=1))
-    with deformable.Simulation(start, sticky) as sim:
+    sticky = ld.Ring(kA=math.inf, kP=0.0, tension=1.0, contact="curved", adhesion=0.2)
+    start = ld.push_off(ld.bidisperse(16, phi=0.9, seed=1))
+    with ld.Simulation(start, sticky) as sim:
         state = sim.relax(1e-5, pressure=0.03, box="shape")
     assert np.abs(excess(state, 0.03)).max() <= 1e-6
 
@@ -163,63 +161,63 @@ def test_particles_that_stick() -> None:
         ({"box": "shape"}, "box='shape' needs a pressure"),
     ],
 )
-@pytest.mark.parametrize("law", [None, deformable.Ring()])
+@pytest.mark.parametrize("law", [None, ld.Ring()])
 def test_nonsense_is_refused(
-    jammed: deformable.Packing, law: deformable.Ring | None, given: dict[str, Any], message: str
+    jammed: ld.Packing, law: ld.Ring | None, given: dict[str, Any], message: str
 ) -> None:
     with simulation(jammed, law) as sim:
-        with pytest.raises(deformable.ParameterError, match=message):
+        with pytest.raises(ld.ParameterError, match=message):
             sim.relax(**given)
         assert sim.box == pytest.approx(jammed.box)  # nothing has moved
 
 
 @pytest.mark.filterwarnings("ignore")
 @pytest.mark.parametrize("box", ["size", "shape"])
-@pytest.mark.parametrize("law", [deformable.Ring(), DROPLETS], ids=["ring", "droplets"])
+@pytest.mark.parametrize("law", [ld.Ring(), DROPLETS], ids=["ring", "droplets"])
 def test_a_pressure_beyond_the_law_is_told_with_what_was_reached(
-    jammed: deformable.Packing, law: deformable.Ring, box: str
+    jammed: ld.Packing, law: ld.Ring, box: str
 ) -> None:
     told = r"pressure = 50 was not reached, but [\d.]+ at phi = 0\.\d+: LAMMPS: "
     with (
-        deformable.Simulation(jammed, law) as sim,
-        pytest.raises(deformable.ParameterError, match=told),
+        ld.Simulation(jammed, law) as sim,
+        pytest.raises(ld.ParameterError, match=told),
     ):
         sim.relax(1e-3, pressure=50.0, box=box)
 
 
 def test_a_search_that_does_not_end_is_told_with_what_was_reached(
-    jammed: deformable.Packing, monkeypatch: pytest.MonkeyPatch
+    jammed: ld.Packing, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(free_box, "_RELAXATIONS", 2)
     told = r"the largest difference is 0\.\d+ of it at phi = 0\.\d+: 2 relaxations were not"
-    with deformable.Disks(jammed) as disks, pytest.raises(deformable.ParameterError, match=told):
+    with ld.Disks(jammed) as disks, pytest.raises(ld.ParameterError, match=told):
         disks.relax(pressure=1e-3, box="shape")
 
 
-@pytest.mark.filterwarnings("ignore::deformable.StalledWarning")
+@pytest.mark.filterwarnings("ignore::ld.StalledWarning")
 def test_sectors_whose_energy_jumps_have_no_pressure_to_reach() -> None:
-    few = deformable.jam(deformable.bidisperse(8, seed=1))
+    few = ld.jam(ld.bidisperse(8, seed=1))
     with (
-        deformable.Simulation(few, deformable.Sector()) as sim,
-        pytest.raises(deformable.ParameterError, match="relaxations in a row stalled"),
+        ld.Simulation(few, ld.Sector()) as sim,
+        pytest.raises(ld.ParameterError, match="relaxations in a row stalled"),
     ):
         sim.relax(pressure=1e-3)
 
 
-def test_warnings_are_those_of_the_last_relaxation(jammed: deformable.Packing) -> None:
+def test_warnings_are_those_of_the_last_relaxation(jammed: ld.Packing) -> None:
     """On the way to a high pressure particles go beyond the model several times."""
     with (
-        deformable.Simulation(jammed, deformable.Ring()) as sim,
-        pytest.warns(deformable.BeyondModelWarning) as told,
+        ld.Simulation(jammed, ld.Ring()) as sim,
+        pytest.warns(ld.BeyondModelWarning) as told,
     ):
         state = sim.relax(pressure=0.15)
     assert len(told) == 1
     assert str(told[0].message).startswith(f"{state.beyond} of 32 particles")
 
 
-def test_the_first_step_is_downhill(jammed: deformable.Packing) -> None:
+def test_the_first_step_is_downhill(jammed: ld.Packing) -> None:
     """A matrix that is not positive definite would lead to saddles."""
-    with deformable.Disks(jammed.at(jammed.phi + 0.01)) as disks:
+    with ld.Disks(jammed.at(jammed.phi + 0.01)) as disks:
         state = disks.relax()
     for free in (2, 3):
         inverse, step = free_box._first_inverse(state, state.pressure, free)

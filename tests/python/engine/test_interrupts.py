@@ -6,7 +6,7 @@ import threading
 import time
 from collections.abc import Callable
 
-import deformable
+import lammps_deformable as ld
 import pytest
 from mpi4py import MPI
 
@@ -33,23 +33,23 @@ def interrupted(work: Callable[[], object]) -> float:
 
 
 def test_a_block_of_a_motion_ends_at_once() -> None:
-    packing = deformable.push_off(deformable.bidisperse(20, phi=0.7, seed=1))
-    with deformable.Simulation(packing, deformable.Ring(), MPI.COMM_SELF) as sim:
-        motion = deformable.move(sim, 10**8, 0.01, temperature=1e-6, every=10**8, seed=1)
+    packing = ld.push_off(ld.bidisperse(20, phi=0.7, seed=1))
+    with ld.Simulation(packing, ld.Ring(), MPI.COMM_SELF) as sim:
+        motion = ld.move(sim, 10**8, 0.01, temperature=1e-6, every=10**8, seed=1)
         assert interrupted(lambda: next(motion)) < 2.0  # the block takes 20 minutes
         steps = sim.lmp.extract_global("ntimestep")
         assert 0 < steps < 10**8
         assert sim.time == pytest.approx(0.01 * steps, rel=1e-12)
-        *_, state = deformable.move(sim, 100, 0.01)
+        *_, state = ld.move(sim, 100, 0.01)
         assert state.time == pytest.approx(0.01 * (steps + 100), rel=1e-12)
         assert sim.relax().residual <= 1e-6
 
 
 def test_a_minimization_ends_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
     for limit in ("deforming._PATIENCE", "fire._ITERATIONS"):
-        monkeypatch.setattr(f"deformable.engine.{limit}", 10**8)
-    packing = deformable.push_off(deformable.bidisperse(20, phi=0.7, seed=1))
-    with deformable.Simulation(packing, deformable.Ring(), MPI.COMM_SELF) as sim:
+        monkeypatch.setattr(f"lammps_deformable.engine.{limit}", 10**8)
+    packing = ld.push_off(ld.bidisperse(20, phi=0.7, seed=1))
+    with ld.Simulation(packing, ld.Ring(), MPI.COMM_SELF) as sim:
         sim.lmp.command("fix down all addforce 0 1e-6 0")  # a fall without end
         assert interrupted(sim.relax) < 2.0
         monkeypatch.undo()

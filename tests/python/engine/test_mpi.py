@@ -11,7 +11,7 @@ from ranks import python
 SEEN = """
 import json
 from mpi4py import MPI
-import deformable
+import lammps_deformable as ld
 
 {}
 assert MPI.COMM_WORLD.allgather(seen) == [seen] * MPI.COMM_WORLD.size
@@ -19,19 +19,19 @@ if MPI.COMM_WORLD.rank == 0:
     print(json.dumps(seen))
 """
 COMPRESSED = """
-sim = deformable.Simulation(start, deformable.Ring())
-for state in deformable.record(deformable.compress(sim, 0.02, 2, {tolerance}), "run"):
+sim = ld.Simulation(start, ld.Ring())
+for state in ld.record(ld.compress(sim, 0.02, 2, {tolerance}), "run"):
     assert state.root == (MPI.COMM_WORLD.rank == 0)
-with deformable.Run("run").simulation() as again:
+with ld.Run("run").simulation() as again:
     assert abs(again.state().energy / state.energy - 1) < 1e-12
 table = state.contact_table
 seen = [state.phi, state.pressure, state.energy, state.coordination]
 """
 CONTACTS = "seen += [*table['i'].tolist(), *table['j'].tolist()]"
-JAMMED = "start = deformable.jam(deformable.{})"
+JAMMED = "start = ld.jam(ld.{})"
 POLYGONS = """
-jammed = deformable.jam(deformable.bidisperse(6, seed=3, tilt=0.2))
-with deformable.PolygonSimulation(jammed, deformable.PolygonModel({beads})) as rings:
+jammed = ld.jam(ld.bidisperse(6, seed=3, tilt=0.2))
+with ld.PolygonSimulation(jammed, ld.PolygonModel({beads})) as rings:
     rings.deform({stretch} * rings.box)
     {relax}
     state = rings.state()
@@ -42,33 +42,33 @@ for values in state.packing.positions, table.force, table.i, table.j, table.imag
 """
 SMOOTH = "vertices=30, radius=0.025, kL=180.0, kr=10.0, smooth=True"
 WALLS = """
-scene = [deformable.Circle((0, 0), 6), deformable.Disk((2, 0), 1)]
-scene.append(deformable.Segment((-3, -2), (-3, 2)))
-loose = deformable.bidisperse(48, seed=3).between(scene, seed=1)
-start = deformable.push_off(loose.at(0.84))
+scene = [ld.Circle((0, 0), 6), ld.Disk((2, 0), 1)]
+scene.append(ld.Segment((-3, -2), (-3, 2)))
+loose = ld.bidisperse(48, seed=3).between(scene, seed=1)
+start = ld.push_off(loose.at(0.84))
 """
 WALLS_IN_SPACE = """
-lids = [deformable.Plane((0, 0, z), (0, 0, 1 - z)) for z in (0, 2)]
-scene = [deformable.Cylinder((0, 0, 0), 2), *lids, deformable.Ball((1, 0, 1), 0.4)]
-loose = deformable.bidisperse(32, seed=3, dimension=3).between(scene, seed=1)
-start = deformable.push_off(loose.at(0.6))
-with deformable.Simulation(start, deformable.Droplet()) as sim:
-    *_, state = deformable.compress(sim, 0.02, 2, 1e-8)
+lids = [ld.Plane((0, 0, z), (0, 0, 1 - z)) for z in (0, 2)]
+scene = [ld.Cylinder((0, 0, 0), 2), *lids, ld.Ball((1, 0, 1), 0.4)]
+loose = ld.bidisperse(32, seed=3, dimension=3).between(scene, seed=1)
+start = ld.push_off(loose.at(0.6))
+with ld.Simulation(start, ld.Droplet()) as sim:
+    *_, state = ld.compress(sim, 0.02, 2, 1e-8)
 seen = [state.phi, state.pressure, state.energy, *state.wall_forces.ravel()]
 """
 MOTION = """
-packing = deformable.push_off(deformable.bidisperse(32, phi=0.9, seed=3))
-with deformable.Simulation(packing, deformable.Ring()) as sim:
-    (free,) = deformable.move(sim, 100, 0.2, temperature=1e-6, seed=1)
-    *_, bath = deformable.move(sim, 100, 0.2, temperature=1e-6, friction=0.1, every=50, seed=1)
+packing = ld.push_off(ld.bidisperse(32, phi=0.9, seed=3))
+with ld.Simulation(packing, ld.Ring()) as sim:
+    (free,) = ld.move(sim, 100, 0.2, temperature=1e-6, seed=1)
+    *_, bath = ld.move(sim, 100, 0.2, temperature=1e-6, friction=0.1, every=50, seed=1)
 alike = MPI.COMM_WORLD.allgather(bath.temperature)  # each rank has its own noise
 assert alike == alike[:1] * len(alike)
 seen = [free.energy, free.kinetic_energy]
-rough = deformable.Friction(0.4, 0.01, 0.001, damp=0.01)
-with deformable.Simulation(packing, deformable.Ring(), friction=rough) as sim:
-    (rubbed,) = deformable.move(sim, 50, 0.2, temperature=1e-4, seed=1)
-with deformable.Simulation(rubbed, deformable.Ring()) as sim:  # springs reach their ranks
-    (further,) = deformable.move(sim, 50, 0.2)
+rough = ld.Friction(0.4, 0.01, 0.001, damp=0.01)
+with ld.Simulation(packing, ld.Ring(), friction=rough) as sim:
+    (rubbed,) = ld.move(sim, 50, 0.2, temperature=1e-4, seed=1)
+with ld.Simulation(rubbed, ld.Ring()) as sim:  # springs reach their ranks
+    (further,) = ld.move(sim, 50, 0.2)
 assert further.contact_table["sliding"].any()
 seen += [further.lost_energy, further.spring_energy, *further.spins]
 """
@@ -113,23 +113,23 @@ def test_two_ranks_give_the_serial_answer(name: str, tmp_path: Path) -> None:
 
 FARM = """
 from mpi4py import MPI
-import deformable
+import lammps_deformable as ld
 
 rank = MPI.COMM_WORLD.rank
-jammed = deformable.jam(deformable.bidisperse(16, seed=rank + 1))
-sim = deformable.Simulation(jammed, deformable.Ring(), comm=MPI.COMM_SELF)
-for state in deformable.record(deformable.compress(sim, 0.01, rank + 1), f"run{rank}"):
+jammed = ld.jam(ld.bidisperse(16, seed=rank + 1))
+sim = ld.Simulation(jammed, ld.Ring(), comm=MPI.COMM_SELF)
+for state in ld.record(ld.compress(sim, 0.01, rank + 1), f"run{rank}"):
     pass
 assert state.root
 """
 
 
 PROTOCOL = """
-import deformable
+import lammps_deformable as ld
 
-start = deformable.jam(deformable.bidisperse(32, seed=6)).at(0.87)
-sim = deformable.Simulation(start, deformable.Ring(contact="radical"))
-for state in deformable.compress_in(sim, "run", strain=0.005, steps=5, tolerance=1e-9):
+start = ld.jam(ld.bidisperse(32, seed=6)).at(0.87)
+sim = ld.Simulation(start, ld.Ring(contact="radical"))
+for state in ld.compress_in(sim, "run", strain=0.005, steps=5, tolerance=1e-9):
     pass
 """
 
@@ -141,18 +141,18 @@ def test_every_rank_may_run_its_own(tmp_path: Path) -> None:
 
 
 JAM = """
-import deformable, numpy as np
+import lammps_deformable as ld, numpy as np
 from mpi4py import MPI
 
 comm = MPI.COMM_WORLD
-loose = deformable.bidisperse(96, seed=2)
-for law, pressure in ((None, 1e-7), (deformable.Ring(contact="radical"), 1e-10)):
-    jammed = deformable.jam(loose, law, pressure=pressure, tolerance=1e-5, comm=comm)
+loose = ld.bidisperse(96, seed=2)
+for law, pressure in ((None, 1e-7), (ld.Ring(contact="radical"), 1e-10)):
+    jammed = ld.jam(loose, law, pressure=pressure, tolerance=1e-5, comm=comm)
     everywhere = comm.allgather(jammed.positions)
     assert all(np.array_equal(jammed.positions, other) for other in everywhere)
-    with deformable.protocols.starts.simulate(jammed, law) as sim:
+    with lammps_deformable.protocols.starts.simulate(jammed, law) as sim:
         state = sim.state()
-    unit = deformable.protocols.jamming.natural_pressure(jammed, law)
+    unit = lammps_deformable.protocols.jamming.natural_pressure(jammed, law)
     if comm.rank == 0:
         print(jammed.positions.sum().hex(), state.phi, state.pressure / unit / pressure)
 """

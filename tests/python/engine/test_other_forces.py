@@ -1,22 +1,22 @@
 """Relaxations with forces that a user's fixes add."""
 
-import deformable
+import lammps_deformable as ld
 import pytest
 
 GRAVITY = 1e-3
 
 
 @pytest.fixture(scope="module")
-def start() -> deformable.Packing:
+def start() -> ld.Packing:
     """Loose in a box with walls: no contact bears a force."""
-    walls = deformable.rectangle(10, 12)
-    return deformable.push_off(deformable.bidisperse(30, seed=1).between(walls))
+    walls = ld.rectangle(10, 12)
+    return ld.push_off(ld.bidisperse(30, seed=1).between(walls))
 
 
-@pytest.mark.parametrize("law", [deformable.Ring(), deformable.Ring(kA=10.0, kP=0.0, tension=0.05)])
-def test_a_heap_under_its_weight(start: deformable.Packing, law: deformable.Ring) -> None:
+@pytest.mark.parametrize("law", [ld.Ring(), ld.Ring(kA=10.0, kP=0.0, tension=0.05)])
+def test_a_heap_under_its_weight(start: ld.Packing, law: ld.Ring) -> None:
     """Particles that touch nothing fall; the floor bears all of them in the end."""
-    with deformable.Simulation(start, law) as sim:
+    with ld.Simulation(start, law) as sim:
         assert sim.relax().residual == 0.0
         sim.lmp.command(f"fix down all addforce 0 {-GRAVITY} 0")
         heap = sim.relax()
@@ -30,37 +30,37 @@ def test_a_heap_under_its_weight(start: deformable.Packing, law: deformable.Ring
 
 
 def test_free_fall_has_no_end(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("deformable.engine.deforming._PATIENCE", 3000)
-    loose = deformable.push_off(deformable.bidisperse(8, phi=0.4, seed=1))
-    with deformable.Simulation(loose, deformable.Ring()) as sim:
+    monkeypatch.setattr("lammps_deformable.engine.deforming._PATIENCE", 3000)
+    loose = ld.push_off(ld.bidisperse(8, phi=0.4, seed=1))
+    with ld.Simulation(loose, ld.Ring()) as sim:
         sim.lmp.command(f"fix down all addforce 0 {-GRAVITY} 0")
-        with pytest.warns(deformable.StalledWarning):
+        with pytest.warns(ld.StalledWarning):
             state = sim.relax()
     assert state.residual == pytest.approx(1.0)
 
 
 @pytest.mark.parametrize("fix", ["gravity 1e-3 vector 0 -1 0", "langevin 1e-6 1e-6 1.0 7"])
-def test_forces_of_motion_are_refused(start: deformable.Packing, fix: str) -> None:
+def test_forces_of_motion_are_refused(start: ld.Packing, fix: str) -> None:
     """Minimizers of LAMMPS pass over them: the state would not be at rest under them."""
-    with deformable.Simulation(start, deformable.Ring()) as sim:
+    with ld.Simulation(start, ld.Ring()) as sim:
         sim.lmp.command(f"fix mine all {fix}")
-        with pytest.raises(deformable.LammpsError, match="balance with fix mine, which acts in"):
+        with pytest.raises(ld.LammpsError, match="balance with fix mine, which acts in"):
             sim.relax()
         sim.lmp.command("unfix mine")
         assert sim.relax().residual == 0.0
 
 
-def test_relaxation_within_a_motion(start: deformable.Packing) -> None:
+def test_relaxation_within_a_motion(start: ld.Packing) -> None:
     """The heat bath of `move` is no fix of a user."""
-    with deformable.Simulation(start, deformable.Ring()) as sim:
-        for _ in deformable.move(sim, 2, 0.01, temperature=1e-6, friction=1.0, every=1, seed=1):
+    with ld.Simulation(start, ld.Ring()) as sim:
+        for _ in ld.move(sim, 2, 0.01, temperature=1e-6, friction=1.0, every=1, seed=1):
             assert not sim.relax().velocities.any()
 
 
 def test_fixes_without_forces_change_nothing() -> None:
     """Contacts that hardly overlap bear next to nothing: the packing is loose, with any output."""
-    packing = deformable.Packing([[2, 2], [3 - 1e-9, 2]], [0, 0], [0.5], [[9, 0], [0, 9]])
-    with deformable.Simulation(packing, deformable.Ring()) as sim:
+    packing = ld.Packing([[2, 2], [3 - 1e-9, 2]], [0, 0], [0.5], [[9, 0], [0, 9]])
+    with ld.Simulation(packing, ld.Ring()) as sim:
         sim.lmp.command("compute t all temp")
         sim.lmp.command("fix out all ave/time 1 1 1 c_t")
         state = sim.relax()

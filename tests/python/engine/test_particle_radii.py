@@ -4,46 +4,46 @@ import warnings
 from dataclasses import replace
 from pathlib import Path
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
-from deformable import core
-from deformable.engine.lammps import gather, run
-from deformable.engine.soft_particles import open_disks
+from lammps_deformable import core
+from lammps_deformable.engine.lammps import gather, run
+from lammps_deformable.engine.soft_particles import open_disks
 from scipy import stats
 
-RADICAL = deformable.Ring(kA=2.0, contact="radical")
+RADICAL = ld.Ring(kA=2.0, contact="radical")
 
 
 @pytest.fixture(scope="module")
-def start() -> deformable.Packing:
-    return deformable.polydisperse(24, lambda rng: rng.lognormal(-0.7, 0.15, 24), tilt=0.3, seed=4)
+def start() -> ld.Packing:
+    return ld.polydisperse(24, lambda rng: rng.lognormal(-0.7, 0.15, 24), tilt=0.3, seed=4)
 
 
 @pytest.fixture(scope="module")
-def jammed(start: deformable.Packing) -> deformable.Packing:
-    return deformable.jam(start)
+def jammed(start: ld.Packing) -> ld.Packing:
+    return ld.jam(start)
 
 
 @pytest.fixture(scope="module")
-def state(jammed: deformable.Packing) -> deformable.State:
-    with deformable.Simulation(jammed, RADICAL) as sim:
-        (last,) = deformable.compress(sim, strain=0.01, steps=1)
+def state(jammed: ld.Packing) -> ld.State:
+    with ld.Simulation(jammed, RADICAL) as sim:
+        (last,) = ld.compress(sim, strain=0.01, steps=1)
     return last
 
 
 def test_two_sizes_jam_as_two_species_do() -> None:
     """The same onset, in another style of LAMMPS."""
-    two = deformable.bidisperse(32, seed=3)
-    many = deformable.polydisperse(32, two.radius, seed=3)
-    expected, found = deformable.jam(two), deformable.jam(many)
+    two = ld.bidisperse(32, seed=3)
+    many = ld.polydisperse(32, two.radius, seed=3)
+    expected, found = ld.jam(two), ld.jam(many)
     # the pressure is 1 to 2e-6 there and rises by 0.3 or so per phi
     assert found.phi == pytest.approx(expected.phi, abs=1e-5)
 
 
 def test_disks_are_the_same_in_both_styles() -> None:
     """Forces and pressure of overlapping disks, which both styles sum in an order of their own."""
-    two = deformable.bidisperse(32, phi=0.8, tilt=0.2, seed=3)
+    two = ld.bidisperse(32, phi=0.8, tilt=0.2, seed=3)
     found = []
     for packing in (two, replace(two, particle_radii=two.radius)):
         lmp = open_disks(packing)
@@ -59,13 +59,13 @@ def test_disks_are_the_same_in_both_styles() -> None:
 
 def test_two_sizes_are_two_species() -> None:
     """Energy, stress, shapes and contacts of the same packing, defined in both ways."""
-    two = deformable.jam(deformable.bidisperse(24, seed=2))
+    two = ld.jam(ld.bidisperse(24, seed=2))
     two = two.at(1.02 * two.phi)
     many = replace(two, particle_radii=two.radius)
-    for law in (RADICAL, deformable.Ring(kP=5.0, skin=0.02), deformable.Sector()):
+    for law in (RADICAL, ld.Ring(kP=5.0, skin=0.02), ld.Sector()):
         states = []
         for packing in (two, many):
-            with deformable.Simulation(packing, law) as sim:
+            with ld.Simulation(packing, law) as sim:
                 states.append(sim.state())
         expected, found = states
         assert found.energy == expected.energy
@@ -75,25 +75,25 @@ def test_two_sizes_are_two_species() -> None:
             assert np.array_equal(getattr(found, name), getattr(expected, name)), name
 
 
-def test_loose_particles_relax_to_nothing(jammed: deformable.Packing) -> None:
+def test_loose_particles_relax_to_nothing(jammed: ld.Packing) -> None:
     """Each is a circle of its own radius."""
     loose = jammed.at(jammed.phi - 0.03)
-    with warnings.catch_warnings(), deformable.Simulation(loose, RADICAL) as sim:
+    with warnings.catch_warnings(), ld.Simulation(loose, RADICAL) as sim:
         warnings.simplefilter("error")
         state = sim.relax()
     assert (state.residual, state.stalled) == (0.0, False)
     assert state.rattlers.all()
 
 
-def test_particles_may_grow_up_to_their_species(state: deformable.State) -> None:
+def test_particles_may_grow_up_to_their_species(state: ld.State) -> None:
     """LAMMPS commands may change radii; states have the new ones."""
     room = replace(state.packing, radii=2.0 * state.packing.radii)
-    with deformable.Simulation(room, RADICAL) as sim:
+    with ld.Simulation(room, RADICAL) as sim:
         assert sim.state().energy == pytest.approx(state.energy, rel=1e-9)
         sim.lmp.command("set atom 3 diameter 0.4")
         assert sim.state().packing.radius[2] == 0.2
         sim.lmp.command(f"set atom 3 diameter {5.0 * float(state.packing.radii[0])}")
-        with pytest.raises(deformable.LammpsError, match=r"Atom 3 has a radius of .* at most"):
+        with pytest.raises(ld.LammpsError, match=r"Atom 3 has a radius of .* at most"):
             sim.state()
 
 
@@ -103,22 +103,22 @@ def test_particles_may_grow_up_to_their_species(state: deformable.State) -> None
 @pytest.mark.parametrize("width", [0.1, 0.3, 0.5])
 def test_wide_distributions_reach_the_tolerance(width: float, seed: int, contact: str) -> None:
     """Radii up to 12 times as large as others."""
-    start = deformable.polydisperse(64, stats.lognorm(width, scale=0.5), seed=seed)
-    with deformable.Simulation(deformable.jam(start), deformable.Ring(contact=contact)) as sim:
-        for state in deformable.compress(sim, strain=0.02, steps=2):
+    start = ld.polydisperse(64, stats.lognorm(width, scale=0.5), seed=seed)
+    with ld.Simulation(ld.jam(start), ld.Ring(contact=contact)) as sim:
+        for state in ld.compress(sim, strain=0.02, steps=2):
             assert not state.stalled
             assert state.residual <= 1e-6
             assert state.energy > 0.0
 
 
-@pytest.mark.parametrize("law", [RADICAL, deformable.Ring(), deformable.Sector()])
+@pytest.mark.parametrize("law", [RADICAL, ld.Ring(), ld.Sector()])
 def test_saved_state_goes_on_as_it_was(
-    state: deformable.State, law: deformable.Ring | deformable.Sector, tmp_path: Path
+    state: ld.State, law: ld.Ring | ld.Sector, tmp_path: Path
 ) -> None:
-    with deformable.Simulation(state.packing, law) as sim:
+    with ld.Simulation(state.packing, law) as sim:
         sim.state().save(tmp_path)
         expected = sim.state()
-    with deformable.Run(tmp_path).simulation() as sim:
+    with ld.Run(tmp_path).simulation() as sim:
         again = sim.state()
         masses = np.array(sim.lmp.gather("rmass", 1, 1))
     assert np.array_equal(again.packing.radius, state.packing.radius)
@@ -127,11 +127,11 @@ def test_saved_state_goes_on_as_it_was(
     assert masses == pytest.approx(np.ones(24))
 
 
-def test_trajectory_has_the_radii(jammed: deformable.Packing, tmp_path: Path) -> None:
+def test_trajectory_has_the_radii(jammed: ld.Packing, tmp_path: Path) -> None:
     import MDAnalysis
 
-    with deformable.Simulation(jammed, deformable.Ring()) as sim:
-        list(deformable.record(deformable.compress(sim, strain=0.01, steps=2), tmp_path))
+    with ld.Simulation(jammed, ld.Ring()) as sim:
+        list(ld.record(ld.compress(sim, strain=0.01, steps=2), tmp_path))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of MDAnalysis
         universe = MDAnalysis.Universe(
@@ -146,18 +146,18 @@ def test_trajectory_has_the_radii(jammed: deformable.Packing, tmp_path: Path) ->
     np.testing.assert_allclose(radii, [jammed.radius] * 3, rtol=1e-12)
 
 
-def test_picture(state: deformable.State) -> None:
+def test_picture(state: ld.State) -> None:
     pytest.importorskip("matplotlib")
     axes = state.plot(color_by="area_deficit")
     assert len(axes.collections[0].get_paths()) >= 24
 
 
-def test_rings_of_beads_refuse_particle_radii(jammed: deformable.Packing) -> None:
-    with pytest.raises(deformable.ParameterError, match="particle_radii"):
-        deformable.PolygonSimulation(jammed)
+def test_rings_of_beads_refuse_particle_radii(jammed: ld.Packing) -> None:
+    with pytest.raises(ld.ParameterError, match="particle_radii"):
+        ld.PolygonSimulation(jammed)
 
 
-def test_outline_is_of_the_radius_of_its_own(state: deformable.State) -> None:
+def test_outline_is_of_the_radius_of_its_own(state: ld.State) -> None:
     """Not of that of its species."""
     n = int(state.packing.radius.argmin())
     seen = state.contact_tables[n]

@@ -3,10 +3,10 @@
 import dataclasses
 from dataclasses import dataclass
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
-from deformable.engine import polygon_simulation, smooth_polygons
+from lammps_deformable.engine import polygon_simulation, smooth_polygons
 from naive_polygons import pair
 
 pytestmark = pytest.mark.filterwarnings("error")
@@ -16,17 +16,17 @@ pytestmark = pytest.mark.filterwarnings("error")
 class Kind:
     """Polygons, a tolerance that they reach, and how alike their contacts are then."""
 
-    model: deformable.PolygonModel
+    model: ld.PolygonModel
     tolerance: float
     alike: float
     loose: float  # phi below jamming at which they do not touch
 
 
 KINDS = {
-    "beads": Kind(deformable.PolygonModel(vertices=24), 0.01, 0.02, 0.02),
+    "beads": Kind(ld.PolygonModel(vertices=24), 0.01, 0.02, 0.02),
     # 40 vertices with 10 in each quarter: the four contacts are alike
     "smooth": Kind(
-        deformable.PolygonModel(vertices=40, radius=0.025, kL=240.0, kr=10.0, smooth=True),
+        ld.PolygonModel(vertices=40, radius=0.025, kL=240.0, kr=10.0, smooth=True),
         1e-6,
         1e-3,
         0.03,
@@ -36,13 +36,13 @@ kinds = pytest.mark.parametrize("kind", KINDS.values(), ids=KINDS)
 
 
 @pytest.fixture(scope="module")
-def six() -> deformable.Packing:
-    return deformable.jam(deformable.bidisperse(6, seed=1))
+def six() -> ld.Packing:
+    return ld.jam(ld.bidisperse(6, seed=1))
 
 
 @kinds
 def test_polygons_that_meet_through_several_images(kind: Kind) -> None:
-    with deformable.PolygonSimulation(pair(1.4), kind.model) as rings:
+    with ld.PolygonSimulation(pair(1.4), kind.model) as rings:
         state = rings.relax(kind.tolerance)
     assert state.residual <= kind.tolerance
     table = state.contact_table
@@ -57,8 +57,8 @@ def test_polygons_that_meet_through_several_images(kind: Kind) -> None:
 
 @kinds
 @pytest.mark.parametrize("change", [0.0, -0.002, 0.02])
-def test_loose_rings_relax_at_once(kind: Kind, change: float, six: deformable.Packing) -> None:
-    with deformable.PolygonSimulation(six.at(six.phi - kind.loose), kind.model) as rings:
+def test_loose_rings_relax_at_once(kind: Kind, change: float, six: ld.Packing) -> None:
+    with ld.PolygonSimulation(six.at(six.phi - kind.loose), kind.model) as rings:
         rings.deform((1.0 + change) * rings.box)
         assert np.isfinite(rings.state().residual)
         state = rings.relax()
@@ -70,32 +70,30 @@ def test_loose_rings_relax_at_once(kind: Kind, change: float, six: deformable.Pa
 
 @pytest.mark.parametrize("radius", [0.02, 0.05, 0.1])
 @pytest.mark.parametrize("smooth", [True, False])
-def test_phi_has_the_radius_of_vertices(
-    smooth: bool, radius: float, six: deformable.Packing
-) -> None:
+def test_phi_has_the_radius_of_vertices(smooth: bool, radius: float, six: ld.Packing) -> None:
     """Round polygons fill the circles that a law has, whatever the radius of their vertices."""
-    model = deformable.PolygonModel(vertices=120, radius=radius, smooth=smooth)
-    with deformable.PolygonSimulation(six.at(0.5), model) as rings:
+    model = ld.PolygonModel(vertices=120, radius=radius, smooth=smooth)
+    with ld.PolygonSimulation(six.at(0.5), model) as rings:
         state = rings.state()
     circles = np.pi * state.polygons.effective_radius[six.species] ** 2
     area = np.prod(state.packing.box.diagonal())
     assert state.phi == pytest.approx(circles.sum() / area, rel=1e-3)  # 1 - pi^2/(3 N_v^2)
-    law = deformable.Ring(skin=state.polygons.skin.tolist())
+    law = ld.Ring(skin=state.polygons.skin.tolist())
     same = dataclasses.replace(state.packing, radii=state.polygons.effective_radius)
-    with deformable.Simulation(same, law) as sim:
+    with ld.Simulation(same, law) as sim:
         assert state.phi == pytest.approx(sim.state().phi, rel=1e-3)
 
 
 @kinds
 def test_a_stalled_relaxation_warns(
-    kind: Kind, six: deformable.Packing, monkeypatch: pytest.MonkeyPatch
+    kind: Kind, six: ld.Packing, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(polygon_simulation, "_ITERATIONS", 10)
     monkeypatch.setattr(polygon_simulation, "_PATIENCE", 20)
     monkeypatch.setattr(smooth_polygons, "_STEPS", 2)
-    with deformable.PolygonSimulation(six, kind.model) as rings:
+    with ld.PolygonSimulation(six, kind.model) as rings:
         rings.deform(0.98 * rings.box)
-        with pytest.warns(deformable.StalledWarning, match=r"stalled: the largest force is .* not"):
+        with pytest.warns(ld.StalledWarning, match=r"stalled: the largest force is .* not"):
             state = rings.relax(1e-9)
     assert state.stalled
     assert state.residual > 1e-9

@@ -2,18 +2,18 @@
 
 from dataclasses import replace
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
-from deformable import core
-from deformable.engine.lammps import gather
+from lammps_deformable import core
+from lammps_deformable.engine.lammps import gather
 from naive_polygons import ALONE, LONE_BEADS, naive, square
 
 pytestmark = pytest.mark.filterwarnings("error")
 
 
 def test_walls_press_like_beads() -> None:
-    with deformable.PolygonSimulation(ALONE, LONE_BEADS, square(0.5)) as sim:
+    with ld.PolygonSimulation(ALONE, LONE_BEADS, square(0.5)) as sim:
         assert sim.state().residual == 0.0
         sim.confine(square(0.49))
         state = sim.relax(0.01)
@@ -35,11 +35,11 @@ def test_beads_keep_their_place_on_walls_that_stick() -> None:
     slides = {}
     for stick in (True, False):
         angle = np.array([0.0, 1.8, 3.9])
-        with deformable.PolygonSimulation(
-            ALONE, LONE_BEADS, deformable.Walls(angle, np.full(3, 0.5), stick)
+        with ld.PolygonSimulation(
+            ALONE, LONE_BEADS, ld.Walls(angle, np.full(3, 0.5), stick)
         ) as sim:
             for height in (0.49, 0.48):
-                sim.confine(deformable.Walls(angle, np.full(3, height), stick))
+                sim.confine(ld.Walls(angle, np.full(3, height), stick))
                 before = sim.state().outlines[0]
                 state = sim.relax(0.01)
                 assert sim.walls is not None
@@ -52,9 +52,9 @@ def test_beads_keep_their_place_on_walls_that_stick() -> None:
 
 
 def test_walls_do_not_jump_over_beads() -> None:
-    with deformable.PolygonSimulation(ALONE, LONE_BEADS, square(0.5)) as sim:
+    with ld.PolygonSimulation(ALONE, LONE_BEADS, square(0.5)) as sim:
         with pytest.raises(
-            deformable.ParameterError, match=r"a step of 0\.04 puts beads .* wall .* a bead, 0\.03"
+            ld.ParameterError, match=r"a step of 0\.04 puts beads .* wall .* a bead, 0\.03"
         ):
             sim.confine(square(0.46))
         assert sim.walls is not None
@@ -66,24 +66,22 @@ def test_walls_do_not_jump_over_beads() -> None:
 @pytest.mark.parametrize(
     ("there", "walls"),
     [
-        (square(0.5), deformable.Walls([0.0, 2.0, 4.0], np.full(3, 0.5))),
-        (square(0.5), deformable.Walls(np.arange(4) * np.pi / 2.0, np.full(4, 0.5), stick=True)),
+        (square(0.5), ld.Walls([0.0, 2.0, 4.0], np.full(3, 0.5))),
+        (square(0.5), ld.Walls(np.arange(4) * np.pi / 2.0, np.full(4, 0.5), stick=True)),
         (None, square(0.5)),
     ],
 )
-def test_confine_moves_the_walls_that_are_there(
-    there: deformable.Walls | None, walls: deformable.Walls
-) -> None:
+def test_confine_moves_the_walls_that_are_there(there: ld.Walls | None, walls: ld.Walls) -> None:
     with (
-        deformable.PolygonSimulation(ALONE, LONE_BEADS, there) as sim,
-        pytest.raises(deformable.ParameterError, match=r"number.*stick"),
+        ld.PolygonSimulation(ALONE, LONE_BEADS, there) as sim,
+        pytest.raises(ld.ParameterError, match=r"number.*stick"),
     ):
         sim.confine(walls)
 
 
 def test_walls_do_not_follow_the_box() -> None:
-    with deformable.PolygonSimulation(ALONE, LONE_BEADS, square(0.5)) as sim:
-        with pytest.raises(deformable.ParameterError, match="confine"):
+    with ld.PolygonSimulation(ALONE, LONE_BEADS, square(0.5)) as sim:
+        with pytest.raises(ld.ParameterError, match="confine"):
             sim.deform(2.0 * np.eye(2))
         assert sim.box == pytest.approx(3.0 * np.eye(2))
 
@@ -91,7 +89,7 @@ def test_walls_do_not_follow_the_box() -> None:
 def test_walls_press_smooth_polygons_at_their_skin() -> None:
     """The ring law with the skin c/2 has the same area deficit: both touch R + c/2 outside."""
     model = replace(LONE_BEADS, vertices=160, kL=160.0, kr=300.0, smooth=True)
-    with deformable.PolygonSimulation(ALONE, model, square(0.5)) as sim:
+    with ld.PolygonSimulation(ALONE, model, square(0.5)) as sim:
         for height in (0.49, 0.48):
             sim.confine(square(height))
             state = sim.relax(1e-3)

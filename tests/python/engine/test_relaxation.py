@@ -3,14 +3,14 @@
 import sys
 from collections.abc import Callable
 
-import deformable
+import lammps_deformable as ld
 import pytest
-from deformable.engine.relaxation import Forces, largest_force_told
+from lammps_deformable.engine.relaxation import Forces, largest_force_told
 
 SIMULATIONS = [
-    lambda packing: deformable.Simulation(packing, deformable.Ring()),
-    deformable.Disks,
-    lambda packing: deformable.PolygonSimulation(packing, deformable.PolygonModel(vertices=20)),
+    lambda packing: ld.Simulation(packing, ld.Ring()),
+    ld.Disks,
+    lambda packing: ld.PolygonSimulation(packing, ld.PolygonModel(vertices=20)),
 ]
 
 
@@ -32,22 +32,22 @@ def test_a_residual_above_the_tolerance_looks_larger(residual: float, told: str)
 
 @pytest.mark.parametrize("open_one", SIMULATIONS)
 def test_stalled_simulations_tell_more_than_the_tolerance(
-    open_one: Callable[[deformable.Packing], deformable.Simulation], monkeypatch: pytest.MonkeyPatch
+    open_one: Callable[[ld.Packing], ld.Simulation], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    packing = deformable.push_off(deformable.bidisperse(6, phi=0.5, seed=1))
+    packing = ld.push_off(ld.bidisperse(6, phi=0.5, seed=1))
     with open_one(packing) as sim:
         module = sys.modules[type(sim).relax.__module__]
         monkeypatch.setattr(module, "minimize_until_relaxed", lambda *_, **__: Forces(1.002e-6, 1))
-        with pytest.warns(deformable.StalledWarning, match=r"is 1\.002e-06 of .*, not 1e-06$"):
+        with pytest.warns(ld.StalledWarning, match=r"is 1\.002e-06 of .*, not 1e-06$"):
             sim.relax(1e-6)
 
 
 def test_contacts_that_do_not_balance_are_not_relaxed(monkeypatch: pytest.MonkeyPatch) -> None:
     """Whatever their forces on particles are."""
-    packing = deformable.push_off(deformable.bidisperse(6, phi=0.5, seed=1))
-    with deformable.Simulation(packing, deformable.Ring()) as sim:
-        module = sys.modules["deformable.engine.deforming"]
+    packing = ld.push_off(ld.bidisperse(6, phi=0.5, seed=1))
+    with ld.Simulation(packing, ld.Ring()) as sim:
+        module = sys.modules["lammps_deformable.engine.deforming"]
         monkeypatch.setattr(module, "minimize_until_relaxed", lambda *_, **__: Forces(0.0, 1))
         monkeypatch.setattr(sim, "_told", lambda n: 0.02 if n == 3 else 0.0)
-        with pytest.warns(deformable.StalledWarning, match="the contacts do not balance"):
+        with pytest.warns(ld.StalledWarning, match="the contacts do not balance"):
             assert sim.relax(1e-6).stalled

@@ -3,17 +3,17 @@
 import warnings
 from pathlib import Path
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
 from brute_force import shapes
-from deformable.engine.relaxation import TOLERANCE
-from deformable.protocols.starts import simulate
+from lammps_deformable.engine.relaxation import TOLERANCE
+from lammps_deformable.protocols.starts import simulate
 
 pytestmark = pytest.mark.filterwarnings("error")
 
 
-def mean_contact_force(state: deformable.State) -> float:
+def mean_contact_force(state: ld.State) -> float:
     lengths = [shape.contact_length for shape in shapes(state)]
     forces = [p * length for p, length in zip(state.particle_pressure, lengths, strict=True)]
     active = np.concatenate(forces)
@@ -23,10 +23,10 @@ def mean_contact_force(state: deformable.State) -> float:
 @pytest.mark.parametrize("seed", range(1, 7))
 @pytest.mark.parametrize("number", [8, 32, 64])
 def test_ring_always_reaches_the_tolerance(number: int, seed: int) -> None:
-    jammed = deformable.jam(deformable.bidisperse(number, seed=seed))
-    with warnings.catch_warnings(), deformable.Simulation(jammed, deformable.Ring()) as sim:
-        warnings.simplefilter("ignore", deformable.UnjammedWarning)  # small packings may give way
-        for state in deformable.compress(sim, strain=0.02, steps=4):
+    jammed = ld.jam(ld.bidisperse(number, seed=seed))
+    with warnings.catch_warnings(), ld.Simulation(jammed, ld.Ring()) as sim:
+        warnings.simplefilter("ignore", ld.UnjammedWarning)  # small packings may give way
+        for state in ld.compress(sim, strain=0.02, steps=4):
             assert not state.stalled
             assert state.residual <= TOLERANCE
             largest = np.linalg.norm(sim.lmp.numpy.extract_atom("f")[:number], axis=1).max()
@@ -38,14 +38,14 @@ def test_ring_always_reaches_the_tolerance(number: int, seed: int) -> None:
 @pytest.mark.parametrize("seed", range(1, 5))
 @pytest.mark.parametrize("strain", [0.01, 0.03, 0.05])
 def test_ring_reaches_the_tolerance_in_large_steps(seed: int, strain: float) -> None:
-    jammed = deformable.jam(deformable.bidisperse(256, seed=seed))
-    with deformable.Simulation(jammed, deformable.Ring()) as sim:
-        for state in deformable.compress(sim, strain=strain, steps=2):
+    jammed = ld.jam(ld.bidisperse(256, seed=seed))
+    with ld.Simulation(jammed, ld.Ring()) as sim:
+        for state in ld.compress(sim, strain=strain, steps=2):
             assert not state.stalled
 
 
 def test_loose_particles_do_nothing() -> None:
-    with deformable.Simulation(deformable.bidisperse(2, phi=0.01), deformable.Ring()) as sim:
+    with ld.Simulation(ld.bidisperse(2, phi=0.01), ld.Ring()) as sim:
         state = sim.relax()
     assert (state.energy, state.pressure, state.residual, state.coordination) == (0, 0, 0, 0)
     assert state.rattlers.all()
@@ -53,67 +53,67 @@ def test_loose_particles_do_nothing() -> None:
 
 
 def test_overlapping_loose_particles_relax_to_zero_force() -> None:
-    jammed = deformable.jam(deformable.bidisperse(32, seed=3))
-    with deformable.Simulation(jammed.at(jammed.phi - 0.02), deformable.Ring()) as sim:
+    jammed = ld.jam(ld.bidisperse(32, seed=3))
+    with ld.Simulation(jammed.at(jammed.phi - 0.02), ld.Ring()) as sim:
         assert sim.relax().residual == 0.0
 
 
 def test_single_contact_of_the_sector_law_opens() -> None:
-    pair = deformable.Packing([[1.0, 2.0], [1.9, 2.0]], [0, 0], [0.5], [[4.0, 0.0], [0.0, 4.0]])
-    with deformable.Simulation(pair, deformable.Sector()) as sim:
+    pair = ld.Packing([[1.0, 2.0], [1.9, 2.0]], [0, 0], [0.5], [[4.0, 0.0], [0.0, 4.0]])
+    with ld.Simulation(pair, ld.Sector()) as sim:
         assert sim.state().energy == pytest.approx(0.5 * 0.1**2)
         state = sim.relax()
     assert state.energy < 1e-11
     assert 1.0 - 1e-5 < state.packing.positions[1, 0] - state.packing.positions[0, 0] < 1.01
 
 
-def test_commands_of_the_user_stay_in_force(jammed: deformable.Packing, tmp_path: Path) -> None:
-    with deformable.Simulation(jammed, deformable.Ring()) as sim:
+def test_commands_of_the_user_stay_in_force(jammed: ld.Packing, tmp_path: Path) -> None:
+    with ld.Simulation(jammed, ld.Ring()) as sim:
         sim.lmp.command(f"dump positions all custom 1000 {tmp_path / 'dump'} id x y")
         sim.lmp.command("fix move all nve")
         before = sim.state().packing.positions
         assert sim.state().packing.positions == pytest.approx(before, abs=1e-13)
-        list(deformable.compress(sim, strain=0.01, steps=2))
+        list(ld.compress(sim, strain=0.01, steps=2))
         assert sim.lmp.has_id("dump", "positions")
 
 
-def test_sector_warns_that_it_stalls(jammed: deformable.Packing) -> None:
-    with deformable.Simulation(jammed, deformable.Sector()) as sim:
-        steps = deformable.compress(sim, strain=0.02, steps=1)
-        with pytest.warns(deformable.StalledWarning, match=r"stalled at phi = 0\.8"):
+def test_sector_warns_that_it_stalls(jammed: ld.Packing) -> None:
+    with ld.Simulation(jammed, ld.Sector()) as sim:
+        steps = ld.compress(sim, strain=0.02, steps=1)
+        with pytest.warns(ld.StalledWarning, match=r"stalled at phi = 0\.8"):
             state = next(steps)
     assert state.stalled
     assert state.residual > TOLERANCE
 
 
-def test_past_confluence_warns(jammed: deformable.Packing) -> None:
+def test_past_confluence_warns(jammed: ld.Packing) -> None:
     with (
-        deformable.Simulation(jammed.at(1.1), deformable.Ring(reach=0.5)) as sim,
-        pytest.warns(deformable.BeyondModelWarning, match="beyond the model"),
+        ld.Simulation(jammed.at(1.1), ld.Ring(reach=0.5)) as sim,
+        pytest.warns(ld.BeyondModelWarning, match="beyond the model"),
     ):
         state = sim.relax(tolerance=0.1)
     assert state.beyond > 0
     assert (state.arc_radius < 0).sum() == state.beyond
 
 
-def row(*radii: float) -> deformable.Packing:
+def row(*radii: float) -> ld.Packing:
     """Particles side by side that bear a force across the box as long as they are in line."""
     radius = np.array(radii)
     x = np.cumsum(radius + np.roll(radius, -1) - 0.01)
     sizes, species = np.unique(radius, return_inverse=True)
     places = np.column_stack([np.roll(x, 1) % x[-1], np.full(len(x), 5.0)])
-    return deformable.Packing(places, species, sizes, [[x[-1], 0.0], [0.0, 10.0]])
+    return ld.Packing(places, species, sizes, [[x[-1], 0.0], [0.0, 10.0]])
 
 
-def give_way(sim: deformable.Simulation) -> None:
+def give_way(sim: ld.Simulation) -> None:
     sim.lmp.command("displace_atoms all random 0 0.3 0 4 units box")
     sim.relax()
 
 
 def test_unjamming_warns() -> None:
-    with deformable.Simulation(row(0.5, 0.5, 0.5, 0.5), deformable.Ring()) as sim:
+    with ld.Simulation(row(0.5, 0.5, 0.5, 0.5), ld.Ring()) as sim:
         assert sim.relax().energy > 0
-        with pytest.warns(deformable.UnjammedWarning, match="lost its rigidity") as warned:
+        with pytest.warns(ld.UnjammedWarning, match="lost its rigidity") as warned:
             give_way(sim)
         sim.relax()
     assert len(warned) == 1
@@ -123,20 +123,20 @@ def test_unjamming_warns() -> None:
 @pytest.mark.parametrize("restarted", [False, True])
 def test_unjamming_in_the_first_relaxation_warns(balanced: str, restarted: bool) -> None:
     """As after `jam`, whose packing is at rest under the forces of disks or of the law."""
-    law = deformable.Ring(contact="radical")
+    law = ld.Ring(contact="radical")
     packing = start = row(0.3, 0.3, 0.9, 0.9)
     if balanced == "by the law":
-        with deformable.Simulation(packing, law) as sim:
+        with ld.Simulation(packing, law) as sim:
             start = sim.relax().packing
-    with deformable.Disks(start) as disks, deformable.Simulation(start, law) as sim:
+    with ld.Disks(start) as disks, ld.Simulation(start, law) as sim:
         assert (disks.state().residual < 0.1) == (balanced == "as disks")
         assert (sim.state().residual < 0.1) == (balanced == "by the law")
-    opened = deformable.push_off(row(0.3, 0.3).at(0.5)) if restarted else start
-    with deformable.Simulation(opened, law) as sim:
+    opened = ld.push_off(row(0.3, 0.3).at(0.5)) if restarted else start
+    with ld.Simulation(opened, law) as sim:
         if restarted:
             sim.restart(start)
         told = rf"lost its rigidity at phi = {start.phi:.5f}"
-        with pytest.warns(deformable.UnjammedWarning, match=told) as warned:
+        with pytest.warns(ld.UnjammedWarning, match=told) as warned:
             give_way(sim)
         sim.relax()
     assert len(warned) == 1
@@ -146,17 +146,17 @@ def test_unjamming_in_the_first_relaxation_warns(balanced: str, restarted: bool)
 @pytest.mark.parametrize("change", [-1e-3, 1e-3])
 def test_loose_packings_need_not_be_rigid(change: float) -> None:
     """Neither those that were loose at the start, nor those that have expanded since."""
-    law = deformable.Ring(contact="radical")
-    loose = deformable.push_off(deformable.bidisperse(16, phi=0.6, seed=1))
-    jammed = deformable.jam(deformable.bidisperse(16, seed=1))
+    law = ld.Ring(contact="radical")
+    loose = ld.push_off(ld.bidisperse(16, phi=0.6, seed=1))
+    jammed = ld.jam(ld.bidisperse(16, seed=1))
     for packing in (loose, jammed)[: 2 if change < 0.0 else 1]:
-        with deformable.Simulation(packing, law) as sim:
+        with ld.Simulation(packing, law) as sim:
             sim.deform(sim.box * (1.0 - change))
             assert sim.relax().pressure < 1e-12
 
 
-def test_deform_shears_affinely(jammed: deformable.Packing) -> None:
-    with deformable.Simulation(jammed, deformable.Ring()) as sim:
+def test_deform_shears_affinely(jammed: ld.Packing) -> None:
+    with ld.Simulation(jammed, ld.Ring()) as sim:
         box = sim.box + np.array([[0.0, 0.0], [0.1, 0.0]])
         sim.deform(box)
         moved = sim.state().packing
@@ -166,72 +166,72 @@ def test_deform_shears_affinely(jammed: deformable.Packing) -> None:
 
 
 @pytest.mark.parametrize("box", [[[-5, 0], [0, 5]], [[5, 1], [0, 5]], [[5, 0], [np.nan, 5]]])
-def test_bad_boxes_change_nothing(jammed: deformable.Packing, box: list[list[float]]) -> None:
-    with deformable.Simulation(jammed.at(0.87), deformable.Ring()) as sim:
+def test_bad_boxes_change_nothing(jammed: ld.Packing, box: list[list[float]]) -> None:
+    with ld.Simulation(jammed.at(0.87), ld.Ring()) as sim:
         before = sim.state().energy
-        with pytest.raises(deformable.ParameterError, match="box must be"):
+        with pytest.raises(ld.ParameterError, match="box must be"):
             sim.deform(np.array(box))
         assert before > 0
         assert sim.state().energy == pytest.approx(before, rel=1e-12)
 
 
 def test_folders_with_spaces(
-    jammed: deformable.Packing, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    jammed: ld.Packing, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     folder = tmp_path / "a b"
     folder.mkdir()
     monkeypatch.setattr("tempfile.tempdir", str(folder))
-    with deformable.Simulation(jammed, deformable.Ring()) as sim:
+    with ld.Simulation(jammed, ld.Ring()) as sim:
         assert sim.state().phi > 0.5
 
 
-def test_users_pay_no_per_atom_results(jammed: deformable.Packing) -> None:
-    with deformable.Simulation(jammed, deformable.Ring()) as sim:
+def test_users_pay_no_per_atom_results(jammed: ld.Packing) -> None:
+    with ld.Simulation(jammed, ld.Ring()) as sim:
         sim.relax()
         assert sim.lmp.available_ids("fix") == ["deformable_restart"]
 
 
-def test_lammps_errors_come_as_one_line(jammed: deformable.Packing) -> None:
-    with pytest.raises(deformable.LammpsError, match="contact line") as caught:
-        deformable.Simulation(jammed.at(6.0), deformable.Ring()).relax()
+def test_lammps_errors_come_as_one_line(jammed: ld.Packing) -> None:
+    with pytest.raises(ld.LammpsError, match="contact line") as caught:
+        ld.Simulation(jammed.at(6.0), ld.Ring()).relax()
     assert "\n" not in str(caught.value)
     assert "src/" not in str(caught.value)
 
 
-def test_simulations_outlive_errors_of_lammps(jammed: deformable.Packing) -> None:
-    with deformable.Simulation(jammed, deformable.Ring()) as sim:
+def test_simulations_outlive_errors_of_lammps(jammed: ld.Packing) -> None:
+    with ld.Simulation(jammed, ld.Ring()) as sim:
         box = sim.box
         before = sim.relax()
         for _ in range(2):
             sim.deform(0.03 * box)  # an error before particles move
-            with pytest.raises(deformable.LammpsError):
+            with pytest.raises(ld.LammpsError):
                 sim.relax()
         sim.deform(box)
         assert sim.state().pressure == pytest.approx(before.pressure, rel=1e-6)
 
 
-@pytest.mark.parametrize("law", [deformable.Ring(), deformable.Sector()])
-def test_errors_for_deep_overlaps_name_push_off(law: deformable.Ring | deformable.Sector) -> None:
-    packing = deformable.bidisperse(16, phi=0.9, seed=1)
-    with deformable.Simulation(packing, law) as sim:
+@pytest.mark.parametrize("law", [ld.Ring(), ld.Sector()])
+def test_errors_for_deep_overlaps_name_push_off(law: ld.Ring | ld.Sector) -> None:
+    packing = ld.bidisperse(16, phi=0.9, seed=1)
+    with ld.Simulation(packing, law) as sim:
         for call in (sim.relax, sim.state):
-            with pytest.raises(deformable.LammpsError, match=r"contact line.*push_off"):
+            with pytest.raises(ld.LammpsError, match=r"contact line.*push_off"):
                 call()
-    with deformable.Simulation(deformable.push_off(packing), law) as sim:
+    with ld.Simulation(ld.push_off(packing), law) as sim:
         assert sim.state().energy > 0.0
 
 
-@pytest.mark.parametrize("law", [None, deformable.Ring(), deformable.Sector()])
+@pytest.mark.parametrize("law", [None, ld.Ring(), ld.Sector()])
 @pytest.mark.parametrize("tilt", [0.0, 0.3, 1.3])
 @pytest.mark.parametrize("phi", [0.5, 0.88, 1.0])
 @pytest.mark.usefixtures("exact_balance")  # stresses are right to the tolerance of the forces
 def test_a_particle_in_a_box_smaller_than_itself(
-    law: deformable.Ring | deformable.Sector | None, tilt: float, phi: float
+    law: ld.Ring | ld.Sector | None, tilt: float, phi: float
 ) -> None:
     """Its own images are neighbors like those in four such boxes."""
-    one = deformable.bidisperse(1, radii=(0.5, 0.5), phi=phi, tilt=tilt)
+    one = ld.bidisperse(1, radii=(0.5, 0.5), phi=phi, tilt=tilt)
     cells = np.array([[0, 0], [1, 0], [0, 1], [1, 1]])
-    four = deformable.Packing(one.positions + cells @ one.box, [1] * 4, one.radii, 2.0 * one.box)
+    four = ld.Packing(one.positions + cells @ one.box, [1] * 4, one.radii, 2.0 * one.box)
     with simulate(one, law) as small, simulate(four, law) as large:
         found, expected = small.state(), large.state()
     assert (found.energy > 0.0) == (phi > 0.8)
@@ -247,19 +247,19 @@ def test_states_without_area_are_refused(number: int) -> None:
     """Beyond the reach of the laws, a packing fraction would be negative."""
     cells = np.array([[0, 0], [1, 0], [0, 1], [1, 1]])[:number]
     box = 0.6 * np.eye(2) * np.sqrt(number)
-    packing = deformable.Packing(0.1 + 0.6 * cells, [0] * number, [0.5], box)
+    packing = ld.Packing(0.1 + 0.6 * cells, [0] * number, [0.5], box)
     with (
-        deformable.Simulation(packing, deformable.Ring()) as sim,
-        pytest.raises(deformable.LammpsError, match=r"\A[^\n]*tom \d[^\n]* no area[^\n]*\Z"),
+        ld.Simulation(packing, ld.Ring()) as sim,
+        pytest.raises(ld.LammpsError, match=r"\A[^\n]*tom \d[^\n]* no area[^\n]*\Z"),
     ):
         sim.state()
 
 
 def test_an_interrupted_close_frees_lammps_once(
-    jammed: deformable.Packing, monkeypatch: pytest.MonkeyPatch
+    jammed: ld.Packing, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Ctrl-C while LAMMPS ends: a second time would crash."""
-    sim = deformable.Simulation(jammed, deformable.Ring())
+    sim = ld.Simulation(jammed, ld.Ring())
     library, freed = sim.lmp.lib, []
     close = library.lammps_close
 

@@ -2,10 +2,19 @@
 
 from dataclasses import replace
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
-from deformable import Circle, Disk, LammpsError, ParameterError, Plane, Polygon, Ring, Segment
+from lammps_deformable import (
+    Circle,
+    Disk,
+    LammpsError,
+    ParameterError,
+    Plane,
+    Polygon,
+    Ring,
+    Segment,
+)
 
 SCENE = (
     Circle((1.0, -2.0), 6.0),
@@ -23,17 +32,17 @@ region scene intersect 4 drum post pillar line
 fix scene all deformable/wall scene
 fix_modify scene virial yes
 """
-LAWS = {"balanced": Ring(kP=2.0), "radical": Ring(contact="radical"), "sector": deformable.Sector()}
+LAWS = {"balanced": Ring(kP=2.0), "radical": Ring(contact="radical"), "sector": ld.Sector()}
 laws = pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
 
 
 @pytest.fixture(scope="module")
-def packing() -> deformable.Packing:
+def packing() -> ld.Packing:
     """Pressed against walls of every kind, and against one another."""
-    return deformable.push_off(deformable.bidisperse(60, seed=2).between(SCENE)).at(0.86)
+    return ld.push_off(ld.bidisperse(60, seed=2).between(SCENE)).at(0.86)
 
 
-def forces(sim: deformable.Simulation) -> np.ndarray:
+def forces(sim: ld.Simulation) -> np.ndarray:
     return np.array(sim.lmp.gather("f", 1, 3)).reshape(-1, 3)[:, :2]
 
 
@@ -41,10 +50,10 @@ def forces(sim: deformable.Simulation) -> np.ndarray:
 def test_lammps_script_with_regions(packing, law) -> None:
     """Regions in LAMMPS' own units of length: the same energy, forces and pressure."""
     scale = packing.walls[0].radius / 6.0
-    with deformable.Simulation(packing, law) as sim:
+    with ld.Simulation(packing, law) as sim:
         state, found = sim.state(), forces(sim)
     bare = replace(packing, walls=(), box=np.diag([90, 90]), positions=packing.positions + 20)
-    with deformable.Simulation(bare, law) as raw:
+    with ld.Simulation(bare, law) as raw:
         scaled = f"lattice sq {scale**-2!r} origin 0 0 0\n" + REGIONS
         raw.lmp.commands_string("variable shift equal 20")
         for line in scaled.strip().splitlines():
@@ -69,7 +78,7 @@ def test_lammps_script_with_regions(packing, law) -> None:
 
 @laws
 def test_forces_are_differences_of_the_energy(packing, law) -> None:
-    with deformable.Simulation(packing, law) as sim:
+    with ld.Simulation(packing, law) as sim:
         state, found = sim.state(), forces(sim)
     touching = state.contact_table["i"][state.contact_table["j"] < 0]
     assert len(touching) > 15
@@ -80,7 +89,7 @@ def test_forces_are_differences_of_the_energy(packing, law) -> None:
             for sign in (1, -1):
                 moved = packing.positions.copy()
                 moved[i, k] += sign * step
-                with deformable.Simulation(replace(packing, positions=moved), law) as sim:
+                with ld.Simulation(replace(packing, positions=moved), law) as sim:
                     energies.append(sim.state().energy)
             slope = (energies[0] - energies[1]) / (2 * step)
             assert -slope == pytest.approx(found[i, k], abs=1e-5 * scale)
@@ -89,7 +98,7 @@ def test_forces_are_differences_of_the_energy(packing, law) -> None:
 @laws
 def test_walls_bear_the_total_force(packing, law) -> None:
     """Forces between particles cancel: what is left is what the walls take."""
-    with deformable.Simulation(packing, law) as sim:
+    with ld.Simulation(packing, law) as sim:
         state, found = sim.state(), forces(sim)
     assert state.wall_forces.shape == (4, 2)
     largest = np.abs(state.wall_forces).max()
@@ -107,8 +116,8 @@ def test_walls_bear_the_total_force(packing, law) -> None:
 
 
 def test_relaxed_particles_are_in_balance() -> None:
-    start = deformable.bidisperse(60, seed=2).between(SCENE[:2])
-    with deformable.Simulation(deformable.push_off(start.at(0.88)), Ring()) as sim:
+    start = ld.bidisperse(60, seed=2).between(SCENE[:2])
+    with ld.Simulation(ld.push_off(start.at(0.88)), Ring()) as sim:
         relaxed = sim.relax(1e-9)
     assert relaxed.residual < 1e-9
     assert not relaxed.stalled
@@ -121,11 +130,11 @@ def test_relaxed_particles_are_in_balance() -> None:
 @pytest.mark.parametrize("name", ["balanced", "radical"])
 def test_pressure_is_the_derivative_by_the_free_area(packing, name) -> None:
     """When particles and walls are scaled together."""
-    with deformable.Simulation(packing, LAWS[name]) as sim:
+    with ld.Simulation(packing, LAWS[name]) as sim:
         state = sim.state()
     found = []
     for factor in (1 - 1e-6, 1 + 1e-6):
-        with deformable.Simulation(packing.at(packing.phi / factor**2), LAWS[name]) as sim:
+        with ld.Simulation(packing.at(packing.phi / factor**2), LAWS[name]) as sim:
             there = sim.state()
             found.append((there.energy, there.packing.area))
     (first, small), (second, large) = found
@@ -138,9 +147,9 @@ def test_pressure_is_the_derivative_by_the_free_area(packing, name) -> None:
 
 
 def test_pressure_in_a_square_is_force_per_length() -> None:
-    sides = deformable.rectangle(9, 9, (-4, 3))
-    packing = deformable.push_off(deformable.bidisperse(64, seed=1).between(sides).at(0.87))
-    with deformable.Simulation(packing, Ring()) as sim:
+    sides = ld.rectangle(9, 9, (-4, 3))
+    packing = ld.push_off(ld.bidisperse(64, seed=1).between(sides).at(0.87))
+    with ld.Simulation(packing, Ring()) as sim:
         state = sim.relax(1e-9)
     length = state.packing.box[0, 0]
     left, right, low, high = state.wall_forces
@@ -154,9 +163,9 @@ def test_pressure_in_a_square_is_force_per_length() -> None:
 
 def test_obstacles_alone_stay_in_the_periodic_box() -> None:
     """A pillar at the corner of the box touches particles at all four corners."""
-    start = deformable.bidisperse(40, seed=3, tilt=0.2).between(Disk((0, 0), 2.0))
-    packing = deformable.push_off(start.at(0.85))
-    with deformable.Simulation(packing, Ring()) as sim:
+    start = ld.bidisperse(40, seed=3, tilt=0.2).between(Disk((0, 0), 2.0))
+    packing = ld.push_off(start.at(0.85))
+    with ld.Simulation(packing, Ring()) as sim:
         state = sim.state()
     inside = state.packing.positions @ np.linalg.inv(state.packing.box) % 1
     touching = np.unique(state.contact_table["i"][state.contact_table["j"] < 0])
@@ -167,19 +176,19 @@ def test_obstacles_alone_stay_in_the_periodic_box() -> None:
     moved = replace(
         packing, positions=packing.positions + shift, walls=Disk(tuple(shift), pillar.radius)
     )
-    with deformable.Simulation(moved, Ring()) as sim:
+    with ld.Simulation(moved, Ring()) as sim:
         assert sim.state().energy == pytest.approx(state.energy, rel=1e-9)
 
 
 def test_walls_given_to_the_simulation() -> None:
     """They replace those of the packing."""
-    two = deformable.Packing([[0, 0], [0.9, 0]], [0, 0], [0.5], np.diag([9.0, 9.0]))
-    room = deformable.rectangle(1.85, 1.0, (-0.45, -0.5))
-    with deformable.Simulation(two, Ring(), walls=room) as sim:
+    two = ld.Packing([[0, 0], [0.9, 0]], [0, 0], [0.5], np.diag([9.0, 9.0]))
+    room = ld.rectangle(1.85, 1.0, (-0.45, -0.5))
+    with ld.Simulation(two, Ring(), walls=room) as sim:
         assert sim.walls == room
         assert sim.box.tolist() == [[1.85, 0], [0, 1]]
         pressed = sim.state()
-    with deformable.Simulation(replace(two, walls=Disk((4, 4), 1)), Ring(), walls=()) as sim:
+    with ld.Simulation(replace(two, walls=Disk((4, 4), 1)), Ring(), walls=()) as sim:
         free = sim.state()
         assert free.packing.walls == ()
     assert pressed.energy > free.energy > 0
@@ -187,20 +196,20 @@ def test_walls_given_to_the_simulation() -> None:
 
 def test_further_walls_by_hand(packing) -> None:
     """Through `lmp`: they act, but are none of the simulation's."""
-    with deformable.Simulation(replace(packing, walls=packing.walls[:3]), Ring()) as sim:
+    with ld.Simulation(replace(packing, walls=packing.walls[:3]), Ring()) as sim:
         line = packing.walls[3]
         words = " ".join(map(repr, line.values))
         sim.lmp.command(f"fix mine all deformable/wall segment {words}")
         sim.lmp.command("fix_modify mine virial yes")
         state = sim.state()
         assert state.wall_forces.shape == (3, 2)
-    with deformable.Simulation(packing, Ring()) as sim:
+    with ld.Simulation(packing, Ring()) as sim:
         assert sim.state().energy == pytest.approx(state.energy, rel=1e-12)
         np.testing.assert_allclose(sim.state().stress, state.stress, rtol=1e-10)
 
 
 def test_errors_name_the_wall(packing) -> None:
-    two = deformable.Packing([[2, 2], [6, 6]], [0, 0], [0.5], np.diag([9.0, 9.0]))
+    two = ld.Packing([[2, 2], [6, 6]], [0, 0], [0.5], np.diag([9.0, 9.0]))
     for walls, message in (
         ([Disk((4, 4), 1), Disk((6, 5.5), 1)], "particle 1, .* within disk 2"),
         ([Disk((4, 4), 1), Segment((0, 0), (8, 0)), Disk((1, 8), 0.5)], "segment 2 does not fit"),
@@ -208,13 +217,13 @@ def test_errors_name_the_wall(packing) -> None:
         (3, "walls must be one or several of Plane"),
     ):
         with pytest.raises(ParameterError, match=message):
-            deformable.Simulation(two, Ring(), walls=walls)
-    with deformable.Simulation(two, Ring(), walls=[Disk((4, 4), 1), Disk((7, 1), 0.5)]) as sim:
+            ld.Simulation(two, Ring(), walls=walls)
+    with ld.Simulation(two, Ring(), walls=[Disk((4, 4), 1), Disk((7, 1), 0.5)]) as sim:
         sim.lmp.command("set atom 2 x 7.1 y 1.1")
         with pytest.raises(LammpsError, match=r"atom 2 at \(7.1, 1.1\) is in the obstacle disk 2$"):
             sim.state()
-    close = deformable.Simulation(two, Ring(), walls=[Disk((4, 8), 0.2), Disk((6, 5), 0.98)])
+    close = ld.Simulation(two, Ring(), walls=[Disk((4, 8), 0.2), Disk((6, 5), 0.98)])
     with close as sim, pytest.raises(LammpsError, match="disk 2"):
         sim.state()
     with pytest.raises(ParameterError, match="polygons have no walls"):
-        deformable.PolygonSimulation(packing)
+        ld.PolygonSimulation(packing)

@@ -1,17 +1,17 @@
 """Newton's method for smooth polygons where the Hessian is singular."""
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
 import scipy.sparse.linalg
-from deformable.engine.smooth_polygons import SmoothPolygons, relax_smooth
+from lammps_deformable.engine.smooth_polygons import SmoothPolygons, relax_smooth
 
 
 @pytest.mark.parametrize("failures", [1, 10**9])
 def test_a_singular_hessian(failures: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """More damping helps; if it never does, the polygons stay about where they are."""
-    model = deformable.PolygonModel(vertices=20, smooth=True)
-    packing = deformable.Packing([[0, 0], [0.9, 0]], [0, 0], [0.5], 4.0 * np.eye(2))
+    model = ld.PolygonModel(vertices=20, smooth=True)
+    packing = ld.Packing([[0, 0], [0.9, 0]], [0, 0], [0.5], 4.0 * np.eye(2))
     polygons = SmoothPolygons(model, model.polygons(packing.radii), packing.species, packing.box)
     angle = 2.0 * np.pi * np.arange(20) / 20
     circle = 0.48 * np.column_stack([np.cos(angle), np.sin(angle)])

@@ -5,13 +5,13 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
 from crystal import crystal
-from deformable import core
-from deformable.engine.lammps import gather
-from deformable.engine.smooth_polygons import SmoothPolygons, have_crossed, relax_smooth
+from lammps_deformable import core
+from lammps_deformable.engine.lammps import gather
+from lammps_deformable.engine.smooth_polygons import SmoothPolygons, have_crossed, relax_smooth
 from naive_polygons import pair
 
 pytestmark = pytest.mark.filterwarnings("error")
@@ -21,7 +21,7 @@ pytestmark = pytest.mark.filterwarnings("error")
 STORED = Path(__file__).parents[2] / "data"
 DATA = json.loads((STORED / "smooth_packing.json").read_text())
 STATES = {state["state"]: state for state in DATA["states"]}
-EXACT = deformable.PolygonModel(
+EXACT = ld.PolygonModel(
     vertices=DATA["N_v"], radius=0.5 * DATA["c"], kL=DATA["kL"], kA=1.0, kr=DATA["kr"], smooth=True
 )
 KERNEL = SmoothPolygons(
@@ -30,7 +30,7 @@ KERNEL = SmoothPolygons(
     np.array(DATA["species"]),
     np.diag(DATA["box"]),
 )
-FINE = deformable.PolygonModel(vertices=80, radius=0.025, kL=480.0, kr=10.0, smooth=True)
+FINE = ld.PolygonModel(vertices=80, radius=0.025, kL=480.0, kr=10.0, smooth=True)
 
 
 def vertices(state: dict[str, Any]) -> np.ndarray:
@@ -43,19 +43,19 @@ def expected(request: pytest.FixtureRequest) -> dict[str, Any]:
 
 
 @pytest.fixture
-def in_lammps(expected: dict[str, Any]) -> Iterator[deformable.PolygonSimulation]:
+def in_lammps(expected: dict[str, Any]) -> Iterator[ld.PolygonSimulation]:
     """The polygons of the independent code in LAMMPS."""
-    packing = deformable.Packing(
+    packing = ld.Packing(
         expected["centres_mean"], DATA["species"], DATA["radii_law"], np.diag(DATA["box"])
     )
     loose = packing.at(0.6)  # polygons must not overlap at the start
-    with deformable.PolygonSimulation(loose, EXACT) as sim:
+    with ld.PolygonSimulation(loose, EXACT) as sim:
         sim.deform(packing.box)
         place(sim, vertices(expected))
         yield sim
 
 
-def place(sim: deformable.PolygonSimulation, x: np.ndarray) -> None:
+def place(sim: ld.PolygonSimulation, x: np.ndarray) -> None:
     placed = np.zeros((len(x), 3))
     image = np.array(sim.lmp.gather("image", 0, 3)).reshape(-1, 3)
     placed[:, :2] = x - image[:, :2] @ sim.box
@@ -82,7 +82,7 @@ def test_energies_and_forces_of_the_kernel(expected: dict[str, Any]) -> None:
     assert at.pressure == pytest.approx(np.array(expected["area_deficits"]), abs=1e-14)
 
 
-def test_state_in_lammps(expected: dict[str, Any], in_lammps: deformable.PolygonSimulation) -> None:
+def test_state_in_lammps(expected: dict[str, Any], in_lammps: ld.PolygonSimulation) -> None:
     state = in_lammps.state()
     force = gather(in_lammps.lmp, "f", 3)[:, :2]
     assert state.energy == pytest.approx(expected["energy"], rel=1e-9)
@@ -105,13 +105,13 @@ def test_state_in_lammps(expected: dict[str, Any], in_lammps: deformable.Polygon
 
 def test_the_balanced_law_at_the_centers() -> None:
     state = STATES["relaxed"]
-    packing = deformable.Packing(
+    packing = ld.Packing(
         state["centres_steiner"], DATA["species"], DATA["radii_law"], np.diag(DATA["box"])
     )
     polygons = EXACT.polygons(packing.radii)
-    law = deformable.Ring(polygons.kA, kP=polygons.kP, skin=polygons.skin)
+    law = ld.Ring(polygons.kA, kP=polygons.kP, skin=polygons.skin)
     given = DATA["law"]["at_steiner_points"]
-    with deformable.Simulation(packing, law) as particles:
+    with ld.Simulation(packing, law) as particles:
         found = particles.state()
     assert found.energy == pytest.approx(given["energy"], rel=1e-7)
     assert found.pressure == pytest.approx(given["pressure"], rel=1e-7)
@@ -140,11 +140,11 @@ def test_second_derivatives(name: str) -> None:
 
 
 @pytest.fixture(scope="module")
-def relaxed() -> deformable.PolygonState:
+def relaxed() -> ld.PolygonState:
     """Six particles, compressed by 2 %."""
-    jammed = deformable.jam(deformable.bidisperse(6, seed=1, tilt=0.3))
-    model = deformable.PolygonModel(vertices=40, radius=0.025, kL=240.0, kr=10.0, smooth=True)
-    with deformable.PolygonSimulation(jammed, model) as sim:
+    jammed = ld.jam(ld.bidisperse(6, seed=1, tilt=0.3))
+    model = ld.PolygonModel(vertices=40, radius=0.025, kL=240.0, kr=10.0, smooth=True)
+    with ld.PolygonSimulation(jammed, model) as sim:
         sim.deform(0.98 * sim.box)
         state = sim.relax()
         again = sim.relax()  # it is at rest, and stays there
@@ -153,7 +153,7 @@ def relaxed() -> deformable.PolygonState:
     return state
 
 
-def test_newton_relaxes_to_rounding(relaxed: deformable.PolygonState) -> None:
+def test_newton_relaxes_to_rounding(relaxed: ld.PolygonState) -> None:
     assert relaxed.residual <= 1e-6
     assert not relaxed.stalled
     total = np.zeros((6, 2))
@@ -164,7 +164,7 @@ def test_newton_relaxes_to_rounding(relaxed: deformable.PolygonState) -> None:
     assert np.abs(total).max() <= 57 * 1e-6 * scale
 
 
-def test_energy_is_stationary_and_least(relaxed: deformable.PolygonState) -> None:
+def test_energy_is_stationary_and_least(relaxed: ld.PolygonState) -> None:
     polygons = SmoothPolygons(
         relaxed.model, relaxed.polygons, relaxed.packing.species, relaxed.packing.box
     )
@@ -181,8 +181,8 @@ def test_energy_is_stationary_and_least(relaxed: deformable.PolygonState) -> Non
 )
 def test_crystal_against_the_exact_polygon(indentation: float, number: int, ratio: float) -> None:
     """With more vertices the energy comes to that of a hexagon; ratios of another code."""
-    model = deformable.PolygonModel(number, 0.025, kL=6.0 * number, kr=10.0, smooth=True)
-    with deformable.PolygonSimulation(crystal(0.0, 2, 2), model) as sim:
+    model = ld.PolygonModel(number, 0.025, kL=6.0 * number, kr=10.0, smooth=True)
+    with ld.PolygonSimulation(crystal(0.0, 2, 2), model) as sim:
         for part in (0.5, 1.0):
             sim.deform(crystal(part * indentation, 2, 2).box)
             state = sim.relax()
@@ -196,12 +196,12 @@ def test_soft_contacts_that_let_polygons_cross_are_given_up() -> None:
     """In one step contacts of 0.02 kr would let polygons of this packing pass each other."""
     stored = json.loads((STORED / "crossing_disks.json").read_text())
     stored.pop("about")
-    jammed = deformable.Packing(**stored)
-    model = deformable.PolygonModel(57, 0.025, kL=6.0 * 57, kr=10.0, smooth=True)
+    jammed = ld.Packing(**stored)
+    model = ld.PolygonModel(57, 0.025, kL=6.0 * 57, kr=10.0, smooth=True)
     energies = []
     for steps in (1, 3):
-        with deformable.PolygonSimulation(jammed, model) as sim:
-            *_, state = deformable.compress(sim, 0.03, steps)
+        with ld.PolygonSimulation(jammed, model) as sim:
+            *_, state = ld.compress(sim, 0.03, steps)
         assert state.residual <= 1e-6
         settings = SmoothPolygons(model, state.polygons, state.packing.species, state.packing.box)
         assert not have_crossed(settings, np.vstack(state.outlines))
@@ -226,9 +226,9 @@ def test_polygons_that_have_crossed(
 
 def test_soft_contacts_do_not_let_polygons_pass() -> None:
     """Areas so stiff that polygons would cross if contacts began at 0.002 kr."""
-    jammed = deformable.jam(deformable.bidisperse(6, seed=1))
-    model = deformable.PolygonModel(40, 0.025, kL=2400.0, kA=1000.0, kr=100.0, smooth=True)
-    with deformable.PolygonSimulation(jammed, model) as sim:
+    jammed = ld.jam(ld.bidisperse(6, seed=1))
+    model = ld.PolygonModel(40, 0.025, kL=2400.0, kA=1000.0, kr=100.0, smooth=True)
+    with ld.PolygonSimulation(jammed, model) as sim:
         sim.deform(0.96 * sim.box)
         state = sim.relax()
     assert state.residual <= 1e-6
@@ -237,10 +237,10 @@ def test_soft_contacts_do_not_let_polygons_pass() -> None:
 
 def test_edges_that_meet_their_images_are_refused() -> None:
     packing = pair(1.42)
-    model = deformable.PolygonModel(vertices=5, radius=0.1, smooth=True)  # edges of 0.5 at rest
+    model = ld.PolygonModel(vertices=5, radius=0.1, smooth=True)  # edges of 0.5 at rest
     with (
-        deformable.PolygonSimulation(packing, model) as sim,
-        pytest.raises(deformable.LammpsError, match="more than half of the box"),
+        ld.PolygonSimulation(packing, model) as sim,
+        pytest.raises(ld.LammpsError, match="more than half of the box"),
     ):
         sim.state()
 
@@ -275,10 +275,10 @@ def test_kernel_refuses(change: dict[str, Any], message: str) -> None:
 
 def test_relax_smooth_reports_each_step() -> None:
     packing = pair(1.41)
-    model = deformable.PolygonModel(vertices=40, radius=0.025, kL=240.0, kr=10.0, smooth=True)
+    model = ld.PolygonModel(vertices=40, radius=0.025, kL=240.0, kr=10.0, smooth=True)
     polygons = SmoothPolygons(model, model.polygons(packing.radii), packing.species, packing.box)
     seen: list[float] = []
-    with deformable.PolygonSimulation(packing, model) as start:
+    with ld.PolygonSimulation(packing, model) as start:
         x = np.vstack(start.state().outlines)
     relax_smooth(polygons, x, 1e-6, seen.append)
     assert seen[-1] <= 1e-6 < seen[0]

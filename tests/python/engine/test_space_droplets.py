@@ -4,12 +4,12 @@ import inspect
 import warnings
 from collections.abc import Callable
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
-from deformable import Droplet, DropletSimulation, DropletState, Packing, ParameterError
-from deformable.engine import droplet_simulation
-from deformable.state.state import State
+from lammps_deformable import Droplet, DropletSimulation, DropletState, Packing, ParameterError
+from lammps_deformable.engine import droplet_simulation
+from lammps_deformable.state.state import State
 from numpy.typing import NDArray
 
 CONTACTS = {"fcc": 12, "bcc": 8, "sc": 6}
@@ -17,21 +17,21 @@ CONTACTS = {"fcc": 12, "bcc": 8, "sc": 6}
 
 @pytest.fixture(scope="module")
 def jammed() -> Packing:
-    start = deformable.bidisperse(32, radii=(1.0, 1.2), dimension=3, seed=1)
-    return deformable.jam(start, tolerance=1e-2)
+    start = ld.bidisperse(32, radii=(1.0, 1.2), dimension=3, seed=1)
+    return ld.jam(start, tolerance=1e-2)
 
 
 @pytest.fixture(scope="module")
 def emulsion(jammed: Packing) -> DropletState:
     """Of two tensions."""
-    with deformable.Simulation(jammed.at(0.72), Droplet([1.0, 1.5])) as sim:
+    with ld.Simulation(jammed.at(0.72), Droplet([1.0, 1.5])) as sim:
         assert isinstance(sim, DropletSimulation)
         return sim.relax(1e-8)
 
 
 def at_indentation(lattice: str, a: float) -> Packing:
     """A crystal of droplets of radius 1 with this indentation."""
-    touching = deformable.cubic(lattice, 2, radius=1.0)
+    touching = ld.cubic(lattice, 2, radius=1.0)
     return touching.at(touching.phi / (1.0 - a) ** 3)
 
 
@@ -46,7 +46,7 @@ def at_indentation(lattice: str, a: float) -> Packing:
 )
 def test_equal_contacts(lattice: str, a: float, force: float, work: float | None) -> None:
     """The table of forces of equal contacts; f is balanced to 1e-8. Energies are z f a - w."""
-    with deformable.Simulation(at_indentation(lattice, a), Droplet(2.0)) as sim:
+    with ld.Simulation(at_indentation(lattice, a), Droplet(2.0)) as sim:
         state = sim.state()
     z, number = CONTACTS[lattice], len(state.packing)
     assert (state.contacts == z).all()
@@ -69,13 +69,13 @@ def test_moduli_of_crystals(lattice: str, shear: float | None, stretch: float | 
 
     Sites of cubic crystals have a center of symmetry, so that they stay at rest under any strain.
     """
-    touching = deformable.cubic(lattice, 2, radius=1.0)
+    touching = ld.cubic(lattice, 2, radius=1.0)
     crystal, small = touching.at(touching.phi + 0.01), 1e-4
 
     def slope(strained: Callable[[float], NDArray[np.float64]]) -> NDArray[np.float64]:
         stresses = []
         for sign in (1.0, -1.0):
-            with deformable.Simulation(crystal, Droplet()) as sim:
+            with ld.Simulation(crystal, Droplet()) as sim:
                 sim.deform(crystal.box @ strained(sign * small))
                 state = sim.state()
             assert state.residual < 1e-6
@@ -91,15 +91,15 @@ def test_moduli_of_crystals(lattice: str, shear: float | None, stretch: float | 
 
 
 def test_shear_modulus_is_that_of_small_strains(jammed: Packing) -> None:
-    crystal = deformable.cubic("fcc", 2, radius=1.0)
-    with deformable.Simulation(crystal.at(crystal.phi + 0.01), Droplet()) as sim:
+    crystal = ld.cubic("fcc", 2, radius=1.0)
+    with ld.Simulation(crystal.at(crystal.phi + 0.01), Droplet()) as sim:
         state = sim.state()
-    assert deformable.shear_modulus(state, 1e-4).value == pytest.approx(0.2865, abs=1.5e-4)
-    bulk = deformable.bulk_modulus(state, 1e-4)
+    assert ld.shear_modulus(state, 1e-4).value == pytest.approx(0.2865, abs=1.5e-4)
+    bulk = ld.bulk_modulus(state, 1e-4)
     denser = []
     for sign in (1.0, -1.0):
         packing = state.packing.at(state.phi * (1.0 + sign * 1e-4))
-        with deformable.Simulation(packing, Droplet()) as sim:
+        with ld.Simulation(packing, Droplet()) as sim:
             denser.append(sim.state().pressure)
     assert bulk.value == pytest.approx((denser[0] - denser[1]) / 2e-4, rel=1e-3)
 
@@ -150,7 +150,7 @@ def test_a_state_at_rest(emulsion: DropletState) -> None:
 def test_stress_is_the_derivative_of_the_energy(emulsion: DropletState) -> None:
     """All six components, by strains that all centers follow."""
     step, found = 1e-4, np.zeros((3, 3))
-    with deformable.Simulation(emulsion.packing, emulsion.law) as sim:
+    with ld.Simulation(emulsion.packing, emulsion.law) as sim:
         for a, b in ((0, 0), (1, 1), (2, 2), (1, 0), (2, 0), (2, 1)):
             energies = []
             for sign in (1.0, -1.0):
@@ -166,8 +166,8 @@ def test_stress_is_the_derivative_of_the_energy(emulsion: DropletState) -> None:
 
 def test_droplets_jam_where_spheres_do(jammed: Packing) -> None:
     """They touch at the same phi, and are isostatic there."""
-    start = deformable.bidisperse(32, radii=(1.0, 1.2), dimension=3, seed=1)
-    with deformable.Simulation(deformable.jam(start, Droplet()), Droplet()) as sim:
+    start = ld.bidisperse(32, radii=(1.0, 1.2), dimension=3, seed=1)
+    with ld.Simulation(ld.jam(start, Droplet()), Droplet()) as sim:
         onset = sim.relax(1e-6)
     assert 1e-6 < onset.pressure * onset.packing.radius.mean() <= 2.1e-6
     assert onset.phi == pytest.approx(jammed.phi, abs=3e-4)
@@ -177,16 +177,16 @@ def test_droplets_jam_where_spheres_do(jammed: Packing) -> None:
 
 
 def test_compression_and_shear(jammed: Packing) -> None:
-    with deformable.Simulation(jammed.at(jammed.phi + 0.02), Droplet()) as sim:
-        first, last = deformable.compress(sim, phi=0.7, steps=2)
+    with ld.Simulation(jammed.at(jammed.phi + 0.02), Droplet()) as sim:
+        first, last = ld.compress(sim, phi=0.7, steps=2)
         assert last.phi == pytest.approx(0.7, rel=1e-9)
         assert 0.0 < first.pressure < last.pressure
-        *_, pressed = deformable.compress(sim, pressure=0.05, steps=1)
+        *_, pressed = ld.compress(sim, pressure=0.05, steps=1)
         assert pressed.pressure == pytest.approx(0.05, rel=1e-6)
         again = sim.relax(pressure=0.04)
         assert again.pressure == pytest.approx(0.04, rel=1e-6)
-        small, *_ = deformable.shear(sim, strain=2e-4, steps=2, tolerance=1e-8)
-        modulus = deformable.shear_modulus(again, 1e-4).value
+        small, *_ = ld.shear(sim, strain=2e-4, steps=2, tolerance=1e-8)
+        modulus = ld.shear_modulus(again, 1e-4).value
         change = small.shear_stress - again.shear_stress
         assert change == pytest.approx(1e-4 * modulus, rel=0.03)
         assert small.strain == 1e-4
@@ -198,12 +198,12 @@ def test_compression_and_shear(jammed: Packing) -> None:
 
 def test_any_radii() -> None:
     """One species with radii of its own, as of two species."""
-    packing = deformable.jam(deformable.bidisperse(16, ratio=1.4, dimension=3, seed=2)).at(0.72)
+    packing = ld.jam(ld.bidisperse(16, ratio=1.4, dimension=3, seed=2)).at(0.72)
     own = Packing.from_arrays(packing.positions, packing.radius, packing.box)
     assert own.particle_radii is not None
     energies = []
     for each in (packing, own):
-        with deformable.Simulation(each, Droplet()) as sim:
+        with ld.Simulation(each, Droplet()) as sim:
             energies.append(sim.relax(1e-6).energy)
     assert energies[0] == pytest.approx(energies[1], rel=1e-7)
 
@@ -211,12 +211,12 @@ def test_any_radii() -> None:
 def test_beyond_the_model_is_told(jammed: Packing) -> None:
     crystal = at_indentation("fcc", 0.07)
     with (
-        deformable.Simulation(crystal, Droplet()) as sim,
-        pytest.warns(deformable.BeyondModelWarning, match="32 of 32 droplets .* load is above 0.4"),
+        ld.Simulation(crystal, Droplet()) as sim,
+        pytest.warns(ld.BeyondModelWarning, match="32 of 32 droplets .* load is above 0.4"),
     ):
         state = sim.relax()
     assert state.beyond == 32
-    with deformable.Simulation(jammed.at(0.5), Droplet()) as sim, warnings.catch_warnings():
+    with ld.Simulation(jammed.at(0.5), Droplet()) as sim, warnings.catch_warnings():
         warnings.simplefilter("error")
         loose = sim.relax()
     assert (loose.energy, loose.pressure, len(loose.contact_table)) == (0.0, 0.0, 0)
@@ -227,9 +227,9 @@ def test_no_number_is_lost_far_beyond_the_model(monkeypatch: pytest.MonkeyPatch)
     """Where LAMMPS tells one that is none, there is no state."""
     lost = np.zeros((8, 5))
     lost[3, 4] = np.nan
-    with deformable.Simulation(SPHERES, Droplet()) as sim:
+    with ld.Simulation(SPHERES, Droplet()) as sim:
         monkeypatch.setattr(droplet_simulation, "evaluate", lambda *_: (lost, lost))
-        with pytest.raises(deformable.LammpsError, match=r"load of droplet 3 is no number .* less"):
+        with pytest.raises(ld.LammpsError, match=r"load of droplet 3 is no number .* less"):
             sim._evaluate()
 
 
@@ -241,19 +241,19 @@ def test_nothing_of_the_plane_is_in_a_state(emulsion: DropletState) -> None:
             getattr(emulsion, name)
 
 
-SPHERES = deformable.bidisperse(8, dimension=3, seed=1)
+SPHERES = ld.bidisperse(8, dimension=3, seed=1)
 
 
 @pytest.mark.parametrize(
     ("make", "told"),
     [
-        (lambda: deformable.Simulation(deformable.bidisperse(4), Droplet()), r"two: .* Ring\(kA="),
-        (lambda: deformable.jam(deformable.bidisperse(4), Droplet()), "Droplet is for three dim"),
-        (lambda: deformable.Simulation(SPHERES, deformable.Ring()), "Ring is .* take `Droplet`"),
-        (lambda: deformable.Simulation(SPHERES, Droplet([1, 2, 3])), "there are 2 species"),
-        (lambda: deformable.Simulation(None, Droplet()), "packing must be of the kind Packing"),
+        (lambda: ld.Simulation(ld.bidisperse(4), Droplet()), r"two: .* Ring\(kA="),
+        (lambda: ld.jam(ld.bidisperse(4), Droplet()), "Droplet is for three dim"),
+        (lambda: ld.Simulation(SPHERES, ld.Ring()), "Ring is .* take `Droplet`"),
+        (lambda: ld.Simulation(SPHERES, Droplet([1, 2, 3])), "there are 2 species"),
+        (lambda: ld.Simulation(None, Droplet()), "packing must be of the kind Packing"),
         (
-            lambda: deformable.Simulation(SPHERES, Droplet(), walls=deformable.Circle((0, 0), 9)),
+            lambda: ld.Simulation(SPHERES, Droplet(), walls=ld.Circle((0, 0), 9)),
             "circle 1 is a wall in 2 dimensions",
         ),
         (lambda: Droplet(0.0), "tension must be positive, .* not 0.0"),
@@ -262,13 +262,11 @@ SPHERES = deformable.bidisperse(8, dimension=3, seed=1)
         (lambda: Droplet(np.inf), "tension must be positive"),
         (lambda: Droplet("soft"), "tension must be a number, or one number for each species"),
         (
-            lambda: deformable.compress(deformable.Simulation(SPHERES, Droplet()), phi=1.1),
+            lambda: ld.compress(ld.Simulation(SPHERES, Droplet()), phi=1.1),
             "phi must be below 1",
         ),
         (
-            lambda: deformable.Simulation(
-                SPHERES, Droplet(), friction=deformable.Friction(0.5, 0.1)
-            ),
+            lambda: ld.Simulation(SPHERES, Droplet(), friction=ld.Friction(0.5, 0.1)),
             "friction is for particles in the plane, and droplets",
         ),
     ],
@@ -281,7 +279,7 @@ def test_refusals(make: Callable[[], object], told: str) -> None:
 def test_law_shows_its_call() -> None:
     assert repr(Droplet()) == "Droplet()"
     assert repr(Droplet([1, 2])) == "Droplet(tension=(1.0, 2.0))"
-    with deformable.Simulation(SPHERES, Droplet()) as sim:
+    with ld.Simulation(SPHERES, Droplet()) as sim:
         assert repr(sim).startswith("<DropletSimulation: 8 particles, law Droplet(), box ")
         assert repr(sim.state()).startswith("<DropletState: 8 particles, law Droplet(), phi = 0.3")
     assert repr(sim) == "<DropletSimulation: closed>"

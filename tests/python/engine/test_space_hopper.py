@@ -4,12 +4,12 @@ from dataclasses import replace
 from itertools import product
 from pathlib import Path
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
-from deformable import Cone, Cylinder, Droplet, ParameterError, Plane, Post, cuboid
-from deformable.model.free_motions import free_motions
 from exact_balance import exactly_balanced
+from lammps_deformable import Cone, Cylinder, Droplet, ParameterError, Plane, Post, cuboid
+from lammps_deformable.model.free_motions import free_motions
 from programs import output
 
 FLOOR, LID = Plane((0, 0, 0), (0, 0, 1)), Plane((0, 0, 9), (0, 0, -1))
@@ -31,14 +31,14 @@ ROOMS = {  # walls, their volume, and the motions that they leave free
 }
 
 
-def packed(walls, phi=0.62, number=40) -> deformable.Packing:
-    start = deformable.bidisperse(number, ratio=1.2, dimension=3, seed=2).between(walls)
-    return deformable.push_off(start.at(phi))
+def packed(walls, phi=0.62, number=40) -> ld.Packing:
+    start = ld.bidisperse(number, ratio=1.2, dimension=3, seed=2).between(walls)
+    return ld.push_off(start.at(phi))
 
 
 @pytest.mark.parametrize(("walls", "volume", "free"), ROOMS.values(), ids=ROOMS)
 def test_volumes_and_free_motions(walls, volume, free) -> None:
-    packing = deformable.bidisperse(20, dimension=3).between(walls)
+    packing = ld.bidisperse(20, dimension=3).between(walls)
     if volume is None:
         lx, ly, lz = packing.box.diagonal()
         volume = (lx * ly - 4 * np.pi) * lz
@@ -54,7 +54,7 @@ def test_a_post_in_a_periodic_box(axis: str) -> None:
     for cells in product((0, 1), repeat=3):
         image = replace(post, center=tuple(np.add(post.center, np.multiply(side, cells))))
         packing = replace(start, walls=(image,))
-        with exactly_balanced(), deformable.Simulation(packing, Droplet()) as sim:
+        with exactly_balanced(), ld.Simulation(packing, Droplet()) as sim:
             found.append(sim.state())
     volume = side**3 - np.pi * post.radius**2 * side
     assert [float(s.packing.volume) for s in found] == pytest.approx([volume] * 8, rel=1e-12)
@@ -67,7 +67,7 @@ def test_a_hopper_holds_its_filling(tmp_path: Path) -> None:
     """Walls bear the weight, and the funnel most of it; the state goes on from files."""
     packing = packed((*HOPPER[:-1], Plane((0, 0, 12), (0, 0, -1))), 0.4)
     weight = 0.02
-    with exactly_balanced(), deformable.Simulation(packing, Droplet()) as sim:
+    with exactly_balanced(), ld.Simulation(packing, Droplet()) as sim:
         sim.lmp.command(f"fix weight all addforce 0 0 {-weight}")
         state = sim.relax(1e-8)
         state.save(tmp_path)
@@ -84,14 +84,14 @@ def test_a_hopper_holds_its_filling(tmp_path: Path) -> None:
     lines = output("lmp", "-in", "in.lammps", "-log", "none", cwd=tmp_path).splitlines()
     head = next(n for n, line in enumerate(lines) if line.split()[:2] == ["Step", "PotEng"])
     assert float(lines[head + 1].split()[1]) == pytest.approx(state.energy, rel=1e-9)
-    with exactly_balanced(), deformable.Run(tmp_path).simulation() as sim:
+    with exactly_balanced(), ld.Run(tmp_path).simulation() as sim:
         assert sim.walls == state.packing.walls
         assert sim.state().energy == pytest.approx(state.energy, rel=1e-9)
 
 
 def test_a_funnel_is_stretched_along_its_axis() -> None:
     packing = packed(HOPPER)
-    with deformable.Simulation(packing, Droplet()) as sim:
+    with ld.Simulation(packing, Droplet()) as sim:
         before = sim.walls[0]
         sim.deform(packing.box * [1, 1, 0.99])
         assert sim.walls[0].radius == before.radius
@@ -117,7 +117,7 @@ def test_refused_shapes(wall, told: str) -> None:
 
 
 def test_refused_scenes() -> None:
-    two = deformable.Packing([[2, 2, 2], [6, 6, 6]], [0, 0], [0.5], [9, 9, 9])
+    two = ld.Packing([[2, 2, 2], [6, 6, 6]], [0, 0], [0.5], [9, 9, 9])
     tilted = replace(two, box=[[9, 0, 0], [1, 9, 0], [0, 0, 9]])
     for packing, walls, told in (
         (two, [Post((4, 4, 4), 4)], "post 1 does not fit into the periodic box"),
@@ -127,6 +127,6 @@ def test_refused_scenes() -> None:
         (tilted, [Post((4, 4, 4), 1, "y")], "post 1 is not along an edge of the box"),
     ):
         with pytest.raises(ParameterError, match=told):
-            deformable.Simulation(packing, Droplet(), walls=walls)
-    with deformable.Simulation(tilted, Droplet(), walls=Post((4, 4, 4), 1, "x")) as sim:
+            ld.Simulation(packing, Droplet(), walls=walls)
+    with ld.Simulation(tilted, Droplet(), walls=Post((4, 4, 4), 1, "x")) as sim:
         assert sim.state().energy == 0.0

@@ -3,10 +3,11 @@
 from dataclasses import replace
 from pathlib import Path
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
-from deformable import (
+from exact_balance import exactly_balanced
+from lammps_deformable import (
     Ball,
     Cone,
     Cylinder,
@@ -18,7 +19,6 @@ from deformable import (
     Sphere,
     cuboid,
 )
-from exact_balance import exactly_balanced
 from polyhedra import FACES, FORCES, INDENTATIONS, precision
 from programs import output
 
@@ -35,13 +35,13 @@ SCENES = {
 }
 
 
-def packed(name: str, phi: float = 0.64, number: int = 40) -> deformable.Packing:
-    start = deformable.bidisperse(number, ratio=1.2, dimension=3, seed=3).between(SCENES[name])
-    return deformable.push_off(start.at(phi))
+def packed(name: str, phi: float = 0.64, number: int = 40) -> ld.Packing:
+    start = ld.bidisperse(number, ratio=1.2, dimension=3, seed=3).between(SCENES[name])
+    return ld.push_off(start.at(phi))
 
 
 @pytest.fixture(scope="module")
-def drum() -> deformable.Packing:
+def drum() -> ld.Packing:
     return packed("drum")
 
 
@@ -49,10 +49,10 @@ def drum() -> deformable.Packing:
 def test_one_droplet_in_its_faces(name: str) -> None:
     """The table of equal contacts."""
     *forces, work = FORCES[name]
-    alone = deformable.Packing([[0, 0, 0]], [0], [1.0], [9, 9, 9])
+    alone = ld.Packing([[0, 0, 0]], [0], [1.0], [9, 9, 9])
     for indentation, force in zip(INDENTATIONS, forces, strict=True):
         walls = [Plane(tuple(-(1 - indentation) * n), tuple(n)) for n in FACES[name]]
-        with exactly_balanced(), deformable.Simulation(alone, Droplet(2.0), walls=walls) as sim:
+        with exactly_balanced(), ld.Simulation(alone, Droplet(2.0), walls=walls) as sim:
             state = sim.state()
         table = state.contact_table
         assert (table["j"] == -1).all()
@@ -79,7 +79,7 @@ def test_walls_bear_what_droplets_carry(name: str) -> None:
     Droplets keep their radii, so that the walls are scaled with the centers.
     """
     packing = packed(name)
-    with exactly_balanced(), deformable.Simulation(packing, LAW) as sim:
+    with exactly_balanced(), ld.Simulation(packing, LAW) as sim:
         state = sim.state()
         forces = np.array(sim.lmp.gather("f", 1, 3)).reshape(-1, 3)
     table = state.contact_table
@@ -94,7 +94,7 @@ def test_walls_bear_what_droplets_carry(name: str) -> None:
     assert state.pressure == pytest.approx(-moment / 3 / packing.volume, rel=1e-8)
     energies, volumes = [], []
     for factor in (1 - 1e-5, 1 + 1e-5):
-        with exactly_balanced(), deformable.Simulation(packing, LAW) as sim:
+        with exactly_balanced(), ld.Simulation(packing, LAW) as sim:
             sim.deform(packing.box * factor)
             energies.append(sim.state().energy)
             volumes.append(sim.state().packing.volume)
@@ -103,21 +103,21 @@ def test_walls_bear_what_droplets_carry(name: str) -> None:
 
 
 def test_forces_are_differences_of_the_energy(drum) -> None:
-    with exactly_balanced(), deformable.Simulation(drum, LAW) as sim:
+    with exactly_balanced(), ld.Simulation(drum, LAW) as sim:
         state = sim.state()
         forces = np.array(sim.lmp.gather("f", 1, 3)).reshape(-1, 3)
     along = np.random.default_rng(1).normal(size=forces.shape)
     energies = []
     for step in (-1e-5, 1e-5):
         moved = replace(drum, positions=drum.positions + step * along)
-        with exactly_balanced(), deformable.Simulation(moved, LAW) as sim:
+        with exactly_balanced(), ld.Simulation(moved, LAW) as sim:
             energies.append(sim.state().energy)
     assert state.contacts.sum() > 100
     assert np.diff(energies) / 2e-5 == pytest.approx(-np.sum(forces * along), rel=1e-6, abs=1e-6)
 
 
 def test_pressure_in_a_cuboid_is_force_per_area() -> None:
-    with deformable.Simulation(packed("cuboid"), LAW) as sim:
+    with ld.Simulation(packed("cuboid"), LAW) as sim:
         state = sim.relax(1e-9)
     sides = state.packing.box.diagonal()
     area = np.prod(sides) / sides
@@ -132,10 +132,10 @@ def test_pressure_in_a_cuboid_is_force_per_area() -> None:
 @pytest.mark.parametrize("name", ["drum", "sphere and balls"])
 def test_soft_spheres_jam_between_walls(name: str) -> None:
     """Their pressure is the slope of the energy, and contacts are as many as hold them."""
-    start = deformable.bidisperse(40, ratio=1.2, dimension=3, seed=3).between(SCENES[name])
-    jammed = deformable.jam(start)
+    start = ld.bidisperse(40, ratio=1.2, dimension=3, seed=3).between(SCENES[name])
+    jammed = ld.jam(start)
     assert 0.4 < jammed.phi < 0.6  # walls take room from small packings
-    with deformable.Spheres(jammed) as soft:
+    with ld.Spheres(jammed) as soft:
         state = soft.relax(1e-6)
     assert set(state.wall_pairs[:, 1].tolist()) >= {0}
     assert 1e-6 < state.pressure < 2.1e-6
@@ -145,7 +145,7 @@ def test_soft_spheres_jam_between_walls(name: str) -> None:
     assert (state.particle_values()["contacts"] >= contacts).all()
     energies, volumes = [], []
     for factor in (1 - 1e-8, 1 + 1e-8):
-        with deformable.Spheres(jammed.at(jammed.phi / factor**3)) as soft:
+        with ld.Spheres(jammed.at(jammed.phi / factor**3)) as soft:
             energies.append(soft.state().energy)
             volumes.append(soft.state().packing.volume)
     slope = -np.diff(energies) / np.diff(volumes)
@@ -156,9 +156,9 @@ def test_two_walls_in_one_place() -> None:
     """Their contacts with a droplet have one direction: the force is the slope of the energy."""
     energies = []
     for step in (-1e-5, 1e-5, 0.0):
-        one = deformable.Packing([[1.1 + step, 0.9, 0.7]], [0], [0.5], [9, 9, 9])
+        one = ld.Packing([[1.1 + step, 0.9, 0.7]], [0], [0.5], [9, 9, 9])
         twice = [Sphere((0, 0, 0), 2.0)] * 2
-        with deformable.Simulation(one, Droplet(), walls=twice) as sim:
+        with ld.Simulation(one, Droplet(), walls=twice) as sim:
             energies.append(sim.state().energy)
             force = np.array(sim.lmp.gather("f", 1, 3))
     assert (energies[0] - energies[1]) / 2e-5 == pytest.approx(force[0], rel=1e-5)
@@ -168,10 +168,10 @@ def test_two_walls_in_one_place() -> None:
 def test_compression_scales_walls_with_droplets(drum, tmp_path: Path) -> None:
     """They are kept in files, by which runs and LAMMPS go on."""
     with exactly_balanced():
-        with deformable.Simulation(drum, LAW) as sim:
-            states = list(deformable.compress(sim, strain=0.02, steps=2, tolerance=1e-4))
+        with ld.Simulation(drum, LAW) as sim:
+            states = list(ld.compress(sim, strain=0.02, steps=2, tolerance=1e-4))
         states[-1].save(tmp_path)
-        with deformable.Run(tmp_path).simulation() as sim:
+        with ld.Run(tmp_path).simulation() as sim:
             again = sim.state()
     last = states[-1]
     assert [s.packing.walls[0].radius for s in states] == pytest.approx(
@@ -195,9 +195,9 @@ def test_compression_scales_walls_with_droplets(drum, tmp_path: Path) -> None:
 def test_packing_files(drum, suffix: str, tmp_path: Path) -> None:
     """Walls are given again."""
     path = tmp_path / f"packing.{suffix}"
-    with pytest.warns(deformable.UnsavedWarning, match="lacks the walls"):
+    with pytest.warns(ld.UnsavedWarning, match="lacks the walls"):
         drum.to_file(path)
-    again = deformable.Packing.from_file(path, walls=drum.walls, dimension=3)
+    again = ld.Packing.from_file(path, walls=drum.walls, dimension=3)
     assert again.positions.tolist() == drum.positions.tolist()
     assert again.box.tolist() == drum.box.tolist()
     assert again.phi == drum.phi
@@ -205,7 +205,7 @@ def test_packing_files(drum, suffix: str, tmp_path: Path) -> None:
 
 def test_a_piston_in_a_tube(drum) -> None:
     """The box may be stretched along the tube alone; across, walls would not be round."""
-    with deformable.Simulation(drum, LAW) as sim:
+    with ld.Simulation(drum, LAW) as sim:
         lower = drum.box * [1, 1, 0.995]
         sim.deform(lower)
         assert sim.walls[0].radius == drum.walls[0].radius
@@ -218,9 +218,9 @@ def test_motion_keeps_the_energy(drum) -> None:
     """Droplets that bounce between walls; the error falls with the square of the step."""
     errors = []
     for timestep, steps in ((0.04, 100), (0.02, 200)):
-        with exactly_balanced(), deformable.Simulation(drum, LAW) as sim:
+        with exactly_balanced(), ld.Simulation(drum, LAW) as sim:
             before = sim.state().energy
-            for state in deformable.move(sim, steps, timestep=timestep, every=steps // 4):
+            for state in ld.move(sim, steps, timestep=timestep, every=steps // 4):
                 errors.append(abs(state.energy + state.kinetic_energy - before))
         assert state.kinetic_energy > 1e-3 * before
         assert np.abs(state.wall_forces).max() > 0
@@ -237,7 +237,7 @@ def test_walls_in_pictures_and_files(tmp_path: Path) -> None:
         ("hopper", 6, 0),
         ("posts", 20, 1),
     ):
-        with deformable.Simulation(packed(name), LAW) as sim:
+        with ld.Simulation(packed(name), LAW) as sim:
             state = sim.state()
         lines = state.plot(forces=True).collections[0].get_paths()  # rims and outlines
         assert len(lines) == outlines
@@ -256,33 +256,33 @@ def test_walls_in_pictures_and_files(tmp_path: Path) -> None:
 
 def test_cells_end_at_planes() -> None:
     """They fill the room; at round walls they are no polyhedra."""
-    with deformable.Simulation(packed("cuboid"), LAW) as sim:
+    with ld.Simulation(packed("cuboid"), LAW) as sim:
         state = sim.state()
     assert (state.filled_volume / state.local_phi).sum() == pytest.approx(state.packing.volume)
-    with deformable.Simulation(packed("drum"), LAW) as sim:
+    with ld.Simulation(packed("drum"), LAW) as sim:
         state = sim.state()
         with pytest.raises(ParameterError, match="wall 1 is a cylinder: take a room between"):
             _ = state.local_phi
 
 
 def test_refusals(drum) -> None:
-    two = deformable.Packing([[2, 2, 2], [6, 6, 6]], [0, 0], [0.5], [9, 9, 9])
+    two = ld.Packing([[2, 2, 2], [6, 6, 6]], [0, 0], [0.5], [9, 9, 9])
     for walls, told in (
         ([Ball((4, 4, 4), 1), Ball((6, 5.5, 6), 1)], "particle 1, .* within ball 2"),
         ([Ball((4, 4, 4), 1), Ball((0, 0, 0), 4)], "ball 2 does not fit into the periodic box"),
         (LIDS[:1], "leave the room open"),
-        (deformable.rectangle(9, 9), "plane 1 is a wall in 2 dimensions"),
+        (ld.rectangle(9, 9), "plane 1 is a wall in 2 dimensions"),
     ):
         with pytest.raises(ParameterError, match=told):
-            deformable.Simulation(two, Droplet(), walls=walls)
-    with deformable.Simulation(two, Droplet(), walls=LIDS) as sim:
+            ld.Simulation(two, Droplet(), walls=walls)
+    with ld.Simulation(two, Droplet(), walls=LIDS) as sim:
         sim.lmp.command("set atom 2 z 8.1")
         with pytest.raises(LammpsError, match="plane 2"):
             sim.state()
-    with deformable.Simulation(drum, LAW) as sim:
+    with ld.Simulation(drum, LAW) as sim:
         state = sim.state()
         with pytest.raises(ParameterError, match="walls are not sheared"):
-            next(iter(deformable.shear(sim, strain=0.1, steps=1)))
+            next(iter(ld.shear(sim, strain=0.1, steps=1)))
         for refused, told in (
             (lambda: state.hessian(), "do not know walls: take a state of a periodic box"),
             (lambda: sim.relax(pressure=0.1, box="sides"), "box='sides' is not for walls"),
@@ -295,19 +295,19 @@ def test_refusals(drum) -> None:
 def test_second_derivatives_of_soft_spheres() -> None:
     """In a sphere with balls as those of disks in the plane; in a tube they are refused."""
     packing = packed("sphere and balls", 0.6)
-    with deformable.Spheres(packing) as soft:
+    with ld.Spheres(packing) as soft:
         hessian = soft.state().hessian()
     along = np.random.default_rng(1).normal(size=3 * len(packing))
     gradients = []
     for step in (-1e-7, 1e-7):
         x = packing.positions + step * along.reshape(-1, 3)
-        with deformable.Spheres(replace(packing, positions=x)) as soft:
+        with ld.Spheres(replace(packing, positions=x)) as soft:
             gradients.append(-np.array(soft.lmp.gather("f", 1, 3)) if soft.state() else 0.0)
     slope = (gradients[1] - gradients[0]) / 2e-7
     assert hessian.matrix @ along == pytest.approx(slope, abs=1e-5)
     told = "do not know cylinders, cones and posts: take other walls"
     with (
-        deformable.Spheres(packed("drum", 0.6)) as soft,
+        ld.Spheres(packed("drum", 0.6)) as soft,
         pytest.raises(ParameterError, match=told),
     ):
         soft.state().hessian()

@@ -2,29 +2,29 @@
 
 import inspect
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
-from deformable.state.state import State
+from lammps_deformable.state.state import State
 
 networkx = pytest.importorskip("networkx")
 
 
 @pytest.fixture(scope="module")
-def jammed() -> deformable.Packing:
-    return deformable.jam(deformable.bidisperse(64, ratio=1.2, dimension=3, seed=1), tolerance=1e-6)
+def jammed() -> ld.Packing:
+    return ld.jam(ld.bidisperse(64, ratio=1.2, dimension=3, seed=1), tolerance=1e-6)
 
 
 @pytest.fixture(scope="module")
-def squeezed(jammed: deformable.Packing) -> deformable.SphereState:
-    with deformable.Spheres(jammed) as spheres:
-        *_, last = deformable.compress(spheres, phi=jammed.phi + 0.03, steps=2)
+def squeezed(jammed: ld.Packing) -> ld.SphereState:
+    with ld.Spheres(jammed) as spheres:
+        *_, last = ld.compress(spheres, phi=jammed.phi + 0.03, steps=2)
     return last
 
 
-def test_random_close_packing_is_isostatic(jammed: deformable.Packing) -> None:
+def test_random_close_packing_is_isostatic(jammed: ld.Packing) -> None:
     """3 N' - 2 contacts. 64 spheres jam between 0.58 and 0.67, most near 0.63."""
-    with deformable.Spheres(jammed) as spheres:
+    with ld.Spheres(jammed) as spheres:
         state = spheres.relax(1e-8)
     held = int(np.sum(~state.rattlers))
     assert 0.58 < jammed.phi < 0.67
@@ -40,20 +40,20 @@ def test_512_spheres_jam_at_random_close_packing() -> None:
 
     One of 512 scatters by some 0.003.
     """
-    starts = [deformable.bidisperse(512, ratio=1.2, dimension=3, seed=seed) for seed in range(4)]
-    phi = np.mean([deformable.jam(start).phi for start in starts])
+    starts = [ld.bidisperse(512, ratio=1.2, dimension=3, seed=seed) for seed in range(4)]
+    phi = np.mean([ld.jam(start).phi for start in starts])
     assert phi == pytest.approx(0.639, abs=0.01)
 
 
-def test_scale_does_not_matter(jammed: deformable.Packing) -> None:
+def test_scale_does_not_matter(jammed: ld.Packing) -> None:
     """The threshold of pressure is in units of k over the mean diameter."""
-    start = deformable.bidisperse(64, ratio=1.2, dimension=3, seed=1)
-    large = deformable.Packing.from_arrays(8 * start.positions, 8 * start.radius, 8 * start.box)
-    with deformable.Spheres(deformable.jam(large, tolerance=1e-6)) as spheres:
+    start = ld.bidisperse(64, ratio=1.2, dimension=3, seed=1)
+    large = ld.Packing.from_arrays(8 * start.positions, 8 * start.radius, 8 * start.box)
+    with ld.Spheres(ld.jam(large, tolerance=1e-6)) as spheres:
         assert spheres.state().pressure == pytest.approx(1.4e-6 / 8.8, rel=1e-2)
 
 
-def test_states_have_stress_contacts_and_motion(squeezed: deformable.SphereState) -> None:
+def test_states_have_stress_contacts_and_motion(squeezed: ld.SphereState) -> None:
     volumes = squeezed.filled_volume[:, None, None]
     total = np.sum(squeezed.particle_stress * volumes, axis=0) / squeezed.packing.volume
     assert total == pytest.approx(squeezed.stress, abs=1e-12 * squeezed.pressure)
@@ -70,7 +70,7 @@ def test_states_have_stress_contacts_and_motion(squeezed: deformable.SphereState
         assert values.shape == (64,)
 
 
-def test_pressure_is_the_derivative_of_the_energy(squeezed: deformable.SphereState) -> None:
+def test_pressure_is_the_derivative_of_the_energy(squeezed: ld.SphereState) -> None:
     """All six components, by strains of the box that the centers follow."""
     step, found = 1e-5, np.zeros((3, 3))
     for a, b in ((0, 0), (1, 1), (2, 2), (1, 0), (2, 0), (2, 1)):
@@ -78,7 +78,7 @@ def test_pressure_is_the_derivative_of_the_energy(squeezed: deformable.SphereSta
         for sign in (1.0, -1.0):
             strain = np.eye(3)
             strain[a, b] += sign * step
-            with deformable.Spheres(squeezed.packing) as spheres:
+            with ld.Spheres(squeezed.packing) as spheres:
                 spheres.deform(squeezed.packing.box @ strain)
                 energies.append(spheres.state().energy)
         found[a, b] = found[b, a] = -(energies[0] - energies[1]) / (2.0 * step)
@@ -86,16 +86,16 @@ def test_pressure_is_the_derivative_of_the_energy(squeezed: deformable.SphereSta
     assert found == pytest.approx(expected, abs=1e-4 * expected[0, 0])
 
 
-def test_shear_and_moduli(squeezed: deformable.SphereState) -> None:
+def test_shear_and_moduli(squeezed: ld.SphereState) -> None:
     """Shear by small steps follows the shear modulus; the mean of both directions is that of G."""
-    shear = deformable.shear_modulus(squeezed, 1e-5)
-    bulk = deformable.bulk_modulus(squeezed, 1e-5)
+    shear = ld.shear_modulus(squeezed, 1e-5)
+    bulk = ld.bulk_modulus(squeezed, 1e-5)
     assert shear.linear
     assert bulk.linear
     assert 0.0 < shear.value < bulk.value
-    with deformable.Spheres(squeezed.packing) as spheres:
+    with ld.Spheres(squeezed.packing) as spheres:
         start = spheres.relax(1e-8)
-        *_, last = deformable.shear(spheres, strain=1e-5, steps=1, tolerance=1e-8)
+        *_, last = ld.shear(spheres, strain=1e-5, steps=1, tolerance=1e-8)
     slope = (last.shear_stress - start.shear_stress) / 1e-5
     assert slope == pytest.approx(shear.value, rel=0.02)
     moved = last.displacements(start)
@@ -103,22 +103,22 @@ def test_shear_and_moduli(squeezed: deformable.SphereState) -> None:
     assert last.nonaffine(start) == pytest.approx(
         moved - np.outer(start.packing.positions[:, 1], [1e-5, 0.0, 0.0]), abs=1e-12
     )
-    assert deformable.unwrapped([start, last])[1] - start.packing.positions == pytest.approx(moved)
+    assert ld.unwrapped([start, last])[1] - start.packing.positions == pytest.approx(moved)
 
 
-def test_local_strain_of_an_affine_motion(squeezed: deformable.SphereState) -> None:
+def test_local_strain_of_an_affine_motion(squeezed: ld.SphereState) -> None:
     """A packing that follows its box has the strain of the box, and no D^2_min."""
     gradient = np.array([[0.01, 0.0, 0.0], [0.02, -0.01, 0.0], [0.005, -0.015, 0.02]])
-    with deformable.Spheres(squeezed.packing) as spheres:
+    with ld.Spheres(squeezed.packing) as spheres:
         spheres.deform(squeezed.packing.box @ (np.eye(3) + gradient))
         strained = spheres.state().local_strain(squeezed)
     assert strained.gradient == pytest.approx(np.broadcast_to(gradient.T, (64, 3, 3)), abs=1e-9)
     assert strained.d2min == pytest.approx(np.zeros(64), abs=1e-12)
 
 
-def test_nothing_of_the_plane_is_in_a_state(squeezed: deformable.SphereState) -> None:
+def test_nothing_of_the_plane_is_in_a_state(squeezed: ld.SphereState) -> None:
     """Whatever states in the plane have, a state in space has it as its own, or says so."""
-    for kind in (State, deformable.DiskState):
+    for kind in (State, ld.DiskState):
         for name in {*dir(kind), *inspect.get_annotations(kind)}:
             if name.startswith("_") or hasattr(type(squeezed), name) or name in vars(squeezed):
                 continue
@@ -130,27 +130,27 @@ def test_nothing_of_the_plane_is_in_a_state(squeezed: deformable.SphereState) ->
         squeezed.hexatic()
     with pytest.raises(AttributeError, match="no attribute 'hexagonal'"):
         squeezed.hexagonal  # noqa: B018
-    with pytest.raises(deformable.ParameterError, match="pure=True is for packings in the plane"):
-        deformable.shear_modulus(squeezed, 1e-3, pure=True)
-    with pytest.raises(deformable.ParameterError, match="polish is for packings in the plane"):
-        deformable.polish(squeezed)
+    with pytest.raises(ld.ParameterError, match="pure=True is for packings in the plane"):
+        ld.shear_modulus(squeezed, 1e-3, pure=True)
+    with pytest.raises(ld.ParameterError, match="polish is for packings in the plane"):
+        ld.polish(squeezed)
 
 
-def test_a_box_of_another_dimension(squeezed: deformable.SphereState) -> None:
-    with deformable.Spheres(squeezed.packing) as spheres:
-        with pytest.raises(deformable.ParameterError, match="box must have 3 sides, not 2"):
+def test_a_box_of_another_dimension(squeezed: ld.SphereState) -> None:
+    with ld.Spheres(squeezed.packing) as spheres:
+        with pytest.raises(ld.ParameterError, match="box must have 3 sides, not 2"):
             spheres.deform(np.eye(2))
-        with pytest.raises(deformable.ParameterError, match="without a rate only"):
-            deformable.shear(spheres, 0.01, rate=1.0, friction=1.0)
-    with pytest.raises(deformable.ParameterError, match="before has 2 dimensions"):
-        squeezed.displacements(deformable.bidisperse(64))
+        with pytest.raises(ld.ParameterError, match="without a rate only"):
+            ld.shear(spheres, 0.01, rate=1.0, friction=1.0)
+    with pytest.raises(ld.ParameterError, match="before has 2 dimensions"):
+        squeezed.displacements(ld.bidisperse(64))
 
 
 def test_centers_at_one_place_come_apart() -> None:
     """Also a whole packing: no plane holds its spheres."""
-    heap = deformable.Packing(np.zeros((20, 3)), np.zeros(20), [0.5], (3.0, 3.0, 3.0))
-    apart = deformable.push_off(heap)
-    with deformable.Spheres(apart) as spheres:
+    heap = ld.Packing(np.zeros((20, 3)), np.zeros(20), [0.5], (3.0, 3.0, 3.0))
+    apart = ld.push_off(heap)
+    with ld.Spheres(apart) as spheres:
         assert spheres.state().pressure < 1e-2
     assert np.ptp(apart.positions, axis=0).min() > 1.0
 
@@ -159,13 +159,13 @@ def test_centers_at_one_place_come_apart() -> None:
 def test_crystals_by_formula(lattice: str) -> None:
     """p = z N o d/(6 V), K = V d^2E/dV^2 of z N/2 springs."""
     contacts, over = {"fcc": 12, "bcc": 8, "sc": 6}[lattice], 0.02
-    touching = deformable.cubic(lattice, 2)
+    touching = ld.cubic(lattice, 2)
     crystal = touching.at(touching.phi / (1.0 - over) ** 3)
-    with deformable.Spheres(crystal) as spheres:
+    with ld.Spheres(crystal) as spheres:
         state = spheres.state()
     per_volume = contacts * len(crystal) / (6.0 * crystal.volume)
     assert state.pressure == pytest.approx(per_volume * over * (1.0 - over), rel=1e-9)
     assert state.coordination == contacts
     bulk = per_volume * (1.0 - over) / 3.0 * ((1.0 - over) + 2.0 * over)
-    found = deformable.bulk_modulus(state, 1e-5)
+    found = ld.bulk_modulus(state, 1e-5)
     assert found.value == pytest.approx(bulk, rel=1e-4)

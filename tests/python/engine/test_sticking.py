@@ -4,7 +4,7 @@ import math
 from pathlib import Path
 from typing import Any
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
 from mpi4py import MPI
@@ -14,26 +14,26 @@ W = 0.3
 STRETCHED = 2.2  # beyond touch; the film of two droplets lets go at 2.287
 
 
-def droplets(adhesion: Any = W, **settings: Any) -> deformable.Ring:
+def droplets(adhesion: Any = W, **settings: Any) -> ld.Ring:
     given: dict[str, Any] = {"kA": math.inf, "kP": 0.0, "tension": 1.0}
-    return deformable.Ring(contact="curved", adhesion=adhesion, **(given | settings))
+    return ld.Ring(contact="curved", adhesion=adhesion, **(given | settings))
 
 
-def pair(distance: float, second: float = 1.0, walls: Any = ()) -> deformable.Packing:
+def pair(distance: float, second: float = 1.0, walls: Any = ()) -> ld.Packing:
     x = np.array([[2.0, 2.0], [2.0 + distance, 2.0]])
     box, radii = np.diag([8.0, 4.0]), np.array([1.0, second])
-    return deformable.Packing(x, np.array([0, 1]), radii, box, walls=tuple(walls))
+    return ld.Packing(x, np.array([0, 1]), radii, box, walls=tuple(walls))
 
 
-def place(sim: deformable.Simulation, distance: float) -> deformable.State:
+def place(sim: ld.Simulation, distance: float) -> ld.State:
     """The state with the second particle at this distance from the first one."""
     sim.lmp.command(f"set atom 2 x {2.0 + distance!r}")
     return sim.state()
 
 
 @pytest.fixture(scope="module")
-def stretched() -> deformable.State:
-    with deformable.Simulation(pair(1.99), droplets(), MPI.COMM_SELF) as sim:
+def stretched() -> ld.State:
+    with ld.Simulation(pair(1.99), droplets(), MPI.COMM_SELF) as sim:
         sim.state()
         return place(sim, STRETCHED)
 
@@ -44,7 +44,7 @@ REST = [(1.0, 1.7297244740, -0.215946968797), (1.4, 2.0849686005, -0.25165122292
 
 @pytest.mark.parametrize(("second", "distance", "energy"), REST)
 def test_doublet(second: float, distance: float, energy: float) -> None:
-    with deformable.Simulation(pair(0.95 * (1 + second), second), droplets()) as sim:
+    with ld.Simulation(pair(0.95 * (1 + second), second), droplets()) as sim:
         state = sim.relax()
     assert not state.stalled
     assert state.energy == pytest.approx(energy, abs=1e-10)
@@ -66,7 +66,7 @@ def test_doublet(second: float, distance: float, energy: float) -> None:
     assert height == pytest.approx(table["length"][0] * np.sinc(bend / np.pi), rel=1e-4)
 
 
-def test_outlines_away_from_rest(stretched: deformable.State) -> None:
+def test_outlines_away_from_rest(stretched: ld.State) -> None:
     """The centers are held: outlines still share the ends of their film, and push nothing."""
     one, other = stretched.outlines
     shared = [p for p in one if np.hypot(*(p - other).T).min() < 1e-7]
@@ -75,10 +75,10 @@ def test_outlines_away_from_rest(stretched: deformable.State) -> None:
 
 
 @pytest.mark.parametrize("law", [droplets(0.2), droplets([[0.2, 0.1], [0.1, 0.15]], kP=0.3)])
-def test_packing(law: deformable.Ring) -> None:
+def test_packing(law: ld.Ring) -> None:
     """A floc of unequal droplets: areas of outlines, and forces that pull."""
-    jammed = deformable.jam(deformable.bidisperse(12, seed=2))
-    with deformable.Simulation(jammed, law, MPI.COMM_SELF) as sim:
+    jammed = ld.jam(ld.bidisperse(12, seed=2))
+    with ld.Simulation(jammed, law, MPI.COMM_SELF) as sim:
         sim.deform(sim.box * 0.99)
         state = sim.relax()
     assert state.residual <= 1e-6
@@ -94,7 +94,7 @@ def test_packing(law: deformable.Ring) -> None:
     assert overlap < 1e-4 * sum(areas)
 
 
-def test_picture(stretched: deformable.State) -> None:
+def test_picture(stretched: ld.State) -> None:
     """Contacts and forces of films are drawn, those that pull in another color."""
     pytest.importorskip("matplotlib")
     axes = stretched.plot(contacts=True, forces=True)
@@ -107,11 +107,11 @@ def test_picture(stretched: deformable.State) -> None:
     axes.figure.clear()
 
 
-def test_memory(stretched: deformable.State, tmp_path: Path) -> None:
+def test_memory(stretched: ld.State, tmp_path: Path) -> None:
     """Positions do not tell whether a pair is attached; a state does, and its files."""
     assert stretched.energy > 0.005
     stretched.save(tmp_path / "stretched")
-    with deformable.Run(tmp_path / "stretched").simulation(MPI.COMM_SELF) as sim:
+    with ld.Run(tmp_path / "stretched").simulation(MPI.COMM_SELF) as sim:
         assert sim.state().energy == pytest.approx(stretched.energy, rel=1e-12)
         assert place(sim, 2.5).energy == 0.0  # it has let go
         free = place(sim, STRETCHED)
@@ -119,20 +119,20 @@ def test_memory(stretched: deformable.State, tmp_path: Path) -> None:
     assert free.films is not None
     assert free.films.shape == (0, 2)
     free.save(tmp_path / "free")
-    with deformable.Run(tmp_path / "free").simulation(MPI.COMM_SELF) as sim:
+    with ld.Run(tmp_path / "free").simulation(MPI.COMM_SELF) as sim:
         assert sim.state().energy == 0.0
 
 
 def test_free_circles_that_overlap(tmp_path: Path) -> None:
     """None attached is a memory too: without one, they would attach."""
-    with deformable.Simulation(pair(1.99), droplets(0.0), MPI.COMM_SELF) as sim:
+    with ld.Simulation(pair(1.99), droplets(0.0), MPI.COMM_SELF) as sim:
         free = sim.state()
     assert free.films is None
     assert "attached" not in (free.save(tmp_path), (tmp_path / "packing.data").read_text())[1]
 
 
-def test_a_simulation_of_a_state(stretched: deformable.State) -> None:
-    with deformable.Simulation(stretched, stretched.law, MPI.COMM_SELF) as sim:
+def test_a_simulation_of_a_state(stretched: ld.State) -> None:
+    with ld.Simulation(stretched, stretched.law, MPI.COMM_SELF) as sim:
         assert sim.state().energy == pytest.approx(stretched.energy, rel=1e-12)
         sim.restart(stretched.packing)
         assert sim.state().energy == 0.0
@@ -140,7 +140,7 @@ def test_a_simulation_of_a_state(stretched: deformable.State) -> None:
         assert sim.state().energy == pytest.approx(stretched.energy, rel=1e-12)
 
 
-def test_script(stretched: deformable.State, tmp_path: Path) -> None:
+def test_script(stretched: ld.State, tmp_path: Path) -> None:
     """LAMMPS by itself attaches the same pairs."""
     stretched.save(tmp_path)
     script = (tmp_path / "in.lammps").read_text().splitlines()
@@ -152,10 +152,10 @@ def test_script(stretched: deformable.State, tmp_path: Path) -> None:
 @pytest.mark.parametrize("adhesion", [0.0, 0.1])
 def test_walls(adhesion: float, tmp_path: Path) -> None:
     """A droplet on a wall, alone: Young's angle; and pulled off by a part."""
-    walls = deformable.rectangle(8, 4, adhesion=0.4)
+    walls = ld.rectangle(8, 4, adhesion=0.4)
     start = pair(4.0, walls=walls)
     law = droplets(adhesion)
-    with deformable.Simulation(start, law, MPI.COMM_SELF) as sim:
+    with ld.Simulation(start, law, MPI.COMM_SELF) as sim:
         sim.lmp.command("set atom 1 x 0.99")
         state = sim.relax()
         (row,) = state.contact_table
@@ -175,16 +175,16 @@ def test_walls(adhesion: float, tmp_path: Path) -> None:
         assert sim.state().energy == 0.0  # the circle does not reach the wall
     assert off.contact_table["force"] < 0
     off.save(tmp_path)
-    with deformable.Run(tmp_path).simulation(MPI.COMM_SELF) as sim:
+    with ld.Run(tmp_path).simulation(MPI.COMM_SELF) as sim:
         again = sim.state()
     assert again.energy == pytest.approx(off.energy, rel=1e-12)
     assert again.packing.walls == walls
     # walls that have moved hold on; the first one of other walls has no film
-    moved = deformable.rectangle(8, 4, (1e-3, 0.0), adhesion=0.4)
-    left, right, low, high = deformable.rectangle(8, 3, (0.0, 0.997), adhesion=0.4)
-    more = low, left, right, high, deformable.Disk((4.0, 2.0), 0.1)
+    moved = ld.rectangle(8, 4, (1e-3, 0.0), adhesion=0.4)
+    left, right, low, high = ld.rectangle(8, 3, (0.0, 0.997), adhesion=0.4)
+    more = low, left, right, high, ld.Disk((4.0, 2.0), 0.1)
     for others, holds in ((moved, True), (more, False)):
-        with deformable.Simulation(off, law, MPI.COMM_SELF, walls=others) as sim:
+        with ld.Simulation(off, law, MPI.COMM_SELF, walls=others) as sim:
             films = sim.state().films
         assert films is not None
         assert len(films) == holds
@@ -192,29 +192,29 @@ def test_walls(adhesion: float, tmp_path: Path) -> None:
 
 def test_what_refuses() -> None:
     """One line each."""
-    with deformable.Simulation(pair(1.8), droplets(), MPI.COMM_SELF) as sim:
+    with ld.Simulation(pair(1.8), droplets(), MPI.COMM_SELF) as sim:
         state = sim.relax()
-    sticky = deformable.rectangle(8, 4, adhesion=0.1)
+    sticky = ld.rectangle(8, 4, adhesion=0.1)
     for call in (
-        lambda: deformable.jam(pair(3.0), droplets()),
-        lambda: deformable.jam(pair(3.0, walls=sticky), droplets(0.0)),
+        lambda: ld.jam(pair(3.0), droplets()),
+        lambda: ld.jam(pair(3.0, walls=sticky), droplets(0.0)),
         state.hessian,
         state.elastic_moduli,
         state.modes,
-        lambda: deformable.polish(state),
+        lambda: ld.polish(state),
         lambda: state.parallels(np.full(2, 0.1)),
     ):
-        with pytest.raises(deformable.ParameterError, match="particles have an adhesion") as error:
+        with pytest.raises(ld.ParameterError, match="particles have an adhesion") as error:
             call()
         assert "\n" not in str(error.value)
 
 
 def test_lost_energy() -> None:
     """Two droplets meet: what they lose as they attach completes the balance of energy."""
-    with deformable.Simulation(pair(2.02), droplets(), MPI.COMM_SELF) as sim:
+    with ld.Simulation(pair(2.02), droplets(), MPI.COMM_SELF) as sim:
         sim.lmp.command("set atom 2 vx -0.1")
         start = sim.state()
-        *_, end = deformable.move(sim, steps=400, timestep=0.01)
+        *_, end = ld.move(sim, steps=400, timestep=0.01)
     assert start.lost_energy == start.energy == 0.0
     assert end.films is not None
     assert len(end.films) == 1
@@ -226,6 +226,6 @@ def test_lost_energy() -> None:
 @pytest.mark.parametrize(("kA", "kP", "w"), [(20.0, 0.0, 0.2), (20.0, 0.0, 0.3), (10.0, 0.1, 0.3)])
 def test_last_film_lets_go(kA: float, kP: float, w: float) -> None:
     """Also of cells, whose tensions are known to rounding, where no other contact bears a force."""
-    with deformable.Simulation(pair(1.99), droplets(w, kA=kA, kP=kP)) as sim:
+    with ld.Simulation(pair(1.99), droplets(w, kA=kA, kP=kP)) as sim:
         assert place(sim, STRETCHED).contact_table["attached"].all()
         assert len(place(sim, 2.31).contact_table) == 0

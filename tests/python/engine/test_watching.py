@@ -3,22 +3,22 @@
 import ast
 from pathlib import Path
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
-from deformable.engine.watching import Iteration
+from lammps_deformable.engine.watching import Iteration
 from ranks import python
 
 
 @pytest.fixture(scope="module")
-def dense(jammed: deformable.Packing) -> deformable.Packing:
+def dense(jammed: ld.Packing) -> ld.Packing:
     return jammed.at(0.9)
 
 
-def test_a_relaxation_is_seen(dense: deformable.Packing) -> None:
+def test_a_relaxation_is_seen(dense: ld.Packing) -> None:
     """From its start to the state that it returns, which is the same without a callback."""
     seen: list[Iteration] = []
-    with deformable.Simulation(dense, deformable.Ring(kP=2.0, skin=0.02)) as sim:
+    with ld.Simulation(dense, ld.Ring(kP=2.0, skin=0.02)) as sim:
         unseen = sim.relax(1e-8)
         sim.restart(dense)
         sim.callback = seen.append
@@ -38,21 +38,21 @@ def test_a_relaxation_is_seen(dense: deformable.Packing) -> None:
 
 
 def test_walls_leave_the_free_area() -> None:
-    room = deformable.bidisperse(12, phi=0.86, seed=1).between(deformable.rectangle(4, 4))
+    room = ld.bidisperse(12, phi=0.86, seed=1).between(ld.rectangle(4, 4))
     seen: list[Iteration] = []
-    with deformable.Simulation(deformable.push_off(room), deformable.Ring()) as sim:
+    with ld.Simulation(ld.push_off(room), ld.Ring()) as sim:
         sim.callback = seen.append
         state = sim.relax(1e-3)
     assert seen[-1].phi == pytest.approx(state.phi, rel=1e-14)
     assert seen[-1].pressure == pytest.approx(state.pressure, rel=1e-14)
 
 
-def test_an_exception_ends_a_relaxation_at_rest(dense: deformable.Packing) -> None:
+def test_an_exception_ends_a_relaxation_at_rest(dense: ld.Packing) -> None:
     def stop(seen: Iteration) -> None:
         if seen.iterations:
             raise StopIteration("enough")
 
-    with deformable.Simulation(dense, deformable.Ring()) as sim:
+    with ld.Simulation(dense, ld.Ring()) as sim:
         sim.callback = stop
         with pytest.raises(StopIteration, match="enough"):
             sim.relax(1e-10)
@@ -64,14 +64,14 @@ def test_an_exception_ends_a_relaxation_at_rest(dense: deformable.Packing) -> No
 
 
 @pytest.mark.parametrize(
-    ("law", "box"), [(None, "size"), (deformable.Ring(), "size"), (None, "sides")], ids=str
+    ("law", "box"), [(None, "size"), (ld.Ring(), "size"), (None, "sides")], ids=str
 )
-def test_jamming_is_seen(law: deformable.Ring | None, box: str) -> None:
-    loose = deformable.bidisperse(8, seed=2)
+def test_jamming_is_seen(law: ld.Ring | None, box: str) -> None:
+    loose = ld.bidisperse(8, seed=2)
     seen: list[Iteration] = []
     given = {"law": law, "pressure": 1e-4, "box": box}
-    jammed = deformable.jam(loose, **given, callback=seen.append)
-    assert np.array_equal(jammed.positions, deformable.jam(loose, **given).positions)
+    jammed = ld.jam(loose, **given, callback=seen.append)
+    assert np.array_equal(jammed.positions, ld.jam(loose, **given).positions)
     assert {each.protocol for each in seen} == {"jam"}
     iterations = [each.iterations for each in seen]
     assert len({each.phi for each in seen}) > 3
@@ -84,12 +84,12 @@ def test_jamming_is_seen(law: deformable.Ring | None, box: str) -> None:
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        deformable.jam(loose, **given, callback=stop)
+        ld.jam(loose, **given, callback=stop)
 
 
-def test_polishing_is_seen(state: deformable.State) -> None:
+def test_polishing_is_seen(state: ld.State) -> None:
     seen: list[Iteration] = []
-    fine = deformable.polish(state, callback=seen.append)
+    fine = ld.polish(state, callback=seen.append)
     assert [each.iterations for each in seen] == list(range(1, len(seen) + 1))
     assert min(each.residual for each in seen) == fine.residual
     assert {each.protocol for each in seen} == {"polish"}
@@ -98,25 +98,25 @@ def test_polishing_is_seen(state: deformable.State) -> None:
         raise ValueError("no")
 
     with pytest.raises(ValueError, match="no"):
-        deformable.polish(state, callback=stop)
+        ld.polish(state, callback=stop)
 
 
 @pytest.mark.parametrize("callback", [3, "print", [print]], ids=str)
-def test_what_cannot_be_called(callback: object, state: deformable.State) -> None:
+def test_what_cannot_be_called(callback: object, state: ld.State) -> None:
     told = "callback must be a function of an Iteration, such as .*, or None, not "
-    with deformable.Simulation(state.packing, state.law) as sim:
-        with pytest.raises(deformable.ParameterError, match=told):
+    with ld.Simulation(state.packing, state.law) as sim:
+        with pytest.raises(ld.ParameterError, match=told):
             sim.callback = callback
         assert sim.callback is None
-    with pytest.raises(deformable.ParameterError, match=told):
-        deformable.jam(deformable.bidisperse(8, seed=1), callback=callback)
-    with pytest.raises(deformable.ParameterError, match=told):
-        deformable.polish(state, callback=callback)
+    with pytest.raises(ld.ParameterError, match=told):
+        ld.jam(ld.bidisperse(8, seed=1), callback=callback)
+    with pytest.raises(ld.ParameterError, match=told):
+        ld.polish(state, callback=callback)
 
 
 FAILS = """
 from mpi4py import MPI
-import deformable
+import lammps_deformable as ld
 
 rank = MPI.COMM_WORLD.rank
 
@@ -130,12 +130,12 @@ def outcome(call):
     except Exception as error:
         return str(error)
 
-start = deformable.jam(deformable.bidisperse(16, seed=1)).at(0.9)
-sim = deformable.Simulation(start, deformable.Ring())
+start = ld.jam(ld.bidisperse(16, seed=1)).at(0.9)
+sim = ld.Simulation(start, ld.Ring())
 sim.callback = fail
 relaxed = outcome(sim.relax)
-loose = deformable.bidisperse(24, seed=1)
-shared = outcome(lambda: deformable.jam(loose, comm=MPI.COMM_WORLD, callback=fail))
+loose = ld.bidisperse(24, seed=1)
+shared = outcome(lambda: ld.jam(loose, comm=MPI.COMM_WORLD, callback=fail))
 sim.callback = None
 told = MPI.COMM_WORLD.gather([relaxed, shared, sim.relax().residual <= 1e-6])
 if rank == 0:

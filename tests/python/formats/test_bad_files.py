@@ -2,10 +2,10 @@
 
 from pathlib import Path
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
-from deformable import Packing
+from lammps_deformable import Packing
 
 DUMP = """ITEM: TIMESTEP
 0
@@ -111,9 +111,7 @@ def test_the_files_are_good_before(kind: str, tmp_path: Path) -> None:
 def test_bad_files(kind: str, old: str, new: str, message: str, tmp_path: Path) -> None:
     assert old in TEXTS[kind]
     path = written(tmp_path, kind, TEXTS[kind].replace(old, new, 1))
-    with pytest.raises(
-        deformable.FileError, match=f"{path.name}' cannot be read: .*{message}"
-    ) as e:
+    with pytest.raises(ld.FileError, match=f"{path.name}' cannot be read: .*{message}") as e:
         Packing.from_file(path)
     assert "\n" not in str(e.value)
 
@@ -137,24 +135,24 @@ ARGUMENTS = [
 @pytest.mark.parametrize(("arguments", "message"), ARGUMENTS)
 def test_bad_arguments(arguments: dict[str, object], message: str, tmp_path: Path) -> None:
     path = written(tmp_path, "dump", DUMP)
-    with pytest.raises((deformable.ParameterError, deformable.FileError), match=message) as e:
+    with pytest.raises((ld.ParameterError, ld.FileError), match=message) as e:
         Packing.from_file(path, **arguments)  # type: ignore[arg-type]
     assert "\n" not in str(e.value)
 
 
 def test_files_that_are_none(tmp_path: Path) -> None:
     for path, message in (
-        (tmp_path, "is a folder: deformable.Run has the states"),
+        (tmp_path, "is a folder: ld.Run has the states"),
         (tmp_path / "nowhere.data", "nowhere.data' cannot be read: No such file"),
         (written(tmp_path, "empty", ""), "packing.empty' is empty"),
         (written(tmp_path, "txt", "words"), "is no LAMMPS data file, dump, XYZ or GSD, and MDA"),
         (written(tmp_path, "pdb", "words"), "packing.pdb'.* cannot"),
     ):
-        with pytest.raises(deformable.FileError, match=message) as e:
+        with pytest.raises(ld.FileError, match=message) as e:
             Packing.from_file(path)
         assert "\n" not in str(e.value)
     (tmp_path / "bytes.xyz").write_bytes(b"\xff\xfe\x00")
-    with pytest.raises(deformable.FileError, match=r"bytes.xyz' cannot be read: .*decode"):
+    with pytest.raises(ld.FileError, match=r"bytes.xyz' cannot be read: .*decode"):
         Packing.from_file(tmp_path / "bytes.xyz")
 
 
@@ -163,7 +161,7 @@ def test_half_a_gsd(tmp_path: Path, jammed: Packing) -> None:
     jammed.to_file(tmp_path / "a.gsd")
     whole = (tmp_path / "a.gsd").read_bytes()
     (tmp_path / "half.gsd").write_bytes(whole[: len(whole) // 2])
-    with pytest.raises(deformable.FileError, match=r"half.gsd' cannot be read") as e:
+    with pytest.raises(ld.FileError, match=r"half.gsd' cannot be read") as e:
         Packing.from_file(tmp_path / "half.gsd")
     assert "\n" not in str(e.value)
 
@@ -180,5 +178,5 @@ def test_particles_outside_are_images(tmp_path: Path) -> None:
     assert found.positions[1].tolist() == [9.5, -2.5]
     moved = found.positions[1] - np.array([1.5, 0.5])
     assert (moved @ np.linalg.inv(found.box)).tolist() == [2.0, -1.0]
-    with pytest.raises(deformable.ParameterError, match="boxes away: move it into the box"):
+    with pytest.raises(ld.ParameterError, match="boxes away: move it into the box"):
         Packing.from_file(written(tmp_path, "dump", DUMP.replace("1.5 0.5 0", "1e9 0.5 0")))

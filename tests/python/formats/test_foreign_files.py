@@ -3,13 +3,13 @@
 import warnings
 from pathlib import Path
 
-import deformable
+import lammps_deformable as ld
 import MDAnalysis
 import numpy as np
 import pytest
-from deformable import Packing
-from deformable.engine.lammps import silent_lammps
-from deformable.io.lammps_commands import PLANE
+from lammps_deformable import Packing
+from lammps_deformable.engine.lammps import silent_lammps
+from lammps_deformable.io.lammps_commands import PLANE
 from mpi4py import MPI
 from programs import output
 
@@ -17,8 +17,8 @@ from programs import output
 @pytest.fixture(scope="module")
 def tilted() -> Packing:
     """Of radii of their own, in a tilted box, pushed apart."""
-    loose = deformable.polydisperse(30, lambda rng: rng.uniform(0.4, 0.6, 30), tilt=0.4, phi=0.7)
-    return deformable.push_off(loose)
+    loose = ld.polydisperse(30, lambda rng: rng.uniform(0.4, 0.6, 30), tilt=0.4, phi=0.7)
+    return ld.push_off(loose)
 
 
 DUMPS = {
@@ -33,7 +33,7 @@ DUMPS = {
 def test_a_dump_of_lammps(columns: str, tilted: Packing, tmp_path: Path) -> None:
     """With its rows in any order, units and times before the frames."""
     path = tmp_path / "dump.shapes"
-    with deformable.Simulation(tilted, deformable.Ring()) as sim:
+    with ld.Simulation(tilted, ld.Ring()) as sim:
         for command in (
             f"dump shapes all custom 1 {path} {columns}",
             "dump_modify shapes format float %.17g units yes time yes sort off first yes",
@@ -56,7 +56,7 @@ def test_a_dump_of_lammps(columns: str, tilted: Packing, tmp_path: Path) -> None
 
 
 def test_a_data_file_of_lammps(tilted: Packing, tmp_path: Path) -> None:
-    with deformable.Simulation(tilted, deformable.Ring()) as sim:
+    with ld.Simulation(tilted, ld.Ring()) as sim:
         sim.lmp.command(f"write_data {tmp_path / 'any'}")
     found = Packing.from_file(tmp_path / "any")
     np.testing.assert_allclose(found.radius, tilted.radius, rtol=1e-14)
@@ -82,8 +82,8 @@ def test_lammps_reads_what_goes_out(tilted: Packing, tmp_path: Path) -> None:
 
 
 def test_a_recorded_run(tmp_path: Path, jammed: Packing) -> None:
-    with deformable.Simulation(jammed, deformable.Ring()) as sim:
-        states = list(deformable.record(deformable.compress(sim, 0.01, 2), tmp_path))
+    with ld.Simulation(jammed, ld.Ring()) as sim:
+        states = list(ld.record(ld.compress(sim, 0.01, 2), tmp_path))
     path = tmp_path / "trajectory.lammpstrj"
     for number in (-2, -1):
         found = Packing.from_file(path, frame=number)
@@ -91,7 +91,7 @@ def test_a_recorded_run(tmp_path: Path, jammed: Packing) -> None:
         np.testing.assert_array_equal(found.radii, jammed.radii)
     by_column = Packing.from_file(path, radii="area")
     np.testing.assert_array_equal(by_column.radius, states[-1].area)
-    with pytest.raises(deformable.FileError, match=r"3 frames, and no frame 3: give 0 to 2, or -1"):
+    with pytest.raises(ld.FileError, match=r"3 frames, and no frame 3: give 0 to 2, or -1"):
         Packing.from_file(path, frame=3)
 
 
@@ -178,14 +178,14 @@ def test_gsd_of_hoomd(tmp_path: Path) -> None:
             frame.particles.typeid = [1, 0]
             frame.particles.position = [[-1.5 + shift, 0, 0], [1, 1, 0]]
             file.append(frame)
-    with pytest.raises(deformable.FileError, match=r"a.gsd' .* has no radii .*: give radii=0\.5, "):
+    with pytest.raises(ld.FileError, match=r"a.gsd' .* has no radii .*: give radii=0\.5, "):
         Packing.from_file(tmp_path / "a.gsd", frame=1)
     found = Packing.from_file(tmp_path / "a.gsd", frame=1, radii=0.5)
     assert found.positions.tolist() == [[0.75, 2.0], [3.0, 3.0]]
     assert (found.radius.tolist(), found.species.tolist()) == ([0.5, 0.5], [1, 0])
     sized = Packing.from_file(tmp_path / "a.gsd", frame=-2, radii={"small": 0.3, "large": 0.7})
     assert (sized.radius.tolist(), sized.positions[0, 0]) == ([0.7, 0.3], 0.5)
-    with pytest.raises(deformable.FileError, match="2 frames, and no frame -3"):
+    with pytest.raises(ld.FileError, match="2 frames, and no frame -3"):
         Packing.from_file(tmp_path / "a.gsd", frame=-3)
 
 
@@ -252,7 +252,7 @@ def test_a_trajectory_of_lammps(kind: str, suffix: str, tilted: Packing, tmp_pat
 def test_types_that_no_file_tells(kind: str, tmp_path: Path) -> None:
     """Radii by type, or several species, need types: all particles would be of the first one."""
     data, species = tmp_path / "packing.data", tmp_path / "two.deformable"
-    packing = deformable.bidisperse(8, phi=0.1, seed=1)
+    packing = ld.bidisperse(8, phi=0.1, seed=1)
     packing.to_file(data)
     path = tmp_path / f"run.{kind}"
     if kind in ("xtc", "dcd"):
@@ -266,24 +266,24 @@ def test_types_that_no_file_tells(kind: str, tmp_path: Path) -> None:
         path.write_text(path.read_text().replace(*words[kind]))
     species.write_text("first 0.01 1.0 inf\nsecond 0.02 1.0 inf\n")
     told = "no types of particles: give a file that has them, "
-    with pytest.raises(deformable.FileError, match=f"{told}a topology, or one radius for all"):
+    with pytest.raises(ld.FileError, match=f"{told}a topology, or one radius for all"):
         Packing.from_file(path, radii={1: 0.5, 2: 0.4})
-    with pytest.raises(deformable.FileError, match=f"{told}or the one species of all.* first"):
-        deformable.state_in_file(path, species)
+    with pytest.raises(ld.FileError, match=f"{told}or the one species of all.* first"):
+        ld.state_in_file(path, species)
     assert set(Packing.from_file(path, radii={1: 0.5}).radius) == {0.5}
-    assert len(deformable.state_in_file(path, species, types=["second"]).packing.radii) == 1
+    assert len(ld.state_in_file(path, species, types=["second"]).packing.radii) == 1
 
 
 def test_a_topology_of_other_particles(tilted: Packing, tmp_path: Path) -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         tilted.to_mdanalysis().atoms.write(str(tmp_path / "a.dcd"))
-    deformable.bidisperse(7).to_file(tmp_path / "b.data")
+    ld.bidisperse(7).to_file(tmp_path / "b.data")
     for name, told in (
         ("b.data", "number of atoms"),
         ("c.data", "c.data' cannot be read: No such"),
     ):
-        with pytest.raises(deformable.FileError, match=told) as error:
+        with pytest.raises(ld.FileError, match=told) as error:
             Packing.from_file(tmp_path / "a.dcd", topology=tmp_path / name)
         assert "\n" not in str(error.value)
 

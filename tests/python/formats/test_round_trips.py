@@ -3,12 +3,12 @@
 import warnings
 from pathlib import Path
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
-from deformable import Packing
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from lammps_deformable import Packing
 from numpy.typing import NDArray
 
 TEXTS = (".data", ".lammpstrj", ".xyz")
@@ -79,10 +79,10 @@ def test_species_keep_their_radii(suffix: str, jammed: Packing, tmp_path: Path) 
 
 @pytest.mark.parametrize("suffix", [*TEXTS, ".gsd"])
 def test_walls_are_told_and_given_again(suffix: str, tmp_path: Path) -> None:
-    channel = [deformable.Plane((0, -3), (0, 1)), deformable.Plane((0, 4), (0, -1))]
-    for walls in ([deformable.Circle((1.0, -2.0), 7.0)], channel):
-        walled, path = deformable.bidisperse(20).between(walls), tmp_path / f"walled{suffix}"
-        with pytest.warns(deformable.UnsavedWarning, match="lacks the walls"):
+    channel = [ld.Plane((0, -3), (0, 1)), ld.Plane((0, 4), (0, -1))]
+    for walls in ([ld.Circle((1.0, -2.0), 7.0)], channel):
+        walled, path = ld.bidisperse(20).between(walls), tmp_path / f"walled{suffix}"
+        with pytest.warns(ld.UnsavedWarning, match="lacks the walls"):
             walled.to_file(path, overwrite=True)
         found = Packing.from_file(path, walls=walls)
         assert found.walls == walled.walls
@@ -93,20 +93,18 @@ def test_walls_are_told_and_given_again(suffix: str, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("suffix", [".lammpstrj", ".xyz"])
 def test_a_box_that_ends_needs_walls(suffix: str, tmp_path: Path) -> None:
-    walled = deformable.bidisperse(9).between(deformable.rectangle(8, 9))
+    walled = ld.bidisperse(9).between(ld.rectangle(8, 9))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         walled.to_file(tmp_path / f"walled{suffix}")
-    with pytest.raises(deformable.FileError, match=r"not periodic along x: give the walls"):
+    with pytest.raises(ld.FileError, match=r"not periodic along x: give the walls"):
         Packing.from_file(tmp_path / f"walled{suffix}")
     assert Packing.from_file(tmp_path / f"walled{suffix}", box=(8, 9)).walls == ()
 
 
-def test_a_saved_packing_has_no_radii_but_takes_them(
-    state: deformable.State, tmp_path: Path
-) -> None:
+def test_a_saved_packing_has_no_radii_but_takes_them(state: ld.State, tmp_path: Path) -> None:
     state.save(tmp_path)
-    with pytest.raises(deformable.FileError, match="it has no radii"):
+    with pytest.raises(ld.FileError, match="it has no radii"):
         Packing.from_file(tmp_path / "packing.data")
     radii = dict(enumerate(state.packing.radii, start=1))
     check_equal(Packing.from_file(tmp_path / "packing.data", radii=radii), state.packing)
@@ -142,21 +140,21 @@ def test_arrays() -> None:
 )
 def test_arrays_that_cannot_be_meant(changed: dict[str, NDArray], message: str) -> None:
     settings = {"positions": [[0.0, 0.0], [1.0, 0.5], [0.2, 1.5]], "radii": 0.4, "box": (2, 3)}
-    with pytest.raises(deformable.ParameterError, match=message):
+    with pytest.raises(ld.ParameterError, match=message):
         Packing.from_arrays(**settings | changed)  # type: ignore[arg-type]
 
 
 def test_a_box_is_two_lengths_wherever_it_is_asked_for(jammed: Packing) -> None:
     lx, ly = (1.01 * jammed.box.diagonal()).tolist()
-    with deformable.Simulation(jammed, deformable.Ring()) as sim:
+    with ld.Simulation(jammed, ld.Ring()) as sim:
         sim.deform((lx, ly))
         np.testing.assert_allclose(sim.box, np.diag([lx, ly]), rtol=1e-15)
 
 
 def test_suffixes(jammed: Packing, tmp_path: Path) -> None:
-    with pytest.raises(deformable.ParameterError, match=r"suffix of '.*pdb' must be one of \.data"):
+    with pytest.raises(ld.ParameterError, match=r"suffix of '.*pdb' must be one of \.data"):
         jammed.to_file(tmp_path / "packing.pdb")
-    with pytest.raises(deformable.FileError, match=r"nowhere/packing\.data' cannot be written"):
+    with pytest.raises(ld.FileError, match=r"nowhere/packing\.data' cannot be written"):
         jammed.to_file(tmp_path / "nowhere" / "packing.data")
-    with pytest.raises(deformable.FileError, match=r"nowhere/packing\.gsd' cannot be written"):
+    with pytest.raises(ld.FileError, match=r"nowhere/packing\.gsd' cannot be written"):
         jammed.to_file(tmp_path / "nowhere" / "packing.gsd")

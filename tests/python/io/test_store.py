@@ -4,12 +4,12 @@ import json
 import re
 from pathlib import Path
 
-import deformable
+import lammps_deformable as ld
 import pytest
-from deformable.io.store import read
+from lammps_deformable.io.store import read
 
 
-def test_summary_has_law_parameters_and_versions(state: deformable.State, tmp_path: Path) -> None:
+def test_summary_has_law_parameters_and_versions(state: ld.State, tmp_path: Path) -> None:
     state.save(tmp_path, {"seed": 3, "kP": float("inf")})
     text = (tmp_path / "summary.json").read_text()
     summary = json.loads(text, parse_constant=lambda name: pytest.fail(f"{name} is not JSON"))
@@ -20,24 +20,24 @@ def test_summary_has_law_parameters_and_versions(state: deformable.State, tmp_pa
     assert {"deformable", "lammps", "numpy", "python", "mpi"} <= summary["versions"].keys()
 
 
-def test_missing_and_broken_runs_are_named(state: deformable.State, tmp_path: Path) -> None:
-    with pytest.raises(deformable.FileError, match=r"summary\.json is missing"):
+def test_missing_and_broken_runs_are_named(state: ld.State, tmp_path: Path) -> None:
+    with pytest.raises(ld.FileError, match=r"summary\.json is missing"):
         read(tmp_path / "nowhere")
     state.save(tmp_path)
     (tmp_path / "summary.json").write_text('{"law": {"name": "Foam"}}')
-    with pytest.raises(deformable.FileError, match=r"cannot be read.*Foam"):
+    with pytest.raises(ld.FileError, match=r"cannot be read.*Foam"):
         read(tmp_path)
     state.save(tmp_path, overwrite=True)
     (tmp_path / "packing.data").unlink()
-    with pytest.raises(deformable.FileError, match=r"packing\.data"):
+    with pytest.raises(ld.FileError, match=r"packing\.data"):
         read(tmp_path)
 
 
-def test_a_data_file_that_lacks_an_atom(state: deformable.State, tmp_path: Path) -> None:
+def test_a_data_file_that_lacks_an_atom(state: ld.State, tmp_path: Path) -> None:
     state.save(tmp_path)
     data = tmp_path / "packing.data"
     data.write_text(data.read_text().replace("\n32 2 ", "\n99 2 "))
-    with pytest.raises(deformable.FileError, match=r"packing\.data cannot be read: atom IDs must"):
+    with pytest.raises(ld.FileError, match=r"packing\.data cannot be read: atom IDs must"):
         read(tmp_path)
 
 
@@ -74,16 +74,16 @@ BROKEN = {
 
 
 @pytest.mark.parametrize("case", BROKEN)
-def test_errors_name_the_file(case: str, state: deformable.State, tmp_path: Path) -> None:
+def test_errors_name_the_file(case: str, state: ld.State, tmp_path: Path) -> None:
     name, spoil, message = BROKEN[case]
     state.save(tmp_path)
     spoil(tmp_path / name)
-    with pytest.raises(deformable.FileError, match=f"{name} cannot be read: .*{message}") as caught:
+    with pytest.raises(ld.FileError, match=f"{name} cannot be read: .*{message}") as caught:
         read(tmp_path)
     assert "\n" not in str(caught.value)
 
 
 def test_a_file_is_no_folder(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
-    with pytest.raises(deformable.FileError, match="file' is a file, not a folder"):
+    with pytest.raises(ld.FileError, match="file' is a file, not a folder"):
         read(tmp_path / "file")

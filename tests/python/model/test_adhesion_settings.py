@@ -3,35 +3,35 @@
 import math
 from typing import Any
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
-from deformable.io.lammps_commands import species_file, wall_commands
-from deformable.model.by_pair import pair_matrix
+from lammps_deformable.io.lammps_commands import species_file, wall_commands
+from lammps_deformable.model.by_pair import pair_matrix
 
 DROPLET: dict[str, Any] = {"kA": math.inf, "kP": 0.0, "tension": 1.0, "contact": "curved"}
 MATRIX = [[0.3, 0.1], [0.1, 0.0]]
 
 
 def test_a_number_and_a_matrix() -> None:
-    assert deformable.Ring(**DROPLET).adhesion == 0.0
-    assert not deformable.Ring(**DROPLET).sticks
-    assert not deformable.Sector().sticks
+    assert ld.Ring(**DROPLET).adhesion == 0.0
+    assert not ld.Ring(**DROPLET).sticks
+    assert not ld.Sector().sticks
     for given in (0.2, np.float32(0.2), MATRIX, np.array(MATRIX)):
-        law = deformable.Ring(**DROPLET, adhesion=given)
+        law = ld.Ring(**DROPLET, adhesion=given)
         assert law.sticks
         assert pair_matrix("adhesion", law.adhesion, 2).shape == (2, 2)
-        assert eval(repr(law), {"Ring": deformable.Ring, "inf": math.inf}) == law
-    law = deformable.Ring(**DROPLET, adhesion=MATRIX)
+        assert eval(repr(law), {"Ring": ld.Ring, "inf": math.inf}) == law
+    law = ld.Ring(**DROPLET, adhesion=MATRIX)
     assert law.adhesion == ((0.3, 0.1), (0.1, 0.0))
-    assert hash(law) != hash(deformable.Ring(**DROPLET))
+    assert hash(law) != hash(ld.Ring(**DROPLET))
 
 
 def test_species_file() -> None:
     """A line for each pair that sticks; those of a number are all pairs."""
 
     def lines(adhesion: Any) -> list[str]:
-        text = species_file(deformable.Ring(**DROPLET, adhesion=adhesion), [0.5, 0.7])
+        text = species_file(ld.Ring(**DROPLET, adhesion=adhesion), [0.5, 0.7])
         return [line for line in text.splitlines() if line.startswith("adhesion")]
 
     assert lines(0.0) == []
@@ -61,22 +61,22 @@ def test_species_file() -> None:
     ],
 )
 def test_refused(change: dict[str, Any], message: str) -> None:
-    with pytest.raises(deformable.ParameterError, match=message) as error:
-        deformable.Ring(**(DROPLET | change))
+    with pytest.raises(ld.ParameterError, match=message) as error:
+        ld.Ring(**(DROPLET | change))
     assert "\n" not in str(error.value)
 
 
 def test_number_of_species() -> None:
-    with pytest.raises(deformable.ParameterError, match=r"there are 3 species.*not 2"):
-        deformable.Ring(**DROPLET, adhesion=MATRIX).species_parameters([0.5, 0.6, 0.7])
+    with pytest.raises(ld.ParameterError, match=r"there are 3 species.*not 2"):
+        ld.Ring(**DROPLET, adhesion=MATRIX).species_parameters([0.5, 0.6, 0.7])
 
 
 WALLS = [
-    deformable.Plane((0, 0), (1, 0), 0.3),
-    deformable.Circle((0, 0), 5.0, 0.3),
-    deformable.Disk((0, 0), 1.0, 0.3),
-    deformable.Segment((0, 0), (1, 0), 0.3),
-    deformable.Polygon(((0, 0), (1, 0), (0, 1)), 0.3),
+    ld.Plane((0, 0), (1, 0), 0.3),
+    ld.Circle((0, 0), 5.0, 0.3),
+    ld.Disk((0, 0), 1.0, 0.3),
+    ld.Segment((0, 0), (1, 0), 0.3),
+    ld.Polygon(((0, 0), (1, 0), (0, 1)), 0.3),
 ]
 
 
@@ -88,31 +88,31 @@ def test_walls(wall: Any) -> None:
     values = {name: value for name, value in vars(wall).items() if name != "adhesion"}
     assert "adhesion" not in wall_commands([type(wall)(**values)])
     for bad in (-0.3, math.inf, "much"):
-        with pytest.raises(deformable.ParameterError, match=f"adhesion .*of a {wall.kind}"):
+        with pytest.raises(ld.ParameterError, match=f"adhesion .*of a {wall.kind}"):
             type(wall)(**values, adhesion=bad)
 
 
 def test_rectangle() -> None:
-    assert [wall.adhesion for wall in deformable.rectangle(2, 1)] == [0.0] * 4
-    assert [wall.adhesion for wall in deformable.rectangle(2, 1, adhesion=0.2)] == [0.2] * 4
+    assert [wall.adhesion for wall in ld.rectangle(2, 1)] == [0.0] * 4
+    assert [wall.adhesion for wall in ld.rectangle(2, 1, adhesion=0.2)] == [0.2] * 4
 
 
 @pytest.mark.parametrize(
     ("law", "message"),
     [
-        (deformable.Ring(), "plane 1: adhesion needs contact lines that bend"),
-        (deformable.Sector(), "plane 1: adhesion needs contact lines that bend"),
-        (deformable.Ring(contact="curved"), "plane 1, species 0: .*kP = inf"),
-        (deformable.Ring(**(DROPLET | {"tension": [1.0, 0.1]})), "species 1: .*above half"),
+        (ld.Ring(), "plane 1: adhesion needs contact lines that bend"),
+        (ld.Sector(), "plane 1: adhesion needs contact lines that bend"),
+        (ld.Ring(contact="curved"), "plane 1, species 0: .*kP = inf"),
+        (ld.Ring(**(DROPLET | {"tension": [1.0, 0.1]})), "species 1: .*above half"),
     ],
 )
 def test_particles_that_stick_to_no_wall(law: Any, message: str) -> None:
-    packing = deformable.Packing(
+    packing = ld.Packing(
         np.array([[1.0, 1.0], [3.0, 1.0]]),
         np.array([0, 1]),
         np.array([0.5, 0.7]),
         np.diag([4.0, 2.0]),
-        walls=deformable.rectangle(4, 2, adhesion=0.3),
+        walls=ld.rectangle(4, 2, adhesion=0.3),
     )
-    with pytest.raises(deformable.ParameterError, match=message):
-        deformable.Simulation(packing, law)
+    with pytest.raises(ld.ParameterError, match=message):
+        ld.Simulation(packing, law)

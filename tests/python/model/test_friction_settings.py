@@ -3,10 +3,10 @@
 import math
 from typing import Any
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
-from deformable.io.rubbing import friction_commands
+from lammps_deformable.io.rubbing import friction_commands
 
 MATRIX = [[0.3, 0.1], [0.1, 0.0]]
 FIX = "fix deformable_friction all deformable/friction "
@@ -15,24 +15,24 @@ FIX = "fix deformable_friction all deformable/friction "
 @pytest.mark.parametrize(
     ("friction", "words"),
     [
-        (deformable.Friction(0.5, 1), "0.5 1.0 0.0 damp 0.0"),
-        (deformable.Friction(math.inf, 1.0, 0.1, np.float32(0.25)), "inf 1.0 0.1 damp 0.25"),
+        (ld.Friction(0.5, 1), "0.5 1.0 0.0 damp 0.0"),
+        (ld.Friction(math.inf, 1.0, 0.1, np.float32(0.25)), "inf 1.0 0.1 damp 0.25"),
         (
-            deformable.Friction(MATRIX, 1.0, damp=np.array(MATRIX)),
+            ld.Friction(MATRIX, 1.0, damp=np.array(MATRIX)),
             "0.3 1.0 0.0 damp 0.3 types 1 1 0.3 1.0 0.0 0.3 types 1 2 0.1 1.0 0.0 0.1 "
             "types 2 2 0.0 1.0 0.0 0.0",
         ),
         (
-            deformable.Friction(0.5, 1.0, walls=deformable.Friction(0.1, 2.0, 0.3, 0.4)),
+            ld.Friction(0.5, 1.0, walls=ld.Friction(0.1, 2.0, 0.3, 0.4)),
             "0.5 1.0 0.0 damp 0.0 types * wall 0.1 2.0 0.3 0.4",
         ),
     ],
     ids=["numbers", "infinite", "matrices", "walls"],
 )
-def test_the_fix(friction: deformable.Friction, words: str) -> None:
+def test_the_fix(friction: ld.Friction, words: str) -> None:
     assert friction_commands(friction, 2) == FIX + words + "\n"
-    assert eval(repr(friction), {"Friction": deformable.Friction, "inf": math.inf}) == friction
-    assert hash(friction) != hash(deformable.Friction(9.0, 9.0))
+    assert eval(repr(friction), {"Friction": ld.Friction, "inf": math.inf}) == friction
+    assert hash(friction) != hash(ld.Friction(9.0, 9.0))
 
 
 def test_no_friction_no_fix() -> None:
@@ -41,19 +41,19 @@ def test_no_friction_no_fix() -> None:
 
 def test_hard_springs_have_short_steps() -> None:
     """Also where nothing moves: LAMMPS' own step would be refused."""
-    touching = deformable.Packing([[1.0, 1.0], [1.9, 1.0]], [0, 0], [0.5], [4.0, 2.0])
-    rough = deformable.Friction(0.5, 1e6, damp=1e3)
-    with deformable.Simulation(touching, deformable.Ring(), friction=rough) as sim:
+    touching = ld.Packing([[1.0, 1.0], [1.9, 1.0]], [0, 0], [0.5], [4.0, 2.0])
+    rough = ld.Friction(0.5, 1e6, damp=1e3)
+    with ld.Simulation(touching, ld.Ring(), friction=rough) as sim:
         assert sim.state().energy > 0.0
 
 
 def test_time_steps() -> None:
     """kt dt^2 + 2 gt dt = m/7 and 2 damp dt = m/2, of the hardest pair."""
-    assert deformable.Friction(0.5, 1.0).longest_step == pytest.approx(math.sqrt(1 / 7))
-    assert deformable.Friction(0.5, 0.0, damp=2.0).longest_step == pytest.approx(1 / 8)
-    hard = deformable.Friction(0.5, [[1.0, 2.0], [2.0, 4.0]])
+    assert ld.Friction(0.5, 1.0).longest_step == pytest.approx(math.sqrt(1 / 7))
+    assert ld.Friction(0.5, 0.0, damp=2.0).longest_step == pytest.approx(1 / 8)
+    hard = ld.Friction(0.5, [[1.0, 2.0], [2.0, 4.0]])
     assert hard.longest_step == pytest.approx(math.sqrt(1 / 28))
-    walled = deformable.Friction(0.5, 1.0, walls=deformable.Friction(0.5, 16.0))
+    walled = ld.Friction(0.5, 1.0, walls=ld.Friction(0.5, 16.0))
     assert walled.longest_step == pytest.approx(math.sqrt(1 / 112))
 
 
@@ -72,33 +72,33 @@ def test_time_steps() -> None:
         ({"gt": -1.0}, "gt must be 0 or positive and finite, not -1"),
         ({"damp": -1.0}, "damp must be 0 or positive and finite, not -1"),
         ({"walls": 0.5}, "walls must be of the kind Friction"),
-        ({"walls": deformable.Friction(MATRIX, 1.0)}, "walls has one number"),
+        ({"walls": ld.Friction(MATRIX, 1.0)}, "walls has one number"),
     ],
 )
 def test_refused(values: dict[str, Any], message: str) -> None:
-    with pytest.raises(deformable.ParameterError, match=message) as error:
-        deformable.Friction(**({"mu": 0.5, "kt": 1.0} | values))
+    with pytest.raises(ld.ParameterError, match=message) as error:
+        ld.Friction(**({"mu": 0.5, "kt": 1.0} | values))
     assert "\n" not in str(error.value)
 
 
-PACKING = deformable.Packing([[1.0, 1.0], [3.0, 1.0]], [0, 1], [0.5, 0.7], [4.0, 2.0])
+PACKING = ld.Packing([[1.0, 1.0], [3.0, 1.0]], [0, 1], [0.5, 0.7], [4.0, 2.0])
 
 
 @pytest.mark.parametrize(
     ("law", "friction", "walls", "message"),
     [
-        (deformable.Sector(), deformable.Friction(0.5, 1.0), None, "Sector stick: take Ring"),
-        (deformable.Ring(), deformable.Friction(np.ones((3, 3)), 1.0), None, "2 species.*not 3"),
+        (ld.Sector(), ld.Friction(0.5, 1.0), None, "Sector stick: take Ring"),
+        (ld.Ring(), ld.Friction(np.ones((3, 3)), 1.0), None, "2 species.*not 3"),
         (
-            deformable.Ring(),
-            deformable.Friction(MATRIX, 1.0),
-            deformable.rectangle(4, 2),
+            ld.Ring(),
+            ld.Friction(MATRIX, 1.0),
+            ld.rectangle(4, 2),
             r"give it walls=Friction\(",
         ),
-        (deformable.Ring(), 0.5, None, "friction must be of the kind Friction"),
+        (ld.Ring(), 0.5, None, "friction must be of the kind Friction"),
     ],
 )
 def test_simulations_without(law: Any, friction: Any, walls: Any, message: str) -> None:
-    with pytest.raises(deformable.ParameterError, match=message) as error:
-        deformable.Simulation(PACKING, law, walls=walls, friction=friction)
+    with pytest.raises(ld.ParameterError, match=message) as error:
+        ld.Simulation(PACKING, law, walls=walls, friction=friction)
     assert "\n" not in str(error.value)

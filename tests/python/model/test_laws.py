@@ -3,31 +3,31 @@
 import math
 from typing import Any
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
 
 
-def rows(law: deformable.Ring | deformable.Sector, radii: list[float]) -> list[list[float]]:
+def rows(law: ld.Ring | ld.Sector, radii: list[float]) -> list[list[float]]:
     """kA, kP and skin of each species."""
     return np.column_stack(law.species_parameters(radii)[:3]).tolist()
 
 
 def test_species_with_stiffnesses_of_their_own() -> None:
-    ring = deformable.Ring(kA=[1.0, math.inf], kP=np.array([math.inf, 2.0]), skin=0.1)
-    assert ring == deformable.Ring(kA=(1, math.inf), kP=(math.inf, 2), skin=0.1)
+    ring = ld.Ring(kA=[1.0, math.inf], kP=np.array([math.inf, 2.0]), skin=0.1)
+    assert ring == ld.Ring(kA=(1, math.inf), kP=(math.inf, 2), skin=0.1)
     assert rows(ring, [0.5, 0.7]) == [[1.0, math.inf, 0.1], [math.inf, 2.0, 0.1]]
-    with pytest.raises(deformable.ParameterError, match="there are 3 species"):
+    with pytest.raises(ld.ParameterError, match="there are 3 species"):
         ring.species_parameters([0.5, 0.6, 0.7])
-    with pytest.raises(deformable.ParameterError, match="not 2, 3, 1 and 1 numbers"):
-        deformable.Ring(kA=[1.0, 2.0], kP=[1.0, 2.0, 3.0])
+    with pytest.raises(ld.ParameterError, match="not 2, 3, 1 and 1 numbers"):
+        ld.Ring(kA=[1.0, 2.0], kP=[1.0, 2.0, 3.0])
 
 
 def test_outline_of_a_ring_that_expands() -> None:
     """In a hexagon: area and perimeter of the outline are those of the kernel, skin and all."""
     angle, a, skin = np.arange(6) * np.pi / 3, np.full(6, 0.03), 0.05
-    ring = deformable.Ring(kA=1.0, kP=0.5, skin=skin)
-    shape = deformable.core.soft_ring(1.0, angle, a, 1.0, 0.5, skin)
+    ring = ld.Ring(kA=1.0, kP=0.5, skin=skin)
+    shape = ld.core.soft_ring(1.0, angle, a, 1.0, 0.5, skin)
     x, y = ring.outline(0, 1.0, angle, a, inset=skin, points=4000).T
     area = 0.5 * np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))
     # the polygon lacks R^2 (2 pi/4000)^2/6 of each unit of angle
@@ -37,65 +37,65 @@ def test_outline_of_a_ring_that_expands() -> None:
 
 
 def test_sector_conserves_perimeter_or_area() -> None:
-    assert deformable.Sector() == deformable.Sector(kA=1.0)
-    assert deformable.Sector().kernel == "sector"
-    assert deformable.Sector(kP=3.0).kernel == "area_sector"
-    assert rows(deformable.Sector(kP=3.0), [1.0]) == [[math.inf, 3.0, 0.0]]
+    assert ld.Sector() == ld.Sector(kA=1.0)
+    assert ld.Sector().kernel == "sector"
+    assert ld.Sector(kP=3.0).kernel == "area_sector"
+    assert rows(ld.Sector(kP=3.0), [1.0]) == [[math.inf, 3.0, 0.0]]
 
 
 @pytest.mark.parametrize(
     ("law", "wrong", "shown"),
     [
-        (deformable.Ring, {"kA": 0.0}, "not 0"),
-        (deformable.Ring, {"kA": float("nan")}, "not nan"),
-        (deformable.Ring, {"kA": float("inf")}, "kP .*both be inf"),
-        (deformable.Ring, {"kA": [1.0, float("inf")]}, "kP .*both be inf"),
-        (deformable.Ring, {"reach": -0.1}, "not -0.1"),
-        (deformable.Ring, {"kP": 0.0}, "not 0"),
-        (deformable.Ring, {"skin": -0.5}, "not -0.5"),
-        (deformable.Ring, {"skin": float("inf")}, "not inf"),
-        (deformable.Ring, {"kA": [1.0, -2.0]}, "not -2"),
-        (deformable.Ring, {"kA": "a"}, "'a'"),
-        (deformable.Ring, {"kA": None}, "None"),
-        (deformable.Ring, {"kA": []}, r"\[\]"),
-        (deformable.Ring, {"kP": [[1, 2], [3, 4]]}, r"\[\[1, 2\], \[3, 4\]\]"),
-        (deformable.Ring, {"skin": [0, [1]]}, r"\[0, \[1\]\]"),
-        (deformable.Ring, {"reach": "far"}, "'far'"),
-        (deformable.Ring, {"reach": 3.001}, "3.001"),
-        (deformable.Ring, {"contact": "ring"}, "'ring'"),
-        (deformable.Ring, {"tension": -1.0, "kP": 1.0}, "not -1.*floppy"),
-        (deformable.Ring, {"tension": [0.0, float("inf")], "kP": 1.0}, "not inf"),
-        (deformable.Ring, {"kP": math.inf, "tension": 1.0}, "must be finite"),
-        (deformable.Sector, {"kA": -1.0}, "not -1"),
-        (deformable.Sector, {"kA": 1.0, "kP": 1.0}, "kA = 1 and kP = 1"),
-        (deformable.Sector, {"kA": float("inf")}, "kP .*both be inf"),
-        (deformable.Sector, {"kA": "a"}, "'a'"),
-        (deformable.Sector, {"kP": [1.0, 2.0]}, r"\[1.0, 2.0\]"),
+        (ld.Ring, {"kA": 0.0}, "not 0"),
+        (ld.Ring, {"kA": float("nan")}, "not nan"),
+        (ld.Ring, {"kA": float("inf")}, "kP .*both be inf"),
+        (ld.Ring, {"kA": [1.0, float("inf")]}, "kP .*both be inf"),
+        (ld.Ring, {"reach": -0.1}, "not -0.1"),
+        (ld.Ring, {"kP": 0.0}, "not 0"),
+        (ld.Ring, {"skin": -0.5}, "not -0.5"),
+        (ld.Ring, {"skin": float("inf")}, "not inf"),
+        (ld.Ring, {"kA": [1.0, -2.0]}, "not -2"),
+        (ld.Ring, {"kA": "a"}, "'a'"),
+        (ld.Ring, {"kA": None}, "None"),
+        (ld.Ring, {"kA": []}, r"\[\]"),
+        (ld.Ring, {"kP": [[1, 2], [3, 4]]}, r"\[\[1, 2\], \[3, 4\]\]"),
+        (ld.Ring, {"skin": [0, [1]]}, r"\[0, \[1\]\]"),
+        (ld.Ring, {"reach": "far"}, "'far'"),
+        (ld.Ring, {"reach": 3.001}, "3.001"),
+        (ld.Ring, {"contact": "ring"}, "'ring'"),
+        (ld.Ring, {"tension": -1.0, "kP": 1.0}, "not -1.*floppy"),
+        (ld.Ring, {"tension": [0.0, float("inf")], "kP": 1.0}, "not inf"),
+        (ld.Ring, {"kP": math.inf, "tension": 1.0}, "must be finite"),
+        (ld.Sector, {"kA": -1.0}, "not -1"),
+        (ld.Sector, {"kA": 1.0, "kP": 1.0}, "kA = 1 and kP = 1"),
+        (ld.Sector, {"kA": float("inf")}, "kP .*both be inf"),
+        (ld.Sector, {"kA": "a"}, "'a'"),
+        (ld.Sector, {"kP": [1.0, 2.0]}, r"\[1.0, 2.0\]"),
     ],
 )
 def test_wrong_parameters_are_named(law: Any, wrong: dict[str, Any], shown: str) -> None:
-    with pytest.raises(deformable.ParameterError, match=f"{next(iter(wrong))}.* {shown}"):
+    with pytest.raises(ld.ParameterError, match=f"{next(iter(wrong))}.* {shown}"):
         law(**wrong)
 
 
 def test_a_skin_is_thinner_than_its_particle() -> None:
-    skins = deformable.Ring(skin=[0.1, 0.7])
+    skins = ld.Ring(skin=[0.1, 0.7])
     assert rows(skins, [0.5, 0.71])[1] == [1.0, math.inf, 0.7]
-    with pytest.raises(deformable.ParameterError, match=r"skin .* radius 0\.7, not 0\.7"):
+    with pytest.raises(ld.ParameterError, match=r"skin .* radius 0\.7, not 0\.7"):
         skins.species_parameters([0.5, 0.7])
 
 
 def test_droplets_and_bubbles() -> None:
-    droplets = deformable.Ring(kA=[math.inf, 1.0], kP=0.0, tension=[1.0, 0.1])
+    droplets = ld.Ring(kA=[math.inf, 1.0], kP=0.0, tension=[1.0, 0.1])
     assert droplets.species_parameters([0.5, 0.7]).tension.tolist() == [1.0, 0.1]
-    with pytest.raises(deformable.ParameterError, match=r"radius 0\.2 collapse"):
+    with pytest.raises(ld.ParameterError, match=r"radius 0\.2 collapse"):
         droplets.species_parameters([0.5, 0.2])
-    assert deformable.Ring(tension=0.0) == deformable.Ring()
+    assert ld.Ring(tension=0.0) == ld.Ring()
 
 
 def test_outline_of_a_droplet() -> None:
     """The area of its outline is that of the circle."""
-    droplet = deformable.Ring(kA=math.inf, kP=0.0, tension=2.0)
+    droplet = ld.Ring(kA=math.inf, kP=0.0, tension=2.0)
     angle, a = np.arange(6) * np.pi / 3, np.full(6, 0.03)
     x, y = droplet.outline(0, 1.0, angle, a, points=4000).T
     area = 0.5 * np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))
@@ -103,5 +103,5 @@ def test_outline_of_a_droplet() -> None:
 
 
 def test_settings_may_be_numpy_numbers() -> None:
-    ring = deformable.Ring(kA=np.array(2.0), reach=np.float64(0.4), kP=np.array([1, 2]))
-    assert ring == deformable.Ring(kA=2.0, reach=0.4, kP=(1.0, 2.0))
+    ring = ld.Ring(kA=np.array(2.0), reach=np.float64(0.4), kP=np.array([1, 2]))
+    assert ring == ld.Ring(kA=2.0, reach=0.4, kP=(1.0, 2.0))

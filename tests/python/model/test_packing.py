@@ -3,7 +3,7 @@
 import dataclasses
 from typing import Any
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
 from hypothesis import given
@@ -25,7 +25,7 @@ BUILDER = st.fixed_dictionaries(
 
 @given(BUILDER)
 def test_builder_gives_what_was_asked_for(asked: dict[str, Any]) -> None:
-    packing = deformable.bidisperse(**asked)
+    packing = ld.bidisperse(**asked)
     (lx, zero), (xy, ly) = packing.box
     assert len(packing) == asked["number"]
     assert packing.phi == pytest.approx(asked["phi"])
@@ -40,25 +40,25 @@ def test_builder_gives_what_was_asked_for(asked: dict[str, Any]) -> None:
 
 
 def test_seed_decides() -> None:
-    first, again, other = (deformable.bidisperse(20, seed=seed) for seed in (1, 1, 2))
+    first, again, other = (ld.bidisperse(20, seed=seed) for seed in (1, 1, 2))
     assert np.array_equal(first.positions, again.positions)
     assert not np.array_equal(first.positions, other.positions)
 
 
 def test_ratio_in_place_of_radii() -> None:
-    assert deformable.bidisperse(4).radii == pytest.approx([0.5, 0.7])
-    assert deformable.bidisperse(4, ratio=1.2).radii == pytest.approx([0.5, 0.6])
+    assert ld.bidisperse(4).radii == pytest.approx([0.5, 0.7])
+    assert ld.bidisperse(4, ratio=1.2).radii == pytest.approx([0.5, 0.6])
 
 
 def test_at_scales_box_and_centers_by_one_factor() -> None:
-    packing = deformable.bidisperse(20, phi=0.3, tilt=0.4)
+    packing = ld.bidisperse(20, phi=0.3, tilt=0.4)
     denser = packing.at(0.6)
     assert denser.phi == pytest.approx(0.6)
     assert denser.positions / np.sqrt(0.5) == pytest.approx(packing.positions)
 
 
 def test_packing_cannot_be_changed() -> None:
-    packing = deformable.bidisperse(4)
+    packing = ld.bidisperse(4)
     with pytest.raises(dataclasses.FrozenInstanceError):
         packing.box = np.eye(2)  # type: ignore[misc]
     with pytest.raises(ValueError, match="read-only"):
@@ -88,8 +88,8 @@ def test_packing_cannot_be_changed() -> None:
     ],
 )
 def test_builder_names_the_bad_value(wrong: dict[str, Any], message: str) -> None:
-    with pytest.raises(deformable.ParameterError, match=message):
-        deformable.bidisperse(**({"number": 8} | wrong))
+    with pytest.raises(ld.ParameterError, match=message):
+        ld.bidisperse(**({"number": 8} | wrong))
 
 
 @pytest.mark.parametrize(
@@ -111,22 +111,22 @@ def test_packing_refuses_nonsense(wrong: dict[str, Any], message: str) -> None:
         "radii": np.array([0.5, 0.7]),
         "box": np.eye(2),
     }
-    deformable.Packing(**good)
-    with pytest.raises(deformable.ParameterError, match=message):
-        deformable.Packing(**(good | wrong))
+    ld.Packing(**good)
+    with pytest.raises(ld.ParameterError, match=message):
+        ld.Packing(**(good | wrong))
 
 
 def test_species_are_whole_numbers() -> None:
-    packing = deformable.bidisperse(4)
-    with pytest.raises(deformable.ParameterError, match="species must be whole numbers"):
+    packing = ld.bidisperse(4)
+    with pytest.raises(ld.ParameterError, match="species must be whole numbers"):
         dataclasses.replace(packing, species=np.array([0.0, 0.9, 1.0, 1.0]))
 
 
 def test_radii_far_from_one_need_another_unit() -> None:
-    small, large = (deformable.jam(deformable.bidisperse(8, radii=(r, r))) for r in (1e-3, 50.0))
+    small, large = (ld.jam(ld.bidisperse(8, radii=(r, r))) for r in (1e-3, 50.0))
     assert small.phi == pytest.approx(large.phi, rel=0.05)
-    with pytest.raises(deformable.ParameterError, match=r"radius of 700 is too large.*unit"):
-        deformable.push_off(deformable.bidisperse(8, radii=(500.0, 700.0)))
+    with pytest.raises(ld.ParameterError, match=r"radius of 700 is too large.*unit"):
+        ld.push_off(ld.bidisperse(8, radii=(500.0, 700.0)))
 
 
 # ---- radii of their own ----
@@ -134,8 +134,8 @@ def test_radii_far_from_one_need_another_unit() -> None:
 
 def test_polydisperse_takes_radii_as_they_are() -> None:
     """Of two sizes, it is the packing of `bidisperse`."""
-    two = deformable.bidisperse(20, aspect=0.7, tilt=0.2, seed=3)
-    many = deformable.polydisperse(20, two.radius, aspect=0.7, tilt=0.2, seed=3)
+    two = ld.bidisperse(20, aspect=0.7, tilt=0.2, seed=3)
+    many = ld.polydisperse(20, two.radius, aspect=0.7, tilt=0.2, seed=3)
     assert np.array_equal(many.positions, two.positions)
     assert np.array_equal(many.box, two.box)
     assert np.array_equal(many.radius, two.radius)
@@ -145,22 +145,22 @@ def test_polydisperse_takes_radii_as_they_are() -> None:
 
 def test_polydisperse_draws_from_distributions() -> None:
     frozen = stats.lognorm(0.2, scale=0.5)
-    packing = deformable.polydisperse(4000, frozen, phi=0.6, seed=2)
+    packing = ld.polydisperse(4000, frozen, phi=0.6, seed=2)
     assert packing.phi == pytest.approx(0.6)
     # median and width of log R are known to 0.2/sqrt(N) and 0.2/sqrt(2 N), 0.003 and 0.002
     assert np.log(packing.radius).mean() == pytest.approx(np.log(0.5), abs=0.015)
     assert np.log(packing.radius).std() == pytest.approx(0.2, abs=0.01)
-    again = deformable.polydisperse(4000, frozen, phi=0.6, seed=2)
+    again = ld.polydisperse(4000, frozen, phi=0.6, seed=2)
     assert np.array_equal(again.radius, packing.radius)
-    assert not np.array_equal(deformable.polydisperse(4000, frozen).radius, packing.radius)
+    assert not np.array_equal(ld.polydisperse(4000, frozen).radius, packing.radius)
 
-    uniform = deformable.polydisperse(50, lambda rng: rng.uniform(0.4, 0.6, 50))
+    uniform = ld.polydisperse(50, lambda rng: rng.uniform(0.4, 0.6, 50))
     assert ((uniform.radius > 0.4) & (uniform.radius < 0.6)).all()
     assert len(np.unique(uniform.radius)) == 50
 
 
 def test_at_keeps_the_sizes() -> None:
-    packing = deformable.polydisperse(3, [0.4, 0.5, 0.6])
+    packing = ld.polydisperse(3, [0.4, 0.5, 0.6])
     assert packing.at(0.5).phi == pytest.approx(0.5)
     assert packing.at(0.5).radius.tolist() == [0.4, 0.5, 0.6]
 
@@ -180,8 +180,8 @@ def test_at_keeps_the_sizes() -> None:
     ],
 )
 def test_polydisperse_names_the_bad_value(radii: Any, message: str) -> None:
-    with pytest.raises(deformable.ParameterError, match=message):
-        deformable.polydisperse(3, radii)
+    with pytest.raises(ld.ParameterError, match=message):
+        ld.polydisperse(3, radii)
 
 
 @pytest.mark.parametrize(
@@ -196,8 +196,8 @@ def test_polydisperse_names_the_bad_value(radii: Any, message: str) -> None:
     ],
 )
 def test_polydisperse_checks_the_rest(wrong: dict[str, Any], message: str) -> None:
-    with pytest.raises(deformable.ParameterError, match=message):
-        deformable.polydisperse(**({"number": 2, "radii": [0.5, 0.6]} | wrong))
+    with pytest.raises(ld.ParameterError, match=message):
+        ld.polydisperse(**({"number": 2, "radii": [0.5, 0.6]} | wrong))
 
 
 @pytest.mark.parametrize(
@@ -210,20 +210,20 @@ def test_polydisperse_checks_the_rest(wrong: dict[str, Any], message: str) -> No
     ],
 )
 def test_packing_refuses_wrong_particle_radii(particle_radii: list[float], message: str) -> None:
-    packing = deformable.bidisperse(2)
+    packing = ld.bidisperse(2)
     assert dataclasses.replace(packing, particle_radii=[0.5, 0.6]).radius.tolist() == [0.5, 0.6]
     rounded = [0.5, np.nextafter(0.7, 1.0)]  # 0.7 as LAMMPS writes it
     dataclasses.replace(packing, particle_radii=rounded)
-    with pytest.raises(deformable.ParameterError, match=message):
+    with pytest.raises(ld.ParameterError, match=message):
         dataclasses.replace(packing, particle_radii=particle_radii)
 
 
 @pytest.mark.parametrize("walled", [False, True])
 def test_radii_grow_in_place_of_a_shrinking_box(walled: bool) -> None:
     """The same packing up to its scale; box, walls and centers stay."""
-    start = deformable.polydisperse(9, lambda rng: rng.uniform(0.4, 0.6, 9), tilt=0.0)
+    start = ld.polydisperse(9, lambda rng: rng.uniform(0.4, 0.6, 9), tilt=0.0)
     if walled:
-        start = start.between([*deformable.rectangle(6, 7), deformable.Disk((3, 3), 1)], seed=1)
+        start = start.between([*ld.rectangle(6, 7), ld.Disk((3, 3), 1)], seed=1)
     grown, shrunk = start.at(0.7, grow=True), start.at(0.7)
     assert grown.phi == pytest.approx(0.7, rel=1e-12)
     np.testing.assert_array_equal(grown.positions, start.positions)
@@ -239,14 +239,14 @@ def test_radii_of_particles_are_not_left_out(species: list[int]) -> None:
     """As many radii as particles, of which the species do not take all: told how to give them."""
     places, radii, box = [[1.0, 1.0], [3.0, 1.0], [2.0, 3.0]], [0.5, 0.6, 0.7], (4.0, 4.0)
     told = r"\Aradii are those of species, and the 3 particles .* Packing\.from_arrays\(positions, "
-    with pytest.raises(deformable.ParameterError, match=told) as error:
-        deformable.Packing(places, species, radii, box)
+    with pytest.raises(ld.ParameterError, match=told) as error:
+        ld.Packing(places, species, radii, box)
     assert "\n" not in str(error.value)
-    packing = deformable.Packing.from_arrays(places, radii, box, species)
+    packing = ld.Packing.from_arrays(places, radii, box, species)
     assert packing.radius.tolist() == radii
     assert packing.species.tolist() == species
-    with deformable.Disks(packing) as disks:
+    with ld.Disks(packing) as disks:
         assert disks.state().packing.radius.tolist() == radii
     # each radius is that of a species, or all are the same
-    assert deformable.Packing(places, [2, 0, 1], radii, box).radius.tolist() == [0.7, 0.5, 0.6]
-    assert deformable.Packing(places, species, [0.5] * 3, box).radius.tolist() == [0.5] * 3
+    assert ld.Packing(places, [2, 0, 1], radii, box).radius.tolist() == [0.7, 0.5, 0.6]
+    assert ld.Packing(places, species, [0.5] * 3, box).radius.tolist() == [0.5] * 3

@@ -1,12 +1,12 @@
 """Pictures of packings: disks at rest, box and walls."""
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
 from matplotlib import pyplot as plt
 
 
-def test_disks_of_a_tilted_box_in_one_color_scale(jammed: deformable.Packing) -> None:
+def test_disks_of_a_tilted_box_in_one_color_scale(jammed: ld.Packing) -> None:
     """Every disk and its images that reach into the box, colored by the radius."""
     open_before = plt.get_fignums()
     ax = jammed.plot()
@@ -22,8 +22,8 @@ def test_disks_of_a_tilted_box_in_one_color_scale(jammed: deformable.Packing) ->
 
 
 def test_walls_and_own_values() -> None:
-    walls = [*deformable.rectangle(8, 6), deformable.Disk((4, 3), 1)]
-    walled = deformable.bidisperse(12).between(walls, seed=1)
+    walls = [*ld.rectangle(8, 6), ld.Disk((4, 3), 1)]
+    walled = ld.bidisperse(12).between(walls, seed=1)
     numbers = np.arange(12) - 5.0
     ax = walled.plot(color_by=numbers, label="charge", title="walled", vmax=7.0)
     disks, obstacles = ax.collections
@@ -48,7 +48,7 @@ def test_walls_and_own_values() -> None:
     ],
 )
 def test_other_settings_are_refused(
-    settings: dict[str, object], message: str, jammed: deformable.Packing
+    settings: dict[str, object], message: str, jammed: ld.Packing
 ) -> None:
-    with pytest.raises(deformable.ParameterError, match=message):
+    with pytest.raises(ld.ParameterError, match=message):
         jammed.plot(**settings)  # type: ignore[arg-type]

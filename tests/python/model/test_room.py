@@ -2,12 +2,12 @@
 
 from dataclasses import replace
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
-from deformable import Circle, Disk, ParameterError, Plane, Polygon, Segment, rectangle
-from deformable.model import places, room
-from deformable.model.free_motions import free_motions
+from lammps_deformable import Circle, Disk, ParameterError, Plane, Polygon, Segment, rectangle
+from lammps_deformable.model import places, room
+from lammps_deformable.model.free_motions import free_motions
 
 BOX = np.array([[12.0, 0.0], [0.0, 10.0]])
 CHANNEL = (Plane((0, 1), (0, 1)), Plane((5, 9), (0, -2)))
@@ -15,8 +15,8 @@ TRIANGLE = Polygon([(4, 4), (6, 4), (5, 6)])
 
 
 @pytest.fixture(scope="module")
-def loose() -> deformable.Packing:
-    return deformable.bidisperse(30, phi=0.3, seed=1)
+def loose() -> ld.Packing:
+    return ld.bidisperse(30, phi=0.3, seed=1)
 
 
 SCENES = {
@@ -52,7 +52,7 @@ SCENES = {
 @pytest.mark.parametrize(("walls", "box", "origin", "area"), SCENES.values(), ids=SCENES)
 def test_box_and_area(loose, walls, box, origin, area) -> None:
     """phi is over the area that walls leave free; a disk across another wall is a polygon."""
-    packing = deformable.Packing(loose.positions, loose.species, loose.radii, BOX, walls=walls)
+    packing = ld.Packing(loose.positions, loose.species, loose.radii, BOX, walls=walls)
     if origin is not None:
         assert packing.box.diagonal() == pytest.approx(box)
         assert packing.origin == pytest.approx(origin)
@@ -68,7 +68,7 @@ def test_places_between_walls(loose) -> None:
     assert np.hypot(x - 4, y - 2).min() > 3
     assert not np.array_equal(packing.positions, loose.between(walls, seed=4).positions)
     # packings from several seeds have several places, and each has the same ones again
-    first, second, again = (deformable.bidisperse(20, seed=seed) for seed in (1, 2, 1))
+    first, second, again = (ld.bidisperse(20, seed=seed) for seed in (1, 2, 1))
     places = first.between(walls).positions
     assert not np.array_equal(places, second.between(walls).positions)
     by_column = replace(again, positions=np.asfortranarray(again.positions))
@@ -106,7 +106,7 @@ def test_no_room(loose, walls, message) -> None:
 
 
 def test_containers_need_a_rectangular_box() -> None:
-    tilted = deformable.bidisperse(10, tilt=0.2)
+    tilted = ld.bidisperse(10, tilt=0.2)
     with pytest.raises(ParameterError, match="not tilted"):
         tilted.between(rectangle(5, 5))
     assert tilted.between(Disk((0, 0), 1)).box[1, 0] > 0

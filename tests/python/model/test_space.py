@@ -2,16 +2,16 @@
 
 from collections.abc import Callable
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
-from deformable import Packing, ParameterError
-from deformable.model.lattice import cartesian, fractional, lengths, nearest_image, widths
-from deformable.model.neighbors import near_pairs
+from lammps_deformable import Packing, ParameterError
+from lammps_deformable.model.lattice import cartesian, fractional, lengths, nearest_image, widths
+from lammps_deformable.model.neighbors import near_pairs
 from scipy import stats
 
 BOX = np.array([[3.0, 0.0, 0.0], [-1.2, 2.5, 0.0], [0.7, -0.4, 2.0]])
-SPHERES = deformable.bidisperse(8, ratio=1.4, phi=0.4, dimension=3, seed=1)
+SPHERES = ld.bidisperse(8, ratio=1.4, phi=0.4, dimension=3, seed=1)
 
 
 def test_a_tilted_box() -> None:
@@ -31,11 +31,11 @@ def test_phi_is_that_of_spheres() -> None:
     assert SPHERES.at(0.6).volume == pytest.approx(volume / 0.6)
     assert SPHERES.at(0.6, grow=True).phi == pytest.approx(0.6)
     assert SPHERES.box == pytest.approx(np.cbrt(SPHERES.volume) * np.eye(3))
-    high = deformable.bidisperse(8, aspect=2.0, tilt=0.5, phi=0.4, dimension=3)
+    high = ld.bidisperse(8, aspect=2.0, tilt=0.5, phi=0.4, dimension=3)
     lx, ly, lz = high.box.diagonal()
     assert (ly / lx, lz / lx, high.box[1, 0] / ly) == pytest.approx((1.0, 2.0, 0.5))
     assert high.volume == pytest.approx(lx * ly * lz)
-    drawn = deformable.polydisperse(9, stats.lognorm(0.2, scale=0.5), phi=0.5, dimension=3)
+    drawn = ld.polydisperse(9, stats.lognorm(0.2, scale=0.5), phi=0.5, dimension=3)
     assert drawn.phi == pytest.approx(0.5)
     assert drawn.positions.shape == (9, 3)
 
@@ -50,14 +50,14 @@ def test_phi_is_that_of_spheres() -> None:
 )
 def test_cubic_crystals(lattice: str, spheres: int, phi: float, neighbors: int) -> None:
     """As many neighbors as there should be touch, also images of a sphere itself."""
-    made = deformable.cubic(lattice, (1, 2, 3), radius=0.7)
+    made = ld.cubic(lattice, (1, 2, 3), radius=0.7)
     assert len(made) == 6 * spheres
     assert made.phi == pytest.approx(phi, rel=1e-12)
     i, j, shift = near_pairs(made, 1e-9)
     assert 2 * len(i) == neighbors * len(made)
     distances = lengths(made.positions[j] + shift - made.positions[i])
     assert distances == pytest.approx(1.4, rel=1e-12)
-    assert deformable.cubic(lattice, 2, phi=0.8).phi == pytest.approx(0.8)
+    assert ld.cubic(lattice, 2, phi=0.8).phi == pytest.approx(0.8)
 
 
 @pytest.mark.parametrize(
@@ -66,12 +66,12 @@ def test_cubic_crystals(lattice: str, spheres: int, phi: float, neighbors: int) 
         (lambda: SPHERES.area, "area is for packings in the plane, .* take the volume"),
         (lambda: SPHERES.outlines, "outlines is for packings in the plane"),
         (
-            lambda: SPHERES.between(deformable.Circle((0, 0), 9)),
+            lambda: SPHERES.between(ld.Circle((0, 0), 9)),
             "take one of Plane, Sphere",
         ),
-        (lambda: deformable.bidisperse(4).volume, "in the plane has no volume: take the area"),
-        (lambda: deformable.bidisperse(4, dimension=1), "dimension must be 2 or 3, not 1"),
-        (lambda: deformable.polydisperse(1, [1.0], dimension="3D"), "dimension must be a whole"),
+        (lambda: ld.bidisperse(4).volume, "in the plane has no volume: take the area"),
+        (lambda: ld.bidisperse(4, dimension=1), "dimension must be 2 or 3, not 1"),
+        (lambda: ld.polydisperse(1, [1.0], dimension="3D"), "dimension must be a whole"),
         (lambda: Packing(np.zeros((2, 3)), [0, 0], [1], (1, 1)), "3 columns, so .* not 2"),
         (lambda: Packing(np.zeros((2, 2)), [0, 0], [1], (1, 1, 1)), "2 columns, so .* not 3"),
         (lambda: Packing(np.zeros((1, 3)), [0], [1], (1, 1, 0)), r"or in three dimensions \(lx"),
@@ -82,19 +82,19 @@ def test_cubic_crystals(lattice: str, spheres: int, phi: float, neighbors: int) 
             "tilted by at most 30 .* xz = 0 has the same images",
         ),
         (
-            lambda: Packing([[0, 0, 0]], [0], [1], (1, 1, 1), walls=deformable.Circle((0, 0), 9)),
+            lambda: Packing([[0, 0, 0]], [0], [1], (1, 1, 1), walls=ld.Circle((0, 0), 9)),
             "circle 1 is a wall in 2 dimensions",
         ),
-        (lambda: deformable.cubic("hcp", 2), "lattice must be sc, bcc, fcc, not 'hcp'"),
-        (lambda: deformable.cubic("fcc", (2, 2)), "cells must be one number, or three"),
-        (lambda: deformable.cubic("fcc", (2, 0, 2)), "cells must be at least 1"),
-        (lambda: deformable.cubic("fcc", 2, radius=-1.0), "radius must be a positive"),
-        (lambda: deformable.cubic("fcc", 2, phi=11.0), "phi is a fraction"),
-        (lambda: deformable.Simulation(SPHERES, deformable.Ring()), "law Ring is .* `Droplet`"),
-        (lambda: deformable.jam(SPHERES, deformable.Sector()), "law Sector is .* `Droplet`"),
-        (lambda: deformable.Disks(SPHERES), "Disks is for packings in the plane, .* `Spheres`"),
-        (lambda: deformable.Spheres(deformable.bidisperse(4)), "packing has two: Disks"),
-        (lambda: deformable.PolygonSimulation(SPHERES), "a polygon is for packings in the plane"),
+        (lambda: ld.cubic("hcp", 2), "lattice must be sc, bcc, fcc, not 'hcp'"),
+        (lambda: ld.cubic("fcc", (2, 2)), "cells must be one number, or three"),
+        (lambda: ld.cubic("fcc", (2, 0, 2)), "cells must be at least 1"),
+        (lambda: ld.cubic("fcc", 2, radius=-1.0), "radius must be a positive"),
+        (lambda: ld.cubic("fcc", 2, phi=11.0), "phi is a fraction"),
+        (lambda: ld.Simulation(SPHERES, ld.Ring()), "law Ring is .* `Droplet`"),
+        (lambda: ld.jam(SPHERES, ld.Sector()), "law Sector is .* `Droplet`"),
+        (lambda: ld.Disks(SPHERES), "Disks is for packings in the plane, .* `Spheres`"),
+        (lambda: ld.Spheres(ld.bidisperse(4)), "packing has two: Disks"),
+        (lambda: ld.PolygonSimulation(SPHERES), "a polygon is for packings in the plane"),
     ],
 )
 def test_refusals(make: Callable[[], object], told: str) -> None:

@@ -3,14 +3,14 @@
 from collections.abc import Callable
 from dataclasses import replace
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
-from deformable import Ball, Circle, Cylinder, ParameterError, Plane, Sphere, cuboid
-from deformable.model import places, room
-from deformable.model.free_motions import free_motions, motions
-from deformable.model.free_room import free_room
-from deformable.model.sections import section_between
+from lammps_deformable import Ball, Circle, Cylinder, ParameterError, Plane, Sphere, cuboid
+from lammps_deformable.model import places, room
+from lammps_deformable.model.free_motions import free_motions, motions
+from lammps_deformable.model.free_room import free_room
+from lammps_deformable.model.sections import section_between
 from polyhedra import FACES
 
 BOX = np.diag([12.0, 10.0, 9.0])
@@ -21,8 +21,8 @@ OF_BALL = 4.0 / 3.0 * np.pi
 
 
 @pytest.fixture(scope="module")
-def loose() -> deformable.Packing:
-    return deformable.bidisperse(30, phi=0.2, seed=1, dimension=3)
+def loose() -> ld.Packing:
+    return ld.bidisperse(30, phi=0.2, seed=1, dimension=3)
 
 
 SCENES = {
@@ -94,7 +94,7 @@ def test_volume_that_is_found_by_chance() -> None:
         ((Sphere((5, 5, 5), 4), Ball((2, 5, 4), 2), Plane((0, 0, 3), (1, 0, 2))), BOX),
         ((Cylinder((5, 5, 5), 4, "y"), Ball((2, 5, 4), 2), Ball((3, 6, 5), 1.5)), BOX),
     ):
-        packing = deformable.Packing(np.full((1, 3), 5.0), [0], [0.1], box, walls=walls)
+        packing = ld.Packing(np.full((1, 3), 5.0), [0], [0.1], box, walls=walls)
         tried = packing.origin + rng.random((200_000, 3)) @ packing.box
         inside = (places.Distances(packing.walls, packing.box)(tried)[1] > 0.0).all(axis=0).mean()
         part = packing.volume / np.prod(packing.box.diagonal())
@@ -182,8 +182,8 @@ def test_sections() -> None:
     assert section_between(PLATES, BOX, 2.0) == []
 
 
-def some(walls: object, box: object = BOX) -> deformable.Packing:
-    return deformable.Packing([[5, 5, 5]], [0], [0.5], box, walls=walls)
+def some(walls: object, box: object = BOX) -> ld.Packing:
+    return ld.Packing([[5, 5, 5]], [0], [0.5], box, walls=walls)
 
 
 WRONG: dict[str, tuple[Callable[[], object], str]] = {
@@ -202,7 +202,7 @@ WRONG: dict[str, tuple[Callable[[], object], str]] = {
     "plane": (lambda: some(Circle((0, 0), 5)), "circle 1 is a wall in 2 dim.* have 3: take one of"),
     "flat": (lambda: some(Plane((0, 0), (0, 1))), r"plane 1 .* point and normal as \(x, y, z\)"),
     "space": (
-        lambda: deformable.bidisperse(5).between(Sphere((0, 0, 0), 3)),
+        lambda: ld.bidisperse(5).between(Sphere((0, 0, 0), 3)),
         "sphere 1 is a wall in 3 dimensions, and the particles have 2: take one of Plane, Circle",
     ),
     "sticks": (lambda: Plane((0, 0, 0), (0, 0, 1), 0.3), "adhesion of a plane .* leave it out"),

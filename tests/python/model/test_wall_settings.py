@@ -2,7 +2,7 @@
 
 from typing import Any
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
 
@@ -23,5 +23,5 @@ import pytest
     ],
 )
 def test_walls_are_a_polygon(angle: Any, height: Any, message: str) -> None:
-    with pytest.raises(deformable.ParameterError, match=message):
-        deformable.Walls(angle, height)
+    with pytest.raises(ld.ParameterError, match=message):
+        ld.Walls(angle, height)

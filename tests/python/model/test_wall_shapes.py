@@ -1,10 +1,10 @@
 """Shapes of walls: what they refuse, and how they stretch."""
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
-from deformable import Circle, Disk, ParameterError, Plane, Polygon, Segment, rectangle
-from deformable.model.walls import as_walls
+from lammps_deformable import Circle, Disk, ParameterError, Plane, Polygon, Segment, rectangle
+from lammps_deformable.model.walls import as_walls
 
 WRONG = {
     "normal": (lambda: Plane((0, 0), (0, 0)), "normal of a plane"),
@@ -34,7 +34,7 @@ WRONG = {
         "wall 2 must be one of Plane.*put [*] before",
     ),
     "bead walls": (
-        lambda: as_walls(deformable.Walls([0.0, 2.0, 4.0], [1.0, 1.0, 1.0])),
+        lambda: as_walls(ld.Walls([0.0, 2.0, 4.0], [1.0, 1.0, 1.0])),
         "walls must be one or several of Plane",
     ),
 }
@@ -71,6 +71,6 @@ def test_stretched_plane() -> None:
 
 def test_sides_of_bead_walls_as_planes() -> None:
     """`Walls` of beads around the origin, as planes of a container."""
-    walls = deformable.Walls([0.0, 2.0, 4.0], [1.0, 1.5, 2.0])
+    walls = ld.Walls([0.0, 2.0, 4.0], [1.0, 1.5, 2.0])
     for plane, height in zip(walls.planes, walls.height, strict=True):
         assert -np.dot(plane.point, plane.normal) == pytest.approx(height)

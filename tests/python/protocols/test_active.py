@@ -2,10 +2,10 @@
 
 from pathlib import Path
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
-from deformable.protocols.motion import move
+from lammps_deformable.protocols.motion import move
 
 FORCE, FRICTION, TAU = 1e-4, 2.0, 100.0
 SPEED = FORCE / FRICTION
@@ -14,25 +14,23 @@ ACTIVE = {"friction": FRICTION, "propulsion": FORCE, "persistence": TAU}
 
 
 @pytest.fixture(scope="module")
-def free() -> deformable.Packing:
+def free() -> ld.Packing:
     x, y = np.divmod(np.arange(NUMBER), 40)
-    return deformable.Packing(
-        2.0 + 4.0 * np.column_stack([x, y]), [0] * NUMBER, [0.5], 160.0 * np.eye(2)
-    )
+    return ld.Packing(2.0 + 4.0 * np.column_stack([x, y]), [0] * NUMBER, [0.5], 160.0 * np.eye(2))
 
 
-def square(state: deformable.State, start: deformable.Packing) -> np.ndarray:
+def square(state: ld.State, start: ld.Packing) -> np.ndarray:
     return np.sum((state.packing.positions - start.positions) ** 2, axis=1)
 
 
 @pytest.mark.parametrize("inertia", [False, True])
-def test_persistence(free: deformable.Packing, inertia: bool) -> None:
+def test_persistence(free: ld.Packing, inertia: bool) -> None:
     """<r^2> of free particles, at five standard errors of this sample, and <n(t).n(0)>.
 
     With inertia and the rates g = friction, k = 1/tau, velocities that begin at rest follow
     v' = g (v n - v), so that r is that of the directions less v/g: at g tau >> 1 a small part.
     """
-    with deformable.Simulation(free, deformable.Ring()) as sim:
+    with ld.Simulation(free, ld.Ring()) as sim:
         motion = move(sim, 1000, 0.2, every=500, seed=1, inertia=inertia, **ACTIVE)
         start, states = motion.start(), list(motion)
     assert start.time == 0.0
@@ -52,38 +50,38 @@ def test_persistence(free: deformable.Packing, inertia: bool) -> None:
         assert speed == pytest.approx(SPEED * larger, rel=1.0 / (FRICTION * TAU))
 
 
-def test_directions_go_on(free: deformable.Packing, tmp_path: Path) -> None:
+def test_directions_go_on(free: ld.Packing, tmp_path: Path) -> None:
     """In a second call, in a simulation from a state or of a folder, and in a record."""
-    with deformable.Simulation(free, deformable.Ring()) as sim:
+    with ld.Simulation(free, ld.Ring()) as sim:
         motion = move(sim, 20, 0.5, every=10, seed=1, inertia=False, **ACTIVE)
-        *_, first = deformable.record(motion, tmp_path / "run")
+        *_, first = ld.record(motion, tmp_path / "run")
         (second,) = move(sim, 1, 0.5, seed=1, inertia=False, **ACTIVE)
     deviation = np.sqrt(2.0 * 0.5 / TAU)  # in one step
     assert turned(second, first).std() == pytest.approx(deviation, rel=5.0 / np.sqrt(2 * NUMBER))
-    read = deformable.Run(tmp_path / "run")[-1]
+    read = ld.Run(tmp_path / "run")[-1]
     np.testing.assert_allclose(read.directions, first.directions, rtol=0, atol=1e-15)
-    with deformable.Simulation(read, deformable.Ring()) as sim:
+    with ld.Simulation(read, ld.Ring()) as sim:
         third = next(move(sim, 1, 0.5, seed=2, inertia=False, **ACTIVE))
         sim.restart(free)
         other = next(move(sim, 1, 0.5, seed=2, inertia=False, **ACTIVE))
     assert turned(third, first).std() == pytest.approx(deviation, rel=5.0 / np.sqrt(2 * NUMBER))
     assert abs(np.cos(turned(other, first)).mean()) < 5.0 / np.sqrt(2 * NUMBER)
-    with deformable.Run(tmp_path / "run").simulation() as sim:
+    with ld.Run(tmp_path / "run").simulation() as sim:
         np.testing.assert_allclose(sim.directions, first.directions, rtol=0, atol=1e-15)
         fourth = next(move(sim, 1, 0.5, seed=2, inertia=False, **ACTIVE))
     np.testing.assert_allclose(fourth.directions, third.directions, rtol=0, atol=1e-12)
     data = tmp_path / "run" / "packing.data"
     data.write_text(data.read_text().rpartition("# direction")[0])
-    with pytest.raises(deformable.FileError, match="it has directions of 1599 of 1600 atoms"):
-        deformable.Run(tmp_path / "run").simulation()
+    with pytest.raises(ld.FileError, match="it has directions of 1599 of 1600 atoms"):
+        ld.Run(tmp_path / "run").simulation()
     assert first.values("direction") == pytest.approx(np.arctan2(*first.directions.T[::-1]))
     ax = first.plot(color_by="direction")
     assert ax.collections[0].get_clim() == pytest.approx((-np.pi, np.pi))
     assert ax.collections[0].get_cmap().name == "twilight"
-    assert next(move(deformable.Simulation(free, deformable.Ring()), 1, 0.5)).directions is None
+    assert next(move(ld.Simulation(free, ld.Ring()), 1, 0.5)).directions is None
 
 
-def turned(state: deformable.State, since: deformable.State) -> np.ndarray:
+def turned(state: ld.State, since: ld.State) -> np.ndarray:
     """Angles between the directions."""
     (x, y), (a, b) = since.directions.T, state.directions.T
     return np.arctan2(x * b - y * a, x * a + y * b)
@@ -91,8 +89,8 @@ def turned(state: deformable.State, since: deformable.State) -> np.ndarray:
 
 def test_particles_that_push_each_other_keep_their_step() -> None:
     """A dense crowd: the default step holds, and the mean speed is below that of free ones."""
-    packing = deformable.push_off(deformable.bidisperse(32, phi=0.85, seed=3))
-    with deformable.Simulation(packing, deformable.Ring(kP=0.3)) as sim:
+    packing = ld.push_off(ld.bidisperse(32, phi=0.85, seed=3))
+    with ld.Simulation(packing, ld.Ring(kP=0.3)) as sim:
         motion = move(sim, 2000, seed=1, inertia=False, every=500, friction=1.0, propulsion=1e-3,
                       persistence=1e4)  # fmt: skip
         states = [motion.start(), *motion]
@@ -113,9 +111,9 @@ def test_particles_that_push_each_other_keep_their_step() -> None:
         ({"persistence": 0.1, "timestep": 0.2}, "longer than the persistence of 0.1"),
     ],
 )
-def test_refusals(free: deformable.Packing, values: dict[str, float], message: str) -> None:
+def test_refusals(free: ld.Packing, values: dict[str, float], message: str) -> None:
     with (
-        deformable.Simulation(free, deformable.Ring()) as sim,
-        pytest.raises(deformable.ParameterError, match=message),
+        ld.Simulation(free, ld.Ring()) as sim,
+        pytest.raises(ld.ParameterError, match=message),
     ):
         list(move(sim, 10, **ACTIVE | values))

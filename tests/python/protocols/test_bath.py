@@ -1,11 +1,11 @@
 """Motion in a heat bath: temperature, noise, and the velocities of the start."""
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
-from deformable.protocols.motion import move
+from lammps_deformable.protocols.motion import move
 
-SOFT = deformable.Ring(kP=0.3)
+SOFT = ld.Ring(kP=0.3)
 
 
 def scatter(particles: float, friction: float, time: float) -> float:
@@ -17,11 +17,11 @@ def scatter(particles: float, friction: float, time: float) -> float:
     return (1.0 / ((particles - 1) * friction * time)) ** 0.5
 
 
-@pytest.mark.parametrize("law", [deformable.Ring(contact="radical"), SOFT])
-def test_temperature_of_a_heat_bath(loose: deformable.Packing, law: deformable.Ring) -> None:
+@pytest.mark.parametrize("law", [ld.Ring(contact="radical"), SOFT])
+def test_temperature_of_a_heat_bath(loose: ld.Packing, law: ld.Ring) -> None:
     """Kinetic temperature of all particles, of each size and along each axis: 1 % at four sigma."""
     temperature, friction, steps = 1e-5, 1.0, 14_000
-    with deformable.Simulation(loose, law) as sim:
+    with ld.Simulation(loose, law) as sim:
         states = list(move(sim, steps, None, temperature, friction, every=20, seed=1))
     error = scatter(len(loose), friction, states[-1].time)
     assert 4.0 * error < 0.01
@@ -40,8 +40,8 @@ def test_temperature_of_a_heat_bath(loose: deformable.Packing, law: deformable.R
 
 def test_heat_bath_does_not_depend_on_ends_of_runs() -> None:
     """Forces drawn anew at each state would halve the temperature, as fix langevin does."""
-    gas = deformable.push_off(deformable.bidisperse(64, phi=0.05, seed=3))
-    with deformable.Simulation(gas, deformable.Ring()) as sim:
+    gas = ld.push_off(ld.bidisperse(64, phi=0.05, seed=3))
+    with ld.Simulation(gas, ld.Ring()) as sim:
         states = list(move(sim, 400, 0.5, 1e-6, friction=1.0, every=1, seed=1))
     error = scatter(len(gas), 1.0, states[-1].time)
     found = np.mean([state.temperature for state in states])
@@ -49,35 +49,33 @@ def test_heat_bath_does_not_depend_on_ends_of_runs() -> None:
 
 
 @pytest.fixture
-def free() -> deformable.Packing:
+def free() -> ld.Packing:
     """Far apart, so that none touches another in a short motion."""
     x, y = np.divmod(np.arange(400), 20)
-    return deformable.Packing(
-        2.0 + 4.0 * np.column_stack([x, y]), [0] * 400, [0.5], 80.0 * np.eye(2)
-    )
+    return ld.Packing(2.0 + 4.0 * np.column_stack([x, y]), [0] * 400, [0.5], 80.0 * np.eye(2))
 
 
 def correlation(a: np.ndarray, b: np.ndarray) -> float:
     return float(np.sum(a * b) / np.sqrt(np.sum(a**2) * np.sum(b**2)))
 
 
-def test_initial_velocities_are_those_of_maxwell(free: deformable.Packing) -> None:
+def test_initial_velocities_are_those_of_maxwell(free: ld.Packing) -> None:
     """The fourth moment is 3, of a uniform distribution 1.8; n values scatter by (96/n)^(1/2)."""
-    with deformable.Simulation(free, SOFT) as sim:
+    with ld.Simulation(free, SOFT) as sim:
         (state,) = move(sim, 1, 1e-3, temperature=1e-6, seed=1)
     v = state.velocities / state.velocities.std()
     assert np.mean(v**4) == pytest.approx(3.0, abs=3.0 * np.sqrt(96.0 / v.size))
     assert state.temperature == pytest.approx(1e-6)
 
 
-def test_a_heat_bath_goes_on_in_a_second_call(free: deformable.Packing) -> None:
+def test_a_heat_bath_goes_on_in_a_second_call(free: ld.Packing) -> None:
     """The same velocities, and other noise, so that free particles diffuse as in a single call."""
-    with deformable.Simulation(free, SOFT) as sim:
+    with ld.Simulation(free, SOFT) as sim:
         *_, first = move(sim, 100, 0.1, temperature=1e-6, friction=1e-6, seed=1)
         (second,) = move(sim, 1, 0.1, temperature=1e-6, friction=1e-6, seed=1)
         assert second.velocities == pytest.approx(first.velocities, abs=1e-2 * 1e-3)
     friction, dt, steps, moved = 2.0, 0.1, 100, []
-    with deformable.Simulation(free, SOFT) as sim:
+    with ld.Simulation(free, SOFT) as sim:
         for _ in range(10):
             before = sim.state().packing.positions
             *_, last = move(sim, steps, dt, temperature=1e-6, friction=friction, seed=1)
@@ -89,9 +87,9 @@ def test_a_heat_bath_goes_on_in_a_second_call(free: deformable.Packing) -> None:
     assert np.mean(np.sum(moved, axis=0) ** 2) == pytest.approx(2.0 * diffusion, rel=error)
 
 
-def test_without_a_seed_no_noise_is_repeated(free: deformable.Packing) -> None:
+def test_without_a_seed_no_noise_is_repeated(free: ld.Packing) -> None:
     def end(seed: int | None) -> np.ndarray:
-        with deformable.Simulation(free, SOFT) as sim:
+        with ld.Simulation(free, SOFT) as sim:
             *_, last = move(sim, 20, 0.1, temperature=1e-6, friction=1.0, seed=seed)
         return last.velocities
 
@@ -101,17 +99,17 @@ def test_without_a_seed_no_noise_is_repeated(free: deformable.Packing) -> None:
 
 
 def test_one_particle_has_no_temperature() -> None:
-    alone = deformable.Packing([[1.0, 1.0]], [0], [0.5], 4.0 * np.eye(2))
-    with deformable.Simulation(alone, SOFT) as sim:
-        with pytest.raises(deformable.ParameterError, match="temperature"):
+    alone = ld.Packing([[1.0, 1.0]], [0], [0.5], 4.0 * np.eye(2))
+    with ld.Simulation(alone, SOFT) as sim:
+        with pytest.raises(ld.ParameterError, match="temperature"):
             next(move(sim, 100, temperature=1e-5, seed=1))
         assert next(move(sim, 100, seed=1)).temperature == 0.0
 
 
-def test_potential_energy_has_its_share(dense: deformable.Packing) -> None:
+def test_potential_energy_has_its_share(dense: ld.Packing) -> None:
     """The energy is (N - 1) T in a solid packing without rattlers, for small T."""
     temperature, friction = 1e-9, 0.1
-    with deformable.Simulation(dense, deformable.Ring(contact="radical")) as sim:
+    with ld.Simulation(dense, ld.Ring(contact="radical")) as sim:
         lowest = sim.relax(1e-8)
         assert not lowest.rattlers.any()
         *_, _ = move(sim, 1000, None, temperature, friction, every=1000, seed=1)

@@ -1,9 +1,9 @@
 """Overdamped motion: free diffusion, the energy of contacts, and rest."""
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
-from deformable.protocols.motion import move
+from lammps_deformable.protocols.motion import move
 
 TEMPERATURE, FRICTION = 1e-5, 2.0
 
@@ -11,10 +11,8 @@ TEMPERATURE, FRICTION = 1e-5, 2.0
 def test_free_particles_diffuse() -> None:
     """<r^2> = 4 D t with D = T/friction; the mean of N values of r^2 has the error 1/N^(1/2)."""
     x, y = np.divmod(np.arange(400), 20)
-    free = deformable.Packing(
-        2.0 + 4.0 * np.column_stack([x, y]), [0] * 400, [0.5], 80.0 * np.eye(2)
-    )
-    with deformable.Simulation(free, deformable.Ring()) as sim:
+    free = ld.Packing(2.0 + 4.0 * np.column_stack([x, y]), [0] * 400, [0.5], 80.0 * np.eye(2))
+    with ld.Simulation(free, ld.Ring()) as sim:
         states = list(move(sim, 400, 0.5, TEMPERATURE, FRICTION, every=200, seed=1, inertia=False))
     for before, state in zip((None, states[0]), states, strict=True):
         start = before.packing.positions if before else free.positions
@@ -25,10 +23,10 @@ def test_free_particles_diffuse() -> None:
         assert state.temperature == 0.0
 
 
-def test_contacts_have_their_share_of_energy(dense: deformable.Packing) -> None:
+def test_contacts_have_their_share_of_energy(dense: ld.Packing) -> None:
     """(N - 1) T in a solid packing without rattlers, for small T; blocks give the error."""
     temperature = 1e-9
-    with deformable.Simulation(dense, deformable.Ring(contact="radical")) as sim:
+    with ld.Simulation(dense, ld.Ring(contact="radical")) as sim:
         lowest = sim.relax(1e-8)
         assert not lowest.rattlers.any()
         states = list(move(sim, 16_000, None, temperature, 1.0, every=50, seed=1, inertia=False))
@@ -40,14 +38,14 @@ def test_contacts_have_their_share_of_energy(dense: deformable.Packing) -> None:
     assert 5.0 * error < 0.2
 
 
-def test_overdamped_particles_go_downhill_to_the_same_rest(dense: deformable.Packing) -> None:
-    with deformable.Simulation(dense, deformable.Ring()) as sim:
+def test_overdamped_particles_go_downhill_to_the_same_rest(dense: ld.Packing) -> None:
+    with ld.Simulation(dense, ld.Ring()) as sim:
         start = sim.relax().packing
         sim.deform(0.999 * sim.box)
         states = list(move(sim, 3000, friction=0.5, every=300, inertia=False))
     energies = [state.energy for state in states]
     assert (np.diff(energies) < 1e-12 * energies[0]).all()
-    with deformable.Simulation(start, deformable.Ring()) as sim:
+    with ld.Simulation(start, ld.Ring()) as sim:
         sim.deform(0.999 * sim.box)
         assert sim.relax(1e-8).energy == pytest.approx(energies[-1], rel=1e-6)
 
@@ -62,9 +60,9 @@ def test_overdamped_particles_go_downhill_to_the_same_rest(dense: deformable.Pac
         ({"friction": 1.0, "timestep": 1e9}, "timestep = .* is too long for particle"),
     ],
 )
-def test_refusals(dense: deformable.Packing, values: dict[str, float], message: str) -> None:
+def test_refusals(dense: ld.Packing, values: dict[str, float], message: str) -> None:
     with (
-        deformable.Simulation(dense, deformable.Ring()) as sim,
-        pytest.raises(deformable.ParameterError, match=message),
+        ld.Simulation(dense, ld.Ring()) as sim,
+        pytest.raises(ld.ParameterError, match=message),
     ):
         next(move(sim, 100, inertia=False, **values))

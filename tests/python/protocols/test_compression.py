@@ -3,7 +3,7 @@
 import sys
 from typing import Any
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
 
@@ -11,11 +11,11 @@ pytestmark = pytest.mark.filterwarnings("error")
 
 
 def test_ten_line_script() -> None:
-    packing = deformable.bidisperse(128, radii=(0.5, 0.7), seed=5)
-    jammed = deformable.jam(packing)
-    sim = deformable.Simulation(jammed, deformable.Ring(kA=1.0))
+    packing = ld.bidisperse(128, radii=(0.5, 0.7), seed=5)
+    jammed = ld.jam(packing)
+    sim = ld.Simulation(jammed, ld.Ring(kA=1.0))
     seen = []
-    for state in deformable.compress(sim, strain=0.01, steps=10):
+    for state in ld.compress(sim, strain=0.01, steps=10):
         seen.append((state.phi, state.pressure))
     phi, pressure = np.array(seen).T
     assert len(seen) == 10
@@ -26,38 +26,36 @@ def test_ten_line_script() -> None:
 
 
 @pytest.mark.parametrize(("strain", "steps"), [(1.0, 1), (0.0, 1), (float("nan"), 1), (0.01, 0)])
-def test_compress_refuses_nonsense_at_once(
-    jammed: deformable.Packing, strain: float, steps: int
-) -> None:
+def test_compress_refuses_nonsense_at_once(jammed: ld.Packing, strain: float, steps: int) -> None:
     with (
-        deformable.Simulation(jammed, deformable.Ring()) as sim,
-        pytest.raises(deformable.ParameterError),
+        ld.Simulation(jammed, ld.Ring()) as sim,
+        pytest.raises(ld.ParameterError),
     ):
-        deformable.compress(sim, strain, steps)
+        ld.compress(sim, strain, steps)
 
 
 def test_no_progress_bar_off_a_terminal(
-    jammed: deformable.Packing, capfd: pytest.CaptureFixture[str]
+    jammed: ld.Packing, capfd: pytest.CaptureFixture[str]
 ) -> None:
     assert not sys.stderr.isatty()
-    with deformable.Simulation(jammed, deformable.Ring()) as sim:
-        list(deformable.compress(sim, strain=0.001, steps=1))
+    with ld.Simulation(jammed, ld.Ring()) as sim:
+        list(ld.compress(sim, strain=0.001, steps=1))
     assert capfd.readouterr() == ("", "")
 
 
 @pytest.mark.parametrize("kind", ["law", "disks", "polygons"])
-def test_a_packing_that_comes_apart_says_so_once(jammed: deformable.Packing, kind: str) -> None:
+def test_a_packing_that_comes_apart_says_so_once(jammed: ld.Packing, kind: str) -> None:
     """Compressed by 1 %, then expanded by 1 % a step: the first step leaves 1e-4."""
     sim: Any = {
-        "law": lambda: deformable.Simulation(jammed, deformable.Ring()),
-        "disks": lambda: deformable.Disks(jammed),
-        "polygons": lambda: deformable.PolygonSimulation(
-            jammed, deformable.PolygonModel(40, 0.025, kL=240.0, kr=10.0, smooth=True)
+        "law": lambda: ld.Simulation(jammed, ld.Ring()),
+        "disks": lambda: ld.Disks(jammed),
+        "polygons": lambda: ld.PolygonSimulation(
+            jammed, ld.PolygonModel(40, 0.025, kL=240.0, kr=10.0, smooth=True)
         ),
     }[kind]()
     with sim:
-        (pressed,) = deformable.compress(sim, 0.01, 1)
-        with pytest.warns(deformable.UnjammedWarning, match="apart at step 2, phi = 0.") as told:
-            states = [pressed, *deformable.compress(sim, -0.04, 4)]
+        (pressed,) = ld.compress(sim, 0.01, 1)
+        with pytest.warns(ld.UnjammedWarning, match="apart at step 2, phi = 0.") as told:
+            states = [pressed, *ld.compress(sim, -0.04, 4)]
     assert len(told) == 1
     assert [state.coordination > 0.0 for state in states] == [True, True, False, False, False]

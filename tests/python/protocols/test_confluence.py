@@ -1,6 +1,6 @@
 """Equal particles on a triangular lattice, from their onset to confluence."""
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
 from contact_laws import contacts
@@ -14,8 +14,8 @@ A6 = 6.0 * np.tan(np.pi / 6.0)
 CONFLUENCE = 1.0 - np.pi / A6  # a/R where the perimeter 2 pi R is that of the hexagon
 
 
-def lattice_state(indentation: float) -> deformable.State:
-    with deformable.Simulation(crystal(indentation), deformable.Ring()) as sim:
+def lattice_state(indentation: float) -> ld.State:
+    with ld.Simulation(crystal(indentation), ld.Ring()) as sim:
         return sim.state()
 
 
@@ -72,23 +72,23 @@ def test_particles_that_keep_their_area_need_room(
     constants: dict[str, float], contact: str
 ) -> None:
     """They fill the plane at phi = 1: no forces balance there, and beyond they have no shape."""
-    law = deformable.Ring(kA=np.inf, contact=contact, **constants)
+    law = ld.Ring(kA=np.inf, contact=contact, **constants)
     for phi, refused in ((0.99, False), (1.0 + 1e-9, True), (1.1, True)):
-        with deformable.Simulation(crystal(0.0).at(phi), law) as sim:
+        with ld.Simulation(crystal(0.0).at(phi), law) as sim:
             if refused:
-                with pytest.raises(deformable.LammpsError, match="no shape that keeps its area"):
+                with pytest.raises(ld.LammpsError, match="no shape that keeps its area"):
                     sim.state()
             else:
                 assert np.isfinite(sim.state().pressure)
 
 
 def test_mixtures_of_droplets_need_room() -> None:
-    law = deformable.Ring(kA=np.inf, kP=0.0, tension=1.0)
-    jammed = deformable.jam(deformable.bidisperse(16, seed=1))
-    with deformable.Simulation(jammed, law) as sim:
+    law = ld.Ring(kA=np.inf, kP=0.0, tension=1.0)
+    jammed = ld.jam(ld.bidisperse(16, seed=1))
+    with ld.Simulation(jammed, law) as sim:
         for phi in (0.95, 0.99, 0.999):
             sim.deform(jammed.at(phi).box)
             assert np.isfinite(sim.relax().pressure)
         sim.deform(jammed.at(1.0).box)
-        with pytest.raises(deformable.LammpsError, match="no shape that keeps its area"):
+        with pytest.raises(ld.LammpsError, match="no shape that keeps its area"):
             sim.relax()

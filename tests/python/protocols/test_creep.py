@@ -1,43 +1,43 @@
 """Creep under a constant shear stress, compared with quasistatic shear."""
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
-from deformable.protocols.creep import creep
-from deformable.protocols.shear import shear
+from lammps_deformable.protocols.creep import creep
+from lammps_deformable.protocols.shear import shear
 
 
 @pytest.fixture(scope="module")
-def rest() -> deformable.State:
-    packing = deformable.jam(deformable.bidisperse(16, seed=2))
-    with deformable.Simulation(packing.at(packing.phi + 0.08), deformable.Ring()) as sim:
-        return deformable.polish(sim.relax())
+def rest() -> ld.State:
+    packing = ld.jam(ld.bidisperse(16, seed=2))
+    with ld.Simulation(packing.at(packing.phi + 0.08), ld.Ring()) as sim:
+        return ld.polish(sim.relax())
 
 
 @pytest.mark.parametrize(("sign", "viscosity"), [(1.0, None), (-1.0, 2.0)])
 def test_it_ends_where_quasistatic_shear_has_the_stress(
-    rest: deformable.State, sign: float, viscosity: float | None
+    rest: ld.State, sign: float, viscosity: float | None
 ) -> None:
     modulus = rest.elastic_moduli().shear_modulus
     stress = -rest.stress[0, 1] + sign * 1e-3 * modulus
     time = 25.0 * (viscosity or 1.0) / modulus  # a solid alone takes viscosity/modulus
-    with deformable.Simulation(rest, rest.law) as sim:
+    with ld.Simulation(rest, rest.law) as sim:
         *_, before, last = creep(sim, stress, time, 8, friction=1.0, viscosity=viscosity)
     assert last.time == pytest.approx(time)
     assert -last.stress[0, 1] == pytest.approx(stress, rel=1e-4)
     assert last.strain == pytest.approx(before.strain, rel=1e-4)
     assert 0.5e-3 < sign * last.strain < 2e-3
-    with deformable.Simulation(rest, rest.law) as sim:
+    with ld.Simulation(rest, rest.law) as sim:
         *_, still = shear(sim, last.strain, 2, tolerance=1e-9)
     assert -still.stress[0, 1] == pytest.approx(stress, rel=1e-4)
     assert last.energy == pytest.approx(still.energy, rel=1e-6)
     assert not last.velocities.any()
 
 
-def test_the_box_moves_by_the_stress_that_contacts_do_not_bear(rest: deformable.State) -> None:
+def test_the_box_moves_by_the_stress_that_contacts_do_not_bear(rest: ld.State) -> None:
     """d(strain)/dt = (stress - sigma)/viscosity, by the trapezium rule."""
     stress, viscosity = 1e-4, 3.0
-    with deformable.Simulation(rest, rest.law) as sim:
+    with ld.Simulation(rest, rest.law) as sim:
         motion = creep(sim, stress, 1500.0, 150, friction=1.0, viscosity=viscosity)
         states = [motion.start(), *motion]
     rate = np.array([stress + state.stress[0, 1] for state in states]) / viscosity
@@ -45,9 +45,9 @@ def test_the_box_moves_by_the_stress_that_contacts_do_not_bear(rest: deformable.
     assert states[-1].strain - states[0].strain == pytest.approx(strain, rel=2e-3)
 
 
-def test_a_large_stress_makes_it_flow_through_flips(rest: deformable.State) -> None:
+def test_a_large_stress_makes_it_flow_through_flips(rest: ld.State) -> None:
     """Free of contacts, the rate is stress/viscosity; the box is one of the strain."""
-    with deformable.Simulation(rest.packing.at(0.3), rest.law) as sim:
+    with ld.Simulation(rest.packing.at(0.3), rest.law) as sim:
         start = sim.relax().packing
         (lx, _), (tilt, ly) = start.box
         states = list(creep(sim, 1e-3, 1200.0, 3, friction=1.0))
@@ -72,28 +72,28 @@ def test_a_large_stress_makes_it_flow_through_flips(rest: deformable.State) -> N
         ({"timestep": 1e9}, "timestep = .* take at most"),
     ],
 )
-def test_refusals(rest: deformable.State, values: dict[str, float], message: str) -> None:
+def test_refusals(rest: ld.State, values: dict[str, float], message: str) -> None:
     usual = {"stress": 1e-6, "time": 1e12, "steps": 1, "friction": 1.0}
     with (
-        deformable.Simulation(rest, rest.law) as sim,
-        pytest.raises(deformable.ParameterError, match=message),
+        ld.Simulation(rest, rest.law) as sim,
+        pytest.raises(ld.ParameterError, match=message),
     ):
         next(creep(sim, **usual | values))
 
 
-def test_refused_simulations(rest: deformable.State) -> None:
+def test_refused_simulations(rest: ld.State) -> None:
     with (
-        deformable.Disks(rest.packing) as disks,
-        pytest.raises(deformable.ParameterError, match="sim must be of the kind Simulation"),
+        ld.Disks(rest.packing) as disks,
+        pytest.raises(ld.ParameterError, match="sim must be of the kind Simulation"),
     ):
         creep(disks, 1e-6, 1.0, 1, friction=1.0)
     with (
-        deformable.Simulation(rest.packing, deformable.Sector()) as sim,
-        pytest.raises(deformable.ParameterError, match="energy of Sector jumps"),
+        ld.Simulation(rest.packing, ld.Sector()) as sim,
+        pytest.raises(ld.ParameterError, match="energy of Sector jumps"),
     ):
         creep(sim, 1e-6, 1.0, 1, friction=1.0)
     loose = rest.packing.at(0.3)
-    with deformable.Simulation(loose, deformable.Ring()) as sim:
+    with ld.Simulation(loose, ld.Ring()) as sim:
         sim.relax()
-        with pytest.raises(deformable.ParameterError, match="stress must not be 0 in a packing"):
+        with pytest.raises(ld.ParameterError, match="stress must not be 0 in a packing"):
             next(creep(sim, 0.0, 1.0, 1, friction=1.0))

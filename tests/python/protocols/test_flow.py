@@ -1,29 +1,29 @@
 """Shear at a rate: energy balance, long strains, noise, and refusals."""
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
-from deformable.protocols.shear import shear
+from lammps_deformable.protocols.shear import shear
 
 RATE, FRICTION = 1e-3, 1.0
 
 
 @pytest.fixture(scope="module")
-def rest() -> deformable.State:
-    packing = deformable.jam(deformable.bidisperse(16, seed=2))
-    with deformable.Simulation(packing.at(packing.phi + 0.08), deformable.Ring()) as sim:
+def rest() -> ld.State:
+    packing = ld.jam(ld.bidisperse(16, seed=2))
+    with ld.Simulation(packing.at(packing.phi + 0.08), ld.Ring()) as sim:
         return sim.relax(1e-9)
 
 
-def forces_on(state: deformable.State) -> np.ndarray:
+def forces_on(state: ld.State) -> np.ndarray:
     forces = np.zeros((len(state.packing), 2))
     np.add.at(forces, state.contact_table["i"], state.contact_table["force_vector"])
     return forces
 
 
-def test_work_of_the_flow_is_stored_or_lost_to_friction(rest: deformable.State) -> None:
+def test_work_of_the_flow_is_stored_or_lost_to_friction(rest: ld.State) -> None:
     """dE/dt = V sigma rate - sum F^2/friction, by the trapezium rule between states."""
-    with deformable.Simulation(rest, rest.law) as sim:
+    with ld.Simulation(rest, rest.law) as sim:
         states = list(shear(sim, 0.05, 100, rate=RATE, friction=FRICTION))
     times = np.array([state.time for state in states])
     assert np.diff(times) == pytest.approx(0.05 / 100 / RATE)
@@ -35,12 +35,12 @@ def test_work_of_the_flow_is_stored_or_lost_to_friction(rest: deformable.State) 
     assert states[-1].energy - states[0].energy == pytest.approx(gain, abs=allowed)
 
 
-def test_slow_flow_is_quasistatic(rest: deformable.State) -> None:
+def test_slow_flow_is_quasistatic(rest: ld.State) -> None:
     """The stress is behind in proportion to the rate: two rates give that of the rate 0."""
     stress = []
     for rate in (0.0, 1e-7, 2e-7):
         given = {"rate": rate, "friction": FRICTION} if rate else {"tolerance": 1e-9}
-        with deformable.Simulation(rest, rest.law) as sim:
+        with ld.Simulation(rest, rest.law) as sim:
             *_, state = shear(sim, 2e-3, 2, **given)
         assert state.strain == pytest.approx(2e-3)
         stress.append(rest.stress[0, 1] - state.stress[0, 1])
@@ -49,9 +49,9 @@ def test_slow_flow_is_quasistatic(rest: deformable.State) -> None:
     assert slow != pytest.approx(still, rel=0.02)
 
 
-def test_long_flows_go_on_in_equivalent_boxes(rest: deformable.State) -> None:
+def test_long_flows_go_on_in_equivalent_boxes(rest: ld.State) -> None:
     """Back and forth over several flips; a far particle follows the flow."""
-    with deformable.Simulation(rest, rest.law) as sim:
+    with ld.Simulation(rest, rest.law) as sim:
         states = [sim.state(), *shear(sim, 2.5, 10, rate=1e-2, friction=FRICTION)]
         (lx, _), (_, ly) = rest.packing.box
         for state in states[1:]:
@@ -66,11 +66,9 @@ def test_long_flows_go_on_in_equivalent_boxes(rest: deformable.State) -> None:
 def test_free_particles_follow_the_flow_and_diffuse_in_it() -> None:
     """dr = u dt + noise: <y^2> = 2 D t, <x^2> = 2 D t (1 + gamma^2/3), <x y> = D gamma t."""
     x, y = np.divmod(np.arange(400), 20)
-    packing = deformable.Packing(
-        2.0 + 4.0 * np.column_stack([x, y]), [0] * 400, [0.5], 80.0 * np.eye(2)
-    )
+    packing = ld.Packing(2.0 + 4.0 * np.column_stack([x, y]), [0] * 400, [0.5], 80.0 * np.eye(2))
     temperature, strain = 1e-5, 1.0
-    with deformable.Simulation(packing, deformable.Ring()) as sim:
+    with ld.Simulation(packing, ld.Ring()) as sim:
         (state,) = shear(
             sim, strain, 1, rate=1e-3, friction=2.0, temperature=temperature, timestep=0.5, seed=1
         )
@@ -89,12 +87,12 @@ def test_free_particles_follow_the_flow_and_diffuse_in_it() -> None:
     assert covariance < spread * strain
 
 
-def test_recorded_flows(rest: deformable.State, tmp_path: pytest.TempPathFactory) -> None:
-    with deformable.Simulation(rest, rest.law) as sim:
+def test_recorded_flows(rest: ld.State, tmp_path: pytest.TempPathFactory) -> None:
+    with ld.Simulation(rest, rest.law) as sim:
         states = list(
-            deformable.record(shear(sim, 0.02, 4, rate=RATE, friction=FRICTION), tmp_path / "run")
+            ld.record(shear(sim, 0.02, 4, rate=RATE, friction=FRICTION), tmp_path / "run")
         )
-    run = deformable.Run(tmp_path / "run")
+    run = ld.Run(tmp_path / "run")
     assert [state.strain for state in run][-4:] == [state.strain for state in states]
     assert [state.time for state in run][-4:] == [state.time for state in states]
 
@@ -116,30 +114,30 @@ def test_recorded_flows(rest: deformable.State, tmp_path: pytest.TempPathFactory
         ({"seed": 1}, "seed has no meaning without a rate"),
     ],
 )
-def test_refusals(rest: deformable.State, values: dict[str, float], message: str) -> None:
+def test_refusals(rest: ld.State, values: dict[str, float], message: str) -> None:
     with (
-        deformable.Simulation(rest, rest.law) as sim,
-        pytest.raises(deformable.ParameterError, match=message),
+        ld.Simulation(rest, rest.law) as sim,
+        pytest.raises(ld.ParameterError, match=message),
     ):
         list(shear(sim, 0.1, 1, **values))
 
 
-def test_refused_simulations(rest: deformable.State) -> None:
+def test_refused_simulations(rest: ld.State) -> None:
     flow = {"rate": 1e-3, "friction": 1.0}
     with (
-        deformable.Disks(rest.packing) as disks,
-        pytest.raises(deformable.ParameterError, match="Disks are sheared without a rate only"),
+        ld.Disks(rest.packing) as disks,
+        pytest.raises(ld.ParameterError, match="Disks are sheared without a rate only"),
     ):
         shear(disks, 0.1, 1, **flow)
     with (
-        deformable.Simulation(rest.packing, deformable.Sector()) as sim,
-        pytest.raises(deformable.ParameterError, match="energy of Sector jumps"),
+        ld.Simulation(rest.packing, ld.Sector()) as sim,
+        pytest.raises(ld.ParameterError, match="energy of Sector jumps"),
     ):
         shear(sim, 0.1, 1, **flow)
-    walls = deformable.rectangle(10, 10)
-    inside = deformable.push_off(deformable.bidisperse(4, seed=1).between(walls))
+    walls = ld.rectangle(10, 10)
+    inside = ld.push_off(ld.bidisperse(4, seed=1).between(walls))
     with (
-        deformable.Simulation(inside, deformable.Ring()) as sim,
-        pytest.raises(deformable.ParameterError, match="walls are not sheared"),
+        ld.Simulation(inside, ld.Ring()) as sim,
+        pytest.raises(ld.ParameterError, match="walls are not sheared"),
     ):
         shear(sim, 0.1, 1, **flow)

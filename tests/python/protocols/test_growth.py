@@ -1,21 +1,21 @@
 """Radii that grow to the onset of jamming, in a box or between walls that stay."""
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
-from deformable.model.onset import natural_pressure
+from lammps_deformable.model.onset import natural_pressure
 
 STARTS = {
-    "box": deformable.bidisperse(24, tilt=0.2, seed=3),
-    "own radii": deformable.polydisperse(20, lambda rng: rng.uniform(0.4, 0.6, 20), seed=2),
-    "container": deformable.bidisperse(20, seed=1).between(deformable.Circle((1.0, 2.0), 9.0)),
-    "obstacle": deformable.bidisperse(24, seed=2).between(deformable.Disk((5.0, 4.0), 1.0)),
+    "box": ld.bidisperse(24, tilt=0.2, seed=3),
+    "own radii": ld.polydisperse(20, lambda rng: rng.uniform(0.4, 0.6, 20), seed=2),
+    "container": ld.bidisperse(20, seed=1).between(ld.Circle((1.0, 2.0), 9.0)),
+    "obstacle": ld.bidisperse(24, seed=2).between(ld.Disk((5.0, 4.0), 1.0)),
 }
 
 
 @pytest.mark.parametrize("start", STARTS.values(), ids=STARTS.keys())
-def test_disks_are_those_of_the_shrinking_box(start: deformable.Packing) -> None:
-    grown, shrunk = deformable.jam(start, grow=True), deformable.jam(start)
+def test_disks_are_those_of_the_shrinking_box(start: ld.Packing) -> None:
+    grown, shrunk = ld.jam(start, grow=True), ld.jam(start)
     np.testing.assert_array_equal(grown.box, start.box)
     assert grown.walls == start.walls
     scale = start.box[1, 1] / shrunk.box[1, 1]
@@ -24,22 +24,22 @@ def test_disks_are_those_of_the_shrinking_box(start: deformable.Packing) -> None
     assert grown.phi == pytest.approx(shrunk.phi, rel=1e-12)
     np.testing.assert_allclose(grown.radius, scale * shrunk.radius, rtol=1e-12)
     np.testing.assert_allclose(grown.positions, scale * shrunk.positions, rtol=1e-12)
-    with deformable.Disks(grown) as disks:
+    with ld.Disks(grown) as disks:
         assert 1e-6 < disks.state().pressure < 2e-6
 
 
-@pytest.mark.parametrize("law", [deformable.Ring(), deformable.Ring(kA=1.0, kP=0.5)], ids=str)
-def test_particles_grow_to_their_onset(law: deformable.Ring) -> None:
+@pytest.mark.parametrize("law", [ld.Ring(), ld.Ring(kA=1.0, kP=0.5)], ids=str)
+def test_particles_grow_to_their_onset(law: ld.Ring) -> None:
     """The pressure is that of jam in the unit of the grown radii; kA/kP has a length."""
-    start = deformable.bidisperse(16, seed=4)
-    grown = deformable.jam(start, law, pressure=1e-10, grow=True)
+    start = ld.bidisperse(16, seed=4)
+    grown = ld.jam(start, law, pressure=1e-10, grow=True)
     np.testing.assert_array_equal(grown.box, start.box)
     assert grown.radii[1] / grown.radii[0] == pytest.approx(1.4, rel=1e-12)
-    with deformable.Simulation(grown, law) as sim:
+    with ld.Simulation(grown, law) as sim:
         pressure = sim.state().pressure / natural_pressure(grown, law)
     assert 1e-10 < pressure < 2e-10
 
 
 def test_a_box_that_stays_has_no_free_shape() -> None:
-    with pytest.raises(deformable.ParameterError, match="grow=True keeps the box, and box='shape'"):
-        deformable.jam(STARTS["box"], box="shape", grow=True)
+    with pytest.raises(ld.ParameterError, match="grow=True keeps the box, and box='shape'"):
+        ld.jam(STARTS["box"], box="shape", grow=True)

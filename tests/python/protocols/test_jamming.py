@@ -6,54 +6,57 @@ import warnings
 from types import SimpleNamespace
 from typing import Any
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
-from deformable.engine import relaxed_disks
-from deformable.engine.relaxed_disks import RelaxedDisks, Report, relax_at_pressure, relax_in_box
-from deformable.protocols import jamming
-from deformable.protocols.jamming import natural_pressure
-from deformable.protocols.starts import simulate
+from lammps_deformable.engine import relaxed_disks
+from lammps_deformable.engine.relaxed_disks import (
+    RelaxedDisks,
+    Report,
+    relax_at_pressure,
+    relax_in_box,
+)
+from lammps_deformable.protocols import jamming
+from lammps_deformable.protocols.jamming import natural_pressure
+from lammps_deformable.protocols.starts import simulate
 from mpi4py import MPI
 
-RADICAL, BALANCED = (deformable.Ring(contact=contact) for contact in ("radical", "balanced"))
+RADICAL, BALANCED = (ld.Ring(contact=contact) for contact in ("radical", "balanced"))
 ONSETS = [
     (None, 1e-7),
     (RADICAL, 1e-16),
-    (deformable.Ring(kA=[4.0, 1.0], kP=2.0), 1e-16),
+    (ld.Ring(kA=[4.0, 1.0], kP=2.0), 1e-16),
     (BALANCED, 1e-13),
 ]
 
 
-def onset(
-    packing: deformable.Packing, law: deformable.Ring | None
-) -> deformable.State | deformable.DiskState:
+def onset(packing: ld.Packing, law: ld.Ring | None) -> ld.State | ld.DiskState:
     with simulate(packing, law) as sim:
         return sim.state()
 
 
-def assert_at_onset(jammed: deformable.Packing, rel: float, tolerance: float = 1e-6) -> None:
+def assert_at_onset(jammed: ld.Packing, rel: float, tolerance: float = 1e-6) -> None:
     """Disks whose threshold is 1e-7; rounding of the box length moves them a little."""
     state = onset(jammed, None)
     assert state.pressure == pytest.approx(1.4e-7, rel=rel)
     assert state.residual <= 1.5 * tolerance
 
 
-def pairs(state: deformable.State | deformable.DiskState) -> set[tuple[int, int]]:
+def pairs(state: ld.State | ld.DiskState) -> set[tuple[int, int]]:
     """Pairs i < j in contact, without rattlers."""
-    table = state.pairs if isinstance(state, deformable.DiskState) else state.contact_table
-    i, j = table.T if isinstance(state, deformable.DiskState) else (table["i"], table["j"])
+    table = state.pairs if isinstance(state, ld.DiskState) else state.contact_table
+    i, j = table.T if isinstance(state, ld.DiskState) else (table["i"], table["j"])
     rigid = ~state.rattlers
     return {(min(p), max(p)) for p in zip(i.tolist(), j.tolist(), strict=True) if rigid[[*p]].all()}
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_equal_mixture_jams_near_084(seed: int) -> None:
-    jammed = deformable.jam(deformable.bidisperse(128, seed=seed))
+    jammed = ld.jam(ld.bidisperse(128, seed=seed))
     assert 0.825 < jammed.phi < 0.855
 
 
-def distances(packing: deformable.Packing) -> np.ndarray:
+def distances(packing: ld.Packing) -> np.ndarray:
     """Of each pair once, shape (N (N - 1)/2,)."""
     fraction = (packing.positions[:, None] - packing.positions) @ np.linalg.inv(packing.box)
     distance = np.linalg.norm((fraction - np.rint(fraction)) @ packing.box, axis=2)
@@ -63,12 +66,12 @@ def distances(packing: deformable.Packing) -> np.ndarray:
 @pytest.mark.parametrize(
     "start",
     [
-        deformable.bidisperse(32, aspect=1.5, tilt=0.3, seed=3),
-        deformable.polydisperse(24, lambda rng: rng.lognormal(-0.7, 0.15, 24), tilt=0.3, seed=4),
+        ld.bidisperse(32, aspect=1.5, tilt=0.3, seed=3),
+        ld.polydisperse(24, lambda rng: rng.lognormal(-0.7, 0.15, 24), tilt=0.3, seed=4),
     ],
 )
-def test_packing_is_at_the_onset(start: deformable.Packing) -> None:
-    jammed = deformable.jam(start)
+def test_packing_is_at_the_onset(start: ld.Packing) -> None:
+    jammed = ld.jam(start)
     i, j = np.triu_indices(len(jammed), 1)
     overlap = jammed.radius[i] + jammed.radius[j] - distances(jammed)
     assert 0.0 < overlap.max() < 1e-4  # hardly more than touching ...
@@ -78,24 +81,24 @@ def test_packing_is_at_the_onset(start: deformable.Packing) -> None:
 
 
 def test_same_seed_same_packing() -> None:
-    first, again = (deformable.jam(deformable.bidisperse(16, seed=5)) for _ in range(2))
+    first, again = (ld.jam(ld.bidisperse(16, seed=5)) for _ in range(2))
     assert np.array_equal(first.positions, again.positions)
 
 
 def test_one_particle_jams_against_its_images() -> None:
-    assert deformable.jam(deformable.bidisperse(1)).phi == pytest.approx(np.pi / 4, rel=1e-4)
+    assert ld.jam(ld.bidisperse(1)).phi == pytest.approx(np.pi / 4, rel=1e-4)
 
 
 @pytest.mark.parametrize(("law", "pressure"), ONSETS)
 @pytest.mark.parametrize("seed", [1, 2])
 def test_onset_is_isostatic_and_at_its_pressure(
-    law: deformable.Ring | None, pressure: float, seed: int
+    law: ld.Ring | None, pressure: float, seed: int
 ) -> None:
     """Relaxed to 1e-6, N' particles have 2N' - 1 contacts, one more than modes of motion."""
-    packing = deformable.bidisperse(16, seed=seed)
+    packing = ld.bidisperse(16, seed=seed)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        jammed = deformable.jam(packing, law, pressure=pressure, tolerance=1e-6)
+        jammed = ld.jam(packing, law, pressure=pressure, tolerance=1e-6)
     state = onset(jammed, law)
     assert pressure < state.pressure / natural_pressure(jammed, law) <= 2.0 * pressure
     # disks are relaxed to 1e-6 of the threshold; rounding of the box length moves them a little
@@ -111,51 +114,51 @@ def test_rings_jam_where_disks_do(seed: int) -> None:
 
     At their thresholds disks are 3.5e-7 beyond phi_J (p = 0.4 x), rings 3e-6 (p = 5 x^3).
     """
-    disks = deformable.jam(deformable.bidisperse(16, seed=seed), pressure=1e-7, tolerance=1e-6)
-    with deformable.Simulation(disks.at(disks.phi - 1e-3), RADICAL) as sim:
+    disks = ld.jam(ld.bidisperse(16, seed=seed), pressure=1e-7, tolerance=1e-6)
+    with ld.Simulation(disks.at(disks.phi - 1e-3), RADICAL) as sim:
         sim.deform(disks.at(disks.phi + 2.7e-6).box)
         rings = sim.relax(1e-6, minimum_contact_force=1e-16).packing
     assert pairs(onset(rings, RADICAL)) == pairs(onset(disks, None))
 
 
 def test_natural_pressure() -> None:
-    packing = deformable.bidisperse(4, radii=(0.5, 1.5))  # R0 = 1
+    packing = ld.bidisperse(4, radii=(0.5, 1.5))  # R0 = 1
     for law, unit in (
         (None, 1.0),
-        (deformable.Ring(kA=3.0), 3.0),
-        (deformable.Ring(kA=np.inf, kP=5.0), 5.0),
-        (deformable.Ring(kA=3.0, kP=6.0), 2.0),
-        (deformable.Ring(kA=[3.0, 1.0]), 2.0),
-        (deformable.Sector(kA=3.0), 3.0),
-        (deformable.Ring(kA=np.inf, kP=0.0, tension=2.0), 2.0),
-        (deformable.Ring(kA=3.0, kP=0.0, tension=2.0), 2.0),
-        (deformable.Ring(kA=3.0, kP=6.0, tension=2.0), 4.0),
+        (ld.Ring(kA=3.0), 3.0),
+        (ld.Ring(kA=np.inf, kP=5.0), 5.0),
+        (ld.Ring(kA=3.0, kP=6.0), 2.0),
+        (ld.Ring(kA=[3.0, 1.0]), 2.0),
+        (ld.Sector(kA=3.0), 3.0),
+        (ld.Ring(kA=np.inf, kP=0.0, tension=2.0), 2.0),
+        (ld.Ring(kA=3.0, kP=0.0, tension=2.0), 2.0),
+        (ld.Ring(kA=3.0, kP=6.0, tension=2.0), 4.0),
     ):
         assert natural_pressure(packing, law) == pytest.approx(unit)
-    small = deformable.bidisperse(4, radii=(0.25, 0.75))
-    assert natural_pressure(small, deformable.Ring(kA=3.0)) == pytest.approx(0.75)
+    small = ld.bidisperse(4, radii=(0.25, 0.75))
+    assert natural_pressure(small, ld.Ring(kA=3.0)) == pytest.approx(0.75)
 
 
 def test_sector_warns_that_it_has_no_onset() -> None:
-    with pytest.warns(deformable.StalledWarning, match="the onset of jamming is uncertain"):
-        deformable.jam(deformable.bidisperse(8, seed=2), deformable.Sector(), pressure=1e-4)
+    with pytest.warns(ld.StalledWarning, match="the onset of jamming is uncertain"):
+        ld.jam(ld.bidisperse(8, seed=2), ld.Sector(), pressure=1e-4)
 
 
 def test_a_relaxation_that_stalls_does_not_end_the_search(monkeypatch: pytest.MonkeyPatch) -> None:
     """At the next step of phi the rings may come to rest; after three in a row `jam` warns."""
     relaxed, stalls = jamming._relaxed, [True, True]
 
-    def stalling(*arguments: Any) -> deformable.State:
+    def stalling(*arguments: Any) -> ld.State:
         state = relaxed(*arguments)
         return dataclasses.replace(state, stalled=stalls.pop()) if stalls else state
 
     monkeypatch.setattr(jamming, "_relaxed", stalling)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        deformable.jam(deformable.bidisperse(16, seed=1), RADICAL, pressure=1e-7)
+        ld.jam(ld.bidisperse(16, seed=1), RADICAL, pressure=1e-7)
     stalls += [True] * 3
-    with pytest.warns(deformable.StalledWarning):
-        deformable.jam(deformable.bidisperse(16, seed=1), RADICAL, pressure=1e-7)
+    with pytest.warns(ld.StalledWarning):
+        ld.jam(ld.bidisperse(16, seed=1), RADICAL, pressure=1e-7)
 
 
 @pytest.mark.parametrize(("way", "steps"), [(5e-6, 3), (1e-3, 10), (0.02, 18)])
@@ -167,10 +170,10 @@ def test_loose_particles_climb_in_growing_steps(
     Steps 1.4e-6 2^k, up to 0.0025 each, add up to the way. The last one leads too far by at most
     its length, and steps back are at most half as long: there are two.
     """
-    packing = deformable.bidisperse(8, phi=0.8)
+    packing = ld.bidisperse(8, phi=0.8)
     seen: list[float] = []
 
-    def relaxed(packing: deformable.Packing, *_: Any) -> Any:
+    def relaxed(packing: ld.Packing, *_: Any) -> Any:
         seen.append(packing.phi)
         found = max(packing.phi - 0.8 - way, 0.0) / 0.6  # tension/R0
         state = {"phi": packing.phi, "pressure": found, "stalled": False, "residual": 0.0}
@@ -178,8 +181,8 @@ def test_loose_particles_climb_in_growing_steps(
 
     monkeypatch.setattr(jamming, "_relaxed", relaxed)
     monkeypatch.setattr(jamming, "_jammed_disks", lambda *_: SimpleNamespace(packing=packing))
-    law = deformable.Ring(kA=np.inf, kP=0.0, tension=1.0)
-    jammed = deformable.jam(packing, law, pressure=1e-6)
+    law = ld.Ring(kA=np.inf, kP=0.0, tension=1.0)
+    jammed = ld.jam(packing, law, pressure=1e-6)
     assert 1e-6 < jammed.phi - 0.8 - way <= 2e-6
     assert len(seen) <= 1 + steps + 2
     assert np.diff(seen).max() < 0.0025 * (1.0 + 1e-9)
@@ -187,10 +190,10 @@ def test_loose_particles_climb_in_growing_steps(
 
 def test_rattlers_fall_one_after_another() -> None:
     """Four particles hold each other; 5 and 6 have two contacts each, and 4 is left with one."""
-    packing = deformable.bidisperse(7)
+    packing = ld.bidisperse(7)
     ends = [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3), (0, 4)]
     ends += [(4, 5), (4, 6), (5, 6)]
-    state = deformable.DiskState(
+    state = ld.DiskState(
         packing, None, 0.0, np.zeros((2, 2)), np.array(ends), residual=0.0, stalled=False
     )
     assert state.rattlers.tolist() == [False] * 4 + [True] * 3
@@ -203,14 +206,14 @@ def test_disks_that_rearrange_slowly_are_compressed_again(monkeypatch: pytest.Mo
     asked: list[tuple[float, int]] = []
 
     def relax(
-        packing: deformable.Packing, pressure: float, part: float, patience: int, report: Report
+        packing: ld.Packing, pressure: float, part: float, patience: int, report: Report
     ) -> RelaxedDisks:
         asked.append((pressure, patience))
         return relax_at_pressure(packing, pressure, part, patience, report)
 
     monkeypatch.setattr(jamming, "_PATIENCE", 30)
     monkeypatch.setattr(jamming, "relax_at_pressure", relax)
-    jammed = deformable.jam(deformable.bidisperse(64, seed=1), pressure=1e-7, tolerance=1e-6)
+    jammed = ld.jam(ld.bidisperse(64, seed=1), pressure=1e-7, tolerance=1e-6)
     pressures, patience = np.transpose(asked)
     assert (np.diff(pressures) > 0.0).any()
     assert pressures.max() == pressures[0]
@@ -225,14 +228,14 @@ def test_many_disks_are_told_to_be_rigid_early(many: int, monkeypatch: pytest.Mo
     asked: list[Any] = []
 
     def relax(
-        packing: deformable.Packing, part: float, loose: float, report: Report, rigid: Any
+        packing: ld.Packing, part: float, loose: float, report: Report, rigid: Any
     ) -> RelaxedDisks:
         asked.append(rigid)
         return relax_in_box(packing, part, loose, report, rigid)
 
     monkeypatch.setattr(jamming, "_MANY", many)
     monkeypatch.setattr(jamming, "relax_in_box", relax)
-    jammed = deformable.jam(deformable.bidisperse(64, seed=1), pressure=1e-7, tolerance=1e-6)
+    jammed = ld.jam(ld.bidisperse(64, seed=1), pressure=1e-7, tolerance=1e-6)
     assert asked[0] is asked[-1] is None
     assert (jamming._RIGID in asked) == (many == 64)
     assert_at_onset(jammed, rel=1e-4)
@@ -240,7 +243,7 @@ def test_many_disks_are_told_to_be_rigid_early(many: int, monkeypatch: pytest.Mo
 
 def test_clearly_rigid_disks_are_not_relaxed_to_the_end() -> None:
     """At phi = 0.9 the pressure tells before forces are small."""
-    packing = deformable.push_off(deformable.bidisperse(400, phi=0.8, seed=1)).at(0.9)
+    packing = ld.push_off(ld.bidisperse(400, phi=0.8, seed=1)).at(0.9)
     ends = {}
     for rigid in (0.01, math.inf):  # pressures
         reports: list[int] = []
@@ -255,11 +258,11 @@ def test_clearly_rigid_disks_are_not_relaxed_to_the_end() -> None:
 kinds = pytest.mark.parametrize("kind", ["species", "particle radii", "walls"])
 
 
-def of_kind(kind: str) -> deformable.Packing:
+def of_kind(kind: str) -> ld.Packing:
     if kind == "particle radii":
-        return deformable.polydisperse(64, np.geomspace(0.2, 1.2, 64), phi=0.3)
-    packing = deformable.bidisperse(64, seed=1)
-    return packing.between([deformable.Circle((0, 0), 6)]) if kind == "walls" else packing
+        return ld.polydisperse(64, np.geomspace(0.2, 1.2, 64), phi=0.3)
+    packing = ld.bidisperse(64, seed=1)
+    return packing.between([ld.Circle((0, 0), 6)]) if kind == "walls" else packing
 
 
 @kinds
@@ -270,7 +273,7 @@ def test_huge_packings_settle_by_damped_motion(kind: str, monkeypatch: pytest.Mo
     monkeypatch.setattr(jamming, "_STEPS", 2000)
     packing = of_kind(kind)
     for tolerance in (0.1, 1e-6) if kind == "species" else (0.1,):
-        jammed = deformable.jam(packing, pressure=1e-7, tolerance=tolerance)
+        jammed = ld.jam(packing, pressure=1e-7, tolerance=tolerance)
         assert np.array_equal(jammed.radius, packing.radius)
         assert_at_onset(jammed, tolerance, tolerance)
 
@@ -279,7 +282,7 @@ def test_huge_packings_settle_by_damped_motion(kind: str, monkeypatch: pytest.Mo
 def test_conjugate_gradients_jam_disks_too(kind: str) -> None:
     """What LAMMPS has no energy for is relaxed as without a communicator."""
     alone, shared = (
-        deformable.jam(of_kind(kind), pressure=1e-7, tolerance=1e-6, comm=comm)
+        ld.jam(of_kind(kind), pressure=1e-7, tolerance=1e-6, comm=comm)
         for comm in (None, MPI.COMM_SELF)
     )
     assert (kind == "species") != np.array_equal(alone.positions, shared.positions)
@@ -287,35 +290,33 @@ def test_conjugate_gradients_jam_disks_too(kind: str) -> None:
 
 
 def test_rigid_start_is_refused() -> None:
-    with pytest.raises(deformable.ParameterError, match=r"rigid already at phi = 1\.1000"):
-        deformable.jam(deformable.bidisperse(32, phi=1.1))
-    with pytest.raises(deformable.ParameterError, match="pressure must be a positive number"):
-        deformable.jam(deformable.bidisperse(8), pressure=0.0)
+    with pytest.raises(ld.ParameterError, match=r"rigid already at phi = 1\.1000"):
+        ld.jam(ld.bidisperse(32, phi=1.1))
+    with pytest.raises(ld.ParameterError, match="pressure must be a positive number"):
+        ld.jam(ld.bidisperse(8), pressure=0.0)
 
 
-def in_one_place(number: int, particle_radii: np.ndarray | None = None) -> deformable.Packing:
+def in_one_place(number: int, particle_radii: np.ndarray | None = None) -> ld.Packing:
     """Disks at a corner of a tilted box, in all four cells around it."""
     box = np.array([[4.0, 0.0], [1.0, 4.0]])
     cells = np.array([[0, 0], [1, 0], [0, 1], [1, 1], [0, 0]])[:number]
-    return deformable.Packing(cells @ box, np.zeros(number), np.array([0.5]), box, particle_radii)
+    return ld.Packing(cells @ box, np.zeros(number), np.array([0.5]), box, particle_radii)
 
 
 @pytest.mark.parametrize("number", [2, 5])
 @pytest.mark.parametrize("by_particle", [False, True])
 def test_centers_at_one_place_are_pushed_apart(number: int, by_particle: bool) -> None:
     packing = in_one_place(number, np.full(number, 0.5) if by_particle else None)
-    apart, again = deformable.push_off(packing), deformable.push_off(packing)
+    apart, again = ld.push_off(packing), ld.push_off(packing)
     assert np.array_equal(apart.positions, again.positions)
     # forces end at 1e-3 of a pressure of 1e-3 times R, and overlaps are forces; a disk has up to 5
     assert distances(apart).min() > 1.0 - 5 * 0.5e-6
     # small boxes jam early, and no disks of one size beyond the triangular lattice
-    assert packing.phi + 0.1 < deformable.jam(packing).phi < 0.907
+    assert packing.phi + 0.1 < ld.jam(packing).phi < 0.907
 
 
 def test_other_centers_stay_when_some_are_parted() -> None:
     packing = in_one_place(3)
     alone = np.vstack([packing.positions, [2.5, 2.0]])
-    (x, y) = deformable.push_off(
-        deformable.Packing(alone, np.zeros(4), packing.radii, packing.box)
-    ).positions[3]
+    (x, y) = ld.push_off(ld.Packing(alone, np.zeros(4), packing.radii, packing.box)).positions[3]
     assert (x, y) == pytest.approx((2.5, 2.0), abs=1e-12)

@@ -1,21 +1,21 @@
 """Motion where contacts rub, by the settings of a simulation or by a fix of LAMMPS."""
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
 
 RUB = "fix rub all deformable/friction 0.5 1e-3 1e-4 damp 1e-3"
-FRICTION = deformable.Friction(0.5, 1e-3, 1e-4, damp=1e-3)
+FRICTION = ld.Friction(0.5, 1e-3, 1e-4, damp=1e-3)
 
 
-def fluid() -> deformable.Packing:
-    return deformable.push_off(deformable.bidisperse(16, phi=0.7, seed=2))
+def fluid() -> ld.Packing:
+    return ld.push_off(ld.bidisperse(16, phi=0.7, seed=2))
 
 
 def test_particles_turn_and_energy_balances() -> None:
     """Kinetic, of spins too, potential, stored and lost."""
-    with deformable.Simulation(fluid(), deformable.Ring(), friction=FRICTION) as sim:
-        states = list(deformable.move(sim, 600, temperature=1e-5, seed=1, every=200))
+    with ld.Simulation(fluid(), ld.Ring(), friction=FRICTION) as sim:
+        states = list(ld.move(sim, 600, temperature=1e-5, seed=1, every=200))
         spin = np.array(sim.lmp.gather("omega", 1, 3))[2::3]
         rubbed = sim.lmp.extract_fix("deformable_friction", 0, 0)
     *_, state = states
@@ -29,10 +29,10 @@ def test_particles_turn_and_energy_balances() -> None:
 
 def test_motion_that_is_damped() -> None:
     """Velocities and spins of a particle decay at the same rate."""
-    alone = deformable.Packing([[1.0, 1.0]], [0], [0.5], [3.0, 3.0])
-    with deformable.Simulation(alone, deformable.Ring(), friction=FRICTION) as sim:
+    alone = ld.Packing([[1.0, 1.0]], [0], [0.5], [3.0, 3.0])
+    with ld.Simulation(alone, ld.Ring(), friction=FRICTION) as sim:
         sim.lmp.command("set group all vx 1.0 omega 0 0 2.0")
-        *_, state = deformable.move(sim, 200, timestep=0.05, friction=0.1)
+        *_, state = ld.move(sim, 200, timestep=0.05, friction=0.1)
         spin = sim.lmp.gather("omega", 1, 3)[2]
     # by steps of dv = -friction dt v: to first order in friction dt
     assert state.velocities[0, 0] == pytest.approx(np.exp(-1.0), rel=4e-3)
@@ -40,17 +40,17 @@ def test_motion_that_is_damped() -> None:
 
 
 def test_the_fix_of_a_user_without_spins() -> None:
-    with deformable.Simulation(fluid(), deformable.Ring()) as sim:
+    with ld.Simulation(fluid(), ld.Ring()) as sim:
         sim.lmp.command(RUB)
-        for state in deformable.move(sim, 400, temperature=1e-5, seed=1):
+        for state in ld.move(sim, 400, temperature=1e-5, seed=1):
             assert np.isfinite(state.energy)
         assert sim.lmp.extract_fix("rub", 0, 1, 1) > 0
 
 
 def test_restart_rubs_again() -> None:
-    with deformable.Simulation(fluid(), deformable.Ring(), friction=FRICTION) as sim:
-        with pytest.raises(deformable.ParameterError, match="radii"):
-            sim.restart(deformable.Packing([[1.0, 1.0]], [0], [-0.5], [3.0, 3.0]))
+    with ld.Simulation(fluid(), ld.Ring(), friction=FRICTION) as sim:
+        with pytest.raises(ld.ParameterError, match="radii"):
+            sim.restart(ld.Packing([[1.0, 1.0]], [0], [-0.5], [3.0, 3.0]))
         sim.restart(fluid())
         assert "deformable_friction" in sim.lmp.available_ids("fix")
 
@@ -66,24 +66,24 @@ def test_restart_rubs_again() -> None:
     ],
 )
 def test_what_does_not_turn(settings: dict[str, float], message: str) -> None:
-    with deformable.Simulation(fluid(), deformable.Ring(), friction=FRICTION) as sim:
-        with pytest.raises(deformable.ParameterError, match=message) as error:
-            list(deformable.move(sim, 10, **settings))
+    with ld.Simulation(fluid(), ld.Ring(), friction=FRICTION) as sim:
+        with pytest.raises(ld.ParameterError, match=message) as error:
+            list(ld.move(sim, 10, **settings))
         assert "\n" not in str(error.value)
 
 
 def test_a_time_step_too_long_for_the_springs() -> None:
     """kt dt^2 = m/7 at most; the default is shorter."""
-    hard = deformable.Friction(0.5, 1.0)
-    with deformable.Simulation(fluid(), deformable.Ring(), friction=hard) as sim:
-        with pytest.raises(deformable.ParameterError, match=r"\A[^\n]*at most 0.38,"):
-            list(deformable.move(sim, 10, timestep=0.5))
-        (state,) = deformable.move(sim, 10)
+    hard = ld.Friction(0.5, 1.0)
+    with ld.Simulation(fluid(), ld.Ring(), friction=hard) as sim:
+        with pytest.raises(ld.ParameterError, match=r"\A[^\n]*at most 0.38,"):
+            list(ld.move(sim, 10, timestep=0.5))
+        (state,) = ld.move(sim, 10)
         assert state.time / 10 < 0.5 * hard.longest_step
 
 
 def test_minimizers_pass_over_the_fix_of_a_user() -> None:
-    with deformable.Simulation(fluid(), deformable.Ring()) as sim:
+    with ld.Simulation(fluid(), ld.Ring()) as sim:
         sim.lmp.command(RUB)
-        with pytest.raises(deformable.LammpsError, match=r"\A[^\n]*fix rub[^\n]*motion only"):
+        with pytest.raises(ld.LammpsError, match=r"\A[^\n]*fix rub[^\n]*motion only"):
             sim.relax()

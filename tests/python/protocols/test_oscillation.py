@@ -2,10 +2,10 @@
 
 import math
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
-from deformable.protocols.oscillation import dynamic_modulus, oscillate
+from lammps_deformable.protocols.oscillation import dynamic_modulus, oscillate
 
 STRAIN, FRICTION = 1e-5, 2.0
 
@@ -15,18 +15,16 @@ ACCURACY = 2e-3
 
 
 @pytest.fixture(scope="module", params=["balanced", "radical"])
-def rest(request: pytest.FixtureRequest) -> deformable.State:
-    packing = deformable.jam(deformable.bidisperse(10, seed=2))
-    with deformable.Simulation(
-        packing.at(packing.phi + 0.06), deformable.Ring(contact=request.param)
-    ) as sim:
-        return deformable.polish(sim.relax())
+def rest(request: pytest.FixtureRequest) -> ld.State:
+    packing = ld.jam(ld.bidisperse(10, seed=2))
+    with ld.Simulation(packing.at(packing.phi + 0.06), ld.Ring(contact=request.param)) as sim:
+        return ld.polish(sim.relax())
 
 
 class Linear:
     """friction du/dt = -(M u + B gamma); the stress is (E'' gamma + B.u)/V."""
 
-    def __init__(self, state: deformable.State) -> None:
+    def __init__(self, state: ld.State) -> None:
         hessian = state.hessian(rattlers=False)
         n, m = hessian.size, hessian.matrix.toarray()
         coupled = hessian.by_strain[:, 1]
@@ -51,7 +49,7 @@ class Linear:
         return complex(self.affine - centers)
 
 
-def test_slow_flow_has_the_static_modulus(rest: deformable.State) -> None:
+def test_slow_flow_has_the_static_modulus(rest: ld.State) -> None:
     """The reference of the tests below knows the modulus of linear response and of strains."""
     linear = Linear(rest)
     assert linear.moduli(1e-9).real == pytest.approx(rest.elastic_moduli().shear_modulus, rel=1e-6)
@@ -62,12 +60,12 @@ def test_slow_flow_has_the_static_modulus(rest: deformable.State) -> None:
 
 
 @pytest.mark.parametrize("part", [0.03, 1.0])
-def test_stress_under_an_oscillating_strain(rest: deformable.State, part: float) -> None:
+def test_stress_under_an_oscillating_strain(rest: ld.State, part: float) -> None:
     """At frequencies of the slowest modes and of the mean one."""
     linear = Linear(rest)
     omega = part * linear.rate.mean()
     period = 2.0 * math.pi / omega
-    with deformable.Simulation(rest, rest.law) as sim:
+    with ld.Simulation(rest, rest.law) as sim:
         states = list(oscillate(sim, STRAIN, period, friction=FRICTION))
     assert [state.time for state in states] == pytest.approx(period * np.arange(1, 41) / 40)
     strain = np.array([state.strain for state in states])
@@ -83,7 +81,7 @@ def test_stress_under_an_oscillating_strain(rest: deformable.State, part: float)
     assert not states[-1].velocities.any()
 
 
-def test_storage_and_loss_modulus(rest: deformable.State) -> None:
+def test_storage_and_loss_modulus(rest: ld.State) -> None:
     linear = Linear(rest)
     omega = 0.3 * linear.rate.mean()
     found = dynamic_modulus(
@@ -101,9 +99,9 @@ def test_storage_and_loss_modulus(rest: deformable.State) -> None:
 @pytest.mark.parametrize("strain", [1e-4, 1e-6, 1e-7, 1e-8])
 def test_small_strains(strain: float) -> None:
     """Contacts follow any strain, so that G'' is right where it is a hundredth of G'."""
-    jammed = deformable.jam(deformable.bidisperse(32, seed=1))
-    with deformable.Simulation(jammed.at(0.88), deformable.Ring()) as sim:
-        state = deformable.polish(sim.relax())
+    jammed = ld.jam(ld.bidisperse(32, seed=1))
+    with ld.Simulation(jammed.at(0.88), ld.Ring()) as sim:
+        state = ld.polish(sim.relax())
     expected = complex(state.complex_modulus(2.0 * math.pi / 20.0, friction=1.0))
     assert 0.005 < expected.imag / expected.real < 0.02
     found = dynamic_modulus(state, strain, 20.0, steps=8, friction=1.0)
@@ -116,7 +114,7 @@ def test_small_strains(strain: float) -> None:
 @pytest.mark.parametrize("tolerance", [None, 1e-6, 1e-8])
 @pytest.mark.parametrize("strain", [1e-5, 1e-7, 1e-8])
 def test_errors_know_the_forces_that_are_left(
-    rest: deformable.State, strain: float, tolerance: float | None
+    rest: ld.State, strain: float, tolerance: float | None
 ) -> None:
     """Quasistatic moduli are right within their errors, and those are small by default."""
     exact = rest.elastic_moduli().shear_modulus
@@ -144,21 +142,21 @@ def test_errors_know_the_forces_that_are_left(
         ({"cycles": 0}, "cycles must be at least 1, not 0"),
     ],
 )
-def test_refusals(rest: deformable.State, values: dict[str, float], message: str) -> None:
+def test_refusals(rest: ld.State, values: dict[str, float], message: str) -> None:
     with (
-        deformable.Simulation(rest, rest.law) as sim,
-        pytest.raises(deformable.ParameterError, match=message),
+        ld.Simulation(rest, rest.law) as sim,
+        pytest.raises(ld.ParameterError, match=message),
     ):
         oscillate(sim, **{"strain": STRAIN} | values)
 
 
-def test_refusals_of_moduli(rest: deformable.State) -> None:
-    with pytest.raises(deformable.ParameterError, match="cycles must be at least 2"):
+def test_refusals_of_moduli(rest: ld.State) -> None:
+    with pytest.raises(ld.ParameterError, match="cycles must be at least 2"):
         dynamic_modulus(rest, STRAIN, cycles=1)
-    with pytest.raises(deformable.ParameterError, match="discarded must not be negative, not -1"):
+    with pytest.raises(ld.ParameterError, match="discarded must not be negative, not -1"):
         dynamic_modulus(rest, STRAIN, discarded=-1)
-    with deformable.Disks(rest.packing) as disks:
-        with pytest.raises(deformable.ParameterError, match="Disks are sheared without a rate"):
+    with ld.Disks(rest.packing) as disks:
+        with pytest.raises(ld.ParameterError, match="Disks are sheared without a rate"):
             oscillate(disks, STRAIN, 10.0, friction=1.0)
         soft = disks.relax(1e-9)
     found = dynamic_modulus(soft, STRAIN, cycles=2, discarded=0, steps=8, tolerance=1e-10)

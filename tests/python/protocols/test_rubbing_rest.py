@@ -2,17 +2,17 @@
 
 from pathlib import Path
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
-from deformable.model.laws import LAWS
+from lammps_deformable.model.laws import LAWS
 
-ROUGH = deformable.Friction(0.3, 0.05)
+ROUGH = ld.Friction(0.3, 0.05)
 
 
-def pressed(friction: deformable.Friction | None, **options: object) -> deformable.Simulation:
-    packing = deformable.push_off(deformable.bidisperse(16, phi=0.9, seed=2))
-    return deformable.Simulation(packing, deformable.Ring(), friction=friction, **options)
+def pressed(friction: ld.Friction | None, **options: object) -> ld.Simulation:
+    packing = ld.push_off(ld.bidisperse(16, phi=0.9, seed=2))
+    return ld.Simulation(packing, ld.Ring(), friction=friction, **options)
 
 
 @pytest.mark.parametrize("contact", ["balanced", "curved", "radical"])
@@ -22,11 +22,11 @@ def test_a_sheared_crystal(contact: str) -> None:
     Particles turn with the mean rotation; a contact along n at the distance d is then sheared by
     d t.(strain).n. Radical lines have two springs of kt/2.
     """
-    crystal, strain, kt, stress = deformable.triangular(4, 4, phi=0.95), 1e-4, 1e-3, []
-    for friction in (None, deformable.Friction(np.inf, kt)):
-        with deformable.Simulation(crystal, LAWS[contact], friction=friction) as sim:
+    crystal, strain, kt, stress = ld.triangular(4, 4, phi=0.95), 1e-4, 1e-3, []
+    for friction in (None, ld.Friction(np.inf, kt)):
+        with ld.Simulation(crystal, LAWS[contact], friction=friction) as sim:
             sim.relax(1e-9)
-            *_, state = deformable.shear(sim, strain, steps=1, tolerance=1e-7)
+            *_, state = ld.shear(sim, strain, steps=1, tolerance=1e-7)
             stress.append(state.shear_stress)
     assert stress[1] - stress[0] == pytest.approx(np.sqrt(3) / 4 * kt * strain, rel=2e-3)
     d = np.sqrt(crystal.box[0, 0] * crystal.box[1, 1] / 16 * 2 / np.sqrt(3))
@@ -39,9 +39,9 @@ def test_rest_compression_and_shear() -> None:
     """Forces and torques balance; bounds hold; stress depends on the way."""
     with pressed(ROUGH) as sim:
         start = sim.relax()
-        states = [start, *deformable.compress(sim, 0.01, steps=2)]
-        states += deformable.shear(sim, 0.04, steps=2)
-        back = list(deformable.shear(sim, -0.04, steps=2))[-1]
+        states = [start, *ld.compress(sim, 0.01, steps=2)]
+        states += ld.shear(sim, 0.04, steps=2)
+        back = list(ld.shear(sim, -0.04, steps=2))[-1]
     for state in states:
         table = state.contact_table
         assert not state.stalled
@@ -67,31 +67,25 @@ def test_without_friction_a_shear_is_reversed() -> None:
     """The hysteresis above is that of friction: mu = 0 stays in a minimum and comes back to it."""
     with pressed(None) as sim:
         minimal = sim.relax()
-    with deformable.Simulation(
-        minimal.packing, minimal.law, friction=deformable.Friction(0.0, 2e-3)
-    ) as sim:
-        list(deformable.shear(sim, 0.002, steps=1))
-        *_, back = deformable.shear(sim, -0.002, steps=1)
+    with ld.Simulation(minimal.packing, minimal.law, friction=ld.Friction(0.0, 2e-3)) as sim:
+        list(ld.shear(sim, 0.002, steps=1))
+        *_, back = ld.shear(sim, -0.002, steps=1)
     assert back.energy == pytest.approx(minimal.energy, rel=1e-6)
 
 
 def test_a_target_phi() -> None:
     with pressed(ROUGH) as sim:
-        *_, state = deformable.compress(sim, phi=0.91, steps=1)
+        *_, state = ld.compress(sim, phi=0.91, steps=1)
         assert state.phi == pytest.approx(0.91, rel=1e-9)
-        with pytest.raises(deformable.ParameterError, match=r"settle\(sim, pressure\)") as error:
-            list(deformable.compress(sim, pressure=1e-3, steps=1))
+        with pytest.raises(ld.ParameterError, match=r"settle\(sim, pressure\)") as error:
+            list(ld.compress(sim, pressure=1e-3, steps=1))
         assert "\n" not in str(error.value)
 
 
 def test_weights_at_rest() -> None:
     """All forces act on the way to rest, those of motion too: walls bear the weight."""
-    two = deformable.Packing(
-        [[1.0, 0.5], [1.6, 1.2]], [0, 0], [0.5], [3.0, 3.0], walls=deformable.rectangle(3, 3)
-    )
-    with deformable.Simulation(
-        two, deformable.Ring(), friction=deformable.Friction(9, 0.01)
-    ) as sim:
+    two = ld.Packing([[1.0, 0.5], [1.6, 1.2]], [0, 0], [0.5], [3.0, 3.0], walls=ld.rectangle(3, 3))
+    with ld.Simulation(two, ld.Ring(), friction=ld.Friction(9, 0.01)) as sim:
         sim.lmp.command("fix down all gravity 1e-4 vector 0 -1 0")
         state = sim.relax(1e-4)
     assert state.wall_forces.sum(axis=0) == pytest.approx([0, -2e-4], abs=1e-7)
@@ -103,10 +97,10 @@ def test_a_run_is_resumed(tmp_path: Path) -> None:
     whole, torn = tmp_path / "whole", tmp_path / "torn"
     for folder in (whole, torn):
         with pressed(ROUGH) as sim:
-            for _ in deformable.shear_in(sim, folder, 0.03, steps=3, tolerance=1e-4):
+            for _ in ld.shear_in(sim, folder, 0.03, steps=3, tolerance=1e-4):
                 if folder is torn:
                     break
-    (*_, end) = deformable.Run(torn).resume()
+    (*_, end) = ld.Run(torn).resume()
     assert (end.contact_table["spring"] != 0).any()
     for name in ("packing.data", "setups.jsonl", "trajectory.lammpstrj", "series.csv"):
         assert (whole / name).read_bytes() == (torn / name).read_bytes(), name
@@ -116,11 +110,11 @@ def test_what_has_no_energy() -> None:
     with pressed(ROUGH) as sim:
         state = sim.relax(1e-3)
         for of_energy in (state.hessian, state.modes, state.elastic_moduli):
-            with pytest.raises(deformable.ParameterError, match=r"\Afriction has no energy"):
+            with pytest.raises(ld.ParameterError, match=r"\Afriction has no energy"):
                 of_energy()
-        motion = deformable.move(sim, 200, temperature=1e-6)
+        motion = ld.move(sim, 200, temperature=1e-6)
         next(motion)
-        with pytest.raises(deformable.ParameterError, match=r"\A[^\n]*has not ended"):
+        with pytest.raises(ld.ParameterError, match=r"\A[^\n]*has not ended"):
             sim.relax()
 
 
@@ -129,5 +123,5 @@ def test_a_modulus_with_friction() -> None:
         state = sim.relax(1e-8)
     with pressed(None) as sim:
         slips = sim.relax(1e-8)
-    stiffer = deformable.shear_modulus(state, 1e-5, tolerance=1e-7)
-    assert stiffer.value > deformable.shear_modulus(slips, 1e-5).value
+    stiffer = ld.shear_modulus(state, 1e-5, tolerance=1e-7)
+    assert stiffer.value > ld.shear_modulus(slips, 1e-5).value

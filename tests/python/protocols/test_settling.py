@@ -3,25 +3,25 @@
 import math
 from typing import Any
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
 
-DROPLETS = deformable.Ring(kA=math.inf, kP=0.0, tension=1.0)
+DROPLETS = ld.Ring(kA=math.inf, kP=0.0, tension=1.0)
 
 
-def simulation(mu: float | None, number: int = 16, seed: int = 1) -> deformable.Simulation:
+def simulation(mu: float | None, number: int = 16, seed: int = 1) -> ld.Simulation:
     """A loose packing whose contacts rub and damp, or slip if there is no mu."""
-    friction = None if mu is None else deformable.Friction(mu, 1.0, 0.5, damp=1.0)
-    loose = deformable.push_off(deformable.bidisperse(number, phi=0.65, seed=seed))
-    return deformable.Simulation(loose, DROPLETS, friction=friction)
+    friction = None if mu is None else ld.Friction(mu, 1.0, 0.5, damp=1.0)
+    loose = ld.push_off(ld.bidisperse(number, phi=0.65, seed=seed))
+    return ld.Simulation(loose, DROPLETS, friction=friction)
 
 
 @pytest.mark.parametrize("mu", [0.0, 0.3, math.inf])
 def test_every_particle_is_in_balance(mu: float) -> None:
     """Forces and torques of the contacts of each add up to nothing, within Coulomb's bound."""
     with simulation(mu) as sim:
-        state = deformable.settle(sim, 1e-3, inertial_number=0.02, tolerance=1e-5)
+        state = ld.settle(sim, 1e-3, inertial_number=0.02, tolerance=1e-5)
     packing, table = state.packing, state.contact_table
     normal, along, i = table["force"], table["friction"], table["i"]
     tension = normal.mean()
@@ -43,7 +43,7 @@ def test_contacts_at_the_onset() -> None:
     found = []
     for mu, forces in ((0.0, 1), (10.0, 2)):  # of a contact, and one equation more of a particle
         with simulation(mu, 32) as sim:
-            state = deformable.settle(sim, 1e-3, inertial_number=0.01, timestep=0.08)
+            state = ld.settle(sim, 1e-3, inertial_number=0.01, timestep=0.08)
         table = state.contact_table
         pairs = np.array([table["i"], table["j"]]).T[table["i"] < table["j"]]
         for _ in range(32):  # rattlers go
@@ -63,7 +63,7 @@ def test_contacts_at_the_onset() -> None:
 
 def test_contacts_that_slip_are_at_an_energy_minimum() -> None:
     with simulation(None) as sim:
-        state = deformable.settle(sim, 5e-3, inertial_number=0.02)
+        state = ld.settle(sim, 5e-3, inertial_number=0.02)
         relaxed = sim.relax(1e-8)
     assert not state.stalled
     assert relaxed.energy == pytest.approx(state.energy, rel=1e-4)
@@ -71,45 +71,42 @@ def test_contacts_that_slip_are_at_an_energy_minimum() -> None:
 
 
 RINGS = {
-    "conserved perimeter": deformable.Ring(),
-    "soft perimeter": deformable.Ring(kA=3.0, kP=0.5),
-    "radical": deformable.Ring(contact="radical"),
+    "conserved perimeter": ld.Ring(),
+    "soft perimeter": ld.Ring(kA=3.0, kP=0.5),
+    "radical": ld.Ring(contact="radical"),
     "droplets": DROPLETS,
 }
 
 
 @pytest.mark.parametrize("law", RINGS.values(), ids=RINGS.keys())
 @pytest.mark.parametrize("pressure", [1e-5, 1e-2])
-def test_the_time_step_knows_the_pressure(law: deformable.Ring, pressure: float) -> None:
+def test_the_time_step_knows_the_pressure(law: ld.Ring, pressure: float) -> None:
     """Particles without contacts, of any stiffness: the way to rest at the pressure is stable."""
-    loose = deformable.push_off(deformable.bidisperse(32, phi=0.7, seed=1))
-    with deformable.Simulation(loose, law) as sim:
+    loose = ld.push_off(ld.bidisperse(32, phi=0.7, seed=1))
+    with ld.Simulation(loose, law) as sim:
         assert not sim.state().contacts.any()
-        state = deformable.settle(sim, pressure, inertial_number=0.01)
-        with pytest.raises(deformable.ParameterError, match=r"timestep = 50 is too long [^\n]*"):
-            deformable.settle(sim, pressure, timestep=50.0)
+        state = ld.settle(sim, pressure, inertial_number=0.01)
+        with pytest.raises(ld.ParameterError, match=r"timestep = 50 is too long [^\n]*"):
+            ld.settle(sim, pressure, timestep=50.0)
         relaxed = sim.relax(1e-8)
     assert not state.stalled
     assert state.pressure == pytest.approx(pressure, rel=1e-4)
     assert relaxed.pressure == pytest.approx(pressure, rel=1e-2)
-    with deformable.Simulation(loose, law) as sim:
+    with ld.Simulation(loose, law) as sim:
         with pytest.raises(
-            deformable.ParameterError, match=r"\Atimestep = 1000 is too long [^\n]* at most"
+            ld.ParameterError, match=r"\Atimestep = 1000 is too long [^\n]* at most"
         ):
-            deformable.settle(sim, pressure, timestep=1e3)
+            ld.settle(sim, pressure, timestep=1e3)
         assert sim.time == 0.0
 
 
 def test_it_goes_on_at_other_pressures() -> None:
     """Along the same packing: springs of the contacts stay."""
     with simulation(0.3) as sim:
-        with pytest.warns(deformable.StalledWarning, match=r"\A[^\n]*come to rest[^\n]*call again"):
-            first = deformable.settle(sim, 1e-3, inertial_number=0.02, steps=10)
+        with pytest.warns(ld.StalledWarning, match=r"\A[^\n]*come to rest[^\n]*call again"):
+            first = ld.settle(sim, 1e-3, inertial_number=0.02, steps=10)
         assert first.stalled
-        states = [
-            deformable.settle(sim, pressure, inertial_number=0.02)
-            for pressure in (1e-3, 4e-3, 1e-3)
-        ]
+        states = [ld.settle(sim, pressure, inertial_number=0.02) for pressure in (1e-3, 4e-3, 1e-3)]
         low, high, again = states
         assert low.phi < high.phi
         assert again.phi == pytest.approx(low.phi, abs=0.2 * (high.phi - low.phi))
@@ -130,22 +127,22 @@ def test_it_goes_on_at_other_pressures() -> None:
 )
 def test_refused(values: dict[str, Any], message: str) -> None:
     with simulation(0.3) as sim:
-        with pytest.raises(deformable.ParameterError, match=message) as error:
-            deformable.settle(sim, **({"pressure": 1e-3} | values))
+        with pytest.raises(ld.ParameterError, match=message) as error:
+            ld.settle(sim, **({"pressure": 1e-3} | values))
         assert "\n" not in str(error.value)
         assert sim.time == 0.0
 
 
 def test_what_cannot_settle() -> None:
-    walled = deformable.bidisperse(8, phi=0.5, seed=1).between(deformable.rectangle(4, 4))
+    walled = ld.bidisperse(8, phi=0.5, seed=1).between(ld.rectangle(4, 4))
     with (
-        deformable.Simulation(deformable.push_off(walled), DROPLETS) as sim,
-        pytest.raises(deformable.ParameterError, match=r"\A[^\n]*walls do not follow[^\n]*plane"),
+        ld.Simulation(ld.push_off(walled), DROPLETS) as sim,
+        pytest.raises(ld.ParameterError, match=r"\A[^\n]*walls do not follow[^\n]*plane"),
     ):
-        deformable.settle(sim, 1e-3)
-    packing = deformable.push_off(deformable.bidisperse(8, phi=0.5, seed=1))
+        ld.settle(sim, 1e-3)
+    packing = ld.push_off(ld.bidisperse(8, phi=0.5, seed=1))
     with (
-        deformable.Simulation(packing, deformable.Sector()) as sim,
-        pytest.raises(deformable.ParameterError, match="Sector jumps"),
+        ld.Simulation(packing, ld.Sector()) as sim,
+        pytest.raises(ld.ParameterError, match="Sector jumps"),
     ):
-        deformable.settle(sim, 1e-3)
+        ld.settle(sim, 1e-3)

@@ -2,12 +2,12 @@
 
 from collections.abc import Callable
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
 from crystal import RADIUS, crystal
-from deformable import core
-from deformable.protocols.tilt import sheared, straighten
+from lammps_deformable import core
+from lammps_deformable.protocols.tilt import sheared, straighten
 
 
 def ring_energy(indentation: float, gamma: float, compression: float) -> float:
@@ -33,47 +33,47 @@ def test_moduli_of_the_crystal_of_rings() -> None:
     G = U''/V over the shear strain; with V' = -V, K = -V dp/dV = (U'' - U')/V over e, V = 1 - e.
     """
     indentation = 0.02
-    with deformable.Simulation(crystal(indentation), deformable.Ring()) as sim:
+    with ld.Simulation(crystal(indentation), ld.Ring()) as sim:
         state = sim.relax()
     cell = np.prod(state.packing.box.diagonal()) / len(state.packing)
     shear = second_derivative(lambda gamma: ring_energy(indentation, gamma, 0.0), 1e-4) / cell
     for pure in (False, True):
-        found = deformable.shear_modulus(state, 1e-4, pure=pure)
+        found = ld.shear_modulus(state, 1e-4, pure=pure)
         assert found.linear
         # central differences of strains up to 1e-4 over the indentation 0.02: (0.005)^2, a factor
         assert found.value == pytest.approx(shear, rel=2e-4)
     bulk = second_derivative(lambda e: ring_energy(indentation, 0.0, e), 1e-4) / cell
-    assert deformable.bulk_modulus(state, 1e-4).value == pytest.approx(bulk, rel=2e-4)
+    assert ld.bulk_modulus(state, 1e-4).value == pytest.approx(bulk, rel=2e-4)
 
 
 def test_moduli_of_the_crystal_of_disks() -> None:
     """Springs k on a triangular lattice: G = sqrt(3)/4 k, K = sqrt(3)/2 k, up to the prestress."""
     overlap = 1e-5
-    with deformable.Disks(crystal(overlap)) as sim:
+    with ld.Disks(crystal(overlap)) as sim:
         state = sim.relax()
     assert state.coordination == 6.0
-    bulk = deformable.bulk_modulus(state, 0.1 * overlap)
+    bulk = ld.bulk_modulus(state, 0.1 * overlap)
     for pure in (False, True):
-        shear = deformable.shear_modulus(state, 0.1 * overlap, pure=pure)
+        shear = ld.shear_modulus(state, 0.1 * overlap, pure=pure)
         assert (shear.linear, bulk.linear) == (True, True)
         assert shear.value == pytest.approx(np.sqrt(3.0) / 4.0, rel=10 * overlap)
     assert bulk.value == pytest.approx(np.sqrt(3.0) / 2.0, rel=10 * overlap)
 
 
-@pytest.mark.parametrize("law", [None, deformable.Ring()])
+@pytest.mark.parametrize("law", [None, ld.Ring()])
 @pytest.mark.parametrize("strain", [1e-5, 1e-7, 1e-8])
-def test_moduli_of_small_strains(law: deformable.Ring | None, strain: float) -> None:
+def test_moduli_of_small_strains(law: ld.Ring | None, strain: float) -> None:
     """Right within their errors at any strain: relaxed forces are balanced relative to it."""
-    jammed = deformable.jam(deformable.bidisperse(16, seed=2))
+    jammed = ld.jam(ld.bidisperse(16, seed=2))
     packing = jammed.at(jammed.phi + 0.04)
-    sim = deformable.Disks(packing) if law is None else deformable.Simulation(packing, law)
+    sim = ld.Disks(packing) if law is None else ld.Simulation(packing, law)
     with sim:
         state = sim.relax(1e-10 if law is None else 1e-6)
-    exact = (state if law is None else deformable.polish(state)).elastic_moduli()
+    exact = (state if law is None else ld.polish(state)).elastic_moduli()
     assert abs(exact.shear_modulus - exact.affine[0, 1, 0, 1]) > 0.1 * abs(exact.shear_modulus)
     for measure, modulus in (
-        (deformable.shear_modulus, exact.shear_modulus),
-        (deformable.bulk_modulus, exact.bulk_modulus),
+        (ld.shear_modulus, exact.shear_modulus),
+        (ld.bulk_modulus, exact.bulk_modulus),
     ):
         found = measure(state, strain)
         assert found.linear
@@ -88,36 +88,36 @@ def test_moduli_of_small_strains(law: deformable.Ring | None, strain: float) -> 
 def test_modulus_halves_a_strain_that_is_too_large() -> None:
     """Contacts of the crystal open at strains of about the overlap: beyond it is softer."""
     overlap = 1e-4
-    with deformable.Disks(crystal(overlap)) as sim:
+    with ld.Disks(crystal(overlap)) as sim:
         state = sim.relax()
-    found = deformable.shear_modulus(state, 8.0 * overlap)
+    found = ld.shear_modulus(state, 8.0 * overlap)
     assert found.linear
     assert found.strain < 2.0 * overlap
     assert found.value == pytest.approx(np.sqrt(3.0) / 4.0, rel=10 * overlap)
 
 
 @pytest.fixture(scope="module", params=["ring", "disk"])
-def sim(request: pytest.FixtureRequest) -> deformable.Simulation | deformable.Disks:
-    packing = deformable.jam(deformable.bidisperse(12, seed=2))
+def sim(request: pytest.FixtureRequest) -> ld.Simulation | ld.Disks:
+    packing = ld.jam(ld.bidisperse(12, seed=2))
     squeezed = packing.at(packing.phi + 0.03)
     if request.param == "disk":
-        return deformable.Disks(squeezed)
-    return deformable.Simulation(squeezed, deformable.Ring())
+        return ld.Disks(squeezed)
+    return ld.Simulation(squeezed, ld.Ring())
 
 
-def test_work_is_the_gain_of_energy(sim: deformable.Simulation | deformable.Disks) -> None:
+def test_work_is_the_gain_of_energy(sim: ld.Simulation | ld.Disks) -> None:
     """dU = V sigma dgamma, with the trapezium rule over a small step."""
     before = sim.relax(1e-9)
     area = np.prod(before.packing.box.diagonal())
-    (after,) = deformable.shear(sim, 1e-4, 1, tolerance=1e-9)
+    (after,) = ld.shear(sim, 1e-4, 1, tolerance=1e-9)
     stress = -(before.stress[0, 1] + after.stress[0, 1]) / 2.0
     # relative to the curvature of sigma: (1e-4 / 0.03)^2
     assert after.energy - before.energy == pytest.approx(area * stress * 1e-4, rel=1e-4)
 
 
-def test_shear_goes_on_in_an_equivalent_box(sim: deformable.Simulation | deformable.Disks) -> None:
+def test_shear_goes_on_in_an_equivalent_box(sim: ld.Simulation | ld.Disks) -> None:
     box = sim.box
-    states = list(deformable.shear(sim, 1.3, 13, tolerance=1e-3))
+    states = list(ld.shear(sim, 1.3, 13, tolerance=1e-3))
     assert all(not state.stalled for state in states)
     for n, state in enumerate(states, start=1):
         (lx, _), (xy, ly) = state.packing.box
@@ -127,7 +127,7 @@ def test_shear_goes_on_in_an_equivalent_box(sim: deformable.Simulation | deforma
         assert abs(xy) <= 0.5 * lx + 0.1 * ly
 
 
-def test_equivalent_box_changes_nothing(sim: deformable.Simulation | deformable.Disks) -> None:
+def test_equivalent_box_changes_nothing(sim: ld.Simulation | ld.Disks) -> None:
     (lx, _), (_, ly) = sim.box.tolist()
     sim.deform(np.array([[lx, 0.0], [0.8 * lx, ly]]))
     before = sim.state()
@@ -142,10 +142,8 @@ def test_equivalent_box_changes_nothing(sim: deformable.Simulation | deformable.
     ("strain", "steps", "message"),
     [(np.nan, 1, "strain must be a finite number, not nan"), (0.1, 0, "steps must be at least 1")],
 )
-def test_bad_input(
-    sim: deformable.Simulation | deformable.Disks, strain: float, steps: int, message: str
-) -> None:
-    with pytest.raises(deformable.ParameterError, match=message):
-        deformable.shear(sim, strain, steps)
-    with pytest.raises(deformable.ParameterError, match="strain must be a positive number, not 0"):
-        deformable.shear_modulus(sim.state(), 0.0)
+def test_bad_input(sim: ld.Simulation | ld.Disks, strain: float, steps: int, message: str) -> None:
+    with pytest.raises(ld.ParameterError, match=message):
+        ld.shear(sim, strain, steps)
+    with pytest.raises(ld.ParameterError, match="strain must be a positive number, not 0"):
+        ld.shear_modulus(sim.state(), 0.0)

@@ -2,11 +2,11 @@
 
 import math
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
-from deformable import Droplet, DropletState, Packing
-from deformable.protocols.tilt import sheared
+from lammps_deformable import Droplet, DropletState, Packing
+from lammps_deformable.protocols.tilt import sheared
 
 FRICTION = 1.5
 
@@ -17,10 +17,10 @@ def rest() -> DropletState:
 
     It is stable, whatever the droplets.
     """
-    fcc = deformable.cubic("fcc", 2, phi=0.8)
+    fcc = ld.cubic("fcc", 2, phi=0.8)
     own = fcc.radius * np.random.default_rng(1).uniform(0.9, 1.1, len(fcc))
     packing = Packing.from_arrays(fcc.positions, own, fcc.box, species=np.arange(32) % 2)
-    with deformable.Simulation(packing, Droplet([1.0, 1.6])) as sim:
+    with ld.Simulation(packing, Droplet([1.0, 1.6])) as sim:
         return sim.relax(1e-8)
 
 
@@ -28,7 +28,7 @@ def rest() -> DropletState:
 def leaning(rest: DropletState) -> DropletState:
     """In a box with three tilts, none of which an equivalent box lacks."""
     box = rest.packing.box @ np.array([[1.0, 0.0, 0.0], [0.05, 1.0, 0.0], [-0.03, 0.06, 1.0]])
-    with deformable.Simulation(rest, rest.law) as sim:
+    with ld.Simulation(rest, rest.law) as sim:
         sim.deform(box)
         return sim.relax(1e-8)
 
@@ -48,8 +48,8 @@ def parts(points: np.ndarray, box: np.ndarray) -> np.ndarray:
 def test_work_of_the_flow_is_stored_or_lost_to_friction(rest: DropletState) -> None:
     """dE/dt = V sigma rate - sum F^2/friction, by the trapezium rule between states."""
     rate = 0.02
-    with deformable.Simulation(rest, rest.law) as sim:
-        motion = deformable.shear(sim, 0.03, 60, rate=rate, friction=FRICTION)
+    with ld.Simulation(rest, rest.law) as sim:
+        motion = ld.shear(sim, 0.03, 60, rate=rate, friction=FRICTION)
         states = [sim.state(), *motion]
     times = np.array([state.time for state in states])
     assert np.diff(times) == pytest.approx(0.03 / 60 / rate)
@@ -68,8 +68,8 @@ def test_slow_flow_is_quasistatic(leaning: DropletState) -> None:
     rest, stress = leaning, []
     for rate in (0.0, 1e-5, 2e-5):
         given = {"rate": rate, "friction": FRICTION} if rate else {"tolerance": 1e-7}
-        with deformable.Simulation(rest, rest.law) as sim:
-            *_, state = deformable.shear(sim, 1e-3, 1, **given)
+        with ld.Simulation(rest, rest.law) as sim:
+            *_, state = ld.shear(sim, 1e-3, 1, **given)
         assert state.strain == pytest.approx(1e-3)
         stress.append(state.shear_stress - rest.shear_stress)
     still, slow, fast = stress
@@ -79,7 +79,7 @@ def test_slow_flow_is_quasistatic(leaning: DropletState) -> None:
 
 def gas(side: int, lean: bool = True) -> Packing:
     """Droplets that never touch."""
-    lattice = deformable.cubic("sc", side, radius=1.0).at(0.01)
+    lattice = ld.cubic("sc", side, radius=1.0).at(0.01)
     if not lean:
         return lattice
     box = lattice.box @ np.array([[1.0, 0.0, 0.0], [0.4, 1.0, 0.0], [0.3, 1.4, 1.0]])
@@ -96,18 +96,18 @@ def test_free_droplets_follow_the_flow(lean: bool, strain: float) -> None:
     mean = sheared(packing.positions, strain)
     box = sheared(packing.box, strain)
     ends = {}
-    with deformable.Simulation(packing, Droplet()) as sim:
-        (ends["rate"],) = deformable.shear(
+    with ld.Simulation(packing, Droplet()) as sim:
+        (ends["rate"],) = ld.shear(
             sim, strain, 1, rate=1.0, friction=1.0, timestep=0.01 if abs(strain) < 1 else None
         )
-    with deformable.Simulation(packing, Droplet()) as sim:
-        *_, ends["still"] = deformable.shear(sim, strain, 3)
+    with ld.Simulation(packing, Droplet()) as sim:
+        *_, ends["still"] = ld.shear(sim, strain, 3)
         # the tilts before the last step were half of the sides at most
         tilts = np.abs(sim.box[[1, 2, 2], [0, 0, 1]]) / sim.box[0, 0]
         assert (tilts <= 0.501 + np.abs(strain) / 3 * np.array([1.0, 0.5, 0.0])).all()
     if lean and strain > 0:
-        with deformable.Simulation(packing, Droplet()) as sim:
-            cycle = deformable.oscillate(sim, strain, 100.0, friction=1.0, steps=8)
+        with ld.Simulation(packing, Droplet()) as sim:
+            cycle = ld.oscillate(sim, strain, 100.0, friction=1.0, steps=8)
             _, ends["quarter"], *_, back = cycle
         assert parts(back.packing.positions - packing.positions, packing.box) == pytest.approx(
             np.zeros_like(mean), abs=1e-9
@@ -125,8 +125,8 @@ def test_free_droplets_follow_the_flow(lean: bool, strain: float) -> None:
 def test_free_droplets_diffuse_in_the_flow() -> None:
     """<y^2> = <z^2> = 2 D t, <x^2> = 2 D t (1 + gamma^2/3), <x y> = D gamma t."""
     packing, temperature, strain = gas(6), 1e-4, 1.0
-    with deformable.Simulation(packing, Droplet()) as sim:
-        (state,) = deformable.shear(
+    with ld.Simulation(packing, Droplet()) as sim:
+        (state,) = ld.shear(
             sim, strain, 1, rate=1e-2, friction=2.0, temperature=temperature, timestep=0.1, seed=1
         )
     assert not state.contacts.any()
@@ -158,7 +158,7 @@ def test_dynamic_modulus(leaning: DropletState) -> None:
     """Against linear response with a drag, where both parts count."""
     rest, period = leaning, 20.0
     expected = linear_modulus(rest, 2.0 * math.pi / period)
-    found = deformable.dynamic_modulus(
+    found = ld.dynamic_modulus(
         rest, 1e-5, period, cycles=2, discarded=1, steps=8, friction=FRICTION
     )
     assert found.storage == pytest.approx(expected.real, rel=5e-3)
@@ -175,8 +175,8 @@ def test_creep_ends_where_shear_has_the_stress(rest: DropletState, viscosity: fl
     stress = rest.shear_stress + 1e-3 * modulus
     usual = FRICTION / (2.0 * rest.packing.radius.mean())
     time = 12.0 * (viscosity or usual) / modulus  # a solid alone takes viscosity/modulus
-    with deformable.Simulation(rest, rest.law) as sim:
-        motion = deformable.creep(sim, stress, time, 120, friction=FRICTION, viscosity=viscosity)
+    with ld.Simulation(rest, rest.law) as sim:
+        motion = ld.creep(sim, stress, time, 120, friction=FRICTION, viscosity=viscosity)
         states = [sim.state(), *motion]
     last = states[-1]
     assert last.time == pytest.approx(time)
@@ -190,24 +190,24 @@ def test_creep_ends_where_shear_has_the_stress(rest: DropletState, viscosity: fl
 
 def test_refusals(rest: DropletState, leaning: DropletState) -> None:
     """In one line, with a way out."""
-    with deformable.Simulation(leaning, leaning.law) as sim:
-        with pytest.raises(deformable.ParameterError, match=r"leans along y.*shear it at a rate"):
-            deformable.creep(sim, 1e-3, 1.0, friction=1.0)
-        with pytest.raises(deformable.ParameterError, match=r"timestep = 50 .* take at most"):
-            list(deformable.shear(sim, 0.1, 1, rate=1e-4, friction=1.0, timestep=50.0))
-        with pytest.raises(deformable.ParameterError, match=r"settle is for .* the plane.*relax"):
-            deformable.settle(sim, 1e-3)
-    with pytest.raises(deformable.ParameterError, match=r"polish is for .* tolerance"):
-        deformable.polish(rest)
+    with ld.Simulation(leaning, leaning.law) as sim:
+        with pytest.raises(ld.ParameterError, match=r"leans along y.*shear it at a rate"):
+            ld.creep(sim, 1e-3, 1.0, friction=1.0)
+        with pytest.raises(ld.ParameterError, match=r"timestep = 50 .* take at most"):
+            list(ld.shear(sim, 0.1, 1, rate=1e-4, friction=1.0, timestep=50.0))
+        with pytest.raises(ld.ParameterError, match=r"settle is for .* the plane.*relax"):
+            ld.settle(sim, 1e-3)
+    with pytest.raises(ld.ParameterError, match=r"polish is for .* tolerance"):
+        ld.polish(rest)
     with (
-        deformable.Spheres(rest.packing) as spheres,
-        pytest.raises(deformable.ParameterError, match="Spheres are sheared without a rate only"),
+        ld.Spheres(rest.packing) as spheres,
+        pytest.raises(ld.ParameterError, match="Spheres are sheared without a rate only"),
     ):
-        deformable.shear(spheres, 0.1, 1, rate=1.0, friction=1.0)
-    walls = deformable.cuboid(8.0, 8.0, 8.0)
-    inside = deformable.push_off(deformable.bidisperse(4, dimension=3, seed=1).between(walls))
+        ld.shear(spheres, 0.1, 1, rate=1.0, friction=1.0)
+    walls = ld.cuboid(8.0, 8.0, 8.0)
+    inside = ld.push_off(ld.bidisperse(4, dimension=3, seed=1).between(walls))
     with (
-        deformable.Simulation(inside, Droplet()) as sim,
-        pytest.raises(deformable.ParameterError, match="walls are not sheared"),
+        ld.Simulation(inside, Droplet()) as sim,
+        pytest.raises(ld.ParameterError, match="walls are not sheared"),
     ):
-        deformable.shear(sim, 0.1, 1, rate=1e-3, friction=1.0)
+        ld.shear(sim, 0.1, 1, rate=1e-3, friction=1.0)

@@ -1,25 +1,25 @@
 """Motion of droplets in three dimensions, and the time steps that their contacts allow."""
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
-from deformable import Droplet, DropletState, Packing
-from deformable.engine.lammps import gather, place_particles, run
-from deformable.model.timestep import longest_overdamped_step, longest_step
+from lammps_deformable import Droplet, DropletState, Packing
+from lammps_deformable.engine.lammps import gather, place_particles, run
+from lammps_deformable.model.timestep import longest_overdamped_step, longest_step
 
 
 @pytest.fixture(scope="module")
 def jammed() -> Packing:
-    start = deformable.bidisperse(32, radii=(1.0, 1.2), dimension=3, seed=1)
-    return deformable.jam(start, tolerance=1e-2)
+    start = ld.bidisperse(32, radii=(1.0, 1.2), dimension=3, seed=1)
+    return ld.jam(start, tolerance=1e-2)
 
 
 @pytest.fixture(scope="module")
 def loose() -> Packing:
-    return deformable.push_off(deformable.bidisperse(32, phi=0.3, dimension=3, seed=3))
+    return ld.push_off(ld.bidisperse(32, phi=0.3, dimension=3, seed=3))
 
 
-def stiffest(sim: deformable.DropletSimulation, state: DropletState) -> float:
+def stiffest(sim: ld.DropletSimulation, state: DropletState) -> float:
     """The largest eigenvalue of the Hessian, by the power method on differences of forces."""
     x, small = state.packing.positions, 1e-5
     v = np.random.default_rng(1).normal(size=x.shape)
@@ -45,8 +45,8 @@ def stiffest(sim: deformable.DropletSimulation, state: DropletState) -> float:
 )
 def test_longest_steps_are_stable_and_not_by_far(jammed: Packing, kind: str, phi: float) -> None:
     """Verlet up to 2/omega, Euler up to 2 friction/omega^2, of the stiffest mode."""
-    packing = jammed if kind == "random" else deformable.cubic(kind, 2, radius=1.0)
-    with deformable.Simulation(packing.at(phi), Droplet(2.0)) as sim:
+    packing = jammed if kind == "random" else ld.cubic(kind, 2, radius=1.0)
+    with ld.Simulation(packing.at(phi), Droplet(2.0)) as sim:
         state = sim.relax(1e-4)
         largest = stiffest(sim, state)
     assert 0.5 < longest_step(*state.step_limits()) / (2.0 / np.sqrt(largest)) < 1.0
@@ -57,9 +57,9 @@ def test_longest_steps_are_stable_and_not_by_far(jammed: Packing, kind: str, phi
 def test_energy_error_falls_with_the_square_of_the_time_step(jammed: Packing) -> None:
     errors, steps = [], np.array([0.1, 0.05, 0.025])
     for step in steps:
-        with deformable.Simulation(jammed.at(0.7), Droplet()) as sim:
+        with ld.Simulation(jammed.at(0.7), Droplet()) as sim:
             sim.relax(1e-6)
-            motion = deformable.move(
+            motion = ld.move(
                 sim, round(8 / step), float(step), 1e-4, every=round(0.4 / step), seed=1
             )
             states = list(motion)
@@ -74,8 +74,8 @@ def test_energy_error_falls_with_the_square_of_the_time_step(jammed: Packing) ->
 
 def test_temperature_has_three_dimensions(loose: Packing) -> None:
     """Initial velocities have the temperature that is asked for, without a drift."""
-    with deformable.Simulation(loose, Droplet()) as sim:
-        motion = deformable.move(sim, 1, 1e-6, temperature=1e-3, every=1, seed=2)
+    with ld.Simulation(loose, Droplet()) as sim:
+        motion = ld.move(sim, 1, 1e-6, temperature=1e-3, every=1, seed=2)
         start = motion.start()
         assert start.temperature == pytest.approx(1e-3, rel=1e-6)
         assert start.velocities.shape == (32, 3)
@@ -84,10 +84,8 @@ def test_temperature_has_three_dimensions(loose: Packing) -> None:
 def test_a_heat_bath_has_its_temperature(loose: Packing) -> None:
     """Sum of v^2/2 over 32 droplets is gamma-distributed, and 60 states are about independent."""
     temperature, number = 1e-3, 60
-    with deformable.Simulation(loose, Droplet()) as sim:
-        states = deformable.move(
-            sim, 20 * number, temperature=temperature, friction=0.5, every=20, seed=1
-        )
+    with ld.Simulation(loose, Droplet()) as sim:
+        states = ld.move(sim, 20 * number, temperature=temperature, friction=0.5, every=20, seed=1)
         kinetic = [state.kinetic_energy for state in states]
     expected = 1.5 * 32 * temperature
     error = expected / np.sqrt(1.5 * 32) / np.sqrt(number / 4.0)  # correlated
@@ -96,11 +94,9 @@ def test_a_heat_bath_has_its_temperature(loose: Packing) -> None:
 
 def test_free_droplets_diffuse_in_three_dimensions() -> None:
     """<r^2> = 6 (T/friction) t of droplets that do not touch."""
-    gas = deformable.cubic("sc", 6, radius=1.0).at(0.01)
-    with deformable.Simulation(gas, Droplet()) as sim:
-        motion = deformable.move(
-            sim, 100, temperature=1e-3, friction=2.0, inertia=False, every=50, seed=1
-        )
+    gas = ld.cubic("sc", 6, radius=1.0).at(0.01)
+    with ld.Simulation(gas, Droplet()) as sim:
+        motion = ld.move(sim, 100, temperature=1e-3, friction=2.0, inertia=False, every=50, seed=1)
         first = motion.start()
         *_, last = motion
     assert not last.velocities.any()
@@ -115,9 +111,9 @@ def test_free_droplets_diffuse_in_three_dimensions() -> None:
 
 
 def test_damped_motion_comes_to_rest(jammed: Packing) -> None:
-    squeezed = deformable.push_off(jammed.at(0.7))
-    with deformable.Simulation(squeezed, Droplet()) as sim:
-        states = list(deformable.move(sim, 400, friction=0.5, every=50))
+    squeezed = ld.push_off(jammed.at(0.7))
+    with ld.Simulation(squeezed, Droplet()) as sim:
+        states = list(ld.move(sim, 400, friction=0.5, every=50))
         total = np.array([state.energy + state.kinetic_energy for state in states])
         assert (np.diff(total) < 1e-9 * total[0]).all()
         assert states[-1].residual < 0.1 * states[0].residual
@@ -126,12 +122,12 @@ def test_damped_motion_comes_to_rest(jammed: Packing) -> None:
 
 def test_motion_goes_on_where_it_was(loose: Packing) -> None:
     """Also from a state, and after a relaxation, whose time step is another one."""
-    with deformable.Simulation(loose, Droplet()) as sim:
-        (whole,) = deformable.move(sim, 100, 0.05, 1e-3, every=100, seed=1)
-    with deformable.Simulation(loose, Droplet()) as sim:
-        (half,) = deformable.move(sim, 50, 0.05, 1e-3, every=50, seed=1)
-    with deformable.Simulation(half, Droplet()) as sim:
-        (other,) = deformable.move(sim, 50, 0.05, every=50)
+    with ld.Simulation(loose, Droplet()) as sim:
+        (whole,) = ld.move(sim, 100, 0.05, 1e-3, every=100, seed=1)
+    with ld.Simulation(loose, Droplet()) as sim:
+        (half,) = ld.move(sim, 50, 0.05, 1e-3, every=50, seed=1)
+    with ld.Simulation(half, Droplet()) as sim:
+        (other,) = ld.move(sim, 50, 0.05, every=50)
         assert not sim.relax(1e-2, 1e-3).velocities.any()
     assert other.time == pytest.approx(5.0)
     assert np.abs(other.packing.positions - whole.packing.positions).max() < 1e-7
@@ -140,11 +136,11 @@ def test_motion_goes_on_where_it_was(loose: Packing) -> None:
 
 def test_a_tolerance_of_the_balance(jammed: Packing) -> None:
     """It is that of steps, and ends with the motion."""
-    with deformable.Simulation(jammed.at(0.66), Droplet()) as sim:
+    with ld.Simulation(jammed.at(0.66), Droplet()) as sim:
         ends = []
         for tolerance in (None, 1e-3):
             sim.restart(jammed.at(0.66))
-            (last,) = deformable.move(sim, 20, 0.05, 1e-2, seed=1, tolerance=tolerance)
+            (last,) = ld.move(sim, 20, 0.05, 1e-2, seed=1, tolerance=tolerance)
             ends.append(last.packing.positions)
         difference = np.abs(ends[1] - ends[0]).max()
         assert 0.0 < difference < 1e-3
@@ -164,7 +160,7 @@ def test_a_tolerance_of_the_balance(jammed: Packing) -> None:
 )
 def test_refusals(loose: Packing, values: dict[str, object], message: str) -> None:
     with (
-        deformable.Simulation(loose, Droplet()) as sim,
-        pytest.raises(deformable.ParameterError, match=message),
+        ld.Simulation(loose, Droplet()) as sim,
+        pytest.raises(ld.ParameterError, match=message),
     ):
-        next(deformable.move(sim, **{"steps": 100, "temperature": 1e-5} | values))
+        next(ld.move(sim, **{"steps": 100, "temperature": 1e-5} | values))

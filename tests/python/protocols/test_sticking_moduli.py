@@ -3,10 +3,10 @@
 import math
 from collections.abc import Callable
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
-from deformable.protocols.tilt import sheared
+from lammps_deformable.protocols.tilt import sheared
 from mpi4py import MPI
 from numpy.typing import NDArray
 
@@ -14,11 +14,11 @@ Box = NDArray[np.float64]
 
 
 @pytest.fixture(scope="module")
-def expanded() -> deformable.State:
+def expanded() -> ld.State:
     """A jammed packing that sticks, expanded until films hold droplets beyond their touch."""
-    law = deformable.Ring(kA=math.inf, kP=0.0, tension=1.0, contact="curved", adhesion=0.1)
-    jammed = deformable.jam(deformable.bidisperse(12, seed=1))
-    with deformable.Simulation(jammed, law, MPI.COMM_SELF) as sim:
+    law = ld.Ring(kA=math.inf, kP=0.0, tension=1.0, contact="curved", adhesion=0.1)
+    jammed = ld.jam(ld.bidisperse(12, seed=1))
+    with ld.Simulation(jammed, law, MPI.COMM_SELF) as sim:
         phi = sim.relax().packing.phi
         sim.deform(sim.box * math.sqrt(phi / 0.75))
         state = sim.relax(1e-8)
@@ -39,14 +39,14 @@ def compressed(box: Box, compression: float) -> Box:
 @pytest.mark.parametrize(
     ("modulus", "settings", "deformed"),
     [
-        (deformable.shear_modulus, {}, sheared),
-        (deformable.shear_modulus, {"pure": True}, stretched),
-        (deformable.bulk_modulus, {}, compressed),
+        (ld.shear_modulus, {}, sheared),
+        (ld.shear_modulus, {"pure": True}, stretched),
+        (ld.bulk_modulus, {}, compressed),
     ],
 )
 def test_modulus_is_the_second_derivative_of_the_energy(
-    expanded: deformable.State,
-    modulus: Callable[..., deformable.Modulus],
+    expanded: ld.State,
+    modulus: Callable[..., ld.Modulus],
     settings: dict[str, bool],
     deformed: Callable[[Box, float], Box],
 ) -> None:
@@ -55,7 +55,7 @@ def test_modulus_is_the_second_derivative_of_the_energy(
     assert found.linear
     energies = []
     for strain in (-found.strain, found.strain):
-        with deformable.Simulation(expanded, expanded.law, MPI.COMM_SELF) as sim:
+        with ld.Simulation(expanded, expanded.law, MPI.COMM_SELF) as sim:
             sim.deform(deformed(sim.box, strain))
             state = sim.relax(1e-8)
         assert state.films is not None

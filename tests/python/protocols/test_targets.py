@@ -3,54 +3,52 @@
 import math
 from typing import Any
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-DROPLETS = deformable.Ring(kA=math.inf, kP=0.0, tension=1.0)
-KINDS = {"ring": deformable.Ring(), "droplets": DROPLETS, "disks": None}
+DROPLETS = ld.Ring(kA=math.inf, kP=0.0, tension=1.0)
+KINDS = {"ring": ld.Ring(), "droplets": DROPLETS, "disks": None}
 every_kind = pytest.mark.parametrize("law", KINDS.values(), ids=KINDS)
 
 
-def simulation(start: deformable.Packing, law: deformable.Ring | None) -> Any:
-    return deformable.Disks(start) if law is None else deformable.Simulation(start, law)
+def simulation(start: ld.Packing, law: ld.Ring | None) -> Any:
+    return ld.Disks(start) if law is None else ld.Simulation(start, law)
 
 
 @every_kind
-def test_steps_of_phi_are_equal(jammed: deformable.Packing, law: deformable.Ring | None) -> None:
+def test_steps_of_phi_are_equal(jammed: ld.Packing, law: ld.Ring | None) -> None:
     with simulation(jammed, law) as sim:
         start = sim.relax().phi
-        up = list(deformable.compress(sim, phi=0.87, steps=3))
-        down = list(deformable.compress(sim, phi=0.86, steps=2))
+        up = list(ld.compress(sim, phi=0.87, steps=3))
+        down = list(ld.compress(sim, phi=0.86, steps=2))
     expected = [*np.linspace(start, 0.87, 4)[1:], 0.865, 0.86]
     assert [state.phi for state in up + down] == pytest.approx(expected, rel=1e-9)
     assert all(state.residual <= 1e-6 and not state.stalled for state in up + down)
 
 
 @every_kind
-def test_steps_of_pressure_are_equal(
-    jammed: deformable.Packing, law: deformable.Ring | None
-) -> None:
+def test_steps_of_pressure_are_equal(jammed: ld.Packing, law: ld.Ring | None) -> None:
     with simulation(jammed, law) as sim:
         start = sim.relax().pressure
-        up = list(deformable.compress(sim, pressure=1e-3, steps=3))
-        down = list(deformable.compress(sim, pressure=1e-4, steps=2))
+        up = list(ld.compress(sim, pressure=1e-3, steps=3))
+        down = list(ld.compress(sim, pressure=1e-4, steps=2))
     expected = [*np.linspace(start, 1e-3, 4)[1:], 5.5e-4, 1e-4]
     # the first step down starts where the last one up has ended
     assert [state.pressure for state in up + down] == pytest.approx(expected, rel=2e-6)
     assert all(state.residual <= 1e-6 and not state.stalled for state in up + down)
 
 
-def test_a_root_found_by_hand_is_the_same(jammed: deformable.Packing) -> None:
+def test_a_root_found_by_hand_is_the_same(jammed: ld.Packing) -> None:
     """From a packing that has the pressure but for 1 %, so that nothing rearranges."""
-    law, pressure = deformable.Ring(), 2e-3
-    with deformable.Simulation(jammed, law) as sim:
+    law, pressure = ld.Ring(), 2e-3
+    with ld.Simulation(jammed, law) as sim:
         near = sim.relax(pressure=0.99 * pressure).packing
-        (found,) = deformable.compress(sim, pressure=pressure, steps=1, tolerance=1e-8)
+        (found,) = ld.compress(sim, pressure=pressure, steps=1, tolerance=1e-8)
 
     def missing(scale: float) -> float:
-        with deformable.Simulation(near, law) as sim:
+        with ld.Simulation(near, law) as sim:
             sim.deform(near.box * scale)
             return sim.relax(1e-8).pressure / pressure - 1.0
 
@@ -61,29 +59,29 @@ def test_a_root_found_by_hand_is_the_same(jammed: deformable.Packing) -> None:
 
 @every_kind
 def test_a_loose_packing_is_compressed_until_it_has_a_pressure(
-    law: deformable.Ring | None,
+    law: ld.Ring | None,
 ) -> None:
-    loose = deformable.push_off(deformable.bidisperse(32, phi=0.7, seed=2))
+    loose = ld.push_off(ld.bidisperse(32, phi=0.7, seed=2))
     with simulation(loose, law) as sim:
-        states = list(deformable.compress(sim, pressure=2e-3, steps=2))
+        states = list(ld.compress(sim, pressure=2e-3, steps=2))
     assert [state.pressure for state in states] == pytest.approx([1e-3, 2e-3], rel=1e-6)
 
 
 def test_polygons_have_a_target_phi() -> None:
-    model = deformable.PolygonModel(40, 0.025, kL=240.0, kr=10.0, smooth=True)
-    few = deformable.jam(deformable.bidisperse(8, seed=1))
-    with deformable.PolygonSimulation(few, model) as polygons:
-        (state,) = deformable.compress(polygons, phi=0.88, steps=1)
+    model = ld.PolygonModel(40, 0.025, kL=240.0, kr=10.0, smooth=True)
+    few = ld.jam(ld.bidisperse(8, seed=1))
+    with ld.PolygonSimulation(few, model) as polygons:
+        (state,) = ld.compress(polygons, phi=0.88, steps=1)
         assert state.phi == pytest.approx(0.88, rel=1e-9)
-        with pytest.raises(deformable.ParameterError, match="polygons have no target pressure"):
-            deformable.compress(polygons, pressure=1e-3)
+        with pytest.raises(ld.ParameterError, match="polygons have no target pressure"):
+            ld.compress(polygons, pressure=1e-3)
 
 
-def test_an_expansion_that_comes_apart_says_so_once(jammed: deformable.Packing) -> None:
-    with deformable.Simulation(jammed, deformable.Ring()) as sim:
+def test_an_expansion_that_comes_apart_says_so_once(jammed: ld.Packing) -> None:
+    with ld.Simulation(jammed, ld.Ring()) as sim:
         sim.relax(pressure=1e-4)
-        with pytest.warns(deformable.UnjammedWarning, match=r"apart at step \d, phi") as told:
-            states = list(deformable.compress(sim, phi=0.79, steps=4))
+        with pytest.warns(ld.UnjammedWarning, match=r"apart at step \d, phi") as told:
+            states = list(ld.compress(sim, phi=0.79, steps=4))
     assert len(told) == 1
     assert states[-1].coordination == 0.0
 
@@ -105,26 +103,26 @@ def test_an_expansion_that_comes_apart_says_so_once(jammed: deformable.Packing) 
     ],
 )
 def test_nonsense_is_refused_at_once(
-    jammed: deformable.Packing, given: dict[str, Any], message: str
+    jammed: ld.Packing, given: dict[str, Any], message: str
 ) -> None:
     with (
-        deformable.Simulation(jammed, deformable.Ring()) as sim,
-        pytest.raises(deformable.ParameterError, match=message),
+        ld.Simulation(jammed, ld.Ring()) as sim,
+        pytest.raises(ld.ParameterError, match=message),
     ):
-        deformable.compress(sim, **given)
+        ld.compress(sim, **given)
 
 
 @every_kind
 @pytest.mark.parametrize("name", ["phi", "pressure"])
 def test_a_target_is_reached_once_and_kept(
-    jammed: deformable.Packing, law: deformable.Ring | None, name: str
+    jammed: ld.Packing, law: ld.Ring | None, name: str
 ) -> None:
     """A second call, and a third in steps, leave the packing as it is."""
     target = {"phi": 0.87, "pressure": 1e-3}[name]
     with simulation(jammed, law) as sim:
-        (once,) = deformable.compress(sim, steps=1, **{name: target})
-        again = list(deformable.compress(sim, steps=1, **{name: target}))
-        again += deformable.compress(sim, steps=3, **{name: getattr(again[0], name)})
+        (once,) = ld.compress(sim, steps=1, **{name: target})
+        again = list(ld.compress(sim, steps=1, **{name: target}))
+        again += ld.compress(sim, steps=3, **{name: getattr(again[0], name)})
     assert len(again) == 4
     for state in again:
         assert getattr(state, name) == pytest.approx(target, rel=2e-6)
@@ -133,25 +131,25 @@ def test_a_target_is_reached_once_and_kept(
 
 
 @pytest.mark.filterwarnings("ignore")
-def test_a_phi_beyond_the_law_is_told_with_what_was_reached(jammed: deformable.Packing) -> None:
-    with deformable.Simulation(jammed, DROPLETS) as sim:
+def test_a_phi_beyond_the_law_is_told_with_what_was_reached(jammed: ld.Packing) -> None:
+    with ld.Simulation(jammed, DROPLETS) as sim:
         told = r"phi = 0.9999999 was not reached, but 0\.9\d+ at phi = 0\.9\d+: LAMMPS: "
-        with pytest.raises(deformable.ParameterError, match=told):
-            list(deformable.compress(sim, phi=0.9999999, steps=1, tolerance=1e-3))
+        with pytest.raises(ld.ParameterError, match=told):
+            list(ld.compress(sim, phi=0.9999999, steps=1, tolerance=1e-3))
 
 
 @pytest.mark.filterwarnings("ignore")
-def test_a_pressure_beyond_the_law_is_told_as_it_was_given(jammed: deformable.Packing) -> None:
-    with deformable.Simulation(jammed, DROPLETS) as sim:
+def test_a_pressure_beyond_the_law_is_told_as_it_was_given(jammed: ld.Packing) -> None:
+    with ld.Simulation(jammed, DROPLETS) as sim:
         told = r"^pressure = 60 was not reached: in step 1 of 2, pressure = 30\.\d+ was not reached"
-        with pytest.raises(deformable.ParameterError, match=told):
-            list(deformable.compress(sim, pressure=60.0, steps=2, tolerance=1e-3))
+        with pytest.raises(ld.ParameterError, match=told):
+            list(ld.compress(sim, pressure=60.0, steps=2, tolerance=1e-3))
 
 
-@pytest.mark.filterwarnings("ignore::deformable.StalledWarning")
+@pytest.mark.filterwarnings("ignore::ld.StalledWarning")
 def test_sectors_that_conserve_their_area_have_a_target_phi() -> None:
     """Their relaxations stall, but that phi is the one of undeformed disks."""
-    few = deformable.jam(deformable.bidisperse(8, seed=1))
-    with deformable.Simulation(few, deformable.Sector(kP=1.0)) as sim:
-        (state,) = deformable.compress(sim, phi=few.phi + 0.005, steps=1)
+    few = ld.jam(ld.bidisperse(8, seed=1))
+    with ld.Simulation(few, ld.Sector(kP=1.0)) as sim:
+        (state,) = ld.compress(sim, phi=few.phi + 0.005, steps=1)
     assert state.phi == pytest.approx(few.phi + 0.005, rel=1e-9)

@@ -6,14 +6,14 @@ import re
 from html.parser import HTMLParser
 
 import pytest
-from deformable import FileError, ParameterError, PolygonModel
-from deformable.report import results, writing
-from deformable.report.page import page
-from deformable.report.plan import Plan
-from deformable.report.writing import write_report
-from deformable.studies import section as numbers
-from deformable.studies.accuracy.compressions import standard_polygons
-from deformable.studies.section import Column, Picture, Section, Table
+from lammps_deformable import FileError, ParameterError, PolygonModel
+from lammps_deformable.report import results, writing
+from lammps_deformable.report.page import page
+from lammps_deformable.report.plan import Plan
+from lammps_deformable.report.writing import write_report
+from lammps_deformable.studies import section as numbers
+from lammps_deformable.studies.accuracy.compressions import standard_polygons
+from lammps_deformable.studies.section import Column, Picture, Section, Table
 
 MODELS = [standard_polygons(40, smooth=kind) for kind in (True, False)]
 SMALLEST = Plan(

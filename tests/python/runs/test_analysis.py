@@ -4,7 +4,7 @@ import shutil
 from pathlib import Path
 from xml.etree import ElementTree
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
 
@@ -14,19 +14,19 @@ pytest.importorskip("MDAnalysis")
 @pytest.fixture(scope="module", params=[0.0, 0.3])
 def run(
     request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
-) -> tuple[Path, list[deformable.State]]:
+) -> tuple[Path, list[ld.State]]:
     """A recorded motion, with the state before its first step."""
     folder = tmp_path_factory.mktemp("run")
-    fluid = deformable.push_off(deformable.bidisperse(16, phi=0.7, tilt=request.param, seed=2))
-    with deformable.Simulation(fluid, deformable.Ring()) as sim:
-        motion = deformable.move(sim, 60, temperature=1e-5, every=20, seed=1)
-        states = list(deformable.record(motion, folder))
-        return folder, [deformable.Run(folder)[0], *states]
+    fluid = ld.push_off(ld.bidisperse(16, phi=0.7, tilt=request.param, seed=2))
+    with ld.Simulation(fluid, ld.Ring()) as sim:
+        motion = ld.move(sim, 60, temperature=1e-5, every=20, seed=1)
+        states = list(ld.record(motion, folder))
+        return folder, [ld.Run(folder)[0], *states]
 
 
-def test_universe_of_a_run(run: tuple[Path, list[deformable.State]]) -> None:
+def test_universe_of_a_run(run: tuple[Path, list[ld.State]]) -> None:
     folder, states = run
-    universe = deformable.Run(folder).universe()
+    universe = ld.Run(folder).universe()
     assert len(universe.trajectory) == len(states) == 4
     assert np.array_equal(universe.atoms.radii, states[0].packing.radius)
     for frame, state in zip(universe.trajectory, states, strict=True):
@@ -41,13 +41,13 @@ def test_universe_of_a_run(run: tuple[Path, list[deformable.State]]) -> None:
     assert np.array_equal(universe.atoms.ids, one.atoms.ids)
 
 
-def test_mean_square_displacement(run: tuple[Path, list[deformable.State]]) -> None:
+def test_mean_square_displacement(run: tuple[Path, list[ld.State]]) -> None:
     """The analyses of MDAnalysis get the times of the motion."""
     from MDAnalysis.analysis.msd import EinsteinMSD
     from MDAnalysis.transformations import NoJump
 
     folder, states = run
-    universe = deformable.Run(folder).universe()
+    universe = ld.Run(folder).universe()
     universe.trajectory.add_transformations(NoJump())
     found = EinsteinMSD(universe, msd_type="xy", fft=False).run().results
     first, last = states[0], states[-1]
@@ -57,29 +57,29 @@ def test_mean_square_displacement(run: tuple[Path, list[deformable.State]]) -> N
     assert found.timeseries[-1] == pytest.approx(np.mean(np.sum(moved**2, axis=1)), rel=1e-3)
 
 
-def test_frames_without_a_clock_are_counted(state: deformable.State, tmp_path: Path) -> None:
-    list(deformable.record([state, state], tmp_path))
-    universe = deformable.Run(str(tmp_path)).universe()
+def test_frames_without_a_clock_are_counted(state: ld.State, tmp_path: Path) -> None:
+    list(ld.record([state, state], tmp_path))
+    universe = ld.Run(str(tmp_path)).universe()
     assert [frame.time for frame in universe.trajectory] == [0.0, 1.0]
 
 
 def test_frames_that_are_not_complete_are_left_out(
-    run: tuple[Path, list[deformable.State]], tmp_path: Path
+    run: tuple[Path, list[ld.State]], tmp_path: Path
 ) -> None:
     """A run may be read while it goes on, or after it was killed."""
     shutil.copytree(run[0], tmp_path, dirs_exist_ok=True)
     text = (tmp_path / "trajectory.lammpstrj").read_text()
     (tmp_path / "trajectory.lammpstrj").write_text(text + text[: len(text) // 4])
-    universe = deformable.Run(tmp_path).universe()
+    universe = ld.Run(tmp_path).universe()
     for each in (universe, universe.copy()):
         assert len(each.trajectory) == 4
         assert len([frame.frame for frame in each.trajectory]) == 4
         assert each.trajectory[-1].time == pytest.approx(run[1][-1].time)
 
 
-def test_table(run: tuple[Path, list[deformable.State]]) -> None:
+def test_table(run: tuple[Path, list[ld.State]]) -> None:
     pytest.importorskip("pandas")
-    recorded = deformable.Run(run[0])
+    recorded = ld.Run(run[0])
     table, states = recorded.table(), list(recorded)
     assert table.index.tolist() == list(range(len(states)))
     for name, value in run[1][-1].numbers().items():
@@ -89,11 +89,11 @@ def test_table(run: tuple[Path, list[deformable.State]]) -> None:
     assert table["shape_parameter"].tolist() == pytest.approx(shapes)
 
 
-def test_columns_of_a_table(run: tuple[Path, list[deformable.State]], tmp_path: Path) -> None:
+def test_columns_of_a_table(run: tuple[Path, list[ld.State]], tmp_path: Path) -> None:
     """Of the frames that are complete: a killed run may have more rows."""
     pytest.importorskip("pandas")
     shutil.copytree(run[0], tmp_path, dirs_exist_ok=True)
-    recorded = deformable.Run(tmp_path)
+    recorded = ld.Run(tmp_path)
     states = list(recorded)
     (tmp_path / "series.csv").open("a").write(f"{len(states)},16,1.0\n")
     found = recorded.table(
@@ -103,16 +103,16 @@ def test_columns_of_a_table(run: tuple[Path, list[deformable.State]], tmp_path: 
     assert found["smallest"].tolist() == [state.arc_radius.min() for state in states]
     assert set(found["name"]) == {"State"}
     told = "column low must be a function of a state, such as .*, not 'pressure'"
-    with pytest.raises(deformable.ParameterError, match=told):
+    with pytest.raises(ld.ParameterError, match=told):
         recorded.table(low="pressure")
-    with pytest.raises(deformable.ParameterError, match="each table has a column phi"):
+    with pytest.raises(ld.ParameterError, match="each table has a column phi"):
         recorded.table(phi=lambda state: state.packing.phi)
 
 
-def test_export_of_a_run(run: tuple[Path, list[deformable.State]], tmp_path: Path) -> None:
+def test_export_of_a_run(run: tuple[Path, list[ld.State]], tmp_path: Path) -> None:
     folder, states = run
-    deformable.Run(folder).export(tmp_path / "shapes.pvd")
-    deformable.export(states, tmp_path / "again.pvd")
+    ld.Run(folder).export(tmp_path / "shapes.pvd")
+    ld.export(states, tmp_path / "again.pvd")
     root = ElementTree.parse(tmp_path / "shapes.pvd").getroot()
     assert (root.tag, root.get("type")) == ("VTKFile", "Collection")
     listed = [(each.get("timestep"), each.get("file")) for each in root.iter("DataSet")]
@@ -128,26 +128,24 @@ def test_export_of_a_run(run: tuple[Path, list[deformable.State]], tmp_path: Pat
             assert pressure.GetValue(3) == pytest.approx(state.particle_pressure[3], rel=1e-6)
 
 
-def test_refusals(state: deformable.State, tmp_path: Path) -> None:
-    with pytest.raises(deformable.ParameterError, match=r"\.pvd, not .*a\.vtp"):
-        deformable.export([state], tmp_path / "a.vtp")
-    with pytest.raises(deformable.ParameterError, match="at least one state"):
-        deformable.export([], tmp_path / "a.pvd")
+def test_refusals(state: ld.State, tmp_path: Path) -> None:
+    with pytest.raises(ld.ParameterError, match=r"\.pvd, not .*a\.vtp"):
+        ld.export([state], tmp_path / "a.vtp")
+    with pytest.raises(ld.ParameterError, match="at least one state"):
+        ld.export([], tmp_path / "a.pvd")
     for arguments in ((3, "a.pvd"), ([state], 3), ([state.packing], tmp_path / "a.pvd")):
-        with pytest.raises(
-            deformable.ParameterError, match=r"must be of the kind .* not (3|a Packing)"
-        ):
-            deformable.export(*arguments)
+        with pytest.raises(ld.ParameterError, match=r"must be of the kind .* not (3|a Packing)"):
+            ld.export(*arguments)
     assert not list(tmp_path.iterdir())
     (tmp_path / "gone").mkdir()
     state.save(tmp_path / "gone")
-    gone = deformable.Run(tmp_path / "gone")
+    gone = ld.Run(tmp_path / "gone")
     (tmp_path / "gone" / "summary.json").unlink()
     for read in (gone.universe, gone.table, gone.__iter__, gone.__len__):
-        with pytest.raises(deformable.FileError, match="gone'"):
+        with pytest.raises(ld.FileError, match="gone'"):
             read()
-    with pytest.raises(deformable.ParameterError, match=r"folder .* not 3"):
-        deformable.Run(3)
+    with pytest.raises(ld.ParameterError, match=r"folder .* not 3"):
+        ld.Run(3)
     state.save(tmp_path)
-    with pytest.raises(deformable.FileError, match=r"trajectory\.lammpstrj is missing"):
-        deformable.Run(tmp_path).universe()
+    with pytest.raises(ld.FileError, match=r"trajectory\.lammpstrj is missing"):
+        ld.Run(tmp_path).universe()

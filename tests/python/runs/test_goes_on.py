@@ -4,53 +4,53 @@ import itertools
 import re
 from pathlib import Path
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
-from deformable.state.state import State
+from lammps_deformable.state.state import State
 
 pytestmark = pytest.mark.filterwarnings("error")
 
 
 @pytest.fixture(scope="module", params=["species", "particles"])
-def packing(request: pytest.FixtureRequest) -> deformable.Packing:
+def packing(request: pytest.FixtureRequest) -> ld.Packing:
     """Dense, with the radii of species or of its own (other files of LAMMPS)."""
     if request.param == "species":
-        return deformable.jam(deformable.bidisperse(12, seed=2)).at(0.9)
-    return deformable.jam(deformable.polydisperse(12, np.linspace(0.4, 0.7, 12), seed=2)).at(0.9)
+        return ld.jam(ld.bidisperse(12, seed=2)).at(0.9)
+    return ld.jam(ld.polydisperse(12, np.linspace(0.4, 0.7, 12), seed=2)).at(0.9)
 
 
-def moved(sim: deformable.Simulation, seed: int | None = None) -> State:
-    *_, state = deformable.move(sim, 200, 0.01, temperature=1e-5, seed=seed)
+def moved(sim: ld.Simulation, seed: int | None = None) -> State:
+    *_, state = ld.move(sim, 200, 0.01, temperature=1e-5, seed=seed)
     return state
 
 
-def test_a_loaded_simulation_moves_on(packing: deformable.Packing, tmp_path: Path) -> None:
+def test_a_loaded_simulation_moves_on(packing: ld.Packing, tmp_path: Path) -> None:
     """As one that was never interrupted, to the rounding of a new neighbor list."""
-    with deformable.Simulation(packing, deformable.Ring()) as sim:
+    with ld.Simulation(packing, ld.Ring()) as sim:
         last = moved(sim, seed=3)
         last.save(tmp_path)
-        *_, expected = deformable.move(sim, 200, 0.01)
+        *_, expected = ld.move(sim, 200, 0.01)
     assert last.time == pytest.approx(2.0)
     assert expected.time == pytest.approx(4.0)
-    with deformable.Run(tmp_path).simulation() as again:
+    with ld.Run(tmp_path).simulation() as again:
         start = again.state()
         assert np.array_equal(start.velocities, last.velocities)
         assert start.velocities.any()
         assert (start.time, start.strain) == (last.time, None)
-        *_, found = deformable.move(again, 200, 0.01)
+        *_, found = ld.move(again, 200, 0.01)
     assert found.time == pytest.approx(4.0, rel=1e-12)
     np.testing.assert_allclose(found.packing.positions, expected.packing.positions, atol=1e-9)
     np.testing.assert_allclose(found.velocities, expected.velocities, rtol=0, atol=1e-9)
 
 
-def test_lammps_reads_the_velocities(packing: deformable.Packing, tmp_path: Path) -> None:
-    with deformable.Simulation(packing, deformable.Ring()) as sim:
+def test_lammps_reads_the_velocities(packing: ld.Packing, tmp_path: Path) -> None:
+    with ld.Simulation(packing, ld.Ring()) as sim:
         last = moved(sim, seed=3)
     last.save(tmp_path)
     script = (tmp_path / "in.lammps").read_text()
     assert "velocity all create" not in script  # it would draw others
-    with deformable.Simulation(packing, deformable.Ring()) as sim:
+    with ld.Simulation(packing, ld.Ring()) as sim:
         lmp = sim.lmp
         lmp.command("clear")
         style = re.findall(r"^atom_style .*", script, re.MULTILINE)[0]
@@ -59,12 +59,12 @@ def test_lammps_reads_the_velocities(packing: deformable.Packing, tmp_path: Path
         found = np.array(lmp.gather("v", 1, 3)).reshape(-1, 3)
         lmp.command(f"write_data {tmp_path / 'packing.data'}")  # rounds to 16 digits
     assert np.array_equal(found[:, :2], last.velocities)
-    with deformable.Run(tmp_path).simulation() as again:
+    with ld.Run(tmp_path).simulation() as again:
         np.testing.assert_allclose(again.state().velocities, last.velocities, rtol=1e-14)
 
 
-def test_restart_from_a_state(packing: deformable.Packing) -> None:
-    with deformable.Simulation(packing, deformable.Ring()) as sim:
+def test_restart_from_a_state(packing: ld.Packing) -> None:
+    with ld.Simulation(packing, ld.Ring()) as sim:
         last = moved(sim, seed=3)
         sim.restart(last)
         again = sim.state()
@@ -77,57 +77,57 @@ def test_restart_from_a_state(packing: deformable.Packing) -> None:
         assert (rest.time, rest.strain) == (0.0, None)
 
 
-def test_time_goes_on_in_a_recorded_run(packing: deformable.Packing, tmp_path: Path) -> None:
+def test_time_goes_on_in_a_recorded_run(packing: ld.Packing, tmp_path: Path) -> None:
     """In the series, the Universe, ParaView's file and replays; relaxations take no time."""
-    with deformable.Simulation(packing, deformable.Ring()) as sim:
-        list(deformable.record(deformable.move(sim, 200, 0.01, 1e-5, seed=3), tmp_path))
-    with deformable.Run(tmp_path).simulation() as sim:
-        list(deformable.Run(tmp_path).append(deformable.move(sim, 300, 0.01)))
+    with ld.Simulation(packing, ld.Ring()) as sim:
+        list(ld.record(ld.move(sim, 200, 0.01, 1e-5, seed=3), tmp_path))
+    with ld.Run(tmp_path).simulation() as sim:
+        list(ld.Run(tmp_path).append(ld.move(sim, 300, 0.01)))
         assert sim.relax().time == pytest.approx(5.0)
     expected = pytest.approx([0.0, 1.0, 2.0, 3.0, 4.0, 5.0])
     series = np.genfromtxt(tmp_path / "series.csv", delimiter=",", names=True)
     assert series["time"] == expected
-    universe = deformable.Run(tmp_path).universe()
+    universe = ld.Run(tmp_path).universe()
     assert [frame.time for frame in universe.trajectory] == expected
-    assert [state.time for state in deformable.Run(tmp_path)] == expected
-    deformable.Run(tmp_path).export(tmp_path / "run.pvd")
+    assert [state.time for state in ld.Run(tmp_path)] == expected
+    ld.Run(tmp_path).export(tmp_path / "run.pvd")
     steps = re.findall('timestep="(.*?)"', (tmp_path / "run.pvd").read_text())
     assert [float(step) for step in steps] == expected
 
 
 @pytest.mark.parametrize("resumable", [False, True])
 def test_strain_goes_on(tmp_path: Path, resumable: bool) -> None:
-    packing = deformable.jam(deformable.bidisperse(12, seed=2)).at(0.9)
-    law = deformable.Ring()
-    with deformable.Simulation(packing, law) as sim:
+    packing = ld.jam(ld.bidisperse(12, seed=2)).at(0.9)
+    law = ld.Ring()
+    with ld.Simulation(packing, law) as sim:
         if resumable:
-            list(deformable.shear_in(sim, tmp_path, 0.02, 2))
+            list(ld.shear_in(sim, tmp_path, 0.02, 2))
         else:
-            list(deformable.record(deformable.shear(sim, 0.02, 2), tmp_path))
-    with deformable.Run(tmp_path).simulation() as sim:
+            list(ld.record(ld.shear(sim, 0.02, 2), tmp_path))
+    with ld.Run(tmp_path).simulation() as sim:
         assert sim.strain == 0.02
         if resumable:
-            list(deformable.Run(tmp_path).shear(-0.03, 3))
+            list(ld.Run(tmp_path).shear(-0.03, 3))
         else:
-            list(deformable.Run(tmp_path).append(deformable.shear(sim, -0.03, 3)))
-    with deformable.Run(tmp_path).simulation() as sim:
-        *_, last = deformable.compress(sim, 0.001, 1)
+            list(ld.Run(tmp_path).append(ld.shear(sim, -0.03, 3)))
+    with ld.Run(tmp_path).simulation() as sim:
+        *_, last = ld.compress(sim, 0.001, 1)
         assert last.strain == pytest.approx(-0.01)
     expected = pytest.approx([0.0, 0.01, 0.02, 0.01, 0.0, -0.01], abs=1e-15)
     series = np.genfromtxt(tmp_path / "series.csv", delimiter=",", names=True)
     assert series["strain"] == expected
-    assert [state.strain for state in deformable.Run(tmp_path)] == expected
+    assert [state.strain for state in ld.Run(tmp_path)] == expected
 
 
 def test_interrupted_shear_goes_on_with_its_strain(tmp_path: Path) -> None:
-    packing = deformable.jam(deformable.bidisperse(12, seed=2)).at(0.9)
+    packing = ld.jam(ld.bidisperse(12, seed=2)).at(0.9)
     whole, cut = tmp_path / "whole", tmp_path / "cut"
     for folder in (whole, cut):
-        with deformable.Simulation(packing, deformable.Ring()) as sim:
-            list(deformable.shear_in(sim, folder, 0.02, 2))
-            steps = deformable.Run(folder).shear(0.02, 3)
+        with ld.Simulation(packing, ld.Ring()) as sim:
+            list(ld.shear_in(sim, folder, 0.02, 2))
+            steps = ld.Run(folder).shear(0.02, 3)
             list(itertools.islice(steps, 1 if folder == cut else None))
-    list(deformable.Run(cut).resume())
+    list(ld.Run(cut).resume())
     assert (cut / "series.csv").read_text() == (whole / "series.csv").read_text()
     assert (cut / "packing.data").read_text() == (whole / "packing.data").read_text()
 
@@ -136,10 +136,10 @@ def test_interrupted_shear_goes_on_with_its_strain(tmp_path: Path) -> None:
     "wrong", ["1 1.0 0.0 0\n", "1 1.0 0.0 0\n1 0.0 0.0 0\n", "1 one 0 0\n", "1 1.0\n"]
 )
 def test_damaged_velocities(tmp_path: Path, wrong: str) -> None:
-    packing = deformable.bidisperse(2, phi=0.4, seed=1)
-    with deformable.Simulation(packing, deformable.Ring()) as sim:
+    packing = ld.bidisperse(2, phi=0.4, seed=1)
+    with ld.Simulation(packing, ld.Ring()) as sim:
         sim.state().save(tmp_path)
     path = tmp_path / "packing.data"
     path.write_text(f"{path.read_text()}\nVelocities\n\n{wrong}")
-    with pytest.raises(deformable.FileError, match=r"packing\.data cannot be read"):
-        deformable.Run(tmp_path).simulation()
+    with pytest.raises(ld.FileError, match=r"packing\.data cannot be read"):
+        ld.Run(tmp_path).simulation()

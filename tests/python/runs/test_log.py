@@ -4,15 +4,15 @@ import csv
 from collections.abc import Iterator
 from pathlib import Path
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
 from ranks import python
 
 
 @pytest.fixture
-def sim(jammed: deformable.Packing) -> Iterator[deformable.Simulation]:
-    with deformable.Simulation(jammed.at(0.88), deformable.Ring()) as sim:
+def sim(jammed: ld.Packing) -> Iterator[ld.Simulation]:
+    with ld.Simulation(jammed.at(0.88), ld.Ring()) as sim:
         yield sim
 
 
@@ -21,11 +21,11 @@ def rows(path: Path) -> list[dict[str, str]]:
         return list(csv.DictReader(file))
 
 
-def test_rows_are_those_of_a_series(sim: deformable.Simulation, tmp_path: Path) -> None:
+def test_rows_are_those_of_a_series(sim: ld.Simulation, tmp_path: Path) -> None:
     """With the state before the first step, in the file before the state is yielded."""
     path = tmp_path / "folder" / "log.csv"
-    steps = deformable.log(deformable.shear(sim, 0.01, 2), path, largest=lambda s: s.area.max())
-    for number, state in enumerate(deformable.record(steps, tmp_path / "run"), start=1):
+    steps = ld.log(ld.shear(sim, 0.01, 2), path, largest=lambda s: s.area.max())
+    for number, state in enumerate(ld.record(steps, tmp_path / "run"), start=1):
         last = rows(path)[-1]
         assert int(last["frame"]) == number
         assert float(last["energy"]) == state.energy
@@ -37,36 +37,36 @@ def test_rows_are_those_of_a_series(sim: deformable.Simulation, tmp_path: Path) 
     assert table["phi"].shape == (3,)
 
 
-def test_is_gone_on_with(sim: deformable.Simulation, tmp_path: Path) -> None:
+def test_is_gone_on_with(sim: ld.Simulation, tmp_path: Path) -> None:
     """After an interruption within a row; a new log replaces the old one."""
     path = tmp_path / "log.csv"
-    next(deformable.log(deformable.compress(sim, 0.01, 5), path, append=True))
+    next(ld.log(ld.compress(sim, 0.01, 5), path, append=True))
     assert len(rows(path)) == 2
     path.write_text(path.read_text() + "2,32,6.1")
-    list(deformable.log(deformable.compress(sim, 0.002, 1), path, append=True))
+    list(ld.log(ld.compress(sim, 0.002, 1), path, append=True))
     assert [row["frame"] for row in rows(path)] == ["0", "1", "2"]
     assert float(rows(path)[2]["phi"]) > float(rows(path)[1]["phi"])
-    with pytest.raises(deformable.FileError, match="already: go on with append=True, replace it"):
-        deformable.log([sim.state()], path)
+    with pytest.raises(ld.FileError, match="already: go on with append=True, replace it"):
+        ld.log([sim.state()], path)
     assert [row["frame"] for row in rows(path)] == ["0", "1", "2"]
-    list(deformable.log([sim.state()], path, overwrite=True))
+    list(ld.log([sim.state()], path, overwrite=True))
     assert [row["frame"] for row in rows(path)] == ["0"]
 
 
-def test_of_disks(jammed: deformable.Packing, tmp_path: Path) -> None:
-    with deformable.Disks(jammed) as disks:
-        *_, last = deformable.log(deformable.compress(disks, 0.01, 2), tmp_path / "log.csv")
+def test_of_disks(jammed: ld.Packing, tmp_path: Path) -> None:
+    with ld.Disks(jammed) as disks:
+        *_, last = ld.log(ld.compress(disks, 0.01, 2), tmp_path / "log.csv")
     found = rows(tmp_path / "log.csv")
     assert [float(row["pressure"]) > 1e-4 for row in found] == [False, True, True]
     assert float(found[-1]["coordination"]) == last.coordination
 
 
 SCRIPT = """
-import deformable
-sim = deformable.Simulation(deformable.triangular(4, 4, phi=0.92), deformable.Ring())
+import lammps_deformable as ld
+sim = ld.Simulation(ld.triangular(4, 4, phi=0.92), ld.Ring())
 for _ in range(2):
-    steps = deformable.compress(sim, 0.01, 1, tolerance=0.01)
-    list(deformable.log(steps, "log.csv", append=True))
+    steps = ld.compress(sim, 0.01, 1, tolerance=0.01)
+    list(ld.log(steps, "log.csv", append=True))
 """
 
 
@@ -75,13 +75,13 @@ def test_one_rank_writes(tmp_path: Path) -> None:
     assert [row["frame"] for row in rows(tmp_path / "log.csv")] == ["0", "1", "2"]
 
 
-def test_what_cannot_be_a_log(state: deformable.State, tmp_path: Path) -> None:
+def test_what_cannot_be_a_log(state: ld.State, tmp_path: Path) -> None:
     def refused(kind: type[Exception], told: str, *given: object, **how: object) -> None:
         with pytest.raises(kind, match=told):
-            list(deformable.log(*given, **how))
+            list(ld.log(*given, **how))
 
     path = tmp_path / "log.csv"
-    wrong, broken = deformable.ParameterError, deformable.FileError
+    wrong, broken = ld.ParameterError, ld.FileError
     refused(wrong, "states must be", state, path)
     refused(wrong, "a state that is logged must be", [state.packing], path)
     refused(wrong, "path must be", [state], 3)
@@ -96,7 +96,7 @@ def test_what_cannot_be_a_log(state: deformable.State, tmp_path: Path) -> None:
     assert not path.exists()
     refused(broken, "cannot be written", [state], tmp_path)
     refused(broken, "cannot be written", [state], f"{tmp_path}/{'n' * 300}.csv")
-    list(deformable.log([state], path, area=lambda state: state.area.max()))
+    list(ld.log([state], path, area=lambda state: state.area.max()))
     kept = path.read_text()
     refused(broken, "other columns, the difference is area: take the same", [state], path, True)
     refused(broken, "cannot be written", [state], path / "log.csv")

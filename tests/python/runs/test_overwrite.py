@@ -4,33 +4,31 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import deformable
+import lammps_deformable as ld
 import pytest
 
-S = deformable.State
+S = ld.State
 Writer = Callable[..., Any]
 
 # In a folder of its own, whose name is also that of the run: what writes there.
 RUNS: dict[str, Callable[[S, Path], Writer]] = {
     "save": lambda state, folder: lambda **how: state.save(folder, **how),
-    "record": lambda state, folder: lambda **how: list(deformable.record([state], folder, **how)),
+    "record": lambda state, folder: lambda **how: list(ld.record([state], folder, **how)),
     "record of steps": lambda state, folder: (
-        lambda **how: list(
-            deformable.record(deformable.compress(sim(state), 0.01, 1), folder, **how)
-        )
+        lambda **how: list(ld.record(ld.compress(sim(state), 0.01, 1), folder, **how))
     ),
     "compress_in": lambda state, folder: (
-        lambda **how: list(deformable.compress_in(sim(state), folder, 0.01, 1, **how))
+        lambda **how: list(ld.compress_in(sim(state), folder, 0.01, 1, **how))
     ),
     "shear_in": lambda state, folder: (
-        lambda **how: list(deformable.shear_in(sim(state), folder, 0.01, 1, **how))
+        lambda **how: list(ld.shear_in(sim(state), folder, 0.01, 1, **how))
     ),
 }
 FILES: dict[str, Callable[[S, Path], Writer]] = {
-    "log.csv": lambda state, path: lambda **how: list(deformable.log([state], path, **how)),
+    "log.csv": lambda state, path: lambda **how: list(ld.log([state], path, **how)),
     "a.vtp": lambda state, path: lambda **how: state.export(path, **how),
     "a.geojson": lambda state, path: lambda **how: state.export(path, True, **how),
-    "a.pvd": lambda state, path: lambda **how: deformable.export([state], path, **how),
+    "a.pvd": lambda state, path: lambda **how: ld.export([state], path, **how),
     "a.xyz": lambda state, path: lambda **how: state.packing.to_file(path, **how),
     "a.gsd": lambda state, path: lambda **how: state.packing.to_file(path, **how),
     "a.data": lambda state, path: lambda **how: state.packing.to_file(path, **how),
@@ -38,7 +36,7 @@ FILES: dict[str, Callable[[S, Path], Writer]] = {
 
 
 def sim(state: S) -> Any:
-    return deformable.Simulation(state, state.law)
+    return ld.Simulation(state, state.law)
 
 
 def contents(folder: Path) -> dict[str, bytes]:
@@ -53,7 +51,7 @@ def test_a_run_is_replaced_as_a_whole(name: str, before: str, state: S, tmp_path
     told = (
         r"\A'[^\n]*run' holds a run: [^\n]*replace it with overwrite=True, or name another folder\Z"
     )
-    with pytest.raises(deformable.FileError, match=told):
+    with pytest.raises(ld.FileError, match=told):
         write()
     assert contents(tmp_path) == kept
     write(overwrite=True)
@@ -65,7 +63,7 @@ def test_a_run_is_replaced_as_a_whole(name: str, before: str, state: S, tmp_path
     assert replaced.keys() == fresh.keys()
     for file, path in fresh.items():
         assert replaced[file].read_bytes() == path.read_bytes(), file
-    run = deformable.Run(tmp_path / "run")
+    run = ld.Run(tmp_path / "run")
     assert len(run) == {"save": 0, "record": 1}.get(name, 2)
     if len(run):
         assert (
@@ -82,9 +80,7 @@ def test_a_file_of_the_same_name(name: str, file: str, state: S, tmp_path: Path)
     """Such as the user's own script, in a folder without a run."""
     (tmp_path / file).write_text("mine")
     write = RUNS[name](state, tmp_path)
-    with pytest.raises(
-        deformable.FileError, match=f"{file}' is there already: [^\n]*overwrite=True"
-    ):
+    with pytest.raises(ld.FileError, match=f"{file}' is there already: [^\n]*overwrite=True"):
         write()
     assert {path.name for path in tmp_path.iterdir()} == {file}
     assert (tmp_path / file).read_text() == "mine"
@@ -96,7 +92,7 @@ def test_a_file_is_not_replaced(name: str, state: S, tmp_path: Path) -> None:
     write()
     kept = contents(tmp_path)
     told = rf"\A'[^\n]*{name}' is there already: [^\n]*replace it with overwrite=True, or give "
-    with pytest.raises(deformable.FileError, match=told):
+    with pytest.raises(ld.FileError, match=told):
         write()
     assert contents(tmp_path) == kept
     (tmp_path / name).write_text("frame,phi\n" if name == "log.csv" else "old")
@@ -107,36 +103,36 @@ def test_a_file_is_not_replaced(name: str, state: S, tmp_path: Path) -> None:
 
 def test_a_part_of_a_series_is_not_replaced(state: S, tmp_path: Path) -> None:
     (tmp_path / "a_0000.vtp").write_text("mine")
-    with pytest.raises(deformable.FileError, match=r"a_0000\.vtp' is there already"):
-        deformable.export([state], tmp_path / "a.pvd")
+    with pytest.raises(ld.FileError, match=r"a_0000\.vtp' is there already"):
+        ld.export([state], tmp_path / "a.pvd")
     assert (tmp_path / "a_0000.vtp").read_text() == "mine"
 
 
 def test_early_and_late(state: S, tmp_path: Path) -> None:
     """Steps are refused before their work; a second record that was begun at the same time too."""
-    first, second = (deformable.record([state], tmp_path / "run") for _ in range(2))
+    first, second = (ld.record([state], tmp_path / "run") for _ in range(2))
     list(first)
-    with pytest.raises(deformable.FileError, match=r"go on with Run\.append, or replace it with"):
+    with pytest.raises(ld.FileError, match=r"go on with Run\.append, or replace it with"):
         list(second)
-    for writer in (deformable.record, deformable.log):
-        path = tmp_path / ("run" if writer is deformable.record else "run/series.csv")
-        with pytest.raises(deformable.FileError, match=r"overwrite=True"):
-            writer(deformable.compress(sim(state), 0.01, 1), path)
-    with pytest.raises(deformable.ParameterError, match="one of append and overwrite"):
-        deformable.log([state], tmp_path / "log.csv", append=True, overwrite=True)
-    with pytest.raises(deformable.ParameterError, match="overwrite must be of the kind bool"):
+    for writer in (ld.record, ld.log):
+        path = tmp_path / ("run" if writer is ld.record else "run/series.csv")
+        with pytest.raises(ld.FileError, match=r"overwrite=True"):
+            writer(ld.compress(sim(state), 0.01, 1), path)
+    with pytest.raises(ld.ParameterError, match="one of append and overwrite"):
+        ld.log([state], tmp_path / "log.csv", append=True, overwrite=True)
+    with pytest.raises(ld.ParameterError, match="overwrite must be of the kind bool"):
         state.save(tmp_path / "run", {}, 3)
 
 
 def test_a_run_goes_on(state: S, tmp_path: Path) -> None:
     """Without overwrite: append, compress, resume, and a log with append."""
     state.save(tmp_path / "run")
-    run = deformable.Run(tmp_path / "run")
+    run = ld.Run(tmp_path / "run")
     list(run.append([state, state]))
     list(run.compress(0.01, 1))
     list(run.shear(0.01, 1))
     steps = run.shear(0.01, 2)
     next(steps)
     steps.close()
-    list(deformable.Run(tmp_path / "run").resume())
+    list(ld.Run(tmp_path / "run").resume())
     assert len(run) == 6

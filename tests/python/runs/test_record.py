@@ -6,14 +6,14 @@ import math
 from dataclasses import replace
 from pathlib import Path
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
 
 
-def test_saved_state_goes_on_as_it_was(state: deformable.State, tmp_path: Path) -> None:
+def test_saved_state_goes_on_as_it_was(state: ld.State, tmp_path: Path) -> None:
     state.save(tmp_path, {"seed": 3, "kP": float("inf")})
-    with deformable.Run(tmp_path).simulation() as sim:
+    with ld.Run(tmp_path).simulation() as sim:
         again = sim.state()
         assert sim.law == state.law
     assert again.packing.positions == pytest.approx(state.packing.positions, abs=1e-13)
@@ -27,34 +27,32 @@ def test_saved_state_goes_on_as_it_was(state: deformable.State, tmp_path: Path) 
 @pytest.mark.parametrize(
     "law",
     [
-        deformable.Sector(kP=2.0),
-        deformable.Ring(kA=(2.0, float("inf")), kP=(float("inf"), 3.0), skin=0.05),
+        ld.Sector(kP=2.0),
+        ld.Ring(kA=(2.0, float("inf")), kP=(float("inf"), 3.0), skin=0.05),
     ],
 )
-def test_tilted_packings_and_species_go_on(
-    law: deformable.Sector | deformable.Ring, tmp_path: Path
-) -> None:
-    jammed = deformable.jam(deformable.bidisperse(12, tilt=-0.4, aspect=1.3, seed=2))
-    with deformable.Simulation(jammed.at(0.86), law) as sim:
+def test_tilted_packings_and_species_go_on(law: ld.Sector | ld.Ring, tmp_path: Path) -> None:
+    jammed = ld.jam(ld.bidisperse(12, tilt=-0.4, aspect=1.3, seed=2))
+    with ld.Simulation(jammed.at(0.86), law) as sim:
         state = sim.state()
     state.save(tmp_path)
-    with deformable.Run(tmp_path).simulation() as sim:
+    with ld.Run(tmp_path).simulation() as sim:
         assert sim.law == law
         assert sim.state().energy == pytest.approx(state.energy, rel=1e-12)
 
 
-def test_record_writes_as_the_run_goes(jammed: deformable.Packing, tmp_path: Path) -> None:
-    with deformable.Simulation(jammed, deformable.Ring()) as sim:
+def test_record_writes_as_the_run_goes(jammed: ld.Packing, tmp_path: Path) -> None:
+    with ld.Simulation(jammed, ld.Ring()) as sim:
         before = sim.state()
-        run = deformable.record(deformable.compress(sim, strain=0.02, steps=4), tmp_path)
+        run = ld.record(ld.compress(sim, strain=0.02, steps=4), tmp_path)
         first, second = next(run), next(run)  # and interrupted here
     with (tmp_path / "series.csv").open() as file:
         rows = list(csv.DictReader(file))
     assert [float(row["phi"]) for row in rows] == [before.phi, first.phi, second.phi]
 
-    with deformable.Run(tmp_path).simulation() as sim:
-        steps = deformable.compress(sim, strain=0.01, steps=1)
-        (third,) = deformable.Run(tmp_path).append(steps, {"steps": 1})
+    with ld.Run(tmp_path).simulation() as sim:
+        steps = ld.compress(sim, strain=0.01, steps=1)
+        (third,) = ld.Run(tmp_path).append(steps, {"steps": 1})
     with (tmp_path / "series.csv").open() as file:
         rows = list(csv.DictReader(file))
     assert [int(row["frame"]) for row in rows] == [0, 1, 2, 3]
@@ -68,10 +66,10 @@ def test_record_writes_as_the_run_goes(jammed: deformable.Packing, tmp_path: Pat
 @pytest.mark.filterwarnings("ignore::DeprecationWarning")
 def test_mdanalysis_reads_the_trajectory(tilt: float, tmp_path: Path) -> None:
     mdanalysis = pytest.importorskip("MDAnalysis")
-    jammed = deformable.jam(deformable.bidisperse(16, tilt=tilt, seed=4))
-    with deformable.Simulation(jammed, deformable.Ring()) as sim:
-        steps = deformable.compress(sim, strain=0.02, steps=2)
-        states = [sim.state(), *deformable.record(steps, tmp_path)]
+    jammed = ld.jam(ld.bidisperse(16, tilt=tilt, seed=4))
+    with ld.Simulation(jammed, ld.Ring()) as sim:
+        steps = ld.compress(sim, strain=0.02, steps=2)
+        states = [sim.state(), *ld.record(steps, tmp_path)]
     universe = mdanalysis.Universe(
         str(tmp_path / "trajectory.lammpstrj"), format="LAMMPSDUMP", additional_columns=True, dt=1.0
     )
@@ -89,10 +87,10 @@ def test_mdanalysis_reads_the_trajectory(tilt: float, tmp_path: Path) -> None:
 
 def test_shear_stress_of_a_series_resists(tmp_path: Path) -> None:
     """It is positive after the upper side has moved along x."""
-    jammed = deformable.jam(deformable.bidisperse(16, seed=1))
-    with deformable.Simulation(jammed.at(jammed.phi + 0.03), deformable.Ring()) as sim:
+    jammed = ld.jam(ld.bidisperse(16, seed=1))
+    with ld.Simulation(jammed.at(jammed.phi + 0.03), ld.Ring()) as sim:
         start = sim.relax()
-        states = [start, *deformable.record(deformable.shear(sim, 1e-3, 2), tmp_path / "run")]
+        states = [start, *ld.record(ld.shear(sim, 1e-3, 2), tmp_path / "run")]
     with (tmp_path / "run" / "series.csv").open(newline="") as file:
         stress = [float(row["shear_stress"]) for row in csv.DictReader(file)]
     assert stress == pytest.approx([-state.stress[0, 1] for state in states], rel=1e-6)
@@ -100,14 +98,14 @@ def test_shear_stress_of_a_series_resists(tmp_path: Path) -> None:
     assert stress[2] > stress[1] > stress[0]
 
 
-def test_append_cuts_off_half_a_frame(jammed: deformable.Packing, tmp_path: Path) -> None:
-    with deformable.Simulation(jammed, deformable.Ring()) as sim:
-        for _ in deformable.record(deformable.compress(sim, 0.01, 1), tmp_path):
+def test_append_cuts_off_half_a_frame(jammed: ld.Packing, tmp_path: Path) -> None:
+    with ld.Simulation(jammed, ld.Ring()) as sim:
+        for _ in ld.record(ld.compress(sim, 0.01, 1), tmp_path):
             pass
         trajectory = tmp_path / "trajectory.lammpstrj"
         whole = trajectory.read_text()
         trajectory.write_text(whole + whole[: len(whole) // 2])  # killed in the third frame
-        for _ in deformable.Run(tmp_path).append(deformable.compress(sim, 0.01, 1)):
+        for _ in ld.Run(tmp_path).append(ld.compress(sim, 0.01, 1)):
             pass
     text = trajectory.read_text()
     assert text.startswith(whole)
@@ -115,26 +113,26 @@ def test_append_cuts_off_half_a_frame(jammed: deformable.Packing, tmp_path: Path
     assert 2 * len(text.splitlines()) == 3 * len(whole.splitlines())
 
 
-def test_append_without_a_summary_is_refused(state: deformable.State, tmp_path: Path) -> None:
-    for _ in deformable.record([state], tmp_path):
+def test_append_without_a_summary_is_refused(state: ld.State, tmp_path: Path) -> None:
+    for _ in ld.record([state], tmp_path):
         pass
     (tmp_path / "summary.json").unlink()
-    with pytest.raises(deformable.FileError, match=r"summary\.json is missing"):
-        next(iter(deformable.Run(tmp_path).append([state])))
+    with pytest.raises(ld.FileError, match=r"summary\.json is missing"):
+        next(iter(ld.Run(tmp_path).append([state])))
 
 
 def test_a_row_stands_for_a_whole_frame(
-    jammed: deformable.Packing, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    jammed: ld.Packing, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The series does not count a frame that was not written completely."""
-    with deformable.Simulation(jammed, deformable.Ring()) as sim:
-        steps = deformable.record(deformable.compress(sim, 0.01, 2), tmp_path)
+    with ld.Simulation(jammed, ld.Ring()) as sim:
+        steps = ld.record(ld.compress(sim, 0.01, 2), tmp_path)
         next(steps)
 
         def killed(*_: object) -> str:
             raise KeyboardInterrupt
 
-        monkeypatch.setattr("deformable.io.frames._dump_frame", killed)
+        monkeypatch.setattr("lammps_deformable.io.frames._dump_frame", killed)
         with pytest.raises(KeyboardInterrupt):
             next(steps)
     with (tmp_path / "series.csv").open(newline="") as file:
@@ -143,9 +141,9 @@ def test_a_row_stands_for_a_whole_frame(
 
 @pytest.mark.parametrize(("left", "whole"), [(0.0, 0), (0.4, 0), (0.6, 1), (0.999999, 1)])
 def test_nothing_is_added_to_a_broken_trajectory(
-    left: float, whole: int, state: deformable.State, tmp_path: Path
+    left: float, whole: int, state: ld.State, tmp_path: Path
 ) -> None:
-    list(deformable.record([state, state], tmp_path))
+    list(ld.record([state, state], tmp_path))
     trajectory = tmp_path / "trajectory.lammpstrj"
     text = trajectory.read_text()
     cut = text[: int(left * len(text))]
@@ -154,49 +152,49 @@ def test_nothing_is_added_to_a_broken_trajectory(
     else:
         trajectory.unlink()
     message = rf"trajectory\.lammpstrj lacks frame {whole} of 2 recorded frames"
-    with pytest.raises(deformable.FileError, match=message):
-        next(deformable.Run(tmp_path).append([state]))
+    with pytest.raises(ld.FileError, match=message):
+        next(ld.Run(tmp_path).append([state]))
     assert (trajectory.read_text() if cut else "") == cut
     assert len((tmp_path / "series.csv").read_text().splitlines()) == 3
 
 
 def test_a_foreign_series_is_not_overwritten(tmp_path: Path) -> None:
     (tmp_path / "series.csv").write_text("year,price\n1999,3\n")
-    with pytest.raises(deformable.FileError, match=r"series\.csv is no series of states"):
-        deformable.record([], tmp_path)
+    with pytest.raises(ld.FileError, match=r"series\.csv is no series of states"):
+        ld.record([], tmp_path)
     assert "1999" in (tmp_path / "series.csv").read_text()
 
 
-@pytest.mark.filterwarnings("ignore::deformable.StalledWarning")
-def test_a_stalled_state_comes_back_stalled(jammed: deformable.Packing, tmp_path: Path) -> None:
-    with deformable.Simulation(jammed.at(0.87), deformable.Ring()) as sim:
+@pytest.mark.filterwarnings("ignore::ld.StalledWarning")
+def test_a_stalled_state_comes_back_stalled(jammed: ld.Packing, tmp_path: Path) -> None:
+    with ld.Simulation(jammed.at(0.87), ld.Ring()) as sim:
         good, bad = sim.relax(), replace(sim.state(), stalled=True)
-        list(deformable.record([good, bad, good, bad], tmp_path / "run"))
+        list(ld.record([good, bad, good, bad], tmp_path / "run"))
         bad.save(tmp_path / "saved")
-    assert [state.stalled for state in deformable.Run(tmp_path / "run")] == [False, True] * 2
-    assert deformable.Run(tmp_path / "run")[-1].stalled
+    assert [state.stalled for state in ld.Run(tmp_path / "run")] == [False, True] * 2
+    assert ld.Run(tmp_path / "run")[-1].stalled
     for name in ("run", "saved"):
-        with pytest.warns(deformable.StalledWarning, match=f"{name}' had stalled, at a residual"):
-            deformable.Run(tmp_path / name).simulation().close()
+        with pytest.warns(ld.StalledWarning, match=f"{name}' had stalled, at a residual"):
+            ld.Run(tmp_path / name).simulation().close()
 
 
-def test_parameters_come_back(state: deformable.State, tmp_path: Path) -> None:
+def test_parameters_come_back(state: ld.State, tmp_path: Path) -> None:
     """With their types; `test_strict_json` has more of them."""
     given = {"seed": np.int64(3), "kP": [math.inf, 1.0], "word": "inf", "none": None, "half": 0.5}
     state.save(tmp_path / "saved", given)
-    list(deformable.record([state], tmp_path / "run", given))
-    list(deformable.Run(tmp_path / "run").append([state], given))
+    list(ld.record([state], tmp_path / "run", given))
+    list(ld.Run(tmp_path / "run").append([state], given))
     kept = given | {"seed": 3}
-    assert deformable.Run(tmp_path / "saved").parameters == kept
-    assert deformable.Run(tmp_path / "run").parameters == kept | {"before": kept}
+    assert ld.Run(tmp_path / "saved").parameters == kept
+    assert ld.Run(tmp_path / "run").parameters == kept | {"before": kept}
     for name in ("saved/summary.json", "run/summary.json"):
         json.loads((tmp_path / name).read_text(), parse_constant=lambda word: pytest.fail(word))
 
 
 @pytest.mark.parametrize("damage", [[1], 3, "seed", {"a": {"word": 3}}])
-def test_damaged_parameters(damage: object, state: deformable.State, tmp_path: Path) -> None:
+def test_damaged_parameters(damage: object, state: ld.State, tmp_path: Path) -> None:
     state.save(tmp_path)
     summary = json.loads((tmp_path / "summary.json").read_text())
     (tmp_path / "summary.json").write_text(json.dumps(summary | {"parameters": damage}))
-    with pytest.raises(deformable.FileError, match=r"summary\.json cannot be read"):
-        _ = deformable.Run(tmp_path).parameters
+    with pytest.raises(ld.FileError, match=r"summary\.json cannot be read"):
+        _ = ld.Run(tmp_path).parameters

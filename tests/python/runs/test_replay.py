@@ -4,11 +4,11 @@ from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
-from deformable import FileError, Packing, Ring
 from exact_balance import exactly_balanced
+from lammps_deformable import FileError, Packing, Ring
 
 LAW = Ring(kA=5.0, kP=0.0, tension=1.0)
 
@@ -23,12 +23,12 @@ def exact_states() -> Iterator[None]:
 @pytest.fixture(scope="module")
 def start() -> Packing:
     radii = np.random.default_rng(1).uniform(0.4, 0.6, 20)
-    return deformable.push_off(deformable.polydisperse(20, radii, phi=0.9))
+    return ld.push_off(ld.polydisperse(20, radii, phi=0.9))
 
 
 def test_growth_and_death(start: Packing, tmp_path: Path) -> None:
     """Each frame has the radii and the particles of its own, not those of the last one."""
-    with deformable.Simulation(start, LAW) as sim:
+    with ld.Simulation(start, LAW) as sim:
         states = [sim.state()]
         for _ in range(2):
             packing = states[-1].packing
@@ -43,36 +43,36 @@ def test_growth_and_death(start: Packing, tmp_path: Path) -> None:
                 )
             )
             states.append(sim.state())
-    list(deformable.record(states, tmp_path))
-    again = list(deformable.Run(tmp_path))
+    list(ld.record(states, tmp_path))
+    again = list(ld.Run(tmp_path))
     assert [len(state.packing) for state in again] == [20, 17, 14]
     for found, state in zip(again, states, strict=True):
         assert np.array_equal(found.packing.radius, state.packing.radius)
         assert found.energy == pytest.approx(state.energy, rel=1e-10)
         assert found.area == pytest.approx(state.area, rel=1e-10)
     with pytest.raises(FileError, match="14 to 20 particles"):
-        deformable.Run(tmp_path).universe()
+        ld.Run(tmp_path).universe()
 
 
 def test_other_species(tmp_path: Path) -> None:
     """As after `fix atom/swap`: a small particle takes the place of a large one."""
-    packing = deformable.push_off(deformable.bidisperse(16, phi=0.8, seed=2))
+    packing = ld.push_off(ld.bidisperse(16, phi=0.8, seed=2))
     swapped = replace(packing, species=packing.species[::-1])
     states = []
     for each in (packing, swapped):
-        with deformable.Simulation(each, Ring(kA=[1.0, 2.0])) as sim:
+        with ld.Simulation(each, Ring(kA=[1.0, 2.0])) as sim:
             states.append(sim.state())
-    list(deformable.record(states, tmp_path))
-    for found, state in zip(deformable.Run(tmp_path), states, strict=True):
+    list(ld.record(states, tmp_path))
+    for found, state in zip(ld.Run(tmp_path), states, strict=True):
         assert np.array_equal(found.packing.species, state.packing.species)
         assert found.energy == pytest.approx(state.energy, rel=1e-10)
 
 
 def test_a_frame_has_its_own_radii_law_and_walls(tmp_path: Path) -> None:
     """Those of the last state would give other packing fractions, energies and forces."""
-    packing = deformable.push_off(deformable.bidisperse(16, seed=2).at(0.7))
+    packing = ld.push_off(ld.bidisperse(16, seed=2).at(0.7))
     grown = replace(packing, radii=1.1 * packing.radii)
-    obstacle = deformable.Disk(packing.positions[0] + [0.0, 1.2], 0.2)
+    obstacle = ld.Disk(packing.positions[0] + [0.0, 1.2], 0.2)
     moved = replace(obstacle, center=packing.positions[1] + [0.0, 1.2])
     states = []
     for each, law, walls in (
@@ -82,12 +82,12 @@ def test_a_frame_has_its_own_radii_law_and_walls(tmp_path: Path) -> None:
         (packing, Ring(), (obstacle,)),
         (packing, Ring(), (moved,)),
     ):
-        with deformable.Simulation(deformable.push_off(replace(each, walls=walls)), law) as sim:
+        with ld.Simulation(ld.push_off(replace(each, walls=walls)), law) as sim:
             states.append(sim.state())
-    list(deformable.record(states, tmp_path))
-    list(deformable.Run(tmp_path).append(states[:2]))
+    list(ld.record(states, tmp_path))
+    list(ld.Run(tmp_path).append(states[:2]))
     states += states[:2]
-    for found, state in zip(deformable.Run(tmp_path), states, strict=True):
+    for found, state in zip(ld.Run(tmp_path), states, strict=True):
         assert found.law == state.law
         assert found.packing.walls == state.packing.walls
         assert found.phi == pytest.approx(state.phi, rel=1e-12)
@@ -96,10 +96,10 @@ def test_a_frame_has_its_own_radii_law_and_walls(tmp_path: Path) -> None:
 
 
 def test_a_run_is_indexed(start: Packing, tmp_path: Path) -> None:
-    with deformable.Simulation(start, LAW) as sim:
-        for _ in deformable.record(deformable.compress(sim, -0.01, 4), tmp_path):
+    with ld.Simulation(start, LAW) as sim:
+        for _ in ld.record(ld.compress(sim, -0.01, 4), tmp_path):
             pass
-    run = deformable.Run(tmp_path)
+    run = ld.Run(tmp_path)
     fractions = [state.phi for state in run]
     assert len(run) == len(set(fractions)) == 5
     assert [run[n].phi for n in (0, 4, -1, -5)] == [fractions[n] for n in (0, 4, -1, -5)]
@@ -108,16 +108,16 @@ def test_a_run_is_indexed(start: Packing, tmp_path: Path) -> None:
     for number in (5, -6):
         with pytest.raises(IndexError, match=f"has 5 states, and no state {number}"):
             run[number]
-    with deformable.Run(tmp_path).simulation() as sim:
-        (more,) = run.append(deformable.compress(sim, 0.01, 1), {"seed": 3})
+    with ld.Run(tmp_path).simulation() as sim:
+        (more,) = run.append(ld.compress(sim, 0.01, 1), {"seed": 3})
     assert (len(run), run[-1].phi) == (6, pytest.approx(more.phi, rel=1e-12))
     assert run.parameters == {"seed": 3, "before": {}}
 
 
 def test_a_saved_state_is_a_run_without_frames(start: Packing, tmp_path: Path) -> None:
-    with deformable.Simulation(start, LAW) as sim:
+    with ld.Simulation(start, LAW) as sim:
         sim.state().save(tmp_path)
-    run = deformable.Run(tmp_path)
+    run = ld.Run(tmp_path)
     assert (len(run), list(run), run[:]) == (0, [], [])
     with pytest.raises(IndexError, match="one saved state and no recorded ones"):
         run[-1]

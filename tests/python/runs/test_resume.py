@@ -6,10 +6,10 @@ import sys
 import time
 from pathlib import Path
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
-from deformable.cli import main as cli
+from lammps_deformable.cli import main as cli
 from programs import command, program
 
 FILES = (
@@ -25,8 +25,8 @@ import json, os, signal, sys
 import lammps, mpi4py, qdldl, scipy.sparse.linalg
 mpi4py.rc.initialize = False
 from mpi4py import MPI
-from deformable.cli import main as cli
-from deformable.io import series
+from lammps_deformable.cli import main as cli
+from lammps_deformable.io import series
 
 def strike():
     global count
@@ -124,7 +124,7 @@ def test_killed_again_and_again(uninterrupted: dict[str, bytes], tmp_path: Path)
         assert (result.returncode, result.stderr) == (0, "")
         assert result.stdout == "the compression in 'run' is complete\n"
     assert contents(tmp_path / "run") == uninterrupted
-    assert list(deformable.Run(tmp_path / "run").resume()) == []
+    assert list(ld.Run(tmp_path / "run").resume()) == []
 
 
 def in_process(*options: str) -> None:
@@ -149,13 +149,13 @@ def test_the_same_command_resumes(
         ("--steps", "5", "2"),
         ("--tolerance", "1e-06", "1e-08"),
     ):
-        with pytest.raises(deformable.ParameterError) as error:
+        with pytest.raises(ld.ParameterError) as error:
             in_process("--resume", option, *given.split())
         assert f"'run' was begun with {option} {saved}, not {given}" in str(error.value)
-    with pytest.raises(deformable.FileError, match="at step 2 of 5: finish it first with --resume"):
+    with pytest.raises(ld.FileError, match="at step 2 of 5: finish it first with --resume"):
         in_process("--append", "--steps", "1")
-    with pytest.raises(deformable.FileError, match="at step 2 of 5: finish it first"):
-        deformable.Run(tmp_path / "run").compress(0.01, 1)
+    with pytest.raises(ld.FileError, match="at step 2 of 5: finish it first"):
+        ld.Run(tmp_path / "run").compress(0.01, 1)
     assert contents(tmp_path / "run") == broken
     result = compress(*START, *law, "--resume", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
@@ -163,7 +163,7 @@ def test_the_same_command_resumes(
 
     result = compress("--append", "--strain", "0.001", "--steps", "1", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
-    with pytest.raises(deformable.ParameterError, match="was begun with --seed 5, not 3"):
+    with pytest.raises(ld.ParameterError, match="was begun with --seed 5, not 3"):
         in_process("--append", "--seed", "3")  # of the first compression
     in_process("--resume", "--seed", "5", "--steps", "1")
 
@@ -179,10 +179,10 @@ def test_a_run_is_not_overwritten(uninterrupted: dict[str, bytes], tmp_path: Pat
     for way in ("--resume", "--append", "--overwrite"):
         assert way in result.stderr
     with (
-        deformable.Run(folder).simulation() as sim,
-        pytest.raises(deformable.FileError, match="overwrite=True"),
+        ld.Run(folder).simulation() as sim,
+        pytest.raises(ld.FileError, match="overwrite=True"),
     ):
-        deformable.compress_in(sim, folder, 0.01, 1)
+        ld.compress_in(sim, folder, 0.01, 1)
     assert contents(folder) == uninterrupted
     result = compress("--number", "8", "--steps", "1", "--overwrite", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
@@ -214,54 +214,59 @@ def test_missing_frames_are_refused(
     (tmp_path / name).unlink()
     if left is not None:
         (tmp_path / name).write_text(left)
-    with pytest.raises(deformable.FileError, match=rf"{name} lacks frame \d"):
-        deformable.Run(tmp_path).compress(0.01, 1)
+    with pytest.raises(ld.FileError, match=rf"{name} lacks frame \d"):
+        ld.Run(tmp_path).compress(0.01, 1)
     summary = json.loads((tmp_path / "summary.json").read_text())
     summary["parameters"]["steps"] = 6
     (tmp_path / "summary.json").write_text(json.dumps(summary))
-    with pytest.raises(deformable.FileError, match=rf"{name} lacks frame \d"):
-        deformable.Run(tmp_path).resume()
+    with pytest.raises(ld.FileError, match=rf"{name} lacks frame \d"):
+        ld.Run(tmp_path).resume()
 
 
 def test_numbers_of_numpy_can_be_resumed(tmp_path: Path) -> None:
     """JSON does not know them."""
-    packing = deformable.jam(deformable.bidisperse(8, seed=1))
-    with deformable.Simulation(packing, deformable.Ring()) as sim:
-        run = deformable.compress_in(
+    packing = ld.jam(ld.bidisperse(8, seed=1))
+    with ld.Simulation(packing, ld.Ring()) as sim:
+        run = ld.compress_in(
             sim, tmp_path, np.float32(0.02), np.int64(3), tolerance=np.float32(1e-6)
         )
         next(run)
         del run
-    assert len(list(deformable.Run(tmp_path).resume())) == 2
+    assert len(list(ld.Run(tmp_path).resume())) == 2
     assert json.loads((tmp_path / "summary.json").read_text())["parameters"]["steps"] == 3
 
 
 def test_killed_from_outside(uninterrupted: dict[str, bytes], tmp_path: Path) -> None:
-    command = [sys.executable, "-c", "from deformable.cli.main import main; main()", "compress"]
+    command = [
+        sys.executable,
+        "-c",
+        "from lammps_deformable.cli.main import main; main()",
+        "compress",
+    ]
     process = subprocess.Popen([*command, "--out", "run", *START], cwd=tmp_path)
     series = tmp_path / "run" / "series.csv"
     while process.poll() is None and not (series.exists() and series.read_text().count("\n") > 2):
         time.sleep(0.01)
     process.kill()
     process.wait()
-    for _ in deformable.Run(tmp_path / "run").resume():
+    for _ in ld.Run(tmp_path / "run").resume():
         pass
     assert contents(tmp_path / "run") == uninterrupted
 
 
-def test_python_resumes_what_it_began(jammed: deformable.Packing, tmp_path: Path) -> None:
+def test_python_resumes_what_it_began(jammed: ld.Packing, tmp_path: Path) -> None:
     """Also in a tilted box, where LAMMPS rounds centers as it wraps them, and behind a run."""
-    tilted = deformable.jam(deformable.bidisperse(12, tilt=0.3, aspect=1.2, seed=2))
+    tilted = ld.jam(ld.bidisperse(12, tilt=0.3, aspect=1.2, seed=2))
     for name, stop in (("whole", 3), ("broken", 1)):
         folder = tmp_path / name
         for packing in (jammed, tilted):
-            sim = deformable.Simulation(packing, deformable.Ring())
-            steps = deformable.compress_in(sim, folder, 0.02, 3, overwrite=packing is tilted)
+            sim = ld.Simulation(packing, ld.Ring())
+            steps = ld.compress_in(sim, folder, 0.02, 3, overwrite=packing is tilted)
             assert all(state.root for state in steps)
-        further = deformable.Run(folder).compress(0.02, 3)
+        further = ld.Run(folder).compress(0.02, 3)
         for _, state in zip(range(stop), further, strict=False):
             assert state.root
-    states = list(deformable.Run(tmp_path / "broken").resume())
+    states = list(ld.Run(tmp_path / "broken").resume())
     assert len(states) == 2
     assert contents(tmp_path / "broken") == contents(tmp_path / "whole")
     parameters = json.loads((tmp_path / "whole" / "summary.json").read_text())["parameters"]
@@ -270,28 +275,28 @@ def test_python_resumes_what_it_began(jammed: deformable.Packing, tmp_path: Path
 
 
 def test_a_resumed_packing_was_rigid(
-    jammed: deformable.Packing, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    jammed: ld.Packing, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """So that a resumed packing that loses its rigidity still gives a warning."""
-    first = deformable.Simulation(jammed, deformable.Ring())
-    next(deformable.compress_in(first, tmp_path, 0.02, 2))
+    first = ld.Simulation(jammed, ld.Ring())
+    next(ld.compress_in(first, tmp_path, 0.02, 2))
     again = []
-    opened = deformable.Run._simulation
+    opened = ld.Run._simulation
     monkeypatch.setattr(
-        deformable.Run, "_simulation", lambda *given: again.append(opened(*given)) or again[0]
+        ld.Run, "_simulation", lambda *given: again.append(opened(*given)) or again[0]
     )
-    deformable.Run(tmp_path).resume()
+    ld.Run(tmp_path).resume()
     assert again[0]._rigidity.phi == first._rigidity.phi < 1.0
 
 
-def test_what_cannot_be_resumed(state: deformable.State, tmp_path: Path) -> None:
-    with pytest.raises(deformable.FileError, match=r"summary\.json is missing"):
-        deformable.Run(tmp_path).resume()
-    for _ in deformable.record([state], tmp_path):
+def test_what_cannot_be_resumed(state: ld.State, tmp_path: Path) -> None:
+    with pytest.raises(ld.FileError, match=r"summary\.json is missing"):
+        ld.Run(tmp_path).resume()
+    for _ in ld.record([state], tmp_path):
         pass
-    with pytest.raises(deformable.FileError, match=r"Run\.compress"):
-        deformable.Run(tmp_path).resume()
+    with pytest.raises(ld.FileError, match=r"Run\.compress"):
+        ld.Run(tmp_path).resume()
     lines = (tmp_path / "packing.data").read_text().splitlines(keepends=True)
     (tmp_path / "packing.data").write_text("".join(lines[:-2]))
-    with pytest.raises(deformable.FileError, match=r"packing\.data .* 30 "):
-        deformable.Run(tmp_path).resume()
+    with pytest.raises(ld.FileError, match=r"packing\.data .* 30 "):
+        ld.Run(tmp_path).resume()

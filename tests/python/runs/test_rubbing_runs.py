@@ -2,28 +2,28 @@
 
 from pathlib import Path
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
 from contact_laws import contacts
-from deformable.model.laws import LAWS
+from lammps_deformable.model.laws import LAWS
 
-ROUGH = deformable.Friction(
+ROUGH = ld.Friction(
     [[0.4, 0.2], [0.2, np.inf]],
     1e-2,
     1e-3,
     damp=1e-3,
-    walls=deformable.Friction(0.2, 1e-2),
+    walls=ld.Friction(0.2, 1e-2),
 )
 STEP = {"timestep": 0.05, "every": 100}
 
 
-def begun(law: deformable.Ring) -> deformable.Simulation:
+def begun(law: ld.Ring) -> ld.Simulation:
     """In motion between walls, with springs."""
-    walls = (*deformable.rectangle(5.5, 5), deformable.Disk((3, 3), 0.6))
-    packing = deformable.bidisperse(14, seed=3).between(walls, seed=1).at(0.84)
-    sim = deformable.Simulation(deformable.push_off(packing), law, friction=ROUGH)
-    list(deformable.move(sim, 100, temperature=1e-4, seed=1, **STEP))
+    walls = (*ld.rectangle(5.5, 5), ld.Disk((3, 3), 0.6))
+    packing = ld.bidisperse(14, seed=3).between(walls, seed=1).at(0.84)
+    sim = ld.Simulation(ld.push_off(packing), law, friction=ROUGH)
+    list(ld.move(sim, 100, temperature=1e-4, seed=1, **STEP))
     return sim
 
 
@@ -31,7 +31,7 @@ def begun(law: deformable.Ring) -> deformable.Simulation:
 BALANCE = {"balanced": 1e-8, "curved": 1e-8, "radical": 1e-13}
 
 
-def same(a: deformable.State, b: deformable.State, part: float) -> None:
+def same(a: ld.State, b: ld.State, part: float) -> None:
     """All that goes on, to this part of its size."""
     assert a.friction == b.friction
     assert a.time == b.time
@@ -49,22 +49,22 @@ def same(a: deformable.State, b: deformable.State, part: float) -> None:
 def test_motion_goes_on(contact: str, tmp_path: Path) -> None:
     """From a state, a saved one and a recorded one as if it had never stopped, to rounding."""
     with begun(LAWS[contact]) as sim:
-        motion = deformable.move(sim, 200, **STEP)
-        before, state = list(deformable.record(motion, tmp_path / "run"))
+        motion = ld.move(sim, 200, **STEP)
+        before, state = list(ld.record(motion, tmp_path / "run"))
         assert 0 < before.contact_table["sliding"].sum() < len(before.contact_table)
-        *_, end = deformable.move(sim, 200, **STEP)
+        *_, end = ld.move(sim, 200, **STEP)
     state.save(tmp_path / "saved")
-    run = deformable.Run(tmp_path / "run")
+    run = ld.Run(tmp_path / "run")
     same(run[-1], state, BALANCE[contact])
     same(run[1], before, BALANCE[contact])
     for again in (
-        deformable.Simulation(state, LAWS[contact]),
-        deformable.Run(tmp_path / "saved").simulation(),
-        deformable.Run(tmp_path / "run").simulation(),
-        deformable.Simulation(run[-1], LAWS[contact]),
+        ld.Simulation(state, LAWS[contact]),
+        ld.Run(tmp_path / "saved").simulation(),
+        ld.Run(tmp_path / "run").simulation(),
+        ld.Simulation(run[-1], LAWS[contact]),
     ):
         with again:
-            *_, found = deformable.move(again, 200, **STEP)
+            *_, found = ld.move(again, 200, **STEP)
         # small differences grow in 200 steps: particles collide once or twice
         same(found, end, 1e3 * BALANCE[contact])
 
@@ -73,11 +73,11 @@ def test_without_springs_it_does_not_go_on(tmp_path: Path) -> None:
     """A packing alone has lost them: the comparison above can fail."""
     with begun(LAWS["balanced"]) as sim:
         state = sim.state()
-        *_, end = deformable.move(sim, 200, **STEP)
+        *_, end = ld.move(sim, 200, **STEP)
     lost = state.rubbing._replace(springs=state.rubbing.springs[:0])
-    forgetful = deformable.State(**{**vars(state), "rubbing": lost})
-    with deformable.Simulation(forgetful, state.law) as sim:
-        *_, found = deformable.move(sim, 200, **STEP)
+    forgetful = ld.State(**{**vars(state), "rubbing": lost})
+    with ld.Simulation(forgetful, state.law) as sim:
+        *_, found = ld.move(sim, 200, **STEP)
     assert np.abs(found.packing.positions - end.packing.positions).max() > 1e-5
 
 
@@ -85,11 +85,11 @@ def test_other_walls_or_no_friction(tmp_path: Path) -> None:
     with begun(LAWS["balanced"]) as sim:
         state = sim.state()
     assert (state.rubbing.springs[:, 1] < 0).any()
-    with deformable.Simulation(state, state.law, walls=deformable.Circle((2.7, 2.5), 4)) as sim:
+    with ld.Simulation(state, state.law, walls=ld.Circle((2.7, 2.5), 4)) as sim:
         springs = sim.state().rubbing.springs
     assert len(springs) > 0
     assert (springs[:, 1] > 0).all()
-    with deformable.Simulation(state.packing, state.law) as sim:
+    with ld.Simulation(state.packing, state.law) as sim:
         assert sim.state().rubbing is None
 
 
@@ -100,7 +100,7 @@ def test_lammps_takes_it_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
     with begun(LAWS["balanced"]) as sim:
         state = sim.state()
         state.save(tmp_path)
-        *_, end = deformable.move(sim, 200, **STEP)
+        *_, end = ld.move(sim, 200, **STEP)
     monkeypatch.chdir(tmp_path)
     lmp = lammps(cmdargs=["-log", "none", "-screen", "none"])
     lmp.file("in.lammps")
@@ -119,14 +119,14 @@ def test_damaged_springs(tmp_path: Path) -> None:
         sim.state().save(tmp_path)
     file = tmp_path / "packing.data"
     file.write_text(file.read_text().replace("# spring 1", "# spring x 1", 1))
-    with pytest.raises(deformable.FileError, match=r"\A[^\n]*packing.data"):
-        deformable.Run(tmp_path).simulation()
+    with pytest.raises(ld.FileError, match=r"\A[^\n]*packing.data"):
+        ld.Run(tmp_path).simulation()
 
 
 def test_nothing_unsaved_is_told(recwarn: pytest.WarningsRecorder, tmp_path: Path) -> None:
     with begun(LAWS["balanced"]) as sim:
         sim.state().save(tmp_path / "one")
-        assert not [w for w in recwarn if w.category is deformable.UnsavedWarning]
+        assert not [w for w in recwarn if w.category is ld.UnsavedWarning]
         sim.lmp.command("fix rub all deformable/friction 0.1 1e-3 0")
-        with pytest.warns(deformable.UnsavedWarning, match="friction of contacts"):
+        with pytest.warns(ld.UnsavedWarning, match="friction of contacts"):
             sim.state().save(tmp_path / "two")

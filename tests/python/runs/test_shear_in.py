@@ -3,7 +3,7 @@
 import csv
 from pathlib import Path
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
 
@@ -17,22 +17,22 @@ STRAIN, STEPS = 0.8, 5
 
 
 @pytest.fixture(scope="module")
-def squeezed() -> deformable.Packing:
-    jammed = deformable.jam(deformable.bidisperse(16, seed=4))
-    with deformable.Simulation(jammed.at(jammed.phi + 0.03), deformable.Ring()) as sim:
+def squeezed() -> ld.Packing:
+    jammed = ld.jam(ld.bidisperse(16, seed=4))
+    with ld.Simulation(jammed.at(jammed.phi + 0.03), ld.Ring()) as sim:
         return sim.relax().packing
 
 
-def begin(packing: deformable.Packing, folder: Path) -> list[deformable.State]:
-    sim = deformable.Simulation(packing, deformable.Ring())
-    return deformable.shear_in(sim, folder, STRAIN, STEPS, parameters={"seed": 4})
+def begin(packing: ld.Packing, folder: Path) -> list[ld.State]:
+    sim = ld.Simulation(packing, ld.Ring())
+    return ld.shear_in(sim, folder, STRAIN, STEPS, parameters={"seed": 4})
 
 
 def contents(folder: Path) -> dict[str, bytes]:
     return {name: (folder / name).read_bytes() for name in FILES}
 
 
-def test_interrupted_after_any_step(squeezed: deformable.Packing, tmp_path: Path) -> None:
+def test_interrupted_after_any_step(squeezed: ld.Packing, tmp_path: Path) -> None:
     whole = list(begin(squeezed, tmp_path / "whole"))
     assert len(whole) == STEPS
     assert np.diff([state.packing.box[1, 0] for state in whole]).min() < 0.0  # straightened
@@ -40,18 +40,18 @@ def test_interrupted_after_any_step(squeezed: deformable.Packing, tmp_path: Path
         states = begin(squeezed, tmp_path / str(steps))
         for _ in range(steps):
             next(states)
-        missing = list(deformable.Run(tmp_path / str(steps)).resume())
+        missing = list(ld.Run(tmp_path / str(steps)).resume())
         assert len(missing) == STEPS - steps
         assert contents(tmp_path / str(steps)) == contents(tmp_path / "whole")
-    assert list(deformable.Run(tmp_path / "whole").resume()) == []
+    assert list(ld.Run(tmp_path / "whole").resume()) == []
 
 
-def test_it_is_a_shear(squeezed: deformable.Packing, tmp_path: Path) -> None:
+def test_it_is_a_shear(squeezed: ld.Packing, tmp_path: Path) -> None:
     """The same as `shear`, up to what rounding does; the box leans over and keeps its area."""
-    with deformable.Simulation(squeezed, deformable.Ring()) as sim:
-        first, *_ = deformable.shear(sim, 0.02, 2)
-    with deformable.Simulation(squeezed, deformable.Ring()) as sim:
-        again, last = deformable.shear_in(sim, tmp_path, 0.02, 2)
+    with ld.Simulation(squeezed, ld.Ring()) as sim:
+        first, *_ = ld.shear(sim, 0.02, 2)
+    with ld.Simulation(squeezed, ld.Ring()) as sim:
+        again, last = ld.shear_in(sim, tmp_path, 0.02, 2)
     assert again.energy == pytest.approx(first.energy, rel=1e-4)
     lean = last.packing.box[1, 0] - squeezed.box[1, 0]
     assert lean == pytest.approx(0.02 * squeezed.box[1, 1], rel=1e-12)
@@ -63,31 +63,31 @@ def strains(folder: Path) -> list[str]:
         return [row.get("strain", "none") for row in csv.DictReader(file)]
 
 
-def test_the_first_frame_is_the_start(squeezed: deformable.Packing, tmp_path: Path) -> None:
+def test_the_first_frame_is_the_start(squeezed: ld.Packing, tmp_path: Path) -> None:
     """Frame 0 of a new run; a run that is sheared further goes on after its last frame."""
-    with deformable.Simulation(squeezed, deformable.Ring()) as sim:
-        list(deformable.shear_in(sim, tmp_path, 0.02, 2))
+    with ld.Simulation(squeezed, ld.Ring()) as sim:
+        list(ld.shear_in(sim, tmp_path, 0.02, 2))
     assert strains(tmp_path) == ["0.0", "0.01", "0.02"]
-    first, *_ = deformable.Run(tmp_path)
+    first, *_ = ld.Run(tmp_path)
     # LAMMPS takes them to fractions of the box and back, which rounds twice
     rounding = 2 * np.spacing(squeezed.box.max())
     np.testing.assert_allclose(first.packing.positions, squeezed.positions, 0, rounding)
-    list(deformable.Run(tmp_path).shear(0.04, 1))
+    list(ld.Run(tmp_path).shear(0.04, 1))
     assert strains(tmp_path) == ["0.0", "0.01", "0.02", "0.06"]
 
 
-def test_refusals(squeezed: deformable.Packing, tmp_path: Path) -> None:
-    with deformable.Simulation(squeezed, deformable.Ring()) as sim:
+def test_refusals(squeezed: ld.Packing, tmp_path: Path) -> None:
+    with ld.Simulation(squeezed, ld.Ring()) as sim:
         for values, word in (((0.1, 0), "steps"), ((np.nan, 2), "strain")):
-            with pytest.raises(deformable.ParameterError, match=word):
-                deformable.shear_in(sim, tmp_path / "run", *values)
-        with pytest.raises(deformable.ParameterError, match=r"tolerance .* 0\.5"):
-            deformable.shear_in(sim, tmp_path / "run", 0.1, 2, tolerance=0.5)
+            with pytest.raises(ld.ParameterError, match=word):
+                ld.shear_in(sim, tmp_path / "run", *values)
+        with pytest.raises(ld.ParameterError, match=r"tolerance .* 0\.5"):
+            ld.shear_in(sim, tmp_path / "run", 0.1, 2, tolerance=0.5)
         assert not list(tmp_path.iterdir())
-        next(deformable.shear_in(sim, tmp_path, 0.02, 2))
-        with pytest.raises(deformable.FileError, match="overwrite=True"):
-            deformable.shear_in(sim, tmp_path, 0.02, 2)
-        with pytest.raises(deformable.FileError, match="interrupted at step 1 of 2"):
-            deformable.Run(tmp_path).shear(0.02, 2)
-    with deformable.Disks(squeezed) as disks, pytest.raises(deformable.ParameterError, match="sim"):
-        deformable.shear_in(disks, tmp_path / "run", 0.1, 2)
+        next(ld.shear_in(sim, tmp_path, 0.02, 2))
+        with pytest.raises(ld.FileError, match="overwrite=True"):
+            ld.shear_in(sim, tmp_path, 0.02, 2)
+        with pytest.raises(ld.FileError, match="interrupted at step 1 of 2"):
+            ld.Run(tmp_path).shear(0.02, 2)
+    with ld.Disks(squeezed) as disks, pytest.raises(ld.ParameterError, match="sim"):
+        ld.shear_in(disks, tmp_path / "run", 0.1, 2)

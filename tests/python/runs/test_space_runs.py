@@ -6,11 +6,11 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
-from deformable import Droplet, DropletSimulation, DropletState, Packing
-from deformable.cli.main import app
+from lammps_deformable import Droplet, DropletSimulation, DropletState, Packing
+from lammps_deformable.cli.main import app
 
 LAW = Droplet([1.0, 1.5])
 
@@ -18,20 +18,20 @@ LAW = Droplet([1.0, 1.5])
 @pytest.fixture(scope="module")
 def start() -> Packing:
     """In a tilted box, where LAMMPS rounds centers as it wraps them."""
-    loose = deformable.bidisperse(16, radii=(1.0, 1.2), tilt=0.3, dimension=3, seed=1)
-    return deformable.jam(loose, tolerance=1e-2).at(0.68)
+    loose = ld.bidisperse(16, radii=(1.0, 1.2), tilt=0.3, dimension=3, seed=1)
+    return ld.jam(loose, tolerance=1e-2).at(0.68)
 
 
 @pytest.fixture(scope="module")
 def moved(start: Packing, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list]:
     """A run of a bath behind a shear, and its states."""
     folder = tmp_path_factory.mktemp("moved") / "run"
-    with deformable.Simulation(start, LAW) as sim:
+    with ld.Simulation(start, LAW) as sim:
         states = [replace(sim.state(), strain=0.0)]
-        steps = deformable.shear(sim, 0.02, 2, tolerance=1e-4)
-        states += deformable.record(steps, folder, {"seed": 3})
-        bath = deformable.move(sim, 40, temperature=1e-3, friction=0.5, every=20, seed=3)
-        states += deformable.Run(folder).append(bath)
+        steps = ld.shear(sim, 0.02, 2, tolerance=1e-4)
+        states += ld.record(steps, folder, {"seed": 3})
+        bath = ld.move(sim, 40, temperature=1e-3, friction=0.5, every=20, seed=3)
+        states += ld.Run(folder).append(bath)
     return folder, states
 
 
@@ -40,7 +40,7 @@ def contents(folder: Path) -> dict[str, bytes]:
 
 
 def compressed(**target: float) -> Callable[[DropletSimulation, Path], Iterator[DropletState]]:
-    return lambda sim, folder: deformable.compress_in(sim, folder, **target, steps=3)
+    return lambda sim, folder: ld.compress_in(sim, folder, **target, steps=3)
 
 
 PROTOCOLS = {
@@ -48,7 +48,7 @@ PROTOCOLS = {
     "phi": compressed(phi=0.74),
     "pressure": compressed(pressure=0.1),
     # through a flip of the box
-    "shear": lambda sim, folder: deformable.shear_in(sim, folder, 0.4, 3),
+    "shear": lambda sim, folder: ld.shear_in(sim, folder, 0.4, 3),
 }
 
 
@@ -58,11 +58,11 @@ def test_resumed_runs_are_those_that_were_not_interrupted(
 ) -> None:
     """Byte for byte."""
     for name, stop in (("whole", 3), ("broken", 1)):
-        with deformable.Simulation(start, LAW) as sim:
+        with ld.Simulation(start, LAW) as sim:
             steps = PROTOCOLS[protocol](sim, tmp_path / name)
             assert len(list(itertools.islice(steps, stop))) == stop
-    broken = deformable.Run(tmp_path / "broken")
-    with pytest.raises(deformable.FileError, match="interrupted at step 1 of 3: finish it first"):
+    broken = ld.Run(tmp_path / "broken")
+    with pytest.raises(ld.FileError, match="interrupted at step 1 of 3: finish it first"):
         broken.compress(0.01, 1)
     assert len(list(broken.resume())) == 2
     assert contents(tmp_path / "broken") == contents(tmp_path / "whole")
@@ -72,18 +72,18 @@ def test_resumed_runs_are_those_that_were_not_interrupted(
 def test_runs_go_on(start: Packing, tmp_path: Path) -> None:
     """With another protocol, which is interrupted too."""
     for name, stop in (("whole", 2), ("broken", 1)):
-        with deformable.Simulation(start, LAW) as sim:
-            list(deformable.compress_in(sim, tmp_path / name, 0.01, 1, tolerance=1e-4))
-        further = deformable.Run(tmp_path / name).shear(0.02, 2, tolerance=1e-4)
+        with ld.Simulation(start, LAW) as sim:
+            list(ld.compress_in(sim, tmp_path / name, 0.01, 1, tolerance=1e-4))
+        further = ld.Run(tmp_path / name).shear(0.02, 2, tolerance=1e-4)
         list(itertools.islice(further, stop))
-    list(deformable.Run(tmp_path / "broken").resume())
+    list(ld.Run(tmp_path / "broken").resume())
     assert contents(tmp_path / "broken") == contents(tmp_path / "whole")
 
 
 def test_replayed_states(moved: tuple[Path, list]) -> None:
     """Evaluated again from all digits; forces are balanced to 1e-8."""
     folder, states = moved
-    run = deformable.Run(folder)
+    run = ld.Run(folder)
     assert len(run) == len(states) == 5
     for again, state in zip(run, states, strict=True):
         assert isinstance(again, DropletState)
@@ -103,7 +103,7 @@ def test_replayed_states(moved: tuple[Path, list]) -> None:
 
 def test_a_simulation_of_the_last_state(moved: tuple[Path, list]) -> None:
     folder, states = moved
-    with deformable.Run(folder).simulation() as sim:
+    with ld.Run(folder).simulation() as sim:
         assert isinstance(sim, DropletSimulation)
         assert (sim.time, sim.strain) == (states[-1].time, states[-1].strain)
         assert np.array_equal(sim.state().velocities, states[-1].velocities)
@@ -112,7 +112,7 @@ def test_a_simulation_of_the_last_state(moved: tuple[Path, list]) -> None:
 def test_tables_and_shapes(moved: tuple[Path, list], tmp_path: Path) -> None:
     pytest.importorskip("pandas")
     folder, states = moved
-    run = deformable.Run(folder)
+    run = ld.Run(folder)
     table = run.table(largest=lambda state: state.load.max())
     for name in ("lz", "yz", "phi", "pressure", "shear_stress", "load", "temperature", "time"):
         numbers = [state.numbers()[name] for state in states]
@@ -128,7 +128,7 @@ def test_mdanalysis_reads_runs(moved: tuple[Path, list]) -> None:
     """A frame is `to_mdanalysis` of its state; `time` is that of the frame's number."""
     pytest.importorskip("MDAnalysis")
     folder, states = moved
-    universe = deformable.Run(folder).universe()
+    universe = ld.Run(folder).universe()
     assert universe.atoms.radii == pytest.approx(states[0].packing.radius)
     for frame, state in zip(universe.trajectory, states, strict=True):
         expected = state.to_mdanalysis().trajectory.ts
@@ -142,10 +142,10 @@ def test_mdanalysis_reads_runs(moved: tuple[Path, list]) -> None:
 @pytest.mark.parametrize("kind", ["droplets", "spheres"])
 def test_logs(kind: str, start: Packing, tmp_path: Path) -> None:
     spheres = kind == "spheres"
-    with deformable.Spheres(start) if spheres else deformable.Simulation(start, LAW) as sim:
-        steps = deformable.compress(sim, 0.01, 1, tolerance=1e-4)
+    with ld.Spheres(start) if spheres else ld.Simulation(start, LAW) as sim:
+        steps = ld.compress(sim, 0.01, 1, tolerance=1e-4)
         columns = {"widest": lambda state: state.packing.box.max()}
-        (last,) = deformable.log(steps, tmp_path / "log.csv", **columns)
+        (last,) = ld.log(steps, tmp_path / "log.csv", **columns)
     with (tmp_path / "log.csv").open(newline="") as file:
         _, row = csv.DictReader(file)
     assert float(row["pressure"]) == last.pressure
@@ -163,36 +163,36 @@ def test_the_shell_keeps_runs_of_droplets(tmp_path: Path, monkeypatch: pytest.Mo
     shell(f"{begun} whole --steps 2")
     assert Path("whole", "packing.png").exists()
     for command in ("compress", "shear"):  # pictures in space take seconds
-        monkeypatch.setattr(f"deformable.cli.{command}.draw", lambda *_: None)
-    run = deformable.Run("whole")
+        monkeypatch.setattr(f"lammps_deformable.cli.{command}.draw", lambda *_: None)
+    run = ld.Run("whole")
     assert len(run) == 3
     assert run[-1].law == Droplet()
     assert run.parameters["dimension"] == 3
     shell("compress --out whole --resume --dimension 3 --tension 1.0")  # nothing is left to do
-    with pytest.raises(deformable.ParameterError, match="begun with --dimension 3, not 2"):
+    with pytest.raises(ld.ParameterError, match="begun with --dimension 3, not 2"):
         shell("compress --out whole --resume --dimension 2")
     shell("compress --out whole --append --strain 0.01 --steps 1 --tolerance 1e-4")
     assert len(run) == 4
     shell("plot whole --frame 1 --color-by load --slice 1 --out frame.png")
     shell("movie whole --slice 1 --out movie.gif")
     shell("shear whole --strain 0.01 --steps 1 --tolerance 1e-4 --out sheared")
-    (before, after) = deformable.Run("sheared")
+    (before, after) = ld.Run("sheared")
     assert (before.strain, after.strain) == (0.0, 0.01)
     assert {"frame.png", "movie.gif"} <= {path.name for path in tmp_path.iterdir()}
 
 
 def test_runs_keep_their_walls(tmp_path: Path) -> None:
     """Which are scaled with the box in each step."""
-    walls = deformable.cuboid(6.0, 5.0, 5.0)[:4]  # periodic along z
-    loose = deformable.bidisperse(12, radii=(1.0, 1.2), dimension=3, seed=2)
-    packing = deformable.push_off(loose.between(walls).at(0.6))
+    walls = ld.cuboid(6.0, 5.0, 5.0)[:4]  # periodic along z
+    loose = ld.bidisperse(12, radii=(1.0, 1.2), dimension=3, seed=2)
+    packing = ld.push_off(loose.between(walls).at(0.6))
     for name, stop in (("whole", 2), ("broken", 1)):
-        with deformable.Simulation(packing, LAW) as sim:
-            steps = deformable.compress_in(sim, tmp_path / name, 0.02, 2, tolerance=1e-4)
+        with ld.Simulation(packing, LAW) as sim:
+            steps = ld.compress_in(sim, tmp_path / name, 0.02, 2, tolerance=1e-4)
             states = list(itertools.islice(steps, stop))
-    list(deformable.Run(tmp_path / "broken").resume())
+    list(ld.Run(tmp_path / "broken").resume())
     assert contents(tmp_path / "broken") == contents(tmp_path / "whole")
-    again = deformable.Run(tmp_path / "whole")[1]
+    again = ld.Run(tmp_path / "whole")[1]
     assert again.packing.walls == states[0].packing.walls != packing.walls
     assert again.wall_forces == pytest.approx(states[0].wall_forces, rel=1e-6, abs=1e-9)
     assert again.phi == pytest.approx(states[0].phi, rel=1e-14)

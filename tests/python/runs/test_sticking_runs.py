@@ -3,24 +3,22 @@
 import math
 from pathlib import Path
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
 from mpi4py import MPI
 
-LAW = deformable.Ring(
-    kA=math.inf, kP=0.0, tension=1.0, contact="curved", adhesion=[[0.3, 0.1], [0.1, 0.2]]
-)
+LAW = ld.Ring(kA=math.inf, kP=0.0, tension=1.0, contact="curved", adhesion=[[0.3, 0.1], [0.1, 0.2]])
 
 
 @pytest.fixture(scope="module")
-def start() -> deformable.State:
-    jammed = deformable.jam(deformable.bidisperse(12, seed=2))
-    with deformable.Simulation(jammed.at(0.85), LAW, MPI.COMM_SELF) as sim:
+def start() -> ld.State:
+    jammed = ld.jam(ld.bidisperse(12, seed=2))
+    with ld.Simulation(jammed.at(0.85), LAW, MPI.COMM_SELF) as sim:
         return sim.relax()
 
 
-def assert_same(states: list[deformable.State], others: list[deformable.State]) -> None:
+def assert_same(states: list[ld.State], others: list[ld.State]) -> None:
     assert len(states) == len(others)
     for state, other in zip(states, others, strict=True):
         assert state.films is not None
@@ -30,20 +28,20 @@ def assert_same(states: list[deformable.State], others: list[deformable.State]) 
         assert state.energy == pytest.approx(other.energy, rel=1e-9)
 
 
-def test_replay(start: deformable.State, tmp_path: Path) -> None:
+def test_replay(start: ld.State, tmp_path: Path) -> None:
     """Of a hot motion, in which droplets attach, stretch and let go."""
-    with deformable.Simulation(start, LAW, MPI.COMM_SELF) as sim:
-        moving = deformable.move(sim, steps=400, temperature=0.05, every=100, seed=1)
-        states = list(deformable.record(moving, tmp_path))
+    with ld.Simulation(start, LAW, MPI.COMM_SELF) as sim:
+        moving = ld.move(sim, steps=400, temperature=0.05, every=100, seed=1)
+        states = list(ld.record(moving, tmp_path))
     assert states[-1].lost_energy > 0.0
-    run = deformable.Run(tmp_path)
+    run = ld.Run(tmp_path)
     assert_same(states, run[1:])
     with run.simulation(MPI.COMM_SELF) as sim:
         assert_same(states[-1:], [sim.state()])
     assert any(stretched(state) for state in states)  # or positions would be enough
 
 
-def stretched(state: deformable.State) -> bool:
+def stretched(state: ld.State) -> bool:
     """Whether any pair is attached beyond the touch of circles."""
     table = state.contact_table[state.contact_table["attached"]]
     return bool(
@@ -53,22 +51,22 @@ def stretched(state: deformable.State) -> bool:
     )
 
 
-def test_resume(start: deformable.State, tmp_path: Path) -> None:
+def test_resume(start: ld.State, tmp_path: Path) -> None:
     """An interrupted shear goes on with the numbers of a whole one."""
     whole, part = tmp_path / "whole", tmp_path / "part"
-    with deformable.Simulation(start, LAW, MPI.COMM_SELF) as sim:
-        states = list(deformable.shear_in(sim, whole, 0.1, 3, tolerance=1e-3))
-    with deformable.Simulation(start, LAW, MPI.COMM_SELF) as sim:
-        steps = deformable.shear_in(sim, part, 0.1, 3, tolerance=1e-3)
+    with ld.Simulation(start, LAW, MPI.COMM_SELF) as sim:
+        states = list(ld.shear_in(sim, whole, 0.1, 3, tolerance=1e-3))
+    with ld.Simulation(start, LAW, MPI.COMM_SELF) as sim:
+        steps = ld.shear_in(sim, part, 0.1, 3, tolerance=1e-3)
         next(iter(steps))
         steps.close()
-    resumed = list(deformable.Run(part).resume(MPI.COMM_SELF))
+    resumed = list(ld.Run(part).resume(MPI.COMM_SELF))
     assert [state.energy for state in resumed] == [state.energy for state in states[1:]]
-    assert_same(states, deformable.Run(whole)[1:])
+    assert_same(states, ld.Run(whole)[1:])
 
 
-def test_compression(start: deformable.State) -> None:
-    with deformable.Simulation(start, LAW, MPI.COMM_SELF) as sim:
-        pressures = [state.pressure for state in deformable.compress(sim, 0.03, 2)]
+def test_compression(start: ld.State) -> None:
+    with ld.Simulation(start, LAW, MPI.COMM_SELF) as sim:
+        pressures = [state.pressure for state in ld.compress(sim, 0.03, 2)]
     assert np.isfinite(pressures).all()
     assert pressures[1] > pressures[0]

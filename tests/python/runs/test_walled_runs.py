@@ -6,11 +6,11 @@ from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
-from deformable import Circle, Disk, ParameterError, Plane, Polygon, Ring, Segment
 from exact_balance import exactly_balanced
+from lammps_deformable import Circle, Disk, ParameterError, Plane, Polygon, Ring, Segment
 from programs import output
 
 matplotlib = pytest.importorskip("matplotlib")
@@ -34,21 +34,21 @@ def exact_states() -> Iterator[None]:
 
 
 @pytest.fixture(scope="module")
-def jammed() -> deformable.Packing:
-    return deformable.jam(deformable.bidisperse(40, seed=2).between(SCENE))
+def jammed() -> ld.Packing:
+    return ld.jam(ld.bidisperse(40, seed=2).between(SCENE))
 
 
 @pytest.fixture(scope="module")
-def run(jammed, tmp_path_factory) -> tuple[Path, list[deformable.State]]:
+def run(jammed, tmp_path_factory) -> tuple[Path, list[ld.State]]:
     folder = tmp_path_factory.mktemp("run")
-    with deformable.Simulation(jammed, LAW) as sim:
-        steps = deformable.compress_in(sim, folder, strain=0.03, steps=3, tolerance=1e-4)
+    with ld.Simulation(jammed, LAW) as sim:
+        steps = ld.compress_in(sim, folder, strain=0.03, steps=3, tolerance=1e-4)
         return folder, list(steps)
 
 
 def test_jammed_disks_touch_walls(jammed) -> None:
     assert 0.6 < jammed.phi < 0.9
-    with deformable.Disks(jammed) as soft:
+    with ld.Disks(jammed) as soft:
         state = soft.state()
     assert 1e-6 < state.pressure < 2.1e-6
     touched = set(state.wall_pairs[:, 1].tolist())
@@ -57,7 +57,7 @@ def test_jammed_disks_touch_walls(jammed) -> None:
     # the pressure is the derivative of the energy by the free area
     energies, areas = [], []
     for factor in (1 - 1e-9, 1 + 1e-9):
-        with deformable.Disks(jammed.at(jammed.phi / factor**2)) as soft:
+        with ld.Disks(jammed.at(jammed.phi / factor**2)) as soft:
             energies.append(soft.state().energy)
             areas.append(soft.state().packing.area)
     slope = -np.diff(energies) / np.diff(areas)
@@ -80,11 +80,11 @@ def test_compression_scales_walls_with_particles(jammed, run) -> None:
 def test_saved_runs_are_read_back(run) -> None:
     """With every digit of the walls; replayed with those of each frame."""
     folder, states = run
-    with deformable.Run(folder).simulation() as sim:
+    with ld.Run(folder).simulation() as sim:
         again = sim.state()
     assert again.packing.walls == states[-1].packing.walls
     assert again.energy == pytest.approx(states[-1].energy, rel=1e-12)
-    replayed = deformable.Run(folder)[1:]
+    replayed = ld.Run(folder)[1:]
     for one, other in zip(replayed, states, strict=True):
         assert one.energy == pytest.approx(other.energy, rel=1e-6)
         assert one.phi == pytest.approx(other.phi, rel=1e-12)
@@ -101,7 +101,7 @@ def test_interrupted_runs_are_resumed(run, tmp_path: Path) -> None:
     middle = states[0]
     summary = json.loads((folder / "summary.json").read_text())
     middle._write(tmp_path, summary["parameters"], frames=2)
-    rest = list(deformable.Run(tmp_path).resume())
+    rest = list(ld.Run(tmp_path).resume())
     assert [state.energy for state in rest] == [state.energy for state in states[1:]]
     for name in ("packing.data", "summary.json", "in.lammps", "trajectory.lammpstrj"):
         assert (tmp_path / name).read_bytes() == (folder / name).read_bytes()
@@ -127,11 +127,11 @@ def test_damaged_walls_in_a_summary(run, tmp_path: Path, text: str) -> None:
     summary = json.loads((folder / "summary.json").read_text())
     summary["walls"] = [json.loads(text)]
     (tmp_path / "summary.json").write_text(json.dumps(summary))
-    with pytest.raises(deformable.FileError, match="cannot be read"):
-        deformable.Run(tmp_path).simulation()
+    with pytest.raises(ld.FileError, match="cannot be read"):
+        ld.Run(tmp_path).simulation()
 
 
-def artists(state: deformable.State) -> tuple[int, int]:
+def artists(state: ld.State) -> tuple[int, int]:
     """Shapes of obstacles and their corners, and corners of the frame, in a picture."""
     axes = state.plot(forces=True)
     walls = axes.collections[1].get_paths() if state.packing.walls else []
@@ -145,26 +145,26 @@ def test_pictures(run, tmp_path: Path) -> None:
     obstacles, corners = artists(states[-1])
     assert obstacles == 3
     assert corners > 1000
-    start = deformable.push_off(deformable.bidisperse(20, seed=1).between(Disk((0, 0), 0.8)))
-    with deformable.Simulation(start, LAW) as sim:
+    start = ld.push_off(ld.bidisperse(20, seed=1).between(Disk((0, 0), 0.8)))
+    with ld.Simulation(start, LAW) as sim:
         assert artists(sim.state()) == (9, 5)
-    with deformable.Simulation(replace(start, walls=()), LAW) as sim:
+    with ld.Simulation(replace(start, walls=()), LAW) as sim:
         assert artists(sim.state()) == (0, 5)
-    deformable.Run(folder).movie(tmp_path / "movie.gif")
+    ld.Run(folder).movie(tmp_path / "movie.gif")
     assert (tmp_path / "movie.gif").stat().st_size > 10_000
 
 
 def test_protocols_that_walls_allow_and_refuse() -> None:
     """A channel: it is compressed, and its particles move; it is not sheared."""
     sides = (Plane((0, 1), (0, 1)), Plane((0, 9), (0, -1)))
-    start = deformable.push_off(deformable.bidisperse(40, seed=1).between(sides).at(0.87))
-    with deformable.Simulation(start, LAW) as sim:
+    start = ld.push_off(ld.bidisperse(40, seed=1).between(sides).at(0.87))
+    with ld.Simulation(start, LAW) as sim:
         state = sim.relax(1e-8)
-        bulk = deformable.bulk_modulus(state, 1e-4)
+        bulk = ld.bulk_modulus(state, 1e-4)
         assert bulk.linear
         for refused, message in (
-            (lambda: deformable.shear(sim, 0.1, 1), "walls are not sheared.* a plane"),
-            (lambda: deformable.shear_modulus(state, 1e-3), "with walls cannot be sheared"),
+            (lambda: ld.shear(sim, 0.1, 1), "walls are not sheared.* a plane"),
+            (lambda: ld.shear_modulus(state, 1e-3), "with walls cannot be sheared"),
             (lambda: sim.deform(sim.box @ [[1, 0], [0.1, 1]]), "with walls cannot be sheared"),
         ):
             with pytest.raises(ParameterError, match=message):
@@ -172,11 +172,11 @@ def test_protocols_that_walls_allow_and_refuse() -> None:
         # a channel may be stretched in one direction
         sim.deform(sim.box * [[1, 1], [1, 0.999]])
         assert sim.state().stress[1, 1] > state.stress[1, 1]
-        moved = list(deformable.move(sim, 200, temperature=1e-6, seed=1))
+        moved = list(ld.move(sim, 200, temperature=1e-6, seed=1))
         total = [each.energy + each.kinetic_energy for each in moved]
         assert total[-1] == pytest.approx(total[0], rel=1e-3)
     pillar = start.between((*sides, Disk((4, 4), 0.1)))
-    with deformable.Disks(pillar) as soft:
+    with ld.Disks(pillar) as soft:
         with pytest.raises(ParameterError, match="disk 3 must stay round"):
             soft.deform(soft.box * [[1, 1], [1, 0.9]])
         assert soft.walls == pillar.walls

@@ -4,7 +4,7 @@ from dataclasses import replace
 from itertools import product
 from pathlib import Path
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
 from crystal import crystal
@@ -13,22 +13,22 @@ from scipy.spatial import ConvexHull, Voronoi
 
 WALLS = {
     "periodic": (),
-    "rectangle": deformable.rectangle(9.0, 8.0, corner=(-2.0, 1.0)),
+    "rectangle": ld.rectangle(9.0, 8.0, corner=(-2.0, 1.0)),
     "triangle": tuple(
-        deformable.Plane(p, n) for p, n in (((0, 0), (0, 1)), ((0, 0), (2, -1)), ((9, 0), (-2, -1)))
+        ld.Plane(p, n) for p, n in (((0, 0), (0, 1)), ((0, 0), (2, -1)), ((9, 0), (-2, -1)))
     ),
-    "channel": deformable.rectangle(9.0, 8.0)[:2],
-    "circle": (deformable.Circle((1.0, 2.0), 5.0), deformable.Disk((1.0, 2.0), 0.7)),
-    "obstacle": (deformable.Disk((8.9, 3.0), 0.8),),
+    "channel": ld.rectangle(9.0, 8.0)[:2],
+    "circle": (ld.Circle((1.0, 2.0), 5.0), ld.Disk((1.0, 2.0), 0.7)),
+    "obstacle": (ld.Disk((8.9, 3.0), 0.8),),
 }
 
 
-def state_of(packing: deformable.Packing) -> deformable.DiskState:
-    with deformable.Disks(packing) as disks:
+def state_of(packing: ld.Packing) -> ld.DiskState:
+    with ld.Disks(packing) as disks:
         return disks.state()
 
 
-def tiled(packing: deformable.Packing) -> np.ndarray:
+def tiled(packing: ld.Packing) -> np.ndarray:
     """Centers and their images around, shape (25 N, 2); those of the box come first."""
     steps = sorted(product(range(-2, 3), repeat=2), key=lambda step: step != (0, 0))
     wrapped = packing.positions @ np.linalg.inv(packing.box) % 1.0
@@ -37,8 +37,8 @@ def tiled(packing: deformable.Packing) -> np.ndarray:
 
 @pytest.mark.parametrize("walls", WALLS.values(), ids=WALLS)
 def test_cells_fill_the_room(walls: tuple) -> None:
-    packing = deformable.bidisperse(30, seed=2, tilt=0.0 if walls else 1.7)
-    packing = deformable.push_off(packing.between(walls).at(0.8) if walls else packing.at(0.8))
+    packing = ld.bidisperse(30, seed=2, tilt=0.0 if walls else 1.7)
+    packing = ld.push_off(packing.between(walls).at(0.8) if walls else packing.at(0.8))
     away = replace(packing, positions=packing.positions + (0.0 if walls else 2.3))
     for each in (packing, away):
         state = state_of(each)
@@ -51,17 +51,17 @@ def test_cells_fill_the_room(walls: tuple) -> None:
 @pytest.mark.parametrize("walls", WALLS.values(), ids=WALLS)
 def test_cells_by_points_at_random_places(walls: tuple) -> None:
     """Each point is in the cell of the particle with the least d^2 - R^2."""
-    packing = deformable.polydisperse(12, lambda rng: rng.uniform(0.2, 0.9, 12), seed=2)
+    packing = ld.polydisperse(12, lambda rng: rng.uniform(0.2, 0.9, 12), seed=2)
     packing = packing.between(walls) if walls else packing
-    packing = deformable.push_off(packing.at(0.7))
+    packing = ld.push_off(packing.at(0.7))
     rng = np.random.default_rng(1)
     if walls:
-        many = deformable.polydisperse(20000, np.full(20000, 1e-3), seed=1)
+        many = ld.polydisperse(20000, np.full(20000, 1e-3), seed=1)
         points = replace(many, box=packing.box).between(packing.walls, seed=1).positions
     else:
         points = rng.random((20000, 2)) @ packing.box
     apart = (points[:, None] - packing.positions) @ np.linalg.inv(packing.box)
-    shut = np.array(deformable.model.room.closed(packing.walls))
+    shut = np.array(ld.model.room.closed(packing.walls))
     images = [
         (apart - np.rint(apart) * ~shut + np.array(step) * ~shut) @ packing.box
         for step in product((-1, 0, 1), repeat=2)
@@ -75,7 +75,7 @@ def test_cells_by_points_at_random_places(walls: tuple) -> None:
 
 @pytest.mark.parametrize("tilt", [0.0, 0.7])
 def test_equal_particles_as_in_scipy(tilt: float) -> None:
-    packing = deformable.bidisperse(40, radii=(0.5, 0.5), phi=0.6, tilt=tilt, seed=3)
+    packing = ld.bidisperse(40, radii=(0.5, 0.5), phi=0.6, tilt=tilt, seed=3)
     state = state_of(packing)
     points = tiled(packing)
     diagram = Voronoi(points)
@@ -102,10 +102,10 @@ def test_equal_particles_as_in_freud(tmp_path: Path) -> None:
     script = tmp_path / "script.py"
     script.write_text(
         "import freud\n"
-        "import deformable\n"
+        "import lammps_deformable as ld\n"
         "import numpy as np\n"
-        "packing = deformable.bidisperse(40, radii=(0.5, 0.5), phi=0.6, tilt=0.4, seed=3)\n"
-        "with deformable.Disks(deformable.push_off(packing)) as disks:\n"
+        "packing = ld.bidisperse(40, radii=(0.5, 0.5), phi=0.6, tilt=0.4, seed=3)\n"
+        "with ld.Disks(ld.push_off(packing)) as disks:\n"
         "    state = disks.state()\n"
         "cells = freud.locality.Voronoi().compute(state.to_freud())\n"
         "order = freud.order.Hexatic(6, weighted=True).compute(state.to_freud(), cells.nlist)\n"
@@ -122,21 +122,21 @@ def test_hexatic_order_of_lattices() -> None:
     assert triangular.hexatic() == pytest.approx(np.ones(16, dtype=complex), abs=1e-12)
     assert triangular.local_phi == pytest.approx(np.full(16, triangular.phi))
     places = np.stack(np.meshgrid(np.arange(4.0), np.arange(4.0)), axis=-1).reshape(-1, 2)
-    square = state_of(deformable.Packing(places, np.zeros(16), [0.5], np.diag([4.0, 4.0])))
+    square = state_of(ld.Packing(places, np.zeros(16), [0.5], np.diag([4.0, 4.0])))
     assert square.hexatic(4) == pytest.approx(np.ones(16, dtype=complex), abs=1e-12)
     assert np.abs(square.hexatic(6)) == pytest.approx(np.zeros(16), abs=1e-12)
-    with pytest.raises(deformable.ParameterError, match="k must be at least 1, not 0"):
+    with pytest.raises(ld.ParameterError, match="k must be at least 1, not 0"):
         square.hexatic(0)
 
 
 def test_sides_are_those_of_the_voronoi_diagram() -> None:
     """Of equal particles by scipy, of all sizes 6 in the mean (Euler), and 6 on a lattice."""
-    equal = deformable.push_off(deformable.polydisperse(40, np.full(40, 0.5), seed=3).at(0.8))
+    equal = ld.push_off(ld.polydisperse(40, np.full(40, 0.5), seed=3).at(0.8))
     pairs = Voronoi(tiled(equal)).ridge_points
     expected = np.bincount(pairs.ravel(), minlength=40)[:40]
     assert np.array_equal(state_of(equal).cell_sides, expected)
     assert set(expected) > {5, 6, 7}
-    unequal = deformable.push_off(deformable.bidisperse(40, seed=3).at(0.8))
+    unequal = ld.push_off(ld.bidisperse(40, seed=3).at(0.8))
     assert state_of(unequal).cell_sides.mean() == 6.0
     assert np.array_equal(state_of(crystal(0.01)).cell_sides, np.full(16, 6))
 
@@ -145,30 +145,28 @@ def test_turned_order_has_a_phase() -> None:
     """At the wall too: neighbors are in directions of the lattice, if there are fewer."""
     ring = np.exp(1j * (np.arange(6) * np.pi / 3 + 0.2))
     places = np.concatenate([[0.0], ring, 2.0 * ring, np.sqrt(3) * ring * np.exp(1j * np.pi / 6)])
-    packing = deformable.Packing(
+    packing = ld.Packing(
         np.column_stack([places.real, places.imag]),
         np.zeros(19),
         [0.5],
         np.eye(2),
-        walls=deformable.Circle((0.05, 0.1), 3.0),
+        walls=ld.Circle((0.05, 0.1), 3.0),
     )
     psi = state_of(packing).hexatic()
     assert psi == pytest.approx(np.full(19, np.exp(1.2j)), abs=1e-12)
 
 
 def test_sides_at_walls_do_not_count() -> None:
-    pair = deformable.Packing([[1.0, 1.0], [2.0, 1.0]], [0, 0], [0.5], np.eye(2))
-    state = state_of(replace(pair, walls=deformable.rectangle(3.0, 2.0)))
+    pair = ld.Packing([[1.0, 1.0], [2.0, 1.0]], [0, 0], [0.5], np.eye(2))
+    state = state_of(replace(pair, walls=ld.rectangle(3.0, 2.0)))
     assert state.hexatic(1) == pytest.approx(np.array([1.0, -1.0]), abs=1e-12)
     assert state.local_phi == pytest.approx(np.full(2, np.pi * 0.25 / 3.0))
-    alone = deformable.Packing(
-        [[1.0, 1.0]], [0], [0.5], np.eye(2), walls=deformable.rectangle(3, 2)
-    )
+    alone = ld.Packing([[1.0, 1.0]], [0], [0.5], np.eye(2), walls=ld.rectangle(3, 2))
     assert np.isnan(state_of(alone).hexatic()).all()
     assert state.cell_sides.tolist() == [1, 1]
     assert state_of(alone).cell_sides.tolist() == [0]
 
 
-def test_colors_of_local_phi(state: deformable.State) -> None:
+def test_colors_of_local_phi(state: ld.State) -> None:
     assert np.array_equal(state.values("local_phi"), state.local_phi)
     assert state.local_phi.max() < 1.0

@@ -3,31 +3,31 @@
 import math
 from collections.abc import Callable
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
 
-Snapshot = deformable.State | deformable.DropletState | deformable.DiskState
+Snapshot = ld.State | ld.DropletState | ld.DiskState
 
 
-def ring(contact: str) -> deformable.State:
+def ring(contact: str) -> ld.State:
     """16 particles at rest, rattlers among them."""
-    jammed = deformable.jam(deformable.bidisperse(16, seed=2))
-    law = deformable.Ring(kA=2.0, kP=0.7, contact=contact)
-    with deformable.Simulation(jammed.at(jammed.phi + 0.05), law) as sim:
-        return deformable.polish(sim.relax())
+    jammed = ld.jam(ld.bidisperse(16, seed=2))
+    law = ld.Ring(kA=2.0, kP=0.7, contact=contact)
+    with ld.Simulation(jammed.at(jammed.phi + 0.05), law) as sim:
+        return ld.polish(sim.relax())
 
 
-def soft(dimension: int) -> deformable.DiskState:
-    kind = deformable.Disks if dimension == 2 else deformable.Spheres
-    jammed = deformable.jam(deformable.bidisperse(24, dimension=dimension, seed=2))
+def soft(dimension: int) -> ld.DiskState:
+    kind = ld.Disks if dimension == 2 else ld.Spheres
+    jammed = ld.jam(ld.bidisperse(24, dimension=dimension, seed=2))
     with kind(jammed.at(jammed.phi + 0.05)) as sim:
         return sim.relax(1e-11)
 
 
-def droplets() -> deformable.DropletState:
-    jammed = deformable.jam(deformable.bidisperse(16, ratio=1.2, dimension=3, seed=1))
-    with deformable.Simulation(jammed.at(jammed.phi + 0.06), deformable.Droplet(2.0)) as sim:
+def droplets() -> ld.DropletState:
+    jammed = ld.jam(ld.bidisperse(16, ratio=1.2, dimension=3, seed=1))
+    with ld.Simulation(jammed.at(jammed.phi + 0.06), ld.Droplet(2.0)) as sim:
         return sim.relax(1e-10)
 
 
@@ -84,13 +84,13 @@ def test_limits_of_slow_and_of_fast_shear(rest: Snapshot) -> None:
 def test_a_flow_at_small_strains_has_it(rest: Snapshot, part: float) -> None:
     """Where the softest mode and where most centers begin to follow, within the time step."""
     if rest.law is None:
-        with pytest.raises(deformable.ParameterError, match="are sheared without a rate"):
-            deformable.dynamic_modulus(rest, 1e-7, 1.0, friction=0.5)
+        with pytest.raises(ld.ParameterError, match="are sheared without a rate"):
+            ld.dynamic_modulus(rest, 1e-7, 1.0, friction=0.5)
         return
     omega = part * rest.modes(1, vectors=False).stiffness[0] / 0.5
     expected = rest.complex_modulus(omega, friction=0.5)
     affine = rest.elastic_moduli().affine[0, 1, 0, 1]
-    found = deformable.dynamic_modulus(
+    found = ld.dynamic_modulus(
         rest,
         1e-7,
         2.0 * math.pi / omega,
@@ -104,8 +104,8 @@ def test_a_flow_at_small_strains_has_it(rest: Snapshot, part: float) -> None:
 
 
 def test_refusals() -> None:
-    packing = deformable.jam(deformable.bidisperse(12, seed=1)).at(0.9)
-    with deformable.Disks(packing) as disks:
+    packing = ld.jam(ld.bidisperse(12, seed=1)).at(0.9)
+    with ld.Disks(packing) as disks:
         moving, rest = disks.state(), disks.relax(1e-8)
     for state, arguments, message in (
         (rest, (-1.0,), "frequencies must not be negative, not -1"),
@@ -114,23 +114,23 @@ def test_refusals() -> None:
         (rest, (1.0, 0.0), "friction must be a positive number, not 0"),
         (moving, (1.0,), "the state is not at rest: its largest force is .* relax it first"),
     ):
-        with pytest.raises(deformable.ParameterError, match=message) as error:
+        with pytest.raises(ld.ParameterError, match=message) as error:
             state.complex_modulus(*arguments)
         assert "\n" not in str(error.value)
-    walled = deformable.jam(deformable.bidisperse(12, seed=1).between(deformable.rectangle(6, 6)))
-    with deformable.Disks(walled.at(walled.phi + 0.01)) as disks:
+    walled = ld.jam(ld.bidisperse(12, seed=1).between(ld.rectangle(6, 6)))
+    with ld.Disks(walled.at(walled.phi + 0.01)) as disks:
         held = disks.relax(1e-8)
-    with pytest.raises(deformable.ParameterError, match="a periodic box without walls"):
+    with pytest.raises(ld.ParameterError, match="a periodic box without walls"):
         held.complex_modulus(1.0)
 
 
-@pytest.mark.parametrize("law", [None, deformable.Ring(kA=2.0)])
+@pytest.mark.parametrize("law", [None, ld.Ring(kA=2.0)])
 def test_a_state_that_is_not_at_rest_has_no_modes_and_no_moduli(
-    law: deformable.Ring | None, jammed: deformable.Packing
+    law: ld.Ring | None, jammed: ld.Packing
 ) -> None:
     """All of them say so; its second derivatives, and forces, are there."""
     packing = jammed.at(jammed.phi + 0.05)
-    sim = deformable.Disks(packing) if law is None else deformable.Simulation(packing, law)
+    sim = ld.Disks(packing) if law is None else ld.Simulation(packing, law)
     with sim:
         state, rest = sim.state(), sim.relax(5e-4)
     assert state.residual > 1e-3 > rest.residual
@@ -139,9 +139,9 @@ def test_a_state_that_is_not_at_rest_has_no_modes_and_no_moduli(
         lambda each: each.modes(1),
         lambda each: each.elastic_moduli(),
         lambda each: each.complex_modulus(1.0),
-        lambda each: deformable.shear_modulus(each, 1e-4),
-        lambda each: deformable.bulk_modulus(each, 1e-4),
+        lambda each: ld.shear_modulus(each, 1e-4),
+        lambda each: ld.bulk_modulus(each, 1e-4),
     ):
-        with pytest.raises(deformable.ParameterError, match=r"\Athe state is not at rest[^\n]*\Z"):
+        with pytest.raises(ld.ParameterError, match=r"\Athe state is not at rest[^\n]*\Z"):
             measure(state)
         measure(rest)

@@ -2,11 +2,11 @@
 
 import math
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
 from crystal import crystal
-from deformable import Ring, Sector
+from lammps_deformable import Ring, Sector
 
 DROPLET = {"kA": math.inf, "kP": 0.0, "tension": 1.0}
 LAWS = {
@@ -21,23 +21,23 @@ LAWS = {
 }
 laws = pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
 CONTAINERS = {
-    "rectangle": deformable.rectangle(8, 7),
-    "channel": deformable.rectangle(8, 7)[2:],
-    "circle": (deformable.Circle((1.0, 2.0), 4.5), deformable.Disk((1.0, 2.0), 0.6)),
-    "obstacles": (deformable.Disk((2.0, 3.0), 0.8), deformable.Segment((5.0, 2.0), (6.0, 4.0))),
+    "rectangle": ld.rectangle(8, 7),
+    "channel": ld.rectangle(8, 7)[2:],
+    "circle": (ld.Circle((1.0, 2.0), 4.5), ld.Disk((1.0, 2.0), 0.6)),
+    "obstacles": (ld.Disk((2.0, 3.0), 0.8), ld.Segment((5.0, 2.0), (6.0, 4.0))),
 }
 containers = pytest.mark.parametrize("walls", CONTAINERS.values(), ids=CONTAINERS)
 
 
-def pressed(law: Ring | Sector, walls: tuple = ()) -> deformable.State:
+def pressed(law: Ring | Sector, walls: tuple = ()) -> ld.State:
     """A packing whose forces do not balance."""
-    packing = deformable.bidisperse(24, seed=3, tilt=0.0 if walls else 0.3)
+    packing = ld.bidisperse(24, seed=3, tilt=0.0 if walls else 0.3)
     packing = packing.between(walls) if walls else packing
-    with deformable.Simulation(deformable.push_off(packing.at(0.86)), law) as sim:
+    with ld.Simulation(ld.push_off(packing.at(0.86)), law) as sim:
         return sim.state()
 
 
-def total(state: deformable.State | deformable.DiskState) -> np.ndarray:
+def total(state: ld.State | ld.DiskState) -> np.ndarray:
     return np.einsum("n,nab->ab", state.filled_area, state.particle_stress) / state.packing.area
 
 
@@ -59,9 +59,9 @@ def test_pressures_sum_between_walls(walls: tuple) -> None:
 @containers
 def test_stresses_of_disks(walls: tuple) -> None:
     """Those of walls too: they exert no torque on a disk."""
-    packing = deformable.push_off(deformable.bidisperse(24, seed=3).between(walls).at(0.86))
-    for here in (packing, deformable.jam(deformable.bidisperse(24, seed=3)).at(0.9)):
-        with deformable.Disks(here) as disks:
+    packing = ld.push_off(ld.bidisperse(24, seed=3).between(walls).at(0.86))
+    for here in (packing, ld.jam(ld.bidisperse(24, seed=3)).at(0.9)):
+        with ld.Disks(here) as disks:
             state = disks.state()
         assert np.abs(total(state) - state.stress).max() < 1e-12 * np.abs(state.stress).max()
 
@@ -84,8 +84,8 @@ def test_each_particle_by_a_loop(contact: str) -> None:
 
 def test_two_disks() -> None:
     """They touch in the middle of their overlap."""
-    pair = deformable.Packing([[1.0, 1.0], [2.1, 1.0]], [0, 1], [0.5, 0.8], np.diag([5.0, 5.0]))
-    with deformable.Disks(pair) as disks:
+    pair = ld.Packing([[1.0, 1.0], [2.1, 1.0]], [0, 1], [0.5, 0.8], np.diag([5.0, 5.0]))
+    with ld.Disks(pair) as disks:
         state = disks.state()
     lever, area = np.array([0.5 - 0.1, 0.8 - 0.1]), np.pi * np.array([0.5, 0.8]) ** 2
     assert state.particle_stress[:, 0, 0] == pytest.approx(lever * 0.2 / area)
@@ -94,7 +94,7 @@ def test_two_disks() -> None:
 
 def test_particles_that_touch_their_own_images() -> None:
     row = crystal(0.02, 1, 2)
-    with deformable.Disks(row) as disks, deformable.Simulation(row, Ring()) as sim:
+    with ld.Disks(row) as disks, ld.Simulation(row, Ring()) as sim:
         for state in (disks.state(), sim.state()):
             assert state._contact_forces.i.tolist().count(0) == 5
             assert total(state) == pytest.approx(state.stress, rel=1e-10, abs=1e-15)
@@ -110,8 +110,8 @@ def test_droplets_have_their_pressure_less_that_of_their_tension() -> None:
 
 def test_equal_particles_as_in_lammps() -> None:
     """compute stress/atom halves each pair, as do radical axes of equal circles."""
-    equal = deformable.push_off(deformable.bidisperse(24, radii=(0.5, 0.5), phi=0.9, seed=3))
-    with deformable.Simulation(equal, Ring(contact="radical")) as sim:
+    equal = ld.push_off(ld.bidisperse(24, radii=(0.5, 0.5), phi=0.9, seed=3))
+    with ld.Simulation(equal, Ring(contact="radical")) as sim:
         state = sim.state()
         sim.lmp.commands_string(
             "compute s all stress/atom NULL pair\n"
@@ -127,8 +127,8 @@ def test_equal_particles_as_in_lammps() -> None:
 
 def test_the_graph_has_the_contacts() -> None:
     networkx = pytest.importorskip("networkx")
-    with deformable.Simulation(deformable.jam(deformable.bidisperse(32, seed=3)), Ring()) as sim:
-        *_, state = deformable.compress(sim, strain=0.02, steps=2)
+    with ld.Simulation(ld.jam(ld.bidisperse(32, seed=3)), Ring()) as sim:
+        *_, state = ld.compress(sim, strain=0.02, steps=2)
     graph, table = state.graph(), state.contact_table
     assert graph.number_of_edges() == len(table) // 2
     assert [degree for _, degree in graph.degree()] == state.contacts.tolist()
@@ -149,9 +149,9 @@ def test_the_graph_has_the_contacts() -> None:
 
 def test_forces_in_the_graph_of_disks_balance() -> None:
     pytest.importorskip("networkx")
-    walls = deformable.rectangle(8, 7)
-    packing = deformable.push_off(deformable.bidisperse(24, seed=3).between(walls).at(0.9))
-    with deformable.Disks(packing) as disks:
+    walls = ld.rectangle(8, 7)
+    packing = ld.push_off(ld.bidisperse(24, seed=3).between(walls).at(0.9))
+    with ld.Disks(packing) as disks:
         state = disks.relax(1e-9)
     graph = state.graph()
     assert graph.number_of_edges() == len(state.pairs) + len(state.wall_pairs)
@@ -170,7 +170,7 @@ def test_forces_in_the_graph_of_disks_balance() -> None:
 
 def test_two_particles_touch_through_several_images() -> None:
     pytest.importorskip("networkx")
-    with deformable.Disks(crystal(0.01, 2, 2)) as disks:
+    with ld.Disks(crystal(0.01, 2, 2)) as disks:
         state = disks.state()
     graph = state.graph()
     assert graph.number_of_edges() == 12

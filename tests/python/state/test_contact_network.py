@@ -2,38 +2,36 @@
 
 from dataclasses import replace
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
 from crystal import crystal
-from deformable import Ring
+from lammps_deformable import Ring
 
 DROPLETS = Ring(kA=np.inf, kP=0.0, tension=1.0, contact="curved")
 
 
 @pytest.fixture(scope="module")
-def states() -> list[deformable.State | deformable.DiskState]:
+def states() -> list[ld.State | ld.DiskState]:
     """Droplets and disks above jamming, alone, in a rectangle and in a channel.
 
     The last ones are not at rest: there rattlers bear forces.
     """
-    found: list[deformable.State | deformable.DiskState] = []
-    for walls in ((), deformable.rectangle(8, 7), deformable.rectangle(8, 7)[2:]):
-        loose = deformable.bidisperse(24, seed=5)
+    found: list[ld.State | ld.DiskState] = []
+    for walls in ((), ld.rectangle(8, 7), ld.rectangle(8, 7)[2:]):
+        loose = ld.bidisperse(24, seed=5)
         loose = loose.between(walls) if walls else loose
-        pressed = deformable.push_off(loose.at(0.87))
-        with deformable.Simulation(pressed, DROPLETS) as sim, deformable.Disks(pressed) as disks:
+        pressed = ld.push_off(loose.at(0.87))
+        with ld.Simulation(pressed, DROPLETS) as sim, ld.Disks(pressed) as disks:
             found += [sim.relax(), disks.relax()]
-    dense = deformable.jam(deformable.bidisperse(24, seed=1)).at(0.95)
+    dense = ld.jam(ld.bidisperse(24, seed=1)).at(0.95)
     shaken = np.random.default_rng(1).normal(scale=0.03, size=dense.positions.shape)
     moved = replace(dense, positions=dense.positions + shaken)
-    with deformable.Simulation(moved, DROPLETS) as sim, deformable.Disks(moved) as disks:
+    with ld.Simulation(moved, DROPLETS) as sim, ld.Disks(moved) as disks:
         return [*found, sim.state(), disks.state()]
 
 
-def by_loops(
-    state: deformable.State | deformable.DiskState, threshold: float
-) -> tuple[int, np.ndarray]:
+def by_loops(state: ld.State | ld.DiskState, threshold: float) -> tuple[int, np.ndarray]:
     """Contacts and the degree of each particle, once rattlers are gone."""
     contacts = state._contact_forces
     all_of_them = [
@@ -78,7 +76,7 @@ def test_degrees_and_excess_by_loops(states: list, number: int) -> None:
 
 
 def test_a_crystal_has_six_contacts_each() -> None:
-    with deformable.Simulation(crystal(0.03), Ring()) as sim:
+    with ld.Simulation(crystal(0.03), Ring()) as sim:
         state = sim.relax()
     n = len(state.packing)
     assert (state.network_degree == 6).all()
@@ -86,7 +84,7 @@ def test_a_crystal_has_six_contacts_each() -> None:
 
 
 def test_without_contacts_there_is_no_excess() -> None:
-    with deformable.Simulation(crystal(-0.03), Ring()) as sim:
+    with ld.Simulation(crystal(-0.03), Ring()) as sim:
         state = sim.state()
     assert not state.network_degree.any()
     assert state.excess_coordination() == state.excess_coordination(0.5) == 0.0
@@ -94,5 +92,5 @@ def test_without_contacts_there_is_no_excess() -> None:
 
 @pytest.mark.parametrize("threshold", [-0.1, np.nan, np.inf, "much", None])
 def test_thresholds_are_parts_of_a_force(states: list, threshold: float) -> None:
-    with pytest.raises(deformable.ParameterError, match="threshold must"):
+    with pytest.raises(ld.ParameterError, match="threshold must"):
         states[0].excess_coordination(threshold)

@@ -2,35 +2,35 @@
 
 import dataclasses
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
-from deformable.state.hessian import Hessian
+from lammps_deformable.state.hessian import Hessian
 
-SCENE = (deformable.Circle((0, 0), 4), deformable.Disk((1, 0.5), 0.6))
-ANNULUS = (deformable.Disk((1, 2), 1.5), deformable.Circle((1, 2), 5))
-CHANNEL = (deformable.Plane((0, 0), (0, 1)), deformable.Plane((0, 5), (0, -1)))
-TRIANGLE = (*CHANNEL, deformable.Polygon(((1, 1), (3, 1), (2, 3))))
+SCENE = (ld.Circle((0, 0), 4), ld.Disk((1, 0.5), 0.6))
+ANNULUS = (ld.Disk((1, 2), 1.5), ld.Circle((1, 2), 5))
+CHANNEL = (ld.Plane((0, 0), (0, 1)), ld.Plane((0, 5), (0, -1)))
+TRIANGLE = (*CHANNEL, ld.Polygon(((1, 1), (3, 1), (2, 3))))
 PACKINGS = {
-    "rectangle": deformable.bidisperse(30, phi=1.0, aspect=1.4, seed=1),
-    "tilted": deformable.bidisperse(30, phi=1.0, tilt=-0.7, seed=2),
-    "one": deformable.bidisperse(1, phi=0.9, tilt=0.3),
-    "sizes": deformable.polydisperse(20, np.linspace(0.1, 1.0, 20), phi=0.95, tilt=2.2),
-    "circle": deformable.bidisperse(40).between(SCENE),
-    "corners": deformable.bidisperse(20, phi=0.9).between(TRIANGLE),
+    "rectangle": ld.bidisperse(30, phi=1.0, aspect=1.4, seed=1),
+    "tilted": ld.bidisperse(30, phi=1.0, tilt=-0.7, seed=2),
+    "one": ld.bidisperse(1, phi=0.9, tilt=0.3),
+    "sizes": ld.polydisperse(20, np.linspace(0.1, 1.0, 20), phi=0.95, tilt=2.2),
+    "circle": ld.bidisperse(40).between(SCENE),
+    "corners": ld.bidisperse(20, phi=0.9).between(TRIANGLE),
 }
 
 
-def state_of(packing: deformable.Packing) -> deformable.DiskState:
-    with deformable.Disks(packing) as disks:
+def state_of(packing: ld.Packing) -> ld.DiskState:
+    with ld.Disks(packing) as disks:
         return disks.state()
 
 
-def moved(packing: deformable.Packing, step: np.ndarray) -> deformable.Packing:
+def moved(packing: ld.Packing, step: np.ndarray) -> ld.Packing:
     return dataclasses.replace(packing, positions=packing.positions + step.reshape(-1, 2))
 
 
-def difference(packing: deformable.Packing, direction: np.ndarray) -> np.ndarray:
+def difference(packing: ld.Packing, direction: np.ndarray) -> np.ndarray:
     """Change of the gradient per step along a direction: Richardson's of two central ones."""
     values = []
     for size in (1e-5, 2e-5):
@@ -41,12 +41,12 @@ def difference(packing: deformable.Packing, direction: np.ndarray) -> np.ndarray
 
 
 @pytest.fixture(params=PACKINGS)
-def packing(request: pytest.FixtureRequest) -> deformable.Packing:
+def packing(request: pytest.FixtureRequest) -> ld.Packing:
     return PACKINGS[request.param]
 
 
-def test_energy_gradient_and_stress_are_those_of_lammps(packing: deformable.Packing) -> None:
-    with deformable.Disks(packing) as disks:
+def test_energy_gradient_and_stress_are_those_of_lammps(packing: ld.Packing) -> None:
+    with ld.Disks(packing) as disks:
         state = disks.state()
         forces = np.array(disks.lmp.gather("f", 1, 3)).reshape(-1, 3)[:, :2]
     hessian = state.hessian()
@@ -57,7 +57,7 @@ def test_energy_gradient_and_stress_are_those_of_lammps(packing: deformable.Pack
         assert hessian.stress == pytest.approx(state.stress, abs=1e-12)
 
 
-def test_hessian_is_the_derivative_of_the_gradient(packing: deformable.Packing) -> None:
+def test_hessian_is_the_derivative_of_the_gradient(packing: ld.Packing) -> None:
     hessian = state_of(packing).hessian()
     rng = np.random.default_rng(3)
     for _ in range(3):
@@ -67,15 +67,15 @@ def test_hessian_is_the_derivative_of_the_gradient(packing: deformable.Packing) 
         assert hessian.matrix @ direction == pytest.approx(found, abs=1e-14)
 
 
-def test_hessian_is_symmetric(packing: deformable.Packing) -> None:
+def test_hessian_is_symmetric(packing: ld.Packing) -> None:
     matrix = state_of(packing).hessian().matrix
     assert abs(matrix - matrix.T).max() <= 4e-16 * abs(matrix).max()
 
 
 def test_the_softest_modes_of_a_larger_packing() -> None:
     """By Lanczos' method as by the dense matrix."""
-    jammed = deformable.jam(deformable.bidisperse(256, seed=4))
-    with deformable.Disks(jammed.at(jammed.phi + 0.02)) as disks:
+    jammed = ld.jam(ld.bidisperse(256, seed=4))
+    with ld.Disks(jammed.at(jammed.phi + 0.02)) as disks:
         state = disks.relax(1e-10)
     few, every = state.modes(12), state.modes()
     assert few.stiffness == pytest.approx(every.stiffness[:12], rel=1e-9)
@@ -89,8 +89,8 @@ def test_modes_that_do_not_fit_into_the_memory() -> None:
     box = np.array([[400.0, 0.0], [0.0, 125.0 * np.sqrt(3.0)]])
     places = np.array([(a, b) for a in range(400) for b in range(250)])
     places = (places + 0.5 * (places[:, 1:] % 2) * [1, 0]) / [400, 250]
-    state = state_of(deformable.Packing(places @ box, np.zeros(100_000, int), [0.505], box))
-    with pytest.raises(deformable.ParameterError, match=r"\d\d\d GB .* modes\(10\)"):
+    state = state_of(ld.Packing(places @ box, np.zeros(100_000, int), [0.505], box))
+    with pytest.raises(ld.ParameterError, match=r"\d\d\d GB .* modes\(10\)"):
         state.modes()
 
 
@@ -98,7 +98,7 @@ def test_all_modes_of_the_same_stiffness_are_found() -> None:
     """A crystal has up to twelve of each; of some Lanczos' method by itself finds eleven."""
     box = np.array([[20.0, 0.0], [10.0, 10.0 * np.sqrt(3.0)]])
     places = np.array([(a, b) for a in range(20) for b in range(20)]) / 20.0
-    state = state_of(deformable.Packing(places @ box, np.zeros(400, int), [0.505], box))
+    state = state_of(ld.Packing(places @ box, np.zeros(400, int), [0.505], box))
     every = state.modes(vectors=False)
     for number in (5, 12, 20):
         few = state.modes(number)
@@ -109,24 +109,24 @@ def test_all_modes_of_the_same_stiffness_are_found() -> None:
 
 @pytest.mark.parametrize(
     ("walls", "zero"),
-    [((deformable.Circle((0, 0), 4),), 1), (ANNULUS, 1), (SCENE, 0), (CHANNEL, 1), (TRIANGLE, 0)],
+    [((ld.Circle((0, 0), 4),), 1), (ANNULUS, 1), (SCENE, 0), (CHANNEL, 1), (TRIANGLE, 0)],
 )
-def test_motions_between_walls(walls: tuple[deformable.model.walls.Wall, ...], zero: int):
+def test_motions_between_walls(walls: tuple[ld.model.walls.Wall, ...], zero: int):
     """A rotation in a circle or annulus, a translation along a channel, none around others."""
-    packing = deformable.bidisperse(40, radii=(0.4, 0.56), seed=5).between(walls)
-    with deformable.Disks(packing.at(0.95)) as disks:
+    packing = ld.bidisperse(40, radii=(0.4, 0.56), seed=5).between(walls)
+    with ld.Disks(packing.at(0.95)) as disks:
         state = disks.relax(1e-10)
     hessian = state.hessian(rattlers=False)
     assert hessian.motions.shape == (80, zero)
     assert np.abs(hessian.operator @ hessian.motions).max(initial=0.0) < 1e-8
     assert state.modes(1).stiffness[0] > 1e-6
-    with pytest.raises(deformable.ParameterError, match="walls"):
+    with pytest.raises(ld.ParameterError, match="walls"):
         state.elastic_moduli()
 
 
 def test_disks_that_resist_no_force() -> None:
-    state = state_of(deformable.bidisperse(30, phi=0.7, seed=2))
-    with pytest.raises(deformable.ParameterError, match="resist"):
+    state = state_of(ld.bidisperse(30, phi=0.7, seed=2))
+    with pytest.raises(ld.ParameterError, match="resist"):
         state.hessian().solve(np.random.default_rng(1).standard_normal(60))
 
 
@@ -134,7 +134,7 @@ def test_moduli_of_a_triangular_lattice() -> None:
     """Springs without prestress: both of Lame's constants are sqrt(3)/4."""
     box = np.array([[6.0, 0.0], [3.0, 3.0 * np.sqrt(3.0)]])
     steps = np.array([(a, b) for a in range(6) for b in range(6)]) / 6.0
-    start = deformable.Packing(steps @ box, np.zeros(36, int), [0.5 + 1e-9], box)
+    start = ld.Packing(steps @ box, np.zeros(36, int), [0.5 + 1e-9], box)
     moduli = state_of(start).elastic_moduli()
     lame = np.sqrt(3.0) / 4.0
     assert moduli.shear_modulus == pytest.approx(lame, rel=1e-7)
@@ -147,22 +147,22 @@ def test_moduli_of_a_state_at_rest_are_those_of_its_packing() -> None:
     """A state relaxed to 1e-3 has them to a percent with the same contacts; 1e-2 is refused."""
     compared = 0
     for seed in range(1, 5):
-        jammed = deformable.jam(deformable.bidisperse(48, seed=seed))
-        with deformable.Disks(jammed.at(jammed.phi + 0.005)) as disks:
+        jammed = ld.jam(ld.bidisperse(48, seed=seed))
+        with ld.Disks(jammed.at(jammed.phi + 0.005)) as disks:
             rough, fair, fine = (disks.relax(tolerance) for tolerance in (1e-2, 1e-3, 1e-8))
         found, exact = fair.elastic_moduli(), fine.elastic_moduli()
         if fair.coordination == fine.coordination:  # the last digits of `jam` decide
             assert found.tensor == pytest.approx(exact.tensor, abs=0.01 * exact.bulk_modulus)
             compared += 1
         assert 1e-3 < rough.residual < 1e-2
-        with pytest.raises(deformable.ParameterError, match="at rest"):
+        with pytest.raises(ld.ParameterError, match="at rest"):
             rough.elastic_moduli()
     assert compared >= 2
 
 
 def test_moduli_need_a_state_at_rest() -> None:
     state = state_of(PACKINGS["rectangle"])
-    with pytest.raises(deformable.ParameterError, match="at rest"):
+    with pytest.raises(ld.ParameterError, match="at rest"):
         state.elastic_moduli()
     assert isinstance(state.hessian(), Hessian)
 
@@ -170,23 +170,23 @@ def test_moduli_need_a_state_at_rest() -> None:
 @pytest.mark.parametrize(("phi", "number"), [(0.5, 0), (0.95, 2)])
 def test_no_density_of_states_without_different_frequencies(phi: float, number: int) -> None:
     """Of loose disks, and of a square crystal of two, with the same stiffness in all directions."""
-    crystal = deformable.Packing([[0, 0], [0.5, 0.5]], [0, 0], [0.5], np.eye(2))
+    crystal = ld.Packing([[0, 0], [0.5, 0.5]], [0, 0], [0.5], np.eye(2))
     modes = state_of(crystal.at(phi)).modes()
     assert len(modes) == number
-    with pytest.raises(deformable.ParameterError, match="frequencies"):
+    with pytest.raises(ld.ParameterError, match="frequencies"):
         modes.density()
 
 
 def test_a_particle_at_the_center_of_a_circle() -> None:
     """Its energy has a kink there; rings are refused as they are wider than the circle."""
-    circle = deformable.Circle((0, 0), 1)
-    packing = deformable.Packing([[0, 0]], [0], [1.02], np.eye(2), walls=[circle])
+    circle = ld.Circle((0, 0), 1)
+    packing = ld.Packing([[0, 0]], [0], [1.02], np.eye(2), walls=[circle])
     with (
-        deformable.Simulation(packing, deformable.Ring()) as sim,
-        pytest.raises(deformable.LammpsError, match="wider than circle 1"),
+        ld.Simulation(packing, ld.Ring()) as sim,
+        pytest.raises(ld.LammpsError, match="wider than circle 1"),
     ):
         sim.state()
-    with deformable.Disks(packing) as sim:
+    with ld.Disks(packing) as sim:
         state = sim.state()
-    with pytest.raises(deformable.ParameterError, match=r"particle 0 .* circle 1"):
+    with pytest.raises(ld.ParameterError, match=r"particle 0 .* circle 1"):
         state.hessian()

@@ -4,21 +4,19 @@ import warnings
 from collections.abc import Callable
 from dataclasses import replace
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
 
 Points = np.ndarray
 
 
-def state_of(packing: deformable.Packing) -> deformable.DiskState:
-    with deformable.Disks(packing) as disks:
+def state_of(packing: ld.Packing) -> ld.DiskState:
+    with ld.Disks(packing) as disks:
         return disks.state()
 
 
-def moved(
-    packing: deformable.Packing, box: list[list[float]], step: Points, images: Points
-) -> deformable.Packing:
+def moved(packing: ld.Packing, box: list[list[float]], step: Points, images: Points) -> ld.Packing:
     """The packing after the strain of its box, steps of the particles, and jumps to images."""
     box = np.array(box)
     fractions = packing.positions @ np.linalg.inv(packing.box)
@@ -26,13 +24,13 @@ def moved(
     return replace(packing, positions=places, box=box)
 
 
-@pytest.mark.filterwarnings("ignore::deformable.JumpWarning")
+@pytest.mark.filterwarnings("ignore::ld.JumpWarning")
 @pytest.mark.parametrize("tilt", [0.0, 0.4, -7.3])
 @pytest.mark.parametrize("flips", [0, 1, -3])
 def test_steps_come_back(tilt: float, flips: int) -> None:
     """Beside a strain, in any images, and in an equivalent box."""
     rng = np.random.default_rng(1)
-    packing = deformable.bidisperse(30, phi=0.3, tilt=tilt, aspect=1.4, seed=1)
+    packing = ld.bidisperse(30, phi=0.3, tilt=tilt, aspect=1.4, seed=1)
     (lx, _), (xy, ly) = packing.box.tolist()
     step = rng.uniform(-0.49, 0.49, (30, 2)) * [1.1 * lx, 0.9 * ly]
     box = [[1.1 * lx, 0.0], [xy * 0.9 + 0.1 * lx, 0.9 * ly]]
@@ -45,20 +43,20 @@ def test_steps_come_back(tilt: float, flips: int) -> None:
     expected = strained + step - packing.positions
     assert end.displacements(start) == pytest.approx(expected, abs=1e-11)
     assert end.displacements(packing) == pytest.approx(end.displacements(start), abs=1e-12)
-    assert deformable.unwrapped([start, end])[1] == pytest.approx(strained + step, abs=1e-11)
+    assert ld.unwrapped([start, end])[1] == pytest.approx(strained + step, abs=1e-11)
 
 
 def test_a_shear_is_told_by_the_strain() -> None:
     """Twice around, so that the box at the end is that of the start: at once, and step by step."""
-    packing = deformable.jam(deformable.bidisperse(16, seed=1))
-    with deformable.Disks(packing.at(packing.phi + 0.02)) as disks:
+    packing = ld.jam(ld.bidisperse(16, seed=1))
+    with ld.Disks(packing.at(packing.phi + 0.02)) as disks:
         start = disks.relax(1e-2)
         sides = start.packing.box.diagonal()
         strain = float(2.0 * sides[0] / sides[1])
-        states = [start, *deformable.shear(disks, strain, steps=40, tolerance=1e-2)]
+        states = [start, *ld.shear(disks, strain, steps=40, tolerance=1e-2)]
     end = states[-1]
     assert end.packing.box == pytest.approx(start.packing.box, abs=1e-9)
-    first, *_, last = deformable.unwrapped(states)
+    first, *_, last = ld.unwrapped(states)
     beside = last - first - np.outer(first[:, 1], [strain, 0.0])
     near = (np.abs(beside) < 0.499 * sides).all(axis=1)
     assert near.any()
@@ -67,8 +65,8 @@ def test_a_shear_is_told_by_the_strain() -> None:
 
 
 def test_between_walls_nothing_is_across() -> None:
-    walls = deformable.rectangle(8.0, 6.0, corner=(-2.0, 1.0))
-    packing = deformable.bidisperse(12, seed=1).between(walls)
+    walls = ld.rectangle(8.0, 6.0, corner=(-2.0, 1.0))
+    packing = ld.bidisperse(12, seed=1).between(walls)
     middle = np.array([2.0, 4.0])
     away = replace(packing, positions=2.0 * middle - packing.positions)
     expected = away.positions - packing.positions
@@ -79,16 +77,16 @@ def test_between_walls_nothing_is_across() -> None:
     assert state_of(across).nonaffine(channel) == pytest.approx(
         np.tile([0.5, 0.0], (12, 1)), abs=1e-12
     )
-    with pytest.raises(deformable.ParameterError, match="walls, which close other directions"):
+    with pytest.raises(ld.ParameterError, match="walls, which close other directions"):
         state_of(across).displacements(packing)
 
 
 @pytest.mark.parametrize("walled", [False, True])
 def test_jumps_of_half_a_box_are_told(walled: bool) -> None:
     """A fluid that drifts: by 0.2 of the box from state to state it is followed, by 0.45 not."""
-    packing = deformable.bidisperse(8, phi=0.3, seed=1)
+    packing = ld.bidisperse(8, phi=0.3, seed=1)
     if walled:
-        packing = packing.between(deformable.rectangle(*packing.box.diagonal())[2:])
+        packing = packing.between(ld.rectangle(*packing.box.diagonal())[2:])
     drift = np.array([packing.box[0, 0], 0.0])
     slow, fast = (
         [state_of(replace(packing, positions=packing.positions + part * drift * n)) for n in (0, 1)]
@@ -96,11 +94,11 @@ def test_jumps_of_half_a_box_are_told(walled: bool) -> None:
     )
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        places = deformable.unwrapped(slow)
+        places = ld.unwrapped(slow)
     assert places[1] - places[0] == pytest.approx(np.broadcast_to(0.2 * drift, (8, 2)))
     told = r"\Aa particle moves by 0\.45 of the box from state 1 to state 2, [^\n]*\Z"
-    with pytest.warns(deformable.JumpWarning, match=told) as found:
-        deformable.unwrapped([slow[0], *fast, fast[1]])
+    with pytest.warns(ld.JumpWarning, match=told) as found:
+        ld.unwrapped([slow[0], *fast, fast[1]])
     assert len(found) == 1
 
 
@@ -108,9 +106,9 @@ def test_jumps_of_half_a_box_are_told(walled: bool) -> None:
 @pytest.mark.parametrize("tilt", [0.0, 0.4])
 def test_images_of_lammps(tilt: float, flow: str) -> None:
     """A fluid that drifts over several boxes, also in one that is sheared and flips."""
-    fluid = deformable.push_off(deformable.bidisperse(16, phi=0.7, tilt=tilt, seed=2))
+    fluid = ld.push_off(ld.bidisperse(16, phi=0.7, tilt=tilt, seed=2))
     states, expected, images = [], [], []
-    with deformable.Simulation(fluid, deformable.Ring()) as sim:
+    with ld.Simulation(fluid, ld.Ring()) as sim:
         sim.lmp.commands_string(
             "velocity all create 1e-4 1\n"
             "velocity all set 0.1 0.07 0 sum yes\n"
@@ -125,27 +123,27 @@ def test_images_of_lammps(tilt: float, flow: str) -> None:
     tilts = [state.packing.box[1, 0] for state in states]
     assert (min(np.diff(tilts)) < 0.0) == bool(flow)
     assert not images[0].any()
-    assert deformable.unwrapped(states) == pytest.approx(np.array(expected), abs=1e-10)
+    assert ld.unwrapped(states) == pytest.approx(np.array(expected), abs=1e-10)
 
 
 @pytest.mark.parametrize(
     ("before", "told"),
     [
-        (lambda packing: deformable.bidisperse(16), "before has 16 particles and this state 30"),
+        (lambda packing: ld.bidisperse(16), "before has 16 particles and this state 30"),
         (lambda packing: 3, "before must be a state or a Packing, not 3"),
         (lambda packing: packing.positions, "before must be a state or a Packing, not "),
     ],
 )
-def test_refusals(before: Callable[[deformable.Packing], object], told: str) -> None:
-    packing = deformable.bidisperse(30, phi=0.3)
+def test_refusals(before: Callable[[ld.Packing], object], told: str) -> None:
+    packing = ld.bidisperse(30, phi=0.3)
     state, other = state_of(packing), before(packing)
     for method in (state.displacements, state.nonaffine, state.local_strain):
-        with pytest.raises(deformable.ParameterError, match=told):
+        with pytest.raises(ld.ParameterError, match=told):
             method(other)
-    with pytest.raises(deformable.ParameterError, match=r"at least one state"):
-        deformable.unwrapped([])
-    with pytest.raises(deformable.ParameterError, match=r"a state must be .* not 3"):
-        deformable.unwrapped([3])
+    with pytest.raises(ld.ParameterError, match=r"at least one state"):
+        ld.unwrapped([])
+    with pytest.raises(ld.ParameterError, match=r"a state must be .* not 3"):
+        ld.unwrapped([3])
     for given in (0.0, -1.0, "near"):
-        with pytest.raises(deformable.ParameterError, match="r_max"):
+        with pytest.raises(ld.ParameterError, match="r_max"):
             state.local_strain(state, r_max=given)

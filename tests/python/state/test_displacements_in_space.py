@@ -2,24 +2,24 @@
 
 from dataclasses import replace
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
 
 LEANING = [[4.0, 0.0, 0.0], [0.0, 4.0, 0.0], [2.4, 0.0, 4.0]]
 
 
-def state_of(packing: deformable.Packing) -> deformable.SphereState:
-    with deformable.Spheres(packing) as spheres:
+def state_of(packing: ld.Packing) -> ld.SphereState:
+    with ld.Spheres(packing) as spheres:
         return spheres.state()
 
 
-def spheres(number: int, box: object, radius: float = 0.4) -> deformable.Packing:
+def spheres(number: int, box: object, radius: float = 0.4) -> ld.Packing:
     fractions = np.random.default_rng(3).uniform(size=(number, 3))
-    return deformable.Packing(fractions @ np.array(box), [0] * number, [radius], box)
+    return ld.Packing(fractions @ np.array(box), [0] * number, [radius], box)
 
 
-@pytest.mark.filterwarnings("ignore::deformable.JumpWarning")
+@pytest.mark.filterwarnings("ignore::ld.JumpWarning")
 @pytest.mark.parametrize("tilts", [(0.0, 0.0, 0.0), (1.2, -0.9, 1.6), (-1.9, 1.9, -1.9)])
 @pytest.mark.parametrize("flips", [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (-2, 3, -1)])
 def test_steps_come_back(tilts: tuple[float, ...], flips: tuple[int, ...]) -> None:
@@ -38,7 +38,7 @@ def test_steps_come_back(tilts: tuple[float, ...], flips: tuple[int, ...]) -> No
     start, end = state_of(packing), state_of(replace(packing, positions=places, box=box))
     assert end.nonaffine(start) == pytest.approx(step, abs=1e-11)
     assert end.displacements(start) == pytest.approx(affine + step - packing.positions, abs=1e-11)
-    assert deformable.unwrapped([start, end])[1] == pytest.approx(affine + step, abs=1e-11)
+    assert ld.unwrapped([start, end])[1] == pytest.approx(affine + step, abs=1e-11)
     local = state_of(replace(packing, positions=affine, box=box)).local_strain(start, 2.5)
     assert local.gradient == pytest.approx(np.broadcast_to(gradient, (30, 3, 3)), abs=1e-9)
     assert local.d2min == pytest.approx(np.zeros(30), abs=1e-12)
@@ -46,23 +46,23 @@ def test_steps_come_back(tilts: tuple[float, ...], flips: tuple[int, ...]) -> No
 
 def test_a_small_shear_of_a_box_that_leans() -> None:
     """The box leans by more than half its width, so that `shear` replaces it."""
-    with deformable.Spheres(spheres(20, LEANING)) as sim:
+    with ld.Spheres(spheres(20, LEANING)) as sim:
         before = sim.relax(1e-9)
-        (now,) = deformable.shear(sim, strain=1e-6, steps=1, tolerance=1e-9)
+        (now,) = ld.shear(sim, strain=1e-6, steps=1, tolerance=1e-9)
     assert now.packing.box[2, 0] == pytest.approx(2.4 - 4.0)
     assert np.abs(now.displacements(before)).max() < 1e-4
     assert np.nanmax(now.local_strain(before, r_max=2.0).d2min) < 1e-8
-    assert np.abs(deformable.unwrapped([before, now])[1] - before.packing.positions).max() < 1e-4
+    assert np.abs(ld.unwrapped([before, now])[1] - before.packing.positions).max() < 1e-4
 
 
 @pytest.mark.parametrize("yz", [0.0, 1.7])
 def test_a_shear_is_told_by_the_strain(yz: float) -> None:
     """Twice around, at once and step by step, with yz along."""
     packing = spheres(12, [[4.0, 0.0, 0.0], [0.5, 4.0, 0.0], [-1.0, yz, 4.0]], radius=0.3)
-    with deformable.Spheres(packing) as sim:
+    with ld.Spheres(packing) as sim:
         start = sim.relax(1e-6)
-        states = [start, *deformable.shear(sim, strain=2.0, steps=40, tolerance=1e-2)]
-    first, *_, last = deformable.unwrapped(states)
+        states = [start, *ld.shear(sim, strain=2.0, steps=40, tolerance=1e-2)]
+    first, *_, last = ld.unwrapped(states)
     end, affine = states[-1], np.outer(first[:, 1], [2.0, 0.0, 0.0])
     near = (np.abs(last - first - affine) < 1.9).all(axis=1)
     assert near.any()
@@ -73,9 +73,9 @@ def test_a_shear_is_told_by_the_strain(yz: float) -> None:
 @pytest.mark.parametrize("flow", ["xy erate 0.008 xz erate -0.01", "xz erate 0.02 yz erate -0.01"])
 def test_images_of_lammps(flow: str) -> None:
     """Droplets that drift over several boxes, while the box shears and flips in two planes."""
-    packing = deformable.push_off(spheres(20, [[4.0, 0.0, 0.0], [1.8, 4.0, 0.0], [-1.8, 1.7, 4.0]]))
+    packing = ld.push_off(spheres(20, [[4.0, 0.0, 0.0], [1.8, 4.0, 0.0], [-1.8, 1.7, 4.0]]))
     states, expected = [], []
-    with deformable.Simulation(packing, deformable.Droplet()) as sim:
+    with ld.Simulation(packing, ld.Droplet()) as sim:
         sim.lmp.commands_string(
             "velocity all set 0.1 0.07 0.05\nfix motion all nve\n"
             f"fix flow all deform 1 {flow} remap x flip yes\ntimestep 0.1"
@@ -88,5 +88,5 @@ def test_images_of_lammps(flow: str) -> None:
     tilts = np.array([state.packing.box[[1, 2, 2], [0, 0, 1]] for state in states])
     flipped = np.abs(np.diff(tilts, axis=0)).max(axis=0) > 3.0
     assert flipped.tolist() == ["xy" in flow, "xz" in flow, "yz" in flow]
-    found = deformable.unwrapped(states)
+    found = ld.unwrapped(states)
     assert found - found[0] == pytest.approx(np.array(expected) - expected[0], abs=1e-9)

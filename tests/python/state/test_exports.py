@@ -5,7 +5,7 @@ import json
 import sys
 from pathlib import Path
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
 import shapely
@@ -14,16 +14,16 @@ MDAnalysis = pytest.importorskip("MDAnalysis")
 
 
 @pytest.fixture(scope="module", params=[0.0, -0.4])
-def moving(request: pytest.FixtureRequest) -> deformable.State:
+def moving(request: pytest.FixtureRequest) -> ld.State:
     """A packing with velocities, in a box and in a tilted box."""
-    jammed = deformable.jam(deformable.bidisperse(24, tilt=request.param, aspect=1.3, seed=2))
-    with deformable.Simulation(jammed, deformable.Ring(kP=2.0, skin=0.02)) as sim:
-        deformable.compress(sim, strain=0.02, steps=1)
-        *_, last = deformable.move(sim, 40, temperature=1e-5, every=20, seed=1)
+    jammed = ld.jam(ld.bidisperse(24, tilt=request.param, aspect=1.3, seed=2))
+    with ld.Simulation(jammed, ld.Ring(kP=2.0, skin=0.02)) as sim:
+        ld.compress(sim, strain=0.02, steps=1)
+        *_, last = ld.move(sim, 40, temperature=1e-5, every=20, seed=1)
     return last
 
 
-def neighbors(packing: deformable.Packing, reach: float) -> set[tuple[int, int]]:
+def neighbors(packing: ld.Packing, reach: float) -> set[tuple[int, int]]:
     """Pairs whose nearest images are closer than this; the box must be wider than twice that."""
     i, j = np.triu_indices(len(packing), k=1)
     apart = (packing.positions[j] - packing.positions[i]) @ np.linalg.inv(packing.box)
@@ -33,7 +33,7 @@ def neighbors(packing: deformable.Packing, reach: float) -> set[tuple[int, int]]
     return set(zip(i[near].tolist(), j[near].tolist(), strict=True))
 
 
-def test_mdanalysis(moving: deformable.State) -> None:
+def test_mdanalysis(moving: ld.State) -> None:
     universe, packing = moving.to_mdanalysis(), moving.packing
     atoms = universe.atoms
     assert atoms.positions == pytest.approx(np.pad(packing.positions, ((0, 0), (0, 1))), abs=1e-5)
@@ -48,9 +48,7 @@ def test_mdanalysis(moving: deformable.State) -> None:
 
 
 @pytest.mark.parametrize("method", ["bruteforce", "nsgrid", "pkdtree"])
-def test_mdanalysis_finds_neighbors_in_the_plane_only(
-    method: str, moving: deformable.State
-) -> None:
+def test_mdanalysis_finds_neighbors_in_the_plane_only(method: str, moving: ld.State) -> None:
     from MDAnalysis.lib.distances import self_capped_distance
 
     universe = moving.to_mdanalysis()
@@ -62,7 +60,7 @@ def test_mdanalysis_finds_neighbors_in_the_plane_only(
     assert set(found) == neighbors(moving.packing, 1.4)
 
 
-def test_freud(moving: deformable.State) -> None:
+def test_freud(moving: ld.State) -> None:
     freud = pytest.importorskip("freud")
     box, points = moving.to_freud()
     assert box.is2D
@@ -79,9 +77,9 @@ def test_freud(moving: deformable.State) -> None:
 
 def test_between_walls_no_neighbors_are_across() -> None:
     freud = pytest.importorskip("freud")
-    room = deformable.rectangle(6.0, 6.0, corner=(-2.0, 1.0))
-    packing = deformable.push_off(deformable.bidisperse(12, seed=1).between(room))
-    with deformable.Simulation(packing, deformable.Ring()) as sim:
+    room = ld.rectangle(6.0, 6.0, corner=(-2.0, 1.0))
+    packing = ld.push_off(ld.bidisperse(12, seed=1).between(room))
+    with ld.Simulation(packing, ld.Ring()) as sim:
         state = sim.state()
     query = freud.locality.AABBQuery(*state.to_freud())
     near = query.query(query.points, {"r_max": 2.9, "exclude_ii": True}).toNeighborList()
@@ -92,7 +90,7 @@ def test_between_walls_no_neighbors_are_across() -> None:
     assert state.to_mdanalysis().atoms.positions == pytest.approx(expected, abs=1e-5)
 
 
-def test_pandas(moving: deformable.State) -> None:
+def test_pandas(moving: ld.State) -> None:
     pytest.importorskip("pandas")
     particles, contacts = moving.to_pandas(), moving.to_pandas("contacts")
     packing = moving.packing
@@ -107,7 +105,7 @@ def test_pandas(moving: deformable.State) -> None:
     image = contacts[["image_a", "image_b"]].to_numpy() @ packing.box
     here, there = (particles.loc[contacts[side], ["x", "y"]].to_numpy() for side in "ij")
     assert np.linalg.norm(there + image - here, axis=1) == pytest.approx(contacts["distance"])
-    with pytest.raises(deformable.ParameterError, match="'bubbles'"):
+    with pytest.raises(ld.ParameterError, match="'bubbles'"):
         moving.to_pandas("bubbles")
 
 
@@ -116,7 +114,7 @@ def polygon_area(outline: np.ndarray) -> float:
     return float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y) / 2.0)
 
 
-def test_vtk_draws_shapes(moving: deformable.State, tmp_path: Path) -> None:
+def test_vtk_draws_shapes(moving: ld.State, tmp_path: Path) -> None:
     pytest.importorskip("vtkmodules")
     from vtkmodules.util.numpy_support import vtk_to_numpy
     from vtkmodules.vtkFiltersVerdict import vtkCellSizeFilter
@@ -152,7 +150,7 @@ def test_vtk_draws_shapes(moving: deformable.State, tmp_path: Path) -> None:
     assert np.array_equal(vtk_to_numpy(field.GetArray("box")), moving.packing.box)
 
 
-def test_geojson(moving: deformable.State, tmp_path: Path) -> None:
+def test_geojson(moving: ld.State, tmp_path: Path) -> None:
     moving.export(str(tmp_path / "outlines.geojson"))
     text = (tmp_path / "outlines.geojson").read_text()
     found = json.loads(text, parse_constant=lambda word: pytest.fail(f"{word} is no JSON"))
@@ -172,8 +170,8 @@ def test_geojson(moving: deformable.State, tmp_path: Path) -> None:
         assert feature["properties"]["pressure"] == moving.particle_pressure[n]
 
 
-def test_other_suffixes_are_refused(state: deformable.State, tmp_path: Path) -> None:
-    with pytest.raises(deformable.ParameterError, match=r"\.vtp or \.geojson, not .*a\.obj"):
+def test_other_suffixes_are_refused(state: ld.State, tmp_path: Path) -> None:
+    with pytest.raises(ld.ParameterError, match=r"\.vtp or \.geojson, not .*a\.obj"):
         state.export(tmp_path / "a.obj")
     assert not list(tmp_path.iterdir())
 
@@ -188,7 +186,7 @@ def test_other_suffixes_are_refused(state: deformable.State, tmp_path: Path) -> 
     ],
 )
 def test_missing_packages_are_named(
-    package: str, extra: str, method: str, state: deformable.State, monkeypatch: pytest.MonkeyPatch
+    package: str, extra: str, method: str, state: ld.State, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, package, None)
     way_out = rf"^this needs {package}: pip install 'lammps-deformable\[{extra}\]'$"
@@ -196,13 +194,11 @@ def test_missing_packages_are_named(
         getattr(state, method)()
 
 
-def test_notebooks_show_the_picture(
-    state: deformable.State, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_notebooks_show_the_picture(state: ld.State, monkeypatch: pytest.MonkeyPatch) -> None:
     html = state._repr_html_()
     assert html is not None
     assert html.startswith('<img src="data:image/png;base64,iVBORw0KGgo')
     assert "State: 32 particles, law Ring(kA=2.0), phi = 0.8" in html
-    monkeypatch.setattr("deformable.state.colored.find_spec", lambda name: None)
+    monkeypatch.setattr("lammps_deformable.state.colored.find_spec", lambda name: None)
     monkeypatch.setattr(builtins, "__import__", None)  # nothing is imported
     assert state._repr_html_() is None

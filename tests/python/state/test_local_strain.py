@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
 
@@ -14,10 +14,10 @@ def fit(old: np.ndarray, new: np.ndarray) -> tuple[np.ndarray, float]:
 
 
 @pytest.mark.parametrize("r_max", [None, 2.3])
-def test_as_a_loop(state: deformable.State, r_max: float | None) -> None:
+def test_as_a_loop(state: ld.State, r_max: float | None) -> None:
     before = state
-    with deformable.Simulation(before, before.law) as sim:
-        *_, now = deformable.shear(sim, strain=0.08, steps=2, tolerance=1e-3)
+    with ld.Simulation(before, before.law) as sim:
+        *_, now = ld.shear(sim, strain=0.08, steps=2, tolerance=1e-3)
     found = now.local_strain(before, r_max)
     gradient, d2min, neighbors = found
     reach = 3.0 * before.packing.radius.mean() if r_max is None else r_max
@@ -42,10 +42,10 @@ def test_as_a_loop(state: deformable.State, r_max: float | None) -> None:
 
 @pytest.mark.parametrize("tilt", [0.0, 0.6])
 def test_a_homogeneous_strain_comes_back(tilt: float) -> None:
-    packing = deformable.bidisperse(40, phi=0.8, tilt=tilt, seed=1)
+    packing = ld.bidisperse(40, phi=0.8, tilt=tilt, seed=1)
     gradient = np.array([[0.03, 0.2], [0.0, -0.05]])
     box = packing.box @ (np.eye(2) + gradient).T
-    with deformable.Disks(packing) as disks:
+    with ld.Disks(packing) as disks:
         before = disks.state()
         disks.deform(box)
         now = disks.state()
@@ -57,11 +57,11 @@ def test_a_homogeneous_strain_comes_back(tilt: float) -> None:
 
 
 def test_a_rotation_is_no_strain_and_leaves_nothing() -> None:
-    walls = deformable.Circle((0.0, 0.0), 8.0)
-    packing = deformable.bidisperse(40, seed=1).between(walls)
+    walls = ld.Circle((0.0, 0.0), 8.0)
+    packing = ld.bidisperse(40, seed=1).between(walls)
     angle = 0.3
     turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
-    with deformable.Disks(replace(packing, positions=packing.positions @ turn.T)) as disks:
+    with ld.Disks(replace(packing, positions=packing.positions @ turn.T)) as disks:
         found = disks.state().local_strain(packing, r_max=6.0)
     assert found.gradient == pytest.approx(np.broadcast_to(turn - np.eye(2), (40, 2, 2)), abs=1e-11)
     assert found.d2min.max() < 1e-22
@@ -69,8 +69,8 @@ def test_a_rotation_is_no_strain_and_leaves_nothing() -> None:
 
 def test_too_few_neighbors_tell_no_strain() -> None:
     places = [[1.0, 1.0], [2.0, 1.0], [3.0, 1.0], [5.0, 1.0]]
-    row = deformable.Packing(places, [0] * 4, [0.5], np.diag([9.0, 9.0]))
-    with deformable.Disks(row) as disks:
+    row = ld.Packing(places, [0] * 4, [0.5], np.diag([9.0, 9.0]))
+    with ld.Disks(row) as disks:
         found = disks.state().local_strain(row, r_max=1.5)
     assert found.neighbors.tolist() == [1, 2, 1, 0]
     assert np.isnan(found.gradient).all()

@@ -2,7 +2,7 @@
 
 import math
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
 
@@ -10,11 +10,11 @@ pytestmark = pytest.mark.usefixtures("exact_balance")
 
 LAWS = {
     "disks": None,
-    "radical": deformable.Ring(kA=2.0, contact="radical"),
-    "balanced": deformable.Ring(kA=1.0, kP=0.3, skin=0.02, contact="balanced"),
-    "curved": deformable.Ring(kA=math.inf, kP=0.0, tension=1.0, contact="curved"),
+    "radical": ld.Ring(kA=2.0, contact="radical"),
+    "balanced": ld.Ring(kA=1.0, kP=0.3, skin=0.02, contact="balanced"),
+    "curved": ld.Ring(kA=math.inf, kP=0.0, tension=1.0, contact="curved"),
 }
-Snapshot = deformable.State | deformable.DiskState
+Snapshot = ld.State | ld.DiskState
 
 
 @pytest.fixture(scope="module", params=LAWS)
@@ -22,12 +22,12 @@ def state(request: pytest.FixtureRequest) -> Snapshot:
     """64 particles at rest, rattlers among them."""
     law = LAWS[request.param]
     if law is None:
-        jammed = deformable.jam(deformable.bidisperse(64, seed=2))
-        with deformable.Disks(jammed.at(jammed.phi + 0.01)) as disks:
+        jammed = ld.jam(ld.bidisperse(64, seed=2))
+        with ld.Disks(jammed.at(jammed.phi + 0.01)) as disks:
             return disks.relax(1e-10)
-    jammed = deformable.jam(deformable.bidisperse(64, seed=5))
-    with deformable.Simulation(jammed.at(jammed.phi + 0.03), law) as sim:
-        return deformable.polish(sim.relax(1e-6))
+    jammed = ld.jam(ld.bidisperse(64, seed=5))
+    with ld.Simulation(jammed.at(jammed.phi + 0.03), law) as sim:
+        return ld.polish(sim.relax(1e-6))
 
 
 def test_zero_modes_are_translations_and_two_of_each_rattler(state: Snapshot) -> None:
@@ -60,16 +60,16 @@ def test_modes_are_eigenvectors(state: Snapshot) -> None:
     assert np.sum(density) * (middle[1] - middle[0]) == pytest.approx(1.0)
     values = state.modes(vectors=False)
     assert values.stiffness == pytest.approx(modes.stiffness, rel=1e-10, abs=scale)
-    with pytest.raises(deformable.ParameterError, match="vectors"):
+    with pytest.raises(ld.ParameterError, match="vectors"):
         values.plot(0)
-    with pytest.raises(deformable.ParameterError, match="128"):
+    with pytest.raises(ld.ParameterError, match="128"):
         state.modes(128)
 
 
 def test_softest_modes(state: Snapshot, monkeypatch: pytest.MonkeyPatch) -> None:
     """By Lanczos' method, with the lines as variables, as from the dense matrix."""
     every = state.modes()
-    monkeypatch.setattr(deformable.state.modes, "_SMALL", 0)
+    monkeypatch.setattr(ld.state.modes, "_SMALL", 0)
     few = state.modes(6)
     assert few.stiffness == pytest.approx(every.stiffness[:6], rel=1e-7)
     overlap = np.einsum("kia,kia->k", few.vectors, every.vectors[:6])
@@ -83,16 +83,16 @@ def test_response_to_forces(state: Snapshot) -> None:
     moved = hessian.solve(forces)
     assert hessian.operator @ moved == pytest.approx(forces, abs=1e-9)
     assert hessian.project(moved) == pytest.approx(moved, abs=1e-12 * np.abs(moved).max())
-    with pytest.raises(deformable.ParameterError, match=r"\(5,\)"):
+    with pytest.raises(ld.ParameterError, match=r"\(5,\)"):
         hessian.solve(np.zeros(5))
 
 
 def test_moduli_are_those_of_finite_strains(state: Snapshot) -> None:
     moduli = state.elastic_moduli()
     found = [
-        (moduli.shear_modulus, deformable.shear_modulus(state, 1e-5, 1e-10)),
-        (moduli.pure_shear_modulus, deformable.shear_modulus(state, 1e-5, 1e-10, pure=True)),
-        (moduli.bulk_modulus, deformable.bulk_modulus(state, 1e-5, 1e-10)),
+        (moduli.shear_modulus, ld.shear_modulus(state, 1e-5, 1e-10)),
+        (moduli.pure_shear_modulus, ld.shear_modulus(state, 1e-5, 1e-10, pure=True)),
+        (moduli.bulk_modulus, ld.bulk_modulus(state, 1e-5, 1e-10)),
     ]
     assert f"shear {moduli.shear_modulus:.4g}, " in repr(moduli)
     for exact, finite in found:
@@ -104,9 +104,9 @@ def test_moduli_are_those_of_finite_strains(state: Snapshot) -> None:
 
 
 @pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
-def test_loose_particles_do_not_resist(law: deformable.Ring | None) -> None:
-    start = deformable.push_off(deformable.bidisperse(16, phi=0.4))
-    with deformable.Simulation(start, law) if law else deformable.Disks(start) as sim:
+def test_loose_particles_do_not_resist(law: ld.Ring | None) -> None:
+    start = ld.push_off(ld.bidisperse(16, phi=0.4))
+    with ld.Simulation(start, law) if law else ld.Disks(start) as sim:
         state = sim.relax(1e-6)
     assert state.hessian().matrix.nnz == 0
     assert (len(state.modes()), state.modes().zero_modes) == (0, 32)
@@ -120,5 +120,5 @@ def test_picture(state: Snapshot) -> None:
     length = np.hypot(arrows.U, arrows.V)
     assert length.max() == pytest.approx(2.0 * state.packing.radius.mean())
     assert "participation" in ax.get_title()
-    with pytest.raises(deformable.ParameterError, match="3"):
+    with pytest.raises(ld.ParameterError, match="3"):
         modes.plot(3)

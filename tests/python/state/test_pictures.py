@@ -1,6 +1,6 @@
 """Pictures of states and of soft disks: figures, colors of signed values, values from arrays."""
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
 
@@ -9,13 +9,13 @@ matplotlib.use("agg")
 
 
 @pytest.fixture(scope="module", params=[0.2, 4.0])
-def disks(request: pytest.FixtureRequest) -> deformable.DiskState:
-    start = deformable.push_off(deformable.bidisperse(30, phi=0.95, aspect=request.param, seed=1))
-    with deformable.Disks(start) as disks:
+def disks(request: pytest.FixtureRequest) -> ld.DiskState:
+    start = ld.push_off(ld.bidisperse(30, phi=0.95, aspect=request.param, seed=1))
+    with ld.Disks(start) as disks:
         return disks.state()
 
 
-def test_long_boxes_fill_their_figures(disks: deformable.DiskState) -> None:
+def test_long_boxes_fill_their_figures(disks: ld.DiskState) -> None:
     """The box takes more than half of the figure, which is not larger than a page."""
     figure = disks.plot().figure
     figure.draw_without_rendering()
@@ -29,7 +29,7 @@ def test_long_boxes_fill_their_figures(disks: deformable.DiskState) -> None:
     assert area.width > 0.0
 
 
-def test_no_figure_stays_open(state: deformable.State, disks: deformable.DiskState) -> None:
+def test_no_figure_stays_open(state: ld.State, disks: ld.DiskState) -> None:
     from matplotlib import pyplot
 
     before = pyplot.get_fignums()
@@ -41,7 +41,7 @@ def test_no_figure_stays_open(state: deformable.State, disks: deformable.DiskSta
     assert pyplot.get_fignums() == before
 
 
-def test_disks_have_the_words_of_states(disks: deformable.DiskState) -> None:
+def test_disks_have_the_words_of_states(disks: ld.DiskState) -> None:
     """Contacts are chords: both ends on both circles; force chains bear the overlaps."""
     ax = disks.plot(contacts=True, forces=True, color_by="contacts", cmap="magma", title="disks")
     circles, chords, chains = ax.collections
@@ -70,8 +70,8 @@ def test_disks_have_the_words_of_states(disks: deformable.DiskState) -> None:
 
 def test_disks_at_walls_are_drawn() -> None:
     """The chord of a wall is on the wall."""
-    room = deformable.bidisperse(12, phi=0.95, seed=1).between(deformable.rectangle(4, 4))
-    with deformable.Disks(deformable.push_off(room)) as disks:
+    room = ld.bidisperse(12, phi=0.95, seed=1).between(ld.rectangle(4, 4))
+    with ld.Disks(ld.push_off(room)) as disks:
         state = disks.state()
     assert len(state.wall_pairs) > 0
     ends = np.array(state.plot(contacts=True).collections[-1].get_segments())
@@ -80,7 +80,7 @@ def test_disks_at_walls_are_drawn() -> None:
     assert on_wall.all(axis=1).any(axis=1).sum() == len(state.wall_pairs)
 
 
-def test_signed_values_are_centered(state: deformable.State) -> None:
+def test_signed_values_are_centered(state: ld.State) -> None:
     stress = -state.particle_stress[:, 0, 1]
     particles = state.plot(color_by=stress, label="shear stress").collections[0]
     low, high = particles.get_clim()
@@ -98,7 +98,7 @@ def test_signed_values_are_centered(state: deformable.State) -> None:
     assert state.plot(color_by=rounded).collections[0].get_cmap().name == "YlGnBu"
 
 
-def test_values_from_an_array(state: deformable.State) -> None:
+def test_values_from_an_array(state: ld.State) -> None:
     values = np.arange(len(state.packing), dtype=float)
     values[2] = np.nan
     particles = state.plot(color_by=values.tolist()).collections[0]
@@ -116,11 +116,11 @@ def test_values_from_an_array(state: deformable.State) -> None:
     ],
     ids=str,
 )
-def test_other_values_are_refused(color_by: object, state: deformable.State) -> None:
+def test_other_values_are_refused(color_by: object, state: ld.State) -> None:
     assert len(state.packing) == 32
-    with pytest.raises(deformable.ParameterError, match=r"color_by must name .* or be 32 numbers"):
+    with pytest.raises(ld.ParameterError, match=r"color_by must name .* or be 32 numbers"):
         state.plot(color_by=color_by)
-    with pytest.raises(deformable.ParameterError, match=r"label .* not 3"):
+    with pytest.raises(ld.ParameterError, match=r"label .* not 3"):
         state.plot(color_by="area", label=3)
-    with pytest.raises(deformable.ParameterError, match=r"scale .* not 2"):
+    with pytest.raises(ld.ParameterError, match=r"scale .* not 2"):
         state.plot(scale=2)

@@ -4,7 +4,7 @@ import shutil
 import sys
 from pathlib import Path
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
 from exact_balance import exactly_balanced
@@ -15,25 +15,25 @@ matplotlib.use("agg")
 
 
 @pytest.fixture(scope="module")
-def run(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[deformable.State]]:
+def run(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[ld.State]]:
     """A recorded run: its start, two steps of compression, then motion in a tilted box."""
     folder = tmp_path_factory.mktemp("run")
-    jammed = deformable.jam(deformable.bidisperse(12, tilt=0.3, seed=2))
+    jammed = ld.jam(ld.bidisperse(12, tilt=0.3, seed=2))
     with (
         exactly_balanced(),
-        deformable.Simulation(jammed, deformable.Ring(kP=2.0, skin=0.02)) as sim,
+        ld.Simulation(jammed, ld.Ring(kP=2.0, skin=0.02)) as sim,
     ):
-        pressed = deformable.compress(sim, strain=0.03, steps=2)
-        states = [sim.state(), *deformable.record(pressed, folder)]
-        motion = deformable.move(sim, 60, temperature=1e-5, every=20, seed=1)
-        states += deformable.Run(folder).append(motion)
+        pressed = ld.compress(sim, strain=0.03, steps=2)
+        states = [sim.state(), *ld.record(pressed, folder)]
+        motion = ld.move(sim, 60, temperature=1e-5, every=20, seed=1)
+        states += ld.Run(folder).append(motion)
     return folder, states
 
 
 @pytest.mark.usefixtures("exact_balance")
-def test_replay_gives_the_states_again(run: tuple[Path, list[deformable.State]]) -> None:
+def test_replay_gives_the_states_again(run: tuple[Path, list[ld.State]]) -> None:
     folder, states = run
-    again = list(deformable.Run(folder))
+    again = list(ld.Run(folder))
     assert len(again) == len(states) == 6
     for one, other in zip(again, states, strict=True):
         assert one.phi == pytest.approx(other.phi, rel=1e-12)
@@ -57,7 +57,7 @@ def test_replay_gives_the_states_again(run: tuple[Path, list[deformable.State]])
     ids=["missing", "half", "columns", "junk"],
 )
 def test_broken_trajectories_are_named(
-    run: tuple[Path, list[deformable.State]], tmp_path: Path, broken: object, message: str
+    run: tuple[Path, list[ld.State]], tmp_path: Path, broken: object, message: str
 ) -> None:
     shutil.copytree(run[0], tmp_path, dirs_exist_ok=True)
     trajectory = tmp_path / "trajectory.lammpstrj"
@@ -65,11 +65,11 @@ def test_broken_trajectories_are_named(
         trajectory.write_text(broken(trajectory.read_text()))
     else:
         trajectory.unlink()
-    with pytest.raises(deformable.FileError, match=message):
-        list(deformable.Run(tmp_path))
+    with pytest.raises(ld.FileError, match=message):
+        list(ld.Run(tmp_path))
 
 
-def test_shape_parameter(state: deformable.State) -> None:
+def test_shape_parameter(state: ld.State) -> None:
     # a circle has the least perimeter
     assert state.shape_parameter.min() >= 1.0 - 4 * np.finfo(float).eps
     # conserved perimeter: P^2 / (4 pi A) = A0 / A
@@ -79,7 +79,7 @@ def test_shape_parameter(state: deformable.State) -> None:
     assert map_.get_clim() == pytest.approx((1.0, expected.max()))
 
 
-def test_force_chains_are_as_wide_as_their_forces(state: deformable.State) -> None:
+def test_force_chains_are_as_wide_as_their_forces(state: ld.State) -> None:
     """From each center to its contact lines, at every image that reaches into the box."""
     lines = state.plot(forces=True).collections[1]
     halves = np.array(lines.get_segments())
@@ -93,9 +93,9 @@ def test_force_chains_are_as_wide_as_their_forces(state: deformable.State) -> No
     assert len(halves) >= len(table)
 
 
-def test_force_chains_do_not_hide_the_particles(state: deformable.State) -> None:
+def test_force_chains_do_not_hide_the_particles(state: ld.State) -> None:
     """At most 3 points wide; narrower where particles are many and small."""
-    from deformable.model.scale import scale
+    from lammps_deformable.model.scale import scale
 
     widths = [scale([np.ones(count)], [np.ones(3)], "area").widest for count in (4, 128, 1152)]
     assert widths[0] == widths[1] == 3.0
@@ -107,10 +107,10 @@ def test_force_chains_do_not_hide_the_particles(state: deformable.State) -> None
 def test_unloaded_packings_have_one_color_and_one_tick(color_by: str, value: float) -> None:
     """Without load all values are equal: the color bar names that one, and no other."""
     grid = 2.5 * np.stack(np.meshgrid(np.arange(4.0), np.arange(2.0)), axis=-1)
-    loose = deformable.Packing(
+    loose = ld.Packing(
         grid.reshape(8, 2), np.arange(8) % 2, np.array([0.5, 0.7]), np.diag([10.0, 5.0])
     )
-    with deformable.Simulation(loose, deformable.Ring()) as sim:
+    with ld.Simulation(loose, ld.Ring()) as sim:
         idle = sim.state()
     ax = idle.plot(color_by=color_by, forces=True)
     bar = ax.collections[0].colorbar
@@ -118,7 +118,7 @@ def test_unloaded_packings_have_one_color_and_one_tick(color_by: str, value: flo
     assert ax.collections[0].norm(value) == 0.0
 
 
-def test_pictures_with_one_bar(state: deformable.State) -> None:
+def test_pictures_with_one_bar(state: ld.State) -> None:
     from matplotlib.figure import Figure
 
     figure = Figure()
@@ -133,15 +133,15 @@ def test_pictures_with_one_bar(state: deformable.State) -> None:
 
 @pytest.mark.parametrize("source", ["folder", "states"])
 def test_movie_has_a_picture_a_state(
-    run: tuple[Path, list[deformable.State]], tmp_path: Path, source: str
+    run: tuple[Path, list[ld.State]], tmp_path: Path, source: str
 ) -> None:
     from PIL import Image
 
     path = tmp_path / "movie.gif"
     if source == "folder":
-        deformable.Run(run[0]).movie(path, forces=True, rate=5)
+        ld.Run(run[0]).movie(path, forces=True, rate=5)
     else:
-        deformable.movie(iter(run[1]), path, forces=True, rate=5)
+        ld.movie(iter(run[1]), path, forces=True, rate=5)
     with Image.open(path) as image:
         assert image.n_frames == len(run[1])
         assert image.info["duration"] == 200  # ms
@@ -150,11 +150,11 @@ def test_movie_has_a_picture_a_state(
 @pytest.mark.parametrize("limits", [{}, {"vmin": -1.0}, {"vmin": 0.5, "vmax": 1.5}], ids=str)
 def test_pictures_of_a_movie_share_one_scale(
     limits: dict[str, float],
-    run: tuple[Path, list[deformable.State]],
+    run: tuple[Path, list[ld.State]],
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    from deformable.model import picture as plots
+    from lammps_deformable.model import picture as plots
 
     drawn, maps = [], []
     draw = plots.draw
@@ -168,7 +168,7 @@ def test_pictures_of_a_movie_share_one_scale(
 
     monkeypatch.setattr(plots, "draw", watched)
     states = run[1]
-    deformable.movie(states, tmp_path / "movie.gif", forces=True, cmap="magma", **limits)
+    ld.movie(states, tmp_path / "movie.gif", forces=True, cmap="magma", **limits)
     assert set(maps) == {"magma"}
     pressure = max(state.particle_pressure.max() for state in states)
     force = [state.contact_table["force"].max() for state in states]
@@ -179,13 +179,13 @@ def test_pictures_of_a_movie_share_one_scale(
 
 
 def test_movies_that_cannot_be(
-    state: deformable.State, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    state: ld.State, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def refused(
         message: str, states: object = (state,), name: str = "a.gif", **how: object
     ) -> None:
-        with pytest.raises(deformable.ParameterError, match=message):
-            deformable.movie(states, tmp_path / name, **how)
+        with pytest.raises(ld.ParameterError, match=message):
+            ld.movie(states, tmp_path / name, **how)
 
     refused(r"\.gif or an \.mp4, not '.*a\.avi'", name="a.avi")
     refused("at least one state", states=())
@@ -198,11 +198,11 @@ def test_movies_that_cannot_be(
     refused("ffmpeg", name="a.mp4")
     monkeypatch.setitem(sys.modules, "matplotlib.animation", None)
     with pytest.raises(ImportError, match=r"pip install lammps-deformable\[plot\]"):
-        deformable.movie([state], tmp_path / "a.gif")
+        ld.movie([state], tmp_path / "a.gif")
     assert not list(tmp_path.iterdir())
 
 
-def test_movie_from_the_shell(run: tuple[Path, list[deformable.State]], tmp_path: Path) -> None:
+def test_movie_from_the_shell(run: tuple[Path, list[ld.State]], tmp_path: Path) -> None:
     from PIL import Image
 
     ask = ["--forces", "--color-by", "shape_parameter"]

@@ -1,13 +1,13 @@
 """Color map, limits and title of a picture."""
 
-import deformable
+import lammps_deformable as ld
 import pytest
 
 matplotlib = pytest.importorskip("matplotlib")
 matplotlib.use("agg")
 
 
-def test_settings_of_a_picture(state: deformable.State) -> None:
+def test_settings_of_a_picture(state: ld.State) -> None:
     axes = state.plot(
         color_by="area", cmap="magma", vmin=0.5, vmax=2, title="a packing", forces=True
     )
@@ -33,7 +33,7 @@ def test_settings_of_a_picture(state: deformable.State) -> None:
     ],
 )
 def test_other_settings_are_refused(
-    settings: dict[str, object], words: str, state: deformable.State
+    settings: dict[str, object], words: str, state: ld.State
 ) -> None:
-    with pytest.raises(deformable.ParameterError, match=words):
+    with pytest.raises(ld.ParameterError, match=words):
         state.plot(**settings)

@@ -1,35 +1,35 @@
 """What Python prints of packings, laws, simulations and states: one line."""
 
-import deformable
+import lammps_deformable as ld
 import pytest
 
 
 def test_packing() -> None:
-    straight = deformable.bidisperse(32, phi=0.3, seed=1)
+    straight = ld.bidisperse(32, phi=0.3, seed=1)
     side = straight.box[0, 0]
     expected = f"<Packing: 32 particles of 2 species, phi = 0.3000, box {side:.4g} x {side:.4g}>"
     assert repr(straight) == expected
-    tilted = deformable.bidisperse(32, tilt=-0.25)
+    tilted = ld.bidisperse(32, tilt=-0.25)
     assert repr(tilted).endswith(f" tilted by {-0.25 * side:.4g}>")
 
 
 @pytest.mark.parametrize(
     ("law", "text"),
     [
-        (deformable.Ring(), "Ring()"),
-        (deformable.Ring(kA=2, contact="radical"), "Ring(kA=2.0, contact='radical')"),
-        (deformable.Ring(kA=[1, 2], kP=5), "Ring(kA=(1.0, 2.0), kP=5.0)"),
-        (deformable.Sector(), "Sector(kA=1.0)"),
+        (ld.Ring(), "Ring()"),
+        (ld.Ring(kA=2, contact="radical"), "Ring(kA=2.0, contact='radical')"),
+        (ld.Ring(kA=[1, 2], kP=5), "Ring(kA=(1.0, 2.0), kP=5.0)"),
+        (ld.Sector(), "Sector(kA=1.0)"),
     ],
 )
 def test_a_law_is_the_call_that_makes_it(law: object, text: str) -> None:
     assert repr(law) == text
-    assert eval(text, {"Ring": deformable.Ring, "Sector": deformable.Sector}) == law
+    assert eval(text, {"Ring": ld.Ring, "Sector": ld.Sector}) == law
 
 
-def test_simulation_and_its_states(jammed: deformable.Packing) -> None:
+def test_simulation_and_its_states(jammed: ld.Packing) -> None:
     (lx, _), (_, ly) = jammed.box
-    with deformable.Simulation(jammed, deformable.Ring(kP=3.0)) as sim:
+    with ld.Simulation(jammed, ld.Ring(kP=3.0)) as sim:
         text = f"<Simulation: 32 particles, law Ring(kP=3.0), box {lx:.4g} x {ly:.4g}>"
         assert repr(sim) == text
         state = sim.relax()
@@ -40,13 +40,13 @@ def test_simulation_and_its_states(jammed: deformable.Packing) -> None:
     assert repr(state) == f"<State: 32 particles, law Ring(kP=3.0), {numbers}>"
 
 
-def test_other_states(jammed: deformable.Packing) -> None:
-    with deformable.Disks(jammed) as disks:
+def test_other_states(jammed: ld.Packing) -> None:
+    with ld.Disks(jammed) as disks:
         assert repr(disks.state()).startswith("<DiskState: 32 particles, soft disks, phi = 0.8")
-    with deformable.Spheres(deformable.cubic("fcc", 2, phi=0.8)) as spheres:
+    with ld.Spheres(ld.cubic("fcc", 2, phi=0.8)) as spheres:
         side = f"{spheres.box[0, 0]:.4g}"
         assert repr(spheres) == f"<Spheres: 32 particles, box {side} x {side} x {side}>"
     assert repr(spheres) == "<Spheres: closed>"
-    few = deformable.jam(deformable.bidisperse(8, seed=1))
-    with deformable.PolygonSimulation(few, deformable.PolygonModel(vertices=20)) as sim:
+    few = ld.jam(ld.bidisperse(8, seed=1))
+    with ld.PolygonSimulation(few, ld.PolygonModel(vertices=20)) as sim:
         assert repr(sim.state()).startswith("<PolygonState: 8 polygons, phi = 0.")

@@ -5,7 +5,7 @@ import json
 import math
 from pathlib import Path
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
 from contact_laws import contacts
@@ -22,41 +22,39 @@ STIFFNESS = {
 }
 LINES = {"radical": 0, "balanced": 1, "curved": 3}  # variables of a contact line
 LAWS = {
-    f"{contact}-{name}": deformable.Ring(contact=contact, **values)
+    f"{contact}-{name}": ld.Ring(contact=contact, **values)
     for contact in LINES
     for name, values in STIFFNESS.items()
 }
 SCENES = {
-    "circle": (deformable.Circle((0, 0), 4), deformable.Disk((1, 0.5), 0.6)),
+    "circle": (ld.Circle((0, 0), 4), ld.Disk((1, 0.5), 0.6)),
     "corners": (
-        *(deformable.Plane((0, y), (0, sign)) for y, sign in ((0, 1), (5, -1))),
-        deformable.Polygon(((1, 1.5), (3, 1.5), (2, 3.5))),
+        *(ld.Plane((0, y), (0, sign)) for y, sign in ((0, 1), (5, -1))),
+        ld.Polygon(((1, 1.5), (3, 1.5), (2, 3.5))),
     ),
 }
 
 
 @pytest.fixture(scope="module")
-def packing() -> deformable.Packing:
-    jammed = deformable.jam(deformable.bidisperse(20, seed=3))
+def packing() -> ld.Packing:
+    jammed = ld.jam(ld.bidisperse(20, seed=3))
     return jammed.at(jammed.phi + 0.03)
 
 
 @pytest.fixture(params=LAWS)
-def law(request: pytest.FixtureRequest) -> deformable.Ring:
+def law(request: pytest.FixtureRequest) -> ld.Ring:
     return LAWS[request.param]
 
 
-def evaluated(
-    packing: deformable.Packing, law: deformable.Ring
-) -> tuple[deformable.State, np.ndarray]:
+def evaluated(packing: ld.Packing, law: ld.Ring) -> tuple[ld.State, np.ndarray]:
     """State of a packing as it is, and the gradient of the energy that LAMMPS finds, (2N,)."""
-    with deformable.Simulation(packing, law) as sim:
+    with ld.Simulation(packing, law) as sim:
         state = sim.state()
         forces = np.array(sim.lmp.gather("f", 1, 3)).reshape(-1, 3)[:, :2]
     return state, -forces.ravel()
 
 
-def difference(packing: deformable.Packing, law: deformable.Ring, direction: np.ndarray):
+def difference(packing: ld.Packing, law: ld.Ring, direction: np.ndarray):
     """Change of the gradient per step along a direction, with an error of the fourth order."""
 
     def gradient(step: float) -> np.ndarray:
@@ -67,7 +65,7 @@ def difference(packing: deformable.Packing, law: deformable.Ring, direction: np.
     return (4.0 * near - far) / 3.0
 
 
-def agrees(packing: deformable.Packing, law: deformable.Ring) -> deformable.State:
+def agrees(packing: ld.Packing, law: ld.Ring) -> ld.State:
     """Compare energy, gradient, stress and Hessian with those of LAMMPS."""
     state, gradient = evaluated(packing, law)
     hessian = state.hessian()
@@ -88,7 +86,7 @@ def agrees(packing: deformable.Packing, law: deformable.Ring) -> deformable.Stat
     return state
 
 
-def test_every_law_and_stiffness(packing: deformable.Packing, law: deformable.Ring) -> None:
+def test_every_law_and_stiffness(packing: ld.Packing, law: ld.Ring) -> None:
     state = agrees(packing, law)
     hessian = state.hessian()
     lines = hessian.matrix.shape[0] - 2 * len(packing)
@@ -100,9 +98,9 @@ def test_every_law_and_stiffness(packing: deformable.Packing, law: deformable.Ri
 @contacts
 def test_any_sizes(contact: str) -> None:
     """Radii from 0.3 to 0.7 in a tilted box."""
-    start = deformable.polydisperse(20, np.linspace(0.3, 0.7, 20), tilt=0.4, seed=2)
-    jammed = deformable.jam(start)
-    law = deformable.Ring(kA=1.0, kP=0.5, contact=contact)
+    start = ld.polydisperse(20, np.linspace(0.3, 0.7, 20), tilt=0.4, seed=2)
+    jammed = ld.jam(start)
+    law = ld.Ring(kA=1.0, kP=0.5, contact=contact)
     agrees(jammed.at(jammed.phi + 0.03), law)
 
 
@@ -110,9 +108,9 @@ def test_any_sizes(contact: str) -> None:
 @pytest.mark.parametrize("scene", SCENES)
 def test_walls(scene: str, contact: str) -> None:
     """Flat and round ones, from inside and outside, and corners."""
-    law = deformable.Ring(kA=1.0, kP=0.5, contact=contact)
-    start = deformable.bidisperse(40, seed=1).between(SCENES[scene]).at(0.9)
-    with deformable.Simulation(deformable.push_off(start), law) as sim:
+    law = ld.Ring(kA=1.0, kP=0.5, contact=contact)
+    start = ld.bidisperse(40, seed=1).between(SCENES[scene]).at(0.9)
+    with ld.Simulation(ld.push_off(start), law) as sim:
         state = sim.relax(1e-3)
     assert (state.contact_table["j"] < 0).sum() > 5
     # at rest a particle may sit where a face ends, and there the force of the wall has a jump
@@ -124,10 +122,10 @@ def test_walls(scene: str, contact: str) -> None:
 @contacts
 def test_a_particle_and_its_own_images(contact: str) -> None:
     """A crystal of one particle: nothing moves, and the moduli are those of four."""
-    law = deformable.Ring(kA=1.0, kP=0.4, contact=contact)
-    one = deformable.bidisperse(1, phi=0.94, tilt=0.54, aspect=0.88)
+    law = ld.Ring(kA=1.0, kP=0.4, contact=contact)
+    one = ld.bidisperse(1, phi=0.94, tilt=0.54, aspect=0.88)
     steps = np.array([(a, b) for a in (0, 1) for b in (0, 1)]) @ one.box
-    four = deformable.Packing(one.positions + steps, np.zeros(4, int), one.radii[:1], 2 * one.box)
+    four = ld.Packing(one.positions + steps, np.zeros(4, int), one.radii[:1], 2 * one.box)
     one = dataclasses.replace(one, species=[0], radii=one.radii[:1])
     states = [evaluated(packing, law)[0] for packing in (one, four)]
     assert np.abs(states[0].hessian().reduced()).max() < 1e-14
@@ -137,16 +135,16 @@ def test_a_particle_and_its_own_images(contact: str) -> None:
 
 
 @pytest.fixture(scope="module", params=["radical-perimeter", "balanced-finite", "curved-droplets"])
-def relaxed(request: pytest.FixtureRequest) -> deformable.State:
-    jammed = deformable.jam(deformable.bidisperse(64, seed=5))
-    with deformable.Simulation(jammed.at(jammed.phi + 0.03), LAWS[request.param]) as sim:
-        return deformable.polish(sim.relax(1e-6))
+def relaxed(request: pytest.FixtureRequest) -> ld.State:
+    jammed = ld.jam(ld.bidisperse(64, seed=5))
+    with ld.Simulation(jammed.at(jammed.phi + 0.03), LAWS[request.param]) as sim:
+        return ld.polish(sim.relax(1e-6))
 
 
 def test_contacts_of_rattlers_have_two_sides() -> None:
     """Also where only one side of a radical axis bears a force worth mentioning."""
-    start = deformable.push_off(deformable.bidisperse(20, phi=0.83, seed=3))
-    law = deformable.Ring(kA=[1.0, 50.0], kP=[0.5, math.inf], contact="radical")
+    start = ld.push_off(ld.bidisperse(20, phi=0.83, seed=3))
+    law = ld.Ring(kA=[1.0, 50.0], kP=[0.5, math.inf], contact="radical")
     state, _ = evaluated(start, law)
     sides, _ = state.rattler_contacts()
     there = list(zip(sides.i, sides.j, strict=True))
@@ -154,7 +152,7 @@ def test_contacts_of_rattlers_have_two_sides() -> None:
     assert 0 < len(there) < len(state.contact_table)
 
 
-def test_affine_moduli_leave_the_lines_free(relaxed: deformable.State) -> None:
+def test_affine_moduli_leave_the_lines_free(relaxed: ld.State) -> None:
     """Stress of packings whose centers follow a strain, with lines that LAMMPS balances."""
     moduli, packing, h = relaxed.elastic_moduli(), relaxed.packing, 5e-8
 
@@ -170,24 +168,24 @@ def test_affine_moduli_leave_the_lines_free(relaxed: deformable.State) -> None:
     assert moduli.affine[0, 1, 0, 1] == pytest.approx(affine, rel=1e-6)
 
 
-def test_errors(packing: deformable.Packing) -> None:
-    with deformable.Simulation(packing, deformable.Sector()) as sim:
+def test_errors(packing: ld.Packing) -> None:
+    with ld.Simulation(packing, ld.Sector()) as sim:
         state = sim.state()
-    with pytest.raises(deformable.ParameterError, match="sector"):
+    with pytest.raises(ld.ParameterError, match="sector"):
         state.hessian()
-    with deformable.Simulation(packing, deformable.Ring()) as sim:
+    with ld.Simulation(packing, ld.Ring()) as sim:
         sim.lmp.command("fix other all deformable/wall plane -50 0 1 0")
         state = sim.state()
-    with pytest.raises(deformable.ParameterError, match="walls"):
+    with pytest.raises(ld.ParameterError, match="walls"):
         state.modes()
 
 
 def test_lines_at_the_largest_tilt() -> None:
-    packing = deformable.bidisperse(1, phi=1.9, tilt=0.54, aspect=0.88)
-    with deformable.Simulation(packing, deformable.Ring(kP=0.4, contact="curved")) as sim:
+    packing = ld.bidisperse(1, phi=1.9, tilt=0.54, aspect=0.88)
+    with ld.Simulation(packing, ld.Ring(kP=0.4, contact="curved")) as sim:
         state = sim.state()
     assert np.abs(state.contact_table["tilt"]).max() == pytest.approx(0.3)
-    with pytest.raises(deformable.ParameterError, match=r"particle 0.*0\.3"):
+    with pytest.raises(ld.ParameterError, match=r"particle 0.*0\.3"):
         state.hessian()
 
 
@@ -195,14 +193,14 @@ SCRIPT = """
 import json, math, sys
 sys.path[:0] = [{tests!r}]
 from mpi4py import MPI
-import deformable
+import lammps_deformable as ld
 from exact_balance import exactly_balanced
 
-packing = deformable.Run({folder!r}).simulation().state().packing
+packing = ld.Run({folder!r}).simulation().state().packing
 found = []
 for contact in {contacts!r}:
-    law = deformable.Ring(kA=1.0, kP=0.3, contact=contact)
-    with exactly_balanced(), deformable.Simulation(packing, law) as sim:
+    law = ld.Ring(kA=1.0, kP=0.3, contact=contact)
+    with exactly_balanced(), ld.Simulation(packing, law) as sim:
         state = sim.state()
     hessian = state.hessian()
     matrices = hessian.reduced(), hessian.by_strain[: hessian.size], hessian.strain
@@ -214,10 +212,8 @@ if MPI.COMM_WORLD.rank == 0:
 """
 
 
-def test_any_number_of_ranks_has_the_same_answer(
-    packing: deformable.Packing, tmp_path: Path
-) -> None:
-    with deformable.Simulation(packing, deformable.Ring(kA=1.0, kP=0.3)) as sim:
+def test_any_number_of_ranks_has_the_same_answer(packing: ld.Packing, tmp_path: Path) -> None:
+    with ld.Simulation(packing, ld.Ring(kA=1.0, kP=0.3)) as sim:
         sim.relax(1e-4).save(tmp_path / "start")
     tests = str(Path(__file__).parents[1])
     script = SCRIPT.format(tests=tests, folder=str(tmp_path / "start"), contacts=[*LINES])

@@ -1,28 +1,28 @@
 """States whose contacts rub: their forces, stress, energies, and Coulomb's bound."""
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
 from contact_laws import CONTACTS
-from deformable.model.laws import LAWS
+from lammps_deformable.model.laws import LAWS
 
 MU, MU_WALL = 0.4, 0.2
-ROUGH = deformable.Friction(
+ROUGH = ld.Friction(
     [[MU, 0.5 * MU], [0.5 * MU, MU]],
     1e-2,
     1e-3,
     damp=1e-3,
-    walls=deformable.Friction(MU_WALL, 1e-2),
+    walls=ld.Friction(MU_WALL, 1e-2),
 )
-WALLS = {"periodic": (), "walls": (*deformable.rectangle(7, 6), deformable.Disk((3, 3), 0.7))}
+WALLS = {"periodic": (), "walls": (*ld.rectangle(7, 6), ld.Disk((3, 3), 0.7))}
 
 
-def moved(contact: str, walls: tuple = ()) -> tuple[list[deformable.State], np.ndarray]:
+def moved(contact: str, walls: tuple = ()) -> tuple[list[ld.State], np.ndarray]:
     """States of a motion, and the forces of LAMMPS at its end."""
-    packing = deformable.bidisperse(20, seed=3, tilt=0.0 if walls else 0.3).at(0.84)
-    packing = deformable.push_off(packing.between(walls, seed=1).at(0.84) if walls else packing)
-    with deformable.Simulation(packing, LAWS[contact], friction=ROUGH) as sim:
-        motion = deformable.move(sim, 300, temperature=1e-4, seed=1, every=100)
+    packing = ld.bidisperse(20, seed=3, tilt=0.0 if walls else 0.3).at(0.84)
+    packing = ld.push_off(packing.between(walls, seed=1).at(0.84) if walls else packing)
+    with ld.Simulation(packing, LAWS[contact], friction=ROUGH) as sim:
+        motion = ld.move(sim, 300, temperature=1e-4, seed=1, every=100)
         states = list(motion)
         return states, np.reshape(sim.lmp.gather("f", 1, 3), (-1, 3))[:, :2]
 
@@ -80,8 +80,8 @@ def test_forces_stress_and_energies(contact: str, walls: tuple) -> None:
 
 
 def test_contacts_that_slip_have_no_such_columns() -> None:
-    packing = deformable.push_off(deformable.bidisperse(8, seed=3).at(0.84))
-    with deformable.Simulation(packing, deformable.Ring()) as sim:
+    packing = ld.push_off(ld.bidisperse(8, seed=3).at(0.84))
+    with ld.Simulation(packing, ld.Ring()) as sim:
         state = sim.state()
     assert state.spins is state.rubbing is state.friction is None
     assert state.spring_energy == 0.0
@@ -90,8 +90,8 @@ def test_contacts_that_slip_have_no_such_columns() -> None:
 
 
 def test_no_contacts() -> None:
-    alone = deformable.Packing([[1.0, 1.0]], [0], [0.5], [3.0, 3.0])
-    with deformable.Simulation(alone, deformable.Ring(), friction=deformable.Friction(1, 1)) as sim:
+    alone = ld.Packing([[1.0, 1.0]], [0], [0.5], [3.0, 3.0])
+    with ld.Simulation(alone, ld.Ring(), friction=ld.Friction(1, 1)) as sim:
         state = sim.state()
     assert len(state.contact_table) == len(state.rubbing.springs) == 0
     assert state.spring_energy == 0.0
@@ -99,11 +99,11 @@ def test_no_contacts() -> None:
 
 def test_two_contacts_of_one_pair() -> None:
     """In a small box a pair touches through several images: each contact has its own spring."""
-    two = deformable.Packing([[0.0, 0.0], [0.98, 0.0]], [0, 0], [0.5], [1.97, 3.0])
-    rough = deformable.Friction(np.inf, 1e-4)
-    with deformable.Simulation(two, deformable.Ring(), friction=rough) as sim:
+    two = ld.Packing([[0.0, 0.0], [0.98, 0.0]], [0, 0], [0.5], [1.97, 3.0])
+    rough = ld.Friction(np.inf, 1e-4)
+    with ld.Simulation(two, ld.Ring(), friction=rough) as sim:
         sim.lmp.command("set atom 2 vy 0.01")
-        *_, state = deformable.move(sim, 20, timestep=0.1, every=20)
+        *_, state = ld.move(sim, 20, timestep=0.1, every=20)
     table = state.contact_table
     assert len(table) == 4
     # the particle moves up past both sides of the other: to the left and right of it
@@ -154,7 +154,7 @@ def test_pictures() -> None:
 
 def test_no_spins_to_draw() -> None:
     pytest.importorskip("matplotlib").use("agg")
-    with deformable.Disks(deformable.bidisperse(4, seed=1)) as disks:
+    with ld.Disks(ld.bidisperse(4, seed=1)) as disks:
         state = disks.state()
-    with pytest.raises(deformable.ParameterError, match="no spins: give the simulation"):
+    with pytest.raises(ld.ParameterError, match="no spins: give the simulation"):
         state.plot(spins=True)

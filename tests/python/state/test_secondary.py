@@ -3,39 +3,39 @@
 from collections.abc import Iterator
 from itertools import product
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
 import shapely
-from deformable import core
-from deformable.state.secondary import SecondaryOutlines, _divided, _overlaps
+from lammps_deformable import core
+from lammps_deformable.state.secondary import SecondaryOutlines, _divided, _overlaps
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
 
-def sector_state(packing: deformable.Packing) -> deformable.State:
+def sector_state(packing: ld.Packing) -> ld.State:
     """The sector law on given centers."""
-    with deformable.Simulation(packing, deformable.Sector()) as sim:
+    with ld.Simulation(packing, ld.Sector()) as sim:
         return sim.state()
 
 
 @pytest.fixture(scope="module", params=[(64, 1, 0.88), (64, 2, 0.95), (40, 5, 0.92)], ids=str)
-def dense(request: pytest.FixtureRequest) -> deformable.State:
+def dense(request: pytest.FixtureRequest) -> ld.State:
     """Centers of relaxed packings; the last one is in a sheared box."""
     number, seed, phi = request.param
     tilt = 0.3 if number == 40 else 0.0
-    jammed = deformable.jam(deformable.bidisperse(number, tilt=tilt, seed=seed))
-    with deformable.Simulation(jammed.at(phi), deformable.Ring()) as sim:
+    jammed = ld.jam(ld.bidisperse(number, tilt=tilt, seed=seed))
+    with ld.Simulation(jammed.at(phi), ld.Ring()) as sim:
         return sector_state(sim.relax(1e-3).packing)
 
 
-def column(width: float, radii: list[float], heights: list[float]) -> deformable.State:
+def column(width: float, radii: list[float], heights: list[float]) -> ld.State:
     """A column of particles, each pressed by its own images from both sides."""
     *y, top = np.cumsum([0.0, *heights])
     positions = np.column_stack([np.zeros(len(y)), y])
     box = np.diag([width, top])
-    return sector_state(deformable.Packing(positions, np.arange(len(y)), np.array(radii), box))
+    return sector_state(ld.Packing(positions, np.arange(len(y)), np.array(radii), box))
 
 
 def flats(arcs: Array) -> tuple[Array, Array]:
@@ -47,7 +47,7 @@ def flats(arcs: Array) -> tuple[Array, Array]:
 
 
 def meetings(
-    state: deformable.State, secondary: SecondaryOutlines, points: int = 180
+    state: ld.State, secondary: SecondaryOutlines, points: int = 180
 ) -> Iterator[tuple[Array, Array]]:
     """Overlapping outlines of particles without a primary contact, with images, by shapely."""
     packing = state.packing
@@ -67,14 +67,14 @@ def meetings(
                 yield outlines[i], moved[n]
 
 
-def overlap_area(state: deformable.State, secondary: SecondaryOutlines) -> float:
+def overlap_area(state: ld.State, secondary: SecondaryOutlines) -> float:
     return 0.5 * sum(
         shapely.Polygon(one).intersection(shapely.Polygon(other)).area
         for one, other in meetings(state, secondary)
     )
 
 
-def deepest(state: deformable.State, secondary: SecondaryOutlines) -> float:
+def deepest(state: ld.State, secondary: SecondaryOutlines) -> float:
     """Largest overlap: the smallest shift that separates two, which is normal to some edge."""
     depths = [0.0]
     for one, other in meetings(state, secondary, points=1000):
@@ -86,8 +86,8 @@ def deepest(state: deformable.State, secondary: SecondaryOutlines) -> float:
     return max(depths)
 
 
-def test_overlaps_vanish(dense: deformable.State) -> None:
-    steps = [deformable.resolve_secondary(dense, n) for n in range(4)]
+def test_overlaps_vanish(dense: ld.State) -> None:
+    steps = [ld.resolve_secondary(dense, n) for n in range(4)]
     area = [overlap_area(dense, step) for step in steps]
     residual = steps[3].residual
     assert residual[0] > 0.02
@@ -105,16 +105,16 @@ def test_overlaps_vanish(dense: deformable.State) -> None:
 
 
 @pytest.mark.parametrize("iterations", [0, 1, 2])
-def test_residual_is_the_largest_penetration(dense: deformable.State, iterations: int) -> None:
-    secondary = deformable.resolve_secondary(dense, iterations)
+def test_residual_is_the_largest_penetration(dense: ld.State, iterations: int) -> None:
+    secondary = ld.resolve_secondary(dense, iterations)
     found = secondary.residual[-1] * dense.packing.radius.mean()
     # polygons err by up to R (2 pi/1000)^2/8 = 3.5e-6 each
     assert found == pytest.approx(deepest(dense, secondary), rel=0, abs=7e-6)
 
 
-def test_perimeters_and_tangents_are_kept(dense: deformable.State) -> None:
+def test_perimeters_and_tangents_are_kept(dense: ld.State) -> None:
     for iterations in (0, 1, 3):
-        secondary = deformable.resolve_secondary(dense, iterations)
+        secondary = ld.resolve_secondary(dense, iterations)
         for radius, arcs in zip(dense.packing.radius, secondary.arcs, strict=True):
             opening = arcs[:, 4] - arcs[:, 3]
             length, across = flats(arcs)
@@ -127,8 +127,8 @@ def test_perimeters_and_tangents_are_kept(dense: deformable.State) -> None:
             assert np.abs(across).max() < 1e-14 * radius
 
 
-def test_outlines_are_those_of_the_arcs(dense: deformable.State) -> None:
-    secondary = deformable.resolve_secondary(dense)
+def test_outlines_are_those_of_the_arcs(dense: ld.State) -> None:
+    secondary = ld.resolve_secondary(dense)
     changed = 0
     for n, outline in enumerate(secondary.outlines):
         arcs = secondary.arcs[n]
@@ -145,14 +145,14 @@ def test_outlines_are_those_of_the_arcs(dense: deformable.State) -> None:
 
 def test_nothing_to_do() -> None:
     radius, height = 0.5, 0.5 * np.sqrt(3)
-    crystal = deformable.Packing(
+    crystal = ld.Packing(
         np.array([[0.25, 0.25 * height], [0.75, 1.25 * height]]),
         np.array([0, 0]),
         np.array([radius]),
         0.98 * np.array([[1.0, 0.0], [0.0, 2 * height]]),
     )
     state = sector_state(crystal)
-    secondary = deformable.resolve_secondary(state)
+    secondary = ld.resolve_secondary(state)
     for outline, expected in zip(secondary.outlines, state.outlines, strict=True):
         np.testing.assert_array_equal(outline, expected)
     assert secondary.residual.tolist() == [0.0] * 4
@@ -163,7 +163,7 @@ def test_particle_that_meets_itself() -> None:
     """Contacts with two images let it bulge into others: a rectangle with round corners."""
     radius, h, half = 1.0, 0.95, 1.01
     state = column(2 * h, [radius], [2 * half])
-    secondary = deformable.resolve_secondary(state)
+    secondary = ld.resolve_secondary(state)
     bulge = (radius - h) * np.pi / 2 + h - half
     assert secondary.residual == pytest.approx([2 * bulge, 0.0, 0.0, 0.0], abs=1e-14)
     assert secondary.overlaps.tolist() == [1, 0, 0, 0]
@@ -179,7 +179,7 @@ def test_particle_that_meets_itself() -> None:
 def test_two_arcs() -> None:
     """Two particles of unequal radius, whose arcs both have the radius h and share the overlap."""
     h, spacing, radii = 0.95, 2.13, [1.0, 1.1]
-    secondary = deformable.resolve_secondary(column(2 * h, radii, [spacing, spacing]))
+    secondary = ld.resolve_secondary(column(2 * h, radii, [spacing, spacing]))
     center = [(radius - h) * np.pi / 2 for radius in radii]  # of the arc above the particle's
     apart = spacing - sum(center)
     mean = np.mean(radii)
@@ -196,7 +196,7 @@ def test_circle_with_one_contact_stays() -> None:
     h, large, small = 0.95, 1.1, 0.8
     top = (large - h) * np.pi / 2 + h
     state = column(2 * h, [large, small], [top + small - 0.02, top + small + 0.01])
-    secondary = deformable.resolve_secondary(state, 2)
+    secondary = ld.resolve_secondary(state, 2)
     np.testing.assert_array_equal(secondary.outlines[1], state.outlines[1])
     rest = core.contact_line(small + h - 0.02, small, h)
     mean = np.mean([large, small])
@@ -209,7 +209,7 @@ def test_circle_with_two_contacts_takes_the_shape_of_the_law() -> None:
     h, large, small = 0.95, 1.1, 0.8
     top = (large - h) * np.pi / 2 + h
     state = column(2 * h, [large, small], [top + small - 0.02, top + small - 0.01])
-    secondary = deformable.resolve_secondary(state)
+    secondary = ld.resolve_secondary(state)
     below, above = (core.contact_line(small + h - o, small, h) for o in (0.02, 0.01))
     expected = core.sector_arcs(small, [np.pi / 2, 3 * np.pi / 2], [above, below])
     np.testing.assert_allclose(secondary.arcs[1][:, :3], expected[:, :3], rtol=0, atol=1e-14)
@@ -223,27 +223,27 @@ def test_circle_keeps_its_contact_until_it_has_two() -> None:
     y = arc + np.sqrt((h + small - 0.02) ** 2 - 0.5**2)
     top = y + arc + np.sqrt((h + small + 1e-4) ** 2 - 0.5**2)
     beside = top - arc - np.sqrt((h + tiny - 0.03) ** 2 - 0.4**2)
-    packing = deformable.Packing(
+    packing = ld.Packing(
         np.array([[0.0, 0.0], [0.0, top], [0.5, y], [-0.4, beside]]),
         np.array([0, 0, 1, 2]),
         np.array([large, small, tiny]),
         np.diag([2 * h, top + 3.0]),
     )
     state = sector_state(packing)
-    arcs = [len(deformable.resolve_secondary(state, n).arcs[2]) for n in range(3)]
+    arcs = [len(ld.resolve_secondary(state, n).arcs[2]) for n in range(3)]
     assert arcs == [1, 1, 2]
 
 
 def test_a_primary_contact_is_no_secondary_one() -> None:
     """By the law, a circle with a single contact overlaps its partner."""
-    secondary = deformable.resolve_secondary(column(1.9, [1.1, 0.8], [1.88, 2.2]))
+    secondary = ld.resolve_secondary(column(1.9, [1.1, 0.8], [1.88, 2.2]))
     assert secondary.overlaps.tolist() == [0] * 4
     assert secondary.residual.tolist() == [0.0] * 4
 
 
 def test_beyond_the_model() -> None:
-    state = sector_state(deformable.jam(deformable.bidisperse(32, seed=3)).at(1.2))
-    secondary = deformable.resolve_secondary(state)
+    state = sector_state(ld.jam(ld.bidisperse(32, seed=3)).at(1.2))
+    secondary = ld.resolve_secondary(state)
     assert secondary.beyond == sum(np.sum(arcs[:, 2] <= 0.0) for arcs in secondary.arcs) > 0
     assert 0 < secondary.overlaps[-1] < secondary.overlaps[0]
     assert all(np.isfinite(arcs).all() for arcs in secondary.arcs)
@@ -251,7 +251,7 @@ def test_beyond_the_model() -> None:
 
 @pytest.mark.parametrize(("radius", "depth"), [(0.05, [0.15]), (-0.05, [])])
 def test_arcs_of_negative_radius_meet_nothing(radius: float, depth: list[float]) -> None:
-    packing = deformable.Packing(
+    packing = ld.Packing(
         np.array([[2.0, 2.0], [4.1, 2.0]]), np.array([0, 0]), np.array([1.0]), 10.0 * np.eye(2)
     )
     left = np.array([[0.2, 0.0, 1.0, -1.0, 1.0]])
@@ -263,15 +263,15 @@ def test_arcs_of_negative_radius_meet_nothing(radius: float, depth: list[float])
 
 def test_images_in_a_small_box() -> None:
     """A box and 4 x 4 copies of it give the same outlines."""
-    small = deformable.bidisperse(3, phi=0.9, tilt=0.4, seed=11)
+    small = ld.bidisperse(3, phi=0.9, tilt=0.4, seed=11)
     copies = [np.array(image) @ small.box for image in product(range(4), repeat=2)]
-    large = deformable.Packing(
+    large = ld.Packing(
         np.concatenate([small.positions + shift for shift in copies]),
         np.tile(small.species, len(copies)),
         small.radii,
         4 * small.box,
     )
-    one, many = (deformable.resolve_secondary(sector_state(p)) for p in (small, large))
+    one, many = (ld.resolve_secondary(sector_state(p)) for p in (small, large))
     assert one.residual[0] > 0.0
     # coordinates of up to 10 are rounded to 1e-15
     np.testing.assert_allclose(one.residual, many.residual, rtol=0, atol=1e-14)
@@ -297,15 +297,15 @@ def test_contacts_that_leave_no_arc_are_left_out() -> None:
         np.testing.assert_array_equal(both, pressed)
 
 
-@pytest.mark.parametrize("law", [deformable.Ring(), deformable.Sector(kP=1.0)])
-def test_other_laws_are_refused(law: deformable.Ring | deformable.Sector) -> None:
-    with deformable.Simulation(deformable.bidisperse(4), law) as sim:
+@pytest.mark.parametrize("law", [ld.Ring(), ld.Sector(kP=1.0)])
+def test_other_laws_are_refused(law: ld.Ring | ld.Sector) -> None:
+    with ld.Simulation(ld.bidisperse(4), law) as sim:
         state = sim.state()
-    with pytest.raises(deformable.ParameterError, match=f"not {type(law).__name__}"):
-        deformable.resolve_secondary(state)
+    with pytest.raises(ld.ParameterError, match=f"not {type(law).__name__}"):
+        ld.resolve_secondary(state)
 
 
 def test_negative_iterations_are_refused() -> None:
-    state = sector_state(deformable.bidisperse(4))
-    with pytest.raises(deformable.ParameterError, match="iterations must not be negative, not -1"):
-        deformable.resolve_secondary(state, -1)
+    state = sector_state(ld.bidisperse(4))
+    with pytest.raises(ld.ParameterError, match="iterations must not be negative, not -1"):
+        ld.resolve_secondary(state, -1)

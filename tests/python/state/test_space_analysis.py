@@ -2,25 +2,25 @@
 
 from itertools import product
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
-from deformable import Packing, SphereState
+from lammps_deformable import Packing, SphereState
 from scipy.spatial import ConvexHull, Voronoi
 from scipy.special import factorial, lpmv
 
 
 def state_of(packing: Packing) -> SphereState:
-    with deformable.Spheres(packing) as spheres:
+    with ld.Spheres(packing) as spheres:
         return spheres.state()
 
 
 def leaning(number: int, radii: tuple[float, float]) -> Packing:
     """Random places, pushed apart, in a box that leans all ways, some in images of it."""
-    start = deformable.bidisperse(number, radii=radii, phi=0.5, aspect=1.3, dimension=3, seed=3)
+    start = ld.bidisperse(number, radii=radii, phi=0.5, aspect=1.3, dimension=3, seed=3)
     box = start.box + np.array([[0.0] * 3, [0.9, 0.0, 0.0], [-0.8, 0.6, 0.0]])
     places = start.positions @ np.linalg.inv(start.box) @ box
-    apart = deformable.push_off(Packing(places, start.species, start.radii, box))
+    apart = ld.push_off(Packing(places, start.species, start.radii, box))
     images = np.random.default_rng(1).integers(-1, 2, (number, 3)) @ box
     return Packing(apart.positions + images, apart.species, apart.radii, box)
 
@@ -40,7 +40,7 @@ def mixture() -> SphereState:
 )
 def test_cells_of_crystals(lattice: str, sides: int, q4: float | None, q6: float | None) -> None:
     """Steinhardt's numbers; the cell of bcc is a truncated octahedron of known faces."""
-    state = state_of(deformable.cubic(lattice, 3, phi=0.8))
+    state = state_of(ld.cubic(lattice, 3, phi=0.8))
     assert state.local_phi == pytest.approx(np.full(len(state.packing), 0.8), rel=1e-12)
     assert (state.cell_sides == sides).all()
     for degree, known in ((4, q4), (6, q6)):
@@ -142,7 +142,7 @@ def test_structure_factor_as_a_sum_over_pairs() -> None:
 
 def test_peaks_of_a_crystal() -> None:
     """fcc: the first waves are (111) and (200), both with S = N."""
-    state = state_of(deformable.cubic("fcc", 3, phi=0.74))
+    state = state_of(ld.cubic("fcc", 3, phi=0.74))
     cell = state.packing.box[0, 0] / 3.0
     peaks = 2.0 * np.pi / cell * np.array([[1, 1, 1], [2, 0, 0], [1, 0, 0], [0, 1, 1]])
     assert np.abs(state.density_waves(peaks)) == pytest.approx([1.0, 1.0, 0.0, 0.0], abs=1e-12)
@@ -154,7 +154,7 @@ def test_peaks_of_a_crystal() -> None:
 def test_shells_of_a_crystal() -> None:
     """g(r) counts 12, 6 and 24 neighbors at 1, sqrt 2 and sqrt 3."""
     pytest.importorskip("freud")
-    crystal = deformable.cubic("fcc", 4)
+    crystal = ld.cubic("fcc", 4)
     r, g = state_of(crystal).radial_distribution(r_max=1.9, bins=190)
     density = len(crystal) / crystal.volume
     edges = np.linspace(0.0, 1.9, 191)
@@ -186,7 +186,7 @@ def test_affine_strain_is_told(mixture: SphereState) -> None:
         after,
         state_of(Packing(wrapped + box[2], before.species, before.radii, box)),
     ]
-    paths = deformable.unwrapped(crossing)
+    paths = ld.unwrapped(crossing)
     assert paths[2] == pytest.approx(paths[1], abs=1e-9)
 
 
@@ -198,7 +198,7 @@ def test_refusals(mixture: SphereState) -> None:
         (lambda: mixture.radial_distribution(20.0), "is too large for the box"),
         (lambda: mixture.density_waves([[1.0, 2.0]]), r"k must have shape \(M, 3\)"),
     ):
-        with pytest.raises(deformable.ParameterError, match=told):
+        with pytest.raises(ld.ParameterError, match=told):
             call()
     with pytest.raises(AttributeError, match="take steinhardt"):
         mixture.hexatic()

@@ -5,21 +5,21 @@ from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
-from deformable import DropletState
-from deformable.model.facets import WHOLE, Facets, Surfaces, surfaces_of
+from lammps_deformable import DropletState
+from lammps_deformable.model.facets import WHOLE, Facets, Surfaces, surfaces_of
 
 
 @pytest.fixture(scope="module")
 def state() -> DropletState:
     """Of two species, in a box that leans all ways."""
-    start = deformable.bidisperse(24, ratio=1.2, aspect=1.4, tilt=0.3, dimension=3, seed=2)
+    start = ld.bidisperse(24, ratio=1.2, aspect=1.4, tilt=0.3, dimension=3, seed=2)
     box = start.box + np.array([[0.0] * 3, [0.0] * 3, [0.7, -0.4, 0.0]])
     leaning = replace(start, box=box, positions=start.positions @ np.linalg.inv(start.box) @ box)
-    packing = deformable.push_off(leaning.at(0.7))
-    with deformable.Simulation(packing, deformable.Droplet([1.0, 1.5])) as sim:
+    packing = ld.push_off(leaning.at(0.7))
+    with ld.Simulation(packing, ld.Droplet([1.0, 1.5])) as sim:
         return sim.relax(1e-3)
 
 
@@ -156,8 +156,8 @@ def test_vtk_has_the_network(state: DropletState, tmp_path: Path) -> None:
 
 def test_networks_in_the_plane(tmp_path: Path) -> None:
     """With a wall, as lines of both formats."""
-    loose = deformable.bidisperse(12, seed=1).between(deformable.rectangle(6.0, 6.0))
-    with deformable.Simulation(deformable.push_off(loose.at(0.85)), deformable.Ring()) as sim:
+    loose = ld.bidisperse(12, seed=1).between(ld.rectangle(6.0, 6.0))
+    with ld.Simulation(ld.push_off(loose.at(0.85)), ld.Ring()) as sim:
         state = sim.state()
     state.export(tmp_path / "network.vtp", forces=True)
     _, values = read_vtp(tmp_path / "network.vtp")
@@ -211,20 +211,20 @@ def test_freud(state: DropletState) -> None:
 
 
 def test_refusals(state: DropletState, tmp_path: Path) -> None:
-    with pytest.raises(deformable.ParameterError, match=r"in space are written as \.vtp, not"):
+    with pytest.raises(ld.ParameterError, match=r"in space are written as \.vtp, not"):
         state.export(tmp_path / "droplets.geojson")
-    with pytest.raises(deformable.ParameterError, match="forces must be of the kind bool"):
+    with pytest.raises(ld.ParameterError, match="forces must be of the kind bool"):
         state.export(tmp_path / "droplets.vtp", forces=1)  # type: ignore[arg-type]
-    with pytest.raises(deformable.ParameterError, match="what must be points or contacts, not 3"):
+    with pytest.raises(ld.ParameterError, match="what must be points or contacts, not 3"):
         state.to_freud(3)  # type: ignore[arg-type]
-    with pytest.raises(deformable.ParameterError, match="table must be particles or contacts"):
+    with pytest.raises(ld.ParameterError, match="table must be particles or contacts"):
         state.to_pandas("facets")
     assert not list(tmp_path.iterdir())
 
 
 def test_a_loose_state_has_no_contacts(tmp_path: Path) -> None:
-    packing = deformable.cubic("sc", 2, phi=0.3)
-    with deformable.Simulation(packing, deformable.Droplet()) as sim:
+    packing = ld.cubic("sc", 2, phi=0.3)
+    with ld.Simulation(packing, ld.Droplet()) as sim:
         loose = sim.state()
     loose.export(tmp_path / "droplets.vtp")
     _, values = read_vtp(tmp_path / "droplets.vtp")

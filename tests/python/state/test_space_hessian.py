@@ -5,23 +5,23 @@ import json
 import sys
 from pathlib import Path
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
-from deformable import Droplet, DropletState, Packing, SphereState
+from lammps_deformable import Droplet, DropletState, Packing, SphereState
 from ranks import python
 
 pytestmark = pytest.mark.usefixtures("exact_balance")
 
-EMULSION = deformable.bidisperse(24, radii=(1.0, 1.2), dimension=3, tilt=0.3, seed=2)
-SIZES = deformable.polydisperse(20, np.linspace(0.5, 1.5, 20), dimension=3, seed=3)
+EMULSION = ld.bidisperse(24, radii=(1.0, 1.2), dimension=3, tilt=0.3, seed=2)
+SIZES = ld.polydisperse(20, np.linspace(0.5, 1.5, 20), dimension=3, seed=3)
 LAWS = {"spheres": None, "droplets": Droplet(0.7), "tensions": Droplet([1.0, 2.5])}
 CLOSE = {"sc": np.pi / 6, "bcc": np.pi * np.sqrt(3) / 8, "fcc": np.pi * np.sqrt(2) / 6}
 
 
 def evaluated(packing: Packing, law: Droplet | None):
     """State of a packing as it is, and the gradient of the energy that LAMMPS finds, (3N,)."""
-    with deformable.Simulation(packing, law) if law else deformable.Spheres(packing) as sim:
+    with ld.Simulation(packing, law) if law else ld.Spheres(packing) as sim:
         state = sim.state()
         forces = np.array(sim.lmp.gather("f", 1, 3))
     return state, -forces
@@ -58,12 +58,12 @@ def agrees(packing: Packing, law: Droplet | None) -> None:
 
 @pytest.mark.parametrize("law", LAWS)
 def test_two_sizes_in_a_tilted_box(law: str) -> None:
-    agrees(deformable.push_off(EMULSION.at(0.72)), LAWS[law])
+    agrees(ld.push_off(EMULSION.at(0.72)), LAWS[law])
 
 
 def test_loads_at_which_single_droplets_are_not_convex() -> None:
     """Some of a dense emulsion: only all of them together are."""
-    with deformable.Simulation(deformable.push_off(SIZES.at(0.88)), Droplet()) as sim:
+    with ld.Simulation(ld.push_off(SIZES.at(0.88)), Droplet()) as sim:
         packing = sim.relax(1e-3).packing
     agrees(packing, Droplet())
     assert convex(evaluated(packing, Droplet())[0]) < len(packing)
@@ -74,14 +74,14 @@ def convex(state: DropletState) -> int:
     found, radius = 0, state.packing.radius
     for i in range(len(radius)):
         rows = state.contact_table[state.contact_table["i"] == i]
-        droplet = deformable.core.droplet(rows["normal"], rows["force"], radius[i])
+        droplet = ld.core.droplet(rows["normal"], rows["force"], radius[i])
         found += np.linalg.eigvalsh(droplet.compliance)[0] > 0.0
     return found
 
 
 @pytest.mark.parametrize("law", ["spheres", "droplets"])
 def test_any_sizes(law: str) -> None:
-    agrees(deformable.push_off(SIZES.at(0.7)), LAWS[law])
+    agrees(ld.push_off(SIZES.at(0.7)), LAWS[law])
 
 
 @pytest.mark.parametrize("law", ["spheres", "droplets"])
@@ -108,7 +108,7 @@ def test_moduli_of_crystals(lattice: str, shear: float | None, extension: float 
     The same by finite strains of LAMMPS: `tests/lammps/test_droplet_crystals.py`. A uniaxial strain
     at constant volume stretches z by e and x and y by -e/2.
     """
-    packing = deformable.cubic(lattice, 2, radius=2.0, phi=CLOSE[lattice] + 0.01)
+    packing = ld.cubic(lattice, 2, radius=2.0, phi=CLOSE[lattice] + 0.01)
     moduli = evaluated(packing, Droplet(3.0))[0].elastic_moduli()
     c, unit = moduli.tensor, 3.0 / 2.0
     assert np.abs(moduli.relaxing).max() < 1e-9  # centers follow the strain
@@ -121,9 +121,9 @@ def test_moduli_of_crystals(lattice: str, shear: float | None, extension: float 
 
 
 def relaxed(law: Droplet | None, phi: float) -> DropletState | SphereState:
-    jammed = deformable.jam(deformable.bidisperse(48, radii=(1.0, 1.2), dimension=3, seed=1))
+    jammed = ld.jam(ld.bidisperse(48, radii=(1.0, 1.2), dimension=3, seed=1))
     start = jammed.at(phi)
-    with deformable.Simulation(start, law) if law else deformable.Spheres(start) as sim:
+    with ld.Simulation(start, law) if law else ld.Spheres(start) as sim:
         return sim.relax(1e-10)
 
 
@@ -136,8 +136,8 @@ def test_moduli_are_those_of_finite_strains(rest: DropletState | SphereState) ->
     """Of second order in the strain; contacts change from some 1e-4 on."""
     moduli, strain = rest.elastic_moduli(), 1e-5
     for modulus, found in (
-        (deformable.shear_modulus, moduli.shear_modulus),
-        (deformable.bulk_modulus, moduli.bulk_modulus),
+        (ld.shear_modulus, moduli.shear_modulus),
+        (ld.bulk_modulus, moduli.bulk_modulus),
     ):
         finite = modulus(rest, strain, tolerance=1e-10)
         assert found == pytest.approx(finite.value, rel=1e-4)
@@ -159,7 +159,7 @@ def test_modes_and_zero_modes(rest: DropletState | SphereState) -> None:
         np.sort(np.append(every.stiffness, np.zeros(number))), abs=1e-11 * every.stiffness[-1]
     )
     assert (every.participation <= 1.0).all()
-    with pytest.raises(deformable.ParameterError, match="plane"):
+    with pytest.raises(ld.ParameterError, match="plane"):
         every.plot(0)
 
 
@@ -168,14 +168,14 @@ def test_rattlers_are_left_out() -> None:
 
     Its contact hardly bears any more, and would be a soft spring.
     """
-    fcc = deformable.cubic("fcc", 2, radius=1.0, phi=0.76)
+    fcc = ld.cubic("fcc", 2, radius=1.0, phi=0.76)
     x = fcc.positions.copy()
     toward = x[1] - x[0]
     x[0] += 0.5 * toward
     small = dataclasses.replace(
         fcc, positions=x, species=(np.arange(32) > 0).astype(int), radii=[0.4, 1.0]
     )
-    with deformable.Simulation(small, Droplet()) as sim:
+    with ld.Simulation(small, Droplet()) as sim:
         state = sim.relax(1e-4)
     assert state.contacts[0] == 1
     assert not state.hessian().free.any()
@@ -186,7 +186,7 @@ def test_rattlers_are_left_out() -> None:
 
 def test_mean_shear_modulus_of_a_crystal() -> None:
     """Voigt's mean of a cubic crystal, (C11 - C12 + 3 C44)/5."""
-    fcc = deformable.cubic("fcc", 2, phi=0.78)
+    fcc = ld.cubic("fcc", 2, phi=0.78)
     moduli = evaluated(fcc, Droplet())[0].elastic_moduli()
     mean = (2.0 * moduli.pure_shear_modulus + 3.0 * moduli.shear_modulus) / 5.0
     assert moduli.mean_shear_modulus == pytest.approx(mean, rel=1e-9)
@@ -194,7 +194,7 @@ def test_mean_shear_modulus_of_a_crystal() -> None:
 
 
 def test_droplets_that_do_not_touch() -> None:
-    state, _ = evaluated(deformable.cubic("sc", 2, phi=0.4), Droplet())
+    state, _ = evaluated(ld.cubic("sc", 2, phi=0.4), Droplet())
     hessian = state.hessian()
     assert hessian.matrix.nnz == 0
     assert hessian.zero_modes == 24
@@ -202,17 +202,17 @@ def test_droplets_that_do_not_touch() -> None:
 
 
 def test_a_state_that_is_not_at_rest() -> None:
-    state, _ = evaluated(deformable.push_off(EMULSION.at(0.72)), Droplet())
-    with pytest.raises(deformable.ParameterError, match="at rest"):
+    state, _ = evaluated(ld.push_off(EMULSION.at(0.72)), Droplet())
+    with pytest.raises(ld.ParameterError, match="at rest"):
         state.elastic_moduli()
 
 
 def test_droplets_at_walls() -> None:
-    with deformable.Simulation(deformable.cubic("sc", 2, radius=1.0, phi=0.54), Droplet()) as sim:
+    with ld.Simulation(ld.cubic("sc", 2, radius=1.0, phi=0.54), Droplet()) as sim:
         sim.lmp.command("fix floor all deformable/wall plane 0 0 -0.9 0 0 1")
         state = sim.state()
     assert (state.contact_table["j"] < 0).any()
-    with pytest.raises(deformable.ParameterError, match="walls"):
+    with pytest.raises(ld.ParameterError, match="walls"):
         state.hessian()
 
 
@@ -233,7 +233,7 @@ if MPI.COMM_WORLD.rank == 0:
 
 def matrices() -> list[list[float]]:
     """Of droplets on all ranks: H, and the derivatives by strains."""
-    hessian = evaluated(deformable.push_off(EMULSION.at(0.72)), Droplet())[0].hessian()
+    hessian = evaluated(ld.push_off(EMULSION.at(0.72)), Droplet())[0].hessian()
     found = hessian.reduced(), hessian.by_strain[: hessian.size], hessian.strain
     return [matrix.ravel().tolist() for matrix in found]
 

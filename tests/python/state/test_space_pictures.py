@@ -3,12 +3,12 @@
 from collections.abc import Callable
 from pathlib import Path
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
-from deformable.model import space_picture
-from deformable.model.facets import WHOLE, Facets
-from deformable.model.section import section_of
+from lammps_deformable.model import space_picture
+from lammps_deformable.model.facets import WHOLE, Facets
+from lammps_deformable.model.section import section_of
 
 plt = pytest.importorskip("matplotlib.pyplot")
 
@@ -67,16 +67,16 @@ def test_a_plane_cuts_off_a_cap(tilt: float) -> None:
 
 
 @pytest.fixture(scope="module")
-def states() -> tuple[deformable.SphereState, deformable.DropletState]:
-    crystal = deformable.cubic("fcc", 2, phi=0.8)
-    with deformable.Spheres(crystal) as spheres:
+def states() -> tuple[ld.SphereState, ld.DropletState]:
+    crystal = ld.cubic("fcc", 2, phi=0.8)
+    with ld.Spheres(crystal) as spheres:
         soft = spheres.state()
-    with deformable.Simulation(crystal, deformable.Droplet()) as sim:
+    with ld.Simulation(crystal, ld.Droplet()) as sim:
         return soft, sim.state()
 
 
 def test_states_and_packings_are_drawn(
-    states: tuple[deformable.SphereState, deformable.DropletState],
+    states: tuple[ld.SphereState, ld.DropletState],
 ) -> None:
     for state in (*states, states[0].packing):
         axes = state.plot(color_by="radius", title="equal", colorbar=False)
@@ -105,7 +105,7 @@ def test_sections_add_up_to_the_volume() -> None:
     """Of spheres that lean out of their box, in images: the mean area fraction is phi."""
     box = np.array([[3.0, 0.0, 0.0], [0.7, 2.5, 0.0], [-0.8, 0.9, 2.0]])
     places = np.random.default_rng(1).random((5, 3)) @ box + box[2]
-    packing = deformable.Packing(places, [0, 1, 0, 1, 0], [0.3, 0.6], box)
+    packing = ld.Packing(places, [0, 1, 0, 1, 0], [0.3, 0.6], box)
     filled = 0.0
     for z in 2.0 * (np.arange(400) + 0.5) / 400:
         filled += sum(map(polygon_area, section_of(packing, WHOLE, z).outlines)) / 400 / 7.5
@@ -117,8 +117,8 @@ def test_sections_add_up_to_the_volume() -> None:
 
 def test_a_section_of_facets() -> None:
     """Of a cubic crystal: disks with four chords, of which four corners are left."""
-    packing = deformable.cubic("sc", 2, radius=1.0).at(0.6)
-    with deformable.Simulation(packing, deformable.Droplet()) as sim:
+    packing = ld.cubic("sc", 2, radius=1.0).at(0.6)
+    with ld.Simulation(packing, ld.Droplet()) as sim:
         state = sim.state()
     h = packing.box[0, 0] / 4.0
     section = section_of(packing, state._facets(), 0.1)
@@ -131,14 +131,12 @@ def test_a_section_of_facets() -> None:
         assert np.abs(outline - middle).max() == pytest.approx(h)
     axes = state.plot(slice=0.1, contacts=True, color_by="load")
     assert len(axes.collections[1].get_segments()) == 36  # of nine images
-    between = section_of(deformable.cubic("sc", 2, phi=0.3), WHOLE, 0.62)
+    between = section_of(ld.cubic("sc", 2, phi=0.3), WHOLE, 0.62)
     assert between.outlines == []
     assert state.plot(slice=h).collections  # on the facets
 
 
-def test_movies(
-    states: tuple[deformable.SphereState, deformable.DropletState], tmp_path: Path
-) -> None:
+def test_movies(states: tuple[ld.SphereState, ld.DropletState], tmp_path: Path) -> None:
     from PIL import Image
 
     _, droplets = states
@@ -147,11 +145,11 @@ def test_movies(
         ("slice", {"slice": 0.0, "contacts": True}),
     ):
         path = tmp_path / f"{name}.gif"
-        deformable.movie([droplets, droplets], path, color_by="load", **settings)
+        ld.movie([droplets, droplets], path, color_by="load", **settings)
         with Image.open(path) as movie:
             assert np.array(movie.convert("RGB")).std() > 10.0
-    plane = deformable.bidisperse(4, phi=0.1)
-    with deformable.Simulation(deformable.push_off(plane), deformable.Ring()) as sim:
+    plane = ld.bidisperse(4, phi=0.1)
+    with ld.Simulation(ld.push_off(plane), ld.Ring()) as sim:
         state = sim.state()
     for one, settings, told in (
         (state, {"slice": 0.0}, "slice is for states in three dimensions"),
@@ -160,8 +158,8 @@ def test_movies(
         (droplets, {"contacts": True}, "contacts are drawn in a slice"),
         (states[0], {}, "a state of a movie must be of the kind State or DropletState"),
     ):
-        with pytest.raises(deformable.ParameterError, match=told):
-            deformable.movie([one], tmp_path / "wrong.gif", **settings)
+        with pytest.raises(ld.ParameterError, match=told):
+            ld.movie([one], tmp_path / "wrong.gif", **settings)
     assert not (tmp_path / "wrong.gif").exists()
 
 
@@ -184,8 +182,8 @@ def test_movies(
 def test_refusals(
     settings: dict[str, object],
     told: str,
-    states: tuple[deformable.SphereState, deformable.DropletState],
+    states: tuple[ld.SphereState, ld.DropletState],
 ) -> None:
     draw: Callable[..., object] = states[1].plot
-    with pytest.raises(deformable.ParameterError, match=told):
+    with pytest.raises(ld.ParameterError, match=told):
         draw(**settings)

@@ -1,33 +1,31 @@
 """Values of a state: energy, contacts, outlines and pictures."""
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
 from brute_force import brute_force_contacts, brute_force_rattlers, check_pressure, shapes
 from contact_laws import every_law
-from deformable.model.laws import Law
+from lammps_deformable.model.laws import Law
 
 pytestmark = pytest.mark.filterwarnings("error")
 
 
 @pytest.fixture(scope="module")
-def many() -> deformable.Packing:
+def many() -> ld.Packing:
     """24 particles with radii of their own in a tilted box."""
     draw = np.random.default_rng(4).lognormal(-0.7, 0.15, 24)
-    return deformable.jam(deformable.polydisperse(24, draw, tilt=0.3, seed=4))
+    return ld.jam(ld.polydisperse(24, draw, tilt=0.3, seed=4))
 
 
-def test_energy_and_areas_are_those_of_the_kernels(
-    state: deformable.State, many: deformable.Packing
-) -> None:
-    with deformable.Simulation(many.at(1.02 * many.phi), deformable.Ring(kA=2.0)) as sim:
+def test_energy_and_areas_are_those_of_the_kernels(state: ld.State, many: ld.Packing) -> None:
+    with ld.Simulation(many.at(1.02 * many.phi), ld.Ring(kA=2.0)) as sim:
         of_many = sim.relax()
     assert len(np.unique(of_many.packing.radius)) == 24
     for found in (state, of_many):
         check_energy_and_areas(found)
 
 
-def check_energy_and_areas(state: deformable.State) -> None:
+def check_energy_and_areas(state: ld.State) -> None:
     deficit = np.array([shape.area_deficit for shape in shapes(state)])
     # from the pressures, and from the indentations: they agree as far as forces are balanced
     assert state.area_deficit == pytest.approx(deficit, rel=1e-8, abs=1e-15)
@@ -35,20 +33,18 @@ def check_energy_and_areas(state: deformable.State) -> None:
     assert state.energy == pytest.approx(np.sum(2.0 * deficit**2 / 2.0), rel=1e-9)
 
 
-def test_pressure_is_the_derivative_of_the_energy(
-    jammed: deformable.Packing, many: deformable.Packing
-) -> None:
+def test_pressure_is_the_derivative_of_the_energy(jammed: ld.Packing, many: ld.Packing) -> None:
     for packing in (jammed, many):
         check_pressure(packing.at(packing.phi * 1.05))
 
 
-@pytest.mark.parametrize("law", [deformable.Ring(skin=0.02), deformable.Sector()])
+@pytest.mark.parametrize("law", [ld.Ring(skin=0.02), ld.Sector()])
 @pytest.mark.parametrize("name", ["jammed", "many"])
 def test_outlines_have_the_areas(law: Law, name: str, request: pytest.FixtureRequest) -> None:
     """Though they are polygons of about 180 corners, a part 2e-4 of their areas smaller."""
     packing = request.getfixturevalue(name)
-    with deformable.Simulation(packing.at(packing.phi * 1.05), law) as sim:
-        state = sim.relax(1e-4) if isinstance(law, deformable.Ring) else sim.state()
+    with ld.Simulation(packing.at(packing.phi * 1.05), law) as sim:
+        state = sim.relax(1e-4) if isinstance(law, ld.Ring) else sim.state()
     skin = law.species_parameters(state.packing.radii).skin[state.packing.species]
     whole = state.area + skin * state.perimeter + np.pi * skin**2
     for outline, area in zip(state.outlines, whole, strict=True):
@@ -59,9 +55,9 @@ def test_outlines_have_the_areas(law: Law, name: str, request: pytest.FixtureReq
 
 
 @every_law
-def test_force_vectors_sum_to_the_forces(law: Law, jammed: deformable.Packing) -> None:
+def test_force_vectors_sum_to_the_forces(law: Law, jammed: ld.Packing) -> None:
     """The parts along the contacts, of balanced lines 4 to 9 % of a contact force, are in them."""
-    with deformable.Simulation(jammed.at(jammed.phi * 1.05), law) as sim:
+    with ld.Simulation(jammed.at(jammed.phi * 1.05), law) as sim:
         state = sim.state()
         force = np.array(sim.lmp.gather("f", 1, 3)).reshape(-1, 3)[:, :2]
     table = state.contact_table
@@ -78,16 +74,16 @@ def test_force_vectors_sum_to_the_forces(law: Law, jammed: deformable.Packing) -
 @pytest.mark.parametrize(
     "start",
     [
-        deformable.bidisperse(3),
-        deformable.bidisperse(24, tilt=0.6, aspect=0.7),
-        deformable.bidisperse(40, seed=8),
-        deformable.polydisperse(24, np.linspace(0.4, 0.65, 24), tilt=0.3, seed=4),
+        ld.bidisperse(3),
+        ld.bidisperse(24, tilt=0.6, aspect=0.7),
+        ld.bidisperse(40, seed=8),
+        ld.polydisperse(24, np.linspace(0.4, 0.65, 24), tilt=0.3, seed=4),
     ],
 )
-def test_contacts_and_rattlers_against_brute_force(start: deformable.Packing) -> None:
-    jammed = deformable.jam(start)
-    law = deformable.Ring(contact="radical")
-    with deformable.Simulation(jammed.at(jammed.phi * 1.01), law) as sim:
+def test_contacts_and_rattlers_against_brute_force(start: ld.Packing) -> None:
+    jammed = ld.jam(start)
+    law = ld.Ring(contact="radical")
+    with ld.Simulation(jammed.at(jammed.phi * 1.01), law) as sim:
         state = sim.relax()
     contacts = brute_force_contacts(state)
     table = state.contact_table
@@ -111,12 +107,12 @@ def test_contacts_and_rattlers_against_brute_force(start: deformable.Packing) ->
     assert state.coordination == pytest.approx(sum(held) / (len(jammed) - len(rattlers)))
 
 
-def test_state_stays_while_the_simulation_goes_on(state: deformable.State) -> None:
+def test_state_stays_while_the_simulation_goes_on(state: ld.State) -> None:
     with pytest.raises(ValueError, match="read-only"):
         state.area[0] = 0.0
 
 
-def test_plot_draws_every_particle(state: deformable.State) -> None:
+def test_plot_draws_every_particle(state: ld.State) -> None:
     matplotlib = pytest.importorskip("matplotlib")
     matplotlib.use("agg")
     axes = state.plot(color_by="area_deficit")
@@ -124,27 +120,25 @@ def test_plot_draws_every_particle(state: deformable.State) -> None:
     assert len(polygons.get_paths()) >= len(state.packing)
     assert set(state.area_deficit) == set(polygons.get_array())
     assert state.plot(ax=axes) is axes
-    with pytest.raises(deformable.ParameterError, match="'beauty'"):
+    with pytest.raises(ld.ParameterError, match="'beauty'"):
         state.plot(color_by="beauty")
 
 
 @pytest.mark.parametrize(
     "law",
     [
-        deformable.Ring(),
-        deformable.Ring(kP=2.0, skin=0.05, contact="balanced"),
-        deformable.Sector(),
+        ld.Ring(),
+        ld.Ring(kP=2.0, skin=0.05, contact="balanced"),
+        ld.Sector(),
     ],
     ids=["ring", "balanced", "sector"],
 )
 @pytest.mark.usefixtures("exact_balance")
-def test_plot_draws_every_contact(
-    jammed: deformable.Packing, law: deformable.Ring | deformable.Sector
-) -> None:
+def test_plot_draws_every_contact(jammed: ld.Packing, law: ld.Ring | ld.Sector) -> None:
     """Each side has the length of its contact, at every image that reaches into the box."""
     matplotlib = pytest.importorskip("matplotlib")
     matplotlib.use("agg")
-    with deformable.Simulation(jammed, law) as sim:
+    with ld.Simulation(jammed, law) as sim:
         sim.deform(0.98 * sim.box)
         state = sim.state()
     lines = state.plot(contacts=True).collections[1]

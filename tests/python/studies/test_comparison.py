@@ -7,13 +7,13 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
-from deformable import core
-from deformable.engine.lammps import gather
-from deformable.studies.comparison import polygon_outlines, shape_errors
-from deformable.studies.shape_error import shape_error
+from lammps_deformable import core
+from lammps_deformable.engine.lammps import gather
+from lammps_deformable.studies.comparison import polygon_outlines, shape_errors
+from lammps_deformable.studies.shape_error import shape_error
 
 # Made by a bead code that shares nothing with this project; coordinates have nine decimals. The
 # key `about` describes it.
@@ -22,22 +22,22 @@ ROUNDING = 5e-10
 
 
 @pytest.fixture(scope="module")
-def independent() -> deformable.PolygonState:
+def independent() -> ld.PolygonState:
     """The polygons of the independent code in ours, not moved."""
     outlines = [np.array(outline) for outline in REFERENCE["beads"]]
     radii = np.unique(REFERENCE["radius"])
-    packing = deformable.Packing(
+    packing = ld.Packing(
         [outline.mean(axis=0) for outline in outlines],
         np.searchsorted(radii, REFERENCE["radius"]),
         radii,
         REFERENCE["box"] * np.eye(2),
     )
-    model = deformable.PolygonModel(
+    model = ld.PolygonModel(
         vertices=[len(outlines[REFERENCE["radius"].index(radius)]) for radius in radii],
         radius=REFERENCE["bead_radius"],
         **{name: REFERENCE[name] for name in ("kL", "kA", "kr")},
     )
-    with deformable.PolygonSimulation(packing, model) as sim:
+    with ld.PolygonSimulation(packing, model) as sim:
         place(sim, outlines)
         state = sim.state()
         force = np.linalg.norm(gather(sim.lmp, "f", 3), axis=1)
@@ -46,7 +46,7 @@ def independent() -> deformable.PolygonState:
     return state
 
 
-def place(sim: deformable.PolygonSimulation, outlines: list[np.ndarray]) -> None:
+def place(sim: ld.PolygonSimulation, outlines: list[np.ndarray]) -> None:
     """Put beads at given positions, in whole polygons."""
     x = gather(sim.lmp, "x", 3)
     image = np.array(sim.lmp.gather("image", 0, 3)).reshape(-1, 3)
@@ -55,7 +55,7 @@ def place(sim: deformable.PolygonSimulation, outlines: list[np.ndarray]) -> None
     sim.lmp.scatter("x", 1, 3, values)
 
 
-def test_the_independent_packing_is_at_rest_here(independent: deformable.PolygonState) -> None:
+def test_the_independent_packing_is_at_rest_here(independent: ld.PolygonState) -> None:
     area, perimeter = np.array(REFERENCE["area"]), independent.perimeter
     assert np.abs(independent.area - area).max() < ROUNDING * perimeter.max()
     rest = independent.polygons.area[independent.packing.species]
@@ -66,18 +66,18 @@ def test_the_independent_packing_is_at_rest_here(independent: deformable.Polygon
 @pytest.mark.parametrize(
     ("law", "shape", "deficit", "correlation"),
     [
-        (deformable.Ring(contact="radical"), 2.584e-3, 0.818, 0.732),
-        (deformable.Sector(), 3.610e-3, None, None),
+        (ld.Ring(contact="radical"), 2.584e-3, 0.818, 0.732),
+        (ld.Sector(), 3.610e-3, None, None),
     ],
 )
 def test_laws_on_the_independent_packing(
-    independent: deformable.PolygonState,
-    law: deformable.Ring | deformable.Sector,
+    independent: ld.PolygonState,
+    law: ld.Ring | ld.Sector,
     shape: float,
     deficit: float | None,
     correlation: float | None,
 ) -> None:
-    found = deformable.compare(independent, law)
+    found = ld.compare(independent, law)
     assert found.shape_error.mean() == pytest.approx(shape, abs=1e-6)
     if deficit is not None:
         assert found.area_deficit_error == pytest.approx(deficit, abs=1e-3)
@@ -85,11 +85,11 @@ def test_laws_on_the_independent_packing(
         assert both[0, 1] == pytest.approx(correlation, abs=1e-3)
 
 
-def test_balanced_law_on_the_independent_packing(independent: deformable.PolygonState) -> None:
+def test_balanced_law_on_the_independent_packing(independent: ld.PolygonState) -> None:
     """With the polygons' own stiffness and skin: areas to 1 %, energy to 1 %, outlines to 2e-4."""
     sim = independent.polygons
     kP, skin = 300.0 / sim.number, sim.effective_radius - sim.radius
-    found = deformable.compare(independent, deformable.Ring(kP=kP, skin=skin, contact="balanced"))
+    found = ld.compare(independent, ld.Ring(kP=kP, skin=skin, contact="balanced"))
     assert found.shape_error.mean() < 2e-4
     assert found.area_deficit_error < 0.01
     assert found.energy_ratio == pytest.approx(1.0, abs=0.01)
@@ -98,12 +98,12 @@ def test_balanced_law_on_the_independent_packing(independent: deformable.Polygon
     force = {(r["i"], r["j"], *r["image"].tolist()): r["force"] for r in table}
     off = [abs(f - force[j, i, -a, -b]) for (i, j, a, b), f in force.items()]
     assert max(off) < 1e-8 * table["force"].max()
-    by_default = deformable.compare(independent)
+    by_default = ld.compare(independent)
     assert by_default.state.law == found.state.law
     assert by_default.energy_ratio == found.energy_ratio
 
 
-def test_circles_on_the_independent_packing(independent: deformable.PolygonState) -> None:
+def test_circles_on_the_independent_packing(independent: ld.PolygonState) -> None:
     packing = independent.packing
     errors = []
     for outline, center, kind in zip(
@@ -115,26 +115,26 @@ def test_circles_on_the_independent_packing(independent: deformable.PolygonState
 
 
 @pytest.fixture(scope="module")
-def small() -> deformable.PolygonState:
-    jammed = deformable.jam(deformable.bidisperse(6, seed=3))
-    with deformable.PolygonSimulation(jammed, deformable.PolygonModel(vertices=40)) as sim:
-        (state,) = deformable.compress(sim, strain=0.02, steps=1, tolerance=0.02)
+def small() -> ld.PolygonState:
+    jammed = ld.jam(ld.bidisperse(6, seed=3))
+    with ld.PolygonSimulation(jammed, ld.PolygonModel(vertices=40)) as sim:
+        (state,) = ld.compress(sim, strain=0.02, steps=1, tolerance=0.02)
     return state
 
 
 def test_predictions_are_for_the_centers_and_effective_radii(
-    small: deformable.PolygonState,
+    small: ld.PolygonState,
 ) -> None:
-    state = deformable.predict(small, deformable.Ring(kA=2.0))
+    state = ld.predict(small, ld.Ring(kA=2.0))
     apart = (state.packing.positions - small.packing.positions) @ np.linalg.inv(small.packing.box)
     assert apart - np.rint(apart) == pytest.approx(0.0, abs=1e-12)
     assert state.packing.radii.tolist() == small.polygons.effective_radius.tolist()
     assert state.packing.box == pytest.approx(small.packing.box)
-    assert state.law == deformable.Ring(kA=2.0)
+    assert state.law == ld.Ring(kA=2.0)
 
 
-def test_measures_of_a_comparison(small: deformable.PolygonState) -> None:
-    found = deformable.compare(small, deformable.Ring())
+def test_measures_of_a_comparison(small: ld.PolygonState) -> None:
+    found = ld.compare(small, ld.Ring())
     ours, exact = found.state.area_deficit, small.polygons.area[small.packing.species] - small.area
     assert found.area_deficit_error == pytest.approx(
         np.sqrt(np.mean((ours - exact) ** 2) / np.mean(exact**2))
@@ -147,11 +147,11 @@ def test_measures_of_a_comparison(small: deformable.PolygonState) -> None:
     assert 0.0 < found.shape_error.mean() < 0.01
 
 
-@pytest.mark.parametrize("law", [deformable.Ring, deformable.Sector])
+@pytest.mark.parametrize("law", [ld.Ring, ld.Sector])
 def test_beads_on_the_outlines_have_no_error(
-    small: deformable.PolygonState, law: Callable[[], deformable.Ring | deformable.Sector]
+    small: ld.PolygonState, law: Callable[[], ld.Ring | ld.Sector]
 ) -> None:
-    state = deformable.predict(small, law())
+    state = ld.predict(small, law())
     outlines = polygon_outlines(small, state)
     centers = small.packing.positions
     exact = replace(
@@ -168,23 +168,23 @@ def test_beads_on_the_outlines_have_no_error(
     )
 
 
-def test_a_folded_outline_is_named(small: deformable.PolygonState) -> None:
+def test_a_folded_outline_is_named(small: ld.PolygonState) -> None:
     packing = small.packing
     pressed = replace(small, packing=packing.at(packing.phi / 0.9**2))
-    for law in (deformable.Ring(), deformable.Sector()):
-        with pytest.raises(deformable.ParameterError, match="compress less") as error:
-            deformable.compare(pressed, law)
-        state = deformable.predict(pressed, law)
+    for law in (ld.Ring(), ld.Sector()):
+        with pytest.raises(ld.ParameterError, match="compress less") as error:
+            ld.compare(pressed, law)
+        state = ld.predict(pressed, law)
         folds = [n for n, line in enumerate(polygon_outlines(pressed, state)) if turns_back(line)]
         assert f"particle {folds[0]} folds in the {law.name} law" in str(error.value)
 
 
 @pytest.mark.parametrize("wrong", ["balanced", "state", "droplet"])
-def test_another_kind_of_law_is_refused(small: deformable.PolygonState, wrong: str) -> None:
+def test_another_kind_of_law_is_refused(small: ld.PolygonState, wrong: str) -> None:
     """Such as a state of a law, which has all that is compared."""
-    law: Any = {"state": small, "droplet": deformable.Droplet()}.get(wrong, wrong)
-    for function in (deformable.compare, deformable.predict):
-        with pytest.raises(deformable.ParameterError, match="law must be of the kind Ring or Sec"):
+    law: Any = {"state": small, "droplet": ld.Droplet()}.get(wrong, wrong)
+    for function in (ld.compare, ld.predict):
+        with pytest.raises(ld.ParameterError, match="law must be of the kind Ring or Sec"):
             function(small, law)
 
 
@@ -194,15 +194,15 @@ def turns_back(outline: np.ndarray) -> bool:
     return bool((x * np.roll(y, -1) - np.roll(x, -1) * y < -1e-12).any())
 
 
-def test_no_load_no_ratio(small: deformable.PolygonState) -> None:
+def test_no_load_no_ratio(small: ld.PolygonState) -> None:
     idle = replace(small, energy=0.0, stress=np.zeros((2, 2)))
-    found = deformable.compare(idle, deformable.Ring())
+    found = ld.compare(idle, ld.Ring())
     assert (found.energy_ratio, found.pressure_ratio) == (math.inf, math.inf)
 
 
-def test_outlines_have_the_areas_of_the_law(small: deformable.PolygonState) -> None:
+def test_outlines_have_the_areas_of_the_law(small: ld.PolygonState) -> None:
     """Parallel to the particle's outline: the same area deficit, and the radius of the beads."""
-    state = deformable.predict(small, deformable.Ring())
+    state = ld.predict(small, ld.Ring())
     radius = small.polygons.radius[small.packing.species]
     for line, deficit, r in zip(
         polygon_outlines(small, state), state.area_deficit, radius, strict=True

@@ -4,12 +4,12 @@ import json
 from pathlib import Path
 from typing import Any
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
-from deformable.common.parallel import call_once
-from deformable.studies.accuracy.compressions import smooth_rows, standard_polygons
-from deformable.studies.roughness.friction import hysteresis, sliding
+from lammps_deformable.common.parallel import call_once
+from lammps_deformable.studies.accuracy.compressions import smooth_rows, standard_polygons
+from lammps_deformable.studies.roughness.friction import hysteresis, sliding
 
 KEYS = {
     *("n", "seed", "strain", "n_v", "law", "vertices", "own", "energy_ratio", "pressure_ratio"),
@@ -154,10 +154,10 @@ def test_smooth_polygons_come_back() -> None:
 
 @pytest.mark.parametrize("indentation", [0.0, -0.1, 0.2, float("nan")])
 def test_indentations_of_rings_that_slide(indentation: float) -> None:
-    with pytest.raises(deformable.ParameterError, match="indentation must lie between"):
+    with pytest.raises(ld.ParameterError, match="indentation must lie between"):
         sliding(standard_polygons(40), indentation)
 
 
 def test_poles_of_rings_that_slide() -> None:
-    with pytest.raises(deformable.ParameterError, match="multiple of 4, not 42"):
+    with pytest.raises(ld.ParameterError, match="multiple of 4, not 42"):
         sliding(standard_polygons(42))

@@ -2,10 +2,10 @@
 
 from pathlib import Path
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
-from deformable.studies.ensemble.packings import (
+from lammps_deformable.studies.ensemble.packings import (
     Row,
     before_rearrangement,
     contact_law,
@@ -16,7 +16,7 @@ from deformable.studies.ensemble.packings import (
     measure,
     summarize,
 )
-from deformable.studies.ensemble.tables import read_table, write_tables
+from lammps_deformable.studies.ensemble.tables import read_table, write_tables
 
 
 def test_exponents_of_power_laws_are_exact() -> None:
@@ -60,13 +60,13 @@ def test_shear_modulus_is_the_mean_over_directions() -> None:
     """Of simple and of pure shear; a small packing is far from isotropic."""
     number, seed, delta = 12, 2, 4e-4
     _, (row,) = measure("disk", 1e-7, number, seed, (delta,))
-    jammed = deformable.jam(deformable.bidisperse(number, seed=seed), None, tolerance=1e-6)
-    with deformable.Disks(jammed) as disks:
+    jammed = ld.jam(ld.bidisperse(number, seed=seed), None, tolerance=1e-6)
+    with ld.Disks(jammed) as disks:
         onset = disks.relax()
         disks.deform(jammed.at(onset.phi + delta).box)
         state = disks.relax(1e-8)
     simple, pure = (
-        deformable.shear_modulus(state, 0.01 * delta, pure=pure).value for pure in (False, True)
+        ld.shear_modulus(state, 0.01 * delta, pure=pure).value for pure in (False, True)
     )
     assert abs(simple - pure) > 0.1 * max(abs(simple), abs(pure))
     # each is good to 1 %
@@ -112,7 +112,7 @@ def test_rings_follow_a_cubic_law_and_disks_a_linear_one() -> None:
 
 def test_names_of_laws() -> None:
     assert contact_law("disk") is None
-    assert contact_law("curved") == deformable.Ring(contact="curved")
+    assert contact_law("curved") == ld.Ring(contact="curved")
     with pytest.raises(KeyError):
         contact_law("disks")
 
@@ -131,5 +131,5 @@ def test_tables_come_back_as_they_were(tmp_path: Path) -> None:
 )
 def test_other_tables_are_refused(text: str, word: str, tmp_path: Path) -> None:
     (tmp_path / "table.csv").write_text(text)
-    with pytest.raises(deformable.FileError, match=rf"table\.csv .*{word}"):
+    with pytest.raises(ld.FileError, match=rf"table\.csv .*{word}"):
         read_table(tmp_path / "table.csv")

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from deformable import (
+from lammps_deformable import (
     PolygonModel,
     PolygonSimulation,
     PolygonState,
@@ -14,9 +14,9 @@ from deformable import (
     bidisperse,
     jam,
 )
-from deformable.studies.accuracy.compressions import standard_polygons
-from deformable.studies.matching import centers_rms, matching
-from deformable.studies.roughness.crystal import crystal_row
+from lammps_deformable.studies.accuracy.compressions import standard_polygons
+from lammps_deformable.studies.matching import centers_rms, matching
+from lammps_deformable.studies.roughness.crystal import crystal_row
 
 
 @pytest.fixture(scope="module")

@@ -8,12 +8,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from deformable import Comparison, ParameterError, PolygonModel, core, squeeze
-from deformable.studies.packings import figure as packing_figure
-from deformable.studies.paper import figures as paper_figures
-from deformable.studies.paper import results as paper
-from deformable.studies.paper.single import IRREGULAR, Squeezed, regular
-from deformable.studies.shape_error import shape_error
+from lammps_deformable import Comparison, ParameterError, PolygonModel, core, squeeze
+from lammps_deformable.studies.packings import figure as packing_figure
+from lammps_deformable.studies.paper import figures as paper_figures
+from lammps_deformable.studies.paper import results as paper
+from lammps_deformable.studies.paper.single import IRREGULAR, Squeezed, regular
+from lammps_deformable.studies.shape_error import shape_error
 
 PAPER = paper.ring_in_walls(188, 1e4)
 

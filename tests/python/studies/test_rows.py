@@ -5,10 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from deformable import PolygonModel, Ring, Sector, Simulation, bidisperse, compare, jam
-from deformable.studies.accuracy import errors, pareto
-from deformable.studies.packings import rows as packings
-from deformable.studies.stability import rows as stability
+from lammps_deformable import PolygonModel, Ring, Sector, Simulation, bidisperse, compare, jam
+from lammps_deformable.studies.accuracy import errors, pareto
+from lammps_deformable.studies.packings import rows as packings
+from lammps_deformable.studies.stability import rows as stability
 
 LAWS = ["sector", "radical, kP inf", "radical", "balanced", "curved"]
 

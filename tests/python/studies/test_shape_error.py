@@ -1,10 +1,10 @@
 """Distances of beads from outlines, for shapes with known distances."""
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
-from deformable import core
-from deformable.studies.shape_error import deviation, radial_distance, shape_error
+from lammps_deformable import core
+from lammps_deformable.studies.shape_error import deviation, radial_distance, shape_error
 
 
 def polar(radius: float, angle: np.ndarray) -> np.ndarray:
@@ -53,5 +53,5 @@ def test_corners_that_coincide() -> None:
     ],
 )
 def test_rays_cross_an_outline_once(corners: list[list[float]]) -> None:
-    with pytest.raises(deformable.ParameterError, match="once around its center"):
+    with pytest.raises(ld.ParameterError, match="once around its center"):
         radial_distance(corners, np.array([0.3]))

@@ -2,12 +2,12 @@
 
 from typing import Any
 
-import deformable
+import lammps_deformable as ld
 import numpy as np
 import pytest
 from contact_laws import contacts
-from deformable.studies import vibrations
-from deformable.studies.vibrations import (
+from lammps_deformable.studies import vibrations
+from lammps_deformable.studies.vibrations import (
     EDGES,
     boson_peak,
     density,
@@ -81,9 +81,9 @@ def test_exponent_of_a_power_law() -> None:
 @contacts
 def test_the_unit_of_frequencies_is_that_of_all_modes(contact: str) -> None:
     """The trace of the Hessian is the sum of all stiffnesses, without variables of lines."""
-    jammed = deformable.jam(deformable.bidisperse(24, seed=1))
-    law = deformable.Ring(contact=contact)
-    with deformable.Simulation(jammed.at(jammed.phi + 0.02), law) as sim:
+    jammed = ld.jam(ld.bidisperse(24, seed=1))
+    law = ld.Ring(contact=contact)
+    with ld.Simulation(jammed.at(jammed.phi + 0.02), law) as sim:
         state = sim.relax()
     exact = state.modes(vectors=False).stiffness.sum() / (2.0 * state.network_contacts)
     assert vibrations._spectrum(state, None)["stiffness"] == pytest.approx(exact, rel=1e-10)

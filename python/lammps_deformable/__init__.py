@@ -1,13 +1,15 @@
 """Deformable particles of the plane, and droplets in space, with one center each, in LAMMPS.
 
-    packing = deformable.bidisperse(128, radii=(0.5, 0.7), seed=1)
-    jammed = deformable.jam(packing)
-    sim = deformable.Simulation(jammed, deformable.Ring(kA=1.0))
-    for state in deformable.compress(sim, strain=0.01, steps=10):
+    import lammps_deformable as ld
+
+    packing = ld.bidisperse(128, radii=(0.5, 0.7), seed=1)
+    jammed = ld.jam(packing)
+    sim = ld.Simulation(jammed, ld.Ring(kA=1.0))
+    for state in ld.compress(sim, strain=0.01, steps=10):
         print(state.phi, state.pressure)
     state.plot()
 
-Names load when first used: LAMMPS runs this file inside `import lammps` to find its plugin.
+Names load when first used, so that the import takes no time.
 """
 
 from __future__ import annotations
@@ -182,7 +184,11 @@ def __getattr__(name: str) -> Any:
     if name == "__version__":
         return import_module(".core", __name__).version
     if name == "potentials":
-        return import_module(".plugin", __name__).potentials()
+        from pathlib import Path
+
+        from lammps_deformable_plugin import directory
+
+        return Path(directory(), "potentials")
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 

@@ -60,6 +60,6 @@ def wall_adhesion(kind: str, given: object) -> float:
 
 
 def _refuse(problem: str | None) -> None:
-    """Raise the problem that a rule of `deformable.core` has found, if any."""
+    """Raise the problem that a rule of `ld.core` has found, if any."""
     if problem is not None:
         raise ParameterError(problem)

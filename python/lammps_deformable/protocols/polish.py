@@ -40,7 +40,7 @@ def polish(state: S, tolerance: float = 1e-10, callback: Callback | None = None)
     they touch. Contacts that hardly bear may open or close. `balanced` and `curved` contacts are
     balanced to rounding meanwhile.
 
-        fine = deformable.polish(sim.relax())
+        fine = ld.polish(sim.relax())
         sim.restart(fine)
 
     Args:

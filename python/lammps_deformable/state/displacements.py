@@ -94,7 +94,7 @@ def displacements(before: Snapshot | Packing, now: Snapshot) -> Floats:
 def unwrapped(states: Iterable[Snapshot]) -> Floats:
     """Positions of particles that are followed across the boundaries of the box.
 
-        positions = deformable.unwrapped(deformable.Run("run"))
+        positions = ld.unwrapped(ld.Run("run"))
 
     Positions go on from those of the first state. From each state to the next particles move with
     the box, and by at most half of it beside that, see `State.nonaffine`: a trajectory needs

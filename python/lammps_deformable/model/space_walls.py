@@ -86,7 +86,7 @@ class _Straight(Round):
         return [(n, offset) for n, offset in super().half_spaces(around) if not n[along]]
 
     def add_to(self, scene: Any) -> None:
-        """Add it to a scene of `deformable.core`."""
+        """Add it to a scene of `ld.core`."""
         scene.add_cone(*self.values, 0.0, not self.is_obstacle)
 
     @property
@@ -180,7 +180,7 @@ class Cone(Round):
         return [(n, float(n @ self.center) + around * self.radius / slant) for n in rows]
 
     def add_to(self, scene: Any) -> None:
-        """Add it to a scene of `deformable.core`."""
+        """Add it to a scene of `ld.core`."""
         scene.add_cone(*self.values, True)
 
     @property

@@ -9,6 +9,7 @@ from typing import Any
 
 from mpi4py import MPI
 
+from .. import potentials
 from ..common.errors import FileError, ParameterError
 from ..common.files import reading
 from ..common.validate import expect
@@ -22,7 +23,6 @@ from ..io.store import read_setup, summary_in
 from ..model.droplet import ALL_LAWS, AnyLaw, Droplet
 from ..model.laws import Ring
 from ..model.packing import Packing
-from ..plugin import potentials
 from ..state.droplet_state import DeformedState
 
 # The law of files that do not tell.
@@ -39,7 +39,7 @@ def state_in_file(
 ) -> DeformedState:
     """The state of particles whose centers are in a file: outlines, energy, stress, contacts.
 
-        deformable.state_in_file("shapes.dump", "mixture.deformable").export("shapes.vtp")
+        ld.state_in_file("shapes.dump", "mixture.deformable").export("shapes.vtp")
 
     Positions are those of the file; nothing moves. They must be periodic and, but for droplets, of
     one plane.
@@ -71,8 +71,8 @@ def state_in_file(
     if law not in ALL_LAWS:
         raise ParameterError(f"law must be {', '.join(ALL_LAWS)}, not {law}")
     file = Path(species)
-    if not file.exists() and (Path(potentials()) / file).exists():
-        file = Path(potentials()) / file
+    if not file.exists() and (potentials / file).exists():
+        file = potentials / file
     if not file.exists():
         raise FileError(f"there is no species file '{species}'")
     names = list(species_names(file) if types is None else types)

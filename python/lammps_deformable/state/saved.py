@@ -75,7 +75,7 @@ class Saved(ABC):
         parameters: Mapping[str, Any] | None = None,
         overwrite: bool = False,
     ) -> None:
-        """Write the state for `deformable.Run`, and for LAMMPS with the script `in.lammps`.
+        """Write the state for `ld.Run`, and for LAMMPS with the script `in.lammps`.
 
         Args:
             folder: made if missing.

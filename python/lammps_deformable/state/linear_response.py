@@ -50,7 +50,7 @@ class LinearResponse(ABC):
     def elastic_moduli(self) -> ElasticModuli:
         """Elastic tensor, shear and bulk modulus, by one linear system.
 
-        `deformable.shear_modulus` and `deformable.bulk_modulus` measure the same by finite strains.
+        `ld.shear_modulus` and `ld.bulk_modulus` measure the same by finite strains.
 
         Raises:
             ParameterError: the state is not at rest (`residual` above 1e-3), has walls, or resists
@@ -73,7 +73,7 @@ class LinearResponse(ABC):
 
         with the area or volume V. At omega = 0 it is the `shear_modulus` of `elastic_moduli`, far
         above the rates of relaxation, eigenvalues of H over zeta, its affine part.
-        `deformable.dynamic_modulus` measures the same by finite strains.
+        `ld.dynamic_modulus` measures the same by finite strains.
 
         Args:
             frequencies: angular ones, omega, not negative, any shape [1/time].

@@ -11,16 +11,17 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+from lammps_deformable_plugin import directory
 from mpi4py import MPI
 from tqdm import tqdm
 
+from .. import potentials
 from ..common.errors import CallError, FileError, LammpsError, ParameterError
 from ..common.progress import print_once
 from ..common.versions import mpi_of_lammps, mpi_of_python, versions
 from ..engine.lammps import silent_lammps
 from ..engine.relaxation import TOLERANCE
 from ..model.polygons import PolygonModel
-from ..plugin import directory, potentials
 from .compress import compress_command
 from .jam import jam_command
 from .options import Command, CommandLineError, Group, choice_option, one_rank_prints, refuse_ranks
@@ -203,7 +204,7 @@ def info() -> None:
     for name, version in versions().items():
         print_once(f"{name:14} {version}")
     print_once(f"{'plugin':14} {directory() or 'not found: install the package again'}")
-    shipped = sorted(path.name for path in potentials().glob("*.deformable"))
+    shipped = sorted(path.name for path in potentials.glob("*.deformable"))
     print_once(f"{'species files':14} {', '.join(shipped) or 'MISSING'}")
     lmp = silent_lammps(MPI.COMM_WORLD)
     complete = True

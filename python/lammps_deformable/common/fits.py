@@ -31,7 +31,7 @@ def jackknife(
     It is right for fits too, whose points share their packings. For a mean it is the standard error
     of the mean.
 
-        fit, error = deformable.jackknife(lambda some: np.polyfit(x, mean_of(some), 1), packings)
+        fit, error = ld.jackknife(lambda some: np.polyfit(x, mean_of(some), 1), packings)
 
     Args:
         value: of a sequence of samples; a number or an array.

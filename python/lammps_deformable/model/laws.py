@@ -256,7 +256,7 @@ class Sector:
 
     @property
     def kernel(self) -> str:
-        """Name of the kernel in `deformable.core`."""
+        """Name of the kernel in `ld.core`."""
         return "area_sector" if math.isinf(self.kA) else "sector"
 
     def single_contact_stiffness(self, radius: float) -> float:
@@ -336,7 +336,7 @@ def _call(law: Law) -> str:
 
 
 def _refuse(problem: str | None) -> None:
-    """Raise the problem that a rule of `deformable.core` has found, if any."""
+    """Raise the problem that a rule of `ld.core` has found, if any."""
     if problem is not None:
         raise ParameterError(problem)
 

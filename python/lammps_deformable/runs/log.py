@@ -33,8 +33,8 @@ def log(
 ) -> Iterator[S]:
     """Write a row of numbers for each state as it comes, into a CSV file.
 
-        steps = deformable.compress(sim, 0.01, 10)
-        for state in deformable.log(steps, "log.csv", weakest=lambda state: state.arc_radius.min()):
+        steps = ld.compress(sim, 0.01, 10)
+        for state in ld.log(steps, "log.csv", weakest=lambda state: state.arc_radius.min()):
             print(state.phi)
 
     The columns are `frame` and those of `Run.table`; `series.csv` of `record` is the same. Each row

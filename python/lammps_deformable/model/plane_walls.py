@@ -82,7 +82,7 @@ class _Cornered(Shape):
         return 2
 
     def add_to(self, scene: Any) -> None:
-        """Add it to a scene of `deformable.core`."""
+        """Add it to a scene of `ld.core`."""
         scene.add_polygon(*np.transpose(self.corners))
 
     @property
