@@ -1,1 +1,0 @@
-"""The report: studies on one page."""

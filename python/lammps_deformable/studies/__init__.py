@@ -1,1 +1,0 @@
-"""Studies: each measures and draws one thing, and says what it shows."""

@@ -1,1 +1,0 @@
-"""Ensembles of packings at and above the onset of jamming."""
