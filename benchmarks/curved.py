@@ -31,7 +31,7 @@ import lammps_deformable as ld
 import numpy as np
 from lammps_deformable.common.versions import machine
 from lammps_deformable.model.polygons import PolygonModel
-from lammps_deformable.studies.accuracy.compressions import law_path, smooth_rows
+from lammps_deformable.report import law_path, smooth_rows
 from motion import energies, energy_error, step
 
 HERE = Path(__file__).parent

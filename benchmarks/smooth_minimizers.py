@@ -18,7 +18,7 @@ from pathlib import Path
 import lammps_deformable as ld
 import numpy as np
 from lammps_deformable.engine import smooth_polygons
-from lammps_deformable.studies.accuracy.compressions import standard_polygons
+from lammps_deformable.report import standard_polygons
 
 HERE = Path(__file__).parent
 NUMBER, BEADS, LIMIT, TOLERANCE = 16, standard_polygons(80), 20.0, 1e-6

@@ -33,7 +33,8 @@ def main() -> None:
     options = parser.parse_args()
 
     from lammps_deformable.common.files import make_folder, write_whole
-    from lammps_deformable.studies import vibrations
+
+    from validation.jamming import vibrations
 
     path = make_folder(options.out) / "vibrations.json"
     rows = json.loads(path.read_text())["rows"] if path.exists() else []

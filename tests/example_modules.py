@@ -34,7 +34,7 @@ def quick(module: ModuleType, folder: Path, monkeypatch: pytest.MonkeyPatch) -> 
     monkeypatch.chdir(folder)
     monkeypatch.setattr(module.plt.Figure, "savefig", lambda figure, file, **_: None)
     monkeypatch.setattr(
-        module.deformable, "parallel_map", lambda call, each, **_: [call(*one) for one in each]
+        module.ld, "parallel_map", lambda call, each, **_: [call(*one) for one in each]
     )
     module.main(True)
     (file,) = folder.glob("*.json")
@@ -43,7 +43,7 @@ def quick(module: ModuleType, folder: Path, monkeypatch: pytest.MonkeyPatch) -> 
 
 def committed(name: str, module: ModuleType, capsys: pytest.CaptureFixture[str]) -> Any:
     """The measurements of an example, whose log is what its script shows of them."""
-    folder = EXAMPLES / name
+    folder = Path(str(module.__file__)).parent
     data = json.loads((folder / f"{name}.json").read_text())
     module.show(data)
     assert capsys.readouterr().out == (folder / f"{name}.log").read_text()

@@ -40,6 +40,12 @@ def output(*words: object, cwd: Path, **options: object) -> str:
     return done.stdout
 
 
+def study(name: str, *words: object, cwd: Path) -> str:
+    """What a study of `validation` prints, which writes its results into the folder `cwd`."""
+    root = str(Path(__file__).parents[1])
+    return output("python", "-m", f"validation.{name}", *words, cwd=cwd, PYTHONPATH=root)
+
+
 def command(*words: object, cwd: Path) -> subprocess.CompletedProcess[str]:
     """The command `deformable` in this process, which has loaded what it loads in half a second."""
     from lammps_deformable.cli.main import main

@@ -11,13 +11,13 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 from lammps_deformable import core
+from lammps_deformable.comparison import polygon_outlines, shape_errors
 from lammps_deformable.engine.lammps import gather
-from lammps_deformable.studies.comparison import polygon_outlines, shape_errors
-from lammps_deformable.studies.shape_error import shape_error
+from lammps_deformable.shape_error import shape_error
 
 # Made by a bead code that shares nothing with this project; coordinates have nine decimals. The
 # key `about` describes it.
-REFERENCE = json.loads((Path(__file__).parents[2] / "data" / "bead_packing.json").read_text())
+REFERENCE = json.loads((Path(__file__).parents[1] / "data" / "bead_packing.json").read_text())
 ROUNDING = 5e-10
 
 

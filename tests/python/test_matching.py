@@ -14,9 +14,10 @@ from lammps_deformable import (
     bidisperse,
     jam,
 )
-from lammps_deformable.studies.accuracy.compressions import standard_polygons
-from lammps_deformable.studies.matching import centers_rms, matching
-from lammps_deformable.studies.roughness.crystal import crystal_row
+from lammps_deformable.matching import centers_rms, matching
+from lammps_deformable.report import standard_polygons
+
+from validation.report.roughness.crystal import crystal_row
 
 
 @pytest.fixture(scope="module")

@@ -9,13 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from committed_page import write
-from example_modules import example
+
+from validation.disordered_crystals import __main__ as crystals
 
 pytest.importorskip("matplotlib")
 
-ROOT = Path(__file__).parents[1]
-FOLDER, PAGE = ROOT / "examples" / "disordered_crystals", ROOT / "docs" / "disordered_crystals.md"
-crystals = example("disordered_crystals", "disordered_crystals")
+ROOT = Path(__file__).parents[2]
+FOLDER, PAGE = ROOT / "validation" / "disordered_crystals", ROOT / "docs" / "disordered_crystals.md"
 results = crystals.results
 RESULT = json.loads((FOLDER / "full.json").read_text())
 GROUPS = results.groups(RESULT["ramps"])

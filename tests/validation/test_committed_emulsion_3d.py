@@ -9,19 +9,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 from committed_page import write
-from example_modules import example
+
+from validation.emulsion_3d import __main__ as emulsion
+from validation.emulsion_3d import own_weight as weight
 
 pytest.importorskip("matplotlib")
 
-FOLDER = Path(__file__).parents[1] / "examples" / "emulsion_3d"
+FOLDER = Path(__file__).parents[2] / "validation" / "emulsion_3d"
 PAGE = FOLDER / "README.md"
 NUMBER = 512
 PACKINGS, COLUMNS = (
     json.loads((FOLDER / f"{name}_{NUMBER}.json").read_text())
     for name in ("emulsion_3d", "own_weight")
 )
-emulsion = example("emulsion_3d", "emulsion_3d")
-weight = example("emulsion_3d", "own_weight")
 NEARLY, POLYDISPERSE = emulsion.KINDS
 PHI = np.array(emulsion.PHI)
 LOOSE = 1e-6  # pressure of a packing that has come loose

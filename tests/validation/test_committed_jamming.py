@@ -6,11 +6,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from lammps_deformable.studies.ensemble.packings import exponents, measure, summarize
-from lammps_deformable.studies.ensemble.tables import read_table, write_tables
 from scipy.stats import chi2
 
-FOLDER = Path(__file__).parents[1] / "docs" / "jamming"
+from validation.jamming.__main__ import read_table, write_tables
+from validation.jamming.packings import exponents, measure, summarize
+
+FOLDER = Path(__file__).parents[2] / "validation" / "jamming"
 ONSETS, SCALING = read_table(FOLDER / "table.csv"), read_table(FOLDER / "scaling.csv")
 SUMMARY = json.loads((FOLDER / "summary.json").read_text())
 BISECTION = json.loads((FOLDER / "bisection" / "summary.json").read_text())["onset"]

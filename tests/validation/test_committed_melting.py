@@ -10,14 +10,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 from committed_page import write
-from example_modules import example
+
+from validation.melting import __main__ as melting
 
 pytest.importorskip("matplotlib")
 pytest.importorskip("freud")
 
-ROOT = Path(__file__).parents[1]
-FOLDER, PAGE = ROOT / "examples" / "melting", ROOT / "docs" / "melting.md"
-melting = example("melting", "melting")
+ROOT = Path(__file__).parents[2]
+FOLDER, PAGE = ROOT / "validation" / "melting", ROOT / "docs" / "melting.md"
 tables, results = melting.tables, melting.tables.results
 RESULT, SMALL = (json.loads((FOLDER / f"{name}.json").read_text()) for name in ("full", "small"))
 STAGES = results.stages(RESULT)

@@ -5,10 +5,13 @@ import math
 from pathlib import Path
 
 import pytest
-from lammps_deformable.studies.accuracy.errors import energy_errors, exceptions
-from lammps_deformable.studies.packings.rows import mixed_rows
+from lammps_deformable.packing_rows import mixed_rows
 
-REPORT = json.loads((Path(__file__).parents[1] / "docs" / "report" / "report.json").read_text())
+from validation.report.accuracy.errors import energy_errors, exceptions
+
+REPORT = json.loads(
+    (Path(__file__).parents[2] / "validation" / "report" / "report.json").read_text()
+)
 
 
 def rows(name, **wanted):

@@ -8,15 +8,16 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 from lammps_deformable.common.parallel import call_once
-from lammps_deformable.studies.accuracy.compressions import smooth_rows, standard_polygons
-from lammps_deformable.studies.roughness.friction import hysteresis, sliding
+from lammps_deformable.report import smooth_rows, standard_polygons
+
+from validation.report.roughness.friction import hysteresis, sliding
 
 KEYS = {
     *("n", "seed", "strain", "n_v", "law", "vertices", "own", "energy_ratio", "pressure_ratio"),
     *("S_rms", "I", "distance", "residual", "law_residual", "seconds", "seconds_polygons"),
 }
 CONVERGED = 1e-6
-ROOT = Path(__file__).parents[3]
+ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture(scope="module")
@@ -113,7 +114,7 @@ def test_rings_against_themselves_have_no_error() -> None:
 def test_whole_compression(seed: int) -> None:
     """As in the report. Another last digit of the start changes energies by less than 0.1 %."""
     rows = of(smooth_rows(16, seed, 160), law="balanced", own=True)
-    report = json.loads((ROOT / "docs" / "report" / "report.json").read_text())["smooth"]
+    report = json.loads((ROOT / "validation" / "report" / "report.json").read_text())["smooth"]
     reported = of(report, law="balanced", own=True, seed=seed, n_v=160)
     assert len(rows) == len(reported) == 10
     for row, there in zip(rows, reported, strict=True):

@@ -4,11 +4,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from example_modules import committed, example, quick
+from example_modules import committed, quick
+
+from validation.discharge import __main__ as discharge
 
 pytest.importorskip("matplotlib")
-
-discharge = example("discharge", "discharge")
 
 
 def test_quick_discharge(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

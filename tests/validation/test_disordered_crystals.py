@@ -7,15 +7,15 @@ from pathlib import Path
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from example_modules import example
 from scipy.optimize import brentq
+
+from validation.disordered_crystals import __main__ as crystals
 
 pytest.importorskip("matplotlib")
 pytest.importorskip("freud")
 pytest.importorskip("networkx")
 
-FOLDER = Path(__file__).parents[1] / "examples" / "disordered_crystals"
-crystals = example("disordered_crystals", "disordered_crystals")
+FOLDER = Path(__file__).parents[2] / "validation" / "disordered_crystals"
 
 every_law = pytest.mark.parametrize("law", crystals.LAWS)
 PHI, TOUCH = 0.94, math.pi / math.sqrt(12.0)

@@ -10,10 +10,11 @@ from textwrap import fill
 
 import numpy as np
 import pytest
-from lammps_deformable.studies.vibrations import exponent, summarize
 
-ROOT = Path(__file__).parents[1]
-PAGE, FOLDER = ROOT / "docs" / "jamming.md", ROOT / "docs" / "jamming"
+from validation.jamming.vibrations import exponent, summarize
+
+ROOT = Path(__file__).parents[2]
+PAGE, FOLDER = ROOT / "docs" / "jamming.md", ROOT / "validation" / "jamming"
 SUMMARY = json.loads((FOLDER / "summary.json").read_text())
 BEFORE = json.loads((FOLDER / "bisection" / "summary.json").read_text())["onset"]
 VIBRATIONS = json.loads((FOLDER / "vibrations.json").read_text())

@@ -8,17 +8,18 @@ import re
 from pathlib import Path
 
 import pytest
-from lammps_deformable.studies.accuracy.errors import (
+
+from validation.report.accuracy.errors import (
     CONVERGED,
     fastest_as_good,
     label,
     summary,
     whole_percents,
 )
-from lammps_deformable.studies.section import percent
+from validation.report.section import percent
 
-ROOT = Path(__file__).parents[1]
-REPORT = json.loads((ROOT / "docs" / "report" / "report.json").read_text())
+ROOT = Path(__file__).parents[2]
+REPORT = json.loads((ROOT / "validation" / "report" / "report.json").read_text())
 
 
 def part(value):

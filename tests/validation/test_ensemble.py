@@ -5,7 +5,9 @@ from pathlib import Path
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable.studies.ensemble.packings import (
+
+from validation.jamming.__main__ import read_table, write_tables
+from validation.jamming.packings import (
     Row,
     before_rearrangement,
     contact_law,
@@ -16,7 +18,6 @@ from lammps_deformable.studies.ensemble.packings import (
     measure,
     summarize,
 )
-from lammps_deformable.studies.ensemble.tables import read_table, write_tables
 
 
 def test_exponents_of_power_laws_are_exact() -> None:
@@ -125,11 +126,7 @@ def test_tables_come_back_as_they_were(tmp_path: Path) -> None:
     assert read_table(tmp_path / "scaling.csv") == []
 
 
-@pytest.mark.parametrize(
-    ("text", "word"),
-    [("law,number\ndisk,many\n", "'many'"), ("law,number,seed\nradical,8,1\n", "'onset_pressure'")],
-)
-def test_other_tables_are_refused(text: str, word: str, tmp_path: Path) -> None:
-    (tmp_path / "table.csv").write_text(text)
-    with pytest.raises(ld.FileError, match=rf"table\.csv .*{word}"):
+def test_other_tables_are_refused(tmp_path: Path) -> None:
+    (tmp_path / "table.csv").write_text("law,number,seed\nradical,8,1\n")
+    with pytest.raises(ld.FileError, match=r"table\.csv is no table of this command"):
         read_table(tmp_path / "table.csv")

@@ -3,25 +3,20 @@
 Run as a script, this writes the tables of the results into the page.
 """
 
-import importlib.util
 import re
-import shutil
 from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pytest
-from programs import output
+from programs import study
+
+from validation.foam_or_particles import fits
 
 pytest.importorskip("matplotlib")
 
-ROOT = Path(__file__).parents[1]
-PAGE, FOLDER = ROOT / "docs" / "foam_or_particles.md", ROOT / "examples" / "foam_or_particles"
-spec = importlib.util.spec_from_file_location("fits", FOLDER / "fits.py")
-assert spec is not None
-assert spec.loader is not None
-fits = importlib.util.module_from_spec(spec)
-spec.loader.exec_module(fits)
+ROOT = Path(__file__).parents[2]
+PAGE, FOLDER = ROOT / "docs" / "foam_or_particles.md", ROOT / "validation" / "foam_or_particles"
 
 # Forces of relaxed states are balanced to 1e-6 of a contact force. Near the onset the softest modes
 # are a thousand times softer than contacts (omega* of docs/jamming.md, squared), so that overlaps
@@ -31,11 +26,9 @@ KNOWN = 1e-3
 
 def test_small_run(tmp_path: Path) -> None:
     """The rows on record near the onset, and confluence; in between packings rearrange."""
-    for script in ("foam_or_particles.py", "fits.py", "picture.py"):
-        shutil.copy(FOLDER / script, tmp_path)
     laws = ("foam", "elastic rings", "disks")
     options = ("--number", "32", "--seeds", "2", "--workers", "1", "--laws", *laws)
-    printed = output("python", "foam_or_particles.py", *options, cwd=tmp_path)
+    printed = study("foam_or_particles", *options, cwd=tmp_path)
     assert (tmp_path / "foam_or_particles_32.png").stat().st_size > 10_000
     rows, expected = (fits.read([folder / "rows_32.json"]) for folder in (tmp_path, FOLDER))
     expected = [row for row in expected if row["law"] in (*laws, "foam, wetted")]

@@ -11,14 +11,14 @@ from pathlib import Path
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from example_modules import example
 from numpy.typing import NDArray
+
+from validation.melting import __main__ as melting
 
 pytest.importorskip("matplotlib")
 pytest.importorskip("freud")
 
-FOLDER = Path(__file__).parents[1] / "examples" / "melting"
-melting = example("melting", "melting")
+FOLDER = Path(__file__).parents[2] / "validation" / "melting"
 limits, motion, order = melting.limits, melting.motion, melting.order
 tables, results = melting.tables, melting.tables.results
 RESULT = json.loads((FOLDER / "small.json").read_text())

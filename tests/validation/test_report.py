@@ -7,13 +7,15 @@ from html.parser import HTMLParser
 
 import pytest
 from lammps_deformable import FileError, ParameterError, PolygonModel
-from lammps_deformable.report import results, writing
-from lammps_deformable.report.page import page
-from lammps_deformable.report.plan import Plan
-from lammps_deformable.report.writing import write_report
-from lammps_deformable.studies import section as numbers
-from lammps_deformable.studies.accuracy.compressions import standard_polygons
-from lammps_deformable.studies.section import Column, Picture, Section, Table
+from lammps_deformable.report import standard_polygons
+
+from validation.report import __main__ as writing
+from validation.report import results
+from validation.report import section as numbers
+from validation.report.__main__ import write_report
+from validation.report.page import page
+from validation.report.plan import Plan
+from validation.report.section import Column, Picture, Section, Table
 
 MODELS = [standard_polygons(40, smooth=kind) for kind in (True, False)]
 SMALLEST = Plan(

@@ -6,9 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from lammps_deformable import PolygonModel, Ring, Sector, Simulation, bidisperse, compare, jam
-from lammps_deformable.studies.accuracy import errors, pareto
-from lammps_deformable.studies.packings import rows as packings
-from lammps_deformable.studies.stability import rows as stability
+from lammps_deformable import packing_rows as packings
+
+from validation.report.accuracy import errors, pareto
+from validation.report.stability import rows as stability
 
 LAWS = ["sector", "radical, kP inf", "radical", "balanced", "curved"]
 

@@ -6,8 +6,9 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 from contact_laws import contacts
-from lammps_deformable.studies import vibrations
-from lammps_deformable.studies.vibrations import (
+
+from validation.jamming import vibrations
+from validation.jamming.vibrations import (
     EDGES,
     boson_peak,
     density,

@@ -13,7 +13,8 @@ from pathlib import Path
 import lammps_deformable as ld
 import matplotlib.pyplot as plt
 import numpy as np
-from emulsion_3d import KINDS, RADII, height, means, onset, with_error
+
+from validation.emulsion_3d.__main__ import KINDS, RADII, height, means, onset, with_error
 
 WIDTH = 10.0  # of a column of 512, which is periodic across; others have its shape
 HIGHEST = 0.25  # pressure of all droplets together on the ceiling [tension/R32]

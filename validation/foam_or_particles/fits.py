@@ -11,8 +11,9 @@ import sys
 
 import lammps_deformable as ld
 import numpy as np
-from lammps_deformable.studies.ensemble.packings import before_rearrangement
 from scipy.optimize import curve_fit
+
+from validation.jamming.packings import before_rearrangement
 
 LAWS = ("foam", "foam, wetted", "straight films", "elastic rings", "stiff rings", "disks")
 THRESHOLDS = (0.0, 1e-3, 1e-2, 0.03, 0.1, 0.2, 0.3)  # of the mean contact force

@@ -7,7 +7,8 @@ import sys
 
 import matplotlib.pyplot as plt
 import numpy as np
-from fits import (
+
+from validation.foam_or_particles.fits import (
     LAWS,
     SHAPES,
     SHARES,

@@ -16,9 +16,10 @@ from pathlib import Path
 
 import lammps_deformable as ld
 import numpy as np
-import results
+from lammps_deformable.matching import matching, matching_laws
 from lammps_deformable.state.contact_network import without_rattlers
-from lammps_deformable.studies.matching import matching, matching_laws
+
+from validation.frictional_jamming import results
 
 NUMBER, LOOSE = 32, 0.65
 PACKINGS = 24  # of rings

@@ -12,23 +12,21 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from lammps_deformable.common.errors import ParameterError, StalledWarning, UnjammedWarning
+from lammps_deformable.common.fits import power_law
+from lammps_deformable.common.validate import zero_or_more
+from lammps_deformable.engine.relaxation import TOLERANCE
+from lammps_deformable.model.droplet import ALL_LAWS, AnyLaw, Droplet
+from lammps_deformable.model.laws import Ring
+from lammps_deformable.model.random_packing import bidisperse
+from lammps_deformable.protocols.jamming import jam, natural_pressure
+from lammps_deformable.protocols.moduli import bulk_modulus, shear_modulus
+from lammps_deformable.protocols.starts import simulate
+from lammps_deformable.state.disk_state import DiskState
+from lammps_deformable.state.droplet_state import DropletState
+from lammps_deformable.state.sphere_state import SphereState
+from lammps_deformable.state.state import State
 from numpy.typing import NDArray
-
-from ...common.errors import ParameterError, StalledWarning, UnjammedWarning
-from ...common.fits import power_law
-from ...common.validate import zero_or_more
-from ...engine.relaxation import TOLERANCE
-from ...model.droplet import ALL_LAWS, AnyLaw, Droplet
-from ...model.laws import Ring
-from ...model.packing import Packing
-from ...model.random_packing import bidisperse
-from ...protocols.jamming import jam, natural_pressure
-from ...protocols.moduli import bulk_modulus, shear_modulus
-from ...protocols.starts import simulate
-from ...state.disk_state import DiskState
-from ...state.droplet_state import DropletState
-from ...state.sphere_state import SphereState
-from ...state.state import State
 
 # Means are over packings with equal values of these columns.
 GROUP = ("law", "onset_pressure", "number")
@@ -95,7 +93,6 @@ def measure(
     seed: int,
     excess_phi: Sequence[float] = (),
     folder: Path | None = None,
-    start: Packing | None = None,
 ) -> tuple[Row, list[Row]]:
     """Jam one packing, and compress it from its onset.
 
@@ -104,11 +101,10 @@ def measure(
         onset_pressure: the pressure at the onset lies between this and twice this, in natural
             units, see `natural_pressure`.
         number: of particles, an equal mixture of sizes 1 : 1.4.
-        seed: of the random start, or the number of a start that is given.
+        seed: of the random start.
         excess_phi: values of phi - phi_J, rising, at which moduli are measured.
         folder: the packing at its onset is saved there under its `packing_name`; not of disks
             and spheres.
-        start: the packing that is jammed, in place of a random one.
 
     Returns:
         The packing at its onset, and a row for each value of phi - phi_J up to where the packing
@@ -121,7 +117,7 @@ def measure(
         # rows have a column for what stalled; packings may rearrange while they are compressed
         warnings.simplefilter("ignore", UnjammedWarning)
         warnings.simplefilter("always", StalledWarning)
-        start = start or bidisperse(number, seed=seed, dimension=dimension_of(law))
+        start = bidisperse(number, seed=seed, dimension=dimension_of(law))
         packing = jam(start, settings, onset_pressure, tolerance=TOLERANCE)  # counts contacts
         stalled = any(issubclass(warning.category, StalledWarning) for warning in caught)
         with simulate(packing, settings) as sim:

@@ -6,19 +6,19 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from lammps_deformable.common.fits import jackknife, power_law
+from lammps_deformable.engine.disks import Disks
+from lammps_deformable.engine.relaxed_disks import relax_at_pressure
+from lammps_deformable.engine.simulation import Simulation
+from lammps_deformable.model.packing import Packing
+from lammps_deformable.model.random_packing import bidisperse
+from lammps_deformable.protocols.jamming import jam, natural_pressure
+from lammps_deformable.state.disk_state import DiskState
+from lammps_deformable.state.state import State
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from ..common.fits import jackknife, power_law
-from ..engine.disks import Disks
-from ..engine.relaxed_disks import relax_at_pressure
-from ..engine.simulation import Simulation
-from ..model.packing import Packing
-from ..model.random_packing import bidisperse
-from ..protocols.jamming import jam, natural_pressure
-from ..state.disk_state import DiskState
-from ..state.state import State
-from .ensemble.packings import Row, contact_law, standard_error
+from validation.jamming.packings import Row, contact_law, standard_error
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -6,9 +6,10 @@ from dataclasses import replace
 
 import lammps_deformable as ld
 import numpy as np
-from limits import harmonic
-from motion import BATH, LAW, PHI, STEPS, begin, crystal, kept, leg
-from order import defects, neighbors
+
+from validation.melting.limits import harmonic
+from validation.melting.motion import BATH, LAW, PHI, STEPS, begin, crystal, kept, leg
+from validation.melting.order import defects, neighbors
 
 EXACT = BATH | {"timestep": 0.03, "tolerance": 1e-8}
 SETTINGS = {

@@ -4,8 +4,9 @@ import math
 
 import lammps_deformable as ld
 import numpy as np
-from motion import BATH, LAW, crystal, spacing
 from scipy.integrate import simpson
+
+from validation.melting.motion import BATH, LAW, crystal, spacing
 
 
 def harmonic(phi, law=LAW):

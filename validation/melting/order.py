@@ -4,10 +4,11 @@ import math
 
 import freud
 import numpy as np
-from motion import crystal, spacing
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import Delaunay
+
+from validation.melting.motion import crystal, spacing
 
 BINS = 48  # of the distance, in correlations up to half of the box
 SPARED = 5  # correlations are of each fifth sample

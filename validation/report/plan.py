@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from ..model.polygons import PolygonModel
-from ..studies.accuracy.compressions import standard_polygons
+from lammps_deformable.model.polygons import PolygonModel
+from lammps_deformable.report import standard_polygons
 
 
 @dataclass(frozen=True)

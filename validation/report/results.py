@@ -13,19 +13,20 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from ..common.parallel import call_once, parallel_map
-from ..common.progress import progress
-from ..studies.accuracy.compressions import smooth_rows
-from ..studies.accuracy.pareto import pareto_means, pareto_rows
-from ..studies.comparison import Comparison
-from ..studies.cost import cost_rows
-from ..studies.packings.rows import mixed_rows, packing_rows
-from ..studies.paper import results as paper
-from ..studies.paper.single import Squeezed
-from ..studies.roughness.crystal import crystal_row
-from ..studies.roughness.friction import hysteresis, sliding
-from ..studies.stability.rows import stability_rows
-from .plan import Plan
+from lammps_deformable.common.parallel import call_once, parallel_map
+from lammps_deformable.common.progress import progress
+from lammps_deformable.comparison import Comparison
+from lammps_deformable.packing_rows import mixed_rows, packing_rows
+from lammps_deformable.report import smooth_rows
+
+from validation.report.accuracy.pareto import pareto_means, pareto_rows
+from validation.report.cost import cost_rows
+from validation.report.paper import results as paper
+from validation.report.paper.single import Squeezed
+from validation.report.plan import Plan
+from validation.report.roughness.crystal import crystal_row
+from validation.report.roughness.friction import hysteresis, sliding
+from validation.report.stability.rows import stability_rows
 
 Rows = list[dict[str, Any]]
 

@@ -4,22 +4,22 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..studies import cost
-from ..studies.accuracy import figures as accuracy_figures
-from ..studies.accuracy import sections as accuracy
-from ..studies.packings import sections as packings
-from ..studies.packings.figure import packing
-from ..studies.paper import figures as paper_figures
-from ..studies.paper import sections as paper
-from ..studies.roughness import section as roughness_section
-from ..studies.roughness.figure import roughness
-from ..studies.section import Section
-from ..studies.stability import section as stability
+from validation.report import cost
+from validation.report.accuracy import figures as accuracy_figures
+from validation.report.accuracy import sections as accuracy
+from validation.report.packings import sections as packings
+from validation.report.packings.figure import packing
+from validation.report.paper import figures as paper_figures
+from validation.report.paper import sections as paper
+from validation.report.roughness import section as roughness_section
+from validation.report.roughness.figure import roughness
+from validation.report.section import Section
+from validation.report.stability import section as stability
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from .results import Results
+    from validation.report.results import Results
 
 _TERMS = Section(
     "What is compared",

@@ -7,7 +7,6 @@ import time
 import traceback
 import warnings
 from concurrent.futures.process import BrokenProcessPool
-from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -40,9 +39,7 @@ app = typer.Typer(
 
 # Exit code after Ctrl-C.
 _INTERRUPTED = 130
-_GOES_ON = (
-    "interrupted: add --resume to finish a run or a report; `deformable jam` goes on when repeated"
-)
+_GOES_ON = "interrupted: add --resume to finish a run"
 
 STYLES = (
     ("pair", "deformable/ring"),
@@ -129,7 +126,7 @@ def compare(
     disk, so its energy can be far off.
     """
     refuse_ranks("compare times one core")
-    from ..studies.packings.rows import packing_rows
+    from ..packing_rows import packing_rows
 
     if not 0.0 < strain < 1.0:
         raise ParameterError(f"strain must lie between 0 and 1, not {strain}")
@@ -171,31 +168,6 @@ def compare(
             "no law has particles that touch: the polygons interlock, strain more or take more "
             "beads"
         )
-
-
-@app.command(cls=Command)
-def report(
-    quick: Annotated[bool, typer.Option("--quick", help="Measure less, in a few minutes.")] = False,
-    out: Annotated[str, typer.Option(metavar="PATH", help="Output folder.")] = "report",
-    resume: Annotated[
-        bool,
-        typer.Option("--resume", help="Finish the interrupted report in the output folder."),
-    ] = False,
-    overwrite: Annotated[
-        bool, typer.Option("--overwrite", help="Replace the report in the output folder.")
-    ] = False,
-) -> None:
-    """Measure errors and run times of the contact laws, and reproduce the paper.
-
-    Writes index.html, its pictures and report.json into the output folder. Takes about half an
-    hour on two cores, with --quick three minutes. Uses all cores of this machine, or the ranks of
-    mpiexec.
-    """
-    from ..report.writing import write_report
-
-    began = time.perf_counter()
-    write_report(out, quick, resume, overwrite, print_once)
-    print_once(f"wrote {Path(out, 'index.html')} ({time.perf_counter() - began:.0f} s)")
 
 
 @app.command(cls=Command)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Literal
 
@@ -18,14 +17,10 @@ SPECIES, SCRIPT = "species.deformable", "in.lammps"
 # Results that are kept for an interrupted report.
 PARTS = "*parts/*/joblib"
 
-# `deformable jam` writes this table first, and a summary of its own at the end.
-TABLE = "table.csv"
-
-Kind = Literal["compression", "jamming", "report"]
+Kind = Literal["compression", "report"]
 
 _SHOWN: dict[Kind, str] = {
     "compression": "a run",
-    "jamming": "onsets of jamming from `deformable jam`",
     "report": "a report",
 }
 
@@ -33,13 +28,6 @@ _SHOWN: dict[Kind, str] = {
 def holds(folder: str | Path) -> Kind | None:
     """Kind of results in a folder, or None if it has none."""
     folder = Path(folder)
-    try:
-        summary = json.loads((folder / SUMMARY).read_text())
-    except (OSError, ValueError):
-        summary = None
-    interrupted = summary is None and (folder / TABLE).exists()
-    if interrupted or (isinstance(summary, dict) and "onset" in summary):
-        return "jamming"
     if any((folder / name).exists() for name in (DATA, SERIES, TRAJECTORY)):
         return "compression"
     if (folder / "report.json").exists() or any(folder.glob(PARTS)):

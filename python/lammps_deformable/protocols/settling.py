@@ -64,7 +64,7 @@ def settle(
         tolerance: largest force on a particle, and largest torque on it over its radius, over the
             mean contact force; and the largest relative error of the pressure.
         inertial_number: I; the smaller, the slower is the compression. Packings of 64 at 0.01 were
-            those at 0.002 within errors, see examples/frictional_jamming.
+            those at 0.002 within errors, see validation/frictional_jamming.
         steps: number of time steps at most.
         timestep: length of a step; if not given half of the longest stable one of contacts that
             bear the pressure [time].

@@ -12,8 +12,8 @@ import lammps_deformable as ld
 import pytest
 import ranks
 from lammps_deformable import core
+from lammps_deformable import packing_rows as packings
 from lammps_deformable.cli import main as cli
-from lammps_deformable.studies.packings import rows as packings
 from programs import command, program
 
 SMALL = ("--number", "12", "--steps", "1")
@@ -96,13 +96,11 @@ REFUSED = {
         (["--steps", "0"], ["steps", "0"]),
         (["--out", "/dev/null/run"], ["'/dev/null' is a file"]),
     ],
-    ("jam", "8"): [
-        (["0"], ["number", "0"]),
-        (["--seeds", "0"], ["seeds", "0"]),
+    ("jam",): [
+        (["--number", "0"], ["number", "0"]),
         (["--pressure", "-1"], ["pressure", "-1.0"]),
-        (["--excess-phi", "-1"], ["excess-phi", "-1.0"]),
-        (["--excess-phi", "0.01", "--law", "balanced"], ["1e-06", "balanced", "6e-14"]),
-        (["--workers", "0"], ["workers", "0"]),
+        (["--out", ""], ["folder", "''"]),
+        (["--law", "sector", "--reach", "1"], ["--reach is an option of ring laws"]),
     ],
 }
 
@@ -221,13 +219,6 @@ def test_ranks_are_refused(tmp_path: Path) -> None:
     assert not list(tmp_path.iterdir())
 
 
-def test_help_of_report(tmp_path: Path) -> None:
-    result = run("report", "--help", cwd=tmp_path)
-    assert result.returncode == 0
-    for word in ("--quick", "--out", "index.html", "report.json"):
-        assert word in result.stdout
-
-
 def launch(*arguments: str, cwd: Path) -> subprocess.CompletedProcess[str]:
     """The command on two ranks."""
     return program("deformable", *arguments, cwd=cwd, ranks=2)
@@ -245,7 +236,6 @@ def test_error_on_one_rank_ends_all(tmp_path: Path) -> None:
 WRONG = {
     "compress --bubbles 3": "error: No such option: --bubbles",
     "compress --number many": "error: --number many: ",
-    "jam": "error: give numbers of particles",
     "bubble": "error: No such command 'bubble'",
     "plot --help": "Usage: deformable plot ",
     "": "Usage: deformable [OPTIONS] COMMAND",

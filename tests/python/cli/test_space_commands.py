@@ -1,18 +1,11 @@
-"""The commands in three dimensions: which law and dimension, ensembles, dumps of LAMMPS, errors."""
+"""The commands in three dimensions: which law and dimension, dumps of LAMMPS, errors."""
 
-import csv
 from pathlib import Path
 
 import lammps_deformable as ld
 import pytest
 from lammps_deformable.cli.main import app
 from lammps_deformable.cli.settings import law_and_dimension
-from lammps_deformable.studies.ensemble.packings import (
-    SOFT,
-    contact_law,
-    dimension_of,
-    excess_coordination,
-)
 
 
 def shell(line: str) -> None:
@@ -42,32 +35,13 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def test_one_of_law_and_dimension(
     law: str | None, dimension: int | None, found: tuple[str, int]
 ) -> None:
-    assert law_and_dimension(law, dimension, SOFT) == found
+    assert law_and_dimension(law, dimension, {"disk": 2, "sphere": 3}) == found
 
 
-def test_names_of_laws_in_tables() -> None:
-    assert contact_law("droplet") == ld.Droplet()
-    assert contact_law("droplet, tension 2.0") == ld.Droplet(2.0)
-    assert contact_law("sphere") is None
-    assert [dimension_of(name) for name in ("sphere", "disk", "droplet", "radical")] == [3, 2, 3, 2]
-    # ten contacts more, of 20 particles that are no rattlers
-    for law, least in (("disk", 39), ("sphere", 58)):
-        row = {"law": law, "contacts": least + 10, "isostatic": least}
-        assert excess_coordination(row) == pytest.approx(1.0)
-
-
-def test_jam_finds_the_onset_of_spheres_and_droplets(here: Path) -> None:
-    """Both touch at the same packing fraction."""
-    shell("jam 12 --dimension 3 --seeds 1 --pressure 1e-7 --workers 1")
-    shell("jam 12 --law droplet --seeds 1 --pressure 1e-7 --workers 1 --save")
-    with (here / "jam" / "table.csv").open() as file:
-        rows = {row["law"]: row for row in csv.DictReader(file)}
-    assert set(rows) == {"sphere", "droplet"}
-    phi = [float(row["phi"]) for row in rows.values()]
-    assert phi[0] == pytest.approx(phi[1], abs=3e-4)
-    assert all(row["stalled"] == "False" for row in rows.values())
-    saved = ld.Run(here / "jam" / "packings" / "droplet_1e-07_12_1")
-    assert saved.simulation().state().phi == pytest.approx(float(rows["droplet"]["phi"]))
+def test_jam_finds_the_onset_of_droplets(here: Path) -> None:
+    shell("jam --number 12 --law droplet --pressure 1e-7")
+    with ld.Run("jam").simulation() as sim:
+        assert sim.state().phi == pytest.approx(0.6, abs=0.05)
 
 
 def test_droplets_in_a_dump_are_drawn(here: Path) -> None:
@@ -96,10 +70,7 @@ def test_droplets_in_a_dump_are_drawn(here: Path) -> None:
     [
         ("compress --dimension 4", "--dimension must be 2 or 3, not 4"),
         ("compress --dimension 3 --law curved", "--law curved is for 2 dimensions, not 3: leave"),
-        ("jam 8 --dimension 2 --law droplet", "--law droplet is for 3 dimensions, not 2: leave"),
-        ("jam 8 --law sphere --tension 2", "law sphere has no tension: leave it out"),
-        ("jam 8 --law sphere --save", "soft spheres have none: give another --law"),
-        ("jam 8 --law droplet --excess-phi 0.04", "with the droplet law it may be"),
+        ("jam --dimension 2 --law droplet", "--law droplet is for 3 dimensions, not 2: leave"),
         ("compress --law droplet --kA 2", "--kA is an option of ring laws: leave it out with"),
         ("compress --law droplet --reach 2", "--reach is an option of ring laws: leave it out"),
         ("compress --law droplet --tension 0", "tension must be positive, as droplets have"),
@@ -107,7 +78,6 @@ def test_droplets_in_a_dump_are_drawn(here: Path) -> None:
         ("compress --from space.xyz", r"fill space, .* dimension=3 \(in the shell --law droplet\)"),
         ("shear --from space.xyz", "atoms fill space"),
         ("jam --from space.xyz", "atoms fill space"),
-        ("jam --from space.xyz --law disk --dimension 3", "--law disk is for 2 dimensions, not 3"),
         ("jam --from space.xyz --law droplet", "rigid already at phi = 0.7800"),
         ("outline plane.xyz --law droplet --species none", "no species file 'none'"),
     ],

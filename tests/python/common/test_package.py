@@ -34,9 +34,12 @@ def test_simulating_imports_neither_matplotlib_nor_mdanalysis() -> None:
 
 
 def test_a_module_loads_what_it_needs() -> None:
-    loaded = imported("import lammps_deformable.studies.section")
+    loaded = imported("import lammps_deformable.common.fits")
     ours = {name for name in loaded if name.startswith("lammps_deformable.")}
-    assert ours == {"lammps_deformable.studies", "lammps_deformable.studies.section"}
+    assert ours == {
+        "lammps_deformable.common",
+        *(f"lammps_deformable.common.{name}" for name in ("errors", "fits")),
+    }
 
 
 def test_plugin_is_found_and_loaded() -> None:

@@ -8,12 +8,13 @@ import warnings
 from pathlib import Path
 
 import pytest
-from lammps_deformable import ParameterError, __version__, squeeze
+from lammps_deformable import ParameterError, __version__
 from lammps_deformable.cli import main as cli
 from lammps_deformable.common.parallel import call_once, parallel_map
 from lammps_deformable.common.versions import machine
-from lammps_deformable.studies.paper.results import ring_in_walls
-from lammps_deformable.studies.paper.single import regular
+
+from validation.report.paper.results import ring_in_walls
+from validation.report.paper.single import regular, squeeze
 
 
 def test_results_keep_their_order() -> None:

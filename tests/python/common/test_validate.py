@@ -51,7 +51,6 @@ CASES: list[tuple[Callable[[], Any], str, str]] = [
     (lambda: ld.predict(P, Ring()), "reference", "a Packing"),
     (lambda: ld.compare(None, Ring()), "reference", "None"),
     (lambda: ld.resolve_secondary(P), "state", "a Packing"),
-    (lambda: ld.squeeze([0.0], [0.1], 50, True), "model", "50"),
     (lambda: ld.Disks(P).relax(1e-3, None), "minimum_contact_force", "None"),
     (lambda: ld.Disks(P).relax(1e-3, -1.0), "minimum_contact_force", "-1.0"),
     (lambda: ld.Simulation(P, Ring()).restart(None), "packing", "None"),

@@ -5,10 +5,8 @@ from pathlib import Path
 
 import lammps_deformable as ld
 import pytest
-from lammps_deformable.cli import main as cli
 from lammps_deformable.io.frames import _last_line
 from lammps_deformable.io.run_folder import holds, refuse
-from lammps_deformable.report import writing
 from programs import command
 
 
@@ -19,22 +17,7 @@ def run(*arguments: str, cwd: Path) -> str:
     return result.stderr
 
 
-@pytest.fixture(scope="module")
-def jam_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    cwd = tmp_path_factory.mktemp("jammed")
-    ask = ("jam", "8", "--seeds", "1", "--law", "disk", "--workers", "1")
-    assert command(*ask, cwd=cwd).returncode == 0
-    return cwd / "jam"
-
-
-@pytest.fixture
-def no_measurements(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A report that is not refused takes minutes."""
-    monkeypatch.setattr(writing, "measure", lambda *_: pytest.fail("the report has begun"))
-
-
-def test_each_command_leaves_its_mark(state: ld.State, jam_folder: Path, tmp_path: Path) -> None:
-    assert holds(jam_folder) == "jamming"
+def test_each_command_leaves_its_mark(state: ld.State, tmp_path: Path) -> None:
     for name in ("missing", "empty", "saved", "finished", "begun", "other"):
         if name != "missing":
             (tmp_path / name).mkdir()
@@ -52,61 +35,20 @@ def test_each_command_leaves_its_mark(state: ld.State, jam_folder: Path, tmp_pat
         "saved": "compression",
     }
     assert holds(tmp_path / "missing") is None
-    (tmp_path / "empty" / "table.csv").write_text("")  # before there is a summary
-    assert holds(tmp_path / "empty") == "jamming"
 
 
-def test_no_run_in_a_jam_folder(
-    state: ld.State,
-    jam_folder: Path,
-    no_measurements: None,
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    before = {file.name: file.read_bytes() for file in jam_folder.iterdir()}
-    message = "holds onsets of jamming from `deformable jam`: name another folder"
-    monkeypatch.chdir(jam_folder.parent)
-    for options in (
-        ("compress", "--number", "8", "--out", "jam"),
-        ("compress", "--number", "8", "--out", "jam", "--overwrite"),
-        ("compress", "--out", "jam", "--resume"),
-        ("compress", "--out", "jam", "--append"),
-        ("movie", "jam"),
-        ("report", "--quick", "--out", "jam"),
-    ):
-        with pytest.raises(ld.FileError) as error:
-            cli.app(options, standalone_mode=False)
-        assert str(error.value) == f"'jam' {message}"
-    with ld.Simulation(state.packing, state.law) as sim:
-        for call in (
-            lambda: ld.Run(jam_folder).simulation(),
-            lambda: ld.Run(jam_folder).resume(),
-            lambda: ld.compress_in(sim, jam_folder, 0.01, 1, overwrite=True),
-            lambda: ld.Run(jam_folder).compress(0.01, 1),
-        ):
-            with pytest.raises(ld.FileError, match=r"holds onsets of jamming from"):
-                call()
-    assert {file.name: file.read_bytes() for file in jam_folder.iterdir()} == before
-
-
-def test_no_report_in_a_run_nor_the_reverse(
-    state: ld.State, tmp_path: Path, no_measurements: None
-) -> None:
+def test_no_report_in_a_run_nor_the_reverse(state: ld.State, tmp_path: Path) -> None:
     state.save(tmp_path / "run")
-    for resume in (False, True):
-        with pytest.raises(ld.FileError, match=r"'.*run' holds a run: name another folder"):
-            writing.write_report(tmp_path / "run", quick=True, resume=resume)
+    with pytest.raises(ld.FileError, match=r"'.*run' holds a run: name another folder"):
+        refuse(tmp_path / "run", but="report")
     (tmp_path / "report").mkdir()
     (tmp_path / "report" / "report.json").write_text(json.dumps({}))
     line = run("compress", "--out", "report", "--overwrite", cwd=tmp_path)
     assert line.startswith("error: 'report' holds a report")
-    line = run("report", "--resume", "--out", "report", cwd=tmp_path)
-    assert line.startswith("error: nothing to resume: 'report'")
-    line = run("report", "--out", "report", cwd=tmp_path)
-    assert line.startswith("error: 'report' holds a report: replace it with --overwrite")
     assert refuse(tmp_path / "report", but="report") == tmp_path / "report"
 
 
-def test_a_folder_is_no_file(state: ld.State, tmp_path: Path, no_measurements: None) -> None:
+def test_a_folder_is_no_file(state: ld.State, tmp_path: Path) -> None:
     file = tmp_path / "file"
     file.write_text("kept")
     with ld.Simulation(state.packing, state.law) as sim:
@@ -114,7 +56,6 @@ def test_a_folder_is_no_file(state: ld.State, tmp_path: Path, no_measurements: N
             lambda path: ld.Run(path).simulation(),
             lambda path: ld.Run(path).resume(),
             lambda path: ld.compress_in(sim, path, 0.01, 1),
-            lambda path: writing.write_report(path),
         ):
             for path in (file, file / "within"):
                 with pytest.raises(ld.FileError, match=f"'{file}' is a file, not a folder"):

@@ -7,9 +7,10 @@ from collections.abc import Sequence
 from statistics import median
 from typing import Any
 
-from ...engine.relaxation import TOLERANCE
-from ..law_styles import POLYGON_NAMES, STYLES
-from ..section import percent
+from lammps_deformable.engine.relaxation import TOLERANCE
+
+from validation.report.law_styles import POLYGON_NAMES, STYLES
+from validation.report.section import percent
 
 Row = dict[str, Any]
 

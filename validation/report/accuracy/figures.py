@@ -9,8 +9,15 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from ..law_styles import POLYGON_NAMES, POLYGONS, SMOOTH, STYLES, Style, legend_below
-from .errors import BARS, CONVERGED, energy_errors, label, whole
+from validation.report.accuracy.errors import BARS, CONVERGED, energy_errors, label, whole
+from validation.report.law_styles import (
+    POLYGON_NAMES,
+    POLYGONS,
+    SMOOTH,
+    STYLES,
+    Style,
+    legend_below,
+)
 
 Row = dict[str, Any]
 

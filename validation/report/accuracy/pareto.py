@@ -8,13 +8,14 @@ from itertools import pairwise
 from statistics import mean
 from typing import Any
 
-from ...engine.disks import Disks
-from ...model.packing import Packing
-from ...model.random_packing import bidisperse
-from ...protocols.compression import compress
-from ...protocols.jamming import jam
-from .compressions import smooth_rows, standard_polygons, timed
-from .errors import of_many_vertices
+from lammps_deformable.engine.disks import Disks
+from lammps_deformable.model.packing import Packing
+from lammps_deformable.model.random_packing import bidisperse
+from lammps_deformable.protocols.compression import compress
+from lammps_deformable.protocols.jamming import jam
+from lammps_deformable.report import smooth_rows, standard_polygons, timed
+
+from validation.report.accuracy.errors import of_many_vertices
 
 Row = dict[str, Any]
 

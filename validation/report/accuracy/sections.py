@@ -6,10 +6,8 @@ from collections.abc import Sequence
 from statistics import median
 from typing import Any
 
-from .. import section as c
-from ..law_styles import POLYGON_NAMES
-from ..section import Column, Picture, Section, Table, listed, percent, show, span
-from .errors import (
+from validation.report import section as c
+from validation.report.accuracy.errors import (
     BARS,
     CONVERGED,
     exceptions,
@@ -19,6 +17,8 @@ from .errors import (
     whole,
     whole_percents,
 )
+from validation.report.law_styles import POLYGON_NAMES
+from validation.report.section import Column, Picture, Section, Table, listed, percent, show, span
 
 Row = dict[str, Any]
 

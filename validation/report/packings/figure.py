@@ -6,15 +6,15 @@ from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
+from lammps_deformable.comparison import Comparison, polygon_outlines
+from lammps_deformable.shape_error import deviation
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon, Rectangle
 from numpy.typing import NDArray
 
-from ..comparison import Comparison, polygon_outlines
-from ..law_styles import BEAD, STYLES
-from ..paper.figures import magnification, short
-from ..shape_error import deviation
+from validation.report.law_styles import BEAD, STYLES
+from validation.report.paper.figures import magnification, short
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

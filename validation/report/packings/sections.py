@@ -6,10 +6,11 @@ from collections.abc import Sequence
 from statistics import median
 from typing import Any
 
-from ...engine.relaxation import TOLERANCE
-from .. import section as c
-from ..law_styles import STYLES
-from ..section import Column, Picture, Section, Table, listed, percent, show, span
+from lammps_deformable.engine.relaxation import TOLERANCE
+
+from validation.report import section as c
+from validation.report.law_styles import STYLES
+from validation.report.section import Column, Picture, Section, Table, listed, percent, show, span
 
 Row = dict[str, Any]
 

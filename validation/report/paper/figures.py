@@ -11,9 +11,9 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, NullFormatter, NullLocator
 from numpy.typing import NDArray
 
-from ..law_styles import BEAD, STYLES
-from . import results as paper
-from .single import Squeezed
+from validation.report.law_styles import BEAD, STYLES
+from validation.report.paper import results as paper
+from validation.report.paper.single import Squeezed
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

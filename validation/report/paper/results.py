@@ -11,21 +11,21 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from lammps_deformable import core
+from lammps_deformable.common.fits import power_law
+from lammps_deformable.common.parallel import parallel_map
+from lammps_deformable.comparison import Comparison, compare
+from lammps_deformable.engine.polygon_simulation import PolygonSimulation
+from lammps_deformable.model.laws import Ring, Sector
+from lammps_deformable.model.polygons import PolygonModel
+from lammps_deformable.model.random_packing import bidisperse
+from lammps_deformable.protocols.compression import compress
+from lammps_deformable.protocols.jamming import jam
+from lammps_deformable.shape_error import shape_error
+from lammps_deformable.state.polygon_state import steiner_point
 from numpy.typing import NDArray
 
-from ... import core
-from ...common.fits import power_law
-from ...common.parallel import parallel_map
-from ...engine.polygon_simulation import PolygonSimulation
-from ...model.laws import Ring, Sector
-from ...model.polygons import PolygonModel
-from ...model.random_packing import bidisperse
-from ...protocols.compression import compress
-from ...protocols.jamming import jam
-from ...state.polygon_state import steiner_point
-from ..comparison import Comparison, compare
-from ..shape_error import shape_error
-from .single import IRREGULAR, STEP, Squeezed, regular, squeeze
+from validation.report.paper.single import IRREGULAR, STEP, Squeezed, regular, squeeze
 
 # a/R0 of the paper.
 INDENTATIONS = tuple(n / 200 for n in range(1, 11))

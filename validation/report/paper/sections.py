@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from ..section import Column, Picture, Section, Table, listed, show, span
+from validation.report.section import Column, Picture, Section, Table, listed, show, span
 
 Row = dict[str, Any]
 

@@ -10,19 +10,18 @@ from functools import partial
 from itertools import pairwise
 
 import numpy as np
+from lammps_deformable import core
+from lammps_deformable.common.errors import ParameterError
+from lammps_deformable.common.validate import expect, numbers, positive
+from lammps_deformable.engine.polygon_simulation import PolygonSimulation
+from lammps_deformable.model.laws import Ring
+from lammps_deformable.model.packing import Packing
+from lammps_deformable.model.polygon_walls import Walls
+from lammps_deformable.model.polygons import PolygonModel
+from lammps_deformable.shape_error import deviation
+from lammps_deformable.state.polygon_state import PolygonState
 from mpi4py import MPI
 from numpy.typing import NDArray
-
-from ... import core
-from ...common.errors import ParameterError
-from ...common.validate import expect, numbers, positive
-from ...engine.polygon_simulation import PolygonSimulation
-from ...model.laws import Ring
-from ...model.packing import Packing
-from ...model.polygon_walls import Walls
-from ...model.polygons import PolygonModel
-from ...state.polygon_state import PolygonState
-from ..shape_error import deviation
 
 # Steps of walls that stick, in R0. A step brings beads to the wall beyond the end of the relaxed
 # contact, and there they stay. So I depends on the step. It has converged at this one for 188 beads

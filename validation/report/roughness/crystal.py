@@ -5,13 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from lammps_deformable.comparison import predict
+from lammps_deformable.matching import matching_laws
+from lammps_deformable.model.packing import Packing
+from lammps_deformable.model.polygons import PolygonModel
+from lammps_deformable.report import polygon_path
 from mpi4py import MPI
-
-from ...model.packing import Packing
-from ...model.polygons import PolygonModel
-from ..accuracy.compressions import polygon_path
-from ..comparison import predict
-from ..matching import matching_laws
 
 _RADIUS, _SIDE = 0.5, 4
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-from ..law_styles import POLYGON_NAMES, POLYGONS, SMOOTH, legend_below
+from validation.report.law_styles import POLYGON_NAMES, POLYGONS, SMOOTH, legend_below
 
 Row = dict[str, Any]
 

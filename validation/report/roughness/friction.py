@@ -6,18 +6,17 @@ import warnings
 from typing import Any
 
 import numpy as np
+from lammps_deformable.common.errors import ParameterError
+from lammps_deformable.engine.lammps import run
+from lammps_deformable.engine.polygon_simulation import PolygonSimulation
+from lammps_deformable.engine.relaxation import minimize_command
+from lammps_deformable.model.packing import Packing
+from lammps_deformable.model.polygons import PolygonModel
+from lammps_deformable.model.random_packing import bidisperse
+from lammps_deformable.protocols.compression import compress
+from lammps_deformable.protocols.jamming import jam
+from lammps_deformable.state.polygon_state import PolygonState
 from mpi4py import MPI
-
-from ...common.errors import ParameterError
-from ...engine.lammps import run
-from ...engine.polygon_simulation import PolygonSimulation
-from ...engine.relaxation import minimize_command
-from ...model.packing import Packing
-from ...model.polygons import PolygonModel
-from ...model.random_packing import bidisperse
-from ...protocols.compression import compress
-from ...protocols.jamming import jam
-from ...state.polygon_state import PolygonState
 
 # Two equal polygons side by side in a row, which meet at both of their sides.
 _RADIUS = 0.5

@@ -5,7 +5,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from ..section import RESIDUAL, Column, Picture, Row, Section, Table, listed, percent, show
+from validation.report.section import (
+    RESIDUAL,
+    Column,
+    Picture,
+    Row,
+    Section,
+    Table,
+    listed,
+    percent,
+    show,
+)
 
 
 def roughness(

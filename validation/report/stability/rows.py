@@ -17,23 +17,23 @@ from dataclasses import replace
 from typing import Any, TypeVar
 
 import numpy as np
+from lammps_deformable import core
+from lammps_deformable.common.errors import BeyondModelWarning, LammpsError
+from lammps_deformable.common.fits import power_law
+from lammps_deformable.common.parallel import parallel_map
+from lammps_deformable.engine.lammps import run
+from lammps_deformable.engine.relaxation import TOLERANCE
+from lammps_deformable.engine.simulation import Simulation
+from lammps_deformable.model.laws import LAWS, Law, Ring, Sector
+from lammps_deformable.model.packing import Packing
+from lammps_deformable.model.random_packing import bidisperse
+from lammps_deformable.protocols.jamming import jam
+from lammps_deformable.state.state import State
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from ... import core
-from ...common.errors import BeyondModelWarning, LammpsError
-from ...common.fits import power_law
-from ...common.parallel import parallel_map
-from ...engine.lammps import run
-from ...engine.relaxation import TOLERANCE
-from ...engine.simulation import Simulation
-from ...model.laws import LAWS, Law, Ring, Sector
-from ...model.packing import Packing
-from ...model.random_packing import bidisperse
-from ...protocols.jamming import jam
-from ...state.state import State
-from ..paper.results import polygon_stiffness
-from ..section import Row
+from validation.report.paper.results import polygon_stiffness
+from validation.report.section import Row
 
 T = TypeVar("T")
 

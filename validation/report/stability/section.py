@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ...model.laws import LAWS
-from ..section import Column, Row, Section, Table, listed, show, span
+from lammps_deformable.model.laws import LAWS
+
+from validation.report.section import Column, Row, Section, Table, listed, show, span
 
 
 def section(rows: Sequence[Row]) -> Section:

@@ -2,21 +2,25 @@
 
 from __future__ import annotations
 
+import argparse
 import importlib.util
 import json
 import shutil
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from ..common.errors import FileError, ParameterError
-from ..common.files import make_folder
-from ..common.ranks import led
-from ..common.versions import machine, versions
-from ..io.run_folder import holds, refuse
-from .page import page
-from .plan import FULL, QUICK
-from .results import measure
+from lammps_deformable.common.errors import FileError, ParameterError
+from lammps_deformable.common.files import make_folder
+from lammps_deformable.common.progress import print_once
+from lammps_deformable.common.ranks import led
+from lammps_deformable.common.versions import machine, versions
+from lammps_deformable.io.run_folder import holds, refuse
+
+from validation.report.page import page
+from validation.report.plan import FULL, QUICK
+from validation.report.results import measure
 
 # Folders of the results of a report that is not complete, within the folder of the report.
 _FULL_PARTS, _QUICK_PARTS = "parts", "quick_parts"
@@ -64,7 +68,7 @@ def write_report(
     results = measure(QUICK if quick else FULL, parts, print_once)
     content = results.rows() | {"machine": machine(), "versions": versions(), "quick": quick}
 
-    from .sections import pictures, sections  # needs matplotlib
+    from validation.report.sections import pictures, sections  # needs matplotlib
 
     for name, figure in pictures(results).items():
         figure.savefig(folder / name, dpi=150)
@@ -118,3 +122,19 @@ def _discard(parts: Path) -> None:
         shutil.rmtree(part.parent)
     if parts.is_dir() and not any(parts.iterdir()):
         parts.rmdir()
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser("validation.report", description=__doc__.splitlines()[0])
+    parser.add_argument("--quick", action="store_true", help="measure less, in a few minutes")
+    parser.add_argument("--out", default="report", help="folder")
+    parser.add_argument("--resume", action="store_true", help="finish an interrupted report")
+    parser.add_argument("--overwrite", action="store_true", help="replace the report in the folder")
+    options = parser.parse_args()
+    began = time.perf_counter()
+    write_report(options.out, options.quick, options.resume, options.overwrite, print_once)
+    print_once(f"wrote {options.out} ({time.perf_counter() - began:.0f} s)")
+
+
+if __name__ == "__main__":
+    main()

@@ -12,14 +12,11 @@ from functools import partial
 from itertools import product
 from pathlib import Path
 
-import comparisons
 import lammps_deformable as ld
-import limits
-import motion
 import numpy as np
-import order
-import tables
-from motion import BATH, PHI
+
+from validation.melting import comparisons, limits, motion, order, tables
+from validation.melting.motion import BATH, PHI
 
 ATTEMPTS = 10  # of a leg in which a droplet finds no shape
 MEANS = ("energy", "pressure", "z", "bath", "beyond")  # of the samples of a leg

@@ -12,7 +12,8 @@ from pathlib import Path
 
 import lammps_deformable as ld
 import numpy as np
-import results
+
+from validation.frictional_jamming import results
 
 # Droplets of radii 1 : 1.4 and mass 1 that keep their area. A contact has the stiffness 2 to 4, so
 # that these springs and dashpots are as stiff, and damp a bounce nearly.

@@ -14,7 +14,8 @@ from dataclasses import replace
 
 import lammps_deformable as ld
 import numpy as np
-import results
+
+from validation.disordered_crystals import results
 
 # Particles have the mean radius 1. Disks have the contact stiffness 1. Rings have kA = 1, and keep
 # their perimeter, or may stretch. Droplets keep their area, and have the line tension 1.

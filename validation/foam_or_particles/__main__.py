@@ -11,10 +11,10 @@ import math
 import time
 import warnings
 
-import fits
 import lammps_deformable as ld
 import numpy as np
-import picture
+
+from validation.foam_or_particles import fits, picture
 
 RADII = (0.5, 0.7)
 R0 = float(np.mean(RADII))

@@ -1,0 +1,1 @@
+"""Studies with the package: what was measured, and the programs that measure it again."""

@@ -1,0 +1,1 @@
+"""Ensembles of packings at and above the onset of jamming."""
