@@ -90,10 +90,9 @@ if TYPE_CHECKING:
     from .state.secondary import resolve_secondary as resolve_secondary
     from .state.sphere_state import SphereState as SphereState
     from .state.state import State as State
-    from .studies.comparison import Comparison as Comparison
-    from .studies.comparison import compare as compare
-    from .studies.comparison import predict as predict
-    from .studies.paper.single import squeeze as squeeze
+    from .compare import Comparison as Comparison
+    from .compare import compare as compare
+    from .compare import predict as predict
 
     __version__: str
     potentials: Path
@@ -106,7 +105,7 @@ _HOMES = {
     "BeyondModelWarning": "common.errors",
     "CallError": "common.errors",
     "Circle": "model.plane_walls",
-    "Comparison": "studies.comparison",
+    "Comparison": "compare",
     "Cone": "model.space_walls",
     "Cylinder": "model.space_walls",
     "Disk": "model.plane_walls",
@@ -141,7 +140,7 @@ _HOMES = {
     "Walls": "model.polygon_walls",
     "bidisperse": "model.random_packing",
     "bulk_modulus": "protocols.moduli",
-    "compare": "studies.comparison",
+    "compare": "compare",
     "compress": "protocols.compression",
     "compress_in": "runs.recording",
     "creep": "protocols.creep",
@@ -158,7 +157,7 @@ _HOMES = {
     "parallel_map": "common.parallel",
     "polish": "protocols.polish",
     "polydisperse": "model.random_packing",
-    "predict": "studies.comparison",
+    "predict": "compare",
     "push_off": "protocols.starts",
     "record": "runs.recording",
     "rectangle": "model.plane_walls",
@@ -167,7 +166,6 @@ _HOMES = {
     "shear": "protocols.shear",
     "shear_in": "runs.recording",
     "shear_modulus": "protocols.moduli",
-    "squeeze": "studies.paper.single",
     "state_in_file": "runs.outlined",
     "triangular": "model.crystal",
     "unwrapped": "state.displacements",

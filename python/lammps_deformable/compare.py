@@ -9,14 +9,14 @@ import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from ..common.errors import ParameterError
-from ..common.validate import expect
-from ..core import norm
-from ..engine.simulation import Simulation
-from ..model.laws import Law, Ring, Sector
-from ..model.sticking import refuse_adhesion
-from ..state.polygon_state import PolygonState
-from ..state.state import State
+from .common.errors import ParameterError
+from .common.validate import expect
+from .core import norm
+from .engine.simulation import Simulation
+from .model.laws import Law, Ring, Sector
+from .model.sticking import refuse_adhesion
+from .state.polygon_state import PolygonState
+from .state.state import State
 from .matching import matching_laws
 from .shape_error import shape_error
 

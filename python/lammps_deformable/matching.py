@@ -9,13 +9,13 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model.lattice import cartesian, fractional
-from ..model.laws import Law, Ring, Sector
-from ..model.packing import Packing
-from ..model.polygons import PolygonModel, Polygons
-from ..state.contact_network import without_rattlers
-from ..state.polygon_state import PolygonState
-from ..state.state import State
+from .model.lattice import cartesian, fractional
+from .model.laws import Law, Ring, Sector
+from .model.packing import Packing
+from .model.polygons import PolygonModel, Polygons
+from .state.contact_network import without_rattlers
+from .state.polygon_state import PolygonState
+from .state.state import State
 
 # A packing with less than this part of the beads' pressure has lost its rigidity.
 _UNJAMMED = 1e-6

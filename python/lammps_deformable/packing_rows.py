@@ -13,22 +13,22 @@ from typing import Any
 import numpy as np
 from mpi4py import MPI
 
-from ... import core
-from ...engine.lammps import run
-from ...engine.polygon_simulation import PolygonSimulation
-from ...engine.relaxation import TOLERANCE, minimize_command
-from ...engine.simulation import Simulation
-from ...engine.soft_particles import open_disks
-from ...model.laws import Law, per_species
-from ...model.packing import Packing
-from ...model.polygons import PolygonModel
-from ...model.random_packing import bidisperse
-from ...protocols.jamming import jam
-from ...state.polygon_state import PolygonState
-from ...state.state import State
-from ..comparison import Comparison, compare
-from ..matching import finite_ratio, is_unjammed, matching_laws
-from ..shape_error import shape_error
+from . import core
+from .engine.lammps import run
+from .engine.polygon_simulation import PolygonSimulation
+from .engine.relaxation import TOLERANCE, minimize_command
+from .engine.simulation import Simulation
+from .engine.soft_particles import open_disks
+from .model.laws import Law, per_species
+from .model.packing import Packing
+from .model.polygons import PolygonModel
+from .model.random_packing import bidisperse
+from .protocols.jamming import jam
+from .state.polygon_state import PolygonState
+from .state.state import State
+from .compare import Comparison, compare
+from .matching import finite_ratio, is_unjammed, matching_laws
+from .shape_error import shape_error
 
 # Runs of a law or of disks, which take milliseconds; the time is their median.
 _REPEATS = 5

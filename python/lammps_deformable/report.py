@@ -15,20 +15,20 @@ import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from ...common.errors import ParameterError
-from ...core import angles, norm
-from ...engine.polygon_simulation import PolygonSimulation
-from ...engine.simulation import Simulation
-from ...model.laws import Law
-from ...model.packing import Packing
-from ...model.polygons import PolygonModel
-from ...model.random_packing import bidisperse
-from ...protocols.compression import compress
-from ...protocols.jamming import jam
-from ...state.polygon_state import PolygonState
-from ...state.state import State
-from ..comparison import predict, shape_errors
-from ..matching import centers_rms, finite_ratio, is_unjammed, matching, matching_laws
+from .common.errors import ParameterError
+from .core import angles, norm
+from .engine.polygon_simulation import PolygonSimulation
+from .engine.simulation import Simulation
+from .model.laws import Law
+from .model.packing import Packing
+from .model.polygons import PolygonModel
+from .model.random_packing import bidisperse
+from .protocols.compression import compress
+from .protocols.jamming import jam
+from .state.polygon_state import PolygonState
+from .state.state import State
+from .compare import predict, shape_errors
+from .matching import centers_rms, finite_ratio, is_unjammed, matching, matching_laws
 
 S = TypeVar("S", State, PolygonState)
 Path = list[tuple[S, float]]
