@@ -78,7 +78,7 @@ def assert_saved_as_it_is(state: ld.State, folder: Path) -> None:
     np.testing.assert_allclose(found.stress, state.stress, rtol=0, atol=1e-7 * largest + 1e-14)
 
 
-@pytest.mark.filterwarnings("ignore::ld.StalledWarning")
+@pytest.mark.filterwarnings("ignore::lammps_deformable.StalledWarning")
 @pytest.mark.parametrize("commands", FOLLOWED.values(), ids=FOLLOWED)
 def test_states_follow(commands: str, sim: ld.Simulation, tmp_path: Path) -> None:
     tell(sim, commands)

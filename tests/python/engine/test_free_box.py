@@ -194,7 +194,7 @@ def test_a_search_that_does_not_end_is_told_with_what_was_reached(
         disks.relax(pressure=1e-3, box="shape")
 
 
-@pytest.mark.filterwarnings("ignore::ld.StalledWarning")
+@pytest.mark.filterwarnings("ignore::lammps_deformable.StalledWarning")
 def test_sectors_whose_energy_jumps_have_no_pressure_to_reach() -> None:
     few = ld.jam(ld.bidisperse(8, seed=1))
     with (

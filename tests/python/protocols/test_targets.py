@@ -146,7 +146,7 @@ def test_a_pressure_beyond_the_law_is_told_as_it_was_given(jammed: ld.Packing) -
             list(ld.compress(sim, pressure=60.0, steps=2, tolerance=1e-3))
 
 
-@pytest.mark.filterwarnings("ignore::ld.StalledWarning")
+@pytest.mark.filterwarnings("ignore::lammps_deformable.StalledWarning")
 def test_sectors_that_conserve_their_area_have_a_target_phi() -> None:
     """Their relaxations stall, but that phi is the one of undeformed disks."""
     few = ld.jam(ld.bidisperse(8, seed=1))

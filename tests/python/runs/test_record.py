@@ -165,7 +165,7 @@ def test_a_foreign_series_is_not_overwritten(tmp_path: Path) -> None:
     assert "1999" in (tmp_path / "series.csv").read_text()
 
 
-@pytest.mark.filterwarnings("ignore::ld.StalledWarning")
+@pytest.mark.filterwarnings("ignore::lammps_deformable.StalledWarning")
 def test_a_stalled_state_comes_back_stalled(jammed: ld.Packing, tmp_path: Path) -> None:
     with ld.Simulation(jammed.at(0.87), ld.Ring()) as sim:
         good, bad = sim.relax(), replace(sim.state(), stalled=True)

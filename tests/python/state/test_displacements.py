@@ -24,7 +24,7 @@ def moved(packing: ld.Packing, box: list[list[float]], step: Points, images: Poi
     return replace(packing, positions=places, box=box)
 
 
-@pytest.mark.filterwarnings("ignore::ld.JumpWarning")
+@pytest.mark.filterwarnings("ignore::lammps_deformable.JumpWarning")
 @pytest.mark.parametrize("tilt", [0.0, 0.4, -7.3])
 @pytest.mark.parametrize("flips", [0, 1, -3])
 def test_steps_come_back(tilt: float, flips: int) -> None:

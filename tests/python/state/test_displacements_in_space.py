@@ -19,7 +19,7 @@ def spheres(number: int, box: object, radius: float = 0.4) -> ld.Packing:
     return ld.Packing(fractions @ np.array(box), [0] * number, [radius], box)
 
 
-@pytest.mark.filterwarnings("ignore::ld.JumpWarning")
+@pytest.mark.filterwarnings("ignore::lammps_deformable.JumpWarning")
 @pytest.mark.parametrize("tilts", [(0.0, 0.0, 0.0), (1.2, -0.9, 1.6), (-1.9, 1.9, -1.9)])
 @pytest.mark.parametrize("flips", [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (-2, 3, -1)])
 def test_steps_come_back(tilts: tuple[float, ...], flips: tuple[int, ...]) -> None:
