@@ -9,16 +9,14 @@ import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from .common.errors import ParameterError
-from .common.validate import expect
+from ._checks import expect
 from .core import norm
-from .engine.simulation import Simulation
+from .errors import ParameterError
+from .laws import Law, Ring, Sector, refuse_adhesion
 from .matching import matching_laws
-from .model.laws import Law, Ring, Sector
-from .model.sticking import refuse_adhesion
 from .shape_error import shape_error
-from .state.polygon_state import PolygonState
-from .state.state import State
+from .simulation import Simulation
+from .state import PolygonState, State
 
 # Corners of an outline: the polygon is nearer to the curve than 2e-6 of its radius.
 _POINTS = 1440

@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .model.lattice import cartesian, fractional
-from .model.laws import Law, Ring, Sector
-from .model.packing import Packing
-from .model.polygons import PolygonModel, Polygons
-from .state.contact_network import without_rattlers
-from .state.polygon_state import PolygonState
-from .state.state import State
+from .box import cartesian, fractional
+from .contacts import without_rattlers
+from .laws import Law, Ring, Sector
+from .state import PolygonState, State
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from .packing import Packing
+    from .polygons import PolygonModel, Polygons
 
 # A packing with less than this part of the beads' pressure has lost its rigidity.
 _UNJAMMED = 1e-6

@@ -6,29 +6,31 @@ import math
 import statistics
 import time
 import warnings
-from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from mpi4py import MPI
 
 from . import core
 from .comparison import Comparison, compare
-from .engine.lammps import run
-from .engine.polygon_simulation import PolygonSimulation
-from .engine.relaxation import TOLERANCE, minimize_command
-from .engine.simulation import Simulation
-from .engine.soft_particles import open_disks
+from .jamming import jam
+from .lammps import run
+from .laws import Law, per_species
 from .matching import finite_ratio, is_unjammed, matching_laws
-from .model.laws import Law, per_species
-from .model.packing import Packing
-from .model.polygons import PolygonModel
-from .model.random_packing import bidisperse
-from .protocols.jamming import jam
+from .polygon_simulation import PolygonSimulation
+from .polygons import PolygonModel
+from .random import bidisperse
+from .relax import TOLERANCE, minimize_command
 from .shape_error import shape_error
-from .state.polygon_state import PolygonState
-from .state.state import State
+from .simulation import Simulation
+from .soft_disks import open_disks
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from .packing import Packing
+    from .state import PolygonState, State
 
 # Runs of a law or of disks, which take milliseconds; the time is their median.
 _REPEATS = 5

@@ -8,27 +8,29 @@ from __future__ import annotations
 
 import time
 import warnings
-from collections.abc import Iterable, Iterator, Sequence
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from .common.errors import ParameterError
 from .comparison import predict, shape_errors
+from .compression import compress
 from .core import angles, norm
-from .engine.polygon_simulation import PolygonSimulation
-from .engine.simulation import Simulation
+from .errors import ParameterError
+from .jamming import jam
 from .matching import centers_rms, finite_ratio, is_unjammed, matching, matching_laws
-from .model.laws import Law
-from .model.packing import Packing
-from .model.polygons import PolygonModel
-from .model.random_packing import bidisperse
-from .protocols.compression import compress
-from .protocols.jamming import jam
-from .state.polygon_state import PolygonState
-from .state.state import State
+from .polygon_simulation import PolygonSimulation
+from .polygons import PolygonModel
+from .random import bidisperse
+from .simulation import Simulation
+from .state import PolygonState, State
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Sequence
+
+    from .laws import Law
+    from .packing import Packing
 
 S = TypeVar("S", State, PolygonState)
 Path = list[tuple[S, float]]

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .common.errors import ParameterError
 from .core import angles, unit_vectors
+from .errors import ParameterError
 
 # Corners that coincide may differ in direction by rounding [rad].
 _ROUNDING = 1e-12

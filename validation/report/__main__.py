@@ -7,20 +7,22 @@ import importlib.util
 import json
 import shutil
 import time
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from lammps_deformable.common.errors import FileError, ParameterError
-from lammps_deformable.common.files import make_folder
-from lammps_deformable.common.progress import print_once
-from lammps_deformable.common.ranks import led
-from lammps_deformable.common.versions import machine, versions
-from lammps_deformable.io.run_folder import holds, refuse
+from lammps_deformable._files import make_folder
+from lammps_deformable.errors import FileError, ParameterError
+from lammps_deformable.progress import print_once
+from lammps_deformable.ranks import led
+from lammps_deformable.store import holds, refuse
+from lammps_deformable.versions import machine, versions
 
 from validation.report.page import page
 from validation.report.plan import FULL, QUICK
 from validation.report.results import measure
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
 
 # Folders of the results of a report that is not complete, within the folder of the report.
 _FULL_PARTS, _QUICK_PARTS = "parts", "quick_parts"

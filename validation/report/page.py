@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import html
 import re
-from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from validation.report.section import Column, Section, Table
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from validation.report.section import Column, Section, Table
 
 _STYLE = """
 body { font: 16px/1.55 system-ui, sans-serif; max-width: 60rem; margin: 2rem auto; padding: 0 1rem;

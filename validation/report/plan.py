@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from lammps_deformable.model.polygons import PolygonModel
+from lammps_deformable.polygons import PolygonModel
 from lammps_deformable.report import standard_polygons
 
 

@@ -7,26 +7,29 @@ cores. All times are processor times.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from lammps_deformable.common.parallel import call_once, parallel_map
-from lammps_deformable.common.progress import progress
 from lammps_deformable.comparison import Comparison
 from lammps_deformable.packing_rows import mixed_rows, packing_rows
+from lammps_deformable.parallel import call_once, parallel_map
+from lammps_deformable.progress import progress
 from lammps_deformable.report import smooth_rows
 
 from validation.report.accuracy.pareto import pareto_means, pareto_rows
 from validation.report.cost import cost_rows
 from validation.report.paper import results as paper
-from validation.report.paper.single import Squeezed
-from validation.report.plan import Plan
 from validation.report.roughness.crystal import crystal_row
 from validation.report.roughness.friction import hysteresis, sliding
 from validation.report.stability.rows import stability_rows
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+    from validation.report.paper.single import Squeezed
+    from validation.report.plan import Plan
 
 Rows = list[dict[str, Any]]
 

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from statistics import median
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from lammps_deformable.engine.relaxation import TOLERANCE
+from lammps_deformable.relax import TOLERANCE
 
 from validation.report.law_styles import POLYGON_NAMES, STYLES
 from validation.report.section import percent
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
 
 Row = dict[str, Any]
 

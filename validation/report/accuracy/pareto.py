@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
 from itertools import pairwise
 from statistics import mean
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from lammps_deformable.engine.disks import Disks
-from lammps_deformable.model.packing import Packing
-from lammps_deformable.model.random_packing import bidisperse
-from lammps_deformable.protocols.compression import compress
-from lammps_deformable.protocols.jamming import jam
+from lammps_deformable.compression import compress
+from lammps_deformable.jamming import jam
+from lammps_deformable.packing import Packing
+from lammps_deformable.random import bidisperse
 from lammps_deformable.report import smooth_rows, standard_polygons, timed
+from lammps_deformable.soft_disks import Disks
 
 from validation.report.accuracy.errors import of_many_vertices
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
 
 Row = dict[str, Any]
 

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from statistics import median
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from validation.report import section as c
 from validation.report.accuracy.errors import (
@@ -19,6 +18,9 @@ from validation.report.accuracy.errors import (
 )
 from validation.report.law_styles import POLYGON_NAMES
 from validation.report.section import Column, Picture, Section, Table, listed, percent, show, span
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
 
 Row = dict[str, Any]
 

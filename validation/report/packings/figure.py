@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,6 +16,8 @@ from validation.report.law_styles import BEAD, STYLES
 from validation.report.paper.figures import magnification, short
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
     from matplotlib.axes import Axes
 
 # This part of the deviations of each law is to stay small after magnification.

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from statistics import median
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from lammps_deformable.engine.relaxation import TOLERANCE
+from lammps_deformable.relax import TOLERANCE
 
 from validation.report import section as c
 from validation.report.law_styles import STYLES
 from validation.report.section import Column, Picture, Section, Table, listed, percent, show, span
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
 
 Row = dict[str, Any]
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,11 +11,14 @@ from matplotlib.ticker import FuncFormatter, NullFormatter, NullLocator
 from numpy.typing import NDArray
 
 from validation.report.law_styles import BEAD, STYLES
-from validation.report.paper import results as paper
-from validation.report.paper.single import Squeezed
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
     from matplotlib.axes import Axes
+
+    from validation.report.paper import results as paper
+    from validation.report.paper.single import Squeezed
 
 # Deviations are magnified by a round factor so that the largest is this part of R.
 _VISIBLE = 0.1

@@ -6,26 +6,27 @@ Each function computes one result and returns data; `paper_figures` draws it. R.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from lammps_deformable import core
-from lammps_deformable.common.fits import power_law
-from lammps_deformable.common.parallel import parallel_map
 from lammps_deformable.comparison import Comparison, compare
-from lammps_deformable.engine.polygon_simulation import PolygonSimulation
-from lammps_deformable.model.laws import Ring, Sector
-from lammps_deformable.model.polygons import PolygonModel
-from lammps_deformable.model.random_packing import bidisperse
-from lammps_deformable.protocols.compression import compress
-from lammps_deformable.protocols.jamming import jam
+from lammps_deformable.compression import compress
+from lammps_deformable.jamming import jam
+from lammps_deformable.laws import Ring, Sector
+from lammps_deformable.parallel import parallel_map, power_law
+from lammps_deformable.polygon_simulation import PolygonSimulation
+from lammps_deformable.polygons import PolygonModel
+from lammps_deformable.random import bidisperse
 from lammps_deformable.shape_error import shape_error
-from lammps_deformable.state.polygon_state import steiner_point
+from lammps_deformable.state import steiner_point
 from numpy.typing import NDArray
 
 from validation.report.paper.single import IRREGULAR, STEP, Squeezed, regular, squeeze
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
 
 # a/R0 of the paper.
 INDENTATIONS = tuple(n / 200 for n in range(1, 11))

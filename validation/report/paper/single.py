@@ -4,24 +4,26 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import pairwise
+from typing import TYPE_CHECKING
 
 import numpy as np
 from lammps_deformable import core
-from lammps_deformable.common.errors import ParameterError
-from lammps_deformable.common.validate import expect, numbers, positive
-from lammps_deformable.engine.polygon_simulation import PolygonSimulation
-from lammps_deformable.model.laws import Ring
-from lammps_deformable.model.packing import Packing
-from lammps_deformable.model.polygon_walls import Walls
-from lammps_deformable.model.polygons import PolygonModel
+from lammps_deformable._checks import expect, numbers, positive
+from lammps_deformable.errors import ParameterError
+from lammps_deformable.laws import Ring
+from lammps_deformable.packing import Packing
+from lammps_deformable.polygon_simulation import PolygonSimulation
+from lammps_deformable.polygons import PolygonModel, Walls
 from lammps_deformable.shape_error import deviation
-from lammps_deformable.state.polygon_state import PolygonState
+from lammps_deformable.state import PolygonState
 from mpi4py import MPI
 from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
 
 # Steps of walls that stick, in R0. A step brings beads to the wall beyond the end of the relaxed
 # contact, and there they stay. So I depends on the step. It has converged at this one for 188 beads

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from lammps_deformable.comparison import predict
 from lammps_deformable.matching import matching_laws
-from lammps_deformable.model.packing import Packing
-from lammps_deformable.model.polygons import PolygonModel
+from lammps_deformable.packing import Packing
+from lammps_deformable.polygons import PolygonModel
 from lammps_deformable.report import polygon_path
 from mpi4py import MPI
 

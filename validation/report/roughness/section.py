@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from validation.report.section import (
     RESIDUAL,
@@ -16,6 +15,9 @@ from validation.report.section import (
     percent,
     show,
 )
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
 
 
 def roughness(

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
-from lammps_deformable.model.laws import LAWS
+from lammps_deformable.laws import LAWS
 
 from validation.report.section import Column, Row, Section, Table, listed, show, span
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
 
 
 def section(rows: Sequence[Row]) -> Section:
