@@ -35,7 +35,6 @@ if TYPE_CHECKING:
     from .common.parallel import parallel_map as parallel_map
     from .comparison import Comparison as Comparison
     from .comparison import compare as compare
-    from .comparison import predict as predict
     from .engine.disks import Disks as Disks
     from .engine.droplet_simulation import DropletSimulation as DropletSimulation
     from .engine.polygon_simulation import PolygonSimulation as PolygonSimulation
@@ -157,7 +156,6 @@ _HOMES = {
     "parallel_map": "common.parallel",
     "polish": "protocols.polish",
     "polydisperse": "model.random_packing",
-    "predict": "comparison",
     "push_off": "protocols.starts",
     "record": "runs.recording",
     "rectangle": "model.plane_walls",

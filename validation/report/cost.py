@@ -9,6 +9,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+from lammps_deformable.comparison import STYLES
 from lammps_deformable.engine.lammps import run
 from lammps_deformable.engine.simulation import Simulation
 from lammps_deformable.engine.soft_particles import open_disks
@@ -20,7 +21,6 @@ from lammps_deformable.model.random_packing import bidisperse
 from lammps_deformable.protocols.jamming import jam
 from mpi4py import MPI
 
-from validation.report.law_styles import STYLES
 from validation.report.section import Column, Picture, Row, Section, Table, listed, show
 
 if TYPE_CHECKING:

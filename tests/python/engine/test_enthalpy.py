@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from lammps_deformable.engine.enthalpy import Enthalpy
 from lammps_deformable.engine.relaxed_disks import relax_at_pressure
-from lammps_deformable.protocols.starts import soft
 from lammps_deformable.model.neighbors import near_pairs
+from lammps_deformable.protocols.starts import soft
 
 SCENE = (ld.Circle((0, 0), 4), ld.Disk((1, 0.5), 0.6))
 BELOW = (ld.Plane((0, -9), (0, 1)), ld.Plane((0, -4), (0, -1)))
