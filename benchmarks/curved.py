@@ -29,9 +29,9 @@ from typing import Any
 
 import lammps_deformable as ld
 import numpy as np
-from lammps_deformable.common.versions import machine
-from lammps_deformable.model.polygons import PolygonModel
+from lammps_deformable.polygons import PolygonModel
 from lammps_deformable.report import law_path, smooth_rows
+from lammps_deformable.versions import machine
 from motion import energies, energy_error, step
 
 HERE = Path(__file__).parent

@@ -17,12 +17,15 @@ import os
 import subprocess
 import sys
 import warnings
-from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import lammps_deformable as df
 import numpy as np
 from scipy import stats
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
 
 HERE = Path(__file__).parent
 STRAIN, STEPS = 0.01, 2

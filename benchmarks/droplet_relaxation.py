@@ -24,8 +24,8 @@ from pathlib import Path
 from typing import Any
 
 import lammps_deformable as ld
-from lammps_deformable.common.versions import machine
-from lammps_deformable.engine.close_balance import balanced_to
+from lammps_deformable.small_strains import balanced_to
+from lammps_deformable.versions import machine
 from relaxation import summary
 
 HERE = Path(__file__).parent

@@ -18,7 +18,7 @@ import time
 from pathlib import Path
 
 import lammps_deformable as ld
-from lammps_deformable.engine.lammps import silent_lammps
+from lammps_deformable.lammps import silent_lammps
 from mpi4py import MPI
 
 REACHES = (0.3, 0.45, 0.6, 1.0)

@@ -12,13 +12,16 @@ import argparse
 import json
 import time
 import warnings
-from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import lammps_deformable as ld
 import numpy as np
-from lammps_deformable.engine import smooth_polygons
+from lammps_deformable import smooth_polygons
 from lammps_deformable.report import standard_polygons
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
 
 HERE = Path(__file__).parent
 NUMBER, BEADS, LIMIT, TOLERANCE = 16, standard_polygons(80), 20.0, 1e-6

@@ -32,7 +32,7 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=FOLDER, help="folder of the results")
     options = parser.parse_args()
 
-    from lammps_deformable.common.files import make_folder, write_whole
+    from lammps_deformable._files import make_folder, write_whole
 
     from validation.jamming import vibrations
 

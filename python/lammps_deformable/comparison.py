@@ -20,23 +20,21 @@ import numpy as np
 from mpi4py import MPI
 from numpy.typing import ArrayLike, NDArray
 
-from .common.errors import ParameterError
-from .common.optional import optional
-from .common.parallel import parallel_map
-from .common.validate import count, expect
+from ._checks import count, expect
+from .box import cartesian, fractional
+from .compression import compress
+from .contacts import without_rattlers
 from .core import angles, norm, unit_vectors
-from .engine.disks import Disks
-from .engine.polygon_simulation import PolygonSimulation
-from .engine.simulation import Simulation
-from .model.lattice import cartesian, fractional
-from .model.laws import Law, Ring, Sector, per_species
-from .model.packing import Packing
-from .model.polygons import PolygonModel, Polygons
-from .model.sticking import refuse_adhesion
-from .protocols.compression import compress
-from .state.contact_network import without_rattlers
-from .state.polygon_state import PolygonState
-from .state.state import State
+from .errors import ParameterError
+from .laws import Law, Ring, Sector, per_species, refuse_adhesion
+from .packing import Packing
+from .parallel import parallel_map
+from .polygon_simulation import PolygonSimulation
+from .polygons import PolygonModel, Polygons
+from .simulation import Simulation
+from .soft_disks import Disks
+from .state import PolygonState, State
+from .versions import optional
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

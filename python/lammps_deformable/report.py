@@ -10,12 +10,12 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from .common.errors import FileError
-from .common.files import make_folder
-from .common.versions import machine, versions
+from ._files import make_folder
 from .comparison import COLUMNS, Comparison, compare
-from .io.run_folder import refuse
-from .model.packing import Packing
+from .errors import FileError
+from .packing import Packing
+from .store import refuse
+from .versions import machine, versions
 
 # Results of methods that are complete, until the report is.
 PARTS = "parts"

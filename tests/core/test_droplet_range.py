@@ -5,8 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from lammps_deformable import core
-from lammps_deformable.model import droplet
+from lammps_deformable import core, laws
 from polyhedra import FACES
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
@@ -131,4 +130,4 @@ def test_page_and_source_name_the_same_limits():
     source = (PAGE.parents[1] / "src" / "core" / "droplet.h").read_text()
     for name, value in (("LOAD", LARGEST_LOAD), ("FACET", LARGEST_FACET)):
         assert re.search(rf"LARGEST_{name} = {value:g};", source)
-        assert getattr(droplet, f"LARGEST_{name}") == value
+        assert getattr(laws, f"LARGEST_{name}") == value

@@ -2,7 +2,7 @@
 
 import lammps_deformable as ld
 import pytest
-from lammps_deformable.model.laws import LAWS
+from lammps_deformable.laws import LAWS
 
 CONTACTS = [name for name, law in LAWS.items() if isinstance(law, ld.Ring)]
 

@@ -4,8 +4,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 import pytest
-from lammps_deformable.io import lammps_commands
-from lammps_deformable.model.droplet import AnyLaw, Droplet
+from lammps_deformable import commands
+from lammps_deformable.laws import AnyLaw, Droplet
 
 
 @contextmanager
@@ -15,12 +15,12 @@ def exactly_balanced() -> Iterator[None]:
     By default they are right to 1e-8, and so are stresses and areas. Two evaluations of the same
     positions agree to that if they begin with other forces, those of other states before.
     """
-    arguments = lammps_commands.pair_style_arguments
+    arguments = commands.pair_style_arguments
 
     def exact(law: AnyLaw) -> str:
         balances = isinstance(law, Droplet) or law.name in ("balanced", "curved")
         return arguments(law) + " balance 1e-13 100" * balances
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(lammps_commands, "pair_style_arguments", exact)
+        patch.setattr(commands, "pair_style_arguments", exact)
         yield

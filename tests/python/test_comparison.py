@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from lammps_deformable import core
 from lammps_deformable.comparison import polygon_outlines, shape_errors
-from lammps_deformable.engine.lammps import gather
+from lammps_deformable.lammps import gather
 from lammps_deformable.shape_error import shape_error
 
 # Made by a bead code that shares nothing with this project; coordinates have nine decimals. The

@@ -7,9 +7,8 @@ from typing import Any
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable.common.parallel import call_once
+from lammps_deformable.parallel import call_once
 from lammps_deformable.report import smooth_rows, standard_polygons
-
 from validation.report.roughness.friction import hysteresis, sliding
 
 KEYS = {

@@ -18,18 +18,17 @@ import csv
 import io
 import json
 import time
-from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from lammps_deformable.common.errors import FileError, ParameterError
-from lammps_deformable.common.files import make_folder, write_whole
-from lammps_deformable.common.parallel import parallel_map
-from lammps_deformable.common.progress import print_once
-from lammps_deformable.common.ranks import led
-from lammps_deformable.common.versions import versions
-from lammps_deformable.model.droplet import ALL_LAWS
+from lammps_deformable._files import make_folder, write_whole
+from lammps_deformable.errors import FileError, ParameterError
+from lammps_deformable.laws import ALL_LAWS
+from lammps_deformable.parallel import parallel_map
+from lammps_deformable.progress import print_once
+from lammps_deformable.ranks import led
+from lammps_deformable.versions import versions
 
 from validation.jamming.packings import (
     QUANTITIES,
@@ -50,6 +49,8 @@ from validation.jamming.packings import (
 )
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 

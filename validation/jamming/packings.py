@@ -5,28 +5,26 @@ from __future__ import annotations
 import math
 import time
 import warnings
-from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import pairwise, zip_longest
-from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from lammps_deformable.common.errors import ParameterError, StalledWarning, UnjammedWarning
-from lammps_deformable.common.fits import power_law
-from lammps_deformable.common.validate import zero_or_more
-from lammps_deformable.engine.relaxation import TOLERANCE
-from lammps_deformable.model.droplet import ALL_LAWS, AnyLaw, Droplet
-from lammps_deformable.model.laws import Ring
-from lammps_deformable.model.random_packing import bidisperse
-from lammps_deformable.protocols.jamming import jam, natural_pressure
-from lammps_deformable.protocols.moduli import bulk_modulus, shear_modulus
-from lammps_deformable.protocols.starts import simulate
-from lammps_deformable.state.disk_state import DiskState
-from lammps_deformable.state.droplet_state import DropletState
-from lammps_deformable.state.sphere_state import SphereState
-from lammps_deformable.state.state import State
+from lammps_deformable._checks import zero_or_more
+from lammps_deformable.errors import ParameterError, StalledWarning, UnjammedWarning
+from lammps_deformable.jamming import jam, natural_pressure
+from lammps_deformable.laws import ALL_LAWS, AnyLaw, Droplet, Ring
+from lammps_deformable.measured_moduli import bulk_modulus, shear_modulus
+from lammps_deformable.parallel import power_law
+from lammps_deformable.random import bidisperse
+from lammps_deformable.relax import TOLERANCE
+from lammps_deformable.starts import simulate
+from lammps_deformable.state import DiskState, DropletState, SphereState, State
 from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+    from pathlib import Path
 
 # Means are over packings with equal values of these columns.
 GROUP = ("law", "onset_pressure", "number")

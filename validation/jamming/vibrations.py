@@ -2,25 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from lammps_deformable.common.fits import jackknife, power_law
-from lammps_deformable.engine.disks import Disks
-from lammps_deformable.engine.relaxed_disks import relax_at_pressure
-from lammps_deformable.engine.simulation import Simulation
-from lammps_deformable.model.packing import Packing
-from lammps_deformable.model.random_packing import bidisperse
-from lammps_deformable.protocols.jamming import jam, natural_pressure
-from lammps_deformable.state.disk_state import DiskState
-from lammps_deformable.state.state import State
+from lammps_deformable.jamming import jam, natural_pressure
+from lammps_deformable.packing import Packing
+from lammps_deformable.parallel import jackknife, power_law
+from lammps_deformable.random import bidisperse
+from lammps_deformable.simulation import Simulation
+from lammps_deformable.soft_disks import Disks, relax_at_pressure
+from lammps_deformable.state import DiskState, State
 from mpi4py import MPI
 from numpy.typing import NDArray
 
 from validation.jamming.packings import Row, contact_law, standard_error
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Sequence
+
     from matplotlib.figure import Figure
 
 Floats = NDArray[np.float64]

@@ -23,13 +23,13 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from lammps_deformable.common.files import make_folder
-from lammps_deformable.common.parallel import call_once, parallel_map
-from lammps_deformable.common.progress import print_once, progress
-from lammps_deformable.common.ranks import led
-from lammps_deformable.common.versions import machine, versions
+from lammps_deformable._files import make_folder
 from lammps_deformable.comparison import standard_polygons
-from lammps_deformable.model.polygons import PolygonModel
+from lammps_deformable.parallel import call_once, parallel_map
+from lammps_deformable.polygons import PolygonModel
+from lammps_deformable.progress import print_once, progress
+from lammps_deformable.ranks import led
+from lammps_deformable.versions import machine, versions
 from matplotlib.figure import Figure
 
 from validation.report import accuracy, cost, packings, paper, roughness

@@ -20,10 +20,10 @@ from lammps_deformable.comparison import (
     plot_errors,
     standard_polygons,
 )
-from lammps_deformable.engine.relaxation import TOLERANCE
-from lammps_deformable.model.polygons import PolygonModel
-from lammps_deformable.model.random_packing import bidisperse
-from lammps_deformable.protocols.jamming import jam
+from lammps_deformable.jamming import jam
+from lammps_deformable.polygons import PolygonModel
+from lammps_deformable.random import bidisperse
+from lammps_deformable.relax import TOLERANCE
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 

@@ -9,16 +9,16 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+from lammps_deformable.box import cartesian, fractional
+from lammps_deformable.commands import pair_style
 from lammps_deformable.comparison import STYLES
-from lammps_deformable.engine.lammps import run
-from lammps_deformable.engine.simulation import Simulation
-from lammps_deformable.engine.soft_particles import open_disks
-from lammps_deformable.io.lammps_commands import pair_style
-from lammps_deformable.model.lattice import cartesian, fractional
-from lammps_deformable.model.laws import Law, Ring, Sector
-from lammps_deformable.model.packing import Packing
-from lammps_deformable.model.random_packing import bidisperse
-from lammps_deformable.protocols.jamming import jam
+from lammps_deformable.jamming import jam
+from lammps_deformable.lammps import run
+from lammps_deformable.laws import Law, Ring, Sector
+from lammps_deformable.packing import Packing
+from lammps_deformable.random import bidisperse
+from lammps_deformable.simulation import Simulation
+from lammps_deformable.soft_disks import open_disks
 from mpi4py import MPI
 
 from validation.report.section import Column, Picture, Row, Section, Table, listed, show

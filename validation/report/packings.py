@@ -27,19 +27,18 @@ from lammps_deformable.comparison import (
     shape_errors,
     stiff_polygons,
 )
-from lammps_deformable.engine.lammps import run
-from lammps_deformable.engine.polygon_simulation import PolygonSimulation
-from lammps_deformable.engine.relaxation import TOLERANCE, minimize_command
-from lammps_deformable.engine.simulation import Simulation
-from lammps_deformable.engine.soft_particles import open_disks
-from lammps_deformable.model.laws import Law, Ring, Sector, per_species
-from lammps_deformable.model.packing import Packing
-from lammps_deformable.model.polygons import PolygonModel
-from lammps_deformable.model.random_packing import bidisperse
-from lammps_deformable.protocols.compression import compress
-from lammps_deformable.protocols.jamming import jam
-from lammps_deformable.state.polygon_state import PolygonState
-from lammps_deformable.state.state import State
+from lammps_deformable.compression import compress
+from lammps_deformable.jamming import jam
+from lammps_deformable.lammps import run
+from lammps_deformable.laws import Law, Ring, Sector, per_species
+from lammps_deformable.packing import Packing
+from lammps_deformable.polygon_simulation import PolygonSimulation
+from lammps_deformable.polygons import PolygonModel
+from lammps_deformable.random import bidisperse
+from lammps_deformable.relax import TOLERANCE, minimize_command
+from lammps_deformable.simulation import Simulation
+from lammps_deformable.soft_disks import open_disks
+from lammps_deformable.state import PolygonState, State
 from mpi4py import MPI
 from numpy.typing import NDArray
 

@@ -16,17 +16,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from lammps_deformable import core
-from lammps_deformable.common.errors import ParameterError
-from lammps_deformable.common.fits import power_law
-from lammps_deformable.common.parallel import parallel_map
-from lammps_deformable.common.validate import expect, numbers, positive
+from lammps_deformable._checks import expect, numbers, positive
 from lammps_deformable.comparison import BEAD, STYLES, deviation, shape_error
-from lammps_deformable.engine.polygon_simulation import PolygonSimulation
-from lammps_deformable.model.laws import Ring
-from lammps_deformable.model.packing import Packing
-from lammps_deformable.model.polygon_walls import Walls
-from lammps_deformable.model.polygons import PolygonModel
-from lammps_deformable.state.polygon_state import PolygonState, steiner_point
+from lammps_deformable.errors import ParameterError
+from lammps_deformable.laws import Ring
+from lammps_deformable.packing import Packing
+from lammps_deformable.parallel import parallel_map, power_law
+from lammps_deformable.polygon_simulation import PolygonSimulation
+from lammps_deformable.polygons import PolygonModel, Walls
+from lammps_deformable.state import PolygonState, steiner_point
 from matplotlib import colormaps
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, NullFormatter, NullLocator

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from lammps_deformable.common.errors import ParameterError
 from lammps_deformable.comparison import (
     POLYGON_NAMES,
     POLYGONS,
@@ -16,15 +15,16 @@ from lammps_deformable.comparison import (
     polygon_path,
     predict,
 )
-from lammps_deformable.engine.lammps import run
-from lammps_deformable.engine.polygon_simulation import PolygonSimulation
-from lammps_deformable.engine.relaxation import minimize_command
-from lammps_deformable.model.packing import Packing
-from lammps_deformable.model.polygons import PolygonModel
-from lammps_deformable.model.random_packing import bidisperse
-from lammps_deformable.protocols.compression import compress
-from lammps_deformable.protocols.jamming import jam
-from lammps_deformable.state.polygon_state import PolygonState
+from lammps_deformable.compression import compress
+from lammps_deformable.errors import ParameterError
+from lammps_deformable.jamming import jam
+from lammps_deformable.lammps import run
+from lammps_deformable.packing import Packing
+from lammps_deformable.polygon_simulation import PolygonSimulation
+from lammps_deformable.polygons import PolygonModel
+from lammps_deformable.random import bidisperse
+from lammps_deformable.relax import minimize_command
+from lammps_deformable.state import PolygonState
 from matplotlib.figure import Figure
 from mpi4py import MPI
 

@@ -4,38 +4,41 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Iterator
-from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 from mpi4py import MPI
 
-from ..common.errors import ParameterError
-from ..common.files import make_folder
-from ..common.progress import print_once
-from ..engine.relaxation import TOLERANCE
-from ..engine.simulation import Simulation
-from ..io.run_folder import refuse
-from ..protocols.jamming import jam
-from ..runs.recording import compress_in, compression
-from ..runs.run import Run
-from ..state.droplet_state import DeformedState
-from .material_options import (
-    Adhesion,
-    AreaStiffness,
-    Dimension,
-    FromFile,
-    FromFrame,
-    FromRadii,
-    LawName,
-    PerimeterStiffness,
-    Reach,
-    Tension,
-)
-from .options import Overwrite, Resume, Tolerance
+from .._files import make_folder
+from ..errors import ParameterError
+from ..jamming import jam
+from ..progress import print_once
+from ..recording import compress_in, compression
+from ..relax import TOLERANCE
+from ..run import Run
+from ..simulation import Simulation
+from ..store import refuse
 from .output import draw, print_states
 from .settings import PROTOCOL, Settings, check_same, check_together, given_settings
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+    from ..state import DeformedState
+    from .material_options import (
+        Adhesion,
+        AreaStiffness,
+        Dimension,
+        FromFile,
+        FromFrame,
+        FromRadii,
+        LawName,
+        PerimeterStiffness,
+        Reach,
+        Tension,
+    )
+    from .options import Overwrite, Resume, Tolerance
 
 _WAYS_OUT = (
     "finish it with --resume",

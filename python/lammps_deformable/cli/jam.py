@@ -4,31 +4,33 @@ from __future__ import annotations
 
 import math
 import time
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..common.errors import ParameterError
-from ..common.progress import print_once
-from ..engine.simulation import Simulation
-from ..io.run_folder import refuse_run
-from ..model.random_packing import bidisperse
-from ..protocols.jamming import jam
-from .material_options import (
-    Adhesion,
-    AreaStiffness,
-    Dimension,
-    FromFile,
-    FromFrame,
-    FromRadii,
-    LawName,
-    PerimeterStiffness,
-    Reach,
-    Tension,
-)
+from ..errors import ParameterError
+from ..jamming import jam
+from ..progress import print_once
+from ..random import bidisperse
+from ..simulation import Simulation
+from ..store import refuse_run
 from .options import Overwrite, is_given
 from .output import draw
 from .settings import Material, check_material, given_settings
+
+if TYPE_CHECKING:
+    from .material_options import (
+        Adhesion,
+        AreaStiffness,
+        Dimension,
+        FromFile,
+        FromFrame,
+        FromRadii,
+        LawName,
+        PerimeterStiffness,
+        Reach,
+        Tension,
+    )
 
 # Part of a contact force that is left, so that the weakest contacts are counted.
 _TOLERANCE = 1e-6

@@ -14,10 +14,10 @@ from mpi4py import MPI
 from tqdm import tqdm
 
 from .. import potentials
-from ..common.errors import CallError, FileError, LammpsError, ParameterError
-from ..common.progress import print_once
-from ..common.versions import mpi_of_lammps, mpi_of_python, versions
-from ..engine.lammps import silent_lammps
+from ..errors import CallError, FileError, LammpsError, ParameterError
+from ..lammps import silent_lammps
+from ..progress import print_once
+from ..versions import mpi_of_lammps, mpi_of_python, versions
 from .compress import compress_command
 from .jam import jam_command
 from .options import Command, CommandLineError, Group, one_rank_prints

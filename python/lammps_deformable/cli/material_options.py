@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from ..model.droplet import ALL_LAWS
+from ..laws import ALL_LAWS
 from .options import choice_option
 
 FromFile = Annotated[

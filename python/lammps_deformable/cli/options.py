@@ -5,17 +5,19 @@ from __future__ import annotations
 import os
 import shlex
 import sys
-from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from itertools import islice
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from mpi4py import MPI
 from typer.core import TyperCommand, TyperGroup, TyperOption
 
-from ..common.errors import ParameterError
-from ..runs.recording import LARGEST_TOLERANCE
+from ..errors import ParameterError
+from ..recording import LARGEST_TOLERANCE
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping
 
 # Options of commands that write a run.
 Tolerance = Annotated[

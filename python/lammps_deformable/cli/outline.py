@@ -7,9 +7,9 @@ from typing import Annotated
 
 import typer
 
-from ..common.progress import print_once
-from ..model.droplet import ALL_LAWS
-from ..runs.outlined import state_in_file
+from ..laws import ALL_LAWS
+from ..progress import print_once
+from ..run import state_in_file
 from .options import choice_option, refuse_ranks
 from .plot import (
     ColorBy,

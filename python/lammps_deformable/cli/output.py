@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import importlib.util
-from collections.abc import Iterator, Sequence
-from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from ..common.progress import print_once
-from ..state.droplet_state import DeformedState
+from ..progress import print_once
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+    from pathlib import Path
+
+    from ..state import DeformedState
 
 # Dots per inch of pictures.
 DOTS = 150

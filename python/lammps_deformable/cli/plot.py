@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ..common.errors import ParameterError
-from ..common.optional import optional
-from ..common.progress import print_once
-from ..runs.movie import of_dimension
-from ..runs.run import Run
-from ..state.droplet_state import DeformedState
+from ..errors import ParameterError
+from ..movies import of_dimension
+from ..progress import print_once
+from ..run import Run
+from ..versions import optional
 from .options import refuse_ranks
 from .output import DOTS
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from ..state import DeformedState
 
 Recorded = Annotated[Path, typer.Argument(help="Folder of a run, e.g. of `deformable compress`.")]
 ColorBy = Annotated[str, typer.Option(help="Quantity of the particles, e.g. shape_parameter.")]

@@ -7,10 +7,10 @@ from typing import Annotated
 
 import typer
 
-from ..common.errors import ParameterError
-from ..common.progress import print_once
-from ..model.random_packing import bidisperse
-from ..protocols.jamming import jam
+from ..errors import ParameterError
+from ..jamming import jam
+from ..progress import print_once
+from ..random import bidisperse
 from .material_options import FromFile, FromFrame, FromRadii
 from .options import is_given, refuse_ranks
 from .settings import FILE, InFile, check_in_file

@@ -3,22 +3,23 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Container, Mapping
 from dataclasses import asdict, dataclass, fields, replace
-from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 import typer
 
-from ..common.errors import ParameterError
-from ..common.validate import positive
-from ..model.droplet import ALL_LAWS, AnyLaw, Droplet
-from ..model.laws import Ring
-from ..model.packing import Packing
-from ..model.random_packing import bidisperse, polydisperse
-from ..runs.run import Run
+from .._checks import positive
+from ..errors import ParameterError
+from ..laws import ALL_LAWS, AnyLaw, Droplet, Ring
+from ..packing import Packing
+from ..random import bidisperse, polydisperse
+from ..run import Run
 from .options import is_given
+
+if TYPE_CHECKING:
+    from collections.abc import Container, Mapping
+    from pathlib import Path
 
 TARGETS = ("strain", "phi", "pressure")
 PROTOCOL = (*TARGETS, "steps", "tolerance")

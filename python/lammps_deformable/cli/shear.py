@@ -5,34 +5,36 @@ from __future__ import annotations
 import math
 import time
 from dataclasses import asdict
-from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ..common.errors import ParameterError
-from ..common.progress import print_once
-from ..engine.deforming import Deforming
-from ..engine.relaxation import TOLERANCE
-from ..engine.simulation import Simulation
-from ..io.run_folder import refuse
-from ..runs.recording import shear_in
-from ..runs.run import Run
-from .material_options import (
-    Adhesion,
-    AreaStiffness,
-    Dimension,
-    FromFile,
-    FromFrame,
-    FromRadii,
-    LawName,
-    PerimeterStiffness,
-    Reach,
-    Tension,
-)
+from ..errors import ParameterError
+from ..progress import print_once
+from ..recording import shear_in
+from ..relax import TOLERANCE
+from ..run import Run
+from ..simulation import Deforming, Simulation
+from ..store import refuse
 from .options import Overwrite, Resume, Tolerance, is_given
 from .output import draw, print_states
 from .settings import Material, check_material, check_same, given_settings, option
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from .material_options import (
+        Adhesion,
+        AreaStiffness,
+        Dimension,
+        FromFile,
+        FromFrame,
+        FromRadii,
+        LawName,
+        PerimeterStiffness,
+        Reach,
+        Tension,
+    )
 
 _WAYS_OUT = ("finish it with --resume", "replace it with --overwrite")
 

@@ -2,7 +2,7 @@
 
 import pytest
 from each_simulation import MAKERS, PLANE, SPACE
-from lammps_deformable.engine.lammps import Engine
+from lammps_deformable.lammps import Engine
 
 EACH = {"plane": lambda: PLANE, "space": lambda: SPACE, **MAKERS}
 

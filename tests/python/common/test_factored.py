@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from lammps_deformable.common.factored import factored
+from lammps_deformable.hessian import factored
 from scipy.sparse import csr_matrix, diags, random
 
 

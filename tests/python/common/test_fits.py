@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable.common.fits import power_law
+from lammps_deformable.parallel import power_law
 
 
 def test_exponent_of_a_power_law() -> None:

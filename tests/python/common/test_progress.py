@@ -5,7 +5,7 @@ import sys
 
 import lammps_deformable as ld
 import pytest
-from lammps_deformable.common import progress
+from lammps_deformable import progress
 
 
 def test_lines_off_a_terminal(

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import lammps_deformable as ld
 import pytest
-from lammps_deformable.common.ranks import independently, world
+from lammps_deformable.ranks import independently, world
 from mpi4py import MPI
 from programs import BIN, PATIENT, command, output
 from ranks import launch
@@ -77,7 +77,7 @@ def test_ranks_share_calls(tmp_path: Path, ranks: int, module: str) -> None:
 FAILS = """
 import os, time
 import lammps_deformable as ld
-from lammps_deformable.common.ranks import world
+from lammps_deformable.ranks import world
 
 def inverse(value):
     open(f"called-{value}", "w").close()

@@ -6,8 +6,7 @@ from pathlib import Path
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable.io.frames import append_frame
-from lammps_deformable.io.run_folder import SERIES
+from lammps_deformable.store import SERIES, append_frame
 from mpi4py import MPI
 
 

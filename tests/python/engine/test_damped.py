@@ -3,9 +3,8 @@
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable.engine.damped import settle
-from lammps_deformable.engine.enthalpy import Enthalpy
-from lammps_deformable.engine.relaxed_disks import relax_at_pressure, settle_at_pressure
+from lammps_deformable.minimize import settle
+from lammps_deformable.soft_disks import Enthalpy, relax_at_pressure, settle_at_pressure
 
 
 @pytest.mark.parametrize("softest", [1e-2, 1e-4])

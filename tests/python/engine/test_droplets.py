@@ -6,7 +6,7 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 from contact_laws import contacts
-from lammps_deformable.protocols.jamming import natural_pressure
+from lammps_deformable.jamming import natural_pressure
 
 DROPLETS = ld.Ring(kA=math.inf, kP=0.0, tension=1.0)
 

@@ -6,10 +6,9 @@ from itertools import product
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable.engine.enthalpy import Enthalpy
-from lammps_deformable.engine.relaxed_disks import relax_at_pressure
-from lammps_deformable.model.neighbors import near_pairs
-from lammps_deformable.protocols.starts import soft
+from lammps_deformable.neighbors import near_pairs
+from lammps_deformable.soft_disks import Enthalpy, relax_at_pressure
+from lammps_deformable.starts import soft
 
 SCENE = (ld.Circle((0, 0), 4), ld.Disk((1, 0.5), 0.6))
 BELOW = (ld.Plane((0, -9), (0, 1)), ld.Plane((0, -4), (0, -1)))
@@ -62,7 +61,7 @@ def test_near_pairs_are_all_pairs(packing: ld.Packing) -> None:
     distance = np.linalg.norm(apart, axis=1)
     assert (distance < packing.radius[i] + packing.radius[j] + skin).all()
     x = packing.positions
-    shut = ld.model.room.closed(packing.walls, packing.dimension)
+    shut = ld.room.closed(packing.walls, packing.dimension)
     farthest = 12 if packing.dimension == 2 else 8
     spans = [range(1) if closed else range(-farthest, farthest + 1) for closed in shut]
     steps = np.array(list(product(*spans))) @ packing.box

@@ -1,14 +1,16 @@
 """Relaxation at a pressure, with a box that is free to change."""
 
 import math
-from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable.engine import free_box
+from lammps_deformable import free_box
 from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 DROPLETS = ld.Ring(kA=math.inf, kP=0.0, tension=1.0)
 

@@ -150,9 +150,9 @@ for law, pressure in ((None, 1e-7), (ld.Ring(contact="radical"), 1e-10)):
     jammed = ld.jam(loose, law, pressure=pressure, tolerance=1e-5, comm=comm)
     everywhere = comm.allgather(jammed.positions)
     assert all(np.array_equal(jammed.positions, other) for other in everywhere)
-    with lammps_deformable.protocols.starts.simulate(jammed, law) as sim:
+    with lammps_deformable.starts.simulate(jammed, law) as sim:
         state = sim.state()
-    unit = lammps_deformable.protocols.jamming.natural_pressure(jammed, law)
+    unit = lammps_deformable.jamming.natural_pressure(jammed, law)
     if comm.rank == 0:
         print(jammed.positions.sum().hex(), state.phi, state.pressure / unit / pressure)
 """

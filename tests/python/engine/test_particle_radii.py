@@ -8,8 +8,8 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 from lammps_deformable import core
-from lammps_deformable.engine.lammps import gather, run
-from lammps_deformable.engine.soft_particles import open_disks
+from lammps_deformable.lammps import gather, run
+from lammps_deformable.soft_disks import open_disks
 from scipy import stats
 
 RADICAL = ld.Ring(kA=2.0, contact="radical")

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable.engine import polygon_simulation, smooth_polygons
+from lammps_deformable import polygon_simulation, smooth_polygons
 from naive_polygons import pair
 
 pytestmark = pytest.mark.filterwarnings("error")

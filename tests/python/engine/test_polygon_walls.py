@@ -6,7 +6,7 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 from lammps_deformable import core
-from lammps_deformable.engine.lammps import gather
+from lammps_deformable.lammps import gather
 from naive_polygons import ALONE, LONE_BEADS, naive, square
 
 pytestmark = pytest.mark.filterwarnings("error")

@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 import lammps_deformable as ld
 import pytest
-from lammps_deformable.engine.relaxation import Forces, largest_force_told
+from lammps_deformable.relax import Forces, largest_force_told
 
 SIMULATIONS = [
     lambda packing: ld.Simulation(packing, ld.Ring()),
@@ -46,7 +46,7 @@ def test_contacts_that_do_not_balance_are_not_relaxed(monkeypatch: pytest.Monkey
     """Whatever their forces on particles are."""
     packing = ld.push_off(ld.bidisperse(6, phi=0.5, seed=1))
     with ld.Simulation(packing, ld.Ring()) as sim:
-        module = sys.modules["lammps_deformable.engine.deforming"]
+        module = sys.modules["lammps_deformable.simulation"]
         monkeypatch.setattr(module, "minimize_until_relaxed", lambda *_, **__: Forces(0.0, 1))
         monkeypatch.setattr(sim, "_told", lambda n: 0.02 if n == 3 else 0.0)
         with pytest.warns(ld.StalledWarning, match="the contacts do not balance"):

@@ -7,8 +7,8 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 from brute_force import shapes
-from lammps_deformable.engine.relaxation import TOLERANCE
-from lammps_deformable.protocols.starts import simulate
+from lammps_deformable.relax import TOLERANCE
+from lammps_deformable.starts import simulate
 
 pytestmark = pytest.mark.filterwarnings("error")
 

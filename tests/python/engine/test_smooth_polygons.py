@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from crystal import crystal
 from lammps_deformable import core
-from lammps_deformable.engine.lammps import gather
-from lammps_deformable.engine.smooth_polygons import SmoothPolygons, have_crossed, relax_smooth
+from lammps_deformable.lammps import gather
+from lammps_deformable.smooth_polygons import SmoothPolygons, have_crossed, relax_smooth
 from naive_polygons import pair
 
 pytestmark = pytest.mark.filterwarnings("error")

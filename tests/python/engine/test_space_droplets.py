@@ -7,9 +7,15 @@ from collections.abc import Callable
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable import Droplet, DropletSimulation, DropletState, Packing, ParameterError
-from lammps_deformable.engine import droplet_simulation
-from lammps_deformable.state.state import State
+from lammps_deformable import (
+    Droplet,
+    DropletSimulation,
+    DropletState,
+    Packing,
+    ParameterError,
+    simulation,
+)
+from lammps_deformable.state import State
 from numpy.typing import NDArray
 
 CONTACTS = {"fcc": 12, "bcc": 8, "sc": 6}
@@ -228,7 +234,7 @@ def test_no_number_is_lost_far_beyond_the_model(monkeypatch: pytest.MonkeyPatch)
     lost = np.zeros((8, 5))
     lost[3, 4] = np.nan
     with ld.Simulation(SPHERES, Droplet()) as sim:
-        monkeypatch.setattr(droplet_simulation, "evaluate", lambda *_: (lost, lost))
+        monkeypatch.setattr(simulation, "evaluate", lambda *_: (lost, lost))
         with pytest.raises(ld.LammpsError, match=r"load of droplet 3 is no number .* less"):
             sim._evaluate()
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from exact_balance import exactly_balanced
 from lammps_deformable import Cone, Cylinder, Droplet, ParameterError, Plane, Post, cuboid
-from lammps_deformable.model.free_motions import free_motions
+from lammps_deformable.contacts import free_motions
 from programs import output
 
 FLOOR, LID = Plane((0, 0, 0), (0, 0, 1)), Plane((0, 0, 9), (0, 0, -1))

@@ -5,7 +5,7 @@ import inspect
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable.state.state import State
+from lammps_deformable.state import State
 
 networkx = pytest.importorskip("networkx")
 

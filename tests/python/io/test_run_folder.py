@@ -5,8 +5,7 @@ from pathlib import Path
 
 import lammps_deformable as ld
 import pytest
-from lammps_deformable.io.frames import _last_line
-from lammps_deformable.io.run_folder import holds, refuse
+from lammps_deformable.store import _last_line, holds, refuse
 from programs import command
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import lammps_deformable as ld
 import pytest
-from lammps_deformable.io.store import read
+from lammps_deformable.store import read
 
 
 def test_summary_has_law_parameters_and_versions(state: ld.State, tmp_path: Path) -> None:

@@ -6,8 +6,8 @@ from typing import Any
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable.io.lammps_commands import species_file, wall_commands
-from lammps_deformable.model.by_pair import pair_matrix
+from lammps_deformable.commands import species_file, wall_commands
+from lammps_deformable.laws import pair_matrix
 
 DROPLET: dict[str, Any] = {"kA": math.inf, "kP": 0.0, "tension": 1.0, "contact": "curved"}
 MATRIX = [[0.3, 0.1], [0.1, 0.0]]

@@ -6,7 +6,7 @@ from typing import Any
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable.io.rubbing import friction_commands
+from lammps_deformable.friction import friction_commands
 
 MATRIX = [[0.3, 0.1], [0.1, 0.0]]
 FIX = "fix deformable_friction all deformable/friction "

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from lammps_deformable.model.lattice import cartesian, fractional
+from lammps_deformable.box import cartesian, fractional
 
 BOX = np.array([[3.0, 0.0], [-1.2, 2.5]])
 

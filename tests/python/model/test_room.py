@@ -5,9 +5,8 @@ from dataclasses import replace
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable import Circle, Disk, ParameterError, Plane, Polygon, Segment, rectangle
-from lammps_deformable.model import places, room
-from lammps_deformable.model.free_motions import free_motions
+from lammps_deformable import Circle, Disk, ParameterError, Plane, Polygon, Segment, rectangle, room
+from lammps_deformable.contacts import free_motions
 
 BOX = np.array([[12.0, 0.0], [0.0, 10.0]])
 CHANNEL = (Plane((0, 1), (0, 1)), Plane((5, 9), (0, -2)))
@@ -69,10 +68,10 @@ def test_places_between_walls(loose) -> None:
     assert not np.array_equal(packing.positions, loose.between(walls, seed=4).positions)
     # packings from several seeds have several places, and each has the same ones again
     first, second, again = (ld.bidisperse(20, seed=seed) for seed in (1, 2, 1))
-    places = first.between(walls).positions
-    assert not np.array_equal(places, second.between(walls).positions)
+    room = first.between(walls).positions
+    assert not np.array_equal(room, second.between(walls).positions)
     by_column = replace(again, positions=np.asfortranarray(again.positions))
-    assert np.array_equal(places, by_column.between(walls).positions)
+    assert np.array_equal(room, by_column.between(walls).positions)
     assert packing.radius.tolist() == loose.radius.tolist()
     # another phi: everything by one factor
     dense = packing.at(0.8)
@@ -129,10 +128,10 @@ def test_centers_on_the_wrong_side() -> None:
         ([Circle((1, 1), 2)], "particle 1, .* outside of circle 1"),
     ):
         with pytest.raises(ParameterError, match=message):
-            places.check_centers(walls, BOX, x)
+            room.check_centers(walls, BOX, x)
     # the image of a disk
     with pytest.raises(ParameterError, match="particle 0"):
-        places.check_centers([Disk((12.5, 10.5), 1)], BOX, x)
+        room.check_centers([Disk((12.5, 10.5), 1)], BOX, x)
 
 
 def test_free_motions() -> None:

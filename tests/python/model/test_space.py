@@ -6,8 +6,8 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 from lammps_deformable import Packing, ParameterError
-from lammps_deformable.model.lattice import cartesian, fractional, lengths, nearest_image, widths
-from lammps_deformable.model.neighbors import near_pairs
+from lammps_deformable.box import cartesian, fractional, lengths, nearest_image, widths
+from lammps_deformable.neighbors import near_pairs
 from scipy import stats
 
 BOX = np.array([[3.0, 0.0, 0.0], [-1.2, 2.5, 0.0], [0.7, -0.4, 2.0]])

@@ -6,11 +6,9 @@ from dataclasses import replace
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable import Ball, Circle, Cylinder, ParameterError, Plane, Sphere, cuboid
-from lammps_deformable.model import places, room
-from lammps_deformable.model.free_motions import free_motions, motions
-from lammps_deformable.model.free_room import free_room
-from lammps_deformable.model.sections import section_between
+from lammps_deformable import Ball, Circle, Cylinder, ParameterError, Plane, Sphere, cuboid, room
+from lammps_deformable.contacts import free_motions, motions
+from lammps_deformable.room import free_room, section_between
 from polyhedra import FACES
 
 BOX = np.diag([12.0, 10.0, 9.0])
@@ -96,7 +94,7 @@ def test_volume_that_is_found_by_chance() -> None:
     ):
         packing = ld.Packing(np.full((1, 3), 5.0), [0], [0.1], box, walls=walls)
         tried = packing.origin + rng.random((200_000, 3)) @ packing.box
-        inside = (places.Distances(packing.walls, packing.box)(tried)[1] > 0.0).all(axis=0).mean()
+        inside = (room.Distances(packing.walls, packing.box)(tried)[1] > 0.0).all(axis=0).mean()
         part = packing.volume / np.prod(packing.box.diagonal())
         assert part == pytest.approx(inside, abs=5 * np.sqrt(part * (1 - part) / len(tried)))
 
@@ -163,7 +161,7 @@ def test_free_motions() -> None:
         found = motions(walls, x)
         assert found.shape == (count, 2, 3)
         if walls and count:
-            out, _ = places.Distances(walls, BOX)(x)
+            out, _ = room.Distances(walls, BOX)(x)
             assert np.abs(np.einsum("mna,wna->mwn", found, out)).max() < 1e-12
 
 
@@ -173,8 +171,8 @@ def test_sections() -> None:
     flat = section_between(walls, BOX, 4.5)
     assert flat is not None
     x = np.column_stack([1 + 8 * np.random.default_rng(1).random((200, 2)), np.full(200, 4.5)])
-    free = (places.Distances(walls, BOX)(x)[1] > 0).all(axis=0)
-    in_plane = (places.Distances(flat, BOX[:2, :2])(x[:, :2])[1] > 0).all(axis=0)
+    free = (room.Distances(walls, BOX)(x)[1] > 0).all(axis=0)
+    in_plane = (room.Distances(flat, BOX[:2, :2])(x[:, :2])[1] > 0).all(axis=0)
     assert 20 < free.sum() < 180
     assert (free == in_plane).all()
     assert section_between(walls, BOX, 9.5) is None
@@ -217,11 +215,11 @@ WRONG: dict[str, tuple[Callable[[], object], str]] = {
         "ball 3 does not fit .* a sphere around it .* along y",
     ),
     "within": (
-        lambda: places.check_centers([Ball((5, 5, 14.5), 1)], BOX, np.array([[5.0, 5.0, 5.0]])),
+        lambda: room.check_centers([Ball((5, 5, 14.5), 1)], BOX, np.array([[5.0, 5.0, 5.0]])),
         "particle 0, .* is within ball 1",
     ),
     "outside": (
-        lambda: places.check_centers([Cylinder((0, 0, 0), 3)], BOX, np.array([[5.0, 5.0, 5.0]])),
+        lambda: room.check_centers([Cylinder((0, 0, 0), 3)], BOX, np.array([[5.0, 5.0, 5.0]])),
         "particle 0, .* is outside of cylinder 1",
     ),
 }

@@ -4,7 +4,7 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 from lammps_deformable import Circle, Disk, ParameterError, Plane, Polygon, Segment, rectangle
-from lammps_deformable.model.walls import as_walls
+from lammps_deformable.walls import as_walls
 
 WRONG = {
     "normal": (lambda: Plane((0, 0), (0, 0)), "normal of a plane"),

@@ -5,7 +5,7 @@ from pathlib import Path
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable.protocols.motion import move
+from lammps_deformable.motion import move
 
 FORCE, FRICTION, TAU = 1e-4, 2.0, 100.0
 SPEED = FORCE / FRICTION

@@ -3,7 +3,7 @@
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable.protocols.motion import move
+from lammps_deformable.motion import move
 
 SOFT = ld.Ring(kP=0.3)
 

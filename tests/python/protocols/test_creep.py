@@ -3,8 +3,7 @@
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable.protocols.creep import creep
-from lammps_deformable.protocols.shear import shear
+from lammps_deformable.shearing import creep, shear
 
 
 @pytest.fixture(scope="module")

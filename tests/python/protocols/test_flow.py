@@ -3,7 +3,7 @@
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable.protocols.shear import shear
+from lammps_deformable.shearing import shear
 
 RATE, FRICTION = 1e-3, 1.0
 

@@ -3,7 +3,7 @@
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable.model.onset import natural_pressure
+from lammps_deformable.laws import natural_pressure
 
 STARTS = {
     "box": ld.bidisperse(24, tilt=0.2, seed=3),

@@ -9,16 +9,10 @@ from typing import Any
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable.engine import relaxed_disks
-from lammps_deformable.engine.relaxed_disks import (
-    RelaxedDisks,
-    Report,
-    relax_at_pressure,
-    relax_in_box,
-)
-from lammps_deformable.protocols import jamming
-from lammps_deformable.protocols.jamming import natural_pressure
-from lammps_deformable.protocols.starts import simulate
+from lammps_deformable import jamming, soft_disks
+from lammps_deformable.jamming import natural_pressure
+from lammps_deformable.soft_disks import RelaxedDisks, Report, relax_at_pressure, relax_in_box
+from lammps_deformable.starts import simulate
 from mpi4py import MPI
 
 RADICAL, BALANCED = (ld.Ring(contact=contact) for contact in ("radical", "balanced"))
@@ -268,7 +262,7 @@ def of_kind(kind: str) -> ld.Packing:
 @kinds
 def test_huge_packings_settle_by_damped_motion(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Disks keep their order; a tiny tolerance is left to the minimizer."""
-    monkeypatch.setattr(relaxed_disks, "HUGE", 64)
+    monkeypatch.setattr(soft_disks, "HUGE", 64)
     monkeypatch.setattr(jamming, "HUGE", 64)
     monkeypatch.setattr(jamming, "_STEPS", 2000)
     packing = of_kind(kind)

@@ -5,7 +5,7 @@ import math
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable.protocols.oscillation import dynamic_modulus, oscillate
+from lammps_deformable.shearing import dynamic_modulus, oscillate
 
 STRAIN, FRICTION = 1e-5, 2.0
 

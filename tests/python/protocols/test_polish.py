@@ -24,7 +24,7 @@ def state(request: pytest.FixtureRequest) -> ld.State | ld.DiskState:
 
 
 def test_few_steps_of_newton(state: ld.State, monkeypatch: pytest.MonkeyPatch) -> None:
-    module, steps = import_module("lammps_deformable.protocols.polish"), []
+    module, steps = import_module("lammps_deformable.polishing"), []
     place = module.place_particles
     monkeypatch.setattr(module, "place_particles", lambda *a: (steps.append(1), place(*a)))
     fine = ld.polish(state)

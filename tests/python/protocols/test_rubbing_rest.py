@@ -5,7 +5,7 @@ from pathlib import Path
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable.model.laws import LAWS
+from lammps_deformable.laws import LAWS
 
 ROUGH = ld.Friction(0.3, 0.05)
 

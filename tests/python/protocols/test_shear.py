@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from crystal import RADIUS, crystal
 from lammps_deformable import core
-from lammps_deformable.protocols.tilt import sheared, straighten
+from lammps_deformable.shearing import sheared, straighten
 
 
 def ring_energy(indentation: float, gamma: float, compression: float) -> float:

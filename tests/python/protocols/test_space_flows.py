@@ -6,7 +6,7 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 from lammps_deformable import Droplet, DropletState, Packing
-from lammps_deformable.protocols.tilt import sheared
+from lammps_deformable.shearing import sheared
 
 FRICTION = 1.5
 

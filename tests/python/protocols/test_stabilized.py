@@ -6,8 +6,8 @@ from typing import Any
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable.protocols.jamming import natural_pressure
-from lammps_deformable.protocols.starts import simulate
+from lammps_deformable.jamming import natural_pressure
+from lammps_deformable.starts import simulate
 
 KINDS: dict[str, tuple[ld.Ring | None, float]] = {
     "disks": (None, 1e-6),

@@ -6,7 +6,7 @@ from collections.abc import Callable
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable.protocols.tilt import sheared
+from lammps_deformable.shearing import sheared
 from mpi4py import MPI
 from numpy.typing import NDArray
 

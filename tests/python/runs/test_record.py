@@ -132,7 +132,7 @@ def test_a_row_stands_for_a_whole_frame(
         def killed(*_: object) -> str:
             raise KeyboardInterrupt
 
-        monkeypatch.setattr("lammps_deformable.io.frames._dump_frame", killed)
+        monkeypatch.setattr("lammps_deformable.store._dump_frame", killed)
         with pytest.raises(KeyboardInterrupt):
             next(steps)
     with (tmp_path / "series.csv").open(newline="") as file:

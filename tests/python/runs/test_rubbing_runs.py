@@ -6,7 +6,7 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 from contact_laws import contacts
-from lammps_deformable.model.laws import LAWS
+from lammps_deformable.laws import LAWS
 
 ROUGH = ld.Friction(
     [[0.4, 0.2], [0.2, np.inf]],

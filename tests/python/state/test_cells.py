@@ -61,7 +61,7 @@ def test_cells_by_points_at_random_places(walls: tuple) -> None:
     else:
         points = rng.random((20000, 2)) @ packing.box
     apart = (points[:, None] - packing.positions) @ np.linalg.inv(packing.box)
-    shut = np.array(ld.model.room.closed(packing.walls))
+    shut = np.array(ld.room.closed(packing.walls))
     images = [
         (apart - np.rint(apart) * ~shut + np.array(step) * ~shut) @ packing.box
         for step in product((-1, 0, 1), repeat=2)

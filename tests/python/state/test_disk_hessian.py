@@ -5,7 +5,7 @@ import dataclasses
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable.state.hessian import Hessian
+from lammps_deformable.hessian import Hessian
 
 SCENE = (ld.Circle((0, 0), 4), ld.Disk((1, 0.5), 0.6))
 ANNULUS = (ld.Disk((1, 2), 1.5), ld.Circle((1, 2), 5))
@@ -111,7 +111,7 @@ def test_all_modes_of_the_same_stiffness_are_found() -> None:
     ("walls", "zero"),
     [((ld.Circle((0, 0), 4),), 1), (ANNULUS, 1), (SCENE, 0), (CHANNEL, 1), (TRIANGLE, 0)],
 )
-def test_motions_between_walls(walls: tuple[ld.model.walls.Wall, ...], zero: int):
+def test_motions_between_walls(walls: tuple[ld.walls.Wall, ...], zero: int):
     """A rotation in a circle or annulus, a translation along a channel, none around others."""
     packing = ld.bidisperse(40, radii=(0.4, 0.56), seed=5).between(walls)
     with ld.Disks(packing.at(0.95)) as disks:

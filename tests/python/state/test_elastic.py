@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from lammps_deformable.state.elastic import ElasticModuli
+from lammps_deformable.moduli import ElasticModuli
 
 
 def test_the_mean_shear_modulus_is_that_of_all_directions() -> None:

@@ -4,7 +4,7 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 from contact_laws import CONTACTS
-from lammps_deformable.model.laws import LAWS
+from lammps_deformable.laws import LAWS
 
 MU, MU_WALL = 0.4, 0.2
 ROUGH = ld.Friction(

@@ -9,7 +9,7 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 from lammps_deformable import DropletState
-from lammps_deformable.model.facets import WHOLE, Facets, Surfaces, surfaces_of
+from lammps_deformable.plot3d import WHOLE, Facets, Surfaces, surfaces_of
 
 
 @pytest.fixture(scope="module")

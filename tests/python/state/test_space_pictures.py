@@ -1,14 +1,16 @@
 """Pictures in three dimensions: what rays meet, colors, the force network, and what is refused."""
 
-from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable.model import space_picture
-from lammps_deformable.model.facets import WHOLE, Facets
-from lammps_deformable.model.section import section_of
+from lammps_deformable import plot3d
+from lammps_deformable.plot3d import WHOLE, Facets, section_of
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 plt = pytest.importorskip("matplotlib.pyplot")
 
@@ -18,7 +20,7 @@ LOW, HIGH = np.array([-1.5, -1.5]), np.array([2.5, 2.5])
 def cast(centers: list[list[float]], facets: Facets = WHOLE) -> np.ndarray:
     """Red, green and blue spheres of radius 1."""
     count = len(centers)
-    return space_picture._cast(
+    return plot3d._cast(
         np.array(centers, float), np.ones(count), np.eye(3)[:count], facets, LOW, HIGH
     )
 

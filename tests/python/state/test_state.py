@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from brute_force import brute_force_contacts, brute_force_rattlers, check_pressure, shapes
 from contact_laws import every_law
-from lammps_deformable.model.laws import Law
+from lammps_deformable.laws import Law
 
 pytestmark = pytest.mark.filterwarnings("error")
 

@@ -1,0 +1,279 @@
+"""LAMMPS commands as text: a packing, its law, the minimizer; polygons and their walls.
+
+Films, the contacts of particles that stick, as text: a memory that positions do not have.
+
+A film is a row of two numbers: the IDs of its particles; or the ID of one, and the code below 0 of
+a wall, as compute deformable/contact tells it.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._files import comment_lines, rows_in_comments
+from .laws import AnyLaw, Droplet, Ring, pair_matrix, sticks
+from .room import closed
+from .walls import Polygon, Wall
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from .packing import Packing
+    from .polygons import PolygonModel, Walls
+
+SETUP = """
+units lj
+dimension {dimension}
+boundary {boundary}
+atom_style {style}
+atom_modify map yes
+newton on
+box tilt large
+"""
+
+# Of particles in a periodic box in the plane, without radii of their own.
+PLANE = SETUP.format(dimension=2, boundary="p p p", style="atomic")
+
+_LAW = """
+pair_style {style} radius {whose}
+pair_coeff * * "{file}" {names}
+"""
+
+_MINIMIZER = """
+neighbor {skin!r} bin
+neigh_modify delay 0 every 1 check yes
+min_style fire
+min_modify dmax {dmax!r} norm max tmax {tmax!r}
+"""
+
+# Longest edge of smooth polygons over the one at rest.
+_LONGEST_EDGE = 2.0
+
+_BEAD = """
+pair_style harmonic/cut
+pair_coeff * * {half!r} {range!r}
+compute pairs all property/local patom1 patom2
+compute overlaps all pair/local dx dy fx fy
+"""
+
+_SMOOTH = """
+pair_style deformable/edge {longest!r}
+pair_coeff * * {kr!r} {range!r}
+"""
+
+# ID of the fix of a wall, counted from 1: one that a user would not take.
+WALL = "deformable_wall_{}"
+
+
+def boundary(walls: Sequence[Wall], dimension: int) -> str:
+    """LAMMPS boundary: fixed where a container closes the box."""
+    return " ".join("f" if shut else "p" for shut in (*closed(walls, dimension), False)[:3])
+
+
+def setup_commands(packing: Packing) -> str:
+    """Commands to run before LAMMPS has a box."""
+    return SETUP.format(
+        dimension=packing.dimension,
+        style=atom_style(packing),
+        boundary=boundary(packing.walls, packing.dimension),
+    )
+
+
+def wall_commands(walls: Sequence[Wall]) -> str:
+    """Commands for the walls, a fix for each, so that each has its force."""
+    lines = []
+    for n, wall in enumerate(walls, start=1):
+        count = f"{len(wall.corners)} " if isinstance(wall, Polygon) else ""
+        words = f"{wall.kind} {count}" + " ".join(f"{value:.17g}" for value in wall.values)
+        words += f" adhesion {wall.adhesion!r}" * (wall.adhesion > 0.0)
+        name = WALL.format(n)
+        lines += [f"fix {name} all deformable/wall {words}", f"fix_modify {name} virial yes"]
+    return "\n".join(lines) + "\n" * bool(lines)
+
+
+def atom_style(packing: Packing) -> str:
+    """LAMMPS atom_style for this packing."""
+    return "atomic" if packing.particle_radii is None else "sphere"
+
+
+def pair_style(law: AnyLaw) -> str:
+    """Name of the pair style of a contact law."""
+    if isinstance(law, Droplet):
+        return "deformable/droplet"
+    return "deformable/ring" if isinstance(law, Ring) else "deformable/sector"
+
+
+def pair_style_arguments(law: AnyLaw) -> str:
+    """Arguments of the pair style."""
+    return f"contact {law.contact} reach {law.reach!r}" if isinstance(law, Ring) else ""
+
+
+def species_file(law: AnyLaw, radii: Sequence[float] | NDArray[np.float64]) -> str:
+    """Text of the species file for species of these radii [length], named s1, s2, ...
+
+    Raises:
+        ParameterError: see `Ring.species_parameters`.
+    """
+    columns = np.column_stack([radii, *law.species_parameters(radii)])
+    units = "kA[energy/length^4] kP[energy/length^2] skin[length]"
+    if isinstance(law, Droplet):
+        units = "kA kP skin (inf 0 0: constant volume) tension[energy/length^2]"
+    lines = [
+        "# UNITS: lj CONTRIBUTOR: written by lammps-deformable",
+        f"# name radius[length] {units}",
+    ]
+    for n, (*values, tension) in enumerate(columns.tolist(), start=1):
+        words = [f"s{n}", *map(repr, values)]
+        lines.append(" ".join(words + ["tension", repr(tension)] * (tension != 0.0)))
+    if isinstance(law, Ring) and law.sticks:
+        matrix = pair_matrix("adhesion", law.adhesion, len(radii)).tolist()
+        lines += [
+            f"adhesion s{i + 1} s{j + 1} {matrix[i][j]!r}"
+            for i, j in zip(*np.triu_indices(len(radii)), strict=True)
+            if matrix[i][j] > 0.0
+        ]
+    return "\n".join(lines) + "\n"
+
+
+def law_commands(packing: Packing, law: AnyLaw, file: str) -> str:
+    """Commands for the contact law and the minimizer, to run once LAMMPS has the particles.
+
+    Args:
+        packing: gives the particles' sizes.
+        law: the contact law.
+        file: its species file.
+    """
+    smallest = float(packing.radius.min())
+    commands = _LAW.format(
+        style=f"{pair_style(law)} {pair_style_arguments(law)}".strip(),
+        whose="type" if packing.particle_radii is None else "atom",
+        file=file,
+        names=" ".join(f"s{n}" for n in range(1, len(packing.radii) + 1)),
+    )
+    return commands + minimizer_commands(skin=0.1 * smallest, dmax=0.005 * smallest)
+
+
+def balance_command(packing: Packing, law: AnyLaw, tolerance: float) -> str:
+    """Command for the imbalance that LAMMPS leaves to contacts; empty if the law has no balance."""
+    if law.name in ("radical", "sector"):
+        return ""
+    whose = "type" if packing.particle_radii is None else "atom"
+    arguments = f"{pair_style_arguments(law)} balance {tolerance!r} 1000 radius {whose}"
+    return f"pair_style {pair_style(law)} {arguments}"
+
+
+def minimizer_commands(skin: float, dmax: float, tmax: float = 10.0) -> str:
+    """Commands that choose neighbor lists and FIRE.
+
+    Args:
+        skin: of the neighbor lists [length].
+        dmax: the largest displacement in an iteration: without a bound, particles of a loose
+            packing jump through one another [length].
+        tmax: how far FIRE may stretch its first time step.
+    """
+    return _MINIMIZER.format(skin=skin, dmax=dmax, tmax=tmax)
+
+
+def polygon_contact_commands(model: PolygonModel, spacing: float) -> str:
+    """Commands for the contacts of polygons, smooth or of beads.
+
+    Args:
+        model: settings of the polygons.
+        spacing: longest edge of a polygon at rest [length].
+    """
+    style = _SMOOTH if model.smooth else _BEAD
+    return style.format(
+        longest=_LONGEST_EDGE * spacing,
+        kr=model.kr,
+        half=0.5 * model.kr,  # the energy of LAMMPS' style has no factor 1/2
+        range=2.0 * model.radius,
+    )
+
+
+def polygon_wall_commands(model: PolygonModel, stick: bool) -> str:
+    """Commands for walls with the stiffness of beads, at a distance of p from their centers.
+
+    The energy of LAMMPS' harmonic wall has no factor 1/2; it ignores the second number, sigma.
+    """
+    slip = f"wall/region walls harmonic {0.5 * model.kr!r} 1.0 {model.radius!r}"
+    style = f"deformable/stick walls {model.kr!r} radius {model.radius!r}" if stick else slip
+    return f"fix walls all {style}\nfix_modify walls energy yes"
+
+
+def region_within(walls: Walls) -> str:
+    """Commands that define the region within walls."""
+    planes = [
+        f"region {side} plane {height * nx!r} {height * ny!r} 0 {-nx!r} {-ny!r} 0"
+        for side, (nx, ny), height in zip(
+            _sides(walls), walls.normal.tolist(), walls.height.tolist(), strict=True
+        )
+    ]
+    return "\n".join(
+        [*planes, f"region walls intersect {len(walls.angle)} {' '.join(_sides(walls))}"]
+    )
+
+
+def without_region(walls: Walls) -> str:
+    """Commands that delete the region within walls."""
+    return "\n".join(f"region {name} delete" for name in ("walls", *_sides(walls)))
+
+
+def _sides(walls: Walls) -> list[str]:
+    """Names of the regions of single walls."""
+    return [f"side{n}" for n in range(len(walls.angle))]
+
+
+Films = NDArray[np.int64]
+
+# Of a line.
+_FILMS = 10
+
+
+def film_commands(law: AnyLaw, walls: Sequence[Wall], films: Films | None = None) -> str:
+    """Commands after those of the law and the walls, before the first run.
+
+    Args:
+        law: of the particles.
+        walls: around them.
+        films: that there are; those of circles that overlap, if not given.
+    """
+    if not sticks(law, walls):
+        return ""
+    # with a law that sticks, the pair style has it already
+    fix = [] if law.sticks else ["fix deformable_films all deformable/films"]
+    return "\n".join([*fix, *memory_commands(films)]) + "\n"
+
+
+def memory_commands(films: Films | None) -> list[str]:
+    """Commands that make these films, and no other ones; none if they are not given."""
+    if films is None:
+        return []
+    name = "fix_modify deformable_films attached"
+    return [f"{name} none", *(f"{name} {row}" for row in _rows(films))]
+
+
+def film_lines(films: Films | None) -> str:
+    """Comments at the end of a data file; none without a memory."""
+    return comment_lines("attached", films, _FILMS)
+
+
+def films_in(text: str) -> Films | None:
+    """The films in the comments of a data file.
+
+    Raises:
+        ValueError: they are damaged.
+    """
+    return rows_in_comments(text, "attached", 2, int)
+
+
+def as_films(given: Sequence[Sequence[int]] | None) -> Films | None:
+    """Films from JSON."""
+    return None if given is None else np.array(given, np.int64).reshape(-1, 2)
+
+
+def _rows(films: Films) -> Iterator[str]:
+    for first in range(0, len(films), _FILMS):
+        yield " ".join(map(str, films[first : first + _FILMS].ravel().tolist()))

@@ -1,1 +1,0 @@
-"""Tools for all other folders: errors, checks of arguments, progress, parallel runs."""

@@ -1,0 +1,747 @@
+"""Motions of all particles together that no wall resists: translations and rotations.
+
+Vectors from particles to their neighbors and walls, and how they follow from the centers.
+
+The table of active contacts of a state, from compute deformable/contact.
+
+The table of contacts of droplets, from compute deformable/contact in three dimensions.
+
+Forces of all contacts of a state: the stress of each particle, and a graph of networkx.
+
+Contacts of soft disks, as pictures show them.
+
+The contact network of a packing: its active contacts without those of rattlers.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from functools import cached_property
+from itertools import combinations
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._checks import zero_or_more
+from .box import fractional, lengths
+from .core import unit_vectors
+from .errors import ParameterError
+from .neighbors import forward
+from .room import Distances, closed
+from .versions import optional
+from .walls import Cone, Cylinder, Plane, Post, Round, Wall
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from .laws import AnyLaw
+    from .packing import Packing
+
+Floats = NDArray[np.float64]
+
+# Parts of a motion that are rounding.
+_ROUNDING = 1e-9
+
+
+def free_motions(walls: Sequence[Wall], dimension: int = 2) -> int:
+    """Number of motions of all particles together that no wall resists."""
+    return len(_free(walls, dimension))
+
+
+def motions(walls: Sequence[Wall], positions: Floats) -> Floats:
+    """These motions, of particles at N positions, shape (`free_motions`, N, d)."""
+    dimension = positions.shape[1]
+    found = _free(walls, dimension)
+    turns = _turned(positions)
+    return found[:, None, :dimension] + np.einsum("mk,nak->mna", found[:, dimension:], turns)
+
+
+def _free(walls: Sequence[Wall], dimension: int) -> Floats:
+    """Motions as rows: a translation, and a turn in each plane of two axes.
+
+    A motion moves all particles from x to x + t + W x, with an antisymmetric matrix W. What walls
+    and periodic images forbid is linear in t and W.
+    """
+    parts = np.eye(dimension + dimension * (dimension - 1) // 2)
+    if not walls:
+        return parts[:dimension]
+    periodic = np.eye(dimension)[~np.array(closed(walls, dimension))]
+    forbidden = [_turns(axis) for axis in periodic]
+    for wall in walls:
+        forbidden += _forbidden(wall)
+    rows = np.concatenate(forbidden)
+    _, sizes, directions = np.linalg.svd(rows)
+    found: Floats = directions[int(np.sum(sizes > _ROUNDING * sizes.max())) :]
+    return found
+
+
+def _forbidden(wall: Wall) -> list[Floats]:
+    """Rows that vanish for a motion that moves a wall within itself."""
+    if isinstance(wall, Plane):
+        normal = np.array(wall.normal) / np.linalg.norm(wall.normal)
+        return [_turns(normal), normal[None] @ _moves(np.array(wall.point))]
+    if isinstance(wall, (Cylinder, Post)):
+        return [_turns(np.array(wall.direction)), _moves(wall.middle)[list(wall.round_axes)]]
+    if isinstance(wall, Cone):
+        return [_turns(np.array(wall.direction)), _moves(wall.middle)]
+    if isinstance(wall, Round):
+        return [_moves(wall.middle)]
+    return [np.eye(3)]  # of one with corners, in the plane
+
+
+def _turned(x: Floats) -> Floats:
+    """W x for a turn in each plane, shape (..., d, turns)."""
+    dimension = x.shape[-1]
+    found = [np.zeros_like(x) for _ in combinations(range(dimension), 2)]
+    for each, (a, b) in zip(found, combinations(range(dimension), 2), strict=True):
+        each[..., a], each[..., b] = -x[..., b], x[..., a]
+    return np.stack(found, axis=-1)
+
+
+def _turns(direction: Floats) -> Floats:
+    """Change of a direction by each part of a motion, shape (d, parts)."""
+    return np.hstack([np.zeros((len(direction),) * 2), _turned(direction)])
+
+
+def _moves(place: Floats) -> Floats:
+    """Change of a place by each part of a motion, shape (d, parts)."""
+    return np.hstack([np.eye(len(place)), _turned(place)])
+
+
+Integers = NDArray[np.int64]
+
+# Contacts of rattlers count as open below this part of the mean contact force: a relaxation leaves
+# rattlers where they are once the forces on them are small.
+_OPEN = 1e-3
+
+
+class Sides(NamedTuple):
+    """Sides of contacts: of one particle with a neighbor or a wall.
+
+    Attributes:
+        i: the particle, shape (S,).
+        j: its neighbor, -1 for a wall, shape (S,).
+        vector: from its center to that of the neighbor, or to the nearest point of the wall, shape
+            (S, d) in d dimensions [length].
+        turn: angle by which the direction of the vector turns for a step of it sideways, shape (S,)
+            [1/length].
+    """
+
+    i: Integers
+    j: Integers
+    vector: Floats
+    turn: Floats
+
+    def part(self, kept: NDArray[Any]) -> Sides:
+        """Some of the sides."""
+        return Sides(*(values[kept] for values in self))
+
+    @property
+    def distance(self) -> Floats:
+        """Lengths of the vectors, shape (S,) [length]."""
+        return lengths(self.vector)
+
+
+def between(i: Integers, j: Integers, vector: Floats) -> Sides:
+    """Sides of contacts between particles."""
+    return Sides(i, j, vector, 1.0 / lengths(vector))
+
+
+def with_walls(packing: Packing, reach: float) -> Sides:
+    """Sides with each wall nearer than (1 + reach) R, sorted by particle and wall.
+
+    Raises:
+        ParameterError: a particle is at the center of a circle that it reaches.
+    """
+    if not packing.walls:
+        none = np.empty(0, np.int64)
+        return between(none, none, np.empty((0, packing.dimension)))
+    distances = Distances(packing.walls, packing.box)
+    out, height = distances(packing.positions)
+    near = (height < (1.0 + reach) * packing.radius).T
+    vector = np.swapaxes(height[..., None] * out, 0, 1)[near]
+    (i, wall), turn = np.nonzero(near), distances.turns(packing.positions).T[near]
+    if (centered := np.flatnonzero(np.isinf(turn))).size:
+        k, m = int(i[centered[0]]), int(wall[centered[0]])
+        raise ParameterError(
+            f"particle {k} is at the center of {packing.walls[m].kind} {m + 1} and reaches it in "
+            "all directions: its energy has no second derivatives there"
+        )
+    return Sides(i, np.full_like(i, -1), vector, turn)
+
+
+def joined(*parts: Sides) -> Sides:
+    """All sides, one part after the other."""
+    return Sides(*map(np.concatenate, zip(*parts, strict=True)))
+
+
+def bearing(
+    i: Integers, j: Integers, force: Floats, number: int, of_rattlers: int = 2
+) -> NDArray[np.bool_]:
+    """Whether contacts are of the network, or bear a force worth mentioning, shape (S,).
+
+    Args:
+        i: particle of each side, both of a contact, shape (S,).
+        j: its partner, -1 for a wall, shape (S,).
+        force: of the contact, shape (S,) [energy/length].
+        number: of particles.
+        of_rattlers: contacts of a rattler at most.
+    """
+    mean = float(force[force > 0.0].mean()) if (force > 0.0).any() else 0.0
+    return without_rattlers(i, j, number, of_rattlers) | (force > _OPEN * mean)
+
+
+def other_side(pairs: NDArray[np.void]) -> Integers:
+    """The row of the other side of each contact between particles, shape (S,).
+
+    Args:
+        pairs: rows with i, j and image, both sides of each contact, sorted by these.
+    """
+    other = np.empty(len(pairs), np.int64)
+    # in this order the other sides come in the order of their own
+    order = np.lexsort((*-pairs["image"].T[::-1], pairs["i"], pairs["j"]))
+    other[order] = np.arange(len(pairs))
+    return other
+
+
+def by_centers(sides: Sides, number: int, variables: int | None = None) -> Any:
+    """d(local variables)/d(centers): vectors are r_j - r_i, those to a wall -r_i.
+
+    Args:
+        sides: their vectors are the first of the local variables.
+        number: of particles N.
+        variables: number of local variables of a side; the vector alone if not given.
+
+    Returns:
+        Sparse matrix, shape (S variables, d N); columns x_0, y_0, x_1, ...
+    """
+    from scipy.sparse import csr_matrix
+
+    dimension = sides.vector.shape[1]
+    variables = variables or dimension
+    row = variables * np.arange(len(sides.i))
+    pair = sides.j >= 0
+    entries = [
+        (sign * np.ones(len(rows)), rows + axis, dimension * particle + axis)
+        for sign, rows, particle in ((-1.0, row, sides.i), (1.0, row[pair], sides.j[pair]))
+        for axis in range(dimension)
+    ]
+    values, rows, columns = map(np.concatenate, zip(*entries, strict=True))
+    shape = (variables * len(row), dimension * number)
+    return csr_matrix((values, (rows, columns)), shape=shape)
+
+
+def by_lines(other: Integers, variables: int, signs: Sequence[float]) -> list[Any]:
+    """d(local variables)/d(places of lines), one variable of all contacts after the other.
+
+    Args:
+        other: the other side of each, -1 for walls, shape (S,).
+        variables: number of local variables of a side; those of its line are the last.
+        signs: of each variable of a line, as the other side sees it.
+
+    Returns:
+        Sparse matrices, shape (S variables, contacts between particles).
+    """
+    from scipy.sparse import csr_matrix
+
+    first = np.flatnonzero(other > np.arange(len(other)))
+    count, ends = len(first), np.concatenate([first, other[first]])
+    contact, shape = np.tile(np.arange(count), 2), (variables * len(other), count)
+    return [
+        csr_matrix((np.repeat([1.0, sign], count), (variables * ends + n, contact)), shape=shape)
+        for n, sign in enumerate(signs, start=variables - len(signs))
+    ]
+
+
+def by_strains(sides: Sides, variables: int | None = None) -> Floats:
+    """d(local variables)/d(strain), shape (S variables, d^2).
+
+    Columns are the components xx, xy, ... of a displacement gradient e: vectors between particles
+    change by e v. Walls stay where they are.
+    """
+    dimension = sides.vector.shape[1]
+    found = np.zeros((len(sides.i), variables or dimension, dimension, dimension))
+    moving = np.where((sides.j >= 0)[:, None], sides.vector, 0.0)
+    for axis in range(dimension):
+        found[:, axis, axis] = moving
+    return found.reshape(-1, dimension**2)
+
+
+# Each contact has two rows, one for each side; a contact with a wall has one row, with j = -1.
+COLUMNS = np.dtype(
+    [
+        ("i", np.int64),
+        ("j", np.int64),
+        ("image", np.int64, 2),  # periodic image of j in the contact, in lattice vectors
+        ("angle", float),  # direction from i to the contact line, normal to it [rad]
+        ("distance", float),  # of the centers, or of i from the wall [length]
+        ("indentation", float),  # of i [length]
+        ("length", float),  # of the contact on i [length]
+        ("force", float),  # of this side, dU_i/da [energy/length]
+        ("position", float, 2),  # of the contact line's point nearest to i [length]
+        ("tilt", float),  # of the line: angle less the direction from i to j [rad]
+        ("half_angle", float),  # of the line, an arc: positive where it is convex for i [rad]
+        ("force_vector", float, 2),  # on i by the contact; their sum is the force on i
+        ("contact_angle", float),  # at which the outline of i meets the film, 0 without [rad]
+        ("attached", bool),  # whether it sticks: its force may be negative
+    ]
+)
+
+# Those of compute deformable/contact. Its force vector is that of the energy of i alone.
+ROWS = (
+    *("i", "j", "indentation", "length", "force", "x", "y"),
+    *("angle", "distance", "tilt", "half_angle", "fx", "fy"),
+    *("contact_angle", "attached"),
+)
+
+ContactTable = NDArray[np.void]
+
+
+def contact_table(rows: NDArray[np.float64], packing: Packing) -> ContactTable:
+    """All contacts, sorted by (i, j, image), with the forces on the particles.
+
+    Arguments as of `sides_of`.
+    """
+    table = sides_of(rows, packing)
+    react(table)
+    return table
+
+
+def sides_of(rows: NDArray[np.float64], packing: Packing) -> ContactTable:
+    """Both sides of all contacts, each with the force vector of its own energy.
+
+    Args:
+        rows: of compute deformable/contact on all ranks, shape (M, len(ROWS)).
+        packing: centers and box at the same time.
+
+    Returns:
+        Structured array of `COLUMNS`, with both sides of each pair. A side without force has no row
+        in LAMMPS; here it has one with length and force 0, and the rest of the overlap.
+    """
+    told = dict(zip(ROWS, rows.T, strict=True))
+    table = np.zeros(len(rows), COLUMNS)
+    table["i"], table["j"] = told["i"] - 1, told["j"] - 1
+    for name in set(ROWS) & set(COLUMNS.names or ()) - {"i", "j"}:
+        table[name] = told[name]
+    table["position"] = np.column_stack([told["x"], told["y"]])
+    table["force_vector"] = np.column_stack([told["fx"], told["fy"]])
+    pair = table["j"] >= 0
+    # an exact integer, equal for both sides in spite of rounding
+    i, j = table["i"][pair], table["j"][pair]
+    angle = table["angle"][pair] - table["tilt"][pair]
+    out = np.column_stack([np.cos(angle), np.sin(angle)])
+    apart = packing.positions[i] + table["distance"][pair, None] * out - packing.positions[j]
+    table["image"][pair] = np.rint(apart @ np.linalg.inv(packing.box)).astype(np.int64)
+    table = np.concatenate([table, _missing_sides(table[pair], packing)])
+    return table[_order(table["i"], table["j"], table["image"])]
+
+
+def react(table: ContactTable) -> None:
+    """Add to the force vector of each side the opposite of that of the other side."""
+    pair, other = other_sides(table)
+    both = table["force_vector"][pair]
+    table["force_vector"][pair] -= both[other]
+
+
+def other_sides(table: ContactTable) -> tuple[NDArray[np.bool_], NDArray[np.int64]]:
+    """Which sides are those of pairs; and of each of these the number of the other one."""
+    pair = table["j"] >= 0
+    # in this order the other sides come in the order of their own
+    return pair, _order(table["j"][pair], table["i"][pair], -table["image"][pair])
+
+
+def attached(rows: NDArray[np.float64]) -> NDArray[np.int64]:
+    """The contacts that stick, sorted, see `commands.Films`; a wall has its code for an ID."""
+    told = dict(zip(ROWS, rows.astype(np.int64).T, strict=True))
+    partner = np.where(told["attached"] < 0, told["attached"], told["j"])
+    first = (told["attached"] < 0) | (told["attached"] > 0) & (told["i"] <= told["j"])
+    return np.unique(np.column_stack([told["i"], partner])[first], axis=0)
+
+
+def _order(i: NDArray[np.int64], j: NDArray[np.int64], image: NDArray[np.int64]) -> NDArray[Any]:
+    """Indices that sort sides by (i, j, image)."""
+    return np.lexsort((image[:, 1], image[:, 0], j, i))
+
+
+def _missing_sides(pairs: ContactTable, packing: Packing) -> ContactTable:
+    """The other side of each contact with a force on one side only."""
+    found = {_key(row["i"], row["j"], row["image"]) for row in pairs}
+    sides = np.array(
+        [row for row in pairs if _key(row["j"], row["i"], -row["image"]) not in found], COLUMNS
+    )
+    overlap = packing.radius[sides["i"]] + packing.radius[sides["j"]] - sides["distance"]
+    sides["i"], sides["j"] = sides["j"].copy(), sides["i"].copy()
+    sides["image"] *= -1
+    sides["angle"] += np.where(sides["angle"] > 0.0, -np.pi, np.pi)
+    sides["indentation"] = overlap - sides["indentation"]
+    sides["position"] += sides["image"] @ packing.box
+    sides["length"] = sides["force"] = sides["force_vector"] = 0.0
+    return sides
+
+
+def _key(i: Any, j: Any, image: Any) -> tuple[int, int, int, int]:
+    return int(i), int(j), int(image[0]), int(image[1])
+
+
+# Each contact has two rows, one for each side; a contact with a wall has one row, with j = -1.
+DROPLET_COLUMNS = np.dtype(
+    [
+        ("i", np.int64),
+        ("j", np.int64),
+        ("image", np.int64, 3),  # periodic image of j in the contact, in lattice vectors
+        ("distance", float),  # of the centers, or of i from the wall [length]
+        ("indentation", float),  # of i [length]
+        ("facet_radius", float),  # of the facet on i, sqrt(F R / (2 pi tension)) [length]
+        ("force", float),  # F, the same from both sides [energy/length]
+        ("position", float, 3),  # of the middle of the facet [length]
+        ("normal", float, 3),  # of the facet, from i to j
+        ("force_vector", float, 3),  # on i by the contact; their sum is the force on i
+    ]
+)
+
+# Those of compute deformable/contact. Its force vector is that of the energy of i alone.
+DROPLET_ROWS = (
+    *("i", "j", "indentation", "facet_radius", "force"),
+    *("x", "y", "z", "nx", "ny", "nz", "distance", "fx", "fy", "fz"),
+)
+_VECTORS = {"position": "xyz", "normal": ("nx", "ny", "nz"), "force_vector": ("fx", "fy", "fz")}
+
+DropletTable = NDArray[np.void]
+
+
+def droplet_table(rows: NDArray[np.float64], packing: Packing) -> DropletTable:
+    """All contacts that bear a force, sorted by (i, j, image).
+
+    Args:
+        rows: of compute deformable/contact on all ranks, shape (M, len(ROWS)).
+        packing: centers and box at the same time.
+
+    Returns:
+        Structured array of `COLUMNS`.
+    """
+    told = dict(zip(DROPLET_ROWS, rows.T, strict=True))
+    table = np.zeros(len(rows), DROPLET_COLUMNS)
+    table["i"], table["j"] = told["i"] - 1, np.maximum(told["j"] - 1, -1)
+    for name in ("indentation", "facet_radius", "force", "distance"):
+        table[name] = told[name]
+    for name, columns in _VECTORS.items():
+        table[name] = np.column_stack([told[column] for column in columns])
+    pair = table["j"] >= 0
+    i, j = table["i"][pair], table["j"][pair]
+    to_j = table["distance"][pair, None] * table["normal"][pair]
+    # an exact integer, equal for both sides in spite of rounding
+    apart = packing.positions[i] + to_j - packing.positions[j]
+    table["image"][pair] = np.rint(fractional(apart, packing.box)).astype(np.int64)
+    table = table[np.lexsort((*table["image"].T[::-1], table["j"], table["i"]))]
+    pair = table["j"] >= 0
+    both = table["force_vector"][pair]
+    table["force_vector"][pair] -= both[other_side(table[pair])]
+    return table
+
+
+def forces_of_droplets(packing: Packing, table: DropletTable) -> ContactForces:
+    """All contacts, each once."""
+    i, j = table["i"], table["j"]
+    rows = table[(i < j) | (j < 0) | ((i == j) & forward(table["image"]))]
+    distance = rows["distance"]
+    part = (packing.radius[rows["i"]] - rows["indentation"]) / distance
+    return ContactForces(
+        i=rows["i"],
+        j=rows["j"],
+        vector=distance[:, None] * rows["normal"],
+        part=np.where(rows["j"] < 0, 1.0, part),
+        force=rows["force_vector"],
+    )
+
+
+# Columns of the table where contacts rub, which edges of the graph have too.
+_OF_EDGES = ("friction", "sliding")
+
+
+class ContactForces(NamedTuple):
+    """All active contacts, each once.
+
+    Attributes:
+        i: a particle, shape (M,).
+        j: the other one, not below i; -1 for a wall, shape (M,).
+        vector: from the center of i to that of j, or to the point of the wall, shape (M, d)
+            [length].
+        part: of the vector that is within i: up to the contact line, 1 for a wall, shape (M,).
+        force: on i, shape (M, d) [energy/length].
+        rubbing: `friction` and `sliding` of each by name, see `friction.RUBBING`; of contacts that
+            slip freely none.
+    """
+
+    i: Integers
+    j: Integers
+    vector: Floats
+    part: Floats
+    force: Floats
+    rubbing: Mapping[str, NDArray[Any]] = {}
+
+    @property
+    def distance(self) -> Floats:
+        """Of the centers, or of the center from the wall, shape (M,) [length]."""
+        return lengths(self.vector)
+
+    @property
+    def push(self) -> Floats:
+        """Force along the line of centers, positive where it pushes, (M,) [energy/length]."""
+        return -np.sum(self.force * self.vector, axis=1) / self.distance
+
+
+def forces_of_table(packing: Packing, table: ContactTable) -> ContactForces:
+    """Those of a `State`."""
+    image = table["image"]
+    i, j = table["i"], table["j"]
+    rows = table[(i < j) | (j < 0) | ((i == j) & forward(image))]
+    i, j = rows["i"], rows["j"]
+    within = (packing.radius[i] - rows["indentation"]) / np.cos(rows["tilt"])
+    return ContactForces(
+        i=i,
+        j=j,
+        vector=rows["distance"][:, None] * unit_vectors(rows["angle"] - rows["tilt"]),
+        part=np.where(j < 0, 1.0, within / rows["distance"]),
+        force=rows["force_vector"],
+        rubbing={name: rows[name] for name in _OF_EDGES if name in (table.dtype.names or ())},
+    )
+
+
+def particle_stress(contacts: ContactForces, area: Floats) -> Floats:
+    """See `Analysis.particle_stress`.
+
+    Args:
+        contacts: of the state.
+        area: of each particle, or its volume, shape (N,) [length^d].
+    """
+    moment = -contacts.vector[:, :, None] * contacts.force[:, None, :]
+    moment = 0.5 * (moment + np.swapaxes(moment, 1, 2))
+    pair, part = contacts.j >= 0, contacts.part[:, None, None]
+    total = np.zeros((len(area), *moment.shape[1:]))
+    np.add.at(total, contacts.i, part * moment)
+    np.add.at(total, contacts.j[pair], ((1.0 - part) * moment)[pair])
+    return total / area[:, None, None]
+
+
+def graph(packing: Packing, contacts: ContactForces, rattlers: NDArray[np.bool_]) -> Any:
+    """See `Analysis.graph`."""
+    networkx = optional("networkx", "networkx")
+    found = networkx.MultiGraph()
+    axes = "xyz"[: packing.dimension]
+    names = (*axes, "radius", "species", "rattler")
+    columns = (*packing.positions.T, packing.radius, packing.species, rattlers)
+    for n, values in enumerate(zip(*(column.tolist() for column in columns), strict=True)):
+        found.add_node(n, **dict(zip(names, values, strict=True)))
+    steps = {f"d{axis}": step for axis, step in zip(axes, contacts.vector.T, strict=True)}
+    of_edges = {"force": contacts.push, "distance": contacts.distance, **steps, **contacts.rubbing}
+    ends = (contacts.i, contacts.j)
+    for i, j, *edge in zip(*(row.tolist() for row in (*ends, *of_edges.values())), strict=True):
+        found.add_edge(i, j, **dict(zip(of_edges, edge, strict=True)))
+    return found
+
+
+def halves(packing: Packing, contacts: ContactForces) -> list[tuple[Floats, Floats]]:
+    """For each disk, where its contacts are in the middle of their overlaps, and their forces."""
+    disk, _, vector, part = _sides(contacts)
+    push = np.hypot(*contacts.force.T)
+    ends = packing.positions[disk] + part[:, None] * vector
+    forces = np.append(push, push[contacts.j >= 0])
+    number = len(packing)
+    return list(zip(_of_each(disk, number, ends), _of_each(disk, number, forces), strict=True))
+
+
+def chords(packing: Packing, contacts: ContactForces) -> list[list[Floats]]:
+    """For each disk, the lines on which its circle crosses those of others, and walls.
+
+    At the distance d of the centers it is (d^2 + R^2 - R'^2)/(2 d) from the center of R.
+    """
+    disk, other, vector, _ = _sides(contacts)
+    radius, d = packing.radius, np.hypot(*vector.T)
+    r = radius[disk]
+    height = np.where(other < 0, d, (d**2 + r**2 - radius[other] ** 2) / (2.0 * d))
+    out = vector / d[:, None]
+    along = np.sqrt(np.maximum(r**2 - height**2, 0.0))[:, None] * (out[:, ::-1] * [-1.0, 1.0])
+    middle = packing.positions[disk] + height[:, None] * out
+    lines = np.stack([middle - along, middle + along], axis=1)
+    return [list(each) for each in _of_each(disk, len(packing), lines)]
+
+
+def _sides(contacts: ContactForces) -> tuple[NDArray[np.int64], NDArray[np.int64], Floats, Floats]:
+    """Disk, other one, vector and part of both sides of contacts, see `ContactForces`."""
+    i, j, vector, part, *_ = contacts
+    pair = j >= 0
+    return (
+        np.append(i, j[pair]),
+        np.append(j, i[pair]),
+        np.concatenate([vector, -vector[pair]]),
+        np.append(part, 1.0 - part[pair]),
+    )
+
+
+def _of_each(disk: NDArray[np.int64], number: int, values: Floats) -> list[NDArray[Any]]:
+    """The values of the sides of each disk."""
+    order = np.argsort(disk, kind="stable")
+    return np.split(values[order], np.searchsorted(disk[order], np.arange(1, number)))
+
+
+def without_rattlers(
+    i: NDArray[np.int64], j: NDArray[np.int64], number: int, at_most: int = 2
+) -> NDArray[np.bool_]:
+    """Whether contacts remain after rattlers are removed one after another, shape (M,).
+
+    Args:
+        i: particle of each side of a contact, shape (M,).
+        j: its partner, -1 for a wall, shape (M,).
+        number: of particles.
+        at_most: contacts of a rattler.
+    """
+    remaining = np.ones(len(i), dtype=bool)
+    while True:
+        z = np.bincount(i[remaining], minlength=number)
+        rigid = np.append(z > at_most, True)  # the last one is for walls, j = -1
+        kept = remaining & rigid[i] & rigid[j]
+        if (kept == remaining).all():
+            return kept
+        remaining = kept
+
+
+class ContactNetwork(ABC):
+    """Numbers of a state's contacts after rattlers are removed one after another.
+
+    A rattler is a particle with fewer than three active contacts with other particles that are no
+    rattlers, or with walls; in three dimensions with fewer than four. Where contacts rub, two hold
+    a particle, and a rattler has fewer than two.
+    """
+
+    packing: Packing
+    law: AnyLaw | None
+
+    @property
+    @abstractmethod
+    def phi(self) -> float:
+        """Packing fraction."""
+
+    @property
+    @abstractmethod
+    def pressure(self) -> float:
+        """Pressure of the packing."""
+
+    def __repr__(self) -> str:
+        soft = "soft disks" if self.packing.dimension == 2 else "soft spheres"
+        law = soft if self.law is None else f"law {self.law!r}"
+        numbers = f"phi = {self.phi:.4f}, pressure = {self.pressure:.3g}"
+        return (
+            f"<{type(self).__name__}: {len(self.packing)} particles, {law}, {numbers}, "
+            f"z = {self.coordination:.2f}>"
+        )
+
+    @property
+    @abstractmethod
+    def _contact_sides(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """Particle and partner of each side of an active contact, shape (M,); -1 is a wall."""
+
+    @property
+    @abstractmethod
+    def _contact_forces(self) -> ContactForces:
+        """All active contacts, each once."""
+
+    @property
+    def _rubs(self) -> bool:
+        """Whether contacts have friction."""
+        return False
+
+    @property
+    def _of_rattlers(self) -> int:
+        """Contacts of a rattler at most."""
+        return 1 if self._rubs else self.packing.dimension
+
+    @cached_property
+    def _in_network(self) -> NDArray[np.bool_]:
+        """Whether each of `_contact_sides` belongs to a contact without a rattler."""
+        return without_rattlers(*self._contact_sides, len(self.packing), self._of_rattlers)
+
+    @property
+    def network_degree(self) -> NDArray[np.int64]:
+        """Number of network contacts of each particle, 0 of rattlers, shape (N,)."""
+        particles = self._contact_sides[0][self._in_network]
+        return np.bincount(particles, minlength=len(self.packing))
+
+    @property
+    def rattlers(self) -> NDArray[np.bool_]:
+        """Particles with fewer than three active contacts with non-rattlers, shape (N,).
+
+        In three dimensions with fewer than four, with friction with fewer than two.
+        """
+        return self.network_degree == 0
+
+    @property
+    def coordination(self) -> float:
+        """Mean number z of network contacts of a particle that is no rattler; 0 without any."""
+        rigid = int(np.sum(~self.rattlers))
+        return float(np.sum(self._in_network) / rigid) if rigid else 0.0
+
+    @property
+    def network_contacts(self) -> int:
+        """Number of active contacts without those of rattlers, each counted once."""
+        wall = self._contact_sides[1][self._in_network] < 0
+        return int(np.sum(wall) + np.sum(~wall) // 2)
+
+    @property
+    def isostatic_contacts(self) -> int:
+        """Smallest number of contacts that supports a pressure, d N' - d + 1 in a periodic box.
+
+        That is 2 N' - 1 in the plane, 3 N' - 2 in three dimensions. The N' particles that are not
+        rattlers have d N' - m degrees of freedom; one more contact makes a state of self stress
+        possible. m is the number of motions of all together that no
+        wall resists: d without walls, 1 in a channel or a round container, else 0. The result is 0
+        if all are rattlers.
+
+        With friction particles turn, and a contact has two forces, f and f_t: it is the half of 3
+        N' - 1 in a periodic box, and of 3 N' + 1 between walls, rounded up. Contacts that use all
+        of their friction have one force only, so that each adds a half.
+        """
+        return self._isostatic(int(np.sum(~self.rattlers)))
+
+    def _isostatic(self, rigid: int) -> int:
+        dimension = self.packing.dimension
+        if self._rubs:
+            free = 0 if self.packing.walls else dimension
+            return (3 * rigid + 2 - free) // 2 if rigid else 0
+        free = free_motions(self.packing.walls, dimension)
+        return max(dimension * rigid + 1 - free, 0) if rigid else 0
+
+    def excess_coordination(self, threshold: float = 0.0) -> float:
+        """z - z_iso: how many more contacts than an isostatic network a particle has.
+
+            z - z_iso = 2 (network_contacts - isostatic_contacts) / N'
+
+        for the N' particles that are no rattlers; 0 if all are. At the onset of jamming it is 0,
+        up to a few contacts.
+
+        Args:
+            threshold: contacts count from this part of the mean contact force of the network on.
+                Rattlers are then particles with too few contacts that count, and so on.
+
+        Raises:
+            ParameterError: the threshold is negative or no number.
+        """
+        contacts, size = self._contact_forces, (len(self.packing), self._of_rattlers)
+        i, j, strength = contacts.i, contacts.j, lengths(contacts.force)
+        kept = _network(i, j, *size)
+        if zero_or_more("threshold", threshold) > 0.0 and kept.any():
+            counts = strength >= threshold * strength[kept].mean()
+            i, j = i[counts], j[counts]
+            kept = _network(i, j, *size)
+        i, j = i[kept], j[kept]
+        rigid = len(np.unique(np.append(i, j[j >= 0])))
+        return 2.0 * (len(i) - self._isostatic(rigid)) / rigid if rigid else 0.0
+
+
+def _network(
+    i: NDArray[np.int64], j: NDArray[np.int64], number: int, at_most: int
+) -> NDArray[np.bool_]:
+    """As `without_rattlers`, of contacts that are listed once."""
+    pair = j >= 0
+    sides = np.append(i, j[pair]), np.append(j, i[pair])
+    return without_rattlers(*sides, number, at_most)[: len(i)]

@@ -1,0 +1,355 @@
+"""What colors and widths of a picture mean.
+
+Lines that a picture has on its particles, and on their periodic images.
+
+The picture of a packing: outlines, walls, contacts and forces.
+"""
+
+from __future__ import annotations
+
+import io
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import Collection, LineCollection, PolyCollection
+from matplotlib.figure import Figure
+from matplotlib.patches import Polygon
+from numpy.typing import NDArray
+
+from ._checks import expect, finite, shown
+from .errors import ParameterError
+from .room import closed, container, obstacles
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from matplotlib.colors import Colormap
+
+    from .walls import Wall
+
+
+# Color maps of values of one sign, and of both: no red, which is that of forces and contacts.
+_SEQUENTIAL, _DIVERGING = "YlGnBu", "BrBG"
+_CYCLIC = "twilight"
+_NO_VALUE = "0.8"
+
+# Angles, whose scale is a whole turn.
+_ANGLES = ("direction",)
+
+# Values of circles, at which scales of color begin; 0 for all others.
+_ROUND = {"shape_parameter": 1.0}
+
+# Width of the line of the largest force [points]: at most so wide, and in packings of many
+# particles so wide times sqrt(N), about a tenth of a particle.
+_WIDEST, _WIDEST_OF_MANY = 3.0, 36.0
+
+# Values that differ by less than this part of them are equal up to rounding; values are signed if
+# some are below 0 by more than the other part of the largest, as solvers leave tiny ones.
+_EQUAL, _SIGNED = 1e-12, 1e-6
+
+
+@dataclass(frozen=True)
+class Scale:
+    """Meaning of colors and widths.
+
+    Attributes:
+        low: value of the first color.
+        high: value of the last color; `low` if all values are equal.
+        force: force of the widest line.
+        widest: its width [points].
+        cyclic: whether the first and last color are the same.
+    """
+
+    low: float
+    high: float
+    force: float
+    widest: float
+    cyclic: bool = False
+
+    @property
+    def signed(self) -> bool:
+        """Whether 0 is in the middle of the colors."""
+        return self.low < 0.0 and self.low == -self.high
+
+
+def scale(
+    values: Sequence[NDArray[np.float64]], forces: Sequence[NDArray[np.float64]], color_by: object
+) -> Scale:
+    """One scale for several pictures, from the values of the particles and the forces of each.
+
+    It begins at 0, and at 1 for shape parameters. If some values are negative, 0 is in the middle.
+    For directions it is a whole turn.
+    """
+    begin = _ROUND.get(color_by, 0.0) if isinstance(color_by, str) else 0.0
+    low = min(begin, *(float(np.nanmin(each)) for each in values))
+    high = max(begin, *(float(np.nanmax(each)) for each in values))
+    force = max((np.abs(each).max(initial=0.0) for each in forces), default=0.0)
+    cyclic = isinstance(color_by, str) and color_by in _ANGLES
+    if cyclic:
+        low, high = -np.pi, np.pi
+    elif low < -_SIGNED * high:
+        high = max(-low, high)
+        low = -high
+    elif high - low <= _EQUAL * max(abs(low), abs(high)):
+        high = low
+    widest = min(_WIDEST, _WIDEST_OF_MANY / np.sqrt(len(values[0])))
+    return Scale(low, high, float(force) or 1.0, float(widest), cyclic)
+
+
+def per_particle(
+    color_by: object, found: object, number: int, names: Iterable[str]
+) -> NDArray[np.float64]:
+    """What is found for the colors, as one number for each particle, shape (N,).
+
+    Args:
+        color_by: what the user has asked for.
+        found: the numbers, of which some may be nan, or anything else.
+        number: of particles.
+        names: that the user may ask for.
+
+    Raises:
+        ParameterError: they are no such numbers.
+    """
+    try:
+        values = np.asarray(found)
+    except ValueError:  # rows of unequal length
+        values = np.asarray(None)
+    fits = values.shape == (number,) and values.dtype.kind in "biuf"
+    if not fits or np.isinf(values).any() or np.isnan(values).all():
+        kind = "real " if np.iscomplexobj(values) else ""
+        raise ParameterError(
+            f"color_by must name a value of each particle, such as {', '.join(sorted(names))}, or "
+            f"be {number} {kind}numbers, not {shown(color_by)}"
+        )
+    return values.astype(np.float64)
+
+
+def limited(on: Scale, vmin: float | None, vmax: float | None) -> Scale:
+    """A scale with other values of the first and last color, where these are given.
+
+    Where 0 is in the middle it stays there, unless both are given.
+
+    Raises:
+        ParameterError: they are no numbers, or the first is not below the second.
+    """
+    if vmin is None and vmax is None:
+        return on
+    low = on.low if vmin is None else finite("vmin", vmin)
+    high = on.high if vmax is None else finite("vmax", vmax)
+    if on.signed and vmin is None and high > 0.0:
+        low = -high
+    if on.signed and vmax is None and low < 0.0:
+        high = -low
+    if not low < high:
+        raise ParameterError(f"vmin must be below vmax, not {low:g} and {high:g}")
+    return replace(on, low=low, high=high)
+
+
+def color_map(cmap: str | None, on: Scale) -> Colormap:
+    """The color map of this name; if none is given, one for angles or for the signs of values.
+
+    Raises:
+        ParameterError: matplotlib has no color map of this name.
+    """
+    from matplotlib import colormaps
+
+    if cmap is None:
+        cmap = _CYCLIC if on.cyclic else _DIVERGING if on.signed else _SEQUENTIAL
+    if not (isinstance(cmap, str) and cmap in colormaps):
+        raise ParameterError(f"cmap must be one of matplotlib's color maps, not {shown(cmap)}")
+    return colormaps[cmap].with_extremes(bad=_NO_VALUE)
+
+
+class Mark(NamedTuple):
+    """Lines of one color.
+
+    Attributes:
+        lines: of each particle, arrays of shape (m, 2) [length].
+        widths: of each particle, of its lines [points].
+        color: a name of matplotlib.
+    """
+
+    lines: Sequence[Sequence[NDArray[np.float64]]]
+    widths: Sequence[Sequence[float]]
+    color: str
+
+
+Floats = NDArray[np.float64]
+
+# Where the contacts of a particle are, shape (m, 2), and their forces, shape (m,).
+Halves = tuple[Floats, Floats]
+
+# Dots per inch in a notebook.
+_DOTS = 72
+
+# Area of a picture, and its longest side and least width, if the box is long [inch].
+_AREA, _LONGEST, _NARROWEST = 25.0, 10.0, 1.6
+
+# What the title takes above, the bar of the colors at the side of a picture, or below one that is
+# wider than so many heights, and the margin [inch].
+_TITLE, _BESIDE, _BELOW, _WIDE, _MARGIN = 0.6, 1.4, 0.9, 1.5, 0.2
+
+# Colors of contacts that push, and of those that pull.
+_PUSH, _PULL = "orangered", "magenta"
+
+
+class Packing(Protocol):
+    """What a picture shows of a packing."""
+
+    @property
+    def positions(self) -> Floats: ...
+    @property
+    def box(self) -> Floats: ...
+    @property
+    def walls(self) -> tuple[Wall, ...]: ...
+
+
+class Picture(Figure):
+    """A figure that pyplot does not know, so that none stays open; a notebook shows it."""
+
+    def _repr_png_(self) -> bytes:
+        picture = io.BytesIO()
+        self.savefig(picture, format="png", dpi=_DOTS)
+        return picture.getvalue()
+
+
+def new_figure(packing: Packing, colorbar: bool = True) -> Picture:
+    """An empty figure that is as long as the box."""
+    sides = np.ptp(_frame(packing), axis=0)
+    longest = min(float(np.sqrt(_AREA * sides.max() / sides.min())), _LONGEST)
+    width, height = (sides / sides.max() * longest).tolist()
+    beside, below = (_MARGIN, _BELOW) if _is_wide(packing) else (_BESIDE, 0.0)
+    wide = max(width, _NARROWEST) + (beside if colorbar else _MARGIN)
+    size = (wide, height + _TITLE + below * colorbar)
+    return Picture(figsize=size, layout="constrained")
+
+
+def _is_wide(packing: Packing) -> bool:
+    width, height = np.ptp(_frame(packing), axis=0)
+    return bool(width > _WIDE * height)
+
+
+def draw(
+    packing: Packing,
+    outlines: Sequence[Floats],
+    values: Floats,
+    label: str,
+    title: str,
+    on: Scale,
+    ax: Axes | None = None,
+    flats: Sequence[Sequence[Floats]] | None = None,
+    halves: Sequence[Halves] | None = None,
+    cmap: str | None = None,
+    colorbar: bool = True,
+    marks: Sequence[Mark] = (),
+) -> Axes:
+    """Draw outlines and walls with all periodic images that reach into the box.
+
+    Args:
+        packing: centers, box and walls.
+        outlines: of the particles.
+        values: shown as colors, shape (N,); a particle whose value is nan is gray.
+        label: of the values.
+        title: of the picture.
+        on: scale of colors and forces.
+        ax: axes to draw into; those of a new figure without.
+        flats: contacts of each particle, lines of shape (m, 2), drawn on top [length].
+        halves: contacts of each particle and their forces, for force chains on top; those that pull
+            are magenta.
+        cmap: name of one of matplotlib's color maps; if not given, one for the signs of the values.
+        colorbar: draw a bar of the colors beside the axes, or below if the box is wide.
+        marks: further lines of the particles, drawn on top of all.
+
+    Raises:
+        ParameterError: there is no such color map.
+    """
+    expect("scale", on, Scale)
+    colors_of = color_map(cmap, on)
+    if ax is None:
+        ax = new_figure(packing, colorbar).subplots()
+    expect("ax", ax, Axes)
+
+    box, shut = packing.box, closed(packing.walls)
+    corners = _frame(packing)
+    frame = Polygon(corners, closed=True, fill=False, edgecolor="0.25", linewidth=1.0, zorder=3)
+    ax.add_patch(frame)
+
+    images: list[Floats] = []
+    colors: list[float] = []
+    lines: list[Floats] = []
+    chains: list[Floats] = []
+    pushes: list[float] = []
+    marked: list[list[Floats]] = [[] for _ in marks]
+    widths_of_marks: list[list[float]] = [[] for _ in marks]
+    to_fraction = np.linalg.inv(box)
+    for n, (outline, center) in enumerate(zip(outlines, packing.positions, strict=True)):
+        fraction = outline @ to_fraction
+        low = np.where(shut, 0, np.floor(fraction.min(axis=0))).astype(int)
+        high = np.where(shut, 0, np.floor(fraction.max(axis=0))).astype(int)
+        for a in range(low[0], high[0] + 1):  # as many images as reach into the box
+            for b in range(low[1], high[1] + 1):
+                shift = np.array([a, b]) @ box
+                images.append(outline - shift)
+                colors.append(values[n])
+                lines += [flat - shift for flat in flats[n]] if flats else []
+                if halves:  # each particle draws the half within its outline
+                    ends, forces = halves[n]
+                    chains += [np.array([center, end]) - shift for end in ends]
+                    pushes += (on.widest * forces / on.force).tolist()
+                for k, mark in enumerate(marks):
+                    marked[k] += [line - shift for line in mark.lines[n]]
+                    widths_of_marks[k] += mark.widths[n]
+    particles = PolyCollection(
+        images, array=np.array(colors), cmap=colors_of, edgecolors="0.2", linewidths=0.6
+    )
+    one_value = on.high == on.low
+    particles.set_clim(on.low, on.low + 1.0 if one_value else on.high)
+    drawn: list[Collection] = [particles]  # the first one, of which users make color bars
+    if packing.walls:
+        walls = _obstacles(packing)
+        drawn.append(PolyCollection(walls, facecolors="0.75", edgecolors="0.25", zorder=0.9))
+    if flats:
+        drawn.append(LineCollection(lines, colors="tab:red", linewidths=1.8, capstyle="butt"))
+    if halves:
+        signs = [_PUSH if push >= 0.0 else _PULL for push in pushes]
+        widths = np.abs(pushes).tolist()
+        drawn.append(
+            LineCollection(chains, colors=signs, linewidths=widths, capstyle="round", alpha=0.6)
+        )
+    for mark, found, widths in zip(marks, marked, widths_of_marks, strict=True):
+        drawn.append(LineCollection(found, colors=mark.color, linewidths=widths, capstyle="round"))
+    for collection in drawn:
+        ax.add_collection(collection)
+        collection.set_clip_path(frame)
+
+    if colorbar:
+        place: dict[str, Any] = {"location": "bottom", "aspect": 40.0} if _is_wide(packing) else {}
+        bar = ax.figure.colorbar(particles, ax=ax, label=label, shrink=0.85, **place)
+        if one_value:  # the first color is all there is: no numbers that no particle has
+            bar.set_ticks([on.low])
+    ax.set_title(title, fontsize=11)
+    margin = 0.01 * np.ptp(corners, axis=0)
+    ax.set(
+        xlim=(corners[:, 0].min() - margin[0], corners[:, 0].max() + margin[0]),
+        ylim=(corners[:, 1].min() - margin[1], corners[:, 1].max() + margin[1]),
+        aspect="equal",
+    )
+    ax.set_axis_off()
+    return ax
+
+
+def _frame(packing: Packing) -> Floats:
+    """Corners of the box, or of the container, shape (n, 2) [length]."""
+    if not packing.walls:
+        return np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]) @ packing.box
+    return np.array(container(packing.walls, packing.box).exterior.coords)
+
+
+def _obstacles(packing: Packing) -> list[Floats]:
+    """Corners of the obstacles that are drawn; of a segment both ends."""
+    return [
+        np.array(shape.coords if shape.geom_type == "LineString" else shape.exterior.coords)
+        for shape in obstacles(packing.walls, packing.box)
+    ]

@@ -1,1 +1,0 @@
-"""LAMMPS as the engine: deformable particles, soft disks, polygons."""

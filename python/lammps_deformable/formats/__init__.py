@@ -1,1 +1,0 @@
-"""Files of particles as plain values: LAMMPS, extended XYZ, GSD, and what MDAnalysis reads."""

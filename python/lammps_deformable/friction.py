@@ -1,0 +1,430 @@
+"""Friction and damping of contacts, as settings.
+
+What contacts that rub remember, and spins: a memory that positions do not have.
+
+Contacts that rub in the table of a state: their friction, damping and springs.
+
+Friction in pictures: contacts that slide, forces along contacts, and spins.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from . import core
+from ._checks import expect
+from ._files import comment_lines, rows_in_comments
+from .contacts import COLUMNS, ContactTable, other_sides, react, sides_of
+from .core import unit_vectors
+from .drawing import Mark
+from .errors import ParameterError
+from .laws import AnyLaw, ByPair, Droplet, Sector, by_pair, pair_matrix
+from .plot import flats_of
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from .packing import Packing
+
+_NAMES = ("mu", "kt", "gt", "damp")
+
+# Masses are 1, and 1 + m R^2/I is that of spheres at most.
+_MASS, _LEVER = 1.0, 3.5
+
+# At this part of the longest time step energies and restitution are right to a percent.
+_ACCURATE = 0.1
+
+
+@dataclass(frozen=True)
+class Friction:
+    """Friction and damping of contacts, for `Simulation`.
+
+    The sides of a contact move against each other by v. A spring of the length xi along the contact
+    and a dashpot have the force, by which both sides rub, and another dashpot damps the normal:
+
+        f_t = kt xi + gt dxi/dt,   dxi/dt = v.t,   held to |f_t| <= mu max(f, 0)
+        f_d = min(damp v.n, max(f, 0))
+
+    f is the elastic force of the contact. Particles turn: their spins have the moments of inertia
+    m R^2/2 of disks. See *fix deformable/friction*.
+
+    Args:
+        mu: coefficient of friction, 0 or more; `math.inf` is a contact that does not slip.
+        kt: stiffness of the spring [energy/length^2]; about half of that of the contact is usual.
+        gt: constant of the dashpot along the contact [force/velocity].
+        damp: constant of the dashpot along its normal [force/velocity].
+        walls: of contacts with walls, each a number; if not given they are as those of particles.
+
+    Each of the first four is a number for all pairs, or a symmetric matrix with a row and a column
+    for each species.
+
+    Raises:
+        ParameterError: a value is no such number or matrix, is negative, or must be finite.
+
+    Source: Cundall and Strack, Geotechnique 29, 47 (1979); LAMMPS' *pair_style granular*.
+    """
+
+    mu: ByPair
+    kt: ByPair
+    gt: ByPair = 0.0
+    damp: ByPair = 0.0
+    walls: Friction | None = None
+
+    def __post_init__(self) -> None:
+        for name in _NAMES:
+            object.__setattr__(self, name, by_pair(name, getattr(self, name)))
+        for row in self._rows():
+            if problem := core.invalid_friction(*row):
+                raise ParameterError(problem)
+        expect("walls", self.walls, Friction, type(None))
+        if self.walls and (self.walls.by_species or self.walls.walls):
+            raise ParameterError("friction with walls has one number for each of mu, kt, gt, damp")
+
+    @property
+    def rubs(self) -> bool:
+        """Whether any particles do: dashpots alone damp."""
+        return bool(np.any(np.asarray(self.mu) > 0.0))
+
+    @property
+    def by_species(self) -> bool:
+        """Whether a value differs by species."""
+        return any(np.ndim(getattr(self, name)) for name in _NAMES)
+
+    @property
+    def longest_step(self) -> float:
+        """The longest time step that *fix deformable/friction* takes [time]."""
+        own = min(
+            core.friction_time_step(mu, kt, gt, damp, _MASS, _LEVER)
+            for mu, kt, gt, damp in self._rows()
+        )
+        return min(own, self.walls.longest_step) if self.walls else own
+
+    @property
+    def accurate_step(self) -> float:
+        """The longest one that is accurate to a few percent [time]."""
+        return _ACCURATE * self.longest_step
+
+    def of_pairs(self, species: int) -> NDArray[np.float64]:
+        """mu, kt, gt and damp of each pair, shape (species, species, 4).
+
+        Raises:
+            ParameterError: there is another number of species.
+        """
+        return np.stack([pair_matrix(name, getattr(self, name), species) for name in _NAMES], 2)
+
+    def _rows(self) -> list[list[float]]:
+        """mu, kt, gt and damp of each pair of as many species as matrices have."""
+        species = max(len(np.atleast_1d(getattr(self, name))) for name in _NAMES)
+        rows: list[list[float]] = self.of_pairs(species).reshape(-1, len(_NAMES)).tolist()
+        return rows
+
+
+def check_friction(friction: Friction, packing: Packing, law: AnyLaw) -> None:
+    """Refuse friction where contacts do not slip, or where coefficients are missing.
+
+    Raises:
+        ParameterError: the law is `Sector` or `Droplet`; there is another number of species; or
+            there are walls, and coefficients by species only.
+    """
+    expect("friction", friction, Friction)
+    if isinstance(law, Droplet):
+        raise ParameterError(
+            "friction is for particles in the plane, and droplets have three dimensions: leave it "
+            "out"
+        )
+    if isinstance(law, Sector):
+        raise ParameterError(
+            "friction needs contacts that slip, and those of Sector stick: take Ring"
+        )
+    friction.of_pairs(len(packing.radii))
+    if packing.walls and friction.by_species and friction.walls is None:
+        raise ParameterError(
+            "friction differs by species, and walls have none: give it walls=Friction(mu, kt)"
+        )
+
+
+# ID of the fix: one that a user would not take.
+FRICTION = "deformable_friction"
+
+# Numbers of a spring, and springs in a line.
+_NUMBERS, _SPRINGS = 7, 20
+
+_LOSSES = 3
+
+_DAMPED = """
+fix deformable_move all nve/sphere disc
+fix deformable_drag all viscous {rate!r}
+variable deformable_inertia atom 0.5*mass*radius^2
+fix deformable_turn all viscous/sphere {rate!r} scale v_deformable_inertia
+"""
+
+# Of a trajectory.
+_SPIN = "spin"
+
+
+class Rubbing(NamedTuple):
+    """What goes on where contacts rub.
+
+    Attributes:
+        spins: angular velocities of the particles, shape (N,) [1/time].
+        springs: of the contacts, shape (M, 7): the ID from 1 of its particle, that of its partner
+            or the code below 0 of a wall; the vector to the center of the partner, 0 of a wall; the
+            length xi of the spring; the forces f_t and f_d.
+        lost: energies lost so far by sliding, in the dashpots gt, and in the dashpots damp.
+        stored: energy of the springs; known of states only.
+        places: of the springs, shape (M, 4): the normal of the contact, and the vector from the
+            particle to the center of its partner or to the wall; known of states only.
+    """
+
+    spins: NDArray[np.float64]
+    springs: NDArray[np.float64]
+    lost: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    stored: float = 0.0
+    places: NDArray[np.float64] = np.zeros((0, 4))
+
+
+def friction_commands(friction: Friction | None, species: int) -> str:
+    """The fix for particles of so many species; none without friction."""
+    if friction is None:
+        return ""
+    pairs = friction.of_pairs(species)
+    words = [_numbers(pairs[0, 0].tolist(), " damp")]
+    if friction.by_species:
+        words += [
+            f"types {i + 1} {j + 1}{_numbers(pairs[i, j].tolist())}"
+            for i in range(species)
+            for j in range(i, species)
+        ]
+    if friction.walls:
+        words.append(f"types * wall{_numbers(friction.walls.of_pairs(1)[0, 0].tolist())}")
+    return f"fix {FRICTION} all deformable/friction{' '.join(words)}\n"
+
+
+def damped_commands(rate: float) -> str:
+    """Commands for motion where velocities and spins decay, as I dw/dt = - rate I w."""
+    return _DAMPED.format(rate=rate).strip()
+
+
+def undamped_commands() -> str:
+    """Commands that end that motion."""
+    names = (line.split()[1] for line in _DAMPED.splitlines() if line.startswith("fix "))
+    return "\n".join(f"unfix {name}" for name in names)
+
+
+def _numbers(values: list[float], before_last: str = "") -> str:
+    mu, kt, gt, damp = values
+    return f" {mu!r} {kt!r} {gt!r}{before_last} {damp!r}"
+
+
+def spring_commands(rubbing: Rubbing | None) -> str:
+    """Commands that give the fix its springs and losses; none if they are not given."""
+    if rubbing is None:
+        return ""
+    lines = [f"lost {' '.join(map(repr, rubbing.lost))}", "springs none"]
+    for n in range(0, len(rubbing.springs), _SPRINGS):
+        lines.append("springs" + "".join(_words(rubbing.springs[n : n + _SPRINGS])))
+    return "".join(f"fix_modify {FRICTION} {line}\n" for line in lines)
+
+
+def _words(springs: NDArray[np.float64]) -> list[str]:
+    return [
+        f" {round(i)} {round(j)} {' '.join(map(repr, numbers))}"
+        for i, j, *numbers in springs.tolist()
+    ]
+
+
+def rubbing_lines(rubbing: Rubbing | None) -> str:
+    """Comments at the end of a data file; none without friction. Spins are among its velocities."""
+    if rubbing is None:
+        return ""
+    lost = np.array([rubbing.lost])
+    return comment_lines("spring", rubbing.springs) + comment_lines("lost by friction", lost)
+
+
+def rubbing_in(text: str, spins: NDArray[np.float64]) -> Rubbing | None:
+    """What the comments of a data file have, beside the spins of its velocities.
+
+    Raises:
+        ValueError: they are damaged.
+    """
+    springs = rows_in_comments(text, "spring", _NUMBERS)
+    lost = rows_in_comments(text, "lost by friction", _LOSSES)
+    if springs is None or lost is None:
+        return None
+    ((sliding, dashpots, damping),) = lost.tolist()
+    return Rubbing(spins, springs, (sliding, dashpots, damping))
+
+
+def rubbing_as_json(rubbing: Rubbing | None) -> dict[str, Any]:
+    """All but the spins, which are in a trajectory; nothing without friction."""
+    if rubbing is None:
+        return {}
+    return {"springs": rubbing.springs.tolist(), "lost_by_friction": list(rubbing.lost)}
+
+
+def rubbing_from_json(
+    saved: Mapping[str, Any], columns: Mapping[str, NDArray[np.float64]]
+) -> Rubbing | None:
+    """The inverse of `rubbing_as_json` and `spin_column`.
+
+    Raises:
+        KeyError, ValueError, TypeError: it is damaged.
+    """
+    if "springs" not in saved:
+        return None
+    sliding, dashpots, damping = map(float, saved["lost_by_friction"])
+    springs = np.array(saved["springs"], np.float64).reshape(-1, _NUMBERS)
+    return Rubbing(columns[_SPIN], springs, (sliding, dashpots, damping))
+
+
+def spin_column(rubbing: Rubbing | None) -> dict[str, NDArray[np.float64]]:
+    """The spins as a column of a trajectory; none without friction."""
+    return {} if rubbing is None else {_SPIN: rubbing.spins}
+
+
+Floats = NDArray[np.float64]
+
+# They follow those of contacts that slip freely. Forces are those on i, [energy/length].
+RUBBING = np.dtype(
+    [
+        ("friction", float),  # f_t, along the line: in the direction of its normal, turned left
+        ("damping", float),  # f_d, along the normal
+        ("spring", float),  # its length xi [length]
+        ("sliding", bool),  # whether the friction has its largest value
+    ]
+)
+_WITH_RUBBING = np.dtype(COLUMNS.descr + RUBBING.descr)
+
+# Those of fix deformable/friction: a row for each contact, with radical lines for each side.
+RUBBING_ROWS = (
+    *("i", "j", "x", "y", "angle", "force"),
+    *("friction", "damping", "spring", "sliding", "wall"),
+)
+
+
+def rubbing_table(
+    rows: Floats, packing: Packing, rubbing_rows: Floats
+) -> tuple[ContactTable, Floats, Floats]:
+    """As `contact_table`, with the columns of `RUBBING`, and the springs of the contacts.
+
+    Args:
+        rows: of compute deformable/contact on all ranks.
+        packing: centers and box at the same time.
+        rubbing_rows: of fix deformable/friction on all ranks, shape (M, len(RUBBING_ROWS)).
+
+    Returns:
+        The table, whose `force_vector` has friction and damping too; and `springs` and `places` of
+        `Rubbing`.
+    """
+    sides = sides_of(rows, packing)
+    table = np.zeros(len(sides), _WITH_RUBBING)
+    for name in COLUMNS.names or ():
+        table[name] = sides[name]
+    told = dict(zip(RUBBING_ROWS, np.ascontiguousarray(rubbing_rows.T), strict=True))
+    at = _sides_in(table, told["i"], np.where(told["wall"] < 0, 0, told["j"]), told["angle"])
+    for name in RUBBING.names or ():
+        table[name][at] = told[name]
+    out = unit_vectors(told["angle"])
+    across = np.column_stack([-out[:, 1], out[:, 0]])
+    table["force_vector"][at] += told["damping"][:, None] * out + told["friction"][:, None] * across
+    react(table)
+    _tell_other_sides(table, at)
+    return table, *_springs(table[at], told["wall"])
+
+
+def _sides_in(table: ContactTable, i: Floats, j: Floats, angle: Floats) -> NDArray[np.int64]:
+    """Sides with these IDs, j = 0 for a wall; a pair in a small box has several directions."""
+    out = unit_vectors(np.ascontiguousarray(table["angle"]))
+    given = np.column_stack([table["i"] + 1, table["j"] + 1, out])
+    _, at = cKDTree(given).query(np.column_stack([i, j, unit_vectors(angle)]))
+    return np.asarray(at, np.int64)
+
+
+def _tell_other_sides(table: ContactTable, known: NDArray[np.int64]) -> None:
+    """Give the second side of a line what the first one has; a radical side has its own."""
+    pair, other = other_sides(table)
+    tell = table["force"] != 0.0
+    tell[known] = False
+    for name in RUBBING.names or ():
+        both = table[name][pair]
+        table[name][pair] = np.where(tell[pair], both[other], both)
+
+
+def _springs(sides: ContactTable, wall: Floats) -> tuple[Floats, Floats]:
+    """See `springs` and `places` of `Rubbing`, sorted.
+
+    Args:
+        sides: that remember.
+        wall: the code below 0 of each wall, else 0.
+    """
+    apart = sides["distance"][:, None] * unit_vectors(sides["angle"] - sides["tilt"])
+    places = np.column_stack([unit_vectors(np.ascontiguousarray(sides["angle"])), apart])
+    apart[wall < 0] = 0.0
+    partner = np.where(wall < 0, wall, sides["j"] + 1)
+    values = (sides["spring"], sides["friction"], sides["damping"])
+    springs = np.column_stack([sides["i"] + 1, partner, apart, *values])
+    order = np.lexsort(springs.T[3::-1])
+    return springs[order], places[order]
+
+
+# Colors of contacts that slide and stick, and their width [points].
+_SLIDES, _STICKS, _CONTACT = "lime", "orangered", 2.0
+
+# Length of the bar of a friction that is as large as the force, over the radius.
+_BAR = 1.0
+
+# An arrow of a spin: its radius over that of the particle, the angle of the fastest one, the size
+# of its head over its radius, the points of its arc; widths and colors, first the lower one.
+_PLACE, _FASTEST, _HEAD, _POINTS = 0.45, 1.6 * np.pi, 0.45, 24
+_ARROW = ((2.8, "white"), (1.0, "black"))
+
+
+def sliding_contacts(
+    outlines: Sequence[Floats], packing: Packing, tables: Sequence[ContactTable]
+) -> Mark:
+    """The contacts that slide, as the outlines share them."""
+    sliding = [table[table["sliding"]] for table in tables]
+    lines = flats_of(outlines, packing.radius, sliding)
+    return Mark(lines, [[_CONTACT] * len(each) for each in lines], _SLIDES)
+
+
+def friction_bars(packing: Packing, tables: Sequence[ContactTable]) -> list[Mark]:
+    """A bar along each contact, the longer the larger its friction is, compared with its force."""
+    marks = []
+    for slides, color in ((False, _STICKS), (True, _SLIDES)):
+        lines, widths = [], []
+        for radius, table in zip(packing.radius, tables, strict=True):
+            rows = table[(table["sliding"] == slides) & (table["friction"] != 0.0)]
+            part = np.minimum(np.abs(rows["friction"] / rows["force"]), 1.0)
+            across = 0.5 * _BAR * radius * part[:, None] * unit_vectors(rows["angle"] + 0.5 * np.pi)
+            ends = np.stack([rows["position"] - across, rows["position"] + across], axis=1)
+            lines.append(list(ends))
+            widths.append([_CONTACT] * len(rows))
+        marks.append(Mark(lines, widths, color))
+    return marks
+
+
+def spin_arrows(packing: Packing, spins: Floats) -> list[Mark]:
+    """An arc with a head in each particle, the longer the faster it turns."""
+    fastest = float(np.abs(spins).max(initial=0.0)) or 1.0
+    arrows = [
+        _arrow(center, _PLACE * radius, _FASTEST * spin / fastest)
+        for center, radius, spin in zip(packing.positions, packing.radius, spins, strict=True)
+    ]
+    return [
+        Mark(arrows, [[width] * len(each) for each in arrows], color) for width, color in _ARROW
+    ]
+
+
+def _arrow(center: Floats, radius: float, angle: float) -> list[Floats]:
+    """An arc from above by this angle, positive to the left, and the head at its end."""
+    arc = center + radius * unit_vectors(0.5 * np.pi + angle * np.linspace(0.0, 1.0, _POINTS))
+    back = 0.5 * np.pi + angle - np.copysign(0.5 * np.pi, angle)
+    head = min(_HEAD, abs(angle)) * radius * unit_vectors(np.array([back - 0.5, back, back + 0.5]))
+    head[1] = 0.0
+    return [arc, arc[-1] + head]

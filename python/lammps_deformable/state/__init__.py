@@ -1,1 +1,0 @@
-"""Snapshots of a simulation, their contacts, and their pictures."""

@@ -1,0 +1,777 @@
+"""Directions in which particles propel themselves, as angles in a trajectory or a data file.
+
+The LAMMPS data file of a saved state: its packing, and what a motion goes on with.
+
+The script by which LAMMPS takes up a saved packing by itself.
+
+The files of a folder of results, and checks so that nothing is replaced unasked.
+
+Tables of states that grow row by row: CSV files that other programs read.
+
+Recorded frames of a run: each has a row in the series and a frame in the trajectory.
+
+A saved state: data file, species file, LAMMPS script and summary in one folder.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import re
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._checks import expect
+from ._files import as_json, from_json, make_folder, reading, refuse_present, write_whole, writing
+from .commands import (
+    Films,
+    as_films,
+    atom_style,
+    film_commands,
+    film_lines,
+    films_in,
+    law_commands,
+    setup_commands,
+    species_file,
+    wall_commands,
+)
+from .core import unit_vectors
+from .errors import FileError, ParameterError
+from .files import data_file, dump_frame, read_data_file, read_dump_frame, sphere_columns
+from .friction import (
+    Friction,
+    Rubbing,
+    friction_commands,
+    rubbing_as_json,
+    rubbing_from_json,
+    rubbing_in,
+    rubbing_lines,
+    spring_commands,
+)
+from .laws import ALL_LAWS, AnyLaw
+from .packing import Packing
+from .room import closed
+from .versions import versions
+from .walls import KINDS, Wall
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+
+_COLUMN = "direction"
+
+
+def as_columns(directions: NDArray[np.float64] | None) -> dict[str, NDArray[np.float64]]:
+    """A column with the angles of unit vectors, shape (N, 2), to the x axis; none without them."""
+    return {} if directions is None else {_COLUMN: np.arctan2(directions[:, 1], directions[:, 0])}
+
+
+def from_columns(columns: Mapping[str, NDArray[np.float64]]) -> NDArray[np.float64] | None:
+    """The unit vectors of the columns of a trajectory, shape (N, 2); None without directions."""
+    return unit_vectors(columns[_COLUMN]) if _COLUMN in columns else None
+
+
+def direction_lines(directions: NDArray[np.float64] | None) -> str:
+    """Comments at the end of a data file, in the order of IDs; none without directions."""
+    angles = as_columns(directions).get(_COLUMN)
+    return "" if angles is None else "\n" + "".join(f"# {_COLUMN} {a!r}\n" for a in angles.tolist())
+
+
+def directions_in(text: str, number: int) -> NDArray[np.float64] | None:
+    """The unit vectors in the comments of a data file of so many atoms; None without.
+
+    Raises:
+        ValueError: they are damaged.
+    """
+    angles = re.findall(rf"^# {_COLUMN} (.+)$", text, re.MULTILINE)
+    if len(angles) not in (0, number):
+        raise ValueError(f"it has directions of {len(angles)} of {number} atoms")
+    return from_columns({_COLUMN: np.array(angles, np.float64)} if angles else {})
+
+
+class Motion(NamedTuple):
+    """How far a simulation has come, beside its packing.
+
+    Attributes:
+        velocities: of the particles, shape (N, d) [length/time].
+        time: of the motion so far [time].
+        strain: shear strain so far; None without shear.
+        films: those that there are, see `films.py`; None if nothing sticks.
+        directions: in which particles propel themselves, shape (N, 2); None if they do not.
+        rubbing: spins, and what contacts that rub remember; None if they do not.
+    """
+
+    velocities: NDArray[np.float64]
+    time: float = 0.0
+    strain: float | None = None
+    films: Films | None = None
+    directions: NDArray[np.float64] | None = None
+    rubbing: Rubbing | None = None
+
+    @property
+    def moves(self) -> bool:
+        """Whether any particle moves or spins."""
+        spins = self.rubbing is not None and self.rubbing.spins.any()
+        return bool(self.velocities.any() or spins)
+
+    def at(self, former: tuple[Wall, ...], walls: tuple[Wall, ...]) -> Motion:
+        """The motion between walls in the place of former ones, whose numbers contacts know.
+
+        Films and springs of walls are left out if the kinds of the walls are others.
+        """
+        if [wall.kind for wall in walls] == [wall.kind for wall in former]:
+            return self
+        films, rubbing = self.films, self.rubbing
+        if films is not None:
+            films = films[films[:, 1] > 0]
+        if rubbing is not None:
+            rubbing = rubbing._replace(springs=rubbing.springs[rubbing.springs[:, 1] > 0])
+        return self._replace(films=films, rubbing=rubbing)
+
+
+def packing_file(packing: Packing, motion: Motion, frames: int | None) -> str:
+    """A packing as a LAMMPS data file.
+
+    Its title has the time and the strain where these are not 0, and the number of recorded frames,
+    if given. Films, directions and springs of contacts are comments at its end.
+    """
+    style = atom_style(packing)
+    space = "two" if packing.dimension == 2 else "three"
+    title = f"LAMMPS data file by lammps-deformable, units lj, atom_style {style}, "
+    title += f"{space}-dimensional"
+    columns: list[NDArray[Any]] = [packing.species + 1]
+    if packing.particle_radii is not None:
+        columns += sphere_columns(packing.particle_radii)
+    if motion.time:
+        title += f", time {motion.time!r}"
+    if motion.strain is not None:
+        title += f", strain {motion.strain!r}"
+    text = data_file(
+        title if frames is None else f"{title}, {frames} frames",
+        style,
+        packing.box,
+        len(packing.radii),
+        columns,
+        packing.positions,
+        origin=packing.origin.tolist(),
+        velocities=motion.velocities if motion.moves else None,
+        spins=motion.rubbing.spins if motion.rubbing else None,
+    )
+    memory = film_lines(motion.films) + rubbing_lines(motion.rubbing)
+    return text + memory + direction_lines(motion.directions)
+
+
+def packing_in(text: str, radii: list[float], dimension: int) -> Packing:
+    """The packing in a data file, which LAMMPS itself would round while it reads it.
+
+    Args:
+        text: of the file, as `packing_file` or LAMMPS' `write_data` writes it.
+        radii: of the species [length].
+        dimension: 2, or 3 in space.
+
+    Raises:
+        ValueError: the text is no such file, or lacks atoms.
+    """
+    found = read_data_file(text)
+    if not np.array_equal(found.ids, np.arange(1, len(found.ids) + 1)):
+        raise ValueError(f"atom IDs must be 1 to {len(found.ids)}")
+    own = "diameter" in found.columns
+    return Packing(
+        positions=found.places(dimension),
+        species=found.species,
+        radii=np.array(radii),
+        box=found.lattice(dimension),
+        particle_radii=found.radius("diameter") if own else None,
+    )
+
+
+def motion_in(text: str, number: int, dimension: int) -> Motion:
+    """The motion in a data file of so many atoms, as `packing_file` or `write_data` writes it.
+
+    Args:
+        text: of the file.
+        number: of atoms.
+        dimension: 2, or 3 in space.
+
+    Raises:
+        ValueError: velocities or directions are missing or damaged.
+    """
+    title, _, body = text.partition("\n")
+    time, strain = (re.search(rf", {name} ([^,]+)", title) for name in ("time", "strain"))
+    velocities, spins = np.zeros((number, dimension)), np.zeros(number)
+    _, _, section = body.partition("\nVelocities\n\n")
+    rows = [row.split() for row in section.partition("\n\n")[0].splitlines()]
+    if rows:
+        ids, vx, vy, vz, *turn = np.array(rows, dtype=np.float64).T
+        if sorted(ids) != list(range(1, number + 1)):
+            raise ValueError(f"it has velocities of {len(ids)} of {number} atoms")
+        order = ids.astype(np.int64) - 1
+        velocities[order] = np.column_stack([vx, vy, vz][:dimension])
+        spins[order] = turn[2] if len(turn) > 2 else 0.0
+    return Motion(
+        velocities,
+        float(time[1]) if time else 0.0,
+        float(strain[1]) if strain else None,
+        films_in(text),
+        directions_in(text, number),
+        rubbing_in(text, spins),
+    )
+
+
+# Of the motion that the comments of a script propose [energy].
+TEMPERATURE = 1e-8
+
+_SCRIPT = """
+# A packing saved by lammps-deformable. Run it in this folder: lmp -in {script}
+# Later saves replace this file: copy it before you change it.
+{setup}
+read_data {data}
+{law}
+thermo_style custom step pe ke press
+thermo_modify norm no format float %.16g
+run 0
+
+{relaxing}# To let it move at constant energy{but}:
+# timestep {moving!r}
+{velocity}# fix move all {integrator}
+{plane}# thermo 100
+# run 1000
+"""
+
+
+_RELAXING = """# To relax it:
+# minimize 0 1e-12 10000 20000
+
+"""
+
+
+def script(
+    packing: Packing,
+    law: AnyLaw,
+    timestep: float,
+    moving: float,
+    motion: Motion,
+    friction: Friction | None,
+) -> str:
+    """Text of a LAMMPS script that reads a saved packing and evaluates it.
+
+    Args:
+        packing: what is saved.
+        law: its contact law.
+        timestep: of a minimization [time].
+        moving: time step of a motion at the temperature `TEMPERATURE` [time].
+        motion: of the saved particles, with films and springs of contacts.
+        friction: of the contacts, if they rub.
+    """
+    commands = law_commands(packing, law, SPECIES) + wall_commands(packing.walls)
+    commands += film_commands(law, packing.walls, motion.films)
+    commands += friction_commands(friction, len(packing.radii)) + spring_commands(motion.rubbing)
+    commands += f"timestep {timestep!r}\n"
+    setup = setup_commands(packing)
+    velocity = "" if motion.moves else f"# velocity all create {TEMPERATURE!r} 12345\n"
+    integrator = "nve/sphere disc" if friction else "nve"
+    relaxing = "" if friction else _RELAXING  # minimizers pass over friction
+    proposed = {
+        "but": " (not with deformable/sector)" if packing.dimension == 2 else "",
+        "moving": moving,
+        "velocity": velocity,
+        "integrator": integrator,
+        "relaxing": relaxing,
+        "plane": "# fix plane all enforce2d\n" if packing.dimension == 2 else "",
+    }
+    return _SCRIPT.format(script=SCRIPT, setup=setup, data=DATA, law=commands, **proposed).lstrip()
+
+
+# Files of a run, see `recording`.
+DATA, SUMMARY = "packing.data", "summary.json"
+SERIES, TRAJECTORY, SETUPS = "series.csv", "trajectory.lammpstrj", "setups.jsonl"
+SPECIES, SCRIPT = "species.deformable", "in.lammps"
+
+# Results that are kept for an interrupted report.
+PARTS = "*parts/*/joblib"
+
+Kind = Literal["compression", "report"]
+
+_SHOWN: dict[Kind, str] = {
+    "compression": "a run",
+    "report": "a report",
+}
+
+
+def holds(folder: str | Path) -> Kind | None:
+    """Kind of results in a folder, or None if it has none."""
+    folder = Path(folder)
+    if any((folder / name).exists() for name in (DATA, SERIES, TRAJECTORY)):
+        return "compression"
+    if (folder / "report.json").exists() or any(folder.glob(PARTS)):
+        return "report"
+    return None
+
+
+def refuse(folder: str | Path, but: Kind | None = None, ways: tuple[str, ...] = ()) -> Path:
+    """Raise an error unless a folder is free for new results.
+
+    Args:
+        folder: may be missing.
+        but: kind of results that it may hold.
+        ways: ways out to name in the error if it holds a run.
+
+    Returns:
+        The folder.
+
+    Raises:
+        ParameterError: its name is empty.
+        FileError: it is a file or within one, or it holds other results.
+    """
+    expect("folder", folder, str, Path)
+    if str(folder) == "":
+        raise ParameterError("a folder needs a name, not '': for this one give '.'")
+    folder = Path(folder)
+    with writing(folder):  # names may be too long
+        for place in (folder, *folder.parents):
+            if place.exists() and not place.is_dir():
+                raise FileError(f"'{place}' is a file, not a folder: name another folder")
+        found = holds(folder)
+    if found is not None and found != but:
+        ways_out = (*(ways if found == "compression" else ()), "name another folder")
+        raise FileError(f"'{folder}' holds {_SHOWN[found]}: {', or '.join(ways_out)}")
+    return folder
+
+
+def refuse_run(folder: str | Path, overwrite: bool, ways: tuple[str, ...] = ()) -> Path:
+    """Raise an error unless a folder is free for a new run.
+
+    Args:
+        folder: may be missing.
+        overwrite: replace a run in it.
+        ways: further ways out to name in the error if it holds one.
+
+    Returns:
+        The folder.
+
+    Raises:
+        FileError: as `refuse`, or it has a file of the name of one of a run.
+    """
+    expect("overwrite", overwrite, bool)
+    ways = (*ways, "replace it with overwrite=True")
+    place = refuse(folder, "compression" if overwrite else None, ways)
+    for name in (SUMMARY, SPECIES, SCRIPT, SETUPS):
+        refuse_present(place / name, overwrite)
+    return place
+
+
+def rows_in(path: Path) -> list[dict[str, str]]:
+    """The rows of a table; none without the file."""
+    if not path.exists():
+        return []
+    with path.open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def columns_in(path: Path) -> list[str]:
+    """The columns that a table began with; none without the file."""
+    if not path.exists():
+        return []
+    with path.open(newline="", errors="replace") as file:
+        return next(csv.reader(file), [])
+
+
+def append_row(path: Path, number: int, numbers: Mapping[str, Any]) -> None:
+    """Append a row, which is in the file when this returns; later rows keep the first columns.
+
+    Args:
+        path: of the table.
+        number: of the frame; 0 begins the table.
+        numbers: values by column.
+    """
+    row = io.StringIO()
+    names = (columns_in(path) if number else []) or ["frame", *numbers]
+    writer = csv.DictWriter(row, names, extrasaction="ignore")
+    if number == 0:
+        writer.writeheader()
+    writer.writerow({"frame": number} | dict(numbers))
+    append(path, row.getvalue())
+
+
+def keep_rows(path: Path, count: int) -> None:
+    """Cut a table after its first rows; without rows it has no columns either."""
+    keep(path, count + 1 if count > 0 else 0, r"(?<=\n)")
+
+
+def refuse_foreign(path: Path) -> None:
+    """Raise an error if there is a file that is no table of states."""
+    with writing(path):  # names may be too long
+        columns = columns_in(path)
+    if columns and "phi" not in columns:
+        raise FileError(f"{path} is no series of states: take another name")
+
+
+def append(path: Path, text: str) -> None:
+    """Append text to a file."""
+    with writing(path), path.open("a", newline="") as file:
+        file.write(text)
+
+
+def keep(path: Path, count: int, boundary: str) -> None:
+    """Cut a file after its first parts, which begin at the boundary (a regular expression)."""
+    text = path.read_bytes().decode() if path.exists() else ""
+    parts = [part for part in re.split(boundary, text) if part]
+    if len(parts) > count:
+        write_whole(path, "".join(parts[:count]))
+
+
+def frames_in(folder: Path) -> int:
+    """Number of recorded frames up to the saved state in a folder, in its title or its series."""
+    if (folder / DATA).exists():
+        title = (folder / DATA).read_text(errors="replace").partition("\n")[0]
+        counted = re.search(r", (\d+) frames$", title)
+        if counted:
+            return int(counted[1])
+    return len(series_in(folder))
+
+
+def series_in(folder: Path) -> list[dict[str, str]]:
+    """The rows of the series in a folder; none without a series."""
+    return rows_in(folder / SERIES)
+
+
+def recorded(folder: Path, name: str) -> Path:
+    """The file of this name of a recorded run.
+
+    Raises:
+        FileError: there is none.
+    """
+    if not (folder / name).exists():
+        raise FileError(f"no recorded run in '{folder}': {folder / name} is missing")
+    return folder / name
+
+
+def check_frames(folder: Path) -> None:
+    """Raise an error if the series or the trajectory lacks a frame; both may have more frames."""
+    count = frames_in(folder)
+    for path, numbers in (
+        (folder / TRAJECTORY, _frames_of_trajectory(folder / TRAJECTORY)),
+        (folder / SERIES, (row.get("frame") for row in series_in(folder))),
+    ):
+        for n in range(count):
+            if next(numbers, None) != str(n):
+                raise FileError(
+                    f"{path} lacks frame {n} of {count} recorded frames: restore the file, or name "
+                    "another folder"
+                )
+
+
+def _frames_of_trajectory(path: Path) -> Iterator[str]:
+    """Frame numbers, up to the first incomplete frame."""
+    if not path.exists():
+        return
+    with path.open() as file:
+        while True:
+            head = [file.readline().strip() for _ in range(9)]
+            if head[0] != "ITEM: TIMESTEP" or not (head[1].isdigit() and head[3].isdigit()):
+                return
+            rows = [file.readline() for _ in range(int(head[3]))]
+            if not all(row.endswith("\n") for row in rows):
+                return
+            yield head[1]
+
+
+def clock_of(folder: Path) -> list[tuple[float, float | None]]:
+    """Time and shear strain of each frame in the series; None without shear."""
+    rows = series_in(folder)
+    given = [(row.get("time") or 0.0, row.get("strain") or None) for row in rows]
+    return [(float(time), None if strain is None else float(strain)) for time, strain in given]
+
+
+def stalled_in(folder: Path) -> list[bool]:
+    """Whether the relaxation of each frame in the series had stalled."""
+    return [row.get("stalled") == str(True) for row in series_in(folder)]
+
+
+def keep_frames(folder: Path, first: int) -> None:
+    """Cut series, trajectory and setups after their first frames: a killed run may have more."""
+    keep(folder / TRAJECTORY, first, r"(?=ITEM: TIMESTEP\n)")
+    keep_rows(folder / SERIES, first)
+    former = [setup for setup in setups_in(folder) if setup["frame"] < first]
+    text = "".join(json.dumps(setup) + "\n" for setup in former)
+    if (folder / SETUPS).exists() and (folder / SETUPS).read_text() != text:
+        write_whole(folder / SETUPS, text)
+
+
+def drop_frames(folder: Path) -> None:
+    """Make place for another run: without its packing first, so that a half is never a whole."""
+    for name in (DATA, SERIES, TRAJECTORY, SETUPS):
+        (folder / name).unlink(missing_ok=True)
+
+
+def append_setup(folder: Path, number: int, setup: Mapping[str, Any]) -> None:
+    """Append what a frame is made of besides its particles, if the frame before had another."""
+    line = json.dumps({"frame": number} | dict(setup), allow_nan=False) + "\n"
+    # the last one is that of the frame before, as `keep_frames` has cut what came later
+    last = _last_line(folder / SETUPS)
+    with reading(folder / SETUPS):
+        if not last or json.loads(line) != dict(json.loads(last)) | {"frame": number}:
+            append(folder / SETUPS, line)
+
+
+def _last_line(path: Path) -> bytes:
+    """The last whole line of a file, empty without: springs make such files long."""
+    if not path.exists():
+        return b""
+    with path.open("rb") as file:
+        size, block = file.seek(0, 2), 1 << 16
+        while True:
+            file.seek(max(size - block, 0))
+            whole, end, _ = file.read().rpartition(b"\n")
+            _, begin, last = whole.rpartition(b"\n")
+            if block >= size or (begin and end):
+                return last if end else b""
+            block *= 4
+
+
+def setup_of(setups: list[dict[str, Any]], number: int) -> dict[str, Any]:
+    """That of a frame among those of its run.
+
+    Raises:
+        LookupError: there is none.
+    """
+    for setup in reversed(setups):
+        if setup["frame"] <= number:
+            return setup
+    raise LookupError(f"{SETUPS} lacks it")
+
+
+def setups_in(folder: Path) -> list[dict[str, Any]]:
+    """What frames are made of besides their particles, each with the number of its first frame.
+
+    A killed run may have a part of a line at the end, which is left out.
+
+    Raises:
+        FileError: the file is damaged.
+    """
+    path = folder / SETUPS
+    lines = path.read_text().split("\n")[:-1] if path.exists() else []
+    with reading(path):
+        setups = [dict(json.loads(line)) for line in lines]
+        return [setup | {"frame": int(setup["frame"])} for setup in setups]
+
+
+def texts_of(folder: Path) -> list[str]:
+    """The frames of the trajectory as text, each without its first line.
+
+    Raises:
+        FileError: there is no trajectory.
+    """
+    return recorded(folder, TRAJECTORY).read_text().split("ITEM: TIMESTEP\n")[1:]
+
+
+def append_frame(
+    folder: Path,
+    number: int,
+    packing: Packing,
+    columns: Mapping[str, NDArray[Any]],
+    numbers: Mapping[str, Any],
+) -> None:
+    """Append a state to the trajectory, then to the series, whose rows count complete frames.
+
+    Args:
+        folder: of the run.
+        number: of the frame, from 0.
+        packing: of the state.
+        columns: values of the particles by name, arrays of shape (N,).
+        numbers: the state in numbers.
+    """
+    append(folder / TRAJECTORY, _dump_frame(number, packing, columns))
+    append_row(folder / SERIES, number, numbers)
+
+
+def _dump_frame(number: int, packing: Packing, columns: Mapping[str, NDArray[Any]]) -> str:
+    return dump_frame(
+        number,
+        packing.box,
+        packing.species,
+        packing.positions,
+        columns,
+        packing.origin.tolist(),
+        closed(packing.walls, packing.dimension),
+    )
+
+
+def read_frame(
+    frame: str,
+    radii: Sequence[float],
+    saved: Mapping[str, Any],
+    clock: tuple[float, float | None],
+    dimension: int,
+) -> tuple[Packing, Motion]:
+    """A packing and its motion from a frame as `record` writes it.
+
+    Particles may have been added or deleted and their radii and species changed since. They have
+    radii of their own where these are others than those of their species.
+
+    Args:
+        frame: its text, without the first line.
+        radii: of the species.
+        saved: its setup, with films and springs of contacts.
+        clock: time and strain.
+        dimension: 2, or 3 in space.
+    """
+    found = read_dump_frame(frame)
+    values, species, largest = found.columns, found.species, np.array(radii)
+    own = bool((values["radius"] != largest[species]).any())
+    np.maximum.at(largest, species, values["radius"])
+    packing = Packing(
+        found.places(dimension),
+        species,
+        largest,
+        found.lattice(dimension),
+        values["radius"] if own else None,
+    )
+    velocities = np.column_stack([values[name] for name in ("vx", "vy", "vz")[:dimension]])
+    films, directions = as_films(saved.get("films")), from_columns(values)
+    rubbing = rubbing_from_json(saved, values)
+    return packing, Motion(velocities, *clock, films, directions, rubbing)
+
+
+def save(
+    folder: str | Path,
+    packing: Packing,
+    law: AnyLaw,
+    timesteps: tuple[float, float],
+    numbers: Mapping[str, Any],
+    motion: Motion,
+    parameters: Mapping[str, Any] | None = None,
+    frames: int | None = None,
+    friction: Friction | None = None,
+) -> None:
+    """Write a state. Only one rank may call this.
+
+    Args:
+        folder: made if missing; a state there is replaced.
+        packing: of the state.
+        law: its contact law.
+        timesteps: of the LAMMPS script, see there [time].
+        numbers: the state in numbers, for the summary.
+        motion: of its particles.
+        parameters: for the summary, what JSON can hold.
+        frames: number of recorded frames up to this state, if any.
+        friction: of its contacts, if they rub.
+    """
+    folder = make_folder(folder)
+    summary = {
+        "state": as_json("state", numbers),
+        **setup(packing, law, friction),
+        "parameters": as_json("parameters", parameters or {}),
+        "versions": versions(),
+    }
+    write_whole(folder / SPECIES, species_file(law, packing.radii))
+    write_whole(folder / SCRIPT, script(packing, law, *timesteps, motion, friction))
+    write_whole(folder / SUMMARY, json.dumps(summary, indent=2, allow_nan=False) + "\n")
+    # last: it completes the state
+    write_whole(folder / DATA, packing_file(packing, motion, frames))
+
+
+class Setup(NamedTuple):
+    """What a state is made of besides its particles."""
+
+    law: AnyLaw
+    radii: list[float]
+    walls: tuple[Wall, ...]
+    friction: Friction | None
+
+
+def setup(packing: Packing, law: AnyLaw, friction: Friction | None) -> dict[str, Any]:
+    """Law, radii of species, walls, and friction if contacts rub, as JSON."""
+    settings = {name: value for name, value in asdict(law).items() if name != "contact"}
+    return {
+        "law": {"name": law.name} | as_json("law", settings),
+        "radii": packing.radii.tolist(),
+        "walls": [{"shape": wall.kind, **asdict(wall)} for wall in packing.walls],
+        **({} if friction is None else {"friction": as_json("friction", asdict(friction))}),
+    }
+
+
+def memory(motion: Motion) -> dict[str, Any]:
+    """Films, and springs of contacts, as JSON; nothing without."""
+    films = {} if motion.films is None else {"films": motion.films.tolist()}
+    return films | rubbing_as_json(motion.rubbing)
+
+
+def read_setup(saved: Mapping[str, Any]) -> Setup:
+    """The inverse of `setup`.
+
+    Raises:
+        KeyError, ValueError, TypeError: it is damaged.
+    """
+    settings = dict(saved["law"])
+    name: str = settings.pop("name")
+    if name not in ALL_LAWS:
+        raise ValueError(f"there is no law {name!r}")
+    law = replace(ALL_LAWS[name], **from_json(settings))
+    walls = tuple(_wall(**each) for each in saved.get("walls", []))
+    friction = _friction(saved["friction"]) if "friction" in saved else None
+    return Setup(law, saved["radii"], walls, friction)
+
+
+def summary_in(folder: Path) -> dict[str, Any]:
+    """Content of `summary.json`.
+
+    Raises:
+        FileError: the file is missing or damaged.
+    """
+    with reading(folder / SUMMARY):
+        return dict(json.loads(_text(folder / SUMMARY, folder)))
+
+
+def _text(path: Path, folder: Path) -> str:
+    try:
+        return path.read_text()
+    except FileNotFoundError:
+        raise FileError(
+            f"no saved run in '{folder}': {path} is missing. Name another folder, or begin a run "
+            "there, as with deformable compress --out"
+        ) from None
+    except NotADirectoryError:
+        raise FileError(f"'{folder}' is a file, not a folder: name another folder") from None
+    except OSError as error:
+        raise FileError(f"{path} cannot be read: {error.strerror}") from None
+
+
+def _friction(saved: Mapping[str, Any]) -> Friction:
+    settings, walls = from_json(saved), saved["walls"]
+    return Friction(**settings | {"walls": None if walls is None else _friction(walls)})
+
+
+def _wall(shape: str, **values: Any) -> Wall:
+    """A wall of the summary."""
+    if shape not in KINDS:
+        raise ValueError(f"there is no wall {shape!r}")
+    return KINDS[shape](**values)
+
+
+def read(folder: Path) -> tuple[Packing, AnyLaw, Friction | None]:
+    """The packing in a folder, with every digit, its contact law, and friction if contacts rub.
+
+    Raises:
+        FileError: a file is missing or damaged, or the folder holds other results.
+    """
+    summary = summary_in(refuse(folder, but="compression"))
+    with reading(folder / SUMMARY):
+        law, radii, walls, friction = read_setup(summary)
+    with reading(folder / DATA):
+        packing = packing_in(_text(folder / DATA, folder), radii, law.dimension)
+        return (replace(packing, walls=walls) if walls else packing), law, friction
+
+
+def read_motion(folder: Path, packing: Packing) -> Motion:
+    """The motion of the packing in a folder.
+
+    Raises:
+        FileError: the file is missing or damaged.
+    """
+    with reading(folder / DATA):
+        return motion_in(_text(folder / DATA, folder), len(packing), packing.dimension)

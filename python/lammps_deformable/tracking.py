@@ -1,0 +1,207 @@
+"""How far particles have moved between two states: periodic images, and boxes that changed.
+
+The strain around each particle between two states, and what it leaves over: D^2_min.
+"""
+
+from __future__ import annotations
+
+import warnings
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._checks import shown
+from .box import cartesian, fractional, nearest_image
+from .errors import JumpWarning, ParameterError
+from .neighbors import pairs_within
+from .packing import Packing
+from .room import closed
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+Floats = NDArray[np.float64]
+
+# Steps of this part of the box, beside its strain, tell that others are beyond half of it, where
+# the nearest image is another one.
+_FAR = 0.4
+
+
+class Snapshot(Protocol):
+    """A state of any kind."""
+
+    @property
+    def packing(self) -> Packing: ...
+
+
+def packing_of(name: str, given: Any) -> Packing:
+    """The packing of a state, or the packing itself."""
+    packing = given if isinstance(given, Packing) else getattr(given, "packing", None)
+    if not isinstance(packing, Packing):
+        raise ParameterError(f"{name} must be a state or a Packing, not {shown(given)}")
+    return packing
+
+
+def affine(before: Snapshot | Packing, now: Snapshot, points: Floats) -> Floats:
+    """Points that follow the box from a state to a later one, shape (n, d) [length].
+
+    Boxes whose tilts differ by their widths have the same images. Of the boxes that are equivalent
+    to that of the later state it is the one that its `strain` leads to or, if that is None, the
+    one whose tilts are nearest.
+    """
+    old, new = packing_of("before", before).box, packing_of("now", now).box
+    strain = getattr(now, "strain", None)
+    added = 0.0 if strain is None else strain - (getattr(before, "strain", None) or 0.0)
+    return cartesian(fractional(points, old), _unflipped(old, np.array(new), added))
+
+
+def _unflipped(old: Floats, box: Floats, added: float) -> Floats:
+    """The box that is equivalent to a later one and comes from this one by a shear, shape (d, d).
+
+    Without flips a lattice vector keeps its tilts over its side, but for the shear, which moves it
+    along x by the added strain times its part along y.
+    """
+    for row in range(1, len(box)):
+        expected = old[row] * (box[row, row] / old[row, row])
+        for axis in reversed(range(row)):
+            if axis == 0:
+                expected[0] += added * box[row, 1]
+            box[row] += np.rint((expected[axis] - box[row, axis]) / box[axis, axis]) * box[axis]
+    return box
+
+
+def nonaffine(before: Snapshot | Packing, now: Snapshot) -> Floats:
+    """See `Analysis.nonaffine`."""
+    old, new = packing_of("before", before), packing_of("now", now)
+    if len(old) != len(new):
+        raise ParameterError(
+            f"before has {len(old)} particles and this state {len(new)}: particles can only be "
+            "followed between states with the same ones"
+        )
+    if old.dimension != new.dimension:
+        raise ParameterError(f"before has {old.dimension} dimensions, this state {new.dimension}")
+    shut = closed(new.walls, new.dimension)
+    if closed(old.walls, old.dimension) != shut:
+        raise ParameterError(
+            "before and this state are between other walls, which close other directions"
+        )
+    moved = new.positions - affine(before, now, old.positions)
+    return nearest_image(moved, new.box, shut)
+
+
+def displacements(before: Snapshot | Packing, now: Snapshot) -> Floats:
+    """See `Analysis.displacements`."""
+    moved = nonaffine(before, now)
+    start = packing_of("before", before).positions
+    return affine(before, now, start) - start + moved
+
+
+def unwrapped(states: Iterable[Snapshot]) -> Floats:
+    """Positions of particles that are followed across the boundaries of the box.
+
+        positions = ld.unwrapped(ld.Run("run"))
+
+    Positions go on from those of the first state. From each state to the next particles move with
+    the box, and by at most half of it beside that, see `State.nonaffine`: a trajectory needs
+    enough states. Where some move by 0.4 of the box or more, others are likely to move by more than
+    half of it, and to be followed to a wrong image.
+
+    Args:
+        states: of the same particles, one after the other: a `Run`, or states of `compress`,
+            `shear`, `move`.
+
+    Returns:
+        Shape (number of states, N, d) [length].
+
+    Raises:
+        ParameterError: there are no states, or one has other numbers of particles.
+
+    Warns:
+        JumpWarning: a particle moves by 0.4 of the box or more from one state to the next; once.
+    """
+    found: list[Floats] = []
+    former: Snapshot | None = None
+    farthest, last = 0.0, 0
+    for number, state in enumerate(states):
+        if former is None:
+            found.append(packing_of("a state", state).positions)
+        else:
+            moved = nonaffine(former, state)
+            found.append(affine(former, state, found[-1]) + moved)
+            if (far := _part_of_box(moved, state.packing)) > farthest:
+                farthest, last = far, number
+        former = state
+    if farthest >= _FAR:
+        warnings.warn(
+            f"a particle moves by {farthest:.2g} of the box from state {last - 1} to state {last}, "
+            "and one that moves by more than half of it is followed to a wrong image: take states "
+            "nearer to each other",
+            JumpWarning,
+            stacklevel=2,
+        )
+    if not found:
+        raise ParameterError("unwrapped positions need at least one state")
+    return np.array(found)
+
+
+def _part_of_box(moved: Floats, packing: Packing) -> float:
+    """The largest of these steps, in lengths of the box along x, y and z where it has images."""
+    images = ~np.array(closed(packing.walls, packing.dimension))
+    parts = np.abs(moved) / packing.box.diagonal()
+    return float(parts[:, images].max(initial=0.0))
+
+
+# Neighbors on a line, or in a plane, do not tell a strain: the determinant of sum v v^T over the
+# power of its trace.
+_ON_A_LINE = 1e-10
+
+
+class LocalStrain(NamedTuple):
+    """The strain around each particle.
+
+    Attributes:
+        gradient: of the displacement, du_a/dx_b, that fits the motion of the neighbors best, shape
+            (N, d, d); nan where all neighbors are on one line, or in one plane.
+        d2min: D^2_min, the sum over neighbors of the squared distance from that fit, shape (N,)
+            [length^2].
+        neighbors: their number, shape (N,).
+    """
+
+    gradient: Floats
+    d2min: Floats
+    neighbors: NDArray[np.int64]
+
+    @property
+    def strain(self) -> Floats:
+        """Symmetric part of the gradient, without rotation, shape (N, d, d)."""
+        return 0.5 * (self.gradient + np.swapaxes(self.gradient, 1, 2))
+
+
+def local_strain(before: Snapshot | Packing, now: Snapshot, r_max: float) -> LocalStrain:
+    """See `Analysis.local_strain`."""
+    beside, start = nonaffine(before, now), packing_of("before", before)
+    i, j, shift = pairs_within(start, r_max)
+    v = start.positions[j] + shift - start.positions[i]
+    w = affine(before, now, v) + beside[j] - beside[i]
+    i, v, w = np.concatenate([i, j]), np.concatenate([v, -v]), np.concatenate([w, -w])
+    dimension = start.dimension
+    total = np.zeros((2, len(start), dimension, dimension))
+    np.add.at(total[0], i, v[:, :, None] * v[:, None, :])
+    np.add.at(total[1], i, (w - v)[:, :, None] * v[:, None, :])
+    within, moved = total
+    size = np.trace(within, axis1=1, axis2=2) ** dimension
+    flat = np.linalg.det(within) <= _ON_A_LINE * size
+    gradient = moved @ np.linalg.inv(np.where(flat[:, None, None], np.eye(dimension), within))
+    gradient[flat] = np.nan
+    left = w - v - np.einsum("mab,mb->ma", gradient[i], v)
+    number = len(start)
+    d2min = np.zeros(number)
+    np.add.at(d2min, i, np.sum(left**2, axis=1))
+    d2min[flat] = np.nan
+    return LocalStrain(gradient, d2min, np.bincount(i, minlength=number))
+
+
+def usual_distance(packing: Packing) -> float:
+    """Distance up to which particles are neighbors, 3 times the mean radius [length]."""
+    return 3.0 * float(packing.radius.mean())
