@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 
     from .comparison import Comparison as Comparison
     from .comparison import compare as compare
-    from .comparison import predict as predict
     from .compression import compress as compress
     from .crystal import cubic as cubic
     from .crystal import triangular as triangular
@@ -157,7 +156,6 @@ _HOMES = {
     "parallel_map": "parallel",
     "polish": "polishing",
     "polydisperse": "random",
-    "predict": "comparison",
     "push_off": "starts",
     "record": "recording",
     "rectangle": "walls",

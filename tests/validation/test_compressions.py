@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from lammps_deformable.parallel import call_once
 from lammps_deformable.report import smooth_rows, standard_polygons
-
 from validation.report.roughness.friction import hysteresis, sliding
 
 KEYS = {

@@ -12,7 +12,6 @@ from lammps_deformable import ParameterError, __version__
 from lammps_deformable.cli import main as cli
 from lammps_deformable.parallel import call_once, parallel_map
 from lammps_deformable.versions import machine
-
 from validation.report.paper.results import ring_in_walls
 from validation.report.paper.single import regular, squeeze
 
