@@ -114,7 +114,7 @@ def as_call(value: Any, **defaults: object) -> str:
         defaults: those that its fields do not tell.
     """
     words = []
-    for field in sorted(fields(value), key=lambda field: field.kw_only):
+    for field in sorted(fields(value), key=lambda field: field.kw_only is True):
         own = getattr(value, field.name)
         if own != defaults.get(field.name, field.default):
             words.append(f"{field.name}={own!r}")

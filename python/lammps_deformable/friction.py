@@ -141,7 +141,7 @@ def check_friction(friction: Friction, packing: Packing, law: AnyLaw) -> None:
         raise ParameterError(
             "friction needs contacts that slip, and those of Sector stick: take Ring"
         )
-    friction.of_pairs(len(packing.radii))
+    friction.of_pairs(len(packing._species_radii))
     if packing.walls and friction.by_species and friction.walls is None:
         raise ParameterError(
             "friction differs by species, and walls have none: give it walls=Friction(mu, kt)"
@@ -389,7 +389,7 @@ def sliding_contacts(
 ) -> Mark:
     """The contacts that slide, as the outlines share them."""
     sliding = [table[table["sliding"]] for table in tables]
-    lines = flats_of(outlines, packing.radius, sliding)
+    lines = flats_of(outlines, packing.radii, sliding)
     return Mark(lines, [[_CONTACT] * len(each) for each in lines], _SLIDES)
 
 
@@ -398,7 +398,7 @@ def friction_bars(packing: Packing, tables: Sequence[ContactTable]) -> list[Mark
     marks = []
     for slides, color in ((False, _STICKS), (True, _SLIDES)):
         lines, widths = [], []
-        for radius, table in zip(packing.radius, tables, strict=True):
+        for radius, table in zip(packing.radii, tables, strict=True):
             rows = table[(table["sliding"] == slides) & (table["friction"] != 0.0)]
             part = np.minimum(np.abs(rows["friction"] / rows["force"]), 1.0)
             across = 0.5 * _BAR * radius * part[:, None] * unit_vectors(rows["angle"] + 0.5 * np.pi)
@@ -414,7 +414,7 @@ def spin_arrows(packing: Packing, spins: Floats) -> list[Mark]:
     fastest = float(np.abs(spins).max(initial=0.0)) or 1.0
     arrows = [
         _arrow(center, _PLACE * radius, _FASTEST * spin / fastest)
-        for center, radius, spin in zip(packing.positions, packing.radius, spins, strict=True)
+        for center, radius, spin in zip(packing.positions, packing.radii, spins, strict=True)
     ]
     return [
         Mark(arrows, [[width] * len(each) for each in arrows], color) for width, color in _ARROW

@@ -290,11 +290,11 @@ def _cut(wall: Wall, box: Floats, height: float, shut: bool, ends: Floats) -> li
         return [Plane((x, y), tuple(flat))]
     if isinstance(wall, Cone):
         half = wall.radius_at(height)
-        return [Sphere(half, wall.middle[:2])] if half > 0.0 else None
+        return [Sphere(half, tuple(wall.middle[:2]))] if half > 0.0 else None
     if not isinstance(wall, (Sphere, Cylinder)):
         raise TypeError(wall)
     if isinstance(wall, Cylinder) and wall.axis == "z":
-        return [Sphere(wall.radius, wall.middle[:2], inside=wall.inside)]
+        return [Sphere(wall.radius, tuple(wall.middle[:2]), inside=wall.inside)]
     found: list[Wall] = []
     for x, y, z in _images(wall, box, shut):
         if (half := _half_width(wall, z, height)) == 0.0:
@@ -302,7 +302,7 @@ def _cut(wall: Wall, box: Floats, height: float, shut: bool, ends: Floats) -> li
         if isinstance(wall, Sphere):
             found.append(Sphere(half, (x, y), inside=wall.inside))
             continue
-        along = "xy".index(wall.axis)
+        along = "xy".index(str(wall.axis))
         low, high = ends[:, :2].copy()  # of a strip through the room
         low[1 - along], high[1 - along] = (x, y)[1 - along] - half, (x, y)[1 - along] + half
         if wall.inside:
@@ -451,10 +451,7 @@ def obstacles(walls: Sequence[Wall], box: Floats) -> list[Any]:
     for wall in walls:
         if wall.inside:
             continue
-        if isinstance(wall, (Segment, PolygonWall)):
-            own = _hull(wall.corners)
-        else:
-            own = _round(wall)
+        own = _hull(wall.corners) if isinstance(wall, (Segment, PolygonWall)) else _round(wall)
         cell = np.where(closed(walls), 0.0, np.floor(fractional(wall.middle, box)))
         solid.append(translate(own, *-cartesian(cell, box)) if cell.any() else own)
     return [translate(shape, *shift) for shape in solid for shift in shifts]

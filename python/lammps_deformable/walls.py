@@ -1,8 +1,8 @@
 """Walls of a packing, in the plane and in space: containers (`inside`) and obstacles.
 
-A container keeps particles on its inner side, an obstacle keeps them out. `as_walls` makes the walls
-of a packing of what a user gives; `room.py` has the room that they leave, `commands.py` writes them
-for *fix deformable/wall*, whose words are `kind` and `values`.
+A container keeps particles on its inner side, an obstacle keeps them out. `as_walls` makes the
+walls of a packing of what a user gives; `room.py` has the room that they leave, `commands.py` writes
+them for *fix deformable/wall*, whose words are `kind` and `values`.
 """
 
 from __future__ import annotations
@@ -383,7 +383,16 @@ class Cone(Wall):
     def values(self) -> tuple[float, ...]:
         """The numbers after LAMMPS' word: of a point one unit of length from the tip."""
         x, y, z = self.middle.tolist()
-        return (x, y, z + math.copysign(1.0, self.slope), 0.0, 0.0, 1.0, abs(self.slope), self.slope)
+        return (
+            x,
+            y,
+            z + math.copysign(1.0, self.slope),
+            0.0,
+            0.0,
+            1.0,
+            abs(self.slope),
+            self.slope,
+        )
 
     @property
     def middle(self) -> Floats:
@@ -540,7 +549,7 @@ class PolygonWall(_Cornered):
 class BoxWall(Wall):
     """A rectangle, or a cuboid in space.
 
-        Packing(positions, radii, (20, 10), walls=[BoxWall((20, 10)), Sphere(1, (5, 5), inside=False)])
+        packing.between([BoxWall((20, 10)), Sphere(1, (5, 5), inside=False)])
 
     Attributes:
         lengths: (lx, ly), or (lx, ly, lz) in space [length].
@@ -636,9 +645,9 @@ def _axis_of(name: str, given: ArrayLike, letters: str) -> Floats:
     for unit in known:
         if vector.shape == (3,) and 0.0 < np.abs(vector).sum() == abs(vector @ unit):
             return np.copysign(1.0, vector @ unit) * unit
-    named = " or ".join(f"{letter} or -{letter}" if len(letters) == 1 else letter for letter in letters)
+    names = " or ".join(letters) if len(letters) > 1 else f"{letters} or -{letters}"
     raise ParameterError(
-        f"axis of a {name} must be {named}, or a direction along it, not {shown(given)}"
+        f"axis of a {name} must be {names}, or a direction along it, not {shown(given)}"
     )
 
 
@@ -658,7 +667,9 @@ def as_walls(given: Wall | Iterable[Wall], dimension: int) -> tuple[Wall, ...]:
     try:
         several = (given,) if isinstance(given, Wall) else tuple(given)
     except TypeError:
-        raise ParameterError(f"walls must be one or several of {names}, not {shown(given)}") from None
+        raise ParameterError(
+            f"walls must be one or several of {names}, not {shown(given)}"
+        ) from None
     found: list[Wall] = []
     for n, wall in enumerate(several, start=1):
         if not isinstance(wall, Wall):
