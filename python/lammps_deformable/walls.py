@@ -1,8 +1,8 @@
 """Walls of a packing, in the plane and in space: containers (`inside`) and obstacles.
 
 A container keeps particles on its inner side, an obstacle keeps them out. `as_walls` makes the
-walls of a packing of what a user gives; `room.py` has the room that they leave, `commands.py` writes
-them for *fix deformable/wall*, whose words are `kind` and `values`.
+walls of a packing of what a user gives, `room.py` has the room that they leave, `commands.py`
+writes them for *fix deformable/wall*, whose words are `kind` and `values`.
 """
 
 from __future__ import annotations
