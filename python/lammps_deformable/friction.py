@@ -9,7 +9,7 @@ Friction in pictures: contacts that slide, forces along contacts, and spins.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
     from .packing import Packing
 
-_NAMES = ("mu", "kt", "gt", "damp")
+_NAMES = ("mu", "kt", "gt", "damping")
 
 # Masses are 1, and 1 + m R^2/I is that of spheres at most.
 _MASS, _LEVER = 1.0, 3.5
@@ -48,7 +48,7 @@ class Friction:
     and a dashpot have the force, by which both sides rub, and another dashpot damps the normal:
 
         f_t = kt xi + gt dxi/dt,   dxi/dt = v.t,   held to |f_t| <= mu max(f, 0)
-        f_d = min(damp v.n, max(f, 0))
+        f_d = min(damping v.n, max(f, 0))
 
     f is the elastic force of the contact. Particles turn: their spins have the moments of inertia
     m R^2/2 of disks. See *fix deformable/friction*.
@@ -57,7 +57,7 @@ class Friction:
         mu: coefficient of friction, 0 or more; `math.inf` is a contact that does not slip.
         kt: stiffness of the spring [energy/length^2]; about half of that of the contact is usual.
         gt: constant of the dashpot along the contact [force/velocity].
-        damp: constant of the dashpot along its normal [force/velocity].
+        damping: constant of the dashpot along its normal [force/velocity].
         walls: of contacts with walls, each a number; if not given they are as those of particles.
 
     Each of the first four is a number for all pairs, or a symmetric matrix with a row and a column
@@ -70,9 +70,10 @@ class Friction:
     """
 
     mu: ByPair
+    _: KW_ONLY
     kt: ByPair
     gt: ByPair = 0.0
-    damp: ByPair = 0.0
+    damping: ByPair = 0.0
     walls: Friction | None = None
 
     def __post_init__(self) -> None:
@@ -83,7 +84,9 @@ class Friction:
                 raise ParameterError(problem)
         expect("walls", self.walls, Friction, type(None))
         if self.walls and (self.walls.by_species or self.walls.walls):
-            raise ParameterError("friction with walls has one number for each of mu, kt, gt, damp")
+            raise ParameterError(
+                "friction with walls has one number for each of mu, kt, gt, damping"
+            )
 
     @property
     def rubs(self) -> bool:
@@ -110,7 +113,7 @@ class Friction:
         return _ACCURATE * self.longest_step
 
     def of_pairs(self, species: int) -> NDArray[np.float64]:
-        """mu, kt, gt and damp of each pair, shape (species, species, 4).
+        """mu, kt, gt and damping of each pair, shape (species, species, 4).
 
         Raises:
             ParameterError: there is another number of species.
@@ -118,7 +121,7 @@ class Friction:
         return np.stack([pair_matrix(name, getattr(self, name), species) for name in _NAMES], 2)
 
     def _rows(self) -> list[list[float]]:
-        """mu, kt, gt and damp of each pair of as many species as matrices have."""
+        """mu, kt, gt and damping of each pair of as many species as matrices have."""
         species = max(len(np.atleast_1d(getattr(self, name))) for name in _NAMES)
         rows: list[list[float]] = self.of_pairs(species).reshape(-1, len(_NAMES)).tolist()
         return rows
@@ -144,7 +147,7 @@ def check_friction(friction: Friction, packing: Packing, law: AnyLaw) -> None:
     friction.of_pairs(len(packing._species_radii))
     if packing.walls and friction.by_species and friction.walls is None:
         raise ParameterError(
-            "friction differs by species, and walls have none: give it walls=Friction(mu, kt)"
+            "friction differs by species, and walls have none: give it walls=Friction(mu, kt=kt)"
         )
 
 
@@ -175,7 +178,7 @@ class Rubbing(NamedTuple):
         springs: of the contacts, shape (M, 7): the ID from 1 of its particle, that of its partner
             or the code below 0 of a wall; the vector to the center of the partner, 0 of a wall; the
             length xi of the spring; the forces f_t and f_d.
-        lost: energies lost so far by sliding, in the dashpots gt, and in the dashpots damp.
+        lost: energies lost so far by sliding, in the dashpots gt, and in the other dashpots.
         stored: energy of the springs; known of states only.
         places: of the springs, shape (M, 4): the normal of the contact, and the vector from the
             particle to the center of its partner or to the wall; known of states only.

@@ -6,15 +6,15 @@ import re
 from html.parser import HTMLParser
 
 import pytest
-from lammps_deformable import FileError, ParameterError, PolygonModel
+from lammps_deformable import DeformablePolygon, FileError, ParameterError
 from lammps_deformable.report import standard_polygons
+from validation.report.plan import Plan
 
 from validation.report import __main__ as writing
 from validation.report import results
 from validation.report import section as numbers
 from validation.report.__main__ import write_report
 from validation.report.page import page
-from validation.report.plan import Plan
 from validation.report.section import Column, Picture, Section, Table
 
 MODELS = [standard_polygons(40, smooth=kind) for kind in (True, False)]
@@ -25,7 +25,7 @@ SMALLEST = Plan(
     friction=[(MODELS[0], 0.04, 2), (MODELS[1], 0.04, 2, 1e-2)],
     hysteresis=[(4, 2, model, 0.03, 2) for model in MODELS],
     crystal=[(MODELS[0], 0.03)],
-    large=(8, 3, 0.03, PolygonModel(vertices=16)),
+    large=(8, 3, 0.03, DeformablePolygon(16, smooth=False)),
     mixtures=[(8, 1, 0.03, 38, (1.0, 10.0), (0.1, math.inf))],
     shapes={"indentations": (0.02,), "number": 24, "kL": 100.0},
     stiffness={"indentations": (0.01, 0.02), "number": 24, "kL": (1.0, 100.0)},

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from lammps_deformable import PolygonModel, Ring, Sector, Simulation, bidisperse, compare, jam
+from lammps_deformable import DeformablePolygon, Ring, Sector, Simulation, bidisperse, compare, jam
 from lammps_deformable import packing_rows as packings
 
 from validation.report.accuracy import errors, pareto
@@ -16,7 +16,7 @@ LAWS = ["sector", "radical, kP inf", "radical", "balanced", "curved"]
 
 def test_rows_of_a_packing():
     """Rows agree with the comparison, the relaxation and the definitions."""
-    model, strain = PolygonModel(vertices=20), 0.03
+    model, strain = DeformablePolygon(20, smooth=False), 0.03
     rows, comparisons = packings.packing_rows(8, 1, strain, model)
     by_law = {row["law"]: row for row in rows}
     assert list(comparisons) == LAWS
@@ -54,7 +54,7 @@ def test_rows_of_a_packing():
             reference.outlines,
             reference.packing.positions,
             inner,
-            reference.packing.radius,
+            reference.packing.radii,
             strict=True,
         )
     ]
@@ -62,7 +62,7 @@ def test_rows_of_a_packing():
     assert by_law["disk"]["I"] == pytest.approx(np.mean(off), abs=3e-6)
 
 
-MIXED = PolygonModel(vertices=[20, 30], kL=[4.0, 1500.0], kA=[1.0, 10.0])
+MIXED = DeformablePolygon([20, 30], kL=[4.0, 1500.0], kA=[1.0, 10.0], smooth=False)
 
 
 def test_laws_have_the_stiffness_of_each_species():
@@ -78,7 +78,7 @@ def test_laws_have_the_stiffness_of_each_species():
     assert matching_laws["balanced, kP inf"] == Ring(
         kA, kP=[0.2, math.inf], skin=skin, contact="balanced"
     )
-    equal = PolygonModel(vertices=[20, 30], kL=[4.0, 1500.0], kA=[2.0, 2.0])
+    equal = DeformablePolygon([20, 30], kL=[4.0, 1500.0], kA=[2.0, 2.0], smooth=False)
     assert packings.matching_laws(equal, polygons=equal.polygons(np.array([0.5, 0.7])))[
         "sector"
     ] == Sector(2.0)

@@ -39,7 +39,7 @@ def measure(sim, state, mu):
     used = along / (mu * normal) if mu else np.zeros(len(contacts))
     free = state.rattlers[contacts["i"]] | state.rattlers[contacts["j"]]
     force = np.linalg.norm(np.reshape(sim.lmp.gather("f", 1, 3), (-1, 3)), axis=1)
-    torque = np.reshape(sim.lmp.gather("torque", 1, 3), (-1, 3))[:, 2] / state.packing.radius
+    torque = np.reshape(sim.lmp.gather("torque", 1, 3), (-1, 3))[:, 2] / state.packing.radii
     numbers = {
         "phi": state.phi,
         "pressure": state.pressure,
@@ -59,8 +59,8 @@ def measure(sim, state, mu):
 def jammed(number, mu, seed, pressures, inertial_number):
     """A loose packing that is compressed to a pressure, and to higher ones from there."""
     begun = time.process_time()
-    friction = ld.Friction(mu, SPRING, DASHPOT, damp=DAMPING)
-    start = ld.push_off(ld.bidisperse(number, phi=LOOSE, seed=seed))
+    friction = ld.Friction(mu, kt=SPRING, gt=DASHPOT, damping=DAMPING)
+    start = ld.bidisperse(number, phi=LOOSE, seed=seed).push_off()
     found = []
     with ld.Simulation(start, LAW, friction=friction) as sim:
         for pressure in pressures:

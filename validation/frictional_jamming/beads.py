@@ -39,7 +39,7 @@ timestep {timestep!r}
 
 
 def model(beads):
-    return ld.PolygonModel(vertices=beads, radius=0.05, kL=300.0, kA=1.0, kr=30.0)
+    return ld.DeformablePolygon(beads, radius=0.05, kL=300.0, kA=1.0, kr=30.0, smooth=False)
 
 
 def bead_friction(polygons, radius):
@@ -49,7 +49,7 @@ def bead_friction(polygons, radius):
 
 
 def loose(seed):
-    return ld.push_off(ld.bidisperse(NUMBER, phi=LOOSE, seed=seed))
+    return ld.bidisperse(NUMBER, phi=LOOSE, seed=seed).push_off()
 
 
 def of_beads(beads, seed):
@@ -81,7 +81,7 @@ def of_beads(beads, seed):
         "beads": beads,
         "seed": seed,
         "hollow": bead_friction(polygons, 0.05).tolist(),
-        "phi": float(np.sum(np.pi * start.radius**2) / state.packing.area),
+        "phi": float(np.sum(np.pi * start.radii**2) / state.packing.volume),
         "z": len(particle) / rigid if rigid else 0.0,
         "rigid": rigid,
         "seconds": round(time.process_time() - begun, 1),
@@ -94,7 +94,7 @@ def of_rings(mu, beads, seed):
     polygons = model(beads).polygons(matching(start, model(beads)).radii)
     law = matching_laws(model(beads), polygons)["balanced"]
     # about the stiffness k of contacts, and damping of sqrt(k m), at this pressure
-    friction = ld.Friction(mu, kt=0.01, gt=0.05, damp=0.1)
+    friction = ld.Friction(mu, kt=0.01, gt=0.05, damping=0.1)
     with ld.Simulation(start, law, friction=friction) as sim:
         state = ld.settle(sim, PRESSURE, AT_REST, INERTIAL_NUMBER)
     return {

@@ -57,7 +57,7 @@ def quench(law, number, phi, positions, start, temperature):
     packing, energies = crystal(number, phi), []
     scaled = positions * packing.box[0, 0] / crystal(number, PHI).box[0, 0]
     for at in (packing.positions, scaled):
-        begun = ld.push_off(replace(packing, positions=at))
+        begun = replace(packing, positions=at).push_off()
         with ld.Simulation(begun, LAWS[law]) as sim:
             state = sim.relax(1e-3)
         energies.append(state.energy / number)
@@ -79,9 +79,7 @@ def polygons(number=16, vertices=76, steps=2000):
     The mass of a particle is shared by its vertices. Steps are the part 1/2 of the time in which
     the fastest vertex would turn by a radian; twice as long ones are unstable.
     """
-    model = ld.PolygonModel(
-        vertices=vertices, radius=0.02, kL=float(vertices), kA=30.0, kr=300.0, smooth=True
-    )
+    model = ld.DeformablePolygon(vertices, radius=0.02, kL=float(vertices), kA=30.0, kr=300.0)
     with ld.PolygonSimulation(crystal(number, 0.88), model) as sim:
         fastest = sim.polygons.fastest_frequency(model.kr) * math.sqrt(vertices)
         step = 0.5 / fastest

@@ -29,10 +29,10 @@ def pair(distances):
     energies, virials = [], []
     for distance in distances:
         places, box = [[0.0, 0.0], [distance, 0.0]], np.diag([12.0, 12.0])
-        with ld.Simulation(ld.Packing(places, [0, 0], [1.0], box), LAW) as sim:
+        with ld.Simulation(ld.Packing(places, 1.0, box), LAW) as sim:
             state = sim.state()
         energies.append(state.energy)
-        virials.append(2.0 * state.pressure * state.packing.area)
+        virials.append(2.0 * state.pressure * state.packing.volume)
     return np.array(energies), np.array(virials)
 
 
@@ -54,10 +54,10 @@ def dilute(phi, temperature=0.02, number=64, steps=20_000):
     packing, rows = crystal(number, phi), []
     with ld.Simulation(packing, LAW) as sim:
         for state in ld.move(sim, steps, temperature=temperature, every=10, seed=1, **BATH):
-            rows.append(1.0 + state.pressure * packing.area / number / temperature)
+            rows.append(1.0 + state.pressure * packing.volume / number / temperature)
     blocks = np.array_split(rows[len(rows) // 10 :], 20)
     found, error = ld.jackknife(np.mean, [block.mean() for block in blocks])
-    x = second_virial(temperature)[0] * number / packing.area
+    x = second_virial(temperature)[0] * number / packing.volume
     return {
         "phi": phi,
         "temperature": temperature,

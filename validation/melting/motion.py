@@ -17,7 +17,7 @@ PHI = 0.92
 
 def crystal(number, phi):
     side = math.isqrt(number)
-    return ld.triangular(side, side, radius=1.0, phi=phi)
+    return ld.crystal("hex", (side, side // 2), radius=1.0, phi=phi)
 
 
 def spacing(packing):
@@ -30,7 +30,7 @@ def begin(number, phi, start, seed):
     packing = crystal(number, phi)
     if start == "random":
         at = np.random.default_rng(seed).random((number, 2)) @ packing.box
-        packing = ld.push_off(replace(packing, positions=at))
+        packing = replace(packing, positions=at).push_off()
         with ld.Simulation(packing, LAW) as sim:
             packing = sim.relax(1e-2).packing
     return packing.positions
@@ -51,7 +51,7 @@ def leg(number, phi, temperature, seed, positions, law=LAW, bath=BATH, steps=STE
                 rows.append(
                     {
                         "energy": state.energy / number,
-                        "pressure": state.pressure + number * temperature / packing.area,
+                        "pressure": state.pressure + number * temperature / packing.volume,
                         "stress": state.stress.tolist(),
                         "z": state.coordination,
                         "bath": state.temperature / temperature,
