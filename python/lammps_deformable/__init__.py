@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from .comparison import Comparison as Comparison
     from .comparison import compare as compare
     from .compression import compress as compress
-    from .crystal import crystal as crystal
+    from .crystals import crystal as crystal
     from .errors import BeyondModelWarning as BeyondModelWarning
     from .errors import CallError as CallError
     from .errors import FileError as FileError
@@ -90,7 +90,7 @@ if TYPE_CHECKING:
     potentials: Path
 
 _HOMES = {
-    "crystal": "crystal",
+    "crystal": "crystals",
     "SoftContact": "laws",
     "PolygonWall": "walls",
     "BoxWall": "walls",

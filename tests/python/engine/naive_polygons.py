@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import lammps_deformable as ld
 import numpy as np
+from lammps_deformable.polygons import Walls
 
 
 def area(outline: np.ndarray) -> float:
@@ -61,8 +62,8 @@ def pair(width: float) -> ld.Packing:
     return ld.Packing([[0.0, 0.0], [0.5 * width, 0.5 * width]], 0.5, width * np.eye(2))
 
 
-def square(height: float, stick: bool = False) -> ld.Walls:
-    return ld.Walls(0.3 + np.arange(4) * np.pi / 2.0, np.full(4, height), stick)
+def square(height: float, stick: bool = False) -> Walls:
+    return Walls(0.3 + np.arange(4) * np.pi / 2.0, np.full(4, height), stick)
 
 
 ALONE = ld.Packing(np.zeros((1, 2)), 0.5, 3.0 * np.eye(2))

@@ -105,9 +105,9 @@ def test_walls_bear_the_total_force(packing, law) -> None:
     table = state.contact_table
     if law.name != "sector":
         # a flat wall turns no contact: its force is the sum of those of its contacts
-        by_wall = np.isclose(table["position"][:, 1], state.packing.walls[3].start[1])
+        by_wall = np.isclose(table["position"][:, 1], state.packing.walls[3].a[1])
         rows = table[by_wall & (table["j"] < 0)]
-        ends = [p[0] for p in (state.packing.walls[3].start, state.packing.walls[3].end)]
+        ends = [p[0] for p in (state.packing.walls[3].a, state.packing.walls[3].b)]
         inner = rows[(rows["position"][:, 0] > ends[0]) & (rows["position"][:, 0] < ends[1])]
         if len(inner) == len(rows) > 0:
             along = np.sum(rows["force"] * np.sin(rows["angle"]))

@@ -69,7 +69,7 @@ def test_a_post_in_a_periodic_box(axis: str) -> None:
     start, found = packed([Cylinder(1.0, axis, (1, 2, 3), inside=False)]), []
     post, side = start.walls[0], float(start.box[0, 0])
     for cells in product((0, 1), repeat=3):
-        image = replace(post, center=tuple(np.add(post.center, np.multiply(side, cells))))
+        image = replace(post, origin=tuple(np.add(post.origin, np.multiply(side, cells))))
         packing = replace(start, walls=(image,))
         with exactly_balanced(), ld.Simulation(packing, Droplet()) as sim:
             found.append(sim.state())
