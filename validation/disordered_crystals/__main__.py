@@ -10,7 +10,6 @@ import json
 import math
 import time
 import warnings
-from dataclasses import replace
 
 import lammps_deformable as ld
 import numpy as np
@@ -79,7 +78,7 @@ def spread(packing, u, eta):
     """The packing with radii proportional to 1 + eta u; its box and phi stay."""
     radius = 1.0 + eta * u
     radius *= math.sqrt(len(packing) / np.sum(radius**2))
-    return replace(packing, radii=[radius.max()], particle_radii=radius)
+    return packing.replace(radii=[radius.max()], particle_radii=radius)
 
 
 def simulation(packing, law):

@@ -57,7 +57,7 @@ def quench(law, number, phi, positions, start, temperature):
     packing, energies = crystal(number, phi), []
     scaled = positions * packing.box[0, 0] / crystal(number, PHI).box[0, 0]
     for at in (packing.positions, scaled):
-        begun = replace(packing, positions=at).push_off()
+        begun = packing.replace(positions=at).push_off()
         with ld.Simulation(begun, LAWS[law]) as sim:
             state = sim.relax(1e-3)
         energies.append(state.energy / number)

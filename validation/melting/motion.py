@@ -2,7 +2,6 @@
 
 import math
 import time
-from dataclasses import replace
 
 import lammps_deformable as ld
 import numpy as np
@@ -30,7 +29,7 @@ def begin(number, phi, start, seed):
     packing = crystal(number, phi)
     if start == "random":
         at = np.random.default_rng(seed).random((number, 2)) @ packing.box
-        packing = replace(packing, positions=at).push_off()
+        packing = packing.replace(positions=at).push_off()
         with ld.Simulation(packing, LAW) as sim:
             packing = sim.relax(1e-2).packing
     return packing.positions
@@ -41,7 +40,7 @@ def leg(number, phi, temperature, seed, positions, law=LAW, bath=BATH, steps=STE
 
     Velocities are drawn anew, as the bath would. A droplet may find no shape: then the run ends.
     """
-    begun, packing = time.process_time(), replace(crystal(number, phi), positions=positions)
+    begun, packing = time.process_time(), crystal(number, phi).replace(positions=positions)
     rows, places, order = [], [], []
     try:
         with ld.Simulation(packing, law) as sim:

@@ -26,9 +26,10 @@ def naive(state: ld.PolygonState, outlines: list[np.ndarray], box: np.ndarray) -
     """Energy, forces on beads and forces of ring j's image on ring i, for these beads."""
     model, rest, kinds = state.model, state.polygons, state.packing.species
     energy, force, contacts = 0.0, [np.zeros_like(outline) for outline in outlines], {}
-    for outline, f, kind in zip(outlines, force, kinds, strict=True):
+    particles = zip(outlines, force, kinds, state.packing.radii, strict=True)
+    for outline, f, kind, whole in particles:
         count = len(outline)
-        radius = state.packing.radii[kind] - model.radius
+        radius = whole - model.radius
         rest_length = 2.0 * radius * np.sin(np.pi / count)
         rest_area = 0.5 * count * radius**2 * np.sin(2.0 * np.pi / count)
         kA, kL = rest.kA[kind], rest.kL[kind]

@@ -79,7 +79,9 @@ SCENES = {
     # relaxations end within 1e-6 of the mean contact force, in slightly different states
     "species": (JAMMED.format("bidisperse(32, seed=3)") + TIGHT + CONTACTS, 1e-6, 0),
     "particles": (
-        JAMMED.format("polydisperse(32, lambda rng: rng.uniform(0.4, 0.6, 32))") + TIGHT + CONTACTS,
+        JAMMED.format("polydisperse(32, lambda rng, n: rng.uniform(0.4, 0.6, n), seed=1)")
+        + TIGHT
+        + CONTACTS,
         1e-6,
         0,
     ),
@@ -150,7 +152,7 @@ for law, pressure in ((None, 1e-7), (ld.Ring(contact="radical"), 1e-10)):
     jammed = ld.jam(loose, law, pressure=pressure, tolerance=1e-5, comm=comm)
     everywhere = comm.allgather(jammed.positions)
     assert all(np.array_equal(jammed.positions, other) for other in everywhere)
-    with lammps_deformable.starts.simulate(jammed, law) as sim:
+    with ld.starts.simulate(jammed, law) as sim:
         state = sim.state()
     unit = lammps_deformable.jamming.natural_pressure(jammed, law)
     if comm.rank == 0:

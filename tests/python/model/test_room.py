@@ -1,7 +1,5 @@
 """The room between walls: its box, its area, and places in it."""
 
-from dataclasses import replace
-
 import lammps_deformable as ld
 import numpy as np
 import pytest
@@ -75,7 +73,7 @@ def test_places_between_walls(loose) -> None:
     first, second, again = (ld.bidisperse(20, seed=seed) for seed in (1, 2, 1))
     room = first.between(walls).positions
     assert not np.array_equal(room, second.between(walls).positions)
-    by_column = replace(again, positions=np.asfortranarray(again.positions))
+    by_column = again.replace(positions=np.asfortranarray(again.positions))
     assert np.array_equal(room, by_column.between(walls).positions)
     assert packing.radii.tolist() == loose.radii.tolist()
     # another phi: everything by one factor
