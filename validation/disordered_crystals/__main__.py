@@ -16,6 +16,7 @@ import lammps_deformable as ld
 import numpy as np
 
 from validation.disordered_crystals import results
+from validation.ensembles import over_cores
 
 # Particles have the mean radius 1. Disks have the contact stiffness 1. Rings have kA = 1, and keep
 # their perimeter, or may stretch. Droplets keep their area, and have the line tension 1.
@@ -231,7 +232,7 @@ if __name__ == "__main__":
     plan, name = (FULL, "full") if given.full else (QUICK, "quick")
     # each ramp is kept as soon as it is measured: an interrupted run goes on from there
     data = {
-        kind: ld.parallel_map(function, plan[kind], given.workers, kind, keep=f"{name}_kept")
+        kind: over_cores(function, plan[kind], given.workers, f"{name}_kept")
         for kind, function in (
             ("ramps", ramp),
             ("compressions", compression),

@@ -67,7 +67,7 @@ def mean(values):
     """Mean and standard error of numbers, one of each packing; both nan if one is not known."""
     if len(values) < 2:
         return float(np.mean(values)), math.nan
-    found, error = ld.jackknife(np.mean, list(values))
+    found, error = ld.jackknife(list(values))
     return float(found), float(error)
 
 
@@ -97,7 +97,7 @@ def power(ramps, name):
         values = column(some, name).mean(axis=0)
         return np.polyfit(np.log(eta[kept]), np.log(np.abs(values - values[0])[kept]), 1)[0]
 
-    return ld.jackknife(slope, ramps) if len(ramps) > 1 else (slope(ramps), math.nan)
+    return ld.jackknife(ramps, slope) if len(ramps) > 1 else (slope(ramps), math.nan)
 
 
 def small_table(data):

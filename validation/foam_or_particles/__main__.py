@@ -14,6 +14,7 @@ import warnings
 import lammps_deformable as ld
 import numpy as np
 
+from validation.ensembles import over_cores
 from validation.foam_or_particles import fits, picture
 
 RADII = (0.5, 0.7)
@@ -129,7 +130,7 @@ def main():
     # seed by seed: an interrupted run has some packings of all laws
     calls = [(law, given.number, seed + 1) for seed in range(given.seeds) for law in given.laws]
     # each packing is kept as soon as it is measured: the same command goes on after an interruption
-    found = ld.parallel_map(measure, calls, given.workers, keep=f"{run}_kept")
+    found = over_cores(measure, calls, given.workers, f"{run}_kept")
     rows = [each for both in found for each in both]
     with open(f"{run}.json", "w") as file:
         file.write(

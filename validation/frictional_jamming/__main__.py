@@ -13,6 +13,7 @@ from pathlib import Path
 import lammps_deformable as ld
 import numpy as np
 
+from validation.ensembles import over_cores
 from validation.frictional_jamming import results
 
 # Droplets of radii 1 : 1.4 and mass 1 that keep their area. A contact has the stiffness 2 to 4, so
@@ -80,7 +81,7 @@ def main():
         (number, mu, seed, pressures, slow) for seed in range(1, packings + 1) for mu in frictions
     ]
     keep = f"{asked.plan}_kept"
-    rows = ld.parallel_map(jammed, calls, asked.workers, "jamming", keep=keep)
+    rows = over_cores(jammed, calls, asked.workers, keep)
     found = {"number": number, "pressures": pressures, "inertial_number": slow, "packings": rows}
     Path(f"{asked.plan}.json").write_text(json.dumps(found, indent=1) + "\n")
     results.write(found, asked.plan)

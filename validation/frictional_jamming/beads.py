@@ -19,6 +19,7 @@ import numpy as np
 from lammps_deformable.contacts import without_rattlers
 from lammps_deformable.matching import matching, matching_laws
 
+from validation.ensembles import over_cores
 from validation.frictional_jamming import results
 
 NUMBER, LOOSE = 32, 0.65
@@ -119,13 +120,13 @@ def friction_of(polygons, rings, name):
 
 def with_error(polygons, rings, name):
     """That mu and its error, from leaving out packings of both, one after another."""
-    mu, first = ld.jackknife(lambda some: friction_of(some, rings, name), polygons)
+    mu, first = ld.jackknife(polygons, lambda some: friction_of(some, rings, name))
     seeds = sorted({row["seed"] for row in rings})
 
     def without(some):
         return friction_of(polygons, [row for row in rings if row["seed"] in some], name)
 
-    return mu, math.hypot(first, ld.jackknife(without, seeds)[1])
+    return mu, math.hypot(first, ld.jackknife(seeds, without)[1])
 
 
 def main():
@@ -133,9 +134,9 @@ def main():
     parser.add_argument("--workers", type=int, help="processes, all cores if not given")
     workers = parser.parse_args().workers
     calls = list(itertools.product(FRICTION, BEADS, range(1, PACKINGS + 1)))
-    rings = ld.parallel_map(of_rings, calls, workers, "rings", keep="rings_kept")
+    rings = over_cores(of_rings, calls, workers, "rings_kept")
     calls = [(beads, seed) for beads, count in BEADS.items() for seed in range(1, count + 1)]
-    polygons = ld.parallel_map(of_beads, calls, workers, "polygons", keep="beads_kept")
+    polygons = over_cores(of_beads, calls, workers, "beads_kept")
     found = {"pressure": PRESSURE, "polygons": polygons, "rings": rings}
     Path("beads.json").write_text(json.dumps(found, indent=1) + "\n")
     results.write_beads(found, with_error)

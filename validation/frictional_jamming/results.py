@@ -28,7 +28,7 @@ def table(found):
                 means = np.mean(some, axis=0)
                 return np.polyfit(over, means, 1)[1] if extrapolated else means[0]
 
-            row[name] = ld.jackknife(at_onset, values)
+            row[name] = ld.jackknife(values, at_onset)
         rows.append(row)
     return rows
 
@@ -119,7 +119,7 @@ def write_beads(found, friction):
 
 def jackknife_mean(rows, name):
     """Mean and standard error of a number."""
-    return ld.jackknife(np.mean, [row[name] for row in rows])
+    return ld.jackknife([row[name] for row in rows])
 
 
 def draw_beads(ax, rings, name, mu, value, color, beads):

@@ -12,9 +12,9 @@ from functools import partial
 from itertools import product
 from pathlib import Path
 
-import lammps_deformable as ld
 import numpy as np
 
+from validation.ensembles import over_cores
 from validation.melting import comparisons, limits, motion, order, tables
 from validation.melting.motion import BATH, PHI
 
@@ -87,11 +87,11 @@ def compared(ramps, folder, workers):
         for temperature, places in each["ends"]
         if (each["number"], each["phi"]) == (256, PHI) and temperature in QUENCHED
     ]
-    share = partial(ld.parallel_map, workers=workers, keep=folder)
+    share = partial(over_cores, workers=workers, keep=folder)
     return {
-        "checks": share(comparisons.check, checks, description="checks"),
-        "solids": share(comparisons.solid, laws, description="crystals"),
-        "quenches": share(comparisons.quench, quenched, description="at rest"),
+        "checks": share(comparisons.check, checks),
+        "solids": share(comparisons.solid, laws),
+        "quenches": share(comparisons.quench, quenched),
         "polygons": comparisons.polygons(),
     }
 
@@ -116,7 +116,7 @@ if __name__ == "__main__":
         options.error(f"--workers must be at least 1, not {given.workers}")
     folder = f"{given.plan}_kept"
     plan = [(*each, folder) for each in PLANS[given.plan]]
-    ramps = ld.parallel_map(ramp, plan, given.workers, "melting")
+    ramps = over_cores(ramp, plan, given.workers)
     found = {
         "phi": PHI,
         **BATH,

@@ -37,7 +37,7 @@ def check(name, temperature, folder, number=256, legs=3):
         positions = found["places"][-1]
         seconds += found["seconds"]
         rows.append([(row["energy"], row["pressure"]) for row in found["rows"]])
-    (energy, pressure), errors = ld.jackknife(lambda some: np.mean(some, axis=(0, 1)), rows[1:])
+    (energy, pressure), errors = ld.jackknife(rows[1:], lambda some: np.mean(some, axis=(0, 1)))
     return {
         "settings": name,
         "T": temperature,

@@ -56,7 +56,7 @@ def dilute(phi, temperature=0.02, number=64, steps=20_000):
         for state in ld.move(sim, steps, temperature=temperature, every=10, seed=1, **BATH):
             rows.append(1.0 + state.pressure * packing.area / number / temperature)
     blocks = np.array_split(rows[len(rows) // 10 :], 20)
-    found, error = ld.jackknife(np.mean, [block.mean() for block in blocks])
+    found, error = ld.jackknife([block.mean() for block in blocks])
     x = second_virial(temperature)[0] * number / packing.area
     return {
         "phi": phi,

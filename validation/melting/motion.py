@@ -7,6 +7,8 @@ from dataclasses import replace
 import lammps_deformable as ld
 import numpy as np
 
+from validation.ensembles import once
+
 # Droplets have the radius 1, the line tension 1 and the mass 1, and hardly change their area: hot
 # ones that may not change it at all find no shape now and then, which ends a run.
 LAW = ld.Ring(kA=30.0, kP=0.0, tension=1.0, contact="curved")
@@ -72,4 +74,4 @@ def leg(number, phi, temperature, seed, positions, law=LAW, bath=BATH, steps=STE
 
 def kept(function, arguments, folder):
     """The result of a call, from a folder of pickles that has it."""
-    return ld.parallel_map(function, [arguments], workers=1, keep=folder)[0]
+    return once(folder, function, *arguments)

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 from lammps_deformable._files import make_folder
 from lammps_deformable.errors import FileError, ParameterError
 from lammps_deformable.progress import print_once
-from lammps_deformable.ranks import led
 from lammps_deformable.store import holds, refuse
 from lammps_deformable.versions import machine, versions
 
@@ -28,7 +27,6 @@ if TYPE_CHECKING:
 _FULL_PARTS, _QUICK_PARTS = "parts", "quick_parts"
 
 
-@led
 def write_report(
     folder: str | Path,
     quick: bool = False,
@@ -39,7 +37,7 @@ def write_report(
     """Measure everything, and write index.html, its pictures and report.json.
 
     Results of single calls are kept in `parts` or `quick_parts` of the folder until the report is
-    complete. Under `mpiexec` rank 0 writes, and all ranks measure.
+    complete.
 
     Args:
         folder: made if missing.

@@ -15,7 +15,6 @@ from lammps_deformable.comparison import Comparison, compare
 from lammps_deformable.compression import compress
 from lammps_deformable.jamming import jam
 from lammps_deformable.laws import Ring, Sector
-from lammps_deformable.parallel import parallel_map, power_law
 from lammps_deformable.polygon_simulation import PolygonSimulation
 from lammps_deformable.polygons import PolygonModel
 from lammps_deformable.random import bidisperse
@@ -23,6 +22,7 @@ from lammps_deformable.shape_error import shape_error
 from lammps_deformable.state import steiner_point
 from numpy.typing import NDArray
 
+from validation.ensembles import over_cores, power_law
 from validation.report.paper.single import IRREGULAR, STEP, Squeezed, regular, squeeze
 
 if TYPE_CHECKING:
@@ -57,7 +57,7 @@ def shapes(
     """Rings in regular and asymmetric polygons: walls that stick, then walls that slip."""
     model = ring_in_walls(number, kL)
     runs = [(angle, indentations, model, stick) for stick in (True, False) for angle in POLYGONS]
-    return _steps(runs, workers, "shapes")
+    return _steps(runs, workers)
 
 
 def stiffness_sweep(
@@ -74,12 +74,12 @@ def stiffness_sweep(
         (regular(6), indentations, ring_in_walls(number, k), True, 1e-3, STEP if k < 3e5 else 0.005)
         for k in kL
     ]
-    return _steps(runs, workers, "stiffness")
+    return _steps(runs, workers)
 
 
-def _steps(runs: list[tuple[Any, ...]], workers: int | None, description: str) -> list[Squeezed]:
+def _steps(runs: list[tuple[Any, ...]], workers: int | None) -> list[Squeezed]:
     """The results of all steps of all runs of `squeeze`, in order; the last ones start first."""
-    results = parallel_map(squeeze, runs[::-1], workers, description)
+    results = over_cores(squeeze, runs[::-1], workers)
     return [step for steps in reversed(results) for step in steps]
 
 
@@ -202,7 +202,7 @@ def limit(
         )
         for number, k in grid
     ]
-    results = [steps[0] for steps in parallel_map(squeeze, runs, workers, "limit")]
+    results = [steps[0] for steps in over_cores(squeeze, runs, workers)]
     exact = polygon_stiffness(sides) * indentation**2
     error = {
         case: float(result.reference.area_deficit[0]) / exact - 1.0
