@@ -203,6 +203,8 @@ def compare(
     if isinstance(start, PolygonState):
         return _at_centers(start, law)
     first, strain, steps = _begin(start, strain, steps)
+    if not 0.0 < strain < 1.0:
+        raise ParameterError(f"strain must lie between 0 and 1, not {strain}")
     packing = first if isinstance(first, Packing) else first.packing
     expect("packing", packing, Packing)
     for each in (law, None if isinstance(first, Packing) else first.law):
