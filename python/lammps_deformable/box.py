@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._checks import numbers, shown, whole
-from .errors import UndefinedError, ParameterError
+from .errors import ParameterError, UndefinedError
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

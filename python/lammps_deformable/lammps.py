@@ -28,7 +28,7 @@ from . import room
 from ._checks import expect
 from .box import lattice_vectors
 from .commands import PLANE, WALL, setup_commands, wall_commands
-from .errors import UndefinedError, LammpsError, ParameterError
+from .errors import LammpsError, ParameterError, UndefinedError
 from .ranks import OneCall, agree, guarded_lammps, world
 from .shapes import in_space
 from .versions import check_lammps
