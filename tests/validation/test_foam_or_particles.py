@@ -110,7 +110,7 @@ def sentences() -> list[str]:
         f"G at phi = 0.99 is {dense[0]}, of a hexagonal array of equal droplets 0.522",
         f"Straight films have {dense[1]} there",
         f"took {seconds / 60:.0f} minutes of processor time",
-        f"would take {rings * 100 / 3600:.0f} hours",
+        f"would take {rings * 250 / 3600:.0f} hours",
     ]
 
 
