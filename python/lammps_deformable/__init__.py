@@ -28,11 +28,13 @@ if TYPE_CHECKING:
     from .crystals import crystal as crystal
     from .errors import BeyondModelWarning as BeyondModelWarning
     from .errors import CallError as CallError
+    from .errors import DeformableError as DeformableError
     from .errors import FileError as FileError
     from .errors import JumpWarning as JumpWarning
     from .errors import LammpsError as LammpsError
     from .errors import ParameterError as ParameterError
     from .errors import StalledWarning as StalledWarning
+    from .errors import UndefinedError as UndefinedError
     from .errors import UnjammedWarning as UnjammedWarning
     from .errors import UnsavedWarning as UnsavedWarning
     from .friction import Friction as Friction
@@ -108,7 +110,9 @@ _HOMES = {
     "DropletSimulation": "simulation",
     "DropletState": "state",
     "DynamicModulus": "shearing",
+    "DeformableError": "errors",
     "FileError": "errors",
+    "UndefinedError": "errors",
     "Friction": "friction",
     "JumpWarning": "errors",
     "LammpsError": "errors",

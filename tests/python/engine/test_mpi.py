@@ -154,7 +154,7 @@ for law, pressure in ((None, 1e-7), (ld.Ring(contact="radical"), 1e-10)):
     assert all(np.array_equal(jammed.positions, other) for other in everywhere)
     with ld.starts.simulate(jammed, law) as sim:
         state = sim.state()
-    unit = lammps_deformable.jamming.natural_pressure(jammed, law)
+    unit = ld.jamming.natural_pressure(jammed, law)
     if comm.rank == 0:
         print(jammed.positions.sum().hex(), state.phi, state.pressure / unit / pressure)
 """

@@ -100,7 +100,7 @@ def row(*radii: float) -> ld.Packing:
     """Particles side by side that bear a force across the box as long as they are in line."""
     radius = np.array(radii)
     x = np.cumsum(radius + np.roll(radius, -1) - 0.01)
-    sizes, species = np.unique(radius, return_inverse=True)
+    _, species = np.unique(radius, return_inverse=True)
     places = np.column_stack([np.roll(x, 1) % x[-1], np.full(len(x), 5.0)])
     return ld.Packing(places, radius, [[x[-1], 0.0], [0.0, 10.0]], species=species)
 
