@@ -34,12 +34,13 @@ def independent() -> ld.PolygonState:
     radii = np.unique(REFERENCE["radius"])
     packing = ld.Packing(
         [outline.mean(axis=0) for outline in outlines],
-        np.asarray(radii)[np.searchsorted(radii, REFERENCE["radius"])],
+        REFERENCE["radius"],
         REFERENCE["box"] * np.eye(2),
         species=np.searchsorted(radii, REFERENCE["radius"]),
     )
     model = ld.DeformablePolygon(
         vertices=[len(outlines[REFERENCE["radius"].index(radius)]) for radius in radii],
+        smooth=False,
         radius=REFERENCE["bead_radius"],
         **{name: REFERENCE[name] for name in ("kL", "kA", "kr")},
     )
@@ -114,11 +115,11 @@ def test_balanced_law_on_the_independent_packing(independent: ld.PolygonState) -
 def test_circles_on_the_independent_packing(independent: ld.PolygonState) -> None:
     packing = independent.packing
     errors = []
-    for outline, center, kind in zip(
-        independent.outlines, packing.positions, packing.species, strict=True
+    for outline, center, kind, radius in zip(
+        independent.outlines, packing.positions, packing.species, packing.radii, strict=True
     ):
         circle = core.outline("ring", independent.polygons.radius[kind], [], [], 1440)
-        errors.append(shape_error(outline - center, circle, packing.radii[kind]))
+        errors.append(shape_error(outline - center, circle, radius))
     assert np.mean(errors) == pytest.approx(7.690e-3, abs=1e-6)
 
 

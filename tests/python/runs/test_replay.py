@@ -37,8 +37,7 @@ def test_growth_and_death(start: Packing, tmp_path: Path) -> None:
                 packing.replace(
                     positions=packing.positions[:-3],
                     species=packing.species[:-3],
-                    radii=[radius.max()],
-                    particle_radii=radius,
+                    radii=radius,
                 )
             )
             states.append(sim.state())
@@ -56,7 +55,7 @@ def test_growth_and_death(start: Packing, tmp_path: Path) -> None:
 def test_other_species(tmp_path: Path) -> None:
     """As after `fix atom/swap`: a small particle takes the place of a large one."""
     packing = ld.bidisperse(16, phi=0.8, seed=2).push_off()
-    swapped = packing.replace(species=packing.species[::-1])
+    swapped = packing.replace(species=packing.species[::-1], radii=packing.radii[::-1])
     states = []
     for each in (packing, swapped):
         with ld.Simulation(each, Ring(kA=[1.0, 2.0])) as sim:
@@ -72,7 +71,7 @@ def test_a_frame_has_its_own_radii_law_and_walls(tmp_path: Path) -> None:
     packing = ld.bidisperse(16, seed=2).at(0.7).push_off()
     grown = packing.replace(radii=1.1 * packing.radii)
     obstacle = ld.Sphere(0.2, packing.positions[0] + [0.0, 1.2], inside=False)
-    moved = replace(obstacle, center=packing.positions[1] + [0.0, 1.2])
+    moved = replace(obstacle, origin=packing.positions[1] + [0.0, 1.2])
     states = []
     for each, law, walls in (
         (packing, Ring(), ()),
