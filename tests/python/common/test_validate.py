@@ -19,7 +19,6 @@ CASES: list[tuple[Callable[[], Any], str, str]] = [
     (lambda: ld.Disks(3), "packing", "3"),
     (lambda: ld.jam("x"), "packing", "'x'"),
     (lambda: ld.jam(P, "ring"), "law", "'ring'"),
-    (lambda: ("x").push_off(), "packing", "'x'"),
     (lambda: ld.compress(P, 0.01, 1), "sim", "a Packing"),
     (lambda: ld.shear(P, 0.01, 1), "sim", "a Packing"),
     (lambda: ld.move(P, 1), "sim", "a Packing"),
@@ -29,7 +28,7 @@ CASES: list[tuple[Callable[[], Any], str, str]] = [
     (lambda: ld.bidisperse("16", seed=1), "number", "'16'"),
     (lambda: ld.bidisperse(True, seed=1), "number", "True"),
     (lambda: P.at(True), "phi", "True"),
-    (lambda: ld.BoxWall((1.0, np.True_)).parts, "height", "True"),
+    (lambda: ld.Sphere(np.True_), "radius of a Sphere", "True"),
     (lambda: Ring(kA="1"), "kA", "'1'"),
     (lambda: Ring(kA=[1, -1]), "kA", "-1"),
     (lambda: Ring(contact=2), "contact", "2"),
@@ -127,7 +126,7 @@ def test_folders_that_cannot_be_written(folder: str, state: ld.State) -> None:
 
 def test_a_simulation_outlives_a_restart_that_is_refused(jammed: ld.Packing) -> None:
     with ld.Simulation(jammed, Ring(kA=[1.0, 2.0])) as sim:
-        for wrong in (None, ld.polydisperse(4, [0.5] * 4, seed=1)):
+        for wrong in (None, ld.bidisperse(4, fraction_large=0.0, seed=1).replace(species=[0] * 4)):
             with pytest.raises(ld.ParameterError):
                 sim.restart(wrong)
         assert sim.state().packing.phi == pytest.approx(jammed.phi)
