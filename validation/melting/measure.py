@@ -12,6 +12,8 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import Delaunay
 
+from validation.ensembles import once
+
 # Equal droplets in a heat bath: a motion in legs, each of which is kept in a folder.
 
 # Droplets have the radius 1, the line tension 1 and the mass 1, and hardly change their area: hot
@@ -79,7 +81,7 @@ def leg(number, phi, temperature, seed, positions, law=LAW, bath=BATH, steps=STE
 
 def kept(function, arguments, folder):
     """The result of a call, from a folder of pickles that has it."""
-    return ld.parallel_map(function, [arguments], workers=1, keep=folder)[0]
+    return once(folder, function, *arguments)
 
 
 # What is measured of the places in a leg: order, its correlations, defects, and elasticity.
@@ -282,7 +284,7 @@ def dilute(phi, temperature=0.02, number=64, steps=20_000):
         for state in ld.move(sim, steps, temperature=temperature, every=10, seed=1, **BATH):
             rows.append(1.0 + state.pressure * packing.area / number / temperature)
     blocks = np.array_split(rows[len(rows) // 10 :], 20)
-    found, error = ld.jackknife(np.mean, [block.mean() for block in blocks])
+    found, error = ld.jackknife([block.mean() for block in blocks])
     x = second_virial(temperature)[0] * number / packing.area
     return {
         "phi": phi,
@@ -321,7 +323,7 @@ def check(name, temperature, folder, number=256, legs=3):
         positions = found["places"][-1]
         seconds += found["seconds"]
         rows.append([(row["energy"], row["pressure"]) for row in found["rows"]])
-    (energy, pressure), errors = ld.jackknife(lambda some: np.mean(some, axis=(0, 1)), rows[1:])
+    (energy, pressure), errors = ld.jackknife(rows[1:], lambda some: np.mean(some, axis=(0, 1)))
     return {
         "settings": name,
         "T": temperature,
