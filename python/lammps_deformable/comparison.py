@@ -238,7 +238,6 @@ def _begin(start: Any, strain: float, steps: int) -> tuple[Packing | State, floa
     """Where a comparison begins, its strain and steps."""
     if isinstance(start, (Packing, State)):
         return start, strain, steps
-    expect("start", start, Sequence)
     first, last = start[0], start[-1]
     whole = first.packing.box
     strain = 1.0 - float(last.packing.box[0, 0] / whole[0, 0])
