@@ -23,7 +23,7 @@ def sweep() -> list[Squeezed]:
     return paper.stiffness_sweep((1.0, 1e2, 1e4), [0.01, 0.02, 0.03], number=96, workers=1)
 
 
-@pytest.mark.slow  # tests/test_committed_report.py has the rows of the report
+@pytest.mark.slow  # test_committed_report.py has the rows of the report
 @pytest.mark.parametrize(("sides", "indentation"), [(3, 0.01), (4, 0.03)])
 def test_sector_is_right_where_walls_stick(sides: int, indentation: float) -> None:
     # in steps of 0.005 the quadrangle has 1.07e-4
