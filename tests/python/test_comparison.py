@@ -34,12 +34,13 @@ def independent() -> ld.PolygonState:
     radii = np.unique(REFERENCE["radius"])
     packing = ld.Packing(
         [outline.mean(axis=0) for outline in outlines],
-        np.searchsorted(radii, REFERENCE["radius"]),
-        radii,
+        REFERENCE["radius"],
         REFERENCE["box"] * np.eye(2),
+        species=np.searchsorted(radii, REFERENCE["radius"]),
     )
-    model = ld.PolygonModel(
+    model = ld.DeformablePolygon(
         vertices=[len(outlines[REFERENCE["radius"].index(radius)]) for radius in radii],
+        smooth=False,
         radius=REFERENCE["bead_radius"],
         **{name: REFERENCE[name] for name in ("kL", "kA", "kr")},
     )
@@ -114,18 +115,18 @@ def test_balanced_law_on_the_independent_packing(independent: ld.PolygonState) -
 def test_circles_on_the_independent_packing(independent: ld.PolygonState) -> None:
     packing = independent.packing
     errors = []
-    for outline, center, kind in zip(
-        independent.outlines, packing.positions, packing.species, strict=True
+    for outline, center, kind, radius in zip(
+        independent.outlines, packing.positions, packing.species, packing.radii, strict=True
     ):
         circle = core.outline("ring", independent.polygons.radius[kind], [], [], 1440)
-        errors.append(shape_error(outline - center, circle, packing.radii[kind]))
+        errors.append(shape_error(outline - center, circle, radius))
     assert np.mean(errors) == pytest.approx(7.690e-3, abs=1e-6)
 
 
 @pytest.fixture(scope="module")
 def small() -> ld.PolygonState:
     jammed = ld.jam(ld.bidisperse(6, seed=3))
-    with ld.PolygonSimulation(jammed, ld.PolygonModel(vertices=40)) as sim:
+    with ld.PolygonSimulation(jammed, ld.DeformablePolygon(40, smooth=False)) as sim:
         (state,) = ld.compress(sim, strain=0.02, steps=1, tolerance=0.02)
     return state
 
@@ -172,7 +173,7 @@ def test_beads_on_the_outlines_have_no_error(
     )
     distance = [np.hypot(*line.T).mean() for line in outlines]
     assert shape_errors(beyond, state) == pytest.approx(
-        0.001 * np.array(distance) / small.packing.radius
+        0.001 * np.array(distance) / small.packing.radii
     )
 
 
@@ -237,7 +238,7 @@ def test_a_comparison_is_of_own_relaxations(jammed: ld.Packing, compared: ld.Com
     methods = [(row["method"], row["vertices"]) for row in compared.rows]
     polygons = [("smooth", 19), ("bead", 38), ("reference", 38)]
     assert methods == [("disk", None), *((law, None) for law in laws), *polygons]
-    model = ld.PolygonModel(vertices=38, radius=0.025, kL=6.0 * 38, kr=10.0, smooth=True)
+    model = ld.DeformablePolygon(38, radius=0.025, kL=6.0 * 38, kr=10.0)
     with ld.PolygonSimulation(jammed, model) as sim:
         sim.deform(jammed.box * 0.985)
         exact = sim.relax()
@@ -298,7 +299,7 @@ def test_a_run_is_compared_from_its_start(jammed: ld.Packing, tmp_path: Path) ->
     balanced, reference = found.rows[1:]
     assert reference["energy_ratio"] == 1.0
     assert balanced["energy_error"] < 0.05
-    sheared = [run[0], replace(run[1], packing=replace(run[1].packing, box=[[9, 0], [1, 9]]))]
+    sheared = [run[0], replace(run[1], packing=run[1].packing.replace(box=[[9, 0], [1, 9]]))]
     with pytest.raises(ld.ParameterError, match="no isotropic compression: compare its first"):
         ld.compare(sheared)
 

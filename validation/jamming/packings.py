@@ -116,7 +116,7 @@ def measure(
         # rows have a column for what stalled; packings may rearrange while they are compressed
         warnings.simplefilter("ignore", UnjammedWarning)
         warnings.simplefilter("always", StalledWarning)
-        start = bidisperse(number, seed=seed, dimension=dimension_of(law))
+        start = bidisperse(number, dimension=dimension_of(law), seed=seed)
         packing = jam(start, settings, onset_pressure, tolerance=TOLERANCE)  # counts contacts
         stalled = any(issubclass(warning.category, StalledWarning) for warning in caught)
         with simulate(packing, settings) as sim:
