@@ -285,11 +285,13 @@ def test_laws_at_given_centers_have_no_time(small: ld.PolygonState) -> None:
         ld.compare(small).plot()
 
 
-def test_a_run_is_compared_from_its_start(jammed: ld.Packing) -> None:
+def test_a_run_is_compared_from_its_start(jammed: ld.Packing, tmp_path: Path) -> None:
     """Its law, with the kP of polygons in the place of an infinite one; its strain and steps."""
     law = ld.Ring(kA=2.0)
     with ld.Simulation(jammed, law) as sim:
-        run = [sim.state(), *ld.compress(sim, strain=0.02, steps=2)]
+        for _ in ld.compress_in(sim, tmp_path / "run", strain=0.02, steps=2):
+            pass
+    run = ld.Run(tmp_path / "run")
     found = ld.compare(run, law=law, vertices=(76,), workers=1)
     assert [row["method"] for row in found.rows] == ["disk", "balanced", "reference"]
     strains = [row["strain"] for row in found.steps if row["own"]]

@@ -251,7 +251,7 @@ def paper_packing(
     jammed = jam(bidisperse(number, seed=seed))
     with PolygonSimulation(jammed, model) as polygons:
         *_, state = compress(polygons, strain, steps)
-    laws = {"sector": Sector(), "radical": Ring(contact="radical")}
+    laws: dict[str, Law] = {"sector": Sector(), "radical": Ring(contact="radical")}
     return {name: AtCenters(state, predict(state, law)) for name, law in laws.items()}
 
 

@@ -51,6 +51,7 @@ CASES: list[tuple[Callable[[], Any], str, str]] = [
     (lambda: ld.movie(3, "a.gif"), "states", "3"),
     (lambda: ld.movie([P], "a.gif"), "a state of a movie", "a Packing"),
     (lambda: ld.movie([], 3), "path", "3"),
+    (lambda: ld.compare(None), "start", "None"),
     (lambda: ld.compare(P, law=3), "law", "3"),
     (lambda: ld.resolve_secondary(P), "state", "a Packing"),
     (lambda: ld.Disks(P).relax(1e-3, None), "minimum_contact_force", "None"),
