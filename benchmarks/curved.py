@@ -29,8 +29,8 @@ from typing import Any
 
 import lammps_deformable as ld
 import numpy as np
+from lammps_deformable.comparison import compression_rows, law_path, standard_polygons
 from lammps_deformable.polygons import PolygonModel
-from lammps_deformable.report import law_path, smooth_rows
 from lammps_deformable.versions import machine
 from motion import energies, energy_error, step
 
@@ -80,11 +80,12 @@ def compared(
 ) -> list[dict[str, Any]]:
     """Energies of the laws that relaxed on their own over those of the extrapolated polygons."""
     counts = counts or VERTICES[number]
+    start = ld.jam(ld.bidisperse(number, seed=seed))
     found = {
         count: {
             (row["law"], round(row["strain"], 6)): row
-            for row in smooth_rows(
-                number, seed, count, strain, steps, model=model(count) if model else None
+            for row in compression_rows(
+                start, model(count) if model else standard_polygons(count), strain, steps
             )
             if row["law"] in LAWS and row["own"]
         }

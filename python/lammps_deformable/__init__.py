@@ -24,16 +24,17 @@ if TYPE_CHECKING:
 
     from .comparison import Comparison as Comparison
     from .comparison import compare as compare
-    from .comparison import predict as predict
     from .crystal import cubic as cubic
     from .crystal import triangular as triangular
     from .errors import BeyondModelWarning as BeyondModelWarning
     from .errors import CallError as CallError
+    from .errors import DeformableError as DeformableError
     from .errors import FileError as FileError
     from .errors import JumpWarning as JumpWarning
     from .errors import LammpsError as LammpsError
     from .errors import ParameterError as ParameterError
     from .errors import StalledWarning as StalledWarning
+    from .errors import UndefinedError as UndefinedError
     from .errors import UnjammedWarning as UnjammedWarning
     from .errors import UnsavedWarning as UnsavedWarning
     from .friction import Friction as Friction
@@ -96,7 +97,9 @@ _HOMES = {
     "Droplet": "laws",
     "DropletSimulation": "simulation",
     "DropletState": "state",
+    "DeformableError": "errors",
     "FileError": "errors",
+    "UndefinedError": "errors",
     "Friction": "friction",
     "JumpWarning": "errors",
     "LammpsError": "errors",
@@ -127,7 +130,6 @@ _HOMES = {
     "parallel_map": "parallel",
     "polish": "polishing",
     "polydisperse": "random",
-    "predict": "comparison",
     "push_off": "starts",
     "rectangle": "walls",
     "resolve_secondary": "secondary",

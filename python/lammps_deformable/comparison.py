@@ -1,62 +1,616 @@
-"""A contact law at the centers of bead polygons, and its errors."""
+"""Contact laws against deformable polygons: errors, and error against run time.
+
+Smooth polygons (docs/theory.md, "Smooth polygons") come to rest where smooth particles do. Bead
+polygons have friction: they interlock, and their energy depends on the way.
+"""
 
 from __future__ import annotations
 
 import math
+import time
+import warnings
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
+from itertools import pairwise
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from mpi4py import MPI
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from ._checks import expect
-from .core import norm
+from ._checks import count, expect
+from .box import cartesian, fractional
+from .compression import compress
+from .contacts import without_rattlers
+from .core import angles, norm, unit_vectors
 from .errors import ParameterError
-from .laws import Law, Ring, Sector, refuse_adhesion
-from .matching import matching_laws
-from .shape_error import shape_error
+from .laws import Law, Ring, Sector, per_species, refuse_adhesion
+from .packing import Packing
+from .parallel import parallel_map
+from .polygon_simulation import PolygonSimulation
+from .polygons import PolygonModel, Polygons
 from .simulation import Simulation
+from .soft_disks import Disks
 from .state import PolygonState, State
+from .versions import optional
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+_QUANTITIES = {
+    "energy_error": "error of the energy",
+    "pressure_error": "error of the pressure",
+    "area_error": "error of the area deficits (rms)",
+    "shape_error": "error of the outline over the radius",
+}
+
+S = TypeVar("S", State, PolygonState)
+T = TypeVar("T")
+Row = dict[str, Any]
+Steps = list[tuple[S, float]]
+
+# Laws without a continuous energy do not come to rest.
+_RESTLESS = {"sector"}
+
+# A packing with less than this part of the polygons' pressure has lost its rigidity.
+_UNJAMMED = 1e-6
+
+# kP/(kA R^2) of polygons that stand for inextensible ones: the springs lower S by kA q^2/kP, below
+# a tenth. The time of a relaxation grows as the root of the stiffness.
+STIFF = 10.0
+
+# Radius of the vertices of polygons [length], and the stiffness of their contacts over the largest
+# kA. With radii of 0.5 and 0.7 contacts give way by less than 1 % of the indentation.
+SKIN, CONTACT = 0.025, 10.0
 
 # Corners of an outline: the polygon is nearer to the curve than 2e-6 of its radius.
 _POINTS = 1440
 
+# Directions in which outlines of polygons are compared.
+_DIRECTIONS = 2.0 * np.pi * np.arange(720) / 720
 
-@dataclass(frozen=True, eq=False)
+# Corners that coincide may differ in direction by rounding [rad].
+_ROUNDING = 1e-12
+
+# Columns of a table, and their heads in print.
+COLUMNS = {
+    "method": "method",
+    "vertices": "vertices",
+    "energy_error": "energy",
+    "pressure_error": "pressure",
+    "area_error": "areas",
+    "shape_error": "outline",
+    "seconds": "seconds",
+    "residual": "residual",
+}
+
+
+@dataclass(frozen=True, eq=False, repr=False)
 class Comparison:
-    """A contact law against bead polygons with the same centers.
+    """Errors and processor times of contact laws and polygons, from `compare`.
 
     Attributes:
-        reference: the polygons.
-        state: the law's particles, with the effective radii of the polygons; not relaxed.
-        shape_error: I of each particle, see `shape_error`, shape (N,).
+        rows: of each method, in the order of measuring: `disk` for soft disks, names of laws,
+            `smooth` and `bead` for polygons, and `reference`. Keys:
+
+            method, vertices: its name, and N_v of the smallest polygons, else None.
+            strain: linear, beyond the start; None at given centers.
+            energy_ratio, pressure_ratio: over those of the reference, energies over those of
+                polygons of very many vertices if there are two kinds of smooth polygons.
+            energy_error, pressure_error: distance of these ratios from 1.
+            area_error: rms difference of the area deficits over their rms; 1 for disks.
+            shape_error: mean distance of the outlines over the radius.
+            seconds: processor time of all steps.
+            residual: largest of the forces that are left over the mean contact force.
+            limit_error: of the reference, how far the limit of very many vertices changes if it is
+                taken from coarser polygons.
+
+            A value that is not known is None: the stiffness of disks is free, and a packing may be
+            loose.
+        steps: rows of each law and polygon at each strain, see `compression_rows`.
     """
 
-    reference: PolygonState
-    state: State
-    shape_error: NDArray[np.float64]
+    rows: list[Row]
+    steps: list[Row]
 
-    @property
-    def area_deficit_error(self) -> float:
-        """Root mean square of S - S_exact over that of S_exact; inf if all S_exact are zero."""
-        exact = self.reference.area_deficit
-        wrong = self.state.area_deficit - exact
-        return _over(norm(wrong), norm(exact))
+    def table(self) -> dict[str, NDArray[Any]]:
+        """Columns of the rows, arrays of the same length; nan or an empty word if not known."""
+        found: dict[str, NDArray[Any]] = {}
+        for key in COLUMNS:
+            values = [row[key] for row in self.rows]
+            if key == "method":
+                found[key] = np.array(values)
+            else:
+                found[key] = np.array([math.nan if v is None else v for v in values], float)
+        return found
 
-    @property
-    def energy_ratio(self) -> float:
-        """Energy of the law over that of the polygons; inf if that is zero."""
-        return _over(self.state.energy, self.reference.energy)
+    def to_pandas(self) -> Any:
+        """`table` as a pandas.DataFrame."""
+        return optional("pandas", "pandas").DataFrame(self.table())
 
-    @property
-    def pressure_ratio(self) -> float:
-        """Pressure of the law over that of the polygons; inf if that is zero."""
-        return _over(self.state.pressure, self.reference.pressure)
+    def __str__(self) -> str:
+        width = max(len(row["method"]) for row in self.rows)
+        lines = [
+            f"{'method':{width}} " + " ".join(f"{head:>9}" for head in [*COLUMNS.values()][1:])
+        ]
+        for row in self.rows:
+            cells = ["-" if row[key] is None else f"{row[key]:.3g}" for key in [*COLUMNS][1:]]
+            lines.append(f"{row['method']:{width}} " + " ".join(f"{cell:>9}" for cell in cells))
+        return "\n".join(lines)
+
+    def __repr__(self) -> str:
+        return f"<Comparison: {', '.join(dict.fromkeys(row['method'] for row in self.rows))}>"
+
+    def plot(self, ax: Axes | None = None, quantity: str = "energy_error") -> Axes:
+        """Draw errors against processor time, a point for each method; polygons are joined.
+
+        Args:
+            ax: where; a new figure if not given.
+            quantity: `energy_error`, `pressure_error`, `area_error` or `shape_error`.
+
+        Raises:
+            ParameterError: no method has a time, as at given centers.
+        """
+        if ax is None:
+            from matplotlib import pyplot as plt
+
+            ax = plt.figure(layout="constrained").subplots()
+        plot_errors(self.rows, ax, quantity)
+        ax.legend()
+        return ax
 
 
-def _over(ours: float, exact: float) -> float:
-    """A ratio, inf if the denominator is zero."""
-    return ours / exact if exact else math.inf
+def compare(
+    start: Packing | State | PolygonState | Sequence[State],
+    *,
+    law: Law | None = None,
+    polygon: PolygonModel | None = None,
+    vertices: Iterable[int] = (38, 57, 76),
+    beads: Iterable[int] = (),
+    strain: float = 0.02,
+    steps: int = 2,
+    workers: int | None = None,
+    keep: str | Path | None = None,
+) -> Comparison:
+    """Measure errors of contact laws and of polygons against their processor times.
+
+    Each method compresses the same packing in the same steps and relaxes on its own. Errors are
+    those against the finest smooth polygons, at the last strain.
+
+    Args:
+        start: a packing at the onset of jamming, or a state there: circles must not overlap, as
+            polygons begin as circles. Of a run that is an isotropic compression the first state,
+            with its strain and steps. Of a state of polygons the laws are evaluated at its centers
+            at once, and have no times.
+        law: only this one, a `Ring` or `Sector`; all laws if not given.
+        polygon: the stiffness of the polygons at its number of vertices; others have the same kP.
+            By default that of the law, or of the state's law; kP = 10 kA R^2 stands for an
+            infinite one, also in the laws. Of a packing alone kA = 1 and kP = 6.
+        vertices: N_v of the smallest smooth polygons; the most are the reference. Multiples of 19
+            give radii of 0.5 and 0.7 the same kP at each number.
+        beads: N_v of bead polygons.
+        strain: total linear strain of the compression.
+        steps: number of steps.
+        workers: methods at a time, as in `parallel_map`.
+        keep: folder of the results of methods that are complete, as in `parallel_map`.
+
+    Raises:
+        ParameterError: circles overlap; a run is no isotropic compression; or particles stick, or
+            have a tension: polygons have none.
+    """
+    if isinstance(start, PolygonState):
+        return _at_centers(start, law)
+    first, strain, steps = _begin(start, strain, steps)
+    if not 0.0 < strain < 1.0:
+        raise ParameterError(f"strain must lie between 0 and 1, not {strain}")
+    packing = first if isinstance(first, Packing) else first.packing
+    expect("packing", packing, Packing)
+    for each in (law, None if isinstance(first, Packing) else first.law):
+        if each is not None:
+            _refuse_law(each)
+    stiffness = law or (None if isinstance(first, Packing) else first.law)
+    model = partial(_polygons, packing, polygon, None if polygon else stiffness)
+    *coarse, finest = sorted({count("vertices", each) for each in vertices})
+    rivals = [model(each) for each in coarse]
+    rivals += [model(count("beads", each), smooth=False) for each in beads]
+    reference = model(finest)
+    laws = None if law is None else {law.name: _matched(law, reference, packing)}
+    rows = compression_rows(
+        packing, reference, strain, steps, rivals, laws=laws, workers=workers, keep=keep
+    )
+    disks = math.fsum(seconds for _, seconds in timed(compress(Disks(packing), strain, steps)))
+    return Comparison(method_rows(rows, disks), rows)
+
+
+def _refuse_law(law: Any) -> None:
+    expect("law", law, Ring, Sector)
+    refuse_adhesion(law, (), ", and polygons have none")
+    if isinstance(law, Ring) and np.any(law.tension):
+        raise ParameterError("particles have a tension, and polygons have none: compare without")
+
+
+def _begin(start: Any, strain: float, steps: int) -> tuple[Packing | State, float, int]:
+    """Where a comparison begins, its strain and steps."""
+    if isinstance(start, (Packing, State)):
+        return start, strain, steps
+    expect("start", start, Sequence)
+    first, last = start[0], start[-1]
+    whole = first.packing.box
+    strain = 1.0 - float(last.packing.box[0, 0] / whole[0, 0])
+    if not (strain > 0.0 and np.allclose(last.packing.box, whole * (1.0 - strain), rtol=1e-9)):
+        raise ParameterError("the run is no isotropic compression: compare its first state")
+    return first, strain, len(start) - 1
+
+
+def _polygons(
+    packing: Packing,
+    polygon: PolygonModel | None,
+    law: Law | None,
+    vertices: int,
+    smooth: bool = True,
+) -> PolygonModel:
+    """Polygons of another number of vertices with the stiffness of a model, or of a law."""
+    if polygon is not None:
+        times = vertices / float(np.min(polygon.vertices))
+        springs = (np.asarray(polygon.kL) * times).tolist()
+        most = polygon.vertices
+        of_each = vertices if np.ndim(most) == 0 else np.rint(np.asarray(most) * times).tolist()
+        return replace(polygon, vertices=of_each, kL=springs, smooth=smooth)
+    if law is None:
+        return standard_polygons(vertices, smooth=smooth)
+    kinds = len(packing.radii)
+    kA, kP = (per_species(value, kinds) for value in (law.kA, law.kP))
+    return stiff_polygons(packing.radii, vertices, kA, kP, smooth)
+
+
+def standard_polygons(count: int, kP: float = 6.0, smooth: bool = True) -> PolygonModel:
+    """Polygons for the measurements, of kA = 1 and contacts of range c = 0.05 and stiffness 10.
+
+    Args:
+        count: N_v, of the smallest polygons.
+        kP: stiffness of their perimeter [energy/length^2].
+        smooth: whether they are smooth, else bead polygons.
+    """
+    return PolygonModel(vertices=count, radius=SKIN, kL=kP * count, kr=CONTACT, smooth=smooth)
+
+
+def stiff_polygons(
+    radii: NDArray[np.float64],
+    count: int,
+    kA: Sequence[float],
+    kP: Sequence[float],
+    smooth: bool = True,
+) -> PolygonModel:
+    """Polygons of species of these stiffnesses, arguments as for `standard_polygons`.
+
+    Where kP is infinite, polygons have 10 kA R^2 instead, because no spring is rigid.
+    """
+    polygons = PolygonModel(vertices=count, radius=SKIN, smooth=True).polygons(radii)
+    springs = polygons.number * np.where(np.isinf(kP), STIFF * np.array(kA) * radii**2, kP)
+    return PolygonModel(count, SKIN, springs.tolist(), kA, kr=CONTACT * max(kA), smooth=smooth)
+
+
+def _matched(law: Law, model: PolygonModel, packing: Packing) -> Law:
+    """The law for particles like these polygons: with their kP, and their vertices as a skin."""
+    if isinstance(law, Sector):
+        return law
+    polygons = model.polygons(packing.radii)
+    return replace(law, kP=polygons.kP.tolist(), skin=polygons.skin.tolist())
+
+
+def _at_centers(exact: PolygonState, law: Law | None) -> Comparison:
+    """The laws at the centers of polygons, not relaxed."""
+    if law is not None:
+        expect("law", law, Ring, Sector)
+    laws = matching_laws(exact.model, exact.polygons) if law is None else {law.name: law}
+    none = {"vertices": None, "strain": None}
+    rows = [
+        {"method": name} | none | _against(exact, predict(exact, each, MPI.COMM_SELF), None)
+        for name, each in laws.items()
+    ]
+    return Comparison([_with_errors(row) for row in rows], [])
+
+
+def compression_rows(
+    start: Packing,
+    model: PolygonModel,
+    strain: float,
+    steps: int,
+    rivals: Sequence[PolygonModel] = (),
+    *,
+    laws: Mapping[str, Law] | None = None,
+    workers: int | None = None,
+    keep: str | Path | None = None,
+) -> list[Row]:
+    """A packing compressed from jamming: every law against smooth polygons.
+
+    Polygons and laws start from the same packing and relax on their own after each step.
+
+    Args:
+        start: a jammed packing.
+        model: of the reference.
+        strain: total linear strain.
+        steps: number of steps.
+        rivals: other smooth or bead polygons to compare with the reference. All stand for the same
+            particles: bead polygons have the laws' radii as effective ones, see `matching`.
+        laws: by name; `matching_laws` if not given.
+        workers, keep: as for `compare`.
+
+    Returns:
+        Rows for each step, in the order of the steps. Their keys:
+
+        n, strain, n_v: number of particles; of the reference.
+        law: name of a law, or `smooth` or `bead` for rivals.
+        vertices: N_v of a rival, else None.
+        own: true if the law relaxed on its own, false if its particles have the centers of the
+            reference. Rivals, and no row of the sector law, are on their own.
+        energy_ratio, pressure_ratio: over those of the reference; None where one is unjammed.
+        S_rms: root mean square difference of the area deficits over their root mean square.
+        I: mean distance of the outlines over the radius, each about its own center; None if an
+            outline of a law folds.
+        distance: root mean square distance of the centers over the mean radius, see `centers_rms`;
+            0 at given centers.
+        residual: of the reference, see `PolygonState.residual`. Above 1e-6 the reference has not
+            converged: it is loose, or nearly so, and the row says nothing about the law.
+        law_residual: of the law or rival; None at given centers.
+        seconds: processor time of the law's or rival's relaxation; None at given centers.
+        seconds_polygons: that of the reference's relaxation.
+    """
+    if laws is None:
+        laws = matching_laws(model, model.polygons(start.radii))
+    own = [name for name in laws if name not in _RESTLESS]
+    others = [matching(start, rival) for rival in rivals]
+    calls: list[tuple[Any, ...]] = [(start, model, strain, steps)]
+    calls += [(other, rival, strain, steps) for other, rival in zip(others, rivals, strict=True)]
+    calls += [(start, laws[name], strain, steps) for name in own]
+    found = parallel_map(_path, calls, workers, "methods", keep=keep)
+    reference, *found = found
+    paths = dict(zip(own, found[len(rivals) :], strict=True))
+    rows: list[Row] = []
+    for n, (exact, seconds) in enumerate(reference):
+        common = {
+            "n": len(start),
+            "strain": strain * (n + 1) / steps,
+            "n_v": int(exact.polygons.number.min()),
+            "residual": exact.residual,
+            "seconds_polygons": seconds,
+        }
+        for name, law in laws.items():
+            there = predict(exact, law, MPI.COMM_SELF)
+            none = {"law": name, "vertices": None}
+            if name in paths:
+                rows.append(common | none | {"own": True} | _against(exact, *paths[name][n]))
+            rows.append(common | none | {"own": False} | _against(exact, there, None))
+        for rival, path in zip(rivals, found, strict=False):
+            rows.append(
+                common
+                | {"law": "smooth" if rival.smooth else "bead"}
+                | {"vertices": int(path[n][0].polygons.number.min()), "own": True}
+                | _against(exact, *path[n])
+            )
+    return rows
+
+
+def method_rows(steps: Sequence[Row], seconds_of_disks: float) -> list[Row]:
+    """A row for each method at the last strain, see `Comparison.rows`.
+
+    The sector law does not come to rest and is taken at the centers of the reference, without a
+    time.
+
+    Args:
+        steps: of `compression_rows`.
+        seconds_of_disks: processor time of soft disks.
+    """
+    paths: dict[tuple[str, int | None], list[Row]] = {}
+    for row in steps:
+        if row["own"] or row["law"] in _RESTLESS:
+            paths.setdefault((row["law"], row["vertices"]), []).append(row)
+    found = []
+    for (method, _), path in paths.items():
+        times = [row["seconds"] for row in path]
+        seconds = None if None in times else math.fsum(times)
+        found.append(path[-1] | {"method": method, "seconds": seconds})
+    last = path[-1]
+    # a disk keeps its area, S = 0; its stiffness is free, so that its energy says nothing
+    disk = dict.fromkeys(last) | {key: last[key] for key in ("n", "strain", "n_v")}
+    exact = {"method": "reference", "vertices": last["n_v"], "S_rms": 0.0}
+    exact |= {"energy_ratio": 1.0, "pressure_ratio": 1.0, "law_residual": last["residual"]}
+    exact["seconds"] = math.fsum(row["seconds_polygons"] for row in path)
+    rows = [
+        disk | {"method": "disk", "S_rms": 1.0, "seconds": seconds_of_disks},
+        *found,
+        disk | exact,
+    ]
+    smooth = [row for row in rows if row["method"] in ("smooth", "reference")]
+    finest = sorted(smooth, key=lambda row: int(row["vertices"]))[-3:]
+    limits = [
+        of_many_vertices(a["energy_ratio"], b["energy_ratio"], b["vertices"] / a["vertices"])
+        for a, b in pairwise(row for row in finest if row["energy_ratio"] is not None)
+    ]
+    for row in rows:
+        if row["energy_ratio"] is not None and limits:
+            row["energy_ratio"] /= limits[-1]
+    rows = [_with_errors(row) for row in rows]
+    if len(limits) == 2:
+        rows[-1]["limit_error"] = abs(limits[0] / limits[1] - 1.0)
+    return rows
+
+
+def _with_errors(row: Row) -> Row:
+    """The keys of `Comparison.rows`."""
+    ratios = {name: row[f"{name}_ratio"] for name in ("energy", "pressure")}
+    return {
+        **{key: row[key] for key in ("method", "vertices", "strain")},
+        **{f"{name}_ratio": ratio for name, ratio in ratios.items()},
+        **{
+            f"{name}_error": None if ratio is None else abs(ratio - 1.0)
+            for name, ratio in ratios.items()
+        },
+        "area_error": row["S_rms"],
+        "shape_error": row["I"],
+        "seconds": row["seconds"],
+        "residual": row["law_residual"],
+    }
+
+
+def of_many_vertices(coarse: float, fine: float, times: float) -> float:
+    """The limit of an energy of polygons, which differs from it by a part of 1/N_v^2.
+
+    Args:
+        coarse: energy of polygons of N_v vertices.
+        fine: that of `times` as many.
+        times: above 1.
+    """
+    return fine + (fine - coarse) / (times**2 - 1.0)
+
+
+def _path(start: Packing, method: Law | PolygonModel, strain: float, steps: int) -> Steps[Any]:
+    path = polygon_path if isinstance(method, PolygonModel) else law_path
+    return path(start, method, strain, steps)  # type: ignore[arg-type]
+
+
+def polygon_path(
+    start: Packing, model: PolygonModel, strain: float, steps: int
+) -> Steps[PolygonState]:
+    """Polygons compressed from jamming: states, and seconds of processor time, of the steps."""
+    with PolygonSimulation(start, model, comm=MPI.COMM_SELF) as polygons, warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # the rows have the residuals
+        return list(timed(compress(polygons, strain, steps)))
+
+
+def law_path(start: Packing, law: Law, strain: float, steps: int) -> Steps[State]:
+    """As `polygon_path`, for the particles of a law."""
+    with Simulation(start, law, MPI.COMM_SELF) as sim, warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # the rows have the residuals
+        return list(timed(compress(sim, strain, steps)))
+
+
+def timed(results: Iterable[T]) -> Iterator[tuple[T, float]]:
+    """Each result with its seconds of processor time."""
+    began = time.process_time()
+    for result in results:
+        yield result, time.process_time() - began
+        began = time.process_time()
+
+
+def _against(
+    exact: PolygonState, other: State | PolygonState, seconds: float | None
+) -> dict[str, Any]:
+    """The errors of a law, or of other polygons, see `compression_rows`."""
+    loose = is_unjammed(other, exact)
+    wrong = norm(other.area_deficit - exact.area_deficit)
+    return {
+        "energy_ratio": None if loose else _over(other.energy, exact.energy),
+        "pressure_ratio": None if loose else _over(other.pressure, exact.pressure),
+        "S_rms": _over(wrong, norm(exact.area_deficit)),
+        "I": _shape_error(exact, other),
+        "distance": 0.0 if seconds is None else centers_rms(exact, other),
+        "law_residual": None if seconds is None else other.residual,
+        "seconds": seconds,
+    }
+
+
+def _over(value: float, exact: float) -> float | None:
+    """A ratio; None to polygons without load, as JSON has no infinity."""
+    return value / exact if exact and math.isfinite(value / exact) else None
+
+
+def _shape_error(exact: PolygonState, other: State | PolygonState) -> float | None:
+    if isinstance(other, State):
+        try:
+            return float(shape_errors(exact, other).mean())
+        except ParameterError:  # an outline folds
+            return None
+    radius = exact.packing.radius
+    return float(np.mean(np.abs(_dents(exact) - _dents(other)) / radius[:, None]))
+
+
+def _dents(state: PolygonState) -> NDArray[np.float64]:
+    """Distance of each polygon inward from its circle at rest, shape (N, directions) [length]."""
+    found = []
+    for polygon, center, kind in zip(
+        state.outlines, state.packing.positions, state.packing.species, strict=True
+    ):
+        out = polygon - center
+        inward = state.polygons.radius[kind] - np.hypot(*out.T)
+        found.append(np.interp(_DIRECTIONS, angles(out), inward, period=2.0 * np.pi))
+    return np.array(found)
+
+
+def matching_laws(
+    model: PolygonModel, polygons: Polygons, rigid: Sequence[bool] = ()
+) -> dict[str, Law]:
+    """The contact laws for such polygons, by name.
+
+    `radical`, `balanced` and `curved` have the polygons' own stiffness kP = kL/N_v, and their beads
+    as a rigid skin. `radical, kP inf` conserves perimeters, as the paper does. `sector`, which has
+    a single kA, is left out if the kA of the species differ.
+
+    Args:
+        model: of the polygons.
+        polygons: the undeformed ones.
+        rigid: species whose polygons stand for inextensible ones. If there are any,
+            `balanced, kP inf` has kP = inf for them.
+    """
+    kA, kP, skin = model.kA, polygons.kP.tolist(), polygons.skin.tolist()
+    found: dict[str, Law] = {}
+    if len(set(polygons.kA)) == 1:
+        found["sector"] = Sector(polygons.kA[0])
+    found |= {
+        "radical, kP inf": Ring(kA, contact="radical"),
+        "radical": Ring(kA, kP=kP, skin=skin, contact="radical"),
+        "balanced": Ring(kA, kP=kP, skin=skin, contact="balanced"),
+        "curved": Ring(kA, kP=kP, skin=skin, contact="curved"),
+    }
+    if any(rigid):
+        kP = np.where(rigid, math.inf, kP).tolist()
+        found["balanced, kP inf"] = Ring(kA, kP=kP, skin=skin, contact="balanced")
+    return found
+
+
+def matching(packing: Packing, model: PolygonModel) -> Packing:
+    """The packing with other radii, such that the polygons have its own radii as effective ones."""
+    radii = packing.radii
+    for _ in range(10):  # the roughness hardly depends on the radius: each step gains two digits
+        radii = radii + packing.radii - model.polygons(radii).effective_radius
+    return replace(packing, radii=radii)
+
+
+def is_unjammed(own: State | PolygonState, exact: PolygonState) -> bool:
+    """Whether a packing has lost its rigidity: it has less than 1e-6 of the polygons' pressure."""
+    return own.pressure <= _UNJAMMED * exact.pressure
+
+
+def centers_rms(exact: PolygonState, own: State | PolygonState) -> float | None:
+    """Root mean square distance of the centers over the mean radius; None if one is unjammed.
+
+    Particles that are rattlers in one of the two do not count. A common drift is subtracted.
+    """
+    if is_unjammed(own, exact):
+        return None
+    return _rms(exact.packing, own.packing, _held(exact) & _held(own))
+
+
+def _held(state: State | PolygonState) -> NDArray[np.bool_]:
+    """Particles that are no rattlers."""
+    if isinstance(state, State):
+        return ~state.rattlers
+    i, j = state.contact_table.i, state.contact_table.j
+    i, j = np.concatenate([i, j]), np.concatenate([j, i])
+    count = len(state.packing)
+    return np.bincount(i[without_rattlers(i, j, count)], minlength=count) > 0
+
+
+def _rms(a: Packing, b: Packing, held: NDArray[np.bool_]) -> float | None:
+    if not held.any():
+        return None
+    apart = fractional((b.positions - a.positions)[held], b.box)
+    apart -= apart[0]  # then the nearest image does not depend on the drift
+    apart = cartesian(apart - np.rint(apart), b.box)
+    apart -= apart.mean(axis=0)
+    return float(np.sqrt(np.mean(np.sum(apart**2, axis=1))) / b.radius.mean())
 
 
 def predict(reference: PolygonState, law: Law | None = None, comm: MPI.Comm | None = None) -> State:
@@ -82,14 +636,6 @@ def predict(reference: PolygonState, law: Law | None = None, comm: MPI.Comm | No
     packing = replace(reference.packing, radii=reference.polygons.effective_radius)
     with Simulation(packing, law, comm) as sim:
         return sim.state()
-
-
-def compare(
-    reference: PolygonState, law: Law | None = None, comm: MPI.Comm | None = None
-) -> Comparison:
-    """Compare a contact law, as in `predict`, with polygons at the same centers."""
-    state = predict(reference, law, comm)
-    return Comparison(reference, state, shape_errors(reference, state))
 
 
 def polygon_outlines(reference: PolygonState, state: State) -> list[NDArray[np.float64]]:
@@ -122,3 +668,126 @@ def shape_errors(reference: PolygonState, state: State) -> NDArray[np.float64]:
                 "describe particles pressed that much: compress less"
             ) from None
     return errors
+
+
+def radial_distance(outline: ArrayLike, angle: ArrayLike) -> NDArray[np.float64]:
+    """Distance g(theta) of an outline from the origin.
+
+    Args:
+        outline: corners of a polygon around the origin, counterclockwise, shape (m, 2) [length].
+        angle: directions theta, shape (k,) [rad].
+
+    Returns:
+        Distance at which each ray crosses the polygon, shape (k,) [length].
+
+    Raises:
+        ParameterError: a ray crosses the polygon more than once: the particle is beyond the model.
+    """
+    corners = np.asarray(outline, dtype=np.float64)
+    turn = angles(corners)
+    start = int(turn.argmin())
+    corners = np.roll(corners, -start, axis=0)
+    turn = np.roll(turn, -start)
+    steps = np.diff(turn, append=turn[0] + 2.0 * np.pi)
+    if not ((steps > -_ROUNDING) & (steps < np.pi)).all():
+        raise ParameterError(
+            "an outline must go once around its center, counterclockwise and without turning back"
+        )
+    ray = np.asarray(angle, dtype=np.float64)
+    ray = (ray - turn[0]) % (2.0 * np.pi) + turn[0]
+    side = np.searchsorted(turn, ray, side="right") - 1
+    a, b = corners[side], corners[(side + 1) % len(corners)]
+    edge = b - a
+    x, y = unit_vectors(ray).T
+    across = x * edge[:, 1] - y * edge[:, 0]
+    return np.asarray((a[:, 0] * edge[:, 1] - a[:, 1] * edge[:, 0]) / across)
+
+
+def deviation(beads: ArrayLike, outline: ArrayLike) -> NDArray[np.float64]:
+    """|v| - g(theta) of each bead v, shape (N_v,) [length].
+
+    Args:
+        beads: positions about the center of the outline, shape (N_v, 2) [length].
+        outline: as for `radial_distance`, of the line of bead centers in the law.
+    """
+    v = np.asarray(beads, dtype=np.float64)
+    return np.hypot(v[:, 0], v[:, 1]) - radial_distance(outline, angles(v))
+
+
+def shape_error(beads: ArrayLike, outline: ArrayLike, radius: float) -> float:
+    """I = 1/(R N_v) sum | |v| - g(theta) |, arguments as for `deviation`, R the radius."""
+    return float(np.mean(np.abs(deviation(beads, outline))) / radius)
+
+
+# One color, marker and line for each contact law in all figures, in the order of the legends.
+
+
+@dataclass(frozen=True)
+class Style:
+    """Color, marker and line of one law; laws differ in each of the three."""
+
+    color: str
+    marker: str
+    line: Any  # a line style of Matplotlib
+
+
+# Colors that differ for color-blind readers and in gray.
+BEAD = Style("#c22026", "o", "-")
+SMOOTH = Style("#6a3d9a", "v", "-")
+STYLES = {
+    "disk": Style("0.55", "o", (0, (1, 3))),
+    "sector": Style("black", "s", "-"),
+    "radical, kP inf": Style("#0072b2", "D", "--"),
+    "radical": Style("#009e73", "^", (0, (1, 1))),
+    "balanced": Style("#e69f00", "*", "-."),
+    "curved": Style("#56b4e9", "X", (0, (5, 1))),
+    "balanced, kP inf": Style("#cc79a7", "P", (0, (4, 1, 1, 1, 1, 1))),
+}
+# Between walls there is no choice of contact lines: one style for the ring law.
+STYLES["ring, kP inf"] = STYLES["radical, kP inf"]
+STYLES["ring"] = STYLES["radical"]
+
+# Polygons by kind.
+POLYGONS = {"smooth": SMOOTH, "bead": BEAD}
+POLYGON_NAMES = {"smooth": "smooth polygons", "bead": "bead polygons"}
+
+
+def plot_errors(rows: Sequence[Row], ax: Axes, quantity: str) -> None:
+    """Draw errors against processor time, see `Comparison.plot`."""
+    if quantity not in _QUANTITIES:
+        raise ParameterError(f"quantity must be one of {', '.join(_QUANTITIES)}, not {quantity}")
+    known = [row for row in rows if row[quantity] and row["seconds"] is not None]
+    if not known:
+        raise ParameterError("no method has a time and this error: laws at given centers have none")
+    kinds = ["smooth" if row["method"] == "reference" else row["method"] for row in known]
+    for kind, style in POLYGONS.items():
+        line = [row for row, its in zip(known, kinds, strict=True) if its == kind]
+        x, y = [row["seconds"] for row in line], [row[quantity] for row in line]
+        ax.loglog(x, y, style.marker, color=style.color, linestyle="-", label=POLYGON_NAMES[kind])
+        side = -1 if kind == "smooth" else 1
+        for row in line:
+            ax.annotate(
+                f"{row['vertices']}",
+                (row["seconds"], row[quantity]),
+                textcoords="offset points",
+                xytext=(5 * side, 4 * side),
+                ha="right" if kind == "smooth" else "left",
+                va="top" if kind == "smooth" else "bottom",
+                color=style.color,
+                fontsize=8,
+            )
+    for row, kind in zip(known, kinds, strict=True):
+        if kind not in POLYGONS:
+            style = STYLES[kind]
+            ax.loglog(
+                row["seconds"],
+                row[quantity],
+                style.marker,
+                color=style.color,
+                markersize=11 if style.marker == "*" else 7,
+                linestyle="none",
+                label=kind,
+            )
+    ax.set(xlabel="processor time [s]", ylabel=_QUANTITIES[quantity])
+    ax.margins(0.12)
+    ax.grid(which="major", alpha=0.3)

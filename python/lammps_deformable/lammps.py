@@ -28,7 +28,7 @@ from . import room
 from ._checks import expect
 from .box import lattice_vectors
 from .commands import PLANE, WALL, setup_commands, wall_commands
-from .errors import AbsentError, LammpsError, ParameterError
+from .errors import LammpsError, ParameterError, UndefinedError
 from .ranks import OneCall, agree, guarded_lammps, world
 from .shapes import in_space
 from .versions import check_lammps
@@ -126,7 +126,7 @@ class Engine(OneCall):
     def lmp(self) -> lammps:
         """The LAMMPS instance."""
         if self.closed:
-            raise AbsentError(
+            raise UndefinedError(
                 f"this {type(self).__name__} is closed: make a new one, or use it before the end "
                 "of its `with` block"
             )

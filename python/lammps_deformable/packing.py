@@ -21,7 +21,7 @@ from ._files import reading, refuse_present
 from .box import dimension_of, fractional, lattice_vectors, refuse_space, shown_box
 from .drawing import Scale, limited, per_particle
 from .drawing import scale as scale_of
-from .errors import AbsentError, ParameterError, UnsavedWarning
+from .errors import ParameterError, UndefinedError, UnsavedWarning
 from .files import RADII, check_radii, read_particles, write_particles
 from .laws import root, undeformed
 from .room import closed
@@ -388,7 +388,7 @@ class Packing(PackingFiles):
     def volume(self) -> float:
         """Volume that is free to spheres: of the box, or the container, without obstacles."""
         if self.dimension == 2:
-            raise AbsentError("a packing in the plane has no volume: take the area")
+            raise UndefinedError("a packing in the plane has no volume: take the area")
         return self._room
 
     @cached_property

@@ -1,4 +1,4 @@
-"""Two packings side by side: equal sizes, the distance of their centers, and a crystal."""
+"""Two packings side by side: equal sizes, and the distance of their centers."""
 
 from dataclasses import replace
 
@@ -14,10 +14,7 @@ from lammps_deformable import (
     bidisperse,
     jam,
 )
-from lammps_deformable.matching import centers_rms, matching
-from lammps_deformable.report import standard_polygons
-
-from validation.report.roughness.crystal import crystal_row
+from lammps_deformable.comparison import centers_rms, matching, standard_polygons
 
 
 @pytest.fixture(scope="module")
@@ -82,13 +79,3 @@ def test_matching_rings_have_the_same_effective_radii(smooth):
         polygons = model.polygons(matching(packing, model).radii)
         # ten steps leave the rounding of sums of a few terms
         np.testing.assert_allclose(polygons.effective_radius, packing.radii, rtol=1e-14)
-
-
-@pytest.mark.parametrize("indentation", [0.01, 0.03])
-def test_a_crystal_of_smooth_polygons_tends_to_the_exact_energy(indentation):
-    rows = [crystal_row(standard_polygons(count), indentation) for count in (80, 160)]
-    errors = [abs(row["energy_ratio"] - 1.0) for row in rows]
-    assert errors[0] < 0.0035
-    assert errors[1] < 0.5 * errors[0]
-    assert [row["n_v"] for row in rows] == [80, 160]
-    assert max(row["residual"] for row in rows) <= 1e-6

@@ -5,9 +5,9 @@ import math
 from pathlib import Path
 
 import pytest
-from lammps_deformable.packing_rows import mixed_rows
 
-from validation.report.accuracy.errors import energy_errors, exceptions
+from validation.report.accuracy import energy_errors, exceptions
+from validation.report.packings import mixed_rows
 
 REPORT = json.loads(
     (Path(__file__).parents[2] / "validation" / "report" / "report.json").read_text()

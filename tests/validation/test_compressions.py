@@ -7,10 +7,11 @@ from typing import Any
 import lammps_deformable as ld
 import numpy as np
 import pytest
+from lammps_deformable.comparison import standard_polygons
 from lammps_deformable.parallel import call_once
-from lammps_deformable.report import smooth_rows, standard_polygons
 
-from validation.report.roughness.friction import hysteresis, sliding
+from validation.report.accuracy import smooth_rows
+from validation.report.roughness import crystal_row, hysteresis, sliding
 
 KEYS = {
     *("n", "seed", "strain", "n_v", "law", "vertices", "own", "energy_ratio", "pressure_ratio"),
@@ -162,3 +163,13 @@ def test_indentations_of_rings_that_slide(indentation: float) -> None:
 def test_poles_of_rings_that_slide() -> None:
     with pytest.raises(ld.ParameterError, match="multiple of 4, not 42"):
         sliding(standard_polygons(42))
+
+
+@pytest.mark.parametrize("indentation", [0.01, 0.03])
+def test_a_crystal_of_smooth_polygons_tends_to_the_exact_energy(indentation: float) -> None:
+    rows = [crystal_row(standard_polygons(count), indentation) for count in (80, 160)]
+    errors = [abs(row["energy_ratio"] - 1.0) for row in rows]
+    assert errors[0] < 0.0035
+    assert errors[1] < 0.5 * errors[0]
+    assert [row["n_v"] for row in rows] == [80, 160]
+    assert max(row["residual"] for row in rows) <= 1e-6

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from validation.report.accuracy.errors import (
+from validation.report.accuracy import (
     CONVERGED,
     fastest_as_good,
     label,

@@ -8,13 +8,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from lammps_deformable import Comparison, ParameterError, PolygonModel, core
-from lammps_deformable.shape_error import shape_error
+from lammps_deformable import ParameterError, PolygonModel, core
+from lammps_deformable.comparison import shape_error
 
-from validation.report.packings import figure as packing_figure
-from validation.report.paper import figures as paper_figures
-from validation.report.paper import results as paper
-from validation.report.paper.single import IRREGULAR, Squeezed, regular, squeeze
+from validation.report import packings, paper
+from validation.report.packings import AtCenters
+from validation.report.paper import IRREGULAR, Squeezed, regular, squeeze
 
 PAPER = paper.ring_in_walls(188, 1e4)
 
@@ -93,11 +92,11 @@ def test_stiff_rings_of_many_beads_tend_to_the_exact_deficit(sides: int) -> None
 
 
 @pytest.fixture(scope="module")
-def packed() -> dict[str, Comparison]:
-    return paper.packing(8, strain=0.02, seed=2)
+def packed() -> dict[str, AtCenters]:
+    return packings.paper_packing(8, strain=0.02, seed=2)
 
 
-def test_packing_is_nearer_to_the_laws_than_to_circles(packed: dict[str, Comparison]) -> None:
+def test_packing_is_nearer_to_the_laws_than_to_circles(packed: dict[str, AtCenters]) -> None:
     reference = packed["radical"].reference
     assert reference.polygons.number.tolist() == [50, 72]
     assert not reference.stalled
@@ -178,17 +177,17 @@ def test_steps_that_lead_nowhere_are_refused(step: float) -> None:
 
 
 def test_figures_are_1200_pixels_wide(
-    tmp_path: Path, sweep: list[Squeezed], packed: dict[str, Comparison]
+    tmp_path: Path, sweep: list[Squeezed], packed: dict[str, AtCenters]
 ) -> None:
     single = paper.shapes([0.02], number=24, kL=1e3, workers=1)
     assert len(single) == 12
     for figure in (
-        paper_figures.shapes(single, stick=True),
-        paper_figures.shapes(single, stick=False),
-        paper_figures.deviation(sweep),
-        paper_figures.error_by_indentation(sweep),
-        paper_figures.limits([paper.limit(4, 0.05, numbers=(24, 36), kP=(10.0, 20.0), workers=1)]),
-        packing_figure.packing(packed),
+        paper.shapes_figure(single, stick=True),
+        paper.shapes_figure(single, stick=False),
+        paper.deviation_figure(sweep),
+        paper.error_by_indentation(sweep),
+        paper.limits_figure([paper.limit(4, 0.05, numbers=(24, 36), kP=(10.0, 20.0), workers=1)]),
+        packings.packing(packed),
     ):
         figure.savefig(tmp_path / "figure.png")
         assert struct.unpack(">I", (tmp_path / "figure.png").read_bytes()[16:20]) == (1200,)
@@ -199,12 +198,12 @@ def test_figures_are_1200_pixels_wide(
 )
 def test_deviations_are_magnified_by_round_factors(largest: float, factor: float) -> None:
     """The largest one is then up to a tenth of the radius, and none is reduced."""
-    assert paper_figures.magnification(largest) == pytest.approx(factor)
-    assert paper_figures.magnification(2.0 * largest, radius=2.0) == pytest.approx(factor)
+    assert paper.magnification(largest) == pytest.approx(factor)
+    assert paper.magnification(2.0 * largest, radius=2.0) == pytest.approx(factor)
 
 
 def test_no_deviation_is_not_magnified() -> None:
-    assert paper_figures.magnification(0.0) == 1.0
+    assert paper.magnification(0.0) == 1.0
 
 
 def test_smooth_polygons_have_the_area_of_the_ring_law_between_walls() -> None:

@@ -16,8 +16,8 @@ from pathlib import Path
 
 import lammps_deformable as ld
 import numpy as np
+from lammps_deformable.comparison import matching, matching_laws
 from lammps_deformable.contacts import without_rattlers
-from lammps_deformable.matching import matching, matching_laws
 
 from validation.frictional_jamming import results
 

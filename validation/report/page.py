@@ -1,115 +1,108 @@
-"""The report as one HTML page: a table of contents, sections of text, figures and tables."""
+"""The report as a page in Markdown, from report.json: the site shows it, docs/site/report.py."""
 
 from __future__ import annotations
 
 import html
 import re
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping
+from typing import Any
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
+import pandas
 
-    from validation.report.section import Column, Section, Table
+from validation.report import accuracy, cost, packings, paper, roughness, stability
+from validation.report.section import Section, Table
 
-_STYLE = """
-body { font: 16px/1.55 system-ui, sans-serif; max-width: 60rem; margin: 2rem auto; padding: 0 1rem;
-       color: #1a1a1a; background: #fff; }
-h1, h2 { line-height: 1.2; }
-h2 { margin-top: 3rem; border-bottom: 1px solid #ccc; }
-nav { background: #f6f6f6; padding: 0.5rem 1rem; }
-figure { margin: 1.5rem 0; }
-img { max-width: 100%; height: auto; }
-table { border-collapse: collapse; margin: 1rem 0; font-size: 0.9rem; max-width: 100%; }
-caption { text-align: left; color: #444; padding-bottom: 0.3rem; }
-th, td { padding: 0.25rem 0.6rem; text-align: right; border-bottom: 1px solid #ddd;
-         vertical-align: bottom; }
-td { vertical-align: top; white-space: nowrap; }
-th:first-child, td:first-child, .text { text-align: left; white-space: normal; }
-th abbr { text-decoration: underline dotted; }
-.wide { overflow-x: auto; }
-.unit { font-weight: normal; color: #444; }
-code { background: #f1f1f1; padding: 0 0.2rem; white-space: nowrap; }
-figcaption { color: #444; font-size: 0.9rem; }
-summary { cursor: pointer; }
-dl { display: grid; grid-template-columns: max-content 1fr; gap: 0.3rem 1rem; }
-dt { font-weight: bold; }
-dd { margin: 0; }
-"""
+_TERMS = Section(
+    "What is compared",
+    (
+        "Particles in two dimensions that touch and deform. The reference are smooth polygons: "
+        "springs join the vertices of a polygon, each polygon resists a change of its area, and "
+        "vertices slide along the edges of other polygons. The contact laws replace each polygon "
+        "by one point: its outline follows from the contacts.",
+    ),
+    terms={
+        "smooth polygons": "polygons whose vertices touch the edges of others; the reference",
+        "bead polygons": "polygons of beads, as in the paper: beads touch beads and interlock, "
+        "so that polygons have friction",
+        "disk": "soft disks that overlap and keep their shape; shown for comparison",
+        "sector": "contacts stick: the arc between two contacts keeps its length",
+        "radical": "ring law, contacts slip: contact lines on the radical axis, through the points "
+        "where the undeformed circles cross",
+        "balanced": "ring law, contacts slip: contact lines where the forces of both sides "
+        "are equal; the default",
+        "curved": "ring law, contacts slip: the exact law, whose contact lines tilt and bend until "
+        "torques and pressures of both sides are balanced too",
+        "ring": "the ring law of a particle between walls, where contact lines are given",
+        "kP inf": "the same law with the perimeter conserved; without it the perimeter has the "
+        "stiffness kP of the springs",
+        "kA, kL": "stiffness of the area of a polygon, and of the springs between its N vertices; "
+        "kP = kL/N",
+        "shape error I": "mean distance of the outline from the polygons, over the radius",
+        "area error": "rms error of the area deficits over their rms; 1 for particles that keep "
+        "their area",
+        "energy, pressure": "of the law over that of the polygons; 1 is right",
+        "residual": "largest force over that in contacts: what is left after a relaxation",
+        "jamming": "the onset of rigidity, from which strains count",
+    },
+)
 
 
-def page(title: str, lead: str, sections: Sequence[Section]) -> str:
-    """The page as HTML, complete but for the pictures."""
-    contents = "\n".join(
-        f'<li><a href="#{_anchor(section)}">{html.escape(section.title)}</a></li>'
-        for section in sections
+def sections(report: Mapping[str, Any]) -> list[Section]:
+    """The sections of the page, from report.json."""
+    beads = report["single"][0]["n_v"]  # the stiffness of the perimeter is that of other rings
+    shapes, stiffness = (
+        [row for row in report["single"] if (row["n_v"] == beads) == kind] for kind in (True, False)
     )
-    body = "\n".join(_section(section) for section in sections)
-    name = html.escape(title)
-    return (
-        '<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
-        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
-        f"<title>{name}</title>\n<style>{_STYLE}</style>\n</head>\n<body>\n"
-        f"<h1>{name}</h1>\n<p>{_marked(lead)}</p>\n"
-        f'<nav aria-label="Contents">\n<ol>\n{contents}\n</ol>\n</nav>\n'
-        f"<main>\n{body}\n</main>\n</body>\n</html>\n"
-    )
-
-
-def _anchor(section: Section) -> str:
-    return re.sub(r"[^a-z]+", "-", section.title.lower()).strip("-")
-
-
-def _section(section: Section) -> str:
-    parts = [f'<h2 id="{_anchor(section)}">{html.escape(section.title)}</h2>']
-    parts += [f"<p>{_marked(paragraph)}</p>" for paragraph in section.text]
-    if section.terms:
-        terms = "\n".join(
-            f"<dt>{html.escape(term)}</dt><dd>{_marked(meaning)}</dd>"
-            for term, meaning in section.terms.items()
-        )
-        parts.append(f"<dl>\n{terms}\n</dl>")
-    parts += [
-        f'<figure><img src="{html.escape(picture.file)}" alt="{html.escape(picture.alt)}">'
-        f"<figcaption>{_marked(picture.caption)}</figcaption></figure>"
-        for picture in section.pictures
+    smooth, pareto = report["smooth"], report["pareto"]
+    return [
+        _TERMS,
+        accuracy.in_short_section(smooth, pareto),
+        accuracy.pareto_section(pareto),
+        accuracy.compressions_section(smooth),
+        roughness.section(report["friction"], report["hysteresis"], report["crystal"]),
+        packings.large(report["packing"]),
+        packings.mixtures(report["stiffness_packing"]),
+        paper.polygons_section(shapes),
+        paper.stiffness_section(stiffness),
+        paper.limits_section(report["limit"]),
+        stability.section(report["stability"]),
+        cost.section(report["ablation"]),
     ]
-    parts += [_table(table) for table in section.tables]
-    return "\n".join(parts)
 
 
-def _marked(text: str) -> str:
-    """Plain text as HTML, with `names` between backticks as code."""
-    return re.sub(r"`([^`]+)`", r"<code>\1</code>", html.escape(text))
+def page(report: Mapping[str, Any]) -> str:
+    """The page. Text is Markdown, tables are HTML from pandas."""
+    quick = " --quick" if report["quick"] else ""
+    made, lammps = report["machine"], report["versions"]["lammps"]
+    parts = [
+        "# Contact laws against smooth polygons",
+        f"Measured by `python -m validation.report{quick}` on {made['cores']} cores "
+        f"({made['processor']}) with LAMMPS {lammps}. All seconds are seconds of processor time. "
+        "The rows of all tables are in [report.json](report.json).",
+    ]
+    for section in sections(report):
+        anchor = re.sub(r"[^a-z]+", "-", section.title.lower()).strip("-")
+        parts += [f"## {section.title} {{#{anchor}}}", *section.text]
+        if section.terms:
+            parts.append("\n".join(f"* **{term}**: {what}" for term, what in section.terms.items()))
+        for picture in section.pictures:
+            parts += [f"![{picture.alt}]({picture.file})", f"*{picture.caption}*"]
+        parts += [_table(table) for table in section.tables]
+    return "\n\n".join(parts) + "\n"
 
 
 def _table(table: Table) -> str:
+    """A table with its caption; a folded one opens on a click on it."""
+    columns = {
+        column.head + (f" [{column.unit}]" if column.unit else ""): [
+            column.show(row.get(column.key)) for row in table.rows
+        ]
+        for column in table.columns
+    }
+    text = pandas.DataFrame(columns).to_html(index=False, border=0, justify="left")
+    notes = "; ".join(f"{column.head}: {column.note}" for column in table.columns if column.note)
+    text += f"\n<small>{html.escape(notes)}</small>" if notes else ""
     caption = html.escape(table.caption)
-    head = "".join(_head(column) for column in table.columns)
-    lines = "\n".join(
-        "<tr>" + "".join(_cell(column, row.get(column.key)) for column in table.columns) + "</tr>"
-        for row in table.rows
-    )
-    inner = f"<thead><tr>{head}</tr></thead>\n<tbody>\n{lines}\n</tbody>\n</table>"
     if table.folded:
-        return (
-            f'<details><summary>{caption}</summary>\n<div class="wide"><table>\n{inner}</div>\n'
-            "</details>"
-        )
-    return f'<div class="wide"><table>\n<caption>{caption}</caption>\n{inner}</div>'
-
-
-def _head(column: Column) -> str:
-    title = html.escape(column.head)
-    if column.note:
-        title = f'<abbr title="{html.escape(column.note)}">{title}</abbr>'
-    if column.unit:
-        title += f' <span class="unit">[{html.escape(column.unit)}]</span>'
-    return f'<th scope="col"{_class(column)}>{title}</th>'
-
-
-def _cell(column: Column, value: Any) -> str:
-    return f"<td{_class(column)}>{html.escape(column.show(value))}</td>"
-
-
-def _class(column: Column) -> str:
-    return ' class="text"' if column.text else ""
+        return f"<details><summary>{caption}</summary>\n{text}\n</details>"
+    return f"**{caption}**\n\n{text}"

@@ -69,7 +69,7 @@ class Column:
     Attributes:
         key: of the values in the rows.
         head: its title in words.
-        note: meaning, as a tooltip of the title.
+        note: meaning, below the table.
         unit: of the values.
         text: align to the left.
         show: a value as text.
@@ -146,3 +146,8 @@ def grouped(rows: Iterable[Row], by: Sequence[str], values: Sequence[str]) -> li
 def stiffness(values: Any) -> str:
     """kA or kP of small and large particles; none for laws that have none."""
     return show(values).replace(", ", " | ")
+
+
+def legend_below(figure: Any, ax: Any) -> None:
+    """Name the lines of these axes below the whole figure."""
+    figure.legend(*ax.get_legend_handles_labels(), loc="outside lower center", ncols=4)

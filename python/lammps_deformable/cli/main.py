@@ -7,7 +7,6 @@ import time
 import traceback
 import warnings
 from concurrent.futures.process import BrokenProcessPool
-from typing import Annotated
 
 import typer
 from lammps_deformable_plugin import directory
@@ -17,15 +16,14 @@ from tqdm import tqdm
 from .. import potentials
 from ..errors import CallError, FileError, LammpsError, ParameterError
 from ..lammps import silent_lammps
-from ..polygons import PolygonModel
 from ..progress import print_once
-from ..relax import TOLERANCE
 from ..versions import mpi_of_lammps, mpi_of_python, versions
 from .compress import compress_command
 from .jam import jam_command
-from .options import Command, CommandLineError, Group, choice_option, one_rank_prints, refuse_ranks
+from .options import Command, CommandLineError, Group, one_rank_prints
 from .outline import outline_command
 from .plot import movie_command, plot_command
+from .report import report_command
 from .shear import shear_command
 
 app = typer.Typer(
@@ -39,7 +37,7 @@ app = typer.Typer(
 
 # Exit code after Ctrl-C.
 _INTERRUPTED = 130
-_GOES_ON = "interrupted: add --resume to finish a run"
+_GOES_ON = "interrupted: add --resume to finish a run; `deformable report` goes on when repeated"
 
 STYLES = (
     ("pair", "deformable/ring"),
@@ -59,6 +57,7 @@ STYLES = (
 
 app.command("compress", cls=Command)(compress_command)
 app.command("jam", cls=Command)(jam_command)
+app.command("report", cls=Command)(report_command)
 app.command("shear", cls=Command)(shear_command)
 app.command("plot", cls=Command)(plot_command)
 app.command("movie", cls=Command)(movie_command)
@@ -102,72 +101,6 @@ def main() -> None:
             raise
         traceback.print_exc()
         MPI.COMM_WORLD.Abort(1)
-
-
-@app.command(cls=Command)
-def compare(
-    number: Annotated[int, typer.Option(help="Number of particles.")] = 16,
-    vertices: Annotated[int, typer.Option(help="Number of vertices of a small polygon.")] = 80,
-    strain: Annotated[float, typer.Option(help="Linear strain from jamming, in one step.")] = 0.01,
-    seed: Annotated[int, typer.Option(help="Seed of the random start.")] = 1,
-    polygons: Annotated[
-        str,
-        choice_option(
-            ("smooth", "bead"), "Vertices slide along edges (smooth), or beads interlock (bead)."
-        ),
-    ] = "smooth",
-) -> None:
-    """Compare the contact laws with a compressed packing of deformable polygons.
-
-    At the centers of the polygons, I is the mean distance of the laws' outlines from the vertices
-    over the radius, S_rms the error of the area deficits, energy/polygons the ratio of energies.
-    The own energy is that of the law relaxed alone, over the polygons'. Seconds are for the same
-    strain step from the same start. The sector law treats a particle with one contact as a soft
-    disk, so its energy can be far off.
-    """
-    refuse_ranks("compare times one core")
-    from ..packing_rows import packing_rows
-
-    if not 0.0 < strain < 1.0:
-        raise ParameterError(f"strain must lie between 0 and 1, not {strain}")
-    print_once(
-        f"{number} {polygons} polygons, {vertices} vertices on a small one, "
-        f"{100 * strain:g} % strain from jamming"
-    )
-    rows, _ = packing_rows(
-        number, seed, strain, PolygonModel(vertices=vertices, smooth=polygons == "smooth")
-    )
-    width = max(len(row["law"]) for row in rows)
-    print_once(
-        f"{'law':{width}} {'I':>9} {'S_rms':>9} {'energy/polygons':>15} {'own energy':>10} "
-        f"{'seconds':>9} {'speed-up':>9}"
-    )
-    seconds_polygons = rows[0]["seconds_polygons"]
-    print_once(
-        f"{'polygons':{width}} {'-':>9} {'-':>9} {1:15d} {1:10d} {seconds_polygons:9.3g} {1:9d}"
-    )
-    for row in rows:
-        error = "-" if row["S_rms"] is None else f"{row['S_rms']:.2g}"
-        ratio, own = (
-            "-" if row[key] is None else f"{row[key]:.4g}"
-            for key in ("energy_ratio", "own_energy_ratio")
-        )
-        stalled = row["residual"] is not None and row["residual"] > TOLERANCE
-        speed_up = f"{seconds_polygons / row['seconds']:9.0f}"
-        print_once(
-            f"{row['law']:{width}} {row['I']:9.2e} {error:>9} {ratio:>15} {own:>10} "
-            f"{row['seconds']:9.2g} " + ("did not converge" if stalled else speed_up)
-        )
-    if polygons == "smooth":
-        print_once(
-            "polygons have an error of their own, which falls with the square of the number of "
-            f"vertices: --vertices {2 * vertices} tells more of balanced and curved contacts"
-        )
-    elif not any(row["energy_ratio"] for row in rows):
-        print_once(
-            "no law has particles that touch: the polygons interlock, strain more or take more "
-            "beads"
-        )
 
 
 @app.command(cls=Command)

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Container, Mapping
 from dataclasses import asdict, dataclass, fields, replace
-from typing import TYPE_CHECKING, Any, TypeVar
+from pathlib import Path
+from typing import Any, TypeVar
 
 import numpy as np
 import typer
@@ -16,10 +18,6 @@ from ..packing import Packing
 from ..random import bidisperse, polydisperse
 from ..run import Run
 from .options import is_given
-
-if TYPE_CHECKING:
-    from collections.abc import Container, Mapping
-    from pathlib import Path
 
 TARGETS = ("strain", "phi", "pressure")
 PROTOCOL = (*TARGETS, "steps", "tolerance")

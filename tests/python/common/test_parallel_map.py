@@ -13,8 +13,7 @@ from lammps_deformable.cli import main as cli
 from lammps_deformable.parallel import call_once, parallel_map
 from lammps_deformable.versions import machine
 
-from validation.report.paper.results import ring_in_walls
-from validation.report.paper.single import regular, squeeze
+from validation.report.paper import regular, ring_in_walls, squeeze
 
 
 def test_results_keep_their_order() -> None:

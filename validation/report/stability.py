@@ -12,8 +12,9 @@ from __future__ import annotations
 import math
 import re
 import warnings
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from lammps_deformable import core
@@ -30,12 +31,8 @@ from lammps_deformable.state import State
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from validation.report.paper.results import polygon_stiffness
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
-    from validation.report.section import Row
+from validation.report.paper import polygon_stiffness
+from validation.report.section import Column, Row, Section, Table, listed, show, span
 
 T = TypeVar("T")
 
@@ -321,3 +318,54 @@ def convergence_rows(packings: int) -> Iterator[Row]:
 def _failures(seed: int) -> dict[str, bool]:
     jammed = jam(bidisperse(16, seed=seed))
     return {name: strained(jammed, law).stalled for name, law in LAWS.items()}
+
+
+def section(rows: Sequence[Row]) -> Section:
+    missed = [row for row in rows if not row["ok"]]
+    by_law = {name: sum(row["law"] == name for row in missed) for name in LAWS}
+    kept = [name for name, count in by_law.items() if count == 0]
+    reasons = dict.fromkeys(
+        f"`{row['law']}`: {row['reason'].split(': LAMMPS')[0]}" for row in missed if row["reason"]
+    )
+    return Section(
+        "Stability",
+        (
+            "Each case varies one thing, such as the time step, the stiffness, the density or the "
+            "ratio of sizes, and measures a quantity that must not exceed a limit: rounding, the "
+            "tolerance of a relaxation, or a derived bound.",
+            f"{len(rows) - len(missed)} of {len(rows)} measurements stay within their limits (✓). "
+            + (f"All measurements of {listed(f'`{name}`' for name in kept)} do. " if kept else "")
+            + (
+                "The others (✗) are "
+                + listed(f"{count} of `{name}`" for name, count in by_law.items() if count)
+                + ". Reasons: "
+                + "; ".join(reasons)
+                + "."
+                if missed
+                else ""
+            ),
+        ),
+        tables=[
+            Table(
+                "Measured values and their limits",
+                [
+                    Column("case", "case", text=True),
+                    Column("quantity", "quantity", text=True),
+                    *(Column(name, name) for name in LAWS),
+                    Column("limit", "limit", "the value must not exceed it"),
+                ],
+                _by_case(rows),
+            )
+        ],
+    )
+
+
+def _by_case(rows: Sequence[Row]) -> list[Row]:
+    """A row for each case and quantity, with a value and a mark for each law."""
+    found: list[Row] = []
+    for case, quantity in dict.fromkeys((row["case"], row["quantity"]) for row in rows):
+        same = [row for row in rows if (row["case"], row["quantity"]) == (case, quantity)]
+        values = {row["law"]: f"{show(row['value'])} {'✓' if row['ok'] else '✗'}" for row in same}
+        limit = span(row["limit"] for row in same if row["value"] is not None)
+        found.append({"case": case, "quantity": quantity, "limit": limit} | values)
+    return found

@@ -1,11 +1,20 @@
-"""How smooth polygons are: the friction of two polygons, and the hysteresis of a packing."""
+"""How smooth the polygons of the reference are: friction of two, hysteresis, and a crystal."""
 
 from __future__ import annotations
 
 import warnings
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from lammps_deformable.comparison import (
+    POLYGON_NAMES,
+    POLYGONS,
+    SMOOTH,
+    matching_laws,
+    polygon_path,
+    predict,
+)
 from lammps_deformable.compression import compress
 from lammps_deformable.errors import ParameterError
 from lammps_deformable.jamming import jam
@@ -16,7 +25,21 @@ from lammps_deformable.polygons import PolygonModel
 from lammps_deformable.random import bidisperse
 from lammps_deformable.relax import minimize_command
 from lammps_deformable.state import PolygonState
+from matplotlib.figure import Figure
 from mpi4py import MPI
+
+from validation.report.section import (
+    RESIDUAL,
+    Column,
+    Picture,
+    Row,
+    Section,
+    Table,
+    legend_below,
+    listed,
+    percent,
+    show,
+)
 
 # Two equal polygons side by side in a row, which meet at both of their sides.
 _RADIUS = 0.5
@@ -154,3 +177,133 @@ def hysteresis(
         }
         for n, (there, again) in enumerate(zip(forth, reversed(back), strict=False))
     ]
+
+
+_SIDE = 4
+
+
+def crystal_row(model: PolygonModel, indentation: float) -> dict[str, Any]:
+    """Equal polygons pressed into hexagons, against the exact shape.
+
+    Each polygon is a regular hexagon with round corners, for which the ring laws are exact (docs/
+    theory.md, "Regular polygons").
+
+    Args:
+        model: of the polygons.
+        indentation: a/R.
+
+    Returns:
+        `n_v`, `indentation`; `energy_ratio`, of the polygons over the exact one; `residual`.
+    """
+    ((state, _),) = polygon_path(_touching(), model, indentation, 1)
+    law = matching_laws(model, state.polygons)["balanced"]
+    return {
+        "n_v": int(state.polygons.number[0]),
+        "indentation": indentation,
+        "energy_ratio": state.energy / predict(state, law, MPI.COMM_SELF).energy,
+        "residual": state.residual,
+    }
+
+
+def _touching() -> Packing:
+    """Circles of one size that touch their six neighbors, in a rectangular box."""
+    row, column = (index.ravel() for index in np.indices((_SIDE, _SIDE)))
+    step, height = 2.0 * _RADIUS, np.sqrt(3.0) * _RADIUS
+    return Packing(
+        np.column_stack([(column + 0.5 * (row % 2)) * step, row * height]),
+        np.zeros(_SIDE**2, np.int64),
+        np.array([_RADIUS]),
+        np.diag([_SIDE * step, _SIDE * height]),
+    )
+
+
+def figure(friction: Sequence[Row], hysteresis: Sequence[Row], crystal: Sequence[Row]) -> Figure:
+    """Friction of two polygons, hysteresis of a packing, and the error of a crystal."""
+    figure = Figure(figsize=(10.0, 3.8), layout="constrained")
+    left, middle, right = figure.subplots(1, 3)
+    for kind, style in POLYGONS.items():
+        look = {"marker": style.marker, "color": style.color, "label": POLYGON_NAMES[kind]}
+        same = sorted(
+            (r for r in friction if r["smooth"] == (kind == "smooth")), key=lambda r: r["n_v"]
+        )
+        left.loglog([r["n_v"] for r in same], [r["friction"] for r in same], **look)
+        path = [r for r in hysteresis if r["smooth"] == (kind == "smooth")]
+        middle.plot([100 * r["strain"] for r in path], [r["ratio"] for r in path], **look)
+    left.set(xlabel="vertices of a polygon", ylabel="friction over normal force")
+    middle.set(xlabel="strain beyond jamming [%]", ylabel="energy back over energy forth")
+    middle.axhline(1.0, color="0.6", linewidth=0.8)
+    for indentation, line in zip(sorted({r["indentation"] for r in crystal}), "-:", strict=False):
+        same = [r for r in crystal if r["indentation"] == indentation]
+        right.loglog(
+            [r["n_v"] for r in same],
+            [abs(r["energy_ratio"] - 1.0) for r in same],
+            SMOOTH.marker + line,
+            color=SMOOTH.color,
+            label=f"a/R = {100 * indentation:g} %",
+        )
+    right.set(xlabel="vertices of a polygon", ylabel="error of the energy of a crystal")
+    right.legend(fontsize=8)
+    numbers = sorted({r["n_v"] for r in (*friction, *crystal)})
+    for ax in (left, right):
+        ax.set_xticks(numbers, [str(n) for n in numbers])
+        ax.set_xticks([], minor=True)
+    for ax in (left, middle, right):
+        ax.grid(which="major", alpha=0.3)
+    legend_below(figure, left)
+    return figure
+
+
+def section(friction: Sequence[Row], hysteresis: Sequence[Row], crystal: Sequence[Row]) -> Section:
+    """How smooth the polygons are, and how exact."""
+    smooth, bead = ([r for r in hysteresis if r["smooth"] == kind] for kind in (True, False))
+    best = max(crystal, key=lambda row: (row["n_v"], row["indentation"]))
+    return Section(
+        "Friction, hysteresis and a crystal",
+        (
+            "Two polygons are pressed together while one of them turns by one spacing of its "
+            "vertices. The tangential force varies by "
+            + listed(
+                f"{show(row['friction'])} of the normal force ({row['n_v']} vertices, "
+                f"{'smooth polygons' if row['smooth'] else 'bead polygons'})"
+                for row in friction
+            )
+            + ".",
+            "A packing is compressed step by step and expanded again. Its energy on the way back "
+            f"over that on the way forth is {_ratios(smooth)} for smooth polygons, and "
+            f"{_ratios(bead)} for bead polygons. Where contacts are shorter than the spacing of "
+            "the vertices, smooth polygons rest in several ways, too.",
+            "In a triangular lattice of equal polygons the exact energy of smooth particles is "
+            f"known. Smooth polygons of {best['n_v']} vertices have "
+            f"{show(best['energy_ratio'], 5)} of it at a/R = {percent(best['indentation'])}.",
+        ),
+        pictures=[
+            Picture(
+                "roughness.png",
+                "Left: friction of two polygons. Middle: a packing that is compressed and "
+                "expanded. Right: smooth polygons in a hexagonal crystal, against the exact "
+                "energy.",
+                "Three plots: friction against the number of vertices, the ratio of energies "
+                "against strain, and the error of the energy against the number of vertices.",
+            )
+        ],
+        tables=[
+            Table(
+                "Smooth polygons in a hexagonal crystal",
+                [
+                    Column("n_v", "vertices"),
+                    Column("indentation", "a/R", show=percent),
+                    Column("energy_ratio", "energy", "over the exact one", show=_five),
+                    RESIDUAL,
+                ],
+                crystal,
+            )
+        ],
+    )
+
+
+def _ratios(rows: Sequence[Row]) -> str:
+    return listed(f"{show(row['ratio'], 4)} at {percent(row['strain'])}" for row in rows)
+
+
+def _five(value: Any) -> str:
+    return show(value, 5)

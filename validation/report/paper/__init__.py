@@ -1,1 +1,0 @@
-"""The paper's results on one particle between walls, and its packing."""

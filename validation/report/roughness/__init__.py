@@ -1,1 +1,0 @@
-"""How smooth the polygons of the reference are: friction, hysteresis, a crystal."""

@@ -1,1 +1,0 @@
-"""How far each law goes before it fails."""
