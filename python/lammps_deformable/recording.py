@@ -1,10 +1,10 @@
-"""The steps of every protocol: each state is shown, kept or written, and a run goes on after a kill.
+"""The steps of every protocol: states are shown, kept or written, and runs go on after a kill.
 
 Frame 0 of a run is the state before the first step. A protocol that is written starts each step
-from the state before, as a process does that has read it from the folder: LAMMPS is cleared, and the
-particles are created anew. So a step gives the same digits whether or not the same process computed
-those before it. Where a user has given commands to LAMMPS that would be lost, the steps follow each
-other instead, and the run cannot be resumed.
+from the state before, as a process does that has read it from the folder: LAMMPS is cleared, and
+the particles are created anew. So a step gives the same digits whether or not the same process
+computed those before it. Where a user has given commands to LAMMPS that would be lost, the steps
+follow each other instead, and the run cannot be resumed.
 """
 
 from __future__ import annotations
@@ -102,8 +102,8 @@ def play(
         name: of the protocol.
         settings: of the call, what JSON can hold, for the protocol and for the summary.
         record: folder of a run, made if missing; if not given states are kept in memory.
-        mode: of the folder: `x` refuses one with a run, `w` replaces the run, `a` goes on behind it.
-        callback: called with the state after each step; None goes on, True ends the protocol there.
+        mode: of the folder: `x` refuses one with a run, `w` replaces it, `a` goes on behind it.
+        callback: called with the state after each step; None goes on, True ends the protocol.
         keep: whether to keep all states; else the last one.
         parameters: further ones for the summary.
 
@@ -154,7 +154,8 @@ def resume(run: Run, sim: Any, callback: Callback | None = None) -> None:
     """
     told = run.parameters
     start, done = told["start"], run.steps_done
-    assert run.folder is not None and done is not None
+    assert run.folder is not None
+    assert done is not None
     store.check_frames(run.folder)
     if done and "seed" not in told:
         sim.relax(np.finfo(float).max)  # relaxed already: this only finds whether it is rigid
@@ -234,12 +235,12 @@ def _steps(
         keep: whether all are.
     """
     go = protocol_of(told["protocol"]).go
-    anew = _each_anew(sim, go, told, start, done, before) if "start" in told else None
-    source = anew or go(sim, told, start, done, before)
+    anew: Any = _each_anew(sim, go, told, start, done, before) if "start" in told else None
+    source: Any = anew or go(sim, told, start, done, before)
     number, state = first + done - 1, None
     title = told["protocol"]
     with closing(source), progress(title, "state", start["states"], initial=done) as bar:
-        for number, state in enumerate(source, start=first + done):  # noqa: B007
+        for number, state in enumerate(source, start=first + done):
             if folder is not None and state.root:
                 _write(folder, number, state, told)
             if not keep:
@@ -267,7 +268,7 @@ def _each_anew(
     for n in range(done, start["states"]):
         if state is not None:
             sim.restart(state)
-        steps = go(sim, told, start, n, None)
+        steps: Any = go(sim, told, start, n, None)
         with closing(steps):
             state = next(steps, None)
         if state is None:

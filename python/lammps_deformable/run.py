@@ -12,7 +12,7 @@
 interrupted at any moment: the packing is written last and atomically, with the number of recorded
 frames. Frames beyond it are removed when the run goes on.
 
-Also: a Universe of MDAnalysis for a run, and shapes of the particles in the dump of another program.
+Also: a Universe of MDAnalysis for a run, and particles in the dump of another program.
 """
 
 from __future__ import annotations
@@ -167,9 +167,7 @@ def _clock(times: list[float]) -> tuple[float, float]:
     return 0.0, 1.0
 
 
-def export(
-    run: Run, path: str | Path, forces: bool = False, overwrite: bool = False
-) -> None:
+def export(run: Run, path: str | Path, forces: bool = False, overwrite: bool = False) -> None:
     """See `Run.export`."""
     expect("path", path, str, Path)
     path = Path(path)
@@ -298,7 +296,7 @@ class Table(dict[str, NDArray[Any]]):
 
 
 def _numbers(words: Sequence[str | None]) -> NDArray[Any]:
-    """The column of a series: whole numbers, truth values, or numbers that are nan where missing."""
+    """The column of a series: whole numbers, truth values, or numbers, nan where missing."""
     if words and all(word in ("True", "False") for word in words):
         return np.array([word == "True" for word in words])
     try:
@@ -363,9 +361,9 @@ def _recorded_state(
     for array in known.values():
         if isinstance(array, np.ndarray):
             array.setflags(write=False)
-    state = object.__new__(kind)
+    state: Any = object.__new__(kind)
     vars(state).update(known)
-    return state
+    return state  # type: ignore[no-any-return]
 
 
 def _stress_in(row: Mapping[str, str], dimension: int) -> NDArray[np.float64]:

@@ -30,7 +30,7 @@ from .motion import (
 )
 from .recording import Protocol, check_tolerance, play
 from .relax import TOLERANCE
-from .simulation import Deforming, DropletSimulation, Simulation
+from .simulation import DropletSimulation, Simulation
 from .small_strains import (
     balanced_to,
     following,
@@ -421,7 +421,9 @@ def harmonic(run: Run, skip: int) -> DynamicModulus:
     """See `Run.complex_modulus`."""
     settings = run.parameters
     if settings.get("protocol") != "oscillate":
-        raise ParameterError("G' and G'' follow from the stress of oscillate: this run is another one")
+        raise ParameterError(
+            "G' and G'' follow from the stress of oscillate: this run is another one"
+        )
     steps, strain = settings["steps"], settings["amplitude"]
     if whole("skip", skip) < 0:
         raise ParameterError(f"skip must not be negative, not {skip}")
@@ -518,7 +520,9 @@ def _crept(
     """The states that remain of a creep."""
     viscosity, fastest, steps = start["viscosity"], start["fastest"], settings["steps"]
     most = fastest * float(sim.box[1, 1])  # velocity of the upper side of the box
-    course = _CREEP.format(target=-settings["shear_stress"], gain=1.0 / viscosity, most=most).strip()
+    course = _CREEP.format(
+        target=-settings["shear_stress"], gain=1.0 / viscosity, most=most
+    ).strip()
     damped = replace(_flowing(sim, settings), part=min(1.0, viscosity / start["usual"]))
     of_noise, unknown = _noise(settings, start, done), [None] * steps
     yield from _flow(

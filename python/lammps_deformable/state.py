@@ -539,7 +539,7 @@ class InSpace:
     """
 
     def __getattr__(self, name: str) -> Any:
-        if "_missing" in vars(self) and name in type(self).__dataclass_fields__:
+        if "_missing" in vars(self) and name in DropletState.__dataclass_fields__:
             return Saved.__getattr__(self, name)  # type: ignore[arg-type]
         kind = type(self).__name__
         known = any(

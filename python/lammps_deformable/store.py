@@ -42,7 +42,14 @@ from .commands import (
 )
 from .core import unit_vectors
 from .errors import FileError, ParameterError
-from .files import data_file, dump_frame, frame_texts, read_data_file, read_dump_frame, sphere_columns
+from .files import (
+    data_file,
+    dump_frame,
+    frame_texts,
+    read_data_file,
+    read_dump_frame,
+    sphere_columns,
+)
 from .friction import (
     Friction,
     Rubbing,
@@ -693,7 +700,8 @@ def read_frame(
     films, directions = as_films(saved.get("films")), from_columns(values)
     rubbing = rubbing_from_json(saved, values)
     images = images_in(values, dimension)
-    return packing, Motion(velocities, *_clock(row), films, directions, rubbing, images), values
+    motion = Motion(velocities, *_clock(row), films, directions, rubbing, images)
+    return packing, motion, dict(values)
 
 
 def save(

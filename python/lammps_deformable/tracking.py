@@ -143,7 +143,7 @@ def mean_squared_displacement(
     for lag in chosen:
         if not 0 <= lag < number:
             raise ParameterError(
-                f"lags must lie between 0 and {number - 1}, as the run has {number} states, not {lag}"
+                f"lags must lie between 0 and {number - 1} in a run of {number} states, not {lag}"
             )
     times = np.array([float(getattr(state, "time", 0.0)) for state in run])
     steps = np.diff(times)
