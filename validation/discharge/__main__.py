@@ -1,9 +1,9 @@
 """Droplets leave a silo again and again: their flow over the opening, and what slows it.
 
-python discharge.py             what the README shows
-python discharge.py --quick     a part of it, in 20 seconds
+python -m validation.discharge            what the README shows
+python -m validation.discharge --quick    a part of it, in 20 seconds
 
-Under mpiexec the ranks share the runs: mpiexec -n 4 python -m mpi4py discharge.py
+Under mpiexec the ranks share the runs: mpiexec -n 4 python -m mpi4py -m validation.discharge
 """
 
 import argparse
@@ -15,6 +15,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 from mpi4py import MPI
 from scipy.optimize import curve_fit
+
+from validation import options_of
 
 OPENINGS = (3.0, 3.5, 4.0, 4.5, 5.0, 6.0, 7.0)  # over the mean diameter, which is 1
 SEEDS = 3  # runs of each opening
@@ -286,4 +288,4 @@ def main(quick):
 if __name__ == "__main__":
     options = argparse.ArgumentParser()
     options.add_argument("--quick", action="store_true", help="a part, in 20 seconds")
-    main(options.parse_args().quick)
+    main(options_of(options, __file__).quick)

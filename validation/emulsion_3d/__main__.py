@@ -1,6 +1,6 @@
 """An emulsion in space: osmotic pressure, elastic moduli, contacts and loads of random packings.
 
-python emulsion_3d.py --number 128 --packings 4 --workers 2
+python -m validation.emulsion_3d --number 128 --packings 4 --workers 2
 
 Each packing is written to emulsion_3d_NUMBER.json when it is there, and not measured again.
 """
@@ -15,6 +15,8 @@ import lammps_deformable as ld
 import matplotlib.pyplot as plt
 import numpy as np
 from scipy.stats import lognorm
+
+from validation import options_of
 
 KINDS = ("nearly equal", "polydisperse")
 RADII = (1.0, 1.2)  # of equal numbers: equal droplets begin to crystallize
@@ -217,7 +219,7 @@ def main():
     parser.add_argument("--number", type=int, default=512, help="droplets of a packing")
     parser.add_argument("--packings", type=int, default=8, help="of each kind")
     parser.add_argument("--workers", type=int, help="packings at a time")
-    asked = parser.parse_args()
+    asked = options_of(parser, __file__)
     file = Path(f"emulsion_3d_{asked.number}.json")
     packings = json.loads(file.read_text()) if file.exists() else []
     known = {(packing["kind"], packing["seed"]) for packing in packings}

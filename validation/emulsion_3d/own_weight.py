@@ -1,6 +1,6 @@
 """An emulsion that creams: droplets lighter than the liquid rest below a ceiling.
 
-python own_weight.py --number 128 --columns 2
+python -m validation.emulsion_3d.own_weight --number 128 --columns 2
 
 Each column is written to own_weight_NUMBER.json when it is there, and not measured again. The
 pressures to compare with are those of emulsion_3d_512.json.
@@ -14,6 +14,7 @@ import lammps_deformable as ld
 import matplotlib.pyplot as plt
 import numpy as np
 
+from validation import options_of
 from validation.emulsion_3d.__main__ import KINDS, RADII, height, means, onset, with_error
 
 WIDTH = 10.0  # of a column of 512, which is periodic across; others have its shape
@@ -114,7 +115,7 @@ def main():
     parser.add_argument("--number", type=int, default=512, help="droplets of a column")
     parser.add_argument("--columns", type=int, default=4)
     parser.add_argument("--workers", type=int, help="columns at a time")
-    asked = parser.parse_args()
+    asked = options_of(parser, __file__)
     packings = json.loads((Path(__file__).parent / "emulsion_3d_512.json").read_text())
     file = Path(f"own_weight_{asked.number}.json")
     columns = json.loads(file.read_text()) if file.exists() else []
