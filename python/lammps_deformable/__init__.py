@@ -24,8 +24,7 @@ if TYPE_CHECKING:
 
     from .comparison import Comparison as Comparison
     from .comparison import compare as compare
-    from .crystal import cubic as cubic
-    from .crystal import triangular as triangular
+    from .crystal import crystal as crystal
     from .errors import BeyondModelWarning as BeyondModelWarning
     from .errors import CallError as CallError
     from .errors import DeformableError as DeformableError
@@ -42,13 +41,13 @@ if TYPE_CHECKING:
     from .laws import Droplet as Droplet
     from .laws import Ring as Ring
     from .laws import Sector as Sector
+    from .laws import SoftContact as SoftContact
     from .packing import Packing as Packing
     from .parallel import jackknife as jackknife
     from .parallel import parallel_map as parallel_map
     from .polishing import polish as polish
     from .polygon_simulation import PolygonSimulation as PolygonSimulation
-    from .polygons import PolygonModel as PolygonModel
-    from .polygons import Walls as Walls
+    from .polygons import DeformablePolygon as DeformablePolygon
     from .random import bidisperse as bidisperse
     from .random import polydisperse as polydisperse
     from .run import Run as Run
@@ -58,40 +57,35 @@ if TYPE_CHECKING:
     from .simulation import Simulation as Simulation
     from .soft_disks import Disks as Disks
     from .soft_disks import Spheres as Spheres
-    from .starts import push_off as push_off
     from .state import DiskState as DiskState
     from .state import DropletState as DropletState
     from .state import PolygonState as PolygonState
     from .state import SphereState as SphereState
     from .state import State as State
-    from .walls import Ball as Ball
-    from .walls import Circle as Circle
+    from .walls import BoxWall as BoxWall
     from .walls import Cone as Cone
     from .walls import Cylinder as Cylinder
-    from .walls import Disk as Disk
     from .walls import Plane as Plane
-    from .walls import Polygon as Polygon
-    from .walls import Post as Post
+    from .walls import PolygonWall as PolygonWall
     from .walls import Segment as Segment
     from .walls import Sphere as Sphere
-    from .walls import cuboid as cuboid
-    from .walls import rectangle as rectangle
 
     __version__: str
     potentials: Path
 
 _HOMES = {
+    "crystal": "crystal",
+    "SoftContact": "laws",
+    "PolygonWall": "walls",
+    "BoxWall": "walls",
     "PolygonSimulation": "polygon_simulation",
     "PolygonState": "state",
-    "PolygonModel": "polygons",
-    "Ball": "walls",
+    "DeformablePolygon": "polygons",
     "BeyondModelWarning": "errors",
     "CallError": "errors",
-    "Circle": "walls",
     "Comparison": "comparison",
     "Cone": "walls",
     "Cylinder": "walls",
-    "Disk": "walls",
     "DiskState": "state",
     "Disks": "soft_disks",
     "Droplet": "laws",
@@ -106,8 +100,6 @@ _HOMES = {
     "Packing": "packing",
     "ParameterError": "errors",
     "Plane": "walls",
-    "Polygon": "walls",
-    "Post": "walls",
     "Ring": "laws",
     "Run": "run",
     "Sector": "laws",
@@ -120,21 +112,15 @@ _HOMES = {
     "State": "state",
     "UnjammedWarning": "errors",
     "UnsavedWarning": "errors",
-    "Walls": "polygons",
     "bidisperse": "random",
     "compare": "comparison",
-    "cubic": "crystal",
-    "cuboid": "walls",
     "jackknife": "parallel",
     "jam": "jamming",
     "parallel_map": "parallel",
     "polish": "polishing",
     "polydisperse": "random",
-    "push_off": "starts",
-    "rectangle": "walls",
     "resolve_secondary": "secondary",
     "state_in_file": "run",
-    "triangular": "crystal",
 }
 
 __all__ = list(_HOMES)

@@ -221,12 +221,7 @@ def _grown(
 def scale_radii(sim: Any, factor: float) -> None:
     """Multiply the radii of all particles, which stay where they are."""
     state = sim.state()
-    packing, own = state.packing, state.packing.particle_radii
-    grown = replace(
-        packing,
-        radii=packing.radii * factor,
-        particle_radii=None if own is None else own * factor,
-    )
+    grown = state.packing.replace(radii=state.packing.radii * factor)
     sim.restart(replace(state, packing=grown))
 
 

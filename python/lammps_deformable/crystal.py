@@ -1,4 +1,4 @@
-"""Crystals of equal particles: the triangular lattice, and the cubic ones in three dimensions."""
+"""Crystals of equal particles, in the plane and in three dimensions."""
 
 from __future__ import annotations
 
@@ -14,98 +14,67 @@ from .packing import Packing
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-# Packing fraction of disks that touch.
-TOUCH = math.pi / math.sqrt(12.0)
-
-# Particles in the cubic cell, in its sides, and the distance of neighbors.
-_CUBIC = {
-    "sc": ([(0.0, 0.0, 0.0)], 1.0),
-    "bcc": ([(0.0, 0.0, 0.0), (0.5, 0.5, 0.5)], math.sqrt(0.75)),
+# Sides of the rectangular cell, the distance of neighbors in it, and the particles, in parts of the
+# sides.
+_LATTICES: dict[str, tuple[tuple[float, ...], float, list[tuple[float, ...]]]] = {
+    "square": ((1.0, 1.0), 1.0, [(0.0, 0.0)]),
+    "hex": ((1.0, 2.0 * math.sqrt(0.75)), 1.0, [(0.0, 0.0), (0.5, 0.5)]),
+    "sc": ((1.0, 1.0, 1.0), 1.0, [(0.0, 0.0, 0.0)]),
+    "bcc": ((1.0, 1.0, 1.0), math.sqrt(0.75), [(0.0, 0.0, 0.0), (0.5, 0.5, 0.5)]),
     "fcc": (
-        [(0.0, 0.0, 0.0), (0.5, 0.5, 0.0), (0.5, 0.0, 0.5), (0.0, 0.5, 0.5)],
+        (1.0, 1.0, 1.0),
         math.sqrt(0.5),
+        [(0.0, 0.0, 0.0), (0.5, 0.5, 0.0), (0.5, 0.0, 0.5), (0.0, 0.5, 0.5)],
+    ),
+    "hcp": (
+        (1.0, 2.0 * math.sqrt(0.75), 2.0 * math.sqrt(2.0 / 3.0)),
+        1.0,
+        [(0.0, 0.0, 0.0), (0.5, 0.5, 0.0), (0.5, 5.0 / 6.0, 0.5), (0.0, 1.0 / 3.0, 0.5)],
     ),
 }
 
 
-def triangular(columns: int, rows: int, radius: float = 0.5, phi: float = TOUCH) -> Packing:
-    """Equal particles on a triangular lattice that fits into its periodic box.
-
-        triangular(16, 16, phi=0.95)
-
-    Rows lie along x at distances of sqrt(3)/2 of the spacing, every second one is shifted by half
-    of it. From the packing fraction pi/sqrt(12) = 0.9069 on neighbors touch.
-
-    Args:
-        columns: number of particles in a row.
-        rows: number of rows, even.
-        radius: of the particles [length].
-        phi: packing fraction, sum pi R^2 / box area, at most 10.
-
-    Returns:
-        The packing, of columns times rows particles, row by row.
-
-    Raises:
-        ParameterError: a value is out of range, e.g. an odd number of rows.
-    """
-    columns, rows, radius = (
-        count("columns", columns),
-        count("rows", rows),
-        positive("radius", radius),
-    )
-    if rows % 2:
-        raise ParameterError(
-            f"rows must be even, not {rows}: every second row is shifted, and the box is periodic"
-        )
-    height = math.sqrt(0.75)
-    column, row = np.tile(np.arange(columns), rows), np.repeat(np.arange(rows), columns)
-    touching = Packing(
-        positions=2.0 * radius * np.column_stack([column + 0.5 * (row % 2), height * row]),
-        species=np.zeros(columns * rows, dtype=np.int64),
-        radii=np.array([radius]),
-        box=2.0 * radius * np.diag([columns, height * rows]),
-    )
-    return touching.at(phi)
-
-
-def cubic(
-    lattice: str, cells: int | Sequence[int], radius: float = 0.5, phi: float | None = None
+def crystal(
+    lattice: str, cells: int | Sequence[int], *, radius: float = 0.5, phi: float | None = None
 ) -> Packing:
-    """Equal spheres on a cubic lattice that fits into its periodic box.
+    """Equal particles on a lattice that fits into its periodic box.
 
-        cubic("fcc", 4, phi=0.8)
+        crystal("hex", (16, 8), phi=0.95)
+        crystal("fcc", 4, phi=0.8)
 
-    Neighbors touch from the packing fraction pi/sqrt(18) = 0.7405 on in fcc, sqrt(3) pi/8 = 0.6802
-    in bcc, pi/6 = 0.5236 in sc.
+    Neighbors touch from the packing fraction pi/sqrt(12) = 0.9069 on in `hex`, pi/4 = 0.7854 in
+    `square`; in three dimensions pi/sqrt(18) = 0.7405 in `fcc` and `hcp`, sqrt(3) pi/8 = 0.6802 in
+    `bcc`, pi/6 = 0.5236 in `sc`.
 
     Args:
-        lattice: `fcc` (face-centered), `bcc` (body-centered) or `sc` (simple cubic).
-        cells: number of cubic cells along each side of the box, or along x, y and z; a cell has 4,
-            2 or 1 spheres.
-        radius: of the spheres [length].
-        phi: packing fraction, sum 4 pi R^3 / (3 box volume), at most 10; that of spheres that touch
+        lattice: in the plane `hex` (triangular; rows along x, cells of 1 by sqrt(3) diameters with
+            2 particles) or `square` (1); in three dimensions `fcc` (4), `bcc` (2), `sc` (1), or
+            `hcp` (layers across z, cells of 1 by sqrt(3) by sqrt(8/3) diameters with 4).
+        cells: number of rectangular cells along each side of the box, or along each axis.
+        radius: of the particles [length].
+        phi: packing fraction of the undeformed particles, at most 10; that of particles that touch
             if not given.
 
     Returns:
-        The packing, cell by cell.
+        The packing, row by row in the plane, cell by cell in three dimensions.
 
     Raises:
         ParameterError: a value is out of range, or there is no such lattice.
     """
-    if not isinstance(lattice, str) or lattice not in _CUBIC:
-        raise ParameterError(f"lattice must be {', '.join(_CUBIC)}, not {shown(lattice)}")
-    sides = numbers("cells", cells)
-    if sides.shape not in ((), (3,)):
-        raise ParameterError(f"cells must be one number, or three, not {shown(cells)}")
-    along = [count("cells", side) for side in np.broadcast_to(sides, 3).tolist()]
-    basis, distance = _CUBIC[lattice]
+    if not isinstance(lattice, str) or lattice not in _LATTICES:
+        raise ParameterError(f"lattice must be {', '.join(_LATTICES)}, not {shown(lattice)}")
+    sides, distance, basis = _LATTICES[lattice]
+    dimension, given = len(sides), numbers("cells", cells)
+    if given.shape not in ((), (dimension,)):
+        raise ParameterError(
+            f"cells must be one number, or {dimension} for {lattice}, not {shown(cells)}"
+        )
+    along = np.array([count("cells", n) for n in np.broadcast_to(given, dimension).tolist()])
     corners = np.stack(np.meshgrid(*map(np.arange, along), indexing="ij"), axis=-1)
-    places = (corners.reshape(-1, 1, 3) + np.array(basis)).reshape(-1, 3)
-    side = 2.0 * positive("radius", radius) / distance
-    touching = Packing(
-        positions=side * places,
-        species=np.zeros(len(places), dtype=np.int64),
-        radii=np.array([radius]),
-        box=side * np.array(along, dtype=np.float64),
-    )
+    places = (corners.reshape(-1, 1, dimension) + np.array(basis)).reshape(-1, dimension)
+    if dimension == 2:
+        places = places[np.lexsort(places.T)]  # row by row
+    unit = 2.0 * positive("radius", radius) / distance
+    box = unit * (np.array(sides) * along)
+    touching = Packing(unit * (sides * places), np.full(len(places), radius), box)
     return touching if phi is None else touching.at(phi)

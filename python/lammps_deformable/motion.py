@@ -89,7 +89,7 @@ class Dynamics:
         part = self.part * (1.0 if exact else ACCURATE)
         steps = [part * self.longest_step(state), self.limit]
         if self.drive and self.drag:
-            radius = float(state.packing.radius.min())
+            radius = float(state.packing.radii.min())
             steps.append(_MOVED * radius * self.drag / self.drive)
             if self.inertia:  # half a step makes velocities of fix gjf larger
                 steps.append(_SETTLED / self.drag)
@@ -409,7 +409,7 @@ def _dynamics(sim: Any, settings: Mapping[str, Any]) -> Dynamics:
     dynamics = dynamics_of(sim, temperature, drag, inertia, timestep)
     if pressure is not None:
         # a loose packing does not tell how stiff contacts become
-        contact = 2.0 * pressure * float(sim.state().packing.radius.max())
+        contact = 2.0 * pressure * float(sim.state().packing.radii.max())
         return replace(dynamics, drive=contact)
     return _propelled(
         dynamics, settings.get("propulsion"), settings.get("persistence"), sim.dimension
@@ -550,7 +550,7 @@ def _error_at_rest(sim: Any, state: Any, pressure: float) -> float:
         return math.inf
     largest = float(np.linalg.norm(gather(sim.lmp, "f", 3), axis=1).max())
     if rub_and_spin(sim.lmp):
-        torque = gather(sim.lmp, "torque", 3)[:, 2] / state.packing.radius
+        torque = gather(sim.lmp, "torque", 3)[:, 2] / state.packing.radii
         largest = max(largest, float(np.abs(torque).max()))
     residual = largest / float(state.contact_table["force"].mean())
     return max(abs(state.pressure / pressure - 1.0), residual)

@@ -7,7 +7,6 @@ The species of a parameter file, as LAMMPS reads them.
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -92,11 +91,11 @@ def particles_in_lammps(
         LammpsError: LAMMPS refuses the packing or the law.
     """
     lmp = open_lammps(packing, comm, former)
-    with shared_file(comm, species_file(law, packing.radii)) as file:
+    with shared_file(comm, species_file(law, packing._species_radii)) as file:
         run(lmp, law_commands(packing, law, file))
     place_walls(lmp, packing.walls)
     run(lmp, film_commands(law, packing.walls))
-    run(lmp, friction_commands(friction, len(packing.radii)))
+    run(lmp, friction_commands(friction, len(packing._species_radii)))
     if friction:  # evaluations have one too
         run(lmp, f"timestep {min(friction.accurate_step, _TIMESTEP)!r}")
     run(lmp, commands_of_energy(law, bool(packing.walls or friction)))
@@ -130,9 +129,7 @@ def go_on(sim: Engine, motion: Motion) -> None:
 
 def with_spins(packing: Packing) -> Packing:
     """The packing with radii of its particles, which LAMMPS lets turn then."""
-    if packing.particle_radii is not None:
-        return packing
-    return replace(packing, particle_radii=packing.radius)
+    return packing if packing._own_radii else packing._with_own_radii()
 
 
 # Relative change of area and perimeter below which a particle counts as round, that of an

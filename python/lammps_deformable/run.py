@@ -148,7 +148,7 @@ def universe(folder: Path) -> Universe:
             dimension=packing.dimension,
             frames=frames_in(folder),
         )
-    found.add_TopologyAttr("radii", packing.radius)
+    found.add_TopologyAttr("radii", packing.radii)
     return found
 
 
@@ -239,8 +239,8 @@ def state_in_file(
         raise FileError(f"there is no species file '{species}'")
     names = list(species_names(file) if types is None else types)
     own, dimension = 1.0 if radii is None else radii, ALL_LAWS[law].dimension
-    packing = Packing.from_file(path, own, frame, dimension=dimension)
-    number = len(packing.radii)
+    packing = Packing.from_file(path, radii=own, frame=frame, dimension=dimension)
+    number = len(packing._species_radii)
     if number > len(names):
         raise ParameterError(
             f"'{path}' has particles of type {number}, but the species of {len(names)} types are "
@@ -253,7 +253,7 @@ def state_in_file(
         reach: dict[str, Any] = {"reach": told.reach}
         chosen = replace(chosen, **reach)
     if radii is None:
-        packing = replace(packing, radii=sizes)
+        packing = packing.replace(radii=sizes[packing.species])
     with Simulation(packing, chosen, MPI.COMM_SELF) as sim:
         return sim.state()
 
@@ -500,7 +500,7 @@ class Run(Sequence[Any]):
             packing, motion, columns = store.read_frame(
                 text, radii, saved, rows[number], law.dimension
             )
-            packing = replace(packing, walls=walls)
+            packing = packing.replace(walls=walls)
             return _recorded_state(packing, law, friction, motion, columns, rows[number])
 
     @property

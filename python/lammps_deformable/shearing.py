@@ -152,7 +152,7 @@ def _flow(
         balanced_to(sim, state.packing, imbalance_under(rate * duration)),
         moving(sim, dynamics, of_noise),
     ):
-        drag = dynamics.drag * rate * 2.0 * float(state.packing.radius.max())
+        drag = dynamics.drag * rate * 2.0 * float(state.packing.radii.max())
         limit = min(dynamics.limit, _OF_A_STEP / rate)
         dynamics = replace(dynamics, drive=drag, limit=limit)
         pieces = math.ceil(rate * duration / _OF_A_PIECE)
@@ -511,7 +511,7 @@ def _begin_creep(sim: Any, settings: Mapping[str, Any]) -> tuple[Any, dict[str, 
 
 def _usual_viscosity(drag: float, packing: Any) -> float:
     """The drag, in space over the mean diameter."""
-    return drag / (1.0 if packing.dimension == 2 else 2.0 * float(packing.radius.mean()))
+    return drag / (1.0 if packing.dimension == 2 else 2.0 * float(packing.radii.mean()))
 
 
 def _crept(

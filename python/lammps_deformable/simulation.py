@@ -8,8 +8,7 @@ Deformable particles of the plane in LAMMPS: relax them, take their state, chang
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Callable, Sequence
-from dataclasses import replace
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
 
 import numpy as np
@@ -88,7 +87,7 @@ from .room import check_centers, check_fit, free_room
 from .soft_disks import BALANCED, Rigidity
 from .state import DeformedState, DropletState, State
 from .store import Motion
-from .walls import Wall, as_walls
+from .walls import Wall
 
 if TYPE_CHECKING:
     from lammps import lammps
@@ -119,7 +118,6 @@ class Deforming(Watched, Engine, Generic[S]):
         packing: Packing | S,
         law: AnyLaw,
         comm: MPI.Comm | None = None,
-        walls: Wall | Sequence[Wall] | None = None,
         friction: Friction | None = None,
     ) -> None:
         expect("packing", packing, Packing, self._state)
@@ -128,8 +126,6 @@ class Deforming(Watched, Engine, Generic[S]):
         self.law, self.comm = law, communicator(comm)
         start, state = _parts(self.comm.bcast(packing))  # those of other machines may differ
         self.friction = state.friction if state and friction is None else friction
-        if walls is not None:
-            start = replace(start, walls=as_walls(walls, start.dimension))
         self._rigidity = Rigidity(start)
         self._open(start, state)
 
@@ -173,7 +169,7 @@ class Deforming(Watched, Engine, Generic[S]):
         self._check(packing)
         if self.friction:
             packing = with_spins(packing)
-        self._species, self._radii = packing.species, packing.radii
+        self._species, self._radii = packing.species, packing._species_radii
         self._check_walls(packing.walls, packing.box)
         if packing.walls:
             check_centers(packing.walls, packing.box, packing.positions)
@@ -183,13 +179,13 @@ class Deforming(Watched, Engine, Generic[S]):
         still = Motion(np.zeros_like(packing.positions))
         go_on(self, state.motion.at(state.packing.walls, packing.walls) if state else still)
         self._setup = setup(self.lmp)
-        smallest = float(packing.radius.min())
+        smallest = float(packing.radii.min())
         self._smallest_radius, self._facet = smallest, smallest ** (packing.dimension - 1)
         self._measure(packing)
 
     def _check(self, packing: Packing) -> None:
         check_dimension(self.law, packing.dimension)
-        species_file(self.law, packing.radii)
+        species_file(self.law, packing._species_radii)
         if self.friction:
             check_friction(self.friction, packing, self.law)
 
@@ -354,7 +350,7 @@ class DropletSimulation(Deforming[DropletState]):
     _laws, _state = (Droplet,), DropletState
 
     def _measure(self, packing: Packing) -> None:
-        tension = self.law.species_parameters(packing.radii).tension
+        tension = self.law.species_parameters(packing._species_radii).tension
         self._stiffness = float(tension.max())
 
     def _approach(self, tolerance: float) -> Approach:
@@ -397,13 +393,13 @@ class DropletSimulation(Deforming[DropletState]):
 
     def _snapshot(self, forces: Forces, stalled: bool) -> DropletState:
         area, contacts, contact_area, pressure, load = np.ascontiguousarray(self._results.T)
-        packing = Packing(
-            positions=gather(self.lmp, "x", 3),
-            species=self._species,
-            radii=self._radii,
-            box=self.box,
-            particle_radii=self._particle_radii,
-            walls=self._walls,
+        packing = Packing._of_species(
+            gather(self.lmp, "x", 3),
+            self._species,
+            self._radii,
+            self.box,
+            self._particle_radii,
+            self._walls,
         )
         return DropletState(
             packing=packing,
@@ -462,10 +458,8 @@ class Simulation(OfLaw, Deforming[State]):
         law: contact law, `Ring` or `Sector`; of `Droplet` this is a `DropletSimulation`.
         comm: communicator that shares the work; all ranks if not given. With `MPI.COMM_SELF` every
             rank runs a simulation of its own, the fast way for many small packings.
-        walls: one shape or several, see `Packing`; those of the packing if not given. Centers must
-            be between them: `Packing.between` and `push_off` make such packings.
         friction: of the contacts, which then rub and damp, and turn the particles; these get radii
-            of their own (`Packing.particle_radii`). That of a state if not given; contacts of a
+            of their own in LAMMPS. That of a state if not given; contacts of a
             packing slip freely then.
 
     Attributes:
@@ -491,7 +485,7 @@ class Simulation(OfLaw, Deforming[State]):
     _laws, _state = (Ring, Sector), State
 
     def _measure(self, packing: Packing) -> None:
-        self._largest_radius = float(packing.radius.max())
+        self._largest_radius = float(packing.radii.max())
         stiffness = self.law.single_contact_stiffness(self._smallest_radius)
         self._single_contact_pressure = stiffness / STIFFNESS_PER_PRESSURE
         self._single_contact_force = stiffness * self._smallest_radius
@@ -552,7 +546,7 @@ class Simulation(OfLaw, Deforming[State]):
         refuse_without_area(area)
         positions = gather(self.lmp, "x", 3)[:, :2]
         rows = np.concatenate(self.comm.allgather(self._contact_rows))
-        packing = Packing(
+        packing = Packing._of_species(
             positions, self._species, self._radii, self.box, self._particle_radii, self._walls
         )
         table, rubbing = contacts_of(self.lmp, self.comm, rows, packing, self.friction)
@@ -565,7 +559,7 @@ class Simulation(OfLaw, Deforming[State]):
             particle_pressure=pressure,
             arc_radius=arc_radius,
             energy=float(self.lmp.extract_compute("deformable_energy", 0, 0)),
-            stress=stress(self.lmp, packing.area if packing.walls else None),
+            stress=stress(self.lmp, packing.volume if packing.walls else None),
             residual=forces.residual,
             stalled=stalled,
             beyond=round(self._told(BEYOND)),

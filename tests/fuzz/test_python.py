@@ -49,8 +49,8 @@ BUILDERS = {
     ),
     "Sector": (ld.Sector, {"kA": 1.0, "kP": float("inf")}),
     "Friction": (ld.Friction, {"mu": 0.5, "kt": 1.0, "gt": 0.1, "damp": 0.1}),
-    "PolygonModel": (
-        ld.PolygonModel,
+    "DeformablePolygon": (
+        ld.DeformablePolygon,
         {"vertices": 50, "radius": 0.05, "kL": 1.0, "kA": 1.0, "kr": 1.0},
     ),
     "Walls": (ld.Walls, {"angle": [0.0, 2.0, 4.0], "height": [1.0, 1.0, 1.0]}),

@@ -12,7 +12,7 @@ def shapes(state: ld.State) -> list[core.Shape]:
     """What the kernel makes of each particle."""
     return [
         core.ring(radius, seen["angle"], seen["indentation"])
-        for radius, seen in zip(state.packing.radius, state.contact_tables, strict=True)
+        for radius, seen in zip(state.packing.radii, state.contact_tables, strict=True)
     ]
 
 
@@ -26,14 +26,14 @@ def brute_force_contacts(state: ld.State) -> dict[tuple[int, int, int, int], boo
                 for b in range(-3, 4):
                     apart = packing.positions[j] - packing.positions[i] + (a, b) @ packing.box
                     distance = float(np.hypot(*apart))
-                    reach = (1.0 + 0.3) * (packing.radius[i] + packing.radius[j])
+                    reach = (1.0 + 0.3) * (packing.radii[i] + packing.radii[j])
                     if (i, 0, 0) != (j, a, b) and distance <= reach:
                         keys.append((i, j, a, b))
                         angle.append(np.arctan2(apart[1], apart[0]))
                         indentation.append(
-                            core.contact_line(distance, packing.radius[i], packing.radius[j])
+                            core.contact_line(distance, packing.radii[i], packing.radii[j])
                         )
-        shape = core.ring(packing.radius[i], np.array(angle), np.array(indentation))
+        shape = core.ring(packing.radii[i], np.array(angle), np.array(indentation))
         found.update(zip(keys, shape.contact_length > 0, strict=True))
     return {(i, j, a, b): found[i, j, a, b] or found[j, i, -a, -b] for i, j, a, b in found}
 

@@ -72,7 +72,7 @@ FULL = {
 
 def crystal(number, phi):
     side = math.isqrt(number)
-    return ld.triangular(side, side, radius=1.0, phi=phi)
+    return ld.crystal("hex", (side, side // 2), radius=1.0, phi=phi)
 
 
 def sizes(number, seed):

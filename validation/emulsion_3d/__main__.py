@@ -36,9 +36,9 @@ def measure(kind, number, seed):
     if kind == "polydisperse":
         start = ld.polydisperse(number, lognorm(WIDTH), dimension=3, seed=seed)
     else:
-        start = ld.bidisperse(number, radii=RADII, dimension=3, seed=seed)
+        start = ld.bidisperse(number, sizes=RADII, dimension=3, seed=seed)
     jammed = ld.jam(start)
-    unit = np.sum(jammed.radius**2) / np.sum(jammed.radius**3)
+    unit = np.sum(jammed.radii**2) / np.sum(jammed.radii**3)
     rows = []
     with ld.Simulation(jammed, ld.Droplet(tension=1.0)) as sim:
         for phi in [*(jammed.phi + above for above in ABOVE), *PHI]:
@@ -49,7 +49,7 @@ def measure(kind, number, seed):
             if seed == 1 and phi in FINITE:
                 row["sheared"] = ld.shear_modulus(state, STRAIN).value / unit
             rows.append(row)
-    width = float(jammed.radius.std() / jammed.radius.mean())
+    width = float(jammed.radii.std() / jammed.radii.mean())
     return {"kind": kind, "seed": seed, "width": width, "phi_J": jammed.phi, "rows": rows}
 
 

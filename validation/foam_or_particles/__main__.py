@@ -50,7 +50,7 @@ def measure(law, number, seed):
     """A packing of a law from its onset to phi = 0.99, and of foam back again."""
     warnings.simplefilter("ignore", ld.UnjammedWarning)  # near the onset some rearrange
     began = time.process_time()
-    loose = ld.bidisperse(number, radii=RADII, seed=seed)
+    loose = ld.bidisperse(number, sizes=RADII, seed=seed)
     onset = ld.jam(loose, pressure=ONSET, tolerance=1e-6)
     particles, unit = LAWS[law]
     sim = ld.Simulation(onset, particles) if particles else ld.Disks(onset)

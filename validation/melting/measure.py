@@ -24,7 +24,7 @@ PHI = 0.92
 
 def crystal(number, phi):
     side = math.isqrt(number)
-    return ld.triangular(side, side, radius=1.0, phi=phi)
+    return ld.crystal("hex", (side, side // 2), radius=1.0, phi=phi)
 
 
 def spacing(packing):
@@ -37,7 +37,7 @@ def begin(number, phi, start, seed):
     packing = crystal(number, phi)
     if start == "random":
         at = np.random.default_rng(seed).random((number, 2)) @ packing.box
-        packing = ld.push_off(replace(packing, positions=at))
+        packing = replace(packing, positions=at).push_off()
         with ld.Simulation(packing, LAW) as sim:
             packing = sim.relax(1e-2).packing
     return packing.positions
@@ -58,7 +58,7 @@ def leg(number, phi, temperature, seed, positions, law=LAW, bath=BATH, steps=STE
                 rows.append(
                     {
                         "energy": state.energy / number,
-                        "pressure": state.pressure + number * temperature / packing.area,
+                        "pressure": state.pressure + number * temperature / packing.volume,
                         "stress": state.stress.tolist(),
                         "z": state.coordination,
                         "bath": state.temperature / temperature,
@@ -255,10 +255,10 @@ def pair(distances):
     energies, virials = [], []
     for distance in distances:
         places, box = [[0.0, 0.0], [distance, 0.0]], np.diag([12.0, 12.0])
-        with ld.Simulation(ld.Packing(places, [0, 0], [1.0], box), LAW) as sim:
+        with ld.Simulation(ld.Packing(places, 1.0, box), LAW) as sim:
             state = sim.state()
         energies.append(state.energy)
-        virials.append(2.0 * state.pressure * state.packing.area)
+        virials.append(2.0 * state.pressure * state.packing.volume)
     return np.array(energies), np.array(virials)
 
 
@@ -280,10 +280,10 @@ def dilute(phi, temperature=0.02, number=64, steps=20_000):
     packing, rows = crystal(number, phi), []
     with ld.Simulation(packing, LAW) as sim:
         for state in ld.move(sim, steps, temperature=temperature, every=10, seed=1, **BATH):
-            rows.append(1.0 + state.pressure * packing.area / number / temperature)
+            rows.append(1.0 + state.pressure * packing.volume / number / temperature)
     blocks = np.array_split(rows[len(rows) // 10 :], 20)
     found, error = ld.jackknife(np.mean, [block.mean() for block in blocks])
-    x = second_virial(temperature)[0] * number / packing.area
+    x = second_virial(temperature)[0] * number / packing.volume
     return {
         "phi": phi,
         "temperature": temperature,
@@ -341,7 +341,7 @@ def quench(law, number, phi, positions, start, temperature):
     packing, energies = crystal(number, phi), []
     scaled = positions * packing.box[0, 0] / crystal(number, PHI).box[0, 0]
     for at in (packing.positions, scaled):
-        begun = ld.push_off(replace(packing, positions=at))
+        begun = replace(packing, positions=at).push_off()
         with ld.Simulation(begun, LAWS[law]) as sim:
             state = sim.relax(1e-3)
         energies.append(state.energy / number)
@@ -363,9 +363,7 @@ def polygons(number=16, vertices=76, steps=2000):
     The mass of a particle is shared by its vertices. Steps are the part 1/2 of the time in which
     the fastest vertex would turn by a radian; twice as long ones are unstable.
     """
-    model = ld.PolygonModel(
-        vertices=vertices, radius=0.02, kL=float(vertices), kA=30.0, kr=300.0, smooth=True
-    )
+    model = ld.DeformablePolygon(vertices, radius=0.02, kL=float(vertices), kA=30.0, kr=300.0)
     with ld.PolygonSimulation(crystal(number, 0.88), model) as sim:
         fastest = sim.polygons.fastest_frequency(model.kr) * math.sqrt(vertices)
         step = 0.5 / fastest

@@ -58,14 +58,14 @@ def naive(state: ld.PolygonState, outlines: list[np.ndarray], box: np.ndarray) -
 
 def pair(width: float) -> ld.Packing:
     """Two equal particles that meet each other through four images, 45 degrees off the axes."""
-    return ld.Packing([[0.0, 0.0], [0.5 * width, 0.5 * width]], [0, 0], [0.5], width * np.eye(2))
+    return ld.Packing([[0.0, 0.0], [0.5 * width, 0.5 * width]], 0.5, width * np.eye(2))
 
 
 def square(height: float, stick: bool = False) -> ld.Walls:
     return ld.Walls(0.3 + np.arange(4) * np.pi / 2.0, np.full(4, height), stick)
 
 
-ALONE = ld.Packing(np.zeros((1, 2)), [0], [0.5], 3.0 * np.eye(2))
+ALONE = ld.Packing(np.zeros((1, 2)), 0.5, 3.0 * np.eye(2))
 
 
-LONE_BEADS = ld.PolygonModel(vertices=40, radius=0.03)
+LONE_BEADS = ld.DeformablePolygon(40, radius=0.03, smooth=False)

@@ -31,7 +31,7 @@ CONTACTS = "seen += [*table['i'].tolist(), *table['j'].tolist()]"
 JAMMED = "start = ld.jam(ld.{})"
 POLYGONS = """
 jammed = ld.jam(ld.bidisperse(6, seed=3, tilt=0.2))
-with ld.PolygonSimulation(jammed, ld.PolygonModel({beads})) as rings:
+with ld.PolygonSimulation(jammed, ld.DeformablePolygon({beads})) as rings:
     rings.deform({stretch} * rings.box)
     {relax}
     state = rings.state()

@@ -9,14 +9,14 @@ from crystal import crystal
 def test_as_built_by_hand() -> None:
     """A packing fraction of pi/sqrt(12)/(1 - a)^2 indents particles by a part a of their radius."""
     for a, columns, rows in ((0.0, 4, 4), (0.02, 5, 2), (-0.1, 3, 6)):
-        made = ld.triangular(columns, rows, phi=np.pi / np.sqrt(12.0) / (1.0 - a) ** 2)
+        made = ld.crystal("hex", (columns, rows // 2), phi=np.pi / np.sqrt(12.0) / (1.0 - a) ** 2)
         expected = crystal(a, columns, rows)
         assert made.positions == pytest.approx(expected.positions, abs=1e-14)
         assert made.box == pytest.approx(expected.box, abs=1e-14)
-        assert made.radius == pytest.approx(expected.radius)
-    large = ld.triangular(4, 4, radius=2.0)
+        assert made.radii == pytest.approx(expected.radii)
+    large = ld.crystal("hex", (4, 2), radius=2.0)
     assert large.phi == pytest.approx(np.pi / np.sqrt(12.0))
-    assert large.box == pytest.approx(4.0 * ld.triangular(4, 4).box)
+    assert large.box == pytest.approx(4.0 * ld.crystal("hex", (4, 2)).box)
 
 
 @pytest.mark.parametrize(

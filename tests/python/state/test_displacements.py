@@ -30,7 +30,7 @@ def moved(packing: ld.Packing, box: list[list[float]], step: Points, images: Poi
 def test_steps_come_back(tilt: float, flips: int) -> None:
     """Beside a strain, in any images, and in an equivalent box."""
     rng = np.random.default_rng(1)
-    packing = ld.bidisperse(30, phi=0.3, tilt=tilt, aspect=1.4, seed=1)
+    packing = ld.bidisperse(30, phi=0.3, aspect=1.4, tilt=tilt, seed=1)
     (lx, _), (xy, ly) = packing.box.tolist()
     step = rng.uniform(-0.49, 0.49, (30, 2)) * [1.1 * lx, 0.9 * ly]
     box = [[1.1 * lx, 0.0], [xy * 0.9 + 0.1 * lx, 0.9 * ly]]
@@ -65,7 +65,7 @@ def test_a_shear_is_told_by_the_strain() -> None:
 
 
 def test_between_walls_nothing_is_across() -> None:
-    walls = ld.rectangle(8.0, 6.0, corner=(-2.0, 1.0))
+    walls = ld.BoxWall((8.0, 6.0), (-2.0, 1.0)).parts
     packing = ld.bidisperse(12, seed=1).between(walls)
     middle = np.array([2.0, 4.0])
     away = replace(packing, positions=2.0 * middle - packing.positions)
@@ -106,7 +106,7 @@ def test_jumps_of_half_a_box_are_told(walled: bool) -> None:
 @pytest.mark.parametrize("tilt", [0.0, 0.4])
 def test_images_of_lammps(tilt: float, flow: str) -> None:
     """A fluid that drifts over several boxes, also in one that is sheared and flips."""
-    fluid = ld.push_off(ld.bidisperse(16, phi=0.7, tilt=tilt, seed=2))
+    fluid = ld.bidisperse(16, phi=0.7, tilt=tilt, seed=2).push_off()
     states, expected, images = [], [], []
     with ld.Simulation(fluid, ld.Ring()) as sim:
         sim.lmp.commands_string(
@@ -129,13 +129,13 @@ def test_images_of_lammps(tilt: float, flow: str) -> None:
 @pytest.mark.parametrize(
     ("before", "told"),
     [
-        (lambda packing: ld.bidisperse(16), "before has 16 particles and this state 30"),
+        (lambda packing: ld.bidisperse(16, seed=1), "before has 16 particles and this state 30"),
         (lambda packing: 3, "before must be a state or a Packing, not 3"),
         (lambda packing: packing.positions, "before must be a state or a Packing, not "),
     ],
 )
 def test_refusals(before: Callable[[ld.Packing], object], told: str) -> None:
-    packing = ld.bidisperse(30, phi=0.3)
+    packing = ld.bidisperse(30, phi=0.3, seed=1)
     state, other = state_of(packing), before(packing)
     for method in (state.displacements, state.nonaffine, state.local_strain):
         with pytest.raises(ld.ParameterError, match=told):

@@ -16,7 +16,7 @@ def state_of(packing: ld.Packing) -> ld.SphereState:
 
 def spheres(number: int, box: object, radius: float = 0.4) -> ld.Packing:
     fractions = np.random.default_rng(3).uniform(size=(number, 3))
-    return ld.Packing(fractions @ np.array(box), [0] * number, [radius], box)
+    return ld.Packing(fractions @ np.array(box), radius, box)
 
 
 @pytest.mark.filterwarnings("ignore::lammps_deformable.JumpWarning")
@@ -73,7 +73,7 @@ def test_a_shear_is_told_by_the_strain(yz: float) -> None:
 @pytest.mark.parametrize("flow", ["xy erate 0.008 xz erate -0.01", "xz erate 0.02 yz erate -0.01"])
 def test_images_of_lammps(flow: str) -> None:
     """Droplets that drift over several boxes, while the box shears and flips in two planes."""
-    packing = ld.push_off(spheres(20, [[4.0, 0.0, 0.0], [1.8, 4.0, 0.0], [-1.8, 1.7, 4.0]]))
+    packing = spheres(20, [[4.0, 0.0, 0.0], [1.8, 4.0, 0.0], [-1.8, 1.7, 4.0]]).push_off()
     states, expected = [], []
     with ld.Simulation(packing, ld.Droplet()) as sim:
         sim.lmp.commands_string(
