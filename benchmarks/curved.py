@@ -149,7 +149,9 @@ def repeated(packing: ld.Packing, times: int) -> ld.Packing:
     shifts = np.array(list(itertools.product(range(times), repeat=2))) @ packing.box
     positions = (packing.positions + shifts[:, None]).reshape(-1, 2)
     species = np.tile(packing.species, len(shifts))
-    return ld.Packing(positions, np.asarray(packing.radii)[species], times * packing.box, species=species)
+    return ld.Packing(
+        positions, np.asarray(packing.radii)[species], times * packing.box, species=species
+    )
 
 
 def films(repeats: int = 3) -> list[dict[str, Any]]:

@@ -117,7 +117,9 @@ def test_pages_show_what_they_should(site):
     theory = (site / "theory" / "index.html").read_text()
     blocks = (ROOT / "docs" / "theory.md").read_text().count("```math")
     assert theory.count('<div class="arithmatex">') == blocks > 20
-    assert 'id="error-against-run-time"' in (site / "validation" / "report" / "index.html").read_text()
+    assert (
+        'id="error-against-run-time"' in (site / "validation" / "report" / "index.html").read_text()
+    )
     assert "in.hopper" in (site / "examples" / "hopper" / "index.html").read_text()
     assert "--polydispersity" in (site / "shell" / "index.html").read_text()
     assert "bidisperse" in (site / "tutorial" / "index.html").read_text()

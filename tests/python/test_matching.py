@@ -22,7 +22,10 @@ def pair() -> tuple[PolygonState, State]:
     """Rings, and particles of the ring law, both strained by 6 %."""
     start = jam(bidisperse(8, seed=1))
     states = []
-    for packing in (PolygonSimulation(start, DeformablePolygon(25, smooth=False)), Simulation(start, Ring())):
+    for packing in (
+        PolygonSimulation(start, DeformablePolygon(25, smooth=False)),
+        Simulation(start, Ring()),
+    ):
         with packing as sim:
             sim.deform(0.94 * start.box)
             states.append(sim.relax())

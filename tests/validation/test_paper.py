@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from lammps_deformable import ParameterError, DeformablePolygon, core
+from lammps_deformable import DeformablePolygon, ParameterError, core
 from lammps_deformable.comparison import shape_error
 
 from validation.report import packings, paper
@@ -154,7 +154,12 @@ def test_steps_of_walls_that_stick_matter() -> None:
 
 def test_seconds_are_those_of_a_processor() -> None:
     began = time.process_time()
-    first, second = squeeze(regular(4), [0.01, 0.02], DeformablePolygon(24, radius=0.1, kL=2400.0, smooth=False), stick=True)
+    first, second = squeeze(
+        regular(4),
+        [0.01, 0.02],
+        DeformablePolygon(24, radius=0.1, kL=2400.0, smooth=False),
+        stick=True,
+    )
     spent = time.process_time() - began
     assert 0.0 < first.seconds + second.seconds < spent
     assert set(first.law_seconds) == {"sector", "ring, kP inf", "ring"}
@@ -167,13 +172,21 @@ def test_seconds_are_those_of_a_processor() -> None:
 )
 def test_indentations_that_do_not_rise_are_refused(indentations: list[float]) -> None:
     with pytest.raises(ParameterError, match=f"to {indentations[-1]:g}: indentations"):
-        squeeze(regular(4), indentations, DeformablePolygon(50, radius=0.1, smooth=False), stick=False)
+        squeeze(
+            regular(4), indentations, DeformablePolygon(50, radius=0.1, smooth=False), stick=False
+        )
 
 
 @pytest.mark.parametrize("step", [0.0, -1.0, float("nan")])
 def test_steps_that_lead_nowhere_are_refused(step: float) -> None:
     with pytest.raises(ParameterError, match=rf"^step .* {step}$"):
-        squeeze(regular(4), [0.01], DeformablePolygon(50, radius=0.1, smooth=False), stick=True, step=step)
+        squeeze(
+            regular(4),
+            [0.01],
+            DeformablePolygon(50, radius=0.1, smooth=False),
+            stick=True,
+            step=step,
+        )
 
 
 def test_figures_are_1200_pixels_wide(

@@ -18,7 +18,7 @@ def jammed() -> ld.Packing:
 @pytest.fixture(scope="module")
 def squeezed(jammed: ld.Packing) -> ld.SphereState:
     with ld.Spheres(jammed) as spheres:
-        *_, last = ld.compress(spheres, phi=jammed.phi + 0.03, steps=2)
+        last = spheres.compress(phi=jammed.phi + 0.03, steps=2)[-1]
     return last
 
 
@@ -95,7 +95,7 @@ def test_shear_and_moduli(squeezed: ld.SphereState) -> None:
     assert 0.0 < shear.value < bulk.value
     with ld.Spheres(squeezed.packing) as spheres:
         start = spheres.relax(1e-8)
-        *_, last = ld.shear(spheres, strain=1e-5, steps=1, tolerance=1e-8)
+        last = spheres.shear(1e-5, tolerance=1e-8)[-1]
     slope = (last.shear_stress - start.shear_stress) / 1e-5
     assert slope == pytest.approx(shear.value, rel=0.02)
     moved = last.displacements(start)
@@ -103,7 +103,7 @@ def test_shear_and_moduli(squeezed: ld.SphereState) -> None:
     assert last.nonaffine(start) == pytest.approx(
         moved - np.outer(start.packing.positions[:, 1], [1e-5, 0.0, 0.0]), abs=1e-12
     )
-    assert ld.unwrapped([start, last])[1] - start.packing.positions == pytest.approx(moved)
+    assert ld.Run([start, last]).unwrapped()[1] - start.packing.positions == pytest.approx(moved)
 
 
 def test_local_strain_of_an_affine_motion(squeezed: ld.SphereState) -> None:
@@ -141,7 +141,7 @@ def test_a_box_of_another_dimension(squeezed: ld.SphereState) -> None:
         with pytest.raises(ld.ParameterError, match="box must have 3 sides, not 2"):
             spheres.deform(np.eye(2))
         with pytest.raises(ld.ParameterError, match="without a rate only"):
-            ld.shear(spheres, 0.01, rate=1.0, friction=1.0)
+            spheres.shear(0.01, rate=1.0, drag=1.0, steps=10)
     with pytest.raises(ld.ParameterError, match="before has 2 dimensions"):
         squeezed.displacements(ld.bidisperse(64, seed=1))
 

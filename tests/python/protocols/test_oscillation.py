@@ -66,7 +66,7 @@ def test_stress_under_an_oscillating_strain(rest: ld.State, part: float) -> None
     omega = part * linear.rate.mean()
     period = 2.0 * math.pi / omega
     with ld.Simulation(rest, rest.law) as sim:
-        states = list(oscillate(sim, STRAIN, period, friction=FRICTION))
+        states = sim.oscillate(STRAIN, period=period, drag=FRICTION)[1:]
     assert [state.time for state in states] == pytest.approx(period * np.arange(1, 41) / 40)
     strain = np.array([state.strain for state in states])
     assert strain == pytest.approx(STRAIN * np.sin(np.pi * np.arange(1, 41) / 20), abs=1e-20)
@@ -157,7 +157,7 @@ def test_refusals_of_moduli(rest: ld.State) -> None:
         dynamic_modulus(rest, STRAIN, discarded=-1)
     with ld.Disks(rest.packing) as disks:
         with pytest.raises(ld.ParameterError, match="Disks are sheared without a rate"):
-            oscillate(disks, STRAIN, 10.0, friction=1.0)
+            disks.oscillate(STRAIN, period=10.0, drag=1.0)
         soft = disks.relax(1e-9)
     found = dynamic_modulus(soft, STRAIN, cycles=2, discarded=0, steps=8, tolerance=1e-10)
     assert found.storage == pytest.approx(soft.elastic_moduli().shear_modulus, rel=1e-2)

@@ -26,7 +26,7 @@ def test_a_sheared_crystal(contact: str) -> None:
     for friction in (None, ld.Friction(np.inf, kt=kt)):
         with ld.Simulation(crystal, LAWS[contact], friction=friction) as sim:
             sim.relax(1e-9)
-            *_, state = ld.shear(sim, strain, steps=1, tolerance=1e-7)
+            state = sim.shear(strain, tolerance=1e-7)[-1]
             stress.append(state.shear_stress)
     assert stress[1] - stress[0] == pytest.approx(np.sqrt(3) / 4 * kt * strain, rel=2e-3)
     d = np.sqrt(crystal.box[0, 0] * crystal.box[1, 1] / 16 * 2 / np.sqrt(3))
@@ -39,9 +39,9 @@ def test_rest_compression_and_shear() -> None:
     """Forces and torques balance; bounds hold; stress depends on the way."""
     with pressed(ROUGH) as sim:
         start = sim.relax()
-        states = [start, *ld.compress(sim, 0.01, steps=2)]
-        states += ld.shear(sim, 0.04, steps=2)
-        back = list(ld.shear(sim, -0.04, steps=2))[-1]
+        states = [start, *sim.compress(strain=0.01, steps=2)[1:]]
+        states += sim.shear(0.04, steps=2)[1:]
+        back = sim.shear(-0.04, steps=2)[1:][-1]
     for state in states:
         table = state.contact_table
         assert not state.stalled
@@ -68,17 +68,17 @@ def test_without_friction_a_shear_is_reversed() -> None:
     with pressed(None) as sim:
         minimal = sim.relax()
     with ld.Simulation(minimal.packing, minimal.law, friction=ld.Friction(0.0, kt=2e-3)) as sim:
-        list(ld.shear(sim, 0.002, steps=1))
-        *_, back = ld.shear(sim, -0.002, steps=1)
+        sim.shear(0.002)
+        back = sim.shear(-0.002)[-1]
     assert back.energy == pytest.approx(minimal.energy, rel=1e-6)
 
 
 def test_a_target_phi() -> None:
     with pressed(ROUGH) as sim:
-        *_, state = ld.compress(sim, phi=0.91, steps=1)
+        state = sim.compress(phi=0.91)[-1]
         assert state.phi == pytest.approx(0.91, rel=1e-9)
         with pytest.raises(ld.ParameterError, match=r"settle\(sim, pressure\)") as error:
-            list(ld.compress(sim, pressure=1e-3, steps=1))
+            sim.compress(pressure=1e-3)
         assert "\n" not in str(error.value)
 
 
@@ -97,7 +97,7 @@ def test_a_run_is_resumed(tmp_path: Path) -> None:
     whole, torn = tmp_path / "whole", tmp_path / "torn"
     for folder in (whole, torn):
         with pressed(ROUGH) as sim:
-            for _ in ld.shear_in(sim, folder, 0.03, steps=3, tolerance=1e-4):
+            for _ in sim.shear(0.03, record=folder, steps=3, tolerance=1e-4)[1:]:
                 if folder is torn:
                     break
     (*_, end) = ld.Run(torn).resume()
@@ -112,7 +112,7 @@ def test_what_has_no_energy() -> None:
         for of_energy in (state.hessian, state.modes, state.elastic_moduli):
             with pytest.raises(ld.ParameterError, match=r"\Afriction has no energy"):
                 of_energy()
-        motion = ld.move(sim, 200, temperature=1e-6)
+        motion = sim.run(200, every=100, temperature=1e-6)[1:]
         next(motion)
         with pytest.raises(ld.ParameterError, match=r"\A[^\n]*has not ended"):
             sim.relax()

@@ -109,7 +109,7 @@ def test_work_is_the_gain_of_energy(sim: ld.Simulation | ld.Disks) -> None:
     """dU = V sigma dgamma, with the trapezium rule over a small step."""
     before = sim.relax(1e-9)
     area = np.prod(before.packing.box.diagonal())
-    (after,) = ld.shear(sim, 1e-4, 1, tolerance=1e-9)
+    (after,) = sim.shear(1e-4, tolerance=1e-9)[1:]
     stress = -(before.stress[0, 1] + after.stress[0, 1]) / 2.0
     # relative to the curvature of sigma: (1e-4 / 0.03)^2
     assert after.energy - before.energy == pytest.approx(area * stress * 1e-4, rel=1e-4)
@@ -117,7 +117,7 @@ def test_work_is_the_gain_of_energy(sim: ld.Simulation | ld.Disks) -> None:
 
 def test_shear_goes_on_in_an_equivalent_box(sim: ld.Simulation | ld.Disks) -> None:
     box = sim.box
-    states = list(ld.shear(sim, 1.3, 13, tolerance=1e-3))
+    states = sim.shear(1.3, steps=13, tolerance=1e-3)[1:]
     assert all(not state.stalled for state in states)
     for n, state in enumerate(states, start=1):
         (lx, _), (xy, ly) = state.packing.box
@@ -144,6 +144,6 @@ def test_equivalent_box_changes_nothing(sim: ld.Simulation | ld.Disks) -> None:
 )
 def test_bad_input(sim: ld.Simulation | ld.Disks, strain: float, steps: int, message: str) -> None:
     with pytest.raises(ld.ParameterError, match=message):
-        ld.shear(sim, strain, steps)
+        sim.shear(strain, steps=steps)
     with pytest.raises(ld.ParameterError, match="strain must be a positive number, not 0"):
         ld.shear_modulus(sim.state(), 0.0)

@@ -44,14 +44,14 @@ def test_tilted_packings_and_species_go_on(law: ld.Sector | ld.Ring, tmp_path: P
 def test_record_writes_as_the_run_goes(jammed: ld.Packing, tmp_path: Path) -> None:
     with ld.Simulation(jammed, ld.Ring()) as sim:
         before = sim.state()
-        run = ld.record(ld.compress(sim, strain=0.02, steps=4), tmp_path)
+        run = sim.compress(strain=0.02, steps=4, record=tmp_path)[1:]
         first, second = next(run), next(run)  # and interrupted here
     with (tmp_path / "series.csv").open() as file:
         rows = list(csv.DictReader(file))
     assert [float(row["phi"]) for row in rows] == [before.phi, first.phi, second.phi]
 
     with ld.Run(tmp_path).simulation() as sim:
-        steps = ld.compress(sim, strain=0.01, steps=1)
+        steps = sim.compress(strain=0.01)[1:]
         (third,) = ld.Run(tmp_path).append(steps, {"steps": 1})
     with (tmp_path / "series.csv").open() as file:
         rows = list(csv.DictReader(file))
@@ -68,7 +68,7 @@ def test_mdanalysis_reads_the_trajectory(tilt: float, tmp_path: Path) -> None:
     mdanalysis = pytest.importorskip("MDAnalysis")
     jammed = ld.jam(ld.bidisperse(16, tilt=tilt, seed=4))
     with ld.Simulation(jammed, ld.Ring()) as sim:
-        steps = ld.compress(sim, strain=0.02, steps=2)
+        steps = sim.compress(strain=0.02, steps=2)[1:]
         states = [sim.state(), *ld.record(steps, tmp_path)]
     universe = mdanalysis.Universe(
         str(tmp_path / "trajectory.lammpstrj"), format="LAMMPSDUMP", additional_columns=True, dt=1.0
@@ -90,7 +90,7 @@ def test_shear_stress_of_a_series_resists(tmp_path: Path) -> None:
     jammed = ld.jam(ld.bidisperse(16, seed=1))
     with ld.Simulation(jammed.at(jammed.phi + 0.03), ld.Ring()) as sim:
         start = sim.relax()
-        states = [start, *ld.record(ld.shear(sim, 1e-3, 2), tmp_path / "run")]
+        states = [start, *sim.shear(1e-3, steps=2, record=tmp_path / "run")[1:]]
     with (tmp_path / "run" / "series.csv").open(newline="") as file:
         stress = [float(row["shear_stress"]) for row in csv.DictReader(file)]
     assert stress == pytest.approx([-state.stress[0, 1] for state in states], rel=1e-6)
@@ -100,12 +100,11 @@ def test_shear_stress_of_a_series_resists(tmp_path: Path) -> None:
 
 def test_append_cuts_off_half_a_frame(jammed: ld.Packing, tmp_path: Path) -> None:
     with ld.Simulation(jammed, ld.Ring()) as sim:
-        for _ in ld.record(ld.compress(sim, 0.01, 1), tmp_path):
-            pass
+        sim.compress(strain=0.01, record=tmp_path)
         trajectory = tmp_path / "trajectory.lammpstrj"
         whole = trajectory.read_text()
         trajectory.write_text(whole + whole[: len(whole) // 2])  # killed in the third frame
-        for _ in ld.Run(tmp_path).append(ld.compress(sim, 0.01, 1)):
+        for _ in ld.Run(tmp_path).append(sim.compress(strain=0.01)[1:]):
             pass
     text = trajectory.read_text()
     assert text.startswith(whole)
@@ -126,7 +125,7 @@ def test_a_row_stands_for_a_whole_frame(
 ) -> None:
     """The series does not count a frame that was not written completely."""
     with ld.Simulation(jammed, ld.Ring()) as sim:
-        steps = ld.record(ld.compress(sim, 0.01, 2), tmp_path)
+        steps = sim.compress(strain=0.01, steps=2, record=tmp_path)[1:]
         next(steps)
 
         def killed(*_: object) -> str:

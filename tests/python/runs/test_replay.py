@@ -51,7 +51,7 @@ def test_growth_and_death(start: Packing, tmp_path: Path) -> None:
         assert found.energy == pytest.approx(state.energy, rel=1e-10)
         assert found.area == pytest.approx(state.area, rel=1e-10)
     with pytest.raises(FileError, match="14 to 20 particles"):
-        ld.Run(tmp_path).universe()
+        ld.Run(tmp_path).to_mdanalysis()
 
 
 def test_other_species(tmp_path: Path) -> None:
@@ -97,8 +97,7 @@ def test_a_frame_has_its_own_radii_law_and_walls(tmp_path: Path) -> None:
 
 def test_a_run_is_indexed(start: Packing, tmp_path: Path) -> None:
     with ld.Simulation(start, LAW) as sim:
-        for _ in ld.record(ld.compress(sim, -0.01, 4), tmp_path):
-            pass
+        sim.compress(strain=-0.01, steps=4, record=tmp_path)
     run = ld.Run(tmp_path)
     fractions = [state.phi for state in run]
     assert len(run) == len(set(fractions)) == 5
@@ -109,7 +108,7 @@ def test_a_run_is_indexed(start: Packing, tmp_path: Path) -> None:
         with pytest.raises(IndexError, match=f"has 5 states, and no state {number}"):
             run[number]
     with ld.Run(tmp_path).simulation() as sim:
-        (more,) = run.append(ld.compress(sim, 0.01, 1), {"seed": 3})
+        (more,) = run.append(sim.compress(strain=0.01)[1:], {"seed": 3})
     assert (len(run), run[-1].phi) == (6, pytest.approx(more.phi, rel=1e-12))
     assert run.parameters == {"seed": 3, "before": {}}
 

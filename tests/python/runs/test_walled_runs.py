@@ -42,7 +42,7 @@ def jammed() -> ld.Packing:
 def run(jammed, tmp_path_factory) -> tuple[Path, list[ld.State]]:
     folder = tmp_path_factory.mktemp("run")
     with ld.Simulation(jammed, LAW) as sim:
-        steps = ld.compress_in(sim, folder, strain=0.03, steps=3, tolerance=1e-4)
+        steps = sim.compress(record=folder, strain=0.03, steps=3, tolerance=1e-4)[1:]
         return folder, list(steps)
 
 
@@ -163,7 +163,7 @@ def test_protocols_that_walls_allow_and_refuse() -> None:
         bulk = ld.bulk_modulus(state, 1e-4)
         assert bulk.linear
         for refused, message in (
-            (lambda: ld.shear(sim, 0.1, 1), "walls are not sheared.* a plane"),
+            (lambda: sim.shear(0.1)[1:], "walls are not sheared.* a plane"),
             (lambda: ld.shear_modulus(state, 1e-3), "with walls cannot be sheared"),
             (lambda: sim.deform(sim.box @ [[1, 0], [0.1, 1]]), "with walls cannot be sheared"),
         ):
@@ -172,7 +172,7 @@ def test_protocols_that_walls_allow_and_refuse() -> None:
         # a channel may be stretched in one direction
         sim.deform(sim.box * [[1, 1], [1, 0.999]])
         assert sim.state().stress[1, 1] > state.stress[1, 1]
-        moved = list(ld.move(sim, 200, temperature=1e-6, seed=1))
+        moved = sim.run(200, every=100, temperature=1e-6, seed=1)[1:]
         total = [each.energy + each.kinetic_energy for each in moved]
         assert total[-1] == pytest.approx(total[0], rel=1e-3)
     pillar = start.between((*sides, Sphere(0.1, (4, 4), inside=False)))
