@@ -197,9 +197,15 @@ def moving(sim: Deforming[Any], dynamics: Dynamics, seed: int) -> Iterator[None]
     """The fixes of a motion, in LAMMPS until its end.
 
     Raises:
-        ParameterError: contacts rub that should turn particles, but these move against a drag.
+        ParameterError: another motion has not ended; or contacts rub that should turn particles,
+            but these move against a drag.
     """
     lmp, begun, spins = sim.lmp, sim._begun, rub_and_spin(sim.lmp)
+    if "deformable_move" in lmp.available_ids("fix"):
+        raise ParameterError(
+            "a motion of this simulation goes on, whose callback begins another one: let the "
+            "callback return True, and begin the other one then"
+        )
     if spins and dynamics.drag and (dynamics.temperature or not dynamics.inertia):
         how = "in a heat bath do not turn: leave out temperature or drag"
         if not dynamics.inertia:

@@ -267,7 +267,9 @@ def _each_anew(
     """The states after the steps that remain, each as if the one before were read from a file."""
     for n in range(done, start["states"]):
         if state is not None:
+            so_far = sim._steps_before + sim.lmp.extract_global("ntimestep")
             sim.restart(state)
+            sim._steps_before = so_far  # a later call draws other noise
         steps: Any = go(sim, told, start, n, None)
         with closing(steps):
             state = next(steps, None)

@@ -156,7 +156,7 @@ class Deforming(Watched, Engine, Generic[S]):
         expect("packing", packing, Packing, self._state)
         start, state = _parts(packing)
         self._check(start)  # or fail before the old particles are gone
-        self._steps_before += self.lmp.extract_global("ntimestep")
+        self._steps_before = 0
         self._rigidity.start = self._rigidity.start and start
         try:
             self._open(start, state, self.lmp)

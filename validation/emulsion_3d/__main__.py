@@ -17,6 +17,7 @@ import numpy as np
 from scipy.stats import lognorm
 
 from validation import options_of
+from validation.finite_strain import shear_modulus
 
 KINDS = ("nearly equal", "polydisperse")
 RADII = (1.0, 1.2)  # of equal numbers: equal droplets begin to crystallize
@@ -47,7 +48,7 @@ def measure(kind, number, seed):
             taken = time.process_time() - begun, sim.lmp.extract_global("ntimestep") - step
             row = row_of(state, unit) | dict(zip(("seconds", "steps"), taken, strict=True))
             if seed == 1 and phi in FINITE:
-                row["sheared"] = ld.shear_modulus(state, STRAIN).value / unit
+                row["sheared"] = shear_modulus(state, STRAIN).value / unit
             rows.append(row)
     width = float(jammed.radii.std() / jammed.radii.mean())
     return {"kind": kind, "seed": seed, "width": width, "phi_J": jammed.phi, "rows": rows}

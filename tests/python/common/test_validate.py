@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 from lammps_deformable import Ring
 
+from validation.finite_strain import bulk_modulus, shear_modulus
+
 P = ld.bidisperse(4, seed=1)
 
 # A call, the argument that is wrong, and its value as the message shows it.
@@ -23,8 +25,8 @@ CASES: list[tuple[Callable[[], Any], str, str]] = [
     (lambda: P.compress(strain=0.01)[1:], "sim", "a Packing"),
     (lambda: P.shear(0.01)[1:], "sim", "a Packing"),
     (lambda: P.run(1)[1:], "sim", "a Packing"),
-    (lambda: ld.shear_modulus(P, 0.01), "state", "a Packing"),
-    (lambda: ld.bulk_modulus(P, 0.01), "state", "a Packing"),
+    (lambda: shear_modulus(P, 0.01), "state", "a Packing"),
+    (lambda: bulk_modulus(P, 0.01), "state", "a Packing"),
     (lambda: ld.Run(3).simulation(), "folder", "3"),
     (lambda: ld.bidisperse("16", seed=1), "number", "'16'"),
     (lambda: ld.bidisperse(True, seed=1), "number", "True"),

@@ -9,7 +9,7 @@ import pytest
 FORCE, FRICTION, TAU = 1e-4, 2.0, 100.0
 SPEED = FORCE / FRICTION
 NUMBER = 1600
-ACTIVE = {"friction": FRICTION, "propulsion": FORCE, "persistence": TAU}
+ACTIVE = {"drag": FRICTION, "propulsion": FORCE, "persistence": TAU}
 
 
 @pytest.fixture(scope="module")
@@ -30,8 +30,7 @@ def test_persistence(free: ld.Packing, inertia: bool) -> None:
     v' = g (v n - v), so that r is that of the directions less v/g: at g tau >> 1 a small part.
     """
     with ld.Simulation(free, ld.Ring()) as sim:
-        motion = sim.run(1000, timestep=0.2, every=500, seed=1, inertia=inertia, **ACTIVE)[1:]
-        start, states = motion.start(), list(motion)
+        start, *states = sim.run(1000, timestep=0.2, every=500, seed=1, inertia=inertia, **ACTIVE)
     assert start.time == 0.0
     for state in states:
         t = state.time
@@ -52,8 +51,8 @@ def test_persistence(free: ld.Packing, inertia: bool) -> None:
 def test_directions_go_on(free: ld.Packing, tmp_path: Path) -> None:
     """In a second call, in a simulation from a state or of a folder, and in a record."""
     with ld.Simulation(free, ld.Ring()) as sim:
-        motion = sim.run(20, timestep=0.5, every=10, seed=1, inertia=False, **ACTIVE)[1:]
-        *_, first = ld.record(motion, tmp_path / "run")
+        motion = {"timestep": 0.5, "every": 10, "seed": 1, "inertia": False}
+        first = sim.run(20, record=tmp_path / "run", **motion, **ACTIVE)[-1]
         (second,) = sim.run(1, timestep=0.5, seed=1, inertia=False, **ACTIVE)[1:]
     deviation = np.sqrt(2.0 * 0.5 / TAU)  # in one step
     assert turned(second, first).std() == pytest.approx(deviation, rel=5.0 / np.sqrt(2 * NUMBER))
@@ -90,8 +89,8 @@ def test_particles_that_push_each_other_keep_their_step() -> None:
     """A dense crowd: the default step holds, and the mean speed is below that of free ones."""
     packing = ld.bidisperse(32, phi=0.85, seed=3).push_off()
     with ld.Simulation(packing, ld.Ring(kP=0.3)) as sim:
-        motion = sim.run(2000, seed=1, inertia=False, every=500, drag=1.0, propulsion=1e-3, persistence=1e4)[1:]  # fmt: skip
-        states = [motion.start(), *motion]
+        crowd = {"drag": 1.0, "propulsion": 1e-3, "persistence": 1e4}
+        states = sim.run(2000, seed=1, inertia=False, every=500, **crowd)
     assert states[-1].energy > 0.0
     assert max(state.particle_pressure.max() for state in states) < 0.1
     assert states[-1].time > states[-2].time
@@ -100,7 +99,7 @@ def test_particles_that_push_each_other_keep_their_step() -> None:
 @pytest.mark.parametrize(
     ("values", "message"),
     [
-        ({"friction": 0.0}, "get faster and faster: give a friction"),
+        ({"drag": 0.0}, "get faster and faster: give a drag"),
         ({"persistence": None}, "give propulsion and persistence, or none of them"),
         ({"propulsion": None}, "give propulsion and persistence, or none of them"),
         ({"propulsion": 0.0}, "propulsion must be a positive number, not 0"),

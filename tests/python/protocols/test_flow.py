@@ -38,7 +38,7 @@ def test_slow_flow_is_quasistatic(rest: ld.State) -> None:
     """The stress is behind in proportion to the rate: two rates give that of the rate 0."""
     stress = []
     for rate in (0.0, 1e-7, 2e-7):
-        given = {"rate": rate, "friction": FRICTION} if rate else {"tolerance": 1e-9}
+        given = {"rate": rate, "drag": FRICTION} if rate else {"tolerance": 1e-9}
         with ld.Simulation(rest, rest.law) as sim:
             state = sim.shear(2e-3, steps=2, **given)[-1]
         assert state.strain == pytest.approx(2e-3)
@@ -97,16 +97,16 @@ def test_recorded_flows(rest: ld.State, tmp_path: pytest.TempPathFactory) -> Non
 @pytest.mark.parametrize(
     ("values", "message"),
     [
-        ({"rate": 0.0, "friction": 1.0}, "rate must be a positive number, not 0"),
-        ({"rate": -1e-3, "friction": 1.0}, "rate must be a positive number, not -0.001"),
-        ({"rate": 1e-3}, "a flow needs the friction"),
-        ({"rate": 1e-3, "temperature": 1e-6}, "a flow needs the friction"),
-        ({"rate": 1e-3, "friction": -1.0}, "friction must not be negative, not -1"),
-        ({"rate": 1e-3, "friction": 1.0, "temperature": -1.0}, "temperature must not be negative"),
-        ({"rate": 1e-3, "friction": 1.0, "timestep": 1e9}, "timestep = .* take at most"),
-        ({"rate": 1e-3, "friction": 1.0, "seed": 0}, "seed must lie between 1 and"),
-        ({"rate": 1e-3, "friction": 1.0, "tolerance": 1e-6}, "leave tolerance out"),
-        ({"friction": 1.0}, "friction has no meaning without a rate"),
+        ({"rate": 0.0, "drag": 1.0}, "rate must be a positive number, not 0"),
+        ({"rate": -1e-3, "drag": 1.0}, "rate must be a positive number, not -0.001"),
+        ({"rate": 1e-3}, "a flow needs the drag"),
+        ({"rate": 1e-3, "temperature": 1e-6}, "a flow needs the drag"),
+        ({"rate": 1e-3, "drag": -1.0}, "drag must not be negative, not -1"),
+        ({"rate": 1e-3, "drag": 1.0, "temperature": -1.0}, "temperature must not be negative"),
+        ({"rate": 1e-3, "drag": 1.0, "timestep": 1e9}, "timestep = .* take at most"),
+        ({"rate": 1e-3, "drag": 1.0, "seed": 0}, "seed must lie between 1 and"),
+        ({"rate": 1e-3, "drag": 1.0, "tolerance": 1e-6}, "leave tolerance out"),
+        ({"drag": 1.0}, "drag has no meaning without a rate"),
         ({"temperature": 1e-6}, "temperature has no meaning without a rate"),
         ({"seed": 1}, "seed has no meaning without a rate"),
     ],
@@ -120,7 +120,7 @@ def test_refusals(rest: ld.State, values: dict[str, float], message: str) -> Non
 
 
 def test_refused_simulations(rest: ld.State) -> None:
-    flow = {"rate": 1e-3, "friction": 1.0}
+    flow = {"rate": 1e-3, "drag": 1.0}
     with (
         ld.Disks(rest.packing) as disks,
         pytest.raises(ld.ParameterError, match="Disks are sheared without a rate only"),

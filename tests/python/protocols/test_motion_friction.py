@@ -58,9 +58,9 @@ def test_restart_rubs_again() -> None:
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
-        ({"friction": 0.1, "temperature": 1e-5}, "a heat bath do not turn"),
+        ({"drag": 0.1, "temperature": 1e-5}, "a heat bath do not turn"),
         (
-            {"friction": 0.1, "inertia": False},
+            {"drag": 0.1, "inertia": False},
             "without inertia, .* do not turn: let them have inertia",
         ),
     ],

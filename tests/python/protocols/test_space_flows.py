@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from lammps_deformable import Droplet, DropletState, Packing
 from lammps_deformable.shearing import sheared
+from protocol_helpers import dynamic_modulus
 
 FRICTION = 1.5
 
@@ -49,8 +50,7 @@ def test_work_of_the_flow_is_stored_or_lost_to_friction(rest: DropletState) -> N
     """dE/dt = V sigma rate - sum F^2/friction, by the trapezium rule between states."""
     rate = 0.02
     with ld.Simulation(rest, rest.law) as sim:
-        motion = sim.shear(0.03, steps=60, rate=rate, drag=FRICTION)[1:]
-        states = [sim.state(), *motion]
+        states = sim.shear(0.03, steps=60, rate=rate, drag=FRICTION)
     times = np.array([state.time for state in states])
     assert np.diff(times) == pytest.approx(0.03 / 60 / rate)
     work = np.array([state.shear_stress for state in states]) * rest.packing.volume * rate
@@ -67,7 +67,7 @@ def test_slow_flow_is_quasistatic(leaning: DropletState) -> None:
     """The stress is behind in proportion to the rate: two rates give that of the rate 0."""
     rest, stress = leaning, []
     for rate in (0.0, 1e-5, 2e-5):
-        given = {"rate": rate, "friction": FRICTION} if rate else {"tolerance": 1e-7}
+        given = {"rate": rate, "drag": FRICTION} if rate else {"tolerance": 1e-7}
         with ld.Simulation(rest, rest.law) as sim:
             state = sim.shear(1e-3, **given)[-1]
         assert state.strain == pytest.approx(1e-3)
@@ -156,9 +156,7 @@ def test_dynamic_modulus(leaning: DropletState) -> None:
     """Against linear response with a drag, where both parts count."""
     rest, period = leaning, 20.0
     expected = linear_modulus(rest, 2.0 * math.pi / period)
-    found = ld.dynamic_modulus(
-        rest, 1e-5, period, cycles=2, discarded=1, steps=8, friction=FRICTION
-    )
+    found = dynamic_modulus(rest, 1e-5, period, cycles=2, steps=8, drag=FRICTION)
     assert found.storage == pytest.approx(expected.real, rel=5e-3)
     assert found.loss == pytest.approx(expected.imag, abs=5e-3 * expected.real)
     static = linear_modulus(rest, 1e-9).real
@@ -174,8 +172,7 @@ def test_creep_ends_where_shear_has_the_stress(rest: DropletState, viscosity: fl
     usual = FRICTION / (2.0 * rest.packing.radii.mean())
     time = 12.0 * (viscosity or usual) / modulus  # a solid alone takes viscosity/modulus
     with ld.Simulation(rest, rest.law) as sim:
-        motion = sim.creep(stress, time=time, steps=120, drag=FRICTION, viscosity=viscosity)[1:]
-        states = [sim.state(), *motion]
+        states = sim.creep(stress, time=time, steps=120, drag=FRICTION, viscosity=viscosity)
     last = states[-1]
     assert last.time == pytest.approx(time)
     assert last.shear_stress == pytest.approx(stress, abs=1e-2 * 1e-3 * modulus)
@@ -193,7 +190,7 @@ def test_refusals(rest: DropletState, leaning: DropletState) -> None:
             sim.creep(1e-3, time=1.0, drag=1.0, steps=10)
         with pytest.raises(ld.ParameterError, match=r"timestep = 50 .* take at most"):
             sim.shear(0.1, rate=1e-4, drag=1.0, timestep=50.0)
-        with pytest.raises(ld.ParameterError, match=r"settle is for .* the plane.*relax"):
+        with pytest.raises(ld.ParameterError, match=r"run\(pressure=\) is for .* the plane.*relax"):
             sim.run(4_000_000, pressure=1e-3)[-1]
     with pytest.raises(ld.ParameterError, match=r"polish is for .* tolerance"):
         ld.polish(rest)
