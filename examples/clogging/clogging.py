@@ -133,7 +133,7 @@ def picture(passed, clogged, fits):
 
 if __name__ == "__main__":
     cases = [(w, weight, seed) for weight in WEIGHTS for w in WIDTHS for seed in range(SEEDS)]
-    found = np.array(ld.parallel_map(trial, cases))
+    found = np.array(ld.parallel_map(lambda case: trial(*case), cases))
     passed, clogged = found.T.reshape(2, len(WEIGHTS), len(WIDTHS), SEEDS)
     if MPI.COMM_WORLD.rank == 0:
         fits = []

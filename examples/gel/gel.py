@@ -106,7 +106,7 @@ def summarize(adhesion, gels):
 
 def main():
     calls = [(adhesion, seed) for adhesion in (0.0, *ADHESIONS) for seed in SEEDS]
-    found = ld.parallel_map(measure, calls)
+    found = ld.parallel_map(lambda call: measure(*call), calls)
     gels = dict(zip(calls, found, strict=True))
     for call in calls[len(SEEDS) :]:
         show(*call, gels[call])

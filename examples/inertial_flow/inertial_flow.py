@@ -119,7 +119,7 @@ def averaged(run):
         "sideways": (of["sideways"], of["pressure"]),
         "lost": (of["lost"], of["work"]),
     }
-    return {name: ld.jackknife(ratio, np.transpose(each)) for name, each in pairs.items()}
+    return {name: ld.jackknife(np.transpose(each), ratio) for name, each in pairs.items()}
 
 
 def ratio(pairs):
@@ -203,7 +203,7 @@ def planned(quick):
 
 def main(quick):
     calls = planned(quick)
-    found = ld.parallel_map(flow, calls, keep=None if quick else "flows")
+    found = ld.parallel_map(lambda call: flow(*call), calls)
     if MPI.COMM_WORLD.rank == 0:
         data = []
         for (softness, mu, inertia, number, _), rows in zip(calls, found, strict=True):

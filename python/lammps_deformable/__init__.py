@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from .comparison import Comparison as Comparison
     from .comparison import compare as compare
-    from .crystal import crystal as crystal
+    from .crystals import crystal as crystal
     from .errors import BeyondModelWarning as BeyondModelWarning
     from .errors import CallError as CallError
     from .errors import DeformableError as DeformableError
@@ -74,7 +74,7 @@ if TYPE_CHECKING:
     potentials: Path
 
 _HOMES = {
-    "crystal": "crystal",
+    "crystal": "crystals",
     "SoftContact": "laws",
     "PolygonWall": "walls",
     "BoxWall": "walls",

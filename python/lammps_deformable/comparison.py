@@ -20,7 +20,9 @@ import numpy as np
 from mpi4py import MPI
 from numpy.typing import ArrayLike, NDArray
 
+from . import core
 from ._checks import count, expect
+from ._files import make_folder
 from .box import cartesian, fractional
 from .contacts import without_rattlers
 from .core import angles, norm, unit_vectors
@@ -193,7 +195,8 @@ def compare(
         strain: total linear strain of the compression.
         steps: number of steps.
         workers: methods at a time, as in `parallel_map`.
-        keep: folder of the results of methods that are complete, as in `parallel_map`.
+        keep: folder of pickles, of the results of methods that are complete: only you may write to
+            it, because reading a pickle runs the code in it.
 
     Raises:
         ParameterError: circles overlap; a run is no isotropic compression; or particles stick, or
@@ -366,7 +369,12 @@ def compression_rows(
     calls: list[tuple[Any, ...]] = [(start, model, strain, steps)]
     calls += [(other, rival, strain, steps) for other, rival in zip(others, rivals, strict=True)]
     calls += [(start, laws[name], strain, steps) for name in own]
-    found = parallel_map(_path, calls, workers, "methods", keep=keep)
+    follow = _path
+    if keep is not None:
+        from joblib import Memory
+
+        follow = Memory(str(make_folder(keep) / core.version), verbose=0).cache(_path)
+    found = parallel_map(lambda call: follow(*call), calls, workers=workers)
     reference, *found = found
     paths = dict(zip(own, found[len(rivals) :], strict=True))
     rows: list[Row] = []

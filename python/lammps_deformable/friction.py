@@ -81,7 +81,7 @@ class Friction:
             object.__setattr__(self, name, by_pair(name, getattr(self, name)))
         for row in self._rows():
             if problem := core.invalid_friction(*row):
-                raise ParameterError(problem)
+                raise ParameterError(problem.replace("damp must", "damping must"))
         expect("walls", self.walls, Friction, type(None))
         if self.walls and (self.walls.by_species or self.walls.walls):
             raise ParameterError(

@@ -177,7 +177,7 @@ class Deforming(Watched, Engine, Generic[S]):
         self._walls = packing.walls
         self.lmp = particles_in_lammps(packing, law, self.comm, self.friction, former)
         still = Motion(np.zeros_like(packing.positions))
-        go_on(self, state.motion.at(state.packing.walls, packing.walls) if state else still)
+        go_on(self, state.motion if state else still)
         self._setup = setup(self.lmp)
         smallest = float(packing.radii.min())
         self._smallest_radius, self._facet = smallest, smallest ** (packing.dimension - 1)

@@ -129,20 +129,6 @@ class Motion(NamedTuple):
         spins = self.rubbing is not None and self.rubbing.spins.any()
         return bool(self.velocities.any() or spins)
 
-    def at(self, former: tuple[Wall, ...], walls: tuple[Wall, ...]) -> Motion:
-        """The motion between walls in the place of former ones, whose numbers contacts know.
-
-        Films and springs of walls are left out if the kinds of the walls are others.
-        """
-        if [wall.kind for wall in walls] == [wall.kind for wall in former]:
-            return self
-        films, rubbing = self.films, self.rubbing
-        if films is not None:
-            films = films[films[:, 1] > 0]
-        if rubbing is not None:
-            rubbing = rubbing._replace(springs=rubbing.springs[rubbing.springs[:, 1] > 0])
-        return self._replace(films=films, rubbing=rubbing)
-
 
 def packing_file(packing: Packing, motion: Motion, frames: int | None) -> str:
     """A packing as a LAMMPS data file.

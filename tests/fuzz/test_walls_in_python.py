@@ -1,7 +1,5 @@
 """Any walls in Python: one clear error, or a packing whose forces are differences of its energy."""
 
-from dataclasses import replace
-
 import lammps_deformable as ld
 import numpy as np
 import pytest
@@ -38,7 +36,7 @@ def slope(packing, law, i, k):
         for sign in (1, -1):
             positions = packing.positions.copy()
             positions[i, k] += sign * step
-            moved = state_of(replace(packing, positions=positions), law)
+            moved = state_of(packing.replace(positions=positions), law)
             if moved is None:
                 return None
             energies.append(moved[0].energy)

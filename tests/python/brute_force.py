@@ -1,7 +1,5 @@
 """What states should be: by the kernels, from all pairs, and by differences of the energy."""
 
-from dataclasses import replace
-
 import lammps_deformable as ld
 import numpy as np
 import pytest
@@ -58,7 +56,7 @@ def check_pressure(packing: ld.Packing) -> None:
     """The pressure is -dE/d(area of the box)."""
     energy = []
     for factor in (1.0 - 1e-6, 1.0 + 1e-6):
-        scaled = replace(packing, positions=packing.positions * factor, box=packing.box * factor)
+        scaled = packing.replace(positions=packing.positions * factor, box=packing.box * factor)
         with ld.Simulation(scaled, ld.Ring()) as sim:
             energy.append(sim.state().energy)
     with ld.Simulation(packing, ld.Ring()) as sim:

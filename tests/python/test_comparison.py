@@ -296,7 +296,7 @@ def test_a_run_is_compared_from_its_start(jammed: ld.Packing) -> None:
     balanced, reference = found.rows[1:]
     assert reference["energy_ratio"] == 1.0
     assert balanced["energy_error"] < 0.05
-    sheared = [run[0], replace(run[1], packing=replace(run[1].packing, box=[[9, 0], [1, 9]]))]
+    sheared = [run[0], replace(run[1], packing=run[1].packing.replace(box=[[9, 0], [1, 9]]))]
     with pytest.raises(ld.ParameterError, match="no isotropic compression: compare its first"):
         ld.compare(sheared)
 

@@ -34,13 +34,13 @@ def pair() -> tuple[PolygonState, State]:
 
 
 def moved(exact: PolygonState, step: np.ndarray) -> PolygonState:
-    return replace(exact, packing=replace(exact.packing, positions=exact.packing.positions + step))
+    return replace(exact, packing=exact.packing.replace(positions=exact.packing.positions + step))
 
 
 def test_distance_of_centers(pair):
     """Neither drift nor periodic images nor rattlers count; a particle that moves does."""
     exact, own = pair
-    same = replace(exact, packing=replace(exact.packing, positions=own.packing.positions))
+    same = replace(exact, packing=exact.packing.replace(positions=own.packing.positions))
     touching = np.bincount(
         np.concatenate([exact.contact_table.i, exact.contact_table.j]), minlength=8
     )

@@ -8,8 +8,8 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 from lammps_deformable.comparison import standard_polygons
-from lammps_deformable.parallel import call_once
 
+from validation.ensembles import once
 from validation.report.accuracy import smooth_rows
 from validation.report.roughness import crystal_row, hysteresis, sliding
 
@@ -26,8 +26,8 @@ def rows(tmp_path_factory: pytest.TempPathFactory) -> list[dict[str, Any]]:
     """A packing of 16, two steps to 2 %, with a rival of fewer vertices."""
     arguments = (16, 3, 80, 0.02, 2, [standard_polygons(40)])
     folder = tmp_path_factory.mktemp("kept")
-    first = call_once(folder, smooth_rows, *arguments)
-    again = call_once(folder, smooth_rows, *arguments)
+    first = once(folder, smooth_rows, *arguments)
+    again = once(folder, smooth_rows, *arguments)
     assert len(list(folder.iterdir())) == 1
     assert again == first
     return first

@@ -42,17 +42,21 @@ def test_it_keeps_what_it_has(run: Path, capsys: pytest.CaptureFixture[str]) -> 
 
 
 def test_it_keeps_what_is_done_when_it_fails(run: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def fails_at_three(
-        law: str, pressure: float, number: int, seed: int, *others: object
-    ) -> object:
-        if seed == 3:
+    called, unlucky = [], 3
+
+    def fails(law: str, pressure: float, number: int, seed: int, *others: object) -> object:
+        if seed == unlucky:
             raise ld.LammpsError("out of luck")
+        called.append(seed)
         return measure(law, pressure, number, seed)
 
-    monkeypatch.setattr(jamming, "measure", fails_at_three)
+    monkeypatch.setattr(jamming, "measure", fails)
     with pytest.raises(ld.LammpsError, match="out of luck"):
         ensemble("8", "--seeds", "4")
-    assert [row["seed"] for row in jamming.read_table(run / "table.csv")] == [1, 2]
+    unlucky = 0
+    ensemble("8", "--seeds", "4")
+    assert called == [1, 2, 3, 4]
+    assert [row["seed"] for row in jamming.read_table(run / "table.csv")] == [1, 2, 3, 4]
 
 
 def test_it_follows_packings_upwards(run: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -17,6 +17,7 @@ from mpi4py import MPI
 from scipy.optimize import curve_fit
 
 from validation import options_of
+from validation.ensembles import over_cores
 
 OPENINGS = (3.0, 3.5, 4.0, 4.5, 5.0, 6.0, 7.0)  # over the mean diameter, which is 1
 SEEDS = 3  # runs of each opening
@@ -270,7 +271,7 @@ def planned(quick):
 def main(quick):
     scenes, seeds, grains = planned(quick), 2 if quick else SEEDS, 20 if quick else GRAINS
     calls = [(*each, seed, grains) for each in scenes for seed in range(1, seeds + 1)]
-    found = ld.parallel_map(flow, calls, keep=None if quick else "discharge")
+    found = over_cores(flow, calls, keep=None if quick else "discharge")
     if MPI.COMM_WORLD.rank == 0:
         data = []
         for n, (case, opening, rows) in enumerate(scenes):

@@ -13,7 +13,6 @@ import math
 import os
 import time
 import warnings
-from dataclasses import replace
 from pathlib import Path
 
 import lammps_deformable as ld
@@ -21,6 +20,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from validation import options_of
+from validation.ensembles import over_cores
 
 # Particles have the mean radius 1. Disks have the contact stiffness 1. Rings have kA = 1, and keep
 # their perimeter, or may stretch. Droplets keep their area, and have the line tension 1.
@@ -84,7 +84,7 @@ def spread(packing, u, eta):
     """The packing with radii proportional to 1 + eta u; its box and phi stay."""
     radius = 1.0 + eta * u
     radius *= math.sqrt(len(packing) / np.sum(radius**2))
-    return replace(packing, radii=[radius.max()], particle_radii=radius)
+    return packing.replace(radii=[radius.max()], particle_radii=radius)
 
 
 def simulation(packing, law):
@@ -281,7 +281,7 @@ def mean(values):
     """Mean and standard error of numbers, one of each packing; both nan if one is not known."""
     if len(values) < 2:
         return float(np.mean(values)), math.nan
-    found, error = ld.jackknife(np.mean, list(values))
+    found, error = ld.jackknife(list(values))
     return float(found), float(error)
 
 
@@ -311,7 +311,7 @@ def power(ramps, name):
         values = column(some, name).mean(axis=0)
         return np.polyfit(np.log(eta[kept]), np.log(np.abs(values - values[0])[kept]), 1)[0]
 
-    return ld.jackknife(slope, ramps) if len(ramps) > 1 else (slope(ramps), math.nan)
+    return ld.jackknife(ramps, slope) if len(ramps) > 1 else (slope(ramps), math.nan)
 
 
 def small_table(data):
@@ -495,7 +495,7 @@ def main():
     plan, name = (FULL, "full") if given.full else (QUICK, "quick")
     # each ramp is kept as soon as it is measured: an interrupted run goes on from there
     data = {
-        kind: ld.parallel_map(function, plan[kind], given.workers, kind, keep=f"{name}_kept")
+        kind: over_cores(function, plan[kind], given.workers, f"{name}_kept")
         for kind, function in (
             ("ramps", ramp),
             ("compressions", compression),

@@ -17,6 +17,7 @@ import numpy as np
 from scipy.stats import lognorm
 
 from validation import options_of
+from validation.ensembles import over_cores
 from validation.finite_strain import shear_modulus
 
 KINDS = ("nearly equal", "polydisperse")
@@ -93,13 +94,13 @@ def of_kind(packings, kind):
 
 def means(packings, kind):
     """Means over the packings and their errors, by name, each of one number for each phi."""
-    values, errors = ld.jackknife(lambda some: np.mean(some, 0), of_kind(packings, kind))
+    values, errors = ld.jackknife(of_kind(packings, kind), lambda some: np.mean(some, 0))
     return dict(zip(NAMES, values.T, strict=True)), dict(zip(NAMES, errors.T, strict=True))
 
 
 def onset(packings, kind):
     """phi_J of a kind, and its error."""
-    return ld.jackknife(np.mean, [p["phi_J"] for p in packings if p["kind"] == kind])
+    return ld.jackknife([p["phi_J"] for p in packings if p["kind"] == kind])
 
 
 def exponent(packings, kind, name, rows):
@@ -110,7 +111,7 @@ def exponent(packings, kind, name, rows):
         mean = np.mean(some, axis=0)[rows]
         return np.polyfit(np.log(mean[:, pressure]), np.log(np.abs(mean[:, column])), 1)[0]
 
-    return ld.jackknife(slope, of_kind(packings, kind))
+    return ld.jackknife(of_kind(packings, kind), slope)
 
 
 def microseconds(packings, number):
@@ -228,12 +229,8 @@ def main():
     calls = [
         (kind, asked.number, seed) for seed in seeds for kind in KINDS if (kind, seed) not in known
     ]
-
-    def keep(packing):
-        packings.append(packing)
-        file.write_text(json.dumps(packings))
-
-    ld.parallel_map(measure, calls, asked.workers, "packings", keep)
+    packings += over_cores(measure, calls, asked.workers, file.with_suffix(".kept"))
+    file.write_text(json.dumps(packings))
     packings.sort(key=lambda one: (one["seed"], one["kind"]))
     print(*lines(packings, asked.number), sep="\n")
     draw(packings, file.with_suffix(".png"))

@@ -16,6 +16,7 @@ import numpy as np
 
 from validation import options_of
 from validation.emulsion_3d.__main__ import KINDS, RADII, height, means, onset, with_error
+from validation.ensembles import over_cores
 
 WIDTH = 10.0  # of a column of 512, which is periodic across; others have its shape
 HIGHEST = 0.25  # pressure of all droplets together on the ceiling [tension/R32]
@@ -83,7 +84,7 @@ def expected(pressure, packings):
 def profile(columns):
     """Means over the columns and their errors, each of shape (quantities, slabs)."""
     rows = [np.transpose(one["rows"]) for one in columns]
-    return ld.jackknife(lambda some: np.mean(some, axis=0), rows)
+    return ld.jackknife(rows, lambda some: np.mean(some, axis=0))
 
 
 def table(columns, packings):
@@ -121,12 +122,8 @@ def main():
     columns = json.loads(file.read_text()) if file.exists() else []
     known = {one["seed"] for one in columns}
     calls = [(asked.number, seed) for seed in range(1, asked.columns + 1) if seed not in known]
-
-    def keep(one):
-        columns.append(one)
-        file.write_text(json.dumps(columns))
-
-    ld.parallel_map(column, calls, asked.workers, "columns", keep)
+    columns += over_cores(column, calls, asked.workers, file.with_suffix(".kept"))
+    file.write_text(json.dumps(columns))
     columns.sort(key=lambda one: one["seed"])
     print(*table(columns, packings), sep="\n")
     draw(columns, packings, file.with_suffix(".png"))

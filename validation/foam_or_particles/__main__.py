@@ -20,6 +20,7 @@ import numpy as np
 from scipy.optimize import curve_fit
 
 from validation import options_of
+from validation.ensembles import over_cores
 from validation.jamming.packings import before_rearrangement
 
 RADII = (0.5, 0.7)
@@ -201,7 +202,7 @@ def fit(packings, shape, window=WINDOW, threshold=0.0):
         z = mean(excess(some, threshold)[:, kept])
         return np.linalg.lstsq(terms / error[:, None], z / error, rcond=None)[0]
 
-    found, errors = ld.jackknife(coefficients, packings)
+    found, errors = ld.jackknife(packings, coefficients)
     z = mean(excess(packings, threshold)[:, kept])
     chi2 = np.sum(((terms @ found - z) / error) ** 2) / (len(x) - len(found))
     return found, errors, chi2
@@ -217,7 +218,7 @@ def power(packings, window=WINDOW, threshold=0.0):
             return math.nan
         return np.polyfit(np.log(x), np.log(z), 1, w=z / error)[0]
 
-    return ld.jackknife(slope, packings)
+    return ld.jackknife(packings, slope)
 
 
 def with_error(value, error):
@@ -259,7 +260,7 @@ def laws_table(rows):
         for law in NAMES:
             packings = chosen(rows, law, number)
             if packings:
-                onset = ld.jackknife(np.mean, [row["phi_J"] for row in packings])
+                onset = ld.jackknife([row["phi_J"] for row in packings])
                 lines.append([law, number, len(packings), with_error(*onset), *of_fits(packings)])
     return table(heads, lines)
 
@@ -337,7 +338,7 @@ def at_equal_phi(packings, shape):
     def coefficients(some):
         return curve_fit(shape, EQUAL[kept], mean(some)[kept], (10.0, 0.83), error)[0]
 
-    found, errors = ld.jackknife(lambda some: coefficients(np.array(some)), z)
+    found, errors = ld.jackknife(z, lambda some: coefficients(np.array(some)))
     deviation = (shape(EQUAL[kept], *found) - mean(z)[kept]) / error
     return found, errors, np.sum(deviation**2) / (kept.sum() - 2)
 
@@ -492,7 +493,7 @@ def main():
     # seed by seed: an interrupted run has some packings of all laws
     calls = [(law, given.number, seed + 1) for seed in range(given.seeds) for law in given.laws]
     # each packing is kept as soon as it is measured: the same command goes on after an interruption
-    found = ld.parallel_map(measure, calls, given.workers, keep=f"{run}_kept")
+    found = over_cores(measure, calls, given.workers, f"{run}_kept")
     rows = [each for both in found for each in both]
     with open(f"{run}.json", "w") as file:
         file.write(

@@ -19,6 +19,7 @@ from lammps_deformable.comparison import matching, matching_laws
 from lammps_deformable.contacts import without_rattlers
 
 from validation import options_of
+from validation.ensembles import over_cores
 
 # Droplets of radii 1 : 1.4 and mass 1 that keep their area. A contact has the stiffness 2 to 4, so
 # that these springs and dashpots are as stiff, and damp a bounce nearly.
@@ -99,7 +100,7 @@ def table(found):
                 means = np.mean(some, axis=0)
                 return np.polyfit(over, means, 1)[1] if extrapolated else means[0]
 
-            row[name] = ld.jackknife(at_onset, values)
+            row[name] = ld.jackknife(values, at_onset)
         rows.append(row)
     return rows
 
@@ -264,13 +265,13 @@ def friction_of(polygons, rings, name):
 
 def with_error(polygons, rings, name):
     """That mu and its error, from leaving out packings of both, one after another."""
-    mu, first = ld.jackknife(lambda some: friction_of(some, rings, name), polygons)
+    mu, first = ld.jackknife(polygons, lambda some: friction_of(some, rings, name))
     seeds = sorted({row["seed"] for row in rings})
 
     def without(some):
         return friction_of(polygons, [row for row in rings if row["seed"] in some], name)
 
-    return mu, math.hypot(first, ld.jackknife(without, seeds)[1])
+    return mu, math.hypot(first, ld.jackknife(seeds, without)[1])
 
 
 def write_beads(found):
@@ -300,7 +301,7 @@ def write_beads(found):
 
 def jackknife_mean(rows, name):
     """Mean and standard error of a number."""
-    return ld.jackknife(np.mean, [row[name] for row in rows])
+    return ld.jackknife([row[name] for row in rows])
 
 
 def draw_beads(ax, rings, name, mu, value, color, beads):
@@ -322,9 +323,9 @@ def main():
     asked = options_of(parser, __file__)
     if asked.plan == "beads":
         calls = list(itertools.product(FRICTION, BEADS, range(1, PACKINGS + 1)))
-        rings = ld.parallel_map(of_rings, calls, asked.workers, "rings", keep="rings_kept")
+        rings = over_cores(of_rings, calls, asked.workers, "rings_kept")
         calls = [(beads, seed) for beads, count in BEADS.items() for seed in range(1, count + 1)]
-        rows = ld.parallel_map(of_beads, calls, asked.workers, "polygons", keep="beads_kept")
+        rows = over_cores(of_beads, calls, asked.workers, "beads_kept")
         found = {"pressure": PRESSURE, "polygons": rows, "rings": rings}
         Path("beads.json").write_text(json.dumps(found, indent=1) + "\n")
         write_beads(found)
@@ -334,7 +335,7 @@ def main():
         (number, mu, seed, pressures, slow) for seed in range(1, packings + 1) for mu in frictions
     ]
     keep = f"{asked.plan}_kept"
-    rows = ld.parallel_map(jammed, calls, asked.workers, "jamming", keep=keep)
+    rows = over_cores(jammed, calls, asked.workers, keep)
     found = {"number": number, "pressures": pressures, "inertial_number": slow, "packings": rows}
     Path(f"{asked.plan}.json").write_text(json.dumps(found, indent=1) + "\n")
     write(found, asked.plan)

@@ -20,7 +20,7 @@ import numpy as np
 from lammps_deformable._files import make_folder, write_whole
 from lammps_deformable.jamming import jam, natural_pressure
 from lammps_deformable.packing import Packing
-from lammps_deformable.parallel import jackknife, power_law
+from lammps_deformable.parallel import jackknife
 from lammps_deformable.random import bidisperse
 from lammps_deformable.simulation import Simulation
 from lammps_deformable.soft_disks import Disks, relax_at_pressure
@@ -28,6 +28,7 @@ from lammps_deformable.state import DiskState, State
 from mpi4py import MPI
 from numpy.typing import NDArray
 
+from validation.ensembles import power_law
 from validation.jamming.packings import Row, contact_law, standard_error
 
 if TYPE_CHECKING:
@@ -274,7 +275,7 @@ def _jackknife(value: Callable[[Sequence[Row]], float], rows: list[Row]) -> tupl
     """A value of all packings, and its standard error; nan of less than three."""
     if len(rows) < 3:
         return value(rows), float("nan")
-    found, error = jackknife(value, rows)
+    found, error = jackknife(rows, value)
     return float(found), float(error)
 
 

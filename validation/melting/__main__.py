@@ -12,10 +12,10 @@ from functools import partial
 from itertools import product
 from pathlib import Path
 
-import lammps_deformable as ld
 import numpy as np
 
 from validation import options_of
+from validation.ensembles import over_cores
 from validation.melting import measure, results
 from validation.melting.measure import BATH, PHI
 
@@ -92,11 +92,11 @@ def compared(ramps, folder, workers):
         for temperature, places in each["ends"]
         if (each["number"], each["phi"]) == (256, PHI) and temperature in QUENCHED
     ]
-    share = partial(ld.parallel_map, workers=workers, keep=folder)
+    share = partial(over_cores, workers=workers, keep=folder)
     return {
-        "checks": share(measure.check, checks, description="checks"),
-        "solids": share(measure.solid, laws, description="crystals"),
-        "quenches": share(measure.quench, quenched, description="at rest"),
+        "checks": share(measure.check, checks),
+        "solids": share(measure.solid, laws),
+        "quenches": share(measure.quench, quenched),
         "polygons": measure.polygons(),
     }
 
@@ -121,7 +121,7 @@ if __name__ == "__main__":
         options.error(f"--workers must be at least 1, not {given.workers}")
     folder = f"{given.plan}_kept"
     plan = [(*each, folder) for each in PLANS[given.plan]]
-    ramps = ld.parallel_map(ramp, plan, given.workers, "melting")
+    ramps = over_cores(ramp, plan, given.workers)
     found = {
         "phi": PHI,
         **BATH,

@@ -12,6 +12,8 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import Delaunay
 
+from validation.ensembles import once
+
 # Equal droplets in a heat bath: a motion in legs, each of which is kept in a folder.
 
 # Droplets have the radius 1, the line tension 1 and the mass 1, and hardly change their area: hot
@@ -37,7 +39,7 @@ def begin(number, phi, start, seed):
     packing = crystal(number, phi)
     if start == "random":
         at = np.random.default_rng(seed).random((number, 2)) @ packing.box
-        packing = replace(packing, positions=at).push_off()
+        packing = packing.replace(positions=at).push_off()
         with ld.Simulation(packing, LAW) as sim:
             packing = sim.relax(1e-2).packing
     return packing.positions
@@ -48,7 +50,7 @@ def leg(number, phi, temperature, seed, positions, law=LAW, bath=BATH, steps=STE
 
     Velocities are drawn anew, as the bath would. A droplet may find no shape: then the run ends.
     """
-    begun, packing = time.process_time(), replace(crystal(number, phi), positions=positions)
+    begun, packing = time.process_time(), crystal(number, phi).replace(positions=positions)
     rows, places, order = [], [], []
     try:
         with ld.Simulation(packing, law) as sim:
@@ -79,7 +81,7 @@ def leg(number, phi, temperature, seed, positions, law=LAW, bath=BATH, steps=STE
 
 def kept(function, arguments, folder):
     """The result of a call, from a folder of pickles that has it."""
-    return ld.parallel_map(function, [arguments], workers=1, keep=folder)[0]
+    return once(folder, function, *arguments)
 
 
 # What is measured of the places in a leg: order, its correlations, defects, and elasticity.
@@ -282,7 +284,7 @@ def dilute(phi, temperature=0.02, number=64, steps=20_000):
         for state in sim.run(steps, temperature=temperature, every=10, seed=1, **BATH)[1:]:
             rows.append(1.0 + state.pressure * packing.volume / number / temperature)
     blocks = np.array_split(rows[len(rows) // 10 :], 20)
-    found, error = ld.jackknife(np.mean, [block.mean() for block in blocks])
+    found, error = ld.jackknife([block.mean() for block in blocks])
     x = second_virial(temperature)[0] * number / packing.volume
     return {
         "phi": phi,
@@ -321,7 +323,7 @@ def check(name, temperature, folder, number=256, legs=3):
         positions = found["places"][-1]
         seconds += found["seconds"]
         rows.append([(row["energy"], row["pressure"]) for row in found["rows"]])
-    (energy, pressure), errors = ld.jackknife(lambda some: np.mean(some, axis=(0, 1)), rows[1:])
+    (energy, pressure), errors = ld.jackknife(rows[1:], lambda some: np.mean(some, axis=(0, 1)))
     return {
         "settings": name,
         "T": temperature,
@@ -341,7 +343,7 @@ def quench(law, number, phi, positions, start, temperature):
     packing, energies = crystal(number, phi), []
     scaled = positions * packing.box[0, 0] / crystal(number, PHI).box[0, 0]
     for at in (packing.positions, scaled):
-        begun = replace(packing, positions=at).push_off()
+        begun = packing.replace(positions=at).push_off()
         with ld.Simulation(begun, LAWS[law]) as sim:
             state = sim.relax(1e-3)
         energies.append(state.energy / number)

@@ -128,7 +128,7 @@ def value(legs, name):
     some, quantity = late(legs), QUANTITIES.get(name, name)
     if len(some) < 2:
         return float(quantity(some)), math.nan
-    found, error = ld.jackknife(quantity, some)
+    found, error = ld.jackknife(some, quantity)
     return float(found), float(error)
 
 

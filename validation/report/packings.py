@@ -10,7 +10,7 @@ import statistics
 import time
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -185,7 +185,7 @@ def packing_rows(
         "seconds": strain_disks(start, strain),
     }
     rows: list[Row] = [common | disk]
-    smooth = replace(start, radii=polygons.polygons.effective_radius)
+    smooth = start.replace(radii=polygons.polygons.effective_radius)
     comparisons = {}
     for name, law in matching_laws(model, polygons.polygons, rigid).items():
         comparison = comparisons[name] = AtCenters(polygons, predict(polygons, law, MPI.COMM_SELF))

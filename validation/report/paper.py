@@ -21,7 +21,6 @@ from lammps_deformable.comparison import BEAD, STYLES, deviation, shape_error
 from lammps_deformable.errors import ParameterError
 from lammps_deformable.laws import Ring
 from lammps_deformable.packing import Packing
-from lammps_deformable.parallel import parallel_map, power_law
 from lammps_deformable.polygon_simulation import PolygonSimulation
 from lammps_deformable.polygons import DeformablePolygon, Walls
 from lammps_deformable.state import PolygonState, steiner_point
@@ -31,6 +30,7 @@ from matplotlib.ticker import FuncFormatter, NullFormatter, NullLocator
 from mpi4py import MPI
 from numpy.typing import NDArray
 
+from validation.ensembles import over_cores, power_law
 from validation.report.section import Column, Picture, Row, Section, Table, listed, show, span
 
 if TYPE_CHECKING:
@@ -237,7 +237,7 @@ def shapes(
     """Rings in regular and asymmetric polygons: walls that stick, then walls that slip."""
     model = ring_in_walls(number, kL)
     runs = [(angle, indentations, model, stick) for stick in (True, False) for angle in POLYGONS]
-    return _steps(runs, workers, "shapes")
+    return _steps(runs, workers)
 
 
 def stiffness_sweep(
@@ -254,12 +254,12 @@ def stiffness_sweep(
         (regular(6), indentations, ring_in_walls(number, k), True, 1e-3, STEP if k < 3e5 else 0.005)
         for k in kL
     ]
-    return _steps(runs, workers, "stiffness")
+    return _steps(runs, workers)
 
 
-def _steps(runs: list[tuple[Any, ...]], workers: int | None, description: str) -> list[Squeezed]:
+def _steps(runs: list[tuple[Any, ...]], workers: int | None) -> list[Squeezed]:
     """The results of all steps of all runs of `squeeze`, in order; the last ones start first."""
-    results = parallel_map(squeeze, runs[::-1], workers, description)
+    results = over_cores(squeeze, runs[::-1], workers)
     return [step for steps in reversed(results) for step in steps]
 
 
@@ -382,7 +382,7 @@ def limit(
         )
         for number, k in grid
     ]
-    results = [steps[0] for steps in parallel_map(squeeze, runs, workers, "limit")]
+    results = [steps[0] for steps in over_cores(squeeze, runs, workers)]
     exact = polygon_stiffness(sides) * indentation**2
     error = {
         case: float(result.reference.area_deficit[0]) / exact - 1.0

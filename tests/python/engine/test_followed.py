@@ -110,8 +110,7 @@ def test_particles_of_atom_style_sphere_need_a_mass(tmp_path: Path) -> None:
             sim.state()
         tell(sim, "set group all mass 1")
         state = sim.relax()
-    assert state.packing.particle_radii is not None
-    assert state.packing.particle_radii.tolist() == [0.35, 0.4, 0.5, 0.4, 0.5]
+    assert state.packing.radii.tolist() == [0.35, 0.4, 0.5, 0.4, 0.5]
     assert_saved_as_it_is(state, tmp_path)
 
 

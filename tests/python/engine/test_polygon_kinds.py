@@ -78,7 +78,7 @@ def test_phi_has_the_radius_of_vertices(smooth: bool, radius: float, six: ld.Pac
     area = np.prod(state.packing.box.diagonal())
     assert state.phi == pytest.approx(circles.sum() / area, rel=1e-3)  # 1 - pi^2/(3 N_v^2)
     law = ld.Ring(skin=state.polygons.skin.tolist())
-    same = state.packing.replace(radii=state.polygons.effective_radius)
+    same = state.packing.replace(radii=state.polygons.effective_radius[six.species])
     with ld.Simulation(same, law) as sim:
         assert state.phi == pytest.approx(sim.state().phi, rel=1e-3)
 

@@ -100,11 +100,9 @@ def row(*radii: float) -> ld.Packing:
     """Particles side by side that bear a force across the box as long as they are in line."""
     radius = np.array(radii)
     x = np.cumsum(radius + np.roll(radius, -1) - 0.01)
-    sizes, species = np.unique(radius, return_inverse=True)
+    _, species = np.unique(radius, return_inverse=True)
     places = np.column_stack([np.roll(x, 1) % x[-1], np.full(len(x), 5.0)])
-    return ld.Packing(
-        places, np.asarray(sizes)[species], [[x[-1], 0.0], [0.0, 10.0]], species=species
-    )
+    return ld.Packing(places, radius, [[x[-1], 0.0], [0.0, 10.0]], species=species)
 
 
 def give_way(sim: ld.Simulation) -> None:
@@ -233,12 +231,7 @@ def test_a_particle_in_a_box_smaller_than_itself(
     """Its own images are neighbors like those in four such boxes."""
     one = ld.bidisperse(1, sizes=(0.5, 0.5), phi=phi, tilt=tilt, seed=1)
     cells = np.array([[0, 0], [1, 0], [0, 1], [1, 1]])
-    four = ld.Packing(
-        one.positions + cells @ one.box,
-        np.asarray(one.radii)[[1] * 4],
-        2.0 * one.box,
-        species=[1] * 4,
-    )
+    four = ld.Packing(one.positions + cells @ one.box, 0.5, 2.0 * one.box, species=[1] * 4)
     with simulate(one, law) as small, simulate(four, law) as large:
         found, expected = small.state(), large.state()
     assert (found.energy > 0.0) == (phi > 0.8)

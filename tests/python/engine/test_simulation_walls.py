@@ -1,7 +1,5 @@
 """Simulations between walls, compared with LAMMPS scripts, differences of energies and balances."""
 
-from dataclasses import replace
-
 import lammps_deformable as ld
 import numpy as np
 import pytest
@@ -51,7 +49,7 @@ def test_lammps_script_with_regions(packing, law) -> None:
     scale = packing.walls[0].radius / 6.0
     with ld.Simulation(packing, law) as sim:
         state, found = sim.state(), forces(sim)
-    bare = replace(packing, walls=(), box=np.diag([90, 90]), positions=packing.positions + 20)
+    bare = packing.replace(walls=(), box=np.diag([90, 90]), positions=packing.positions + 20)
     with ld.Simulation(bare, law) as raw:
         scaled = f"lattice sq {scale**-2!r} origin 0 0 0\n" + REGIONS
         raw.lmp.commands_string("variable shift equal 20")
@@ -88,7 +86,7 @@ def test_forces_are_differences_of_the_energy(packing, law) -> None:
             for sign in (1, -1):
                 moved = packing.positions.copy()
                 moved[i, k] += sign * step
-                with ld.Simulation(replace(packing, positions=moved), law) as sim:
+                with ld.Simulation(packing.replace(positions=moved), law) as sim:
                     energies.append(sim.state().energy)
             slope = (energies[0] - energies[1]) / (2 * step)
             assert -slope == pytest.approx(found[i, k], abs=1e-5 * scale)
@@ -105,9 +103,9 @@ def test_walls_bear_the_total_force(packing, law) -> None:
     table = state.contact_table
     if law.name != "sector":
         # a flat wall turns no contact: its force is the sum of those of its contacts
-        by_wall = np.isclose(table["position"][:, 1], state.packing.walls[3].start[1])
+        by_wall = np.isclose(table["position"][:, 1], state.packing.walls[3].a[1])
         rows = table[by_wall & (table["j"] < 0)]
-        ends = [p[0] for p in (state.packing.walls[3].start, state.packing.walls[3].end)]
+        ends = [p[0] for p in (state.packing.walls[3].a, state.packing.walls[3].b)]
         inner = rows[(rows["position"][:, 0] > ends[0]) & (rows["position"][:, 0] < ends[1])]
         if len(inner) == len(rows) > 0:
             along = np.sum(rows["force"] * np.sin(rows["angle"]))
@@ -172,10 +170,8 @@ def test_obstacles_alone_stay_in_the_periodic_box() -> None:
     # moving box and pillar along does not matter
     shift = np.array([0.3, 0.2]) @ packing.box
     pillar = packing.walls[0]
-    moved = replace(
-        packing,
-        positions=packing.positions + shift,
-        walls=Sphere(pillar.radius, tuple(shift), inside=False),
+    moved = packing.replace(
+        positions=packing.positions + shift, walls=Sphere(pillar.radius, tuple(shift), inside=False)
     )
     with ld.Simulation(moved, Ring()) as sim:
         assert sim.state().energy == pytest.approx(state.energy, rel=1e-9)
@@ -190,7 +186,7 @@ def test_walls_given_to_the_simulation() -> None:
         assert sim.box.tolist() == [[1.85, 0], [0, 1]]
         pressed = sim.state()
     with ld.Simulation(
-        replace(two, walls=Sphere(1, (4, 4), inside=False)).replace(walls=()), Ring()
+        two.replace(walls=Sphere(1, (4, 4), inside=False)).replace(walls=()), Ring()
     ) as sim:
         free = sim.state()
         assert free.packing.walls == ()
@@ -199,7 +195,7 @@ def test_walls_given_to_the_simulation() -> None:
 
 def test_further_walls_by_hand(packing) -> None:
     """Through `lmp`: they act, but are none of the simulation's."""
-    with ld.Simulation(replace(packing, walls=packing.walls[:3]), Ring()) as sim:
+    with ld.Simulation(packing.replace(walls=packing.walls[:3]), Ring()) as sim:
         line = packing.walls[3]
         words = " ".join(map(repr, line.values))
         sim.lmp.command(f"fix mine all deformable/wall segment {words}")

@@ -14,7 +14,7 @@ from programs import output
 
 FLOOR, LID = Plane((0, 0, 0), (0, 0, 1)), Plane((0, 0, 9), (0, 0, -1))
 HOPPER = (
-    Cone((0, 0, -1.5999999999999999), "z", np.arctan(0.75)),
+    Cone((0, 0, -1.6), "z", np.arctan(0.75)),
     Cylinder(4.2, "z", (0, 0, 0)),
     FLOOR,
     LID,
@@ -60,7 +60,7 @@ def test_volumes_and_free_motions(walls, volume, free) -> None:
         lx, ly, lz = packing.box.diagonal()
         volume = (lx * ly - 4 * np.pi) * lz
     assert packing.volume == pytest.approx(volume, rel=1e-12)
-    assert free_motions(walls, 3) == free
+    assert free_motions(packing.walls, 3) == free
 
 
 @pytest.mark.parametrize("axis", "xyz")
@@ -69,8 +69,8 @@ def test_a_post_in_a_periodic_box(axis: str) -> None:
     start, found = packed([Cylinder(1.0, axis, (1, 2, 3), inside=False)]), []
     post, side = start.walls[0], float(start.box[0, 0])
     for cells in product((0, 1), repeat=3):
-        image = replace(post, center=tuple(np.add(post.center, np.multiply(side, cells))))
-        packing = replace(start, walls=(image,))
+        image = replace(post, origin=tuple(np.add(post.origin, np.multiply(side, cells))))
+        packing = start.replace(walls=(image,))
         with exactly_balanced(), ld.Simulation(packing, Droplet()) as sim:
             found.append(sim.state())
     volume = side**3 - np.pi * post.radius**2 * side
@@ -111,43 +111,15 @@ def test_a_funnel_is_stretched_along_its_axis() -> None:
     with ld.Simulation(packing, Droplet()) as sim:
         before = sim.walls[0]
         sim.deform(packing.box * [1, 1, 0.99])
-        assert sim.walls[0].radius == before.radii
+        assert sim.walls[0].tip == pytest.approx(np.multiply(before.tip, [1, 1, 0.99]))
         assert sim.walls[0].slope == pytest.approx(before.slope / 0.99)
         with pytest.raises(ParameterError, match="cone 1 must stay round"):
             sim.deform(packing.box * [0.99, 1, 1])
 
 
-@pytest.mark.parametrize(
-    ("wall", "told"),
-    [
-        (lambda: Cone((0, 0, 0), 1, 0), "slope of a cone must not be 0: take a Cylinder"),
-        (lambda: Cone((0, 0, 0), 1, np.nan), "slope of a cone must be a finite number, not nan"),
-        (
-            lambda: Cone((0, 0, 1.0), "z", np.arctan(1)),
-            "radius of a cone must be a positive number, not -1",
-        ),
-        (
-            lambda: Cylinder(0, "z", (0, 0, 0), inside=False),
-            "radius of a post must be a positive number, not 0",
-        ),
-        (
-            lambda: Cylinder(1, "z", (0, 0), inside=False),
-            r"center of a post must be a point \(x, y, z\)",
-        ),
-        (
-            lambda: Cylinder(1, "w", (0, 0, 0), inside=False),
-            "axis of a post must be x, y or z, not 'w'",
-        ),
-    ],
-)
-def test_refused_shapes(wall, told: str) -> None:
-    with pytest.raises(ParameterError, match=told):
-        wall()
-
-
 def test_refused_scenes() -> None:
     two = ld.Packing([[2, 2, 2], [6, 6, 6]], 0.5, [9, 9, 9])
-    tilted = replace(two, box=[[9, 0, 0], [1, 9, 0], [0, 0, 9]])
+    tilted = two.replace(box=[[9, 0, 0], [1, 9, 0], [0, 0, 9]])
     for packing, walls, told in (
         (
             two,

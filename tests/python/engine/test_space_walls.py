@@ -1,6 +1,5 @@
 """Droplets and soft spheres between walls in space: known forces, balances, protocols, files."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import lammps_deformable as ld
@@ -119,7 +118,7 @@ def test_forces_are_differences_of_the_energy(drum) -> None:
     along = np.random.default_rng(1).normal(size=forces.shape)
     energies = []
     for step in (-1e-5, 1e-5):
-        moved = replace(drum, positions=drum.positions + step * along)
+        moved = drum.replace(positions=drum.positions + step * along)
         with exactly_balanced(), ld.Simulation(moved, LAW) as sim:
             energies.append(sim.state().energy)
     assert state.contacts.sum() > 100
@@ -287,7 +286,7 @@ def test_refusals(drum) -> None:
             "ball 2 does not fit into the periodic box",
         ),
         (LIDS[:1], "leave the room open"),
-        (ld.BoxWall((9, 9)), "plane 1 is a wall in 2 dimensions"),
+        (ld.BoxWall((9, 9)), "is a wall in 2 dimensions"),
     ):
         with pytest.raises(ParameterError, match=told):
             ld.Simulation(two.replace(walls=walls), Droplet())
@@ -317,7 +316,7 @@ def test_second_derivatives_of_soft_spheres() -> None:
     gradients = []
     for step in (-1e-7, 1e-7):
         x = packing.positions + step * along.reshape(-1, 3)
-        with ld.Spheres(replace(packing, positions=x)) as soft:
+        with ld.Spheres(packing.replace(positions=x)) as soft:
             gradients.append(-np.array(soft.lmp.gather("f", 1, 3)) if soft.state() else 0.0)
     slope = (gradients[1] - gradients[0]) / 2e-7
     assert hessian.matrix @ along == pytest.approx(slope, abs=1e-5)

@@ -1,7 +1,6 @@
 """A saved state is one that LAMMPS takes up by itself."""
 
 import sys
-from dataclasses import replace
 from pathlib import Path
 
 import lammps_deformable as ld
@@ -53,8 +52,7 @@ def test_lammps_has_the_energy_of_sizes_and_small_units(law: str, tmp_path: Path
     """Radii of a thousandth: settings that suit radii near 1 would find too many neighbors."""
     start = ld.polydisperse(24, np.linspace(0.4, 0.6, 24), tilt=0.3, seed=4)
     jammed = ld.jam(start).at(0.87)
-    small = replace(
-        jammed,
+    small = jammed.replace(
         positions=1e-3 * jammed.positions,
         box=1e-3 * jammed.box,
         radii=1e-3 * jammed.radii,
@@ -71,8 +69,8 @@ def test_packings_come_back_from_lammps(radii: str, jammed: ld.Packing, tmp_path
     """From `write_data`, where atoms are in another order and other sections follow."""
     packing = jammed.at(0.87)
     if radii == "of particles":
-        packing = replace(
-            packing, particle_radii=packing.radii * np.linspace(0.98, 1.0, len(packing))
+        packing = packing.replace(
+            particle_radii=packing.radii * np.linspace(0.98, 1.0, len(packing))
         )
     saved(packing, "balanced", tmp_path)
     (tmp_path / "in.moved").write_text(
@@ -122,7 +120,7 @@ def test_droplets_in_lammps(radii: str, tmp_path: Path) -> None:
         ld.bidisperse(24, sizes=(1.0, 1.2), dimension=3, tilt=0.2, seed=1), tolerance=1e-2
     ).at(0.68)
     if radii == "of particles":
-        packing = replace(packing, particle_radii=packing.radii * np.linspace(0.97, 1.0, 24))
+        packing = packing.replace(particle_radii=packing.radii * np.linspace(0.97, 1.0, 24))
     with ld.Simulation(packing, ld.Droplet([1.0, 1.5])) as sim:
         state = sim.relax()
     state.save(tmp_path)

@@ -88,7 +88,7 @@ def test_walls(wall: Any) -> None:
     values = {name: value for name, value in vars(wall).items() if name != "adhesion"}
     assert "adhesion" not in wall_commands([type(wall)(**values)])
     for bad in (-0.3, math.inf, "much"):
-        with pytest.raises(ld.ParameterError, match=f"adhesion .*of a {wall.kind}"):
+        with pytest.raises(ld.ParameterError, match=f"adhesion .*of a {type(wall).__name__}"):
             type(wall)(**values, adhesion=bad)
 
 
@@ -109,9 +109,9 @@ def test_rectangle() -> None:
 def test_particles_that_stick_to_no_wall(law: Any, message: str) -> None:
     packing = ld.Packing(
         np.array([[1.0, 1.0], [3.0, 1.0]]),
-        np.asarray(np.array([0.5, 0.7]))[np.array([0, 1])],
+        [0.5, 0.7],
         np.diag([4.0, 2.0]),
-        species=np.array([0, 1]),
+        species=[0, 1],
         walls=ld.BoxWall((4, 2), adhesion=0.3),
     )
     with pytest.raises(ld.ParameterError, match=message):

@@ -48,7 +48,7 @@ def test_hard_springs_have_short_steps() -> None:
 
 
 def test_time_steps() -> None:
-    """kt dt^2 + 2 gt dt = m/7 and 2 damp dt = m/2, of the hardest pair."""
+    """kt dt^2 + 2 gt dt = m/7 and 2 damping dt = m/2, of the hardest pair."""
     assert ld.Friction(0.5, kt=1.0).longest_step == pytest.approx(math.sqrt(1 / 7))
     assert ld.Friction(0.5, kt=0.0, damping=2.0).longest_step == pytest.approx(1 / 8)
     hard = ld.Friction(0.5, kt=[[1.0, 2.0], [2.0, 4.0]])
@@ -70,7 +70,7 @@ def test_time_steps() -> None:
         ({"kt": math.inf}, "kt must be 0 or positive and finite, not inf"),
         ({"kt": -1.0}, "kt must be 0 or positive and finite, not -1"),
         ({"gt": -1.0}, "gt must be 0 or positive and finite, not -1"),
-        ({"damp": -1.0}, "damp must be 0 or positive and finite, not -1"),
+        ({"damping": -1.0}, "damping must be 0 or positive and finite, not -1"),
         ({"walls": 0.5}, "walls must be of the kind Friction"),
         ({"walls": ld.Friction(MATRIX, kt=1.0)}, "walls has one number"),
     ],
@@ -87,15 +87,15 @@ PACKING = ld.Packing([[1.0, 1.0], [3.0, 1.0]], [0.5, 0.7], [4.0, 2.0], species=[
 @pytest.mark.parametrize(
     ("law", "friction", "walls", "message"),
     [
-        (ld.Sector(), ld.Friction(0.5, kt=1.0), None, "Sector stick: take Ring"),
-        (ld.Ring(), ld.Friction(np.ones((3, 3)), kt=1.0), None, "2 species.*not 3"),
+        (ld.Sector(), ld.Friction(0.5, kt=1.0), (), "Sector stick: take Ring"),
+        (ld.Ring(), ld.Friction(np.ones((3, 3)), kt=1.0), (), "2 species.*not 3"),
         (
             ld.Ring(),
             ld.Friction(MATRIX, kt=1.0),
             ld.BoxWall((4, 2)),
             r"give it walls=Friction\(",
         ),
-        (ld.Ring(), 0.5, None, "friction must be of the kind Friction"),
+        (ld.Ring(), 0.5, (), "friction must be of the kind Friction"),
     ],
 )
 def test_simulations_without(law: Any, friction: Any, walls: Any, message: str) -> None:

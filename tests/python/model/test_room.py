@@ -1,7 +1,5 @@
 """The room between walls: its box, its area, and places in it."""
 
-from dataclasses import replace
-
 import lammps_deformable as ld
 import numpy as np
 import pytest
@@ -75,7 +73,7 @@ def test_places_between_walls(loose) -> None:
     first, second, again = (ld.bidisperse(20, seed=seed) for seed in (1, 2, 1))
     room = first.between(walls).positions
     assert not np.array_equal(room, second.between(walls).positions)
-    by_column = replace(again, positions=np.asfortranarray(again.positions))
+    by_column = again.replace(positions=np.asfortranarray(again.positions))
     assert np.array_equal(room, by_column.between(walls).positions)
     assert packing.radii.tolist() == loose.radii.tolist()
     # another phi: everything by one factor
@@ -90,7 +88,7 @@ WRONG = {
     "floor": (Plane((0, 0), (0, 1)), "planes leave the room open"),
     "corner": ((Plane((0, 0), (0, 1)), Plane((0, 0), (1, 0))), "planes leave the room open"),
     "outward": (
-        [Plane(p.point, -np.array(p.normal)) for p in BoxWall((5, 5)).parts],
+        [Plane(p.origin, -np.array(p.normal)) for p in BoxWall((5, 5)).parts],
         "leave no room",
     ),
     "apart": ((Sphere(1, (0, 0)), Sphere(1, (5, 0))), "leave no room"),
@@ -126,7 +124,7 @@ def test_obstacles_fit_into_the_periodic_box() -> None:
     room.check_fit([Sphere(3, (0, 0), inside=False)], BOX, 2.0)
     with pytest.raises(ParameterError, match=r"segment 2 does not fit .* along y"):
         room.check_fit([Sphere(3, (0, 0), inside=False), Segment((0, 0), (0, 8))], BOX, 2.0)
-    room.check_fit([BoxWall((3, 3)), Segment((0, 0), (0, 8))], BOX, 2.0)
+    room.check_fit([*BoxWall((3, 3)).parts, Segment((0, 0), (0, 8))], BOX, 2.0)
 
 
 def test_centers_on_the_wrong_side() -> None:
@@ -138,7 +136,7 @@ def test_centers_on_the_wrong_side() -> None:
         ),
         ([TRIANGLE], "particle 1, .* within polygon 1"),
         ([Segment((4, 5), (6, 5))], "particle 1, .* within segment 1"),
-        (BoxWall((4, 9)), "particle 1, .* outside of plane 2"),
+        (BoxWall((4, 9)).parts, "particle 1, .* outside of plane 2"),
         ([Sphere(2, (1, 1))], "particle 1, .* outside of circle 1"),
     ):
         with pytest.raises(ParameterError, match=message):
@@ -153,6 +151,14 @@ def test_free_motions() -> None:
     ring, hub = (Sphere(3, (0, 0)), Sphere(4, (0, 0))), Sphere(1, (0, 0), inside=False)
     counts = [
         free_motions(walls)
-        for walls in ((), CHANNEL, ring, (hub, *ring), BoxWall((2, 2)), (*ring, TRIANGLE), (hub,))
+        for walls in (
+            (),
+            CHANNEL,
+            ring,
+            (hub, *ring),
+            BoxWall((2, 2)).parts,
+            (*ring, TRIANGLE),
+            (hub,),
+        )
     ]
     assert counts == [2, 1, 1, 1, 0, 0, 0]

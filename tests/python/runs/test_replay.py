@@ -34,8 +34,7 @@ def test_growth_and_death(start: Packing, tmp_path: Path) -> None:
             packing = states[-1].packing
             radius = 1.02 * packing.radii[:-3]
             sim.restart(
-                replace(
-                    packing,
+                packing.replace(
                     positions=packing.positions[:-3],
                     species=packing.species[:-3],
                     radii=[radius.max()],
@@ -57,7 +56,7 @@ def test_growth_and_death(start: Packing, tmp_path: Path) -> None:
 def test_other_species(tmp_path: Path) -> None:
     """As after `fix atom/swap`: a small particle takes the place of a large one."""
     packing = ld.bidisperse(16, phi=0.8, seed=2).push_off()
-    swapped = replace(packing, species=packing.species[::-1])
+    swapped = packing.replace(species=packing.species[::-1])
     states = []
     for each in (packing, swapped):
         with ld.Simulation(each, Ring(kA=[1.0, 2.0])) as sim:
@@ -71,7 +70,7 @@ def test_other_species(tmp_path: Path) -> None:
 def test_a_frame_has_its_own_radii_law_and_walls(tmp_path: Path) -> None:
     """Those of the last state would give other packing fractions, energies and forces."""
     packing = ld.bidisperse(16, seed=2).at(0.7).push_off()
-    grown = replace(packing, radii=1.1 * packing.radii)
+    grown = packing.replace(radii=1.1 * packing.radii)
     obstacle = ld.Sphere(0.2, packing.positions[0] + [0.0, 1.2], inside=False)
     moved = replace(obstacle, center=packing.positions[1] + [0.0, 1.2])
     states = []
@@ -82,7 +81,7 @@ def test_a_frame_has_its_own_radii_law_and_walls(tmp_path: Path) -> None:
         (packing, Ring(), (obstacle,)),
         (packing, Ring(), (moved,)),
     ):
-        with ld.Simulation(replace(each, walls=walls).push_off(), law) as sim:
+        with ld.Simulation(each.replace(walls=walls).push_off(), law) as sim:
             states.append(sim.state())
     list(ld.record(states, tmp_path))
     list(ld.Run(tmp_path).append(states[:2]))

@@ -3,7 +3,6 @@
 import json
 import sys
 from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
 
 import lammps_deformable as ld
@@ -150,7 +149,7 @@ def test_pictures(run, tmp_path: Path) -> None:
     start = ld.bidisperse(20, seed=1).between(Sphere(0.8, (0, 0), inside=False)).push_off()
     with ld.Simulation(start, LAW) as sim:
         assert artists(sim.state()) == (9, 5)
-    with ld.Simulation(replace(start, walls=()), LAW) as sim:
+    with ld.Simulation(start.replace(walls=()), LAW) as sim:
         assert artists(sim.state()) == (0, 5)
     ld.Run(folder).movie(tmp_path / "movie.gif")
     assert (tmp_path / "movie.gif").stat().st_size > 10_000

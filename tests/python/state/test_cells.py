@@ -1,6 +1,5 @@
 """Voronoi cells and hexatic order against scipy, points on a grid, and lattices."""
 
-from dataclasses import replace
 from itertools import product
 from pathlib import Path
 
@@ -39,7 +38,7 @@ def tiled(packing: ld.Packing) -> np.ndarray:
 def test_cells_fill_the_room(walls: tuple) -> None:
     packing = ld.bidisperse(30, tilt=0.0 if walls else 1.7, seed=2)
     packing = (packing.between(walls).at(0.8) if walls else packing.at(0.8)).push_off()
-    away = replace(packing, positions=packing.positions + (0.0 if walls else 2.3))
+    away = packing.replace(positions=packing.positions + (0.0 if walls else 2.3))
     for each in (packing, away):
         state = state_of(each)
         area = state.filled_area / state.local_phi
@@ -57,7 +56,7 @@ def test_cells_by_points_at_random_places(walls: tuple) -> None:
     rng = np.random.default_rng(1)
     if walls:
         many = ld.polydisperse(20000, np.full(20000, 1e-3), seed=1)
-        points = replace(many, box=packing.box).between(packing.walls, seed=1).positions
+        points = many.replace(box=packing.box).between(packing.walls, seed=1).positions
     else:
         points = rng.random((20000, 2)) @ packing.box
     apart = (points[:, None] - packing.positions) @ np.linalg.inv(packing.box)
@@ -157,7 +156,7 @@ def test_turned_order_has_a_phase() -> None:
 
 def test_sides_at_walls_do_not_count() -> None:
     pair = ld.Packing([[1.0, 1.0], [2.0, 1.0]], 0.5, np.eye(2))
-    state = state_of(replace(pair, walls=ld.BoxWall((3.0, 2.0))))
+    state = state_of(pair.replace(walls=ld.BoxWall((3.0, 2.0))))
     assert state.hexatic(1) == pytest.approx(np.array([1.0, -1.0]), abs=1e-12)
     assert state.local_phi == pytest.approx(np.full(2, np.pi * 0.25 / 3.0))
     alone = ld.Packing([[1.0, 1.0]], 0.5, np.eye(2), walls=ld.BoxWall((3, 2)))

@@ -1,7 +1,5 @@
 """Degrees of the contact network, and its coordination beyond isostaticity, by loops."""
 
-from dataclasses import replace
-
 import lammps_deformable as ld
 import numpy as np
 import pytest
@@ -26,7 +24,7 @@ def states() -> list[ld.State | ld.DiskState]:
             found += [sim.relax(), disks.relax()]
     dense = ld.jam(ld.bidisperse(24, seed=1)).at(0.95)
     shaken = np.random.default_rng(1).normal(scale=0.03, size=dense.positions.shape)
-    moved = replace(dense, positions=dense.positions + shaken)
+    moved = dense.replace(positions=dense.positions + shaken)
     with ld.Simulation(moved, DROPLETS) as sim, ld.Disks(moved) as disks:
         return [*found, sim.state(), disks.state()]
 

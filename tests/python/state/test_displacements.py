@@ -2,7 +2,6 @@
 
 import warnings
 from collections.abc import Callable
-from dataclasses import replace
 
 import lammps_deformable as ld
 import numpy as np
@@ -21,7 +20,7 @@ def moved(packing: ld.Packing, box: list[list[float]], step: Points, images: Poi
     box = np.array(box)
     fractions = packing.positions @ np.linalg.inv(packing.box)
     places = fractions @ box + step + images @ box
-    return replace(packing, positions=places, box=box)
+    return packing.replace(positions=places, box=box)
 
 
 @pytest.mark.filterwarnings("ignore::lammps_deformable.JumpWarning")
@@ -36,7 +35,7 @@ def test_steps_come_back(tilt: float, flips: int) -> None:
     box = [[1.1 * lx, 0.0], [xy * 0.9 + 0.1 * lx, 0.9 * ly]]
     images = rng.integers(-3, 4, (30, 2))
     now = moved(packing, box, step, images)
-    now = replace(now, box=now.box + np.array([[0.0, 0.0], [flips * 1.1 * lx, 0.0]]))
+    now = now.replace(box=now.box + np.array([[0.0, 0.0], [flips * 1.1 * lx, 0.0]]))
     start, end = state_of(packing), state_of(now)
     assert end.nonaffine(start) == pytest.approx(step, abs=1e-11)
     strained = packing.positions @ np.linalg.inv(packing.box) @ np.array(box)
@@ -68,12 +67,12 @@ def test_between_walls_nothing_is_across() -> None:
     walls = ld.BoxWall((8.0, 6.0), (-2.0, 1.0)).parts
     packing = ld.bidisperse(12, seed=1).between(walls)
     middle = np.array([2.0, 4.0])
-    away = replace(packing, positions=2.0 * middle - packing.positions)
+    away = packing.replace(positions=2.0 * middle - packing.positions)
     expected = away.positions - packing.positions
     assert np.abs(expected).max() > 4.0
     assert state_of(away).nonaffine(packing) == pytest.approx(expected, abs=1e-13)
     channel = packing.between(walls[2:])
-    across = replace(channel, positions=channel.positions + np.array([8.5, 0.0]))
+    across = channel.replace(positions=channel.positions + np.array([8.5, 0.0]))
     assert state_of(across).nonaffine(channel) == pytest.approx(
         np.tile([0.5, 0.0], (12, 1)), abs=1e-12
     )
@@ -89,7 +88,7 @@ def test_jumps_of_half_a_box_are_told(walled: bool) -> None:
         packing = packing.between(ld.rectangle(*packing.box.diagonal())[2:])
     drift = np.array([packing.box[0, 0], 0.0])
     slow, fast = (
-        [state_of(replace(packing, positions=packing.positions + part * drift * n)) for n in (0, 1)]
+        [state_of(packing.replace(positions=packing.positions + part * drift * n)) for n in (0, 1)]
         for part in (0.2, 0.45)
     )
     with warnings.catch_warnings():

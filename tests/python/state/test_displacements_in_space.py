@@ -1,7 +1,5 @@
 """Particles in space are followed where tilts flip: by protocols, by LAMMPS, in any images."""
 
-from dataclasses import replace
-
 import lammps_deformable as ld
 import numpy as np
 import pytest
@@ -35,11 +33,11 @@ def test_steps_come_back(tilts: tuple[float, ...], flips: tuple[int, ...]) -> No
     box[1] += flips[0] * box[0]
     box[2] += flips[1] * box[0] + flips[2] * box[1]
     places = affine + step + rng.integers(-3, 4, (30, 3)) @ strained
-    start, end = state_of(packing), state_of(replace(packing, positions=places, box=box))
+    start, end = state_of(packing), state_of(packing.replace(positions=places, box=box))
     assert end.nonaffine(start) == pytest.approx(step, abs=1e-11)
     assert end.displacements(start) == pytest.approx(affine + step - packing.positions, abs=1e-11)
     assert ld.Run([start, end]).unwrapped()[1] == pytest.approx(affine + step, abs=1e-11)
-    local = state_of(replace(packing, positions=affine, box=box)).local_strain(start, 2.5)
+    local = state_of(packing.replace(positions=affine, box=box)).local_strain(start, 2.5)
     assert local.gradient == pytest.approx(np.broadcast_to(gradient, (30, 3, 3)), abs=1e-9)
     assert local.d2min == pytest.approx(np.zeros(30), abs=1e-12)
 

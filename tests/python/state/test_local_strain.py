@@ -1,7 +1,5 @@
 """D^2_min and local strain against a loop, and in a homogeneous strain."""
 
-from dataclasses import replace
-
 import lammps_deformable as ld
 import numpy as np
 import pytest
@@ -61,7 +59,7 @@ def test_a_rotation_is_no_strain_and_leaves_nothing() -> None:
     packing = ld.bidisperse(40, seed=1).between(walls)
     angle = 0.3
     turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
-    with ld.Disks(replace(packing, positions=packing.positions @ turn.T)) as disks:
+    with ld.Disks(packing.replace(positions=packing.positions @ turn.T)) as disks:
         found = disks.state().local_strain(packing, r_max=6.0)
     assert found.gradient == pytest.approx(np.broadcast_to(turn - np.eye(2), (40, 2, 2)), abs=1e-11)
     assert found.d2min.max() < 1e-22

@@ -1,7 +1,6 @@
 """Exports in three dimensions, read back by their programs, with the numbers of the state."""
 
 import json
-from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -17,7 +16,7 @@ def state() -> DropletState:
     """Of two species, in a box that leans all ways."""
     start = ld.bidisperse(24, sizes=(0.5, 0.6), dimension=3, aspect=1.4, tilt=0.3, seed=2)
     box = start.box + np.array([[0.0] * 3, [0.0] * 3, [0.7, -0.4, 0.0]])
-    leaning = replace(start, box=box, positions=start.positions @ np.linalg.inv(start.box) @ box)
+    leaning = start.replace(box=box, positions=start.positions @ np.linalg.inv(start.box) @ box)
     packing = leaning.at(0.7).push_off()
     with ld.Simulation(packing, ld.Droplet([1.0, 1.5])) as sim:
         return sim.relax(1e-3)

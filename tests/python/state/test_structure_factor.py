@@ -1,7 +1,5 @@
 """S(k) against a sum over pairs of particles, the peaks of a lattice, and density waves."""
 
-from dataclasses import replace
-
 import lammps_deformable as ld
 import numpy as np
 import pytest
@@ -77,7 +75,7 @@ def test_density_waves_are_those_of_the_structure_factor(tilt: float) -> None:
 def test_density_waves_of_a_lattice() -> None:
     """1 at its reciprocal lattice, with the phase of where it lies, and 0 elsewhere."""
     lattice = crystal(0.01, 8, 8)
-    moved = replace(lattice, positions=lattice.positions + np.array([0.1, 0.2]))
+    moved = lattice.replace(positions=lattice.positions + np.array([0.1, 0.2]))
     side = 4.0 * np.pi / (np.sqrt(3.0) * 0.99)
     peaks = side * np.array([[0.0, 1.0], [np.sqrt(0.75), 0.5]])
     rho = state_of(moved).density_waves(peaks)
