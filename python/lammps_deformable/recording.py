@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import closing
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -240,7 +241,8 @@ def _steps(
     number, state = first + done - 1, None
     title = told["protocol"]
     with closing(source), progress(title, "state", start["states"], initial=done) as bar:
-        for number, state in enumerate(source, start=first + done):
+        remaining = islice(source, start["states"] - done)
+        for number, state in enumerate(remaining, start=first + done):
             if folder is not None and state.root:
                 _write(folder, number, state, told)
             if not keep:
