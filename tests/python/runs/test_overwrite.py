@@ -56,10 +56,9 @@ def test_a_run_is_replaced_as_a_whole(name: str, before: str, state: S, tmp_path
     run = ld.Run(tmp_path / "run")
     assert len(run) == {"save": 0}.get(name, 2)
     if len(run):
-        assert (
-            run[-1].packing.positions.tolist()
-            == run.simulation().state().packing.positions.tolist()
-        )
+        # LAMMPS rounds centers as it wraps them
+        found = run.simulation().state().packing.positions
+        assert run[-1].packing.positions == pytest.approx(found, abs=1e-14)
 
 
 @pytest.mark.parametrize(

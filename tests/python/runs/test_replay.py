@@ -38,8 +38,7 @@ def test_growth_and_death(start: Packing, tmp_path: Path) -> None:
                 packing.replace(
                     positions=packing.positions[:-3],
                     species=packing.species[:-3],
-                    radii=[radius.max()],
-                    particle_radii=radius,
+                    radii=radius,
                 )
             )
             states.append(sim.state())
@@ -73,7 +72,7 @@ def test_a_frame_has_its_own_radii_law_and_walls(tmp_path: Path) -> None:
     packing = ld.bidisperse(16, seed=2).at(0.7).push_off()
     grown = packing.replace(radii=1.1 * packing.radii)
     obstacle = ld.Sphere(0.2, packing.positions[0] + [0.0, 1.2], inside=False)
-    moved = replace(obstacle, center=packing.positions[1] + [0.0, 1.2])
+    moved = replace(obstacle, origin=packing.positions[1] + [0.0, 1.2])
     states = []
     for each, law, walls in (
         (packing, Ring(), ()),

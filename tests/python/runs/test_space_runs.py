@@ -73,7 +73,11 @@ def test_runs_go_on(start: Packing, tmp_path: Path) -> None:
         with ld.Simulation(start, LAW) as sim:
             sim.compress(record=tmp_path / name, strain=0.01, tolerance=1e-4)
         with ld.Run(tmp_path / name).simulation() as sim:
-            how = {"record": tmp_path / name, "mode": "a", "callback": stop and stop_after(stop)}
+            how = {
+                "record": tmp_path / name,
+                "mode": "a",
+                "callback": stop_after(stop) if stop else None,
+            }
             with pytest.raises(Stop) if stop else nullcontext():
                 sim.shear(0.02, steps=2, tolerance=1e-4, **how)
     ld.Run(tmp_path / "broken").resume()
