@@ -253,7 +253,7 @@ def state_in_file(
         reach: dict[str, Any] = {"reach": told.reach}
         chosen = replace(chosen, **reach)
     if radii is None:
-        packing = packing.replace(radii=sizes[packing.species])
+        packing = Packing._of_species(packing.positions, packing.species, sizes, packing.box)
     with Simulation(packing, chosen, MPI.COMM_SELF) as sim:
         return sim.state()
 

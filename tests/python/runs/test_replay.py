@@ -56,7 +56,7 @@ def test_growth_and_death(start: Packing, tmp_path: Path) -> None:
 def test_other_species(tmp_path: Path) -> None:
     """As after `fix atom/swap`: a small particle takes the place of a large one."""
     packing = ld.bidisperse(16, phi=0.8, seed=2).push_off()
-    swapped = packing.replace(species=packing.species[::-1])
+    swapped = packing.replace(species=packing.species[::-1], radii=packing.radii[::-1])
     states = []
     for each in (packing, swapped):
         with ld.Simulation(each, Ring(kA=[1.0, 2.0])) as sim:
