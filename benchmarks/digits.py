@@ -56,10 +56,13 @@ def cases(short: bool) -> Iterator[tuple[str, Callable[[], object]]]:
     yield "bidisperse, tilted box", lambda: df.bidisperse(256, tilt=0.3, seed=3)
     yield "polydisperse", lambda: df.polydisperse(64, stats.lognorm(0.1), tilt=0.3)
     for number in (64,) if short else (64, 128, 512, 1000, 4096):
-        yield f"jam, {number} disks", lambda n=number: df.jam(df.bidisperse(n))
-    yield "jam, 60 disks between walls", lambda: df.jam(df.bidisperse(60).between(walls).at(0.5))
+        yield f"jam, {number} disks", lambda n=number: df.jam(df.bidisperse(n)).packing
+    yield (
+        "jam, 60 disks between walls",
+        lambda: df.jam(df.bidisperse(60).between(walls).at(0.5)).packing,
+    )
     for name, law in {"balanced": df.Ring(), "droplets": droplets, "sector": df.Sector()}.items():
-        yield f"jam, 32 particles, {name}", lambda law=law: df.jam(df.bidisperse(32), law)
+        yield f"jam, 32 particles, {name}", lambda law=law: df.jam(df.bidisperse(32), law).packing
     for name, law in {
         "radical": df.Ring(contact="radical"),
         "curved": df.Ring(contact="curved"),
@@ -71,15 +74,15 @@ def cases(short: bool) -> Iterator[tuple[str, Callable[[], object]]]:
 
 def strained(law: df.Ring, protocol: Callable[..., Iterator[df.State]]) -> list[object]:
     """Packings, energies, stresses and areas on the way."""
-    with df.Simulation(df.jam(df.bidisperse(64)).at(0.86), law) as sim:
+    with df.Simulation(df.jam(df.bidisperse(64)).packing.at(0.86), law) as sim:
         states = list(protocol(sim, STRAIN, STEPS))
     return [[s.packing, s.energy, s.stress, s.area, s.contact_table["force"]] for s in states]
 
 
 def rings() -> list[object]:
     """The reference model."""
-    with df.PolygonSimulation(
-        df.jam(df.bidisperse(6)), df.PolygonModel(vertices=30, smooth=True)
+    with df.Simulation(
+        df.jam(df.bidisperse(6)).packing, df.PolygonModel(vertices=30, smooth=True)
     ) as sim:
         states = list(df.compress(sim, STRAIN, STEPS))
     return [[s.energy, s.stress, s.area_deficit, *s.outlines] for s in states]

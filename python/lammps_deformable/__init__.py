@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from .laws import Droplet as Droplet
     from .laws import Ring as Ring
     from .laws import Sector as Sector
+    from .laws import SoftContact as SoftContact
     from .measured_moduli import Modulus as Modulus
     from .measured_moduli import bulk_modulus as bulk_modulus
     from .measured_moduli import shear_modulus as shear_modulus
@@ -49,8 +50,6 @@ if TYPE_CHECKING:
     from .packing import Packing as Packing
     from .parallel import jackknife as jackknife
     from .parallel import parallel_map as parallel_map
-    from .polishing import polish as polish
-    from .polygon_simulation import PolygonSimulation as PolygonSimulation
     from .polygons import PolygonModel as PolygonModel
     from .polygons import Walls as Walls
     from .random import bidisperse as bidisperse
@@ -62,22 +61,14 @@ if TYPE_CHECKING:
     from .run import export as export
     from .run import log as log
     from .run import state_in_file as state_in_file
-    from .secondary import resolve_secondary as resolve_secondary
     from .settling import settle as settle
     from .shearing import DynamicModulus as DynamicModulus
     from .shearing import creep as creep
     from .shearing import dynamic_modulus as dynamic_modulus
     from .shearing import oscillate as oscillate
     from .shearing import shear as shear
-    from .simulation import DropletSimulation as DropletSimulation
     from .simulation import Simulation as Simulation
-    from .soft_disks import Disks as Disks
-    from .soft_disks import Spheres as Spheres
     from .starts import push_off as push_off
-    from .state import DiskState as DiskState
-    from .state import DropletState as DropletState
-    from .state import PolygonState as PolygonState
-    from .state import SphereState as SphereState
     from .state import State as State
     from .tracking import unwrapped as unwrapped
     from .walls import Ball as Ball
@@ -97,8 +88,6 @@ if TYPE_CHECKING:
     potentials: Path
 
 _HOMES = {
-    "PolygonSimulation": "polygon_simulation",
-    "PolygonState": "state",
     "PolygonModel": "polygons",
     "Ball": "walls",
     "BeyondModelWarning": "errors",
@@ -108,11 +97,7 @@ _HOMES = {
     "Cone": "walls",
     "Cylinder": "walls",
     "Disk": "walls",
-    "DiskState": "state",
-    "Disks": "soft_disks",
     "Droplet": "laws",
-    "DropletSimulation": "simulation",
-    "DropletState": "state",
     "DynamicModulus": "shearing",
     "FileError": "errors",
     "Friction": "friction",
@@ -129,9 +114,8 @@ _HOMES = {
     "Sector": "laws",
     "Segment": "walls",
     "Simulation": "simulation",
+    "SoftContact": "laws",
     "Sphere": "walls",
-    "SphereState": "state",
-    "Spheres": "soft_disks",
     "StalledWarning": "errors",
     "State": "state",
     "UnjammedWarning": "errors",
@@ -154,12 +138,10 @@ _HOMES = {
     "movie": "movies",
     "oscillate": "shearing",
     "parallel_map": "parallel",
-    "polish": "polishing",
     "polydisperse": "random",
     "push_off": "starts",
     "record": "recording",
     "rectangle": "walls",
-    "resolve_secondary": "secondary",
     "settle": "settling",
     "shear": "shearing",
     "shear_in": "recording",

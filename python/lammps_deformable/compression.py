@@ -4,48 +4,34 @@ from __future__ import annotations
 
 import warnings
 from functools import cache
-from typing import TYPE_CHECKING, Any, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ._checks import count, expect, finite, positive
 from .errors import ParameterError, UnjammedWarning
-from .free_box import Relaxed, UnreachedError, reach, told_at_the_end
-from .polygon_simulation import PolygonSimulation
+from .free_box import UnreachedError, reach, told_at_the_end
+from .laws import SoftContact
+from .polygons import PolygonModel
 from .progress import Steps, progress
 from .ranks import world
-from .simulation import DropletSimulation, Simulation
-from .soft_disks import Disks, SoftParticles, Spheres
+from .simulation import Simulation
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-S = TypeVar("S", bound=Relaxed)
-S_co = TypeVar("S_co", bound=Relaxed, covariant=True)
-
-
-class Compressible(Protocol[S_co]):
-    """A simulation in a periodic box: `Simulation`, `Disks`, `Spheres` or `PolygonSimulation`."""
-
-    @property
-    def box(self) -> NDArray[np.float64]: ...
-    def deform(self, box: NDArray[np.float64]) -> None: ...
-    def state(self) -> S_co: ...
-
-    # its arguments are checked by each simulation
-    @property
-    def relax(self) -> Callable[..., S_co]: ...
+    from .state import State
 
 
 def compress(
-    sim: Compressible[S],
+    sim: Simulation,
     strain: float | None = None,
     steps: int = 10,
     tolerance: float | None = None,
     phi: float | None = None,
     pressure: float | None = None,
-) -> Iterator[S]:
+) -> Iterator[State]:
     """Compress isotropically in equal steps, relaxing after each one.
 
     Give one of strain, phi and pressure. After step n of a strain the box lengths are those at the
@@ -55,7 +41,7 @@ def compress(
     target already, the packing stays as it is in all steps. Walls are scaled with the box.
 
     Args:
-        sim: a `Simulation`, `Disks`, `Spheres` or a `PolygonSimulation`; it ends in the last state.
+        sim: it ends in the last state.
         strain: total linear strain, not 0, below 1; negative expands.
         steps: number of steps.
         tolerance: of each relaxation; by default that of `sim.relax`.
@@ -73,7 +59,7 @@ def compress(
     Warns:
         UnjammedWarning: an expansion has taken the packing apart; once, after the first such step.
     """
-    expect("sim", sim, Simulation, DropletSimulation, Disks, Spheres, PolygonSimulation)
+    expect("sim", sim, Simulation)
     name, target = check_target(sim, steps, strain=strain, phi=phi, pressure=pressure)
     if name == "strain":
         states = remaining_steps(sim, sim.box, target, int(steps), 0, tolerance)
@@ -82,7 +68,7 @@ def compress(
     return Steps("compress", _towards(sim, name, start, target, int(steps), tolerance), start)
 
 
-def check_target(sim: object, steps: int, **targets: float | None) -> tuple[str, float]:
+def check_target(sim: Simulation | None, steps: int, **targets: float | None) -> tuple[str, float]:
     """The one target that is given, and its name.
 
     Args:
@@ -103,9 +89,10 @@ def check_target(sim: object, steps: int, **targets: float | None) -> tuple[str,
     if name == "strain":
         check_strain_and_steps(target, steps)
         return name, float(target)
-    if name == "pressure" and isinstance(sim, PolygonSimulation):
+    law = sim.law if sim else None
+    if name == "pressure" and isinstance(law, PolygonModel):
         raise ParameterError("polygons have no target pressure: give strain or phi")
-    if positive(name, target) >= 1.0 and name == "phi" and not isinstance(sim, SoftParticles):
+    if positive(name, target) >= 1.0 and name == "phi" and not isinstance(law, SoftContact):
         raise ParameterError(
             f"phi must be below 1, where particles that deform fill the whole box, not {target}"
         )
@@ -122,16 +109,16 @@ def check_strain_and_steps(strain: float, steps: int) -> None:
 
 
 def remaining_steps(
-    sim: Compressible[S],
+    sim: Simulation,
     box: NDArray[np.float64],
     strain: float,
     steps: int,
     done: int,
     tolerance: float | None,
-) -> Iterator[S]:
+) -> Iterator[State]:
     """The remaining steps of a compression that started at this box, after the steps done."""
 
-    def step(n: int) -> S:
+    def step(n: int) -> State:
         sim.deform(box * (1.0 - strain * n / steps))
         return sim.relax(**_given(tolerance))
 
@@ -144,39 +131,39 @@ def _given(tolerance: float | None) -> dict[str, Any]:
 
 
 def _towards(
-    sim: Compressible[S],
+    sim: Simulation,
     name: str,
-    start: Callable[[], S],
+    start: Callable[[], State],
     target: float,
     steps: int,
     tolerance: float | None,
-) -> Iterator[S]:
+) -> Iterator[State]:
     """The steps to a phi or pressure from that of the relaxed start."""
     begin = getattr(start(), name)
     yield from steps_towards(sim, name, begin, target, steps, 0, tolerance)
 
 
 def steps_towards(
-    sim: Compressible[S],
+    sim: Simulation,
     name: str,
     start: float,
     target: float,
     steps: int,
     done: int,
     tolerance: float | None,
-) -> Iterator[S]:
+) -> Iterator[State]:
     """The remaining steps from a phi or pressure to a target, after the steps done."""
     start = max(start, 0.0)
     given = _given(tolerance)
 
-    def reached(goal: float) -> S:
+    def reached(goal: float) -> State:
         if name == "pressure":
             return sim.relax(pressure=goal, **given)
         return told_at_the_end(
             lambda relax: reach(sim, name, goal, relax), lambda: sim.relax(**given), stacklevel=6
         )
 
-    def step(n: int) -> S:
+    def step(n: int) -> State:
         if n == steps:
             return reached(target)
         try:
@@ -189,7 +176,7 @@ def steps_towards(
     return _stepped(step, steps, done, expands=target < start)
 
 
-def _stepped(step: Callable[[int], S], steps: int, done: int, expands: bool) -> Iterator[S]:
+def _stepped(step: Callable[[int], State], steps: int, done: int, expands: bool) -> Iterator[State]:
     """The states after the steps that remain."""
     apart = not expands  # then `relax` warns if a packing becomes loose
     with progress("compressing", unit="step", total=steps, initial=done) as bar:

@@ -18,7 +18,7 @@ from ctypes import c_double
 from dataclasses import dataclass
 from pathlib import Path
 from threading import Thread, current_thread, main_thread
-from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from mpi4py import MPI
@@ -26,16 +26,14 @@ from numpy.typing import NDArray
 
 from . import room
 from ._checks import expect
-from .box import lattice_vectors
 from .commands import PLANE, WALL, setup_commands, wall_commands
-from .errors import AbsentError, LammpsError, ParameterError
-from .ranks import OneCall, agree, guarded_lammps, world
+from .errors import LammpsError, ParameterError
+from .ranks import agree, guarded_lammps, world
 from .shapes import in_space
 from .versions import check_lammps
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
-    from types import TracebackType
 
     from lammps import lammps
 
@@ -97,112 +95,15 @@ _MARGIN = 0.25
 # LAMMPS finds neighbors by bins, which it refuses to make much wider than the box is thick.
 _LARGEST_RADIUS = 100.0
 
-E = TypeVar("E", bound="Engine")
 
-
-class Engine(OneCall):
-    """Owner of a LAMMPS instance, which is closed at the end of a `with` block.
-
-    Attributes:
-        lmp: the LAMMPS instance.
-        time: of all calls of `move`, and of `shear` at a rate, so far [time].
-        strain: shear strain of all calls of `shear` so far; None before the first one.
-        directions: in which particles propel themselves, shape (N, 2); None before.
-    """
-
-    time: float = 0.0
-    strain: float | None = None
-    directions: NDArray[np.float64] | None = None
-    _walls: tuple[Wall, ...] = ()
-    _lmp: Any
-
-    @property
-    def lmp(self) -> lammps:
-        """The LAMMPS instance."""
-        if self.closed:
-            raise AbsentError(
-                f"this {type(self).__name__} is closed: make a new one, or use it before the end "
-                "of its `with` block"
-            )
-        with self._lmp.calls.of_one_thread(f"{type(self).__name__}.lmp"):
-            return self._lmp
-
-    @lmp.setter
-    def lmp(self, lmp: lammps) -> None:
-        if hasattr(self, "_lmp"):  # a restart is a call too
-            lmp.calls = self._lmp.calls
-        lmp.calls.begun = True
-        self._lmp = lmp
-
-    @property
-    def closed(self) -> bool:
-        """Whether the LAMMPS instance is gone."""
-        return not self._lmp.opened
-
-    def close(self) -> None:
-        """Free the LAMMPS instance."""
-        with self._lmp.calls.of_one_thread(f"{type(self).__name__}.close"):
-            close_lammps(self._lmp)
-
-    def __reduce__(self) -> NoReturn:
-        kind = type(self).__name__
-        raise ParameterError(
-            f"a {kind} cannot be pickled or copied, as its LAMMPS cannot: copy or save its state()"
-        )
-
-    def __enter__(self: E) -> E:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
-
-    @property
-    def box(self) -> NDArray[np.float64]:
-        """Lattice vectors as rows, as those of a packing, shape (d, d) [length].
-
-        In directions that a container closes, the box has its length.
-        """
-        low, high, xy, yz, xz, *_ = self.lmp.extract_box()
-        lx, ly, lz = (end - begin for begin, end in zip(low, high, strict=True))
-        box = np.array([[lx, 0.0, 0.0], [xy, ly, 0.0], [xz, yz, lz]])
-        dimension = self.dimension
-        return room.box_between(self._walls, box[:dimension, :dimension])
-
-    @property
-    def dimension(self) -> int:
-        """2, or 3 in space."""
-        return int(self.lmp.extract_setting("dimension"))
-
-    def deform(self, box: NDArray[np.float64]) -> None:
-        """Give the box other lattice vectors; all positions and walls follow affinely.
-
-        Args:
-            box: lattice vectors as rows, as those of a packing, shape (d, d) [length].
-
-        Raises:
-            ParameterError: the box has another form, or one that walls cannot follow: they are not
-                sheared, and round ones stay round. The simulation is unchanged.
-        """
-        box = lattice_vectors(box)
-        if len(box) != self.dimension:
-            raise ParameterError(f"box must have {self.dimension} sides, not {len(box)}")
-        walls = room.stretched(self._walls, self.box, box)
-        ends = [
-            f"{axis} final {low!r} {high!r}"
-            for axis, (low, high) in zip("xyz", _ends(walls, box), strict=False)
-        ]
-        tilts = [f"{name} final {tilt!r}" for name, tilt in _tilts(box).items()]
-        self._follow(walls, box)
-        run(self.lmp, f"change_box all {' '.join(ends + tilts)} remap units box")
-
-    def _follow(self, walls: tuple[Wall, ...], box: NDArray[np.float64]) -> None:
-        """Take the walls of a new box."""
-        self._walls = walls
+def box_change(walls: tuple[Wall, ...], box: NDArray[np.float64]) -> str:
+    """Command that gives the box these lattice vectors, between these walls; positions follow."""
+    ends = [
+        f"{axis} final {low!r} {high!r}"
+        for axis, (low, high) in zip("xyz", _ends(walls, box), strict=False)
+    ]
+    tilts = [f"{name} final {tilt!r}" for name, tilt in _tilts(box).items()]
+    return f"change_box all {' '.join(ends + tilts)} remap units box"
 
 
 def _ends(walls: tuple[Wall, ...], box: NDArray[np.float64]) -> list[tuple[float, float]]:

@@ -6,15 +6,17 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from mpi4py import MPI
 from numpy.typing import NDArray
 
 from ._checks import expect, positive
 from .box import refuse_space
 from .laws import root
+from .response import check_at_rest
 from .shearing import sheared
+from .simulation import Simulation
 from .small_strains import following, tolerance_under, unbalanced_modulus
-from .starts import simulate
-from .state import DiskState, DropletState, SphereState, State
+from .state import State
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -49,7 +51,7 @@ class Modulus:
 
 
 def shear_modulus(
-    state: State | DropletState | DiskState | SphereState,
+    state: State,
     strain: float,
     tolerance: float | None = None,
     pure: bool = False,
@@ -79,7 +81,7 @@ def shear_modulus(
         ParameterError: a value is out of range, or the state is not at rest (`residual` above
             1e-3).
     """
-    expect("state", state, State, DropletState, DiskState, SphereState)
+    expect("state", state, State)
     if pure:
         refuse_space("pure=True", state.packing.dimension, "turn the packing, and shear it along x")
     if not pure:
@@ -94,7 +96,7 @@ def shear_modulus(
 
 
 def bulk_modulus(
-    state: State | DropletState | DiskState | SphereState,
+    state: State,
     strain: float,
     tolerance: float | None = None,
 ) -> Modulus:
@@ -102,7 +104,7 @@ def bulk_modulus(
 
     In three dimensions it is the strain of the volume.
     """
-    expect("state", state, State, DropletState, DiskState, SphereState)
+    expect("state", state, State)
     dimension = state.packing.dimension
     return _modulus(
         state,
@@ -114,7 +116,7 @@ def bulk_modulus(
 
 
 def _modulus(
-    state: State | DropletState | DiskState | SphereState,
+    state: State,
     strain: float,
     tolerance: float | None,
     deformed: Callable[[NDArray[np.float64], float], NDArray[np.float64]],
@@ -122,13 +124,16 @@ def _modulus(
 ) -> Modulus:
     """Half the difference of a component of stress at two opposite strains, over the strain."""
     positive("strain", strain)
-    state.check_at_rest()
+    check_at_rest(state.residual)
     before, zero = np.inf, _AGREEMENT * abs(state.pressure)
     for halving in range(_HALVINGS + 1):
         closely = tolerance_under(strain, _TOLERANCE) if tolerance is None else tolerance
         stresses, stalled, left = [], False, 0.0
         for sign in (1.0, -1.0):
-            with simulate(state, state.law) as sim, following(sim, state.packing, strain):
+            with (
+                Simulation(state, state.law, comm=MPI.COMM_SELF) as sim,
+                following(sim, state.packing, strain),
+            ):
                 sim.deform(deformed(sim.box, sign * strain))
                 relaxed = sim.relax(closely)
             stresses.append(component(relaxed.stress))

@@ -9,7 +9,7 @@ import math
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cache
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,10 +21,10 @@ from .errors import LammpsError, ParameterError
 from .friction import Friction, damped_commands
 from .lammps import gather, place, rub_and_spin, run
 from .laws import ACCURATE, Sector, longest_overdamped_step, longest_step, squeeze_under
+from .polishing import balanced_to
 from .progress import Steps, progress
-from .simulation import Deforming, DropletSimulation, S, Simulation
-from .small_strains import balanced_to
-from .state import DeformedState, State
+from .simulation import Simulation
+from .state import State
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -78,11 +78,11 @@ class Dynamics:
     timestep: float | None = None
     rubbing: Friction | None = None
 
-    def longest_step(self, state: DeformedState) -> float:
+    def longest_step(self, state: State) -> float:
         """The longest stable time step where the drive pushes particles together [time]."""
         return self._longest(state, self.drive, self._hot(state))
 
-    def default_step(self, state: DeformedState) -> float:
+    def default_step(self, state: State) -> float:
         """The time step that a user gets who gives none [time]."""
         exact = not (self.inertia or self.temperature)  # steps change the energy of noise only
         part = self.part * (1.0 if exact else ACCURATE)
@@ -98,18 +98,18 @@ class Dynamics:
             steps.append(self.rubbing.accurate_step)
         return min(steps)
 
-    def _longest(self, state: DeformedState, drive: float, temperature: float) -> float:
+    def _longest(self, state: State, drive: float, temperature: float) -> float:
         packing, law, squeeze, _ = state.step_limits()
         squeeze = max(squeeze, squeeze_under(drive, packing, law))
         if self.inertia:
             return longest_step(packing, law, squeeze, temperature)
         return longest_overdamped_step(packing, law, squeeze, temperature, self.friction)
 
-    def _hot(self, state: DeformedState) -> float:
+    def _hot(self, state: State) -> float:
         """The temperature of the motion [energy]."""
         return state.temperature if self.inertia else self.temperature or 0.0
 
-    def check(self, state: DeformedState, timestep: float) -> None:
+    def check(self, state: State, timestep: float) -> None:
         """Refuse a time step at which contacts are unstable."""
         if self.persistence is not None and timestep > self.persistence:
             raise ParameterError(
@@ -157,7 +157,7 @@ class Dynamics:
 
 
 def dynamics_of(
-    sim: Deforming[Any],
+    sim: Simulation,
     temperature: float | None,
     friction: float,
     inertia: bool,
@@ -195,7 +195,7 @@ def dynamics_of(
 
 
 @contextmanager
-def moving(sim: Deforming[Any], dynamics: Dynamics, seed: int) -> Iterator[None]:
+def moving(sim: Simulation, dynamics: Dynamics, seed: int) -> Iterator[None]:
     """The fixes of a motion, in LAMMPS until its end.
 
     Raises:
@@ -224,7 +224,7 @@ def moving(sim: Deforming[Any], dynamics: Dynamics, seed: int) -> Iterator[None]
             run(lmp, "\n".join(f"unfix {name}" for name in names))
 
 
-def refuse_second_motion(sim: Deforming[Any]) -> None:
+def refuse_second_motion(sim: Simulation) -> None:
     """Refuse to begin a motion while another one has not ended.
 
     Raises:
@@ -236,14 +236,14 @@ def refuse_second_motion(sim: Deforming[Any]) -> None:
         )
 
 
-def seeds(sim: Deforming[Any], seed: int | None) -> list[int]:
+def seeds(sim: Simulation, seed: int | None) -> list[int]:
     """Two seeds for LAMMPS, others for each number of steps; without a seed others each time."""
     entropy = sim.comm.bcast(np.random.SeedSequence(seed).entropy)
     words = np.random.SeedSequence([entropy, sim.lmp.extract_global("ntimestep")])
     return [1 + int(word) % _SEEDS for word in words.generate_state(2)]
 
 
-def advance(sim: Deforming[Any], dynamics: Dynamics, steps: int, timestep: float) -> None:
+def advance(sim: Simulation, dynamics: Dynamics, steps: int, timestep: float) -> None:
     """Let the particles move, and count the time.
 
     Raises:
@@ -268,7 +268,7 @@ def advance(sim: Deforming[Any], dynamics: Dynamics, steps: int, timestep: float
         run(lmp, "velocity all set 0 0 0")  # fix brownian leaves those of its last step
 
 
-def refuse_restarted(sim: Deforming[Any], lmp: object) -> None:
+def refuse_restarted(sim: Simulation, lmp: object) -> None:
     """Refuse to go on in another LAMMPS than before the last state.
 
     Raises:
@@ -299,7 +299,7 @@ _ENOUGH = 0.5
 
 
 def move(
-    sim: Deforming[S],
+    sim: Simulation,
     steps: int,
     timestep: float | None = None,
     temperature: float | None = None,
@@ -310,7 +310,7 @@ def move(
     propulsion: float | None = None,
     persistence: float | None = None,
     tolerance: float | None = None,
-) -> Iterator[S]:
+) -> Iterator[State]:
     """Let particles of mass 1 move by their forces F.
 
         dv/dt = F - friction v + sqrt(2 friction temperature) noise
@@ -369,7 +369,7 @@ def move(
     Gronbech-Jensen, Mol. Phys. 117, 2511 (2019); velocity Verlet: Swope et al., J. Chem. Phys. 76,
     637 (1982).
     """
-    expect("sim", sim, Simulation, DropletSimulation)
+    expect("sim", sim, Simulation)
     dynamics = dynamics_of(sim, temperature, friction, inertia, timestep, seed)
     dynamics = _propelled(dynamics, propulsion, persistence, sim.dimension)
     if tolerance is not None and not positive("tolerance", tolerance) < 1.0:
@@ -410,7 +410,7 @@ def _propelled(
     return replace(dynamics, drive=force, persistence=float(persistence))
 
 
-def _start(sim: Deforming[S], dynamics: Dynamics, seed: int | None) -> S:
+def _start(sim: Simulation, dynamics: Dynamics, seed: int | None) -> State:
     """The state before the first step: particles may get velocities, by Maxwell."""
     refuse_second_motion(sim)
     lmp, temperature = sim.lmp, dynamics.temperature
@@ -425,7 +425,7 @@ def _start(sim: Deforming[S], dynamics: Dynamics, seed: int | None) -> S:
     return _with_directions(sim, dynamics)
 
 
-def _directions(sim: Deforming[S], seed: int | None) -> NDArray[np.float64]:
+def _directions(sim: Simulation, seed: int | None) -> NDArray[np.float64]:
     """Those that particles have, or random ones."""
     number = sim.lmp.get_natoms()
     if sim.directions is not None and len(sim.directions) == number:
@@ -434,22 +434,22 @@ def _directions(sim: Deforming[S], seed: int | None) -> NDArray[np.float64]:
     return unit_vectors(np.random.default_rng(of_directions).uniform(-np.pi, np.pi, number))
 
 
-def _with_directions(sim: Deforming[S], dynamics: Dynamics) -> S:
+def _with_directions(sim: Simulation, dynamics: Dynamics) -> State:
     state = sim.state()
     if dynamics.persistence is None:
         return state
-    return cast(S, replace(cast(State, state), directions=sim.directions))
+    return replace(state, directions=sim.directions)
 
 
 def _move(
-    sim: Deforming[S],
+    sim: Simulation,
     dynamics: Dynamics,
     steps: int,
     every: int,
     seed: int | None,
     tolerance: float | None,
-    start: Callable[[], S],
-) -> Iterator[S]:
+    start: Callable[[], State],
+) -> Iterator[State]:
     lmp, state = sim.lmp, start()
     _, of_noise = seeds(sim, seed)
     dt = dynamics.timestep or dynamics.default_step(state)

@@ -20,13 +20,13 @@ from . import store
 from ._checks import expect, positive
 from ._files import check_parameters, make_folder
 from .compression import check_target, remaining_steps, steps_towards
+from .engines import go_on
 from .errors import ParameterError
-from .opening import go_on
 from .progress import Steps, start_of, waits_for_all
 from .relax import TOLERANCE
 from .shearing import check_shear, shear_steps
-from .simulation import Deforming, DropletSimulation, S, Simulation
-from .state import DropletState, State
+from .simulation import Simulation
+from .state import State
 from .store import SERIES, Motion, memory, refuse_foreign, refuse_run, setup
 
 if TYPE_CHECKING:
@@ -43,11 +43,11 @@ _APPEND = ("go on with Run.append",)
 
 
 def record(
-    states: Iterable[S],
+    states: Iterable[State],
     folder: str | Path,
     parameters: Mapping[str, Any] | None = None,
     overwrite: bool = False,
-) -> Iterator[S]:
+) -> Iterator[State]:
     """Write each state into a folder as it comes: an interrupted run loses nothing.
 
     Frame 0 is the state before the first step of a protocol.
@@ -81,7 +81,7 @@ def record(
 
 
 def compress_in(
-    sim: Deforming[S],
+    sim: Simulation,
     folder: str | Path,
     strain: float | None = None,
     steps: int = 10,
@@ -90,7 +90,7 @@ def compress_in(
     overwrite: bool = False,
     phi: float | None = None,
     pressure: float | None = None,
-) -> Iterator[S]:
+) -> Iterator[State]:
     """Compress as `compress`, and write as `record`, so that `Run.resume` can go on at any step.
 
     Frame 0 is the state before the first step: unrelaxed, or the relaxed start for a phi or
@@ -119,14 +119,14 @@ def compress_in(
 
 
 def shear_in(
-    sim: Deforming[S],
+    sim: Simulation,
     folder: str | Path,
     strain: float,
     steps: int = 10,
     tolerance: float = TOLERANCE,
     parameters: Mapping[str, Any] | None = None,
     overwrite: bool = False,
-) -> Iterator[S]:
+) -> Iterator[State]:
     """Shear as `shear`, and write as `record`, so that `Run.resume` can go on at any step.
 
     Frame 0 is the state before the first step, with the strain 0. The other arguments are those of
@@ -142,7 +142,7 @@ def shear_in(
         ParameterError: as for `shear`, or the tolerance is too large.
         FileError: as for `compress_in`.
     """
-    expect("sim", sim, Simulation, DropletSimulation)
+    expect("sim", sim, Simulation)
     check_shear(sim, strain, steps)
     protocol = shear_protocol(strain, steps, tolerance)
     return _begin_in("shear_in", sim, folder, protocol, parameters, overwrite)
@@ -183,13 +183,13 @@ def _target(parameters: Mapping[str, Any]) -> tuple[str, float]:
 
 def _begin_in(
     name: str,
-    sim: Deforming[S],
+    sim: Simulation,
     folder: str | Path,
     protocol: Mapping[str, Any],
     parameters: Mapping[str, Any] | None,
     overwrite: bool,
-) -> Iterator[S]:
-    expect("sim", sim, Simulation, DropletSimulation)
+) -> Iterator[State]:
+    expect("sim", sim, Simulation)
     sim.comm.barrier()  # rank 0 may still be writing
     _ = sim.lmp  # or say that it is closed
     place = refuse_run(folder, overwrite, _WAYS)
@@ -199,13 +199,13 @@ def _begin_in(
 
 def begin(
     name: str,
-    sim: Deforming[S],
+    sim: Simulation,
     folder: Path,
     protocol: Mapping[str, Any],
     parameters: Mapping[str, Any] | None,
     before: Mapping[str, Any] | None = None,
     first: int = 0,
-) -> Iterator[S]:
+) -> Iterator[State]:
     """The steps of a run. Nothing is written before the first one is asked for.
 
     Args:
@@ -218,13 +218,13 @@ def begin(
 
 
 def _begun(
-    sim: Deforming[S],
+    sim: Simulation,
     folder: Path,
     protocol: Mapping[str, Any],
     parameters: Mapping[str, Any] | None,
     before: Mapping[str, Any] | None,
     first: int,
-) -> Iterator[S]:
+) -> Iterator[State]:
     """Write the start of a run, then take its steps."""
     shears, new = protocol.get("protocol") == "shear", before is None
     sim.strain = (sim.strain or 0.0) if shears else sim.strain
@@ -245,18 +245,18 @@ def _begun(
 
 
 def steps_of(
-    sim: Deforming[S],
+    sim: Simulation,
     packing: Packing,
     motion: Motion,
     folder: Path,
     parameters: Mapping[str, Any],
     done: int,
-) -> Iterator[S]:
+) -> Iterator[State]:
     """The steps that are missing, each written and started from a new LAMMPS."""
     start = parameters["start"]
     target, goal = _target(parameters)
     steps = (goal, parameters["steps"], done, parameters["tolerance"])
-    sim.restart(packing)
+    sim.reset(packing)
     go_on(sim, motion)
     if parameters.get("protocol") == "shear":
         states = shear_steps(sim, start.get("strain") or 0.0, *steps)
@@ -267,20 +267,20 @@ def steps_of(
     return write(_restarting(sim, states), folder, parameters, start["frame"] + done)
 
 
-def _restarting(sim: Deforming[S], states: Iterable[S]) -> Iterator[S]:
+def _restarting(sim: Simulation, states: Iterable[State]) -> Iterator[State]:
     for state in states:
         yield state
-        sim.restart(state)
+        sim.reset(state)
 
 
 def write(
-    states: Iterable[S],
+    states: Iterable[State],
     folder: Path,
     parameters: Mapping[str, Any],
     first: int,
-    start: Callable[[], S | None] = lambda: None,
+    start: Callable[[], State | None] = lambda: None,
     overwrite: bool | None = None,
-) -> Iterator[S]:
+) -> Iterator[State]:
     """Write each state after the first frames of a folder; later frames are removed.
 
     Args:
@@ -293,7 +293,7 @@ def write(
     """
     before = start() if first == 0 else None
     for number, state in enumerate(chain([before] if before else [], states), start=first):
-        expect("a state that is recorded", state, State, DropletState)
+        expect("a state that is recorded", state, State)
         if state.root:
             if number == first:
                 if overwrite is None:

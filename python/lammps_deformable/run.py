@@ -30,7 +30,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Siz
 from dataclasses import replace
 from itertools import chain
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar, overload
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 from MDAnalysis.coordinates.LAMMPS import DumpReader
@@ -41,20 +41,21 @@ from mpi4py import MPI
 from . import movies, potentials, store
 from ._checks import expect, shown
 from ._files import from_json, make_folder, reading, refuse_present, write_whole
+from .engines import go_on
 from .errors import FileError, ParameterError, StalledWarning
 from .files import UNTYPED, box_in_space, in_space, read_particles
 from .lammps import communicator
 from .laws import ALL_LAWS, AnyLaw, Droplet, Ring
-from .opening import go_on, read_species, species_names
 from .packing import Packing
 from .progress import Steps, progress, start_of, waits_for_all
 from .ranks import world
 from .recording import begin, compression, expect_states, shear_protocol, steps_of, write
 from .relax import TOLERANCE
-from .shapes import Exports, collection
+from .shapes import collection
 from .shearing import check_shear
-from .simulation import Deforming, Simulation
-from .state import DeformedState, DiskState, DropletState, SphereState, State
+from .simulation import Simulation
+from .species import read_species, species_names
+from .state import State
 from .store import (
     SERIES,
     SUMMARY,
@@ -175,7 +176,7 @@ def _clock(times: list[float]) -> tuple[float, float]:
     return 0.0, 1.0
 
 
-def table(folder: Path, states: Iterable[DeformedState], columns: Mapping[str, Column]) -> Any:
+def table(folder: Path, states: Iterable[State], columns: Mapping[str, Column]) -> Any:
     """The numbers of a recorded run as a DataFrame of pandas, see `Run.table`."""
     pandas = optional("pandas", "pandas")
     check_columns(columns, ())
@@ -190,7 +191,7 @@ def table(folder: Path, states: Iterable[DeformedState], columns: Mapping[str, C
 
 
 def export(
-    states: Iterable[Exports], path: str | Path, forces: bool = False, overwrite: bool = False
+    states: Iterable[State], path: str | Path, forces: bool = False, overwrite: bool = False
 ) -> None:
     """Write the shapes of several states for ParaView and OVITO, see `State.export`.
 
@@ -212,7 +213,7 @@ def export(
         raise ParameterError(f"a series of shapes is a .pvd, not '{path}'")
     names, times = [], []
     for number, state in enumerate(states):
-        expect("a state that is exported", state, Exports)
+        expect("a state that is exported", state, State)
         names.append(f"{path.stem}_{number:04d}.vtp")
         times.append(state.time)
         if state.root and number == 0:
@@ -226,16 +227,14 @@ def export(
 
 _APPEND = "go on with append=True"
 
-S = TypeVar("S", bound=State | DropletState | DiskState | SphereState)
-
 
 def log(
-    states: Iterable[S],
+    states: Iterable[State],
     path: str | Path,
     append: bool = False,
     overwrite: bool = False,
     **columns: Column,
-) -> Iterator[S]:
+) -> Iterator[State]:
     """Write a row of numbers for each state as it comes, into a CSV file.
 
         steps = ld.compress(sim, 0.01, 10)
@@ -287,17 +286,17 @@ def _whole_rows(path: Path) -> int:
 
 
 def _logged(
-    states: Iterable[S],
-    start: Callable[[], S | None],
+    states: Iterable[State],
+    start: Callable[[], State | None],
     path: Path,
     append: bool,
     overwrite: bool,
     columns: Mapping[str, Column],
-) -> Iterator[S]:
+) -> Iterator[State]:
     """Write the rows. Only the rank that writes knows how many there are already."""
     before, number = start(), -1
     for state in chain([before] if before else [], states):
-        expect("a state that is logged", state, State, DropletState, DiskState, SphereState)
+        expect("a state that is logged", state, State)
         numbers = state.numbers()
         check_columns(columns, numbers)
         row = numbers | {name: _cell(name, column(state)) for name, column in columns.items()}
@@ -347,7 +346,7 @@ def state_in_file(
     types: Sequence[str] | None = None,
     frame: int = -1,
     radii: str | None = None,
-) -> DeformedState:
+) -> State:
     """The state of particles whose centers are in a file: outlines, energy, stress, contacts.
 
         ld.state_in_file("shapes.dump", "mixture.deformable").export("shapes.vtp")
@@ -403,7 +402,7 @@ def state_in_file(
         chosen = replace(chosen, **reach)
     if radii is None:
         packing = replace(packing, radii=sizes)
-    with Simulation(packing, chosen, MPI.COMM_SELF) as sim:
+    with Simulation(packing, chosen, comm=MPI.COMM_SELF) as sim:
         return sim.state()
 
 
@@ -471,14 +470,14 @@ class Run:
         self._check()
         return store.frames_in(self.folder)
 
-    def __iter__(self) -> Iterator[DeformedState]:
+    def __iter__(self) -> Iterator[State]:
         return self._states(self._numbers())
 
     @overload
-    def __getitem__(self, index: int) -> DeformedState: ...
+    def __getitem__(self, index: int) -> State: ...
     @overload
-    def __getitem__(self, index: slice) -> list[DeformedState]: ...
-    def __getitem__(self, index: int | slice) -> DeformedState | list[DeformedState]:
+    def __getitem__(self, index: slice) -> list[State]: ...
+    def __getitem__(self, index: int | slice) -> State | list[State]:
         numbers = self._numbers()
         if isinstance(index, slice):
             return list(self._states(numbers[index]))
@@ -501,7 +500,7 @@ class Run:
         communicator(None).barrier()  # rank 0 may still be writing
         return range(len(self))
 
-    def _states(self, numbers: Iterable[int]) -> Iterator[DeformedState]:
+    def _states(self, numbers: Iterable[int]) -> Iterator[State]:
         """States of these frames, from 0."""
         numbers = list(numbers)
         if not numbers:
@@ -534,7 +533,7 @@ class Run:
         with reading(self.folder / SUMMARY):
             return dict(from_json(summary_in(self.folder).get("parameters") or {}))
 
-    def simulation(self, comm: MPI.Comm | None = None) -> Deforming[Any]:
+    def simulation(self, comm: MPI.Comm | None = None) -> Simulation:
         """A simulation of the last state: the same particles, box and law.
 
         Velocities, spins, films, springs of contacts, directions, time and shear strain go on from
@@ -557,16 +556,16 @@ class Run:
             )
         return self._simulation(comm)
 
-    def _simulation(self, comm: MPI.Comm | None) -> Deforming[Any]:
+    def _simulation(self, comm: MPI.Comm | None) -> Simulation:
         packing, law, friction = read(self.folder)
         motion = read_motion(self.folder, packing)
-        sim = Simulation(packing, law, comm, friction=friction)
+        sim = Simulation(packing, law, comm=comm, friction=friction)
         go_on(sim, motion)
         return sim
 
     def append(
-        self, states: Iterable[DeformedState], parameters: Mapping[str, Any] | None = None
-    ) -> Iterator[DeformedState]:
+        self, states: Iterable[State], parameters: Mapping[str, Any] | None = None
+    ) -> Iterator[State]:
         """Go on with the run: as `record`, behind the states that it has."""
         expect_states(states, parameters)
         parameters, start = {**(parameters or {}), **self._before()}, start_of(states)
@@ -582,7 +581,7 @@ class Run:
         comm: MPI.Comm | None = None,
         phi: float | None = None,
         pressure: float | None = None,
-    ) -> Iterator[DeformedState]:
+    ) -> Iterator[State]:
         """Compress the last state further: as `compress_in`, behind the states of the run.
 
         Raises:
@@ -598,7 +597,7 @@ class Run:
         tolerance: float = TOLERANCE,
         parameters: Mapping[str, Any] | None = None,
         comm: MPI.Comm | None = None,
-    ) -> Iterator[DeformedState]:
+    ) -> Iterator[State]:
         """Shear the last state: as `shear_in`, behind the states of the run.
 
         Raises:
@@ -607,7 +606,7 @@ class Run:
         protocol = shear_protocol(strain, steps, tolerance)
         return self._go_on("Run.shear", protocol, parameters, comm)
 
-    def resume(self, comm: MPI.Comm | None = None) -> Iterator[DeformedState]:
+    def resume(self, comm: MPI.Comm | None = None) -> Iterator[State]:
         """Finish an interrupted `compress_in` or `shear_in`, with the numbers of a whole one.
 
         The files of an unfinished step are removed.
@@ -654,7 +653,7 @@ class Run:
         """Write the shapes of the states for ParaView and OVITO, see `ld.export`."""
         export(self, path, forces, overwrite)
 
-    def table(self, **columns: Callable[[DeformedState], Any]) -> Any:
+    def table(self, **columns: Callable[[State], Any]) -> Any:
         """The numbers of the states as a DataFrame of pandas, with the frames as index.
 
             run.table()[["phi", "pressure"]]
@@ -700,7 +699,7 @@ class Run:
         protocol: Mapping[str, Any],
         parameters: Mapping[str, Any] | None,
         comm: MPI.Comm | None,
-    ) -> Iterator[DeformedState]:
+    ) -> Iterator[State]:
         expect_states((), parameters)
         sim = self.simulation(comm)
         if "protocol" in protocol:

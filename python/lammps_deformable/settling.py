@@ -15,7 +15,7 @@ from .errors import ParameterError, StalledWarning
 from .lammps import gather, rub_and_spin, run
 from .motion import advance, dynamics_of, moving
 from .progress import progress
-from .simulation import DropletSimulation, Simulation
+from .simulation import Simulation
 
 if TYPE_CHECKING:
     from .state import State
@@ -84,7 +84,7 @@ def settle(
     Source: two-dimensional packings that rub by damped motion at a pressure: Somfai et al., Phys.
     Rev. E 75, 020301 (2007); inertial number: GDR MiDi, Eur. Phys. J. E 14, 341 (2004).
     """
-    expect("sim", sim, Simulation, DropletSimulation)
+    expect("sim", sim, Simulation)
     refuse_space("settle", sim.dimension, "take relax(pressure=), or move(friction=)")
     if sim.walls:
         raise ParameterError(

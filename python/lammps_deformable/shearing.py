@@ -14,31 +14,31 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Protocol, TypeVar, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from mpi4py import MPI
 from numpy.typing import NDArray
 
 from ._checks import count, expect, finite, number_or_nan, positive, whole
 from .errors import ParameterError
 from .lammps import run
+from .laws import Droplet, Ring, Sector
 from .motion import Dynamics, advance, dynamics_of, moving, refuse_restarted, seeds
+from .polishing import balanced_to
 from .progress import Steps, progress
 from .relax import TOLERANCE
-from .simulation import Deforming, DropletSimulation, S, Simulation
+from .simulation import Simulation
 from .small_strains import (
-    balanced_to,
     following,
     imbalance_under,
     tolerance_under,
     unbalanced_modulus,
 )
-from .soft_disks import Disks, Spheres
-from .starts import simulate
-from .state import DiskState, DropletState, SphereState, State
+from .state import State
 
 if TYPE_CHECKING:
-    from .walls import Wall
+    pass
 
 
 def sheared(points: NDArray[np.float64], strain: float) -> NDArray[np.float64]:
@@ -78,22 +78,23 @@ _OF_A_STEP, _OF_A_PIECE = 5e-4, 0.02
 
 
 def flow_dynamics(
-    sim: object,
+    sim: Simulation,
     friction: float | None,
     temperature: float | None,
     timestep: float | None,
     tolerance: float | None,
     seed: int | None,
-) -> tuple[Deforming[Any], Dynamics]:
+) -> tuple[Simulation, Dynamics]:
     """What flows, and overdamped motion relative to the mean flow.
 
     Raises:
         ParameterError: a value is out of range, the friction is missing, a tolerance is given, or
-            these are `Disks` or `Spheres`.
+            the law has no motion.
     """
-    if not isinstance(sim, (Simulation, DropletSimulation)):
-        kind = type(sim).__name__
-        raise ParameterError(f"{kind} are sheared without a rate only: take Simulation")
+    if not isinstance(sim.law, Ring | Sector | Droplet):
+        raise ParameterError(
+            f"a simulation of {sim.law!r} is sheared without a rate only: take Ring or Droplet"
+        )
     if friction is None:
         raise ParameterError("a flow needs the friction of particles against it: give friction")
     if tolerance is not None:
@@ -116,14 +117,14 @@ def refuse_without_flow(name: str, **given: object) -> None:
 
 
 def flow(
-    sim: Deforming[S],
+    sim: Simulation,
     dynamics: Dynamics,
     rate: float,
     duration: float,
     strains: Sequence[float | None],
     course: Callable[[float], str],
     seed: int | None,
-) -> Iterator[S]:
+) -> Iterator[State]:
     """Shear the box, and yield the state after equal times.
 
     Args:
@@ -176,7 +177,9 @@ def leans(sim: Any) -> float:
     return float(straightened(sim.box)[2, 1]) if sim.dimension == 3 else 0.0
 
 
-def _piece(sim: Deforming[S], dynamics: Dynamics, duration: float, course: str, state: S) -> S:
+def _piece(
+    sim: Simulation, dynamics: Dynamics, duration: float, course: str, state: State
+) -> State:
     """The state after a flow with one time step, from the state before."""
     longest = dynamics.timestep or dynamics.default_step(state)
     steps = count("number of time steps to a state", math.ceil(duration / longest))
@@ -192,36 +195,15 @@ def _piece(sim: Deforming[S], dynamics: Dynamics, duration: float, course: str, 
     return sim.state()
 
 
-def _strain_since(sim: Deforming[S], tilt: float) -> float:
+def _strain_since(sim: Simulation, tilt: float) -> float:
     """The smallest strain from a tilt of the box to that of now, as LAMMPS may have flipped it."""
     lx, xy, ly = sim.box[[0, 1, 1], [0, 0, 1]].tolist()
     widths = (xy - tilt) / lx
     return float(widths - round(widths)) * lx / ly
 
 
-T = TypeVar("T", bound=State | DiskState | SphereState | DropletState)
-S_co = TypeVar("S_co", bound=State | DiskState | SphereState | DropletState, covariant=True)
-
-
-class Shearable(Protocol[S_co]):
-    """A simulation in a periodic box: `Simulation`, `Disks` or `Spheres`."""
-
-    @property
-    def lmp(self) -> Any: ...
-    @property
-    def box(self) -> NDArray[np.float64]: ...
-    @property
-    def walls(self) -> tuple[Wall, ...]: ...
-
-    strain: float | None
-
-    def deform(self, box: NDArray[np.float64]) -> None: ...
-    def relax(self, tolerance: float = ...) -> S_co: ...
-    def state(self) -> S_co: ...
-
-
 def shear(
-    sim: Shearable[T],
+    sim: Simulation,
     strain: float,
     steps: int = 10,
     tolerance: float | None = None,
@@ -230,7 +212,7 @@ def shear(
     temperature: float | None = None,
     timestep: float | None = None,
     seed: int | None = None,
-) -> Iterator[T]:
+) -> Iterator[State]:
     """Shear in equal steps, relaxing after each one, or at a rate; the size of the box stays.
 
     After step n the upper side of the box has moved along x by strain n / steps times its height.
@@ -246,7 +228,7 @@ def shear(
     particles in it, *fix brownian* adds the rest. Velocities are 0 in all states.
 
     Args:
-        sim: a `Simulation`, `Disks` or `Spheres`; it ends in the last state.
+        sim: it ends in the last state.
         strain: total shear strain gamma; negative shears in the other direction.
         steps: number of steps, of which each yields a state.
         tolerance: of each relaxation; by default that of `sim.relax`.
@@ -268,11 +250,11 @@ def shear(
 
     Source: drag: Durian, Phys. Rev. Lett. 75, 4780 (1995).
     """
-    expect("sim", sim, Simulation, DropletSimulation, Disks, Spheres)
+    expect("sim", sim, Simulation)
     check_shear(sim, strain, steps)
     before, strain, steps = sim.strain or 0.0, float(strain), int(steps)
     flowing = {"friction": friction, "temperature": temperature, "timestep": timestep}
-    states: Iterator[T]
+    states: Iterator[State]
     if rate is None:
         refuse_without_flow("rate", **flowing, seed=seed)
         states = shear_steps(sim, before, strain, steps, 0, tolerance)
@@ -285,11 +267,11 @@ def shear(
         strains = [before + n * strain / steps for n in range(1, steps + 1)]
         duration = abs(strain) / rate / steps
         flowed = flow(flows, dynamics, rate, duration, strains, lambda _: course, seed)
-        states = cast(Iterator[T], flowed)
+        states = flowed
     return Steps("shear", states, lambda: replace(sim.state(), strain=before))
 
 
-def check_shear(sim: Shearable[Any], strain: float, steps: int) -> None:
+def check_shear(sim: Simulation, strain: float, steps: int) -> None:
     """Refuse what `shear` cannot do."""
     count("steps", steps)
     if finite("strain", strain) == 0.0:
@@ -297,7 +279,7 @@ def check_shear(sim: Shearable[Any], strain: float, steps: int) -> None:
     refuse_walls(sim)
 
 
-def refuse_walls(sim: Shearable[Any]) -> None:
+def refuse_walls(sim: Simulation) -> None:
     """Refuse walls, which do not follow a shear.
 
     Raises:
@@ -311,13 +293,13 @@ def refuse_walls(sim: Shearable[Any]) -> None:
 
 
 def shear_steps(
-    sim: Shearable[T],
+    sim: Simulation,
     before: float,
     strain: float,
     steps: int,
     done: int,
     tolerance: float | None,
-) -> Iterator[T]:
+) -> Iterator[State]:
     """The remaining steps of a shear, after the steps done and the strain before the first one."""
     with progress("shearing", unit="step", total=steps, initial=done) as bar:
         for n in range(done + 1, steps + 1):
@@ -327,7 +309,7 @@ def shear_steps(
             yield state
 
 
-def sheared_state(sim: Shearable[T], by: float, strain: float, tolerance: float | None) -> T:
+def sheared_state(sim: Simulation, by: float, strain: float, tolerance: float | None) -> State:
     """The relaxed state after a further strain, which leads to this one in all."""
     straighten(sim)
     sim.deform(sheared(sim.box, by))
@@ -352,7 +334,7 @@ variable deformable_rate_z equal {part!r}*v_deformable_rate
 
 
 def oscillate(
-    sim: Shearable[T],
+    sim: Simulation,
     strain: float,
     period: float | None = None,
     cycles: int = 1,
@@ -362,7 +344,7 @@ def oscillate(
     temperature: float | None = None,
     timestep: float | None = None,
     seed: int | None = None,
-) -> Iterator[T]:
+) -> Iterator[State]:
     """Shear to and fro, by strain sin(2 pi t/period) about the strain of the start.
 
     With a period particles flow as in `shear` at a rate: overdamped, with a friction against the
@@ -370,7 +352,7 @@ def oscillate(
     infinite one, each state is relaxed.
 
     Args:
-        sim: a `Simulation` or, without a period, `Disks` or `Spheres`; it ends in the last state.
+        sim: it ends in the last state.
         strain: amplitude of the shear strain, above 0.
         period: of a cycle [time]; None or infinite: quasistatic.
         cycles: number of cycles.
@@ -389,7 +371,7 @@ def oscillate(
         ParameterError: see `shear`.
         LammpsError: see `shear`.
     """
-    expect("sim", sim, Simulation, DropletSimulation, Disks, Spheres)
+    expect("sim", sim, Simulation)
     strain = positive("strain", strain)
     check_shear(sim, strain, count("steps", steps))
     if steps < _FEWEST:
@@ -398,7 +380,7 @@ def oscillate(
     before = sim.strain or 0.0
     part = np.arange(1, steps * count("cycles", cycles) + 1) / steps
     strains = (before + strain * np.sin(2.0 * np.pi * (part % 1.0))).tolist()
-    states: Iterator[T]
+    states: Iterator[State]
     if period is None or number_or_nan(period) == math.inf:
         refuse_without_flow("period", **flowing, seed=seed)
         if tolerance is None:
@@ -412,7 +394,7 @@ def oscillate(
         height = float(sim.box[1, 1])
         course = _course(omega, strain * height, leans(flows) / height)
         flowed = flow(flows, dynamics, strain * omega, period / steps, strains, course, seed)
-        states = cast(Iterator[T], flowed)
+        states = flowed
     return Steps("oscillate", states, lambda: replace(sim.state(), strain=before))
 
 
@@ -440,8 +422,8 @@ def _course(omega: float, width: float, part: float) -> Callable[[float], str]:
 
 
 def _relaxed(
-    sim: Shearable[T], before: float, strains: Sequence[float], tolerance: float, step: float
-) -> Iterator[T]:
+    sim: Simulation, before: float, strains: Sequence[float], tolerance: float, step: float
+) -> Iterator[State]:
     """The relaxed states at these strains, which differ by this step at most."""
     with (
         following(sim, sim.state().packing, step),
@@ -477,7 +459,7 @@ class DynamicModulus:
 
 
 def dynamic_modulus(
-    state: State | DropletState | DiskState | SphereState,
+    state: State,
     strain: float,
     period: float | None = None,
     cycles: int = 3,
@@ -500,7 +482,7 @@ def dynamic_modulus(
     is about epsilon sum |F_c| d_c/(d V), in errors divided by the strain.
 
     Args:
-        state: of a `Simulation` or, without a period, of `Disks`.
+        state: of a `Simulation`.
         strain: amplitude. Small packings respond linearly up to some hundredth of phi - phi_J.
         period: of a cycle [time]; None or infinite: quasistatic.
         cycles: number of cycles that count, 2 or more for an error.
@@ -516,12 +498,12 @@ def dynamic_modulus(
         ParameterError: see `oscillate`.
         LammpsError: see `oscillate`.
     """
-    expect("state", state, State, DropletState, DiskState, SphereState)
+    expect("state", state, State)
     if count("cycles", cycles) < 2:
         raise ParameterError("cycles must be at least 2, as their scatter is the error, not 1")
     if whole("discarded", discarded) < 0:
         raise ParameterError(f"discarded must not be negative, not {discarded}")
-    with simulate(state, state.law) as sim:
+    with Simulation(state, state.law, comm=MPI.COMM_SELF) as sim:
         states = oscillate(
             sim,
             strain,
@@ -566,7 +548,7 @@ fix_modify deformable_flow press deformable_virial
 
 
 def creep(
-    sim: Deforming[S],
+    sim: Simulation,
     stress: float,
     time: float,
     steps: int = 10,
@@ -575,7 +557,7 @@ def creep(
     temperature: float | None = None,
     timestep: float | None = None,
     seed: int | None = None,
-) -> Iterator[S]:
+) -> Iterator[State]:
     """Apply a shear stress, and let the box shear along x.
 
     The box follows the stress that the contacts do not bear, against a liquid of some viscosity,
@@ -605,7 +587,7 @@ def creep(
         ParameterError: see `shear`; or the box has a tilt yz.
         LammpsError: see `move`.
     """
-    expect("sim", sim, Simulation, DropletSimulation)
+    expect("sim", sim, Simulation)
     refuse_walls(sim)
     stress, time, steps = finite("stress", stress), positive("time", time), count("steps", steps)
     if leans(sim):
@@ -617,7 +599,7 @@ def creep(
     given = None if viscosity is None else positive("viscosity", viscosity)
     before = sim.strain or 0.0
 
-    def states() -> Iterator[S]:
+    def states() -> Iterator[State]:
         start = sim.state()
         held, radius = start.shear_stress, float(start.packing.radius.mean())
         usual = dynamics.friction / (1.0 if sim.dimension == 2 else 2.0 * radius)

@@ -13,7 +13,9 @@ CONTRASTS = [(1.0, (1, 1)), (5.0, (1, 1)), (1.4, (1, 100)), (1.4, (100, 1)), (5.
 @pytest.fixture(scope="module")
 def packings():
     ratios = {ratio for ratio, _ in CONTRASTS}
-    return {r: jam(bidisperse(24, ratio=r, dimension=3, seed=1), tolerance=1e-2) for r in ratios}
+    return {
+        r: jam(bidisperse(24, ratio=r, dimension=3, seed=1), tolerance=1e-2).packing for r in ratios
+    }
 
 
 def case_of(packing, tensions, phi, shake=0.0, seed=1):

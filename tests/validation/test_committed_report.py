@@ -6,7 +6,6 @@ from pathlib import Path
 
 import pytest
 from lammps_deformable.packing_rows import mixed_rows
-
 from validation.report.accuracy.errors import energy_errors, exceptions
 
 REPORT = json.loads(

@@ -8,7 +8,6 @@ import re
 from pathlib import Path
 
 import pytest
-
 from validation.report.accuracy.errors import (
     CONVERGED,
     fastest_as_good,
@@ -16,6 +15,7 @@ from validation.report.accuracy.errors import (
     summary,
     whole_percents,
 )
+
 from validation.report.section import percent
 
 ROOT = Path(__file__).parents[2]

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 from lammps_deformable import Comparison, ParameterError, PolygonModel, core
 from lammps_deformable.shape_error import shape_error
+from validation.report.paper.single import IRREGULAR, Squeezed, regular, squeeze
 
 from validation.report.packings import figure as packing_figure
 from validation.report.paper import figures as paper_figures
 from validation.report.paper import results as paper
-from validation.report.paper.single import IRREGULAR, Squeezed, regular, squeeze
 
 PAPER = paper.ring_in_walls(188, 1e4)
 

@@ -8,13 +8,13 @@ from html.parser import HTMLParser
 import pytest
 from lammps_deformable import FileError, ParameterError, PolygonModel
 from lammps_deformable.report import standard_polygons
+from validation.report.plan import Plan
 
 from validation.report import __main__ as writing
 from validation.report import results
 from validation.report import section as numbers
 from validation.report.__main__ import write_report
 from validation.report.page import page
-from validation.report.plan import Plan
 from validation.report.section import Column, Picture, Section, Table
 
 MODELS = [standard_polygons(40, smooth=kind) for kind in (True, False)]

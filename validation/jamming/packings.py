@@ -19,7 +19,7 @@ from lammps_deformable.parallel import power_law
 from lammps_deformable.random import bidisperse
 from lammps_deformable.relax import TOLERANCE
 from lammps_deformable.starts import simulate
-from lammps_deformable.state import DiskState, DropletState, SphereState, State
+from lammps_deformable.state import State
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
@@ -116,11 +116,13 @@ def measure(
         warnings.simplefilter("ignore", UnjammedWarning)
         warnings.simplefilter("always", StalledWarning)
         start = bidisperse(number, seed=seed, dimension=dimension_of(law))
-        packing = jam(start, settings, onset_pressure, tolerance=TOLERANCE)  # counts contacts
+        packing = jam(
+            start, settings, pressure=onset_pressure, tolerance=TOLERANCE
+        ).packing  # counts contacts
         stalled = any(issubclass(warning.category, StalledWarning) for warning in caught)
         with simulate(packing, settings) as sim:
             onset = sim.relax()
-            if folder is not None and isinstance(onset, State | DropletState):
+            if folder is not None and isinstance(onset, State):
                 name = packing_name(law, onset_pressure, number, seed)
                 onset.save(folder / name, overwrite=True)  # of an interrupted measurement
             unit = natural_pressure(onset.packing, settings)
@@ -143,7 +145,7 @@ def packing_name(law: str, onset_pressure: float, number: int, seed: int) -> str
     return f"{law.replace(_TENSION, '_')}_{onset_pressure:g}_{number}_{seed}"
 
 
-def _numbers(state: State | DropletState | DiskState | SphereState, unit: float) -> Row:
+def _numbers(state: State, unit: float) -> Row:
     return {
         "phi": state.phi,
         "pressure": state.pressure / unit,
@@ -156,9 +158,7 @@ def _numbers(state: State | DropletState | DiskState | SphereState, unit: float)
     }
 
 
-def _moduli(
-    state: State | DropletState | DiskState | SphereState, excess_phi: float, unit: float
-) -> Row:
+def _moduli(state: State, excess_phi: float, unit: float) -> Row:
     strain = _STRAIN * excess_phi
     ways = (False, True) if state.packing.dimension == 2 else (False,)
     found = {

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-    from ..state import DeformedState
+    from ..state import State
     from .material_options import (
         Adhesion,
         AreaStiffness,
@@ -140,7 +140,7 @@ def compress_command(
         print_once(f"wrote {folder} ({time.perf_counter() - began:.1f} s)")
 
 
-def _begin(folder: Path, settings: Settings, overwrite: bool) -> Iterator[DeformedState]:
+def _begin(folder: Path, settings: Settings, overwrite: bool) -> Iterator[State]:
     """Jam or read a packing and compress it; errors of the settings come before any work."""
     began = time.perf_counter()
     compression(settings.steps, settings.tolerance, **settings.target)
@@ -148,7 +148,7 @@ def _begin(folder: Path, settings: Settings, overwrite: bool) -> Iterator[Deform
     start = settings.packing_in_file(settings.dimension) if in_file else settings.random_start()
     if MPI.COMM_WORLD.rank == 0:
         make_folder(folder)
-    packing = start if in_file else jam(start)
+    packing = start if in_file else jam(start).packing
     begun = f"{len(packing)} particles" if in_file else "jammed"
     print_once(f"{begun} at phi = {packing.phi:.5f} ({time.perf_counter() - began:.1f} s)")
     return compress_in(

@@ -11,15 +11,13 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
     from pathlib import Path
 
-    from ..state import DeformedState
+    from ..state import State
 
 # Dots per inch of pictures.
 DOTS = 150
 
 
-def print_states(
-    states: Iterator[DeformedState], done: int, columns: Sequence[str]
-) -> DeformedState | None:
+def print_states(states: Iterator[State], done: int, columns: Sequence[str]) -> State | None:
     """Print a line for each state as it comes, and return the last one if there is any.
 
     Args:
@@ -36,7 +34,7 @@ def print_states(
     return state
 
 
-def draw(state: DeformedState, path: Path) -> None:
+def draw(state: State, path: Path) -> None:
     """Draw a state on the rank that has it, if matplotlib is installed."""
     if state.root and importlib.util.find_spec("matplotlib"):
         figure: Any = state.plot().figure

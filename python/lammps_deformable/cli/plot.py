@@ -18,7 +18,7 @@ from .output import DOTS
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from ..state import DeformedState
+    from ..state import State
 
 Recorded = Annotated[Path, typer.Argument(help="Folder of a run, e.g. of `deformable compress`.")]
 ColorBy = Annotated[str, typer.Option(help="Quantity of the particles, e.g. shape_parameter.")]
@@ -64,9 +64,7 @@ def check_picture(out: Path) -> None:
         raise ParameterError(f"a picture is one of .{', .'.join(formats)}, not '{out}'")
 
 
-def draw(
-    state: DeformedState, out: Path, color_by: str, own: Mapping[str, Any], **settings: Any
-) -> None:
+def draw(state: State, out: Path, color_by: str, own: Mapping[str, Any], **settings: Any) -> None:
     """Draw a state into a picture that fits its box; settings as of `State.plot`.
 
     Args:

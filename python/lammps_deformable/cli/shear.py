@@ -14,7 +14,7 @@ from ..progress import print_once
 from ..recording import shear_in
 from ..relax import TOLERANCE
 from ..run import Run
-from ..simulation import Deforming, Simulation
+from ..simulation import Simulation
 from ..store import refuse
 from .options import Overwrite, Resume, Tolerance, is_given
 from .output import draw, print_states
@@ -102,7 +102,7 @@ def shear_command(
 
 def _begin(
     run: Path | None, folder: Path, material: Material, given: dict[str, Any]
-) -> tuple[Deforming[Any], dict[str, Any]]:
+) -> tuple[Simulation, dict[str, Any]]:
     """What is sheared, and the parameters that tell where it comes from."""
     if material.from_file is not None:
         if run is not None:

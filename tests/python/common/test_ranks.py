@@ -22,7 +22,7 @@ import lammps_deformable as ld
 from mpi4py import MPI
 
 def strained(seed):
-    jammed = ld.jam(ld.bidisperse(8, seed=seed))
+    jammed = ld.jam(ld.bidisperse(8, seed=seed)).packing
     with ld.Simulation(jammed, ld.Ring()) as sim:
         *_, state = ld.compress(sim, 0.02, 2)
     here = ld.parallel_map(os.getpid, [(), ()]) == [os.getpid()] * 2
@@ -44,7 +44,7 @@ if __name__ == "__main__":
 @cache
 def strained(seed: int) -> list[object]:
     """As in the script, in this process."""
-    jammed = ld.jam(ld.bidisperse(8, seed=seed))
+    jammed = ld.jam(ld.bidisperse(8, seed=seed)).packing
     with ld.Simulation(jammed, ld.Ring()) as sim:
         *_, state = ld.compress(sim, 0.02, 2)
     return [state.energy, state.packing.positions.tolist()]

@@ -16,9 +16,9 @@ CASES: list[tuple[Callable[[], Any], str, str]] = [
     (lambda: ld.Simulation(P, "ring"), "law", "'ring'"),
     (lambda: ld.Simulation(P, Ring), "law", "call it, Ring(...)"),
     (lambda: ld.Simulation("base", Ring()), "packing", "'base'"),
-    (lambda: ld.Disks(3), "packing", "3"),
-    (lambda: ld.jam("x"), "packing", "'x'"),
-    (lambda: ld.jam(P, "ring"), "law", "'ring'"),
+    (lambda: ld.Simulation(3, ld.SoftContact()), "packing", "3"),
+    (lambda: ld.jam("x").packing, "packing", "'x'"),
+    (lambda: ld.jam(P, "ring").packing, "law", "'ring'"),
     (lambda: ld.push_off("x"), "packing", "'x'"),
     (lambda: ld.compress(P, 0.01, 1), "sim", "a Packing"),
     (lambda: ld.shear(P, 0.01, 1), "sim", "a Packing"),
@@ -35,9 +35,9 @@ CASES: list[tuple[Callable[[], Any], str, str]] = [
     (lambda: Ring(contact=2), "contact", "2"),
     (lambda: P.at(np.float64(-0.5)), "phi", "-0.5"),
     (lambda: ld.Simulation(P, Ring(), comm=1), "comm", "1"),
-    (lambda: ld.PolygonSimulation("x"), "packing", "'x'"),
-    (lambda: ld.PolygonSimulation(P, 0.05), "model", "0.05"),
-    (lambda: ld.PolygonSimulation(P, walls=3), "walls", "3"),
+    (lambda: ld.Simulation("x", ld.PolygonModel()), "packing", "'x'"),
+    (lambda: ld.Simulation(P, 0.05), "model", "0.05"),
+    (lambda: ld.Simulation._within(P, ld.PolygonModel(), 3), "walls", "3"),
     (lambda: ld.record(P, "x"), "states", "a Packing"),
     (lambda: next(ld.record([P], "x")), "a state that is recorded", "a Packing"),
     (lambda: ld.record([], 3), "folder", "3"),
@@ -51,10 +51,10 @@ CASES: list[tuple[Callable[[], Any], str, str]] = [
     (lambda: ld.predict(P, Ring()), "reference", "a Packing"),
     (lambda: ld.compare(None, Ring()), "reference", "None"),
     (lambda: ld.resolve_secondary(P), "state", "a Packing"),
-    (lambda: ld.Disks(P).relax(1e-3, None), "minimum_contact_force", "None"),
-    (lambda: ld.Disks(P).relax(1e-3, -1.0), "minimum_contact_force", "-1.0"),
-    (lambda: ld.Simulation(P, Ring()).restart(None), "packing", "None"),
-    (lambda: next(ld.compress(ld.Disks(P), 0.1, 10**400)), "steps", "..."),
+    (lambda: ld.Simulation(P, ld.SoftContact()).relax(1e-3, None), "minimum_contact_force", "None"),
+    (lambda: ld.Simulation(P, ld.SoftContact()).relax(1e-3, -1.0), "minimum_contact_force", "-1.0"),
+    (lambda: ld.Simulation(P, Ring()).reset(None), "packing", "None"),
+    (lambda: next(ld.compress(ld.Simulation(P, ld.SoftContact()), 0.1, 10**400)), "steps", "..."),
 ]
 
 
@@ -79,13 +79,15 @@ def test_a_run_needs_its_folder_and_a_communicator(state: ld.State, tmp_path: Pa
 
 def test_shear_strain_in_quotes() -> None:
     with (
-        ld.Disks(P) as sim,
+        ld.Simulation(P, ld.SoftContact()) as sim,
         pytest.raises(ld.ParameterError, match="strain must be a finite number, not 'a'"),
     ):
         ld.shear(sim, "a", 2)  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize("kind", [lambda: ld.Simulation(P, Ring()), lambda: ld.Disks(P)])
+@pytest.mark.parametrize(
+    "kind", [lambda: ld.Simulation(P, Ring()), lambda: ld.Simulation(P, ld.SoftContact())]
+)
 def test_a_closed_simulation_refuses_calls(kind: Callable[[], Any], tmp_path: Path) -> None:
     sim = kind()
     calls: list[Callable[[], Any]] = [
@@ -98,7 +100,7 @@ def test_a_closed_simulation_refuses_calls(kind: Callable[[], Any], tmp_path: Pa
         lambda: next(ld.shear(sim, 0.01, 1)),
     ]
     if isinstance(sim, ld.Simulation):
-        calls += [lambda: ld.move(sim, 1, temperature=1.0), lambda: sim.restart(P)]
+        calls += [lambda: ld.move(sim, 1, temperature=1.0), lambda: sim.reset(P)]
         calls += [lambda: ld.compress_in(sim, tmp_path, 0.01, 1)]
     assert not sim.closed
     sim.close()
@@ -125,7 +127,7 @@ def test_a_simulation_outlives_a_restart_that_is_refused(jammed: ld.Packing) -> 
     with ld.Simulation(jammed, Ring(kA=[1.0, 2.0])) as sim:
         for wrong in (None, ld.polydisperse(4, [0.5] * 4)):
             with pytest.raises(ld.ParameterError):
-                sim.restart(wrong)
+                sim.reset(wrong)
         assert sim.state().packing.phi == pytest.approx(jammed.phi)
 
 

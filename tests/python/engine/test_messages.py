@@ -14,7 +14,7 @@ def test_a_larger_diameter() -> None:
 
 
 def test_beyond_the_model_says_how_many_and_what() -> None:
-    packing = ld.jam(ld.bidisperse(12, seed=2)).at(1.15)
+    packing = ld.jam(ld.bidisperse(12, seed=2)).packing.at(1.15)
     with (
         ld.Simulation(packing, ld.Ring()) as sim,
         pytest.warns(

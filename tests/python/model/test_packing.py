@@ -123,7 +123,7 @@ def test_species_are_whole_numbers() -> None:
 
 
 def test_radii_far_from_one_need_another_unit() -> None:
-    small, large = (ld.jam(ld.bidisperse(8, radii=(r, r))) for r in (1e-3, 50.0))
+    small, large = (ld.jam(ld.bidisperse(8, radii=(r, r))).packing for r in (1e-3, 50.0))
     assert small.phi == pytest.approx(large.phi, rel=0.05)
     with pytest.raises(ld.ParameterError, match=r"radius of 700 is too large.*unit"):
         ld.push_off(ld.bidisperse(8, radii=(500.0, 700.0)))
@@ -245,7 +245,7 @@ def test_radii_of_particles_are_not_left_out(species: list[int]) -> None:
     packing = ld.Packing.from_arrays(places, radii, box, species)
     assert packing.radius.tolist() == radii
     assert packing.species.tolist() == species
-    with ld.Disks(packing) as disks:
+    with ld.Simulation(packing, ld.SoftContact()) as disks:
         assert disks.state().packing.radius.tolist() == radii
     # each radius is that of a species, or all are the same
     assert ld.Packing(places, [2, 0, 1], radii, box).radius.tolist() == [0.7, 0.5, 0.6]

@@ -91,10 +91,11 @@ def test_cubic_crystals(lattice: str, spheres: int, phi: float, neighbors: int) 
         (lambda: ld.cubic("fcc", 2, radius=-1.0), "radius must be a positive"),
         (lambda: ld.cubic("fcc", 2, phi=11.0), "phi is a fraction"),
         (lambda: ld.Simulation(SPHERES, ld.Ring()), "law Ring is .* `Droplet`"),
-        (lambda: ld.jam(SPHERES, ld.Sector()), "law Sector is .* `Droplet`"),
-        (lambda: ld.Disks(SPHERES), "Disks is for packings in the plane, .* `Spheres`"),
-        (lambda: ld.Spheres(ld.bidisperse(4)), "packing has two: Disks"),
-        (lambda: ld.PolygonSimulation(SPHERES), "a polygon is for packings in the plane"),
+        (lambda: ld.jam(SPHERES, ld.Sector()).packing, "law Sector is .* `Droplet`"),
+        (
+            lambda: ld.Simulation(SPHERES, ld.PolygonModel()),
+            "a polygon is for packings in the plane",
+        ),
     ],
 )
 def test_refusals(make: Callable[[], object], told: str) -> None:

@@ -8,9 +8,9 @@ from lammps_deformable.shearing import creep, shear
 
 @pytest.fixture(scope="module")
 def rest() -> ld.State:
-    packing = ld.jam(ld.bidisperse(16, seed=2))
+    packing = ld.jam(ld.bidisperse(16, seed=2)).packing
     with ld.Simulation(packing.at(packing.phi + 0.08), ld.Ring()) as sim:
-        return ld.polish(sim.relax())
+        return sim.relax(1e-10)
 
 
 @pytest.mark.parametrize(("sign", "viscosity"), [(1.0, None), (-1.0, 2.0)])
@@ -82,7 +82,7 @@ def test_refusals(rest: ld.State, values: dict[str, float], message: str) -> Non
 
 def test_refused_simulations(rest: ld.State) -> None:
     with (
-        ld.Disks(rest.packing) as disks,
+        ld.Simulation(rest.packing, ld.SoftContact()) as disks,
         pytest.raises(ld.ParameterError, match="sim must be of the kind Simulation"),
     ):
         creep(disks, 1e-6, 1.0, 1, friction=1.0)

@@ -12,7 +12,7 @@ ROUGH = ld.Friction(0.3, 0.05)
 
 def pressed(friction: ld.Friction | None, **options: object) -> ld.Simulation:
     packing = ld.push_off(ld.bidisperse(16, phi=0.9, seed=2))
-    return ld.Simulation(packing, ld.Ring(), friction=friction, **options)
+    return ld.Simulation(packing, ld.Ring(), **options)
 
 
 @pytest.mark.parametrize("contact", ["balanced", "curved", "radical"])

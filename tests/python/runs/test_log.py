@@ -54,7 +54,7 @@ def test_is_gone_on_with(sim: ld.Simulation, tmp_path: Path) -> None:
 
 
 def test_of_disks(jammed: ld.Packing, tmp_path: Path) -> None:
-    with ld.Disks(jammed) as disks:
+    with ld.Simulation(jammed, ld.SoftContact()) as disks:
         *_, last = ld.log(ld.compress(disks, 0.01, 2), tmp_path / "log.csv")
     found = rows(tmp_path / "log.csv")
     assert [float(row["pressure"]) > 1e-4 for row in found] == [False, True, True]

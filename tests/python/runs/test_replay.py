@@ -33,7 +33,7 @@ def test_growth_and_death(start: Packing, tmp_path: Path) -> None:
         for _ in range(2):
             packing = states[-1].packing
             radius = 1.02 * packing.radius[:-3]
-            sim.restart(
+            sim.reset(
                 replace(
                     packing,
                     positions=packing.positions[:-3],

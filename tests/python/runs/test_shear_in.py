@@ -18,7 +18,7 @@ STRAIN, STEPS = 0.8, 5
 
 @pytest.fixture(scope="module")
 def squeezed() -> ld.Packing:
-    jammed = ld.jam(ld.bidisperse(16, seed=4))
+    jammed = ld.jam(ld.bidisperse(16, seed=4)).packing
     with ld.Simulation(jammed.at(jammed.phi + 0.03), ld.Ring()) as sim:
         return sim.relax().packing
 
@@ -89,5 +89,8 @@ def test_refusals(squeezed: ld.Packing, tmp_path: Path) -> None:
             ld.shear_in(sim, tmp_path, 0.02, 2)
         with pytest.raises(ld.FileError, match="interrupted at step 1 of 2"):
             ld.Run(tmp_path).shear(0.02, 2)
-    with ld.Disks(squeezed) as disks, pytest.raises(ld.ParameterError, match="sim"):
+    with (
+        ld.Simulation(squeezed, ld.SoftContact()) as disks,
+        pytest.raises(ld.ParameterError, match="sim"),
+    ):
         ld.shear_in(disks, tmp_path / "run", 0.1, 2)

@@ -9,7 +9,7 @@ from pathlib import Path
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable import Droplet, DropletSimulation, DropletState, Packing
+from lammps_deformable import Droplet, Packing, Simulation, State
 from lammps_deformable.cli.main import app
 
 LAW = Droplet([1.0, 1.5])
@@ -19,7 +19,7 @@ LAW = Droplet([1.0, 1.5])
 def start() -> Packing:
     """In a tilted box, where LAMMPS rounds centers as it wraps them."""
     loose = ld.bidisperse(16, radii=(1.0, 1.2), tilt=0.3, dimension=3, seed=1)
-    return ld.jam(loose, tolerance=1e-2).at(0.68)
+    return ld.jam(loose, tolerance=1e-2).packing.at(0.68)
 
 
 @pytest.fixture(scope="module")
@@ -39,7 +39,7 @@ def contents(folder: Path) -> dict[str, bytes]:
     return {path.name: path.read_bytes() for path in folder.iterdir()}
 
 
-def compressed(**target: float) -> Callable[[DropletSimulation, Path], Iterator[DropletState]]:
+def compressed(**target: float) -> Callable[[Simulation, Path], Iterator[State]]:
     return lambda sim, folder: ld.compress_in(sim, folder, **target, steps=3)
 
 
@@ -86,7 +86,7 @@ def test_replayed_states(moved: tuple[Path, list]) -> None:
     run = ld.Run(folder)
     assert len(run) == len(states) == 5
     for again, state in zip(run, states, strict=True):
-        assert isinstance(again, DropletState)
+        assert isinstance(again, State)
         assert again.law == LAW
         # LAMMPS rounds centers as it wraps them
         assert again.packing.positions == pytest.approx(state.packing.positions, abs=1e-14)
@@ -104,7 +104,7 @@ def test_replayed_states(moved: tuple[Path, list]) -> None:
 def test_a_simulation_of_the_last_state(moved: tuple[Path, list]) -> None:
     folder, states = moved
     with ld.Run(folder).simulation() as sim:
-        assert isinstance(sim, DropletSimulation)
+        assert isinstance(sim, Simulation)
         assert (sim.time, sim.strain) == (states[-1].time, states[-1].strain)
         assert np.array_equal(sim.state().velocities, states[-1].velocities)
 
@@ -142,7 +142,7 @@ def test_mdanalysis_reads_runs(moved: tuple[Path, list]) -> None:
 @pytest.mark.parametrize("kind", ["droplets", "spheres"])
 def test_logs(kind: str, start: Packing, tmp_path: Path) -> None:
     spheres = kind == "spheres"
-    with ld.Spheres(start) if spheres else ld.Simulation(start, LAW) as sim:
+    with ld.Simulation(start, ld.SoftContact()) if spheres else ld.Simulation(start, LAW) as sim:
         steps = ld.compress(sim, 0.01, 1, tolerance=1e-4)
         columns = {"widest": lambda state: state.packing.box.max()}
         (last,) = ld.log(steps, tmp_path / "log.csv", **columns)

@@ -13,8 +13,8 @@ LAW = ld.Ring(kA=math.inf, kP=0.0, tension=1.0, contact="curved", adhesion=[[0.3
 
 @pytest.fixture(scope="module")
 def start() -> ld.State:
-    jammed = ld.jam(ld.bidisperse(12, seed=2))
-    with ld.Simulation(jammed.at(0.85), LAW, MPI.COMM_SELF) as sim:
+    jammed = ld.jam(ld.bidisperse(12, seed=2)).packing
+    with ld.Simulation(jammed.at(0.85), LAW, comm=MPI.COMM_SELF) as sim:
         return sim.relax()
 
 
@@ -30,7 +30,7 @@ def assert_same(states: list[ld.State], others: list[ld.State]) -> None:
 
 def test_replay(start: ld.State, tmp_path: Path) -> None:
     """Of a hot motion, in which droplets attach, stretch and let go."""
-    with ld.Simulation(start, LAW, MPI.COMM_SELF) as sim:
+    with ld.Simulation(start, LAW, comm=MPI.COMM_SELF) as sim:
         moving = ld.move(sim, steps=400, temperature=0.05, every=100, seed=1)
         states = list(ld.record(moving, tmp_path))
     assert states[-1].lost_energy > 0.0
@@ -54,9 +54,9 @@ def stretched(state: ld.State) -> bool:
 def test_resume(start: ld.State, tmp_path: Path) -> None:
     """An interrupted shear goes on with the numbers of a whole one."""
     whole, part = tmp_path / "whole", tmp_path / "part"
-    with ld.Simulation(start, LAW, MPI.COMM_SELF) as sim:
+    with ld.Simulation(start, LAW, comm=MPI.COMM_SELF) as sim:
         states = list(ld.shear_in(sim, whole, 0.1, 3, tolerance=1e-3))
-    with ld.Simulation(start, LAW, MPI.COMM_SELF) as sim:
+    with ld.Simulation(start, LAW, comm=MPI.COMM_SELF) as sim:
         steps = ld.shear_in(sim, part, 0.1, 3, tolerance=1e-3)
         next(iter(steps))
         steps.close()
@@ -66,7 +66,7 @@ def test_resume(start: ld.State, tmp_path: Path) -> None:
 
 
 def test_compression(start: ld.State) -> None:
-    with ld.Simulation(start, LAW, MPI.COMM_SELF) as sim:
+    with ld.Simulation(start, LAW, comm=MPI.COMM_SELF) as sim:
         pressures = [state.pressure for state in ld.compress(sim, 0.03, 2)]
     assert np.isfinite(pressures).all()
     assert pressures[1] > pressures[0]

@@ -16,7 +16,7 @@ MDAnalysis = pytest.importorskip("MDAnalysis")
 @pytest.fixture(scope="module", params=[0.0, -0.4])
 def moving(request: pytest.FixtureRequest) -> ld.State:
     """A packing with velocities, in a box and in a tilted box."""
-    jammed = ld.jam(ld.bidisperse(24, tilt=request.param, aspect=1.3, seed=2))
+    jammed = ld.jam(ld.bidisperse(24, tilt=request.param, aspect=1.3, seed=2)).packing
     with ld.Simulation(jammed, ld.Ring(kP=2.0, skin=0.02)) as sim:
         ld.compress(sim, strain=0.02, steps=1)
         *_, last = ld.move(sim, 40, temperature=1e-5, every=20, seed=1)

@@ -25,7 +25,7 @@ def dense(request: pytest.FixtureRequest) -> ld.State:
     """Centers of relaxed packings; the last one is in a sheared box."""
     number, seed, phi = request.param
     tilt = 0.3 if number == 40 else 0.0
-    jammed = ld.jam(ld.bidisperse(number, tilt=tilt, seed=seed))
+    jammed = ld.jam(ld.bidisperse(number, tilt=tilt, seed=seed)).packing
     with ld.Simulation(jammed.at(phi), ld.Ring()) as sim:
         return sector_state(sim.relax(1e-3).packing)
 
@@ -242,7 +242,7 @@ def test_a_primary_contact_is_no_secondary_one() -> None:
 
 
 def test_beyond_the_model() -> None:
-    state = sector_state(ld.jam(ld.bidisperse(32, seed=3)).at(1.2))
+    state = sector_state(ld.jam(ld.bidisperse(32, seed=3)).packing.at(1.2))
     secondary = ld.resolve_secondary(state)
     assert secondary.beyond == sum(np.sum(arcs[:, 2] <= 0.0) for arcs in secondary.arcs) > 0
     assert 0 < secondary.overlaps[-1] < secondary.overlaps[0]
