@@ -21,6 +21,7 @@ from .free_box import check_free
 from .laws import (
     AnyLaw,
     Droplet,
+    Jamming,
     Ring,
     Sector,
     SoftContact,
@@ -119,7 +120,7 @@ _SMALLEST_STEP = 1e-10
 
 def jam(
     packing: Packing,
-    law: AnyLaw | None = None,
+    law: Jamming | None = None,
     *,
     pressure: float = 1e-6,
     free: str = "iso",

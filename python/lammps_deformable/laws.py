@@ -564,6 +564,10 @@ class SoftContact:
         object.__setattr__(self, "k", positive("k", self.k))
 
 
+# Of a packing that jams.
+Jamming = AnyLaw | SoftContact
+
+
 def check_dimension(law: AnyLaw, dimension: int) -> None:
     """Refuse a law of the plane in three dimensions, and `Droplet` in the plane.
 
@@ -739,7 +743,7 @@ _DISKS, _DROPLETS, _RINGS, _IN_SPACE = 0.4, 1.0, 5.0, 0.8
 _INVERTED = 100
 
 
-def natural_pressure(packing: Packing, law: AnyLaw) -> float:
+def natural_pressure(packing: Packing, law: Jamming) -> float:
     """The unit of pressure of a contact law [energy/length^2].
 
         <kA R0^2 kP / (kA R0^2 + kP) + tension/R0>
@@ -757,7 +761,7 @@ def natural_pressure(packing: Packing, law: AnyLaw) -> float:
     return float(np.mean(stiffness + tension / r0))
 
 
-def excess_phi(p: float, packing: Packing, law: AnyLaw) -> float:
+def excess_phi(p: float, packing: Packing, law: Jamming) -> float:
     """phi - phi_J at a pressure p in natural units.
 
     p = 5 x^3 of rings, p = x of droplets, p = 0.4 x of disks; x = 0.8 p ln(1 + 1/p) of
@@ -770,7 +774,7 @@ def excess_phi(p: float, packing: Packing, law: AnyLaw) -> float:
     return p / _DROPLETS if _droplets(packing, law) else (max(p, 0.0) / _RINGS) ** (1.0 / 3.0)
 
 
-def pressure_above_onset(excess: float, packing: Packing, law: AnyLaw) -> float:
+def pressure_above_onset(excess: float, packing: Packing, law: Jamming) -> float:
     """The pressure in natural units at this phi - phi_J, the inverse of `excess_phi`."""
     if isinstance(law, SoftContact):
         return _DISKS * excess

@@ -20,7 +20,15 @@ from .core import unit_vectors
 from .errors import LammpsError, ParameterError
 from .friction import Friction, damped_commands
 from .lammps import gather, place, rub_and_spin, run
-from .laws import ACCURATE, Sector, longest_overdamped_step, longest_step, squeeze_under
+from .laws import (
+    ACCURATE,
+    Droplet,
+    Ring,
+    Sector,
+    longest_overdamped_step,
+    longest_step,
+    squeeze_under,
+)
 from .polishing import balanced_to
 from .progress import Steps, progress
 from .simulation import Simulation
@@ -169,6 +177,8 @@ def dynamics_of(
     Raises:
         ParameterError: the law is `Sector`, or a value is out of range.
     """
+    if not isinstance(sim.law, Ring | Sector | Droplet):
+        raise ParameterError(f"a simulation of {sim.law!r} does not move: take Ring or Droplet")
     if isinstance(sim.law, Sector):
         raise ParameterError(
             "the energy of Sector jumps where contacts appear, so that it is not conserved in "

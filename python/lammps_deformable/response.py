@@ -5,7 +5,7 @@ Modes, moduli and Newton's method ask for them, see `Hessian`.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -116,7 +116,7 @@ def _of_soft_contacts(packing: Packing, law: SoftContact, rattlers: bool) -> Hes
             "second derivatives of soft spheres do not know cylinders, cones and posts: take "
             "other walls, or a state in which none touches one"
         )
-    blocks = _Scaled(disk_blocks(sides.vector, sides.turn, contact), law.k)
+    blocks: Any = _Scaled(disk_blocks(sides.vector, sides.turn, contact), law.k)
     return Hessian(packing, blocks, by_centers(sides, len(packing)), by_strains(sides))
 
 

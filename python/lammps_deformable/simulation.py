@@ -101,12 +101,13 @@ class Simulation(OneCall):
     directions: NDArray[np.float64] | None = None
     _callback: Callback | None = None
     _imbalance = USUAL  # of contacts, over the largest force
+    law: Any
     _lmp: Any
 
     def __init__(
         self,
         packing: Packing | State,
-        law: AnyLaw,
+        law: AnyLaw | SoftContact | PolygonModel,
         *,
         friction: Friction | None = None,
         comm: MPI.Comm | None = None,
@@ -423,7 +424,7 @@ def _parts(given: Packing | State) -> tuple[Packing, State | None]:
     return (given, None) if isinstance(given, Packing) else (given.packing, given)
 
 
-def _motion(state: State | None, packing: Packing, law: AnyLaw) -> Motion:
+def _motion(state: State | None, packing: Packing, law: Any) -> Motion:
     """What goes on of a state, at rest without one; films only where the law has some."""
     if state is None:
         return Motion(np.zeros_like(packing.positions))

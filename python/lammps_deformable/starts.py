@@ -11,7 +11,7 @@ from mpi4py import MPI
 
 from ._checks import expect
 from .errors import StalledWarning, UnjammedWarning
-from .laws import AnyLaw, SoftContact, excess_phi, natural_pressure, pressure_above_onset
+from .laws import Jamming, SoftContact, excess_phi, natural_pressure, pressure_above_onset
 from .packing import Packing
 from .relax import TOLERANCE
 from .simulation import Simulation
@@ -62,7 +62,7 @@ _FAR, _FACTOR = 0.01, 0.1
 
 def stabilized(
     packing: Packing,
-    law: AnyLaw,
+    law: Jamming,
     pressure: float,
     tolerance: float,
     free: str,

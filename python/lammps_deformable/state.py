@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -48,12 +48,10 @@ if TYPE_CHECKING:
     from .modes import Modes
     from .moduli import ElasticModuli
     from .packing import Packing
-    from .polygons import Polygons
     from .secondary import SecondaryOutlines
     from .tracking import LocalStrain, Snapshot
 
 Floats = NDArray[np.float64]
-F = TypeVar("F", bound=Callable[..., Any])
 
 # Laws with particles that deform and move, of which states can be saved.
 _MOVING = (Ring, Sector, Droplet)
@@ -85,15 +83,13 @@ _RESULTS = {
 
 
 class _Only:
-    """A method or property of some states only: no attribute of others."""
+    """A method of some states only: no attribute of others."""
 
     def __init__(self, wrapped: Any, where: str) -> None:
         self._wrapped, self._where, self.__doc__ = wrapped, where, wrapped.__doc__
 
     def __set_name__(self, owner: type, name: str) -> None:
         self._name = name
-        if hasattr(self._wrapped, "__set_name__"):
-            self._wrapped.__set_name__(owner, name)
 
     def __get__(self, state: State | None, owner: type | None = None) -> Any:
         if state is not None:
@@ -102,7 +98,7 @@ class _Only:
 
 
 def _only(where: str) -> Callable[[Any], Any]:
-    """Leave an attribute to states in the `plane`, in `space`, or of some of `_LAWS`."""
+    """Leave a method to states in the `plane`, in `space`, or of some of `_LAWS`."""
     return lambda wrapped: _Only(wrapped, where)
 
 
@@ -153,7 +149,7 @@ class State:
         unsaved: what acts on the contacts by commands to `lmp`, and is not saved: walls, excluded
             pairs; empty without.
         table: the contacts where the law has them, see `contact_table`.
-        polygons: the undeformed polygons; None of other laws.
+        polygons: the undeformed `Polygons`; None of other laws.
         vertices: of each polygon, unwrapped around its center, arrays (N_v, 2) [length].
     """
 
@@ -177,7 +173,7 @@ class State:
     rubbing: Rubbing | None = None
     unsaved: str = ""
     table: ContactTable | None = None
-    polygons: Polygons | None = None
+    polygons: Any = None
     vertices: tuple[Floats, ...] = ()
 
     def __post_init__(self) -> None:
@@ -277,10 +273,10 @@ class State:
         history = self.velocities, self.time, self.strain, self.films, self.directions
         return Motion(*history, self.rubbing)
 
-    @_only("moving")
     @property
     def squeezed(self) -> tuple[str, Floats]:
         """What limits time steps: its name, the pressure in each particle or the load."""
+        self._check_has("squeezed", "moving")
         name = "load" if isinstance(self.law, Droplet) else "pressure"
         return name, self.results["load" if name == "load" else "particle_pressure"]
 
@@ -321,7 +317,6 @@ class State:
             found = np.bincount(self.contact_table["i"], minlength=len(self.packing))
         return found
 
-    @_only("plane")
     @property
     def filled_area(self) -> Floats:
         """Area of each particle with its skin, shape (N,) [length^2]; pi R^2 of a soft disk.
@@ -329,14 +324,15 @@ class State:
         Beads of other polygons interlock with those of a polygon of beads: it is filled up to its
         `effective_radius`, see `Polygons`.
         """
+        self._check_has("filled_area", "plane")
         if isinstance(self.law, SoftContact):
             return np.pi * self.packing.radius**2
         return filled_area(self.area, self.perimeter, self._skin)
 
-    @_only("space")
     @property
     def filled_volume(self) -> Floats:
         """4 pi R^3/3 of each particle, shape (N,) [length^3]."""
+        self._check_has("filled_volume", "space")
         return 4.0 / 3.0 * np.pi * self.packing.radius**3
 
     @property
@@ -366,7 +362,6 @@ class State:
         shape: Floats = self.perimeter**2 / (4.0 * np.pi * self.area)
         return shape
 
-    @_only("plane")
     @cached_property
     def outlines(self) -> list[Floats]:
         """Outline of each particle, closed polygons of its area, of shape (m, 2) [length].
@@ -374,6 +369,7 @@ class State:
         Points between contacts of rings lie outside of the exact outline by 1e-4 of the radius.
         Soft disks are circles; polygons have their vertices.
         """
+        self._check_has("outlines", "plane")
         if self.vertices:
             return list(self.vertices)
         if isinstance(self.law, SoftContact):

@@ -11,6 +11,7 @@ from lammps_deformable.packing import Packing
 from lammps_deformable.parallel import jackknife, power_law
 from lammps_deformable.random import bidisperse
 from lammps_deformable.simulation import Simulation
+from lammps_deformable.soft_disks import relax_at_pressure
 from lammps_deformable.state import State
 from mpi4py import MPI
 from numpy.typing import NDArray
@@ -85,7 +86,7 @@ def measure(
 def _states(law: str, disks: Packing, onset: float, excess_phi: Sequence[float]) -> Iterator[State]:
     """The packing, relaxed near each phi - phi_J."""
     settings = contact_law(law)
-    if settings is None:
+    if isinstance(settings, SoftContact):
         for excess in excess_phi:
             relaxed = relax_at_pressure(
                 disks, _SLOPE * excess, _TOLERANCE, _PATIENCE, lambda *values: None

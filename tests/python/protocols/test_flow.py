@@ -126,7 +126,7 @@ def test_refused_simulations(rest: ld.State) -> None:
     flow = {"rate": 1e-3, "friction": 1.0}
     with (
         ld.Simulation(rest.packing, ld.SoftContact()) as disks,
-        pytest.raises(ld.ParameterError, match="SoftContact.* is sheared without a rate only"),
+        pytest.raises(ld.ParameterError, match=r"SoftContact.* is sheared without a rate only"),
     ):
         shear(disks, 0.1, 1, **flow)
     with (

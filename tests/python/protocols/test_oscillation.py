@@ -156,7 +156,7 @@ def test_refusals_of_moduli(rest: ld.State) -> None:
     with pytest.raises(ld.ParameterError, match="discarded must not be negative, not -1"):
         dynamic_modulus(rest, STRAIN, discarded=-1)
     with ld.Simulation(rest.packing, ld.SoftContact()) as disks:
-        with pytest.raises(ld.ParameterError, match="SoftContact.* is sheared without a rate"):
+        with pytest.raises(ld.ParameterError, match=r"SoftContact.* is sheared without a rate"):
             oscillate(disks, STRAIN, 10.0, friction=1.0)
         soft = disks.relax(1e-9)
     found = dynamic_modulus(soft, STRAIN, cycles=2, discarded=0, steps=8, tolerance=1e-10)

@@ -199,7 +199,7 @@ def test_refusals(rest: State, leaning: State) -> None:
             ld.settle(sim, 1e-3)
     with (
         ld.Simulation(rest.packing, ld.SoftContact()) as spheres,
-        pytest.raises(ld.ParameterError, match="SoftContact.* is sheared without a rate only"),
+        pytest.raises(ld.ParameterError, match=r"SoftContact.* is sheared without a rate only"),
     ):
         ld.shear(spheres, 0.1, 1, rate=1.0, friction=1.0)
     walls = ld.cuboid(8.0, 8.0, 8.0)

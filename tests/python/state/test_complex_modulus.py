@@ -19,9 +19,8 @@ def ring(contact: str) -> ld.State:
 
 
 def soft(dimension: int) -> ld.State:
-    kind = ld.Disks if dimension == 2 else ld.Spheres
     jammed = ld.jam(ld.bidisperse(24, dimension=dimension, seed=2)).packing
-    with kind(jammed.at(jammed.phi + 0.05)) as sim:
+    with ld.Simulation(jammed.at(jammed.phi + 0.05), ld.SoftContact()) as sim:
         return sim.relax(1e-11)
 
 

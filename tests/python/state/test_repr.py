@@ -45,7 +45,10 @@ def test_other_states(jammed: ld.Packing) -> None:
         assert repr(disks.state()).startswith("<State: 32 particles, soft disks, phi = 0.8")
     with ld.Simulation(ld.cubic("fcc", 2, phi=0.8), ld.SoftContact()) as spheres:
         side = f"{spheres.box[0, 0]:.4g}"
-        assert repr(spheres) == f"<Simulation: 32 particles, law SoftContact(k=1.0), box {side} x {side} x {side}>"
+        assert (
+            repr(spheres)
+            == f"<Simulation: 32 particles, law SoftContact(k=1.0), box {side} x {side} x {side}>"
+        )
     assert repr(spheres) == "<Simulation: closed>"
     few = ld.jam(ld.bidisperse(8, seed=1)).packing
     with ld.Simulation(few, ld.PolygonModel(vertices=20)) as sim:
