@@ -1,7 +1,7 @@
 # Everything from a fresh clone, with Python >= 3.10, a C++17 compiler and make:
 #
-#   make demo        compress 128 particles, with picture, trajectory and tables in demo/, and compare
-#                    the contact laws with polygons
+#   make demo        compress 128 particles, with picture, trajectory and tables in demo/, and measure
+#                    errors of the contact laws
 #   make test        run the tests without the long ones
 #   make test-slow   run the long tests
 #   make lint        check style and types
@@ -31,7 +31,7 @@ export PYTHONDONTWRITEBYTECODE :=
 
 demo: $(VENV)/installed
 	@$(BIN)/deformable compress --number 128 --strain 0.01 --steps 10 --seed 1 --out demo --overwrite
-	@$(BIN)/deformable compare --number 16
+	@$(BIN)/deformable report --number 16 --out demo/report --overwrite
 
 test: $(VENV)/installed-test
 	@$(BIN)/python -m pytest -q -n $(JOBS) --dist loadfile -m "not slow" tests

@@ -74,7 +74,7 @@ def cases(short: bool) -> Iterator[tuple[str, Callable[[], object]]]:
 
 def strained(law: df.Ring, protocol: Callable[..., Iterator[df.State]]) -> list[object]:
     """Packings, energies, stresses and areas on the way."""
-    with df.Simulation(df.jam(df.bidisperse(64)).packing.at(0.86), law) as sim:
+    with df.Simulation(df.jam(df.bidisperse(64, seed=1)).packing.at(0.86), law) as sim:
         states = list(protocol(sim, STRAIN, STEPS))
     return [[s.packing, s.energy, s.stress, s.area, s.contact_table["force"]] for s in states]
 
@@ -82,7 +82,7 @@ def strained(law: df.Ring, protocol: Callable[..., Iterator[df.State]]) -> list[
 def rings() -> list[object]:
     """The reference model."""
     with df.Simulation(
-        df.jam(df.bidisperse(6)).packing, df.PolygonModel(vertices=30, smooth=True)
+        df.jam(df.bidisperse(6)).packing, df.DeformablePolygon(vertices=30, smooth=True)
     ) as sim:
         states = list(df.compress(sim, STRAIN, STEPS))
     return [[s.energy, s.stress, s.area_deficit, *s.outlines] for s in states]
@@ -97,7 +97,7 @@ def digest(found: object) -> str:
             for each in value:
                 add(each)
         elif isinstance(value, df.Packing):
-            add([value.positions, value.box, value.radius])
+            add([value.positions, value.box, value.radii])
         else:
             total.update(np.ascontiguousarray(value, dtype=np.float64).tobytes())
 

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 import lammps_deformable as ld
 import numpy as np
 from lammps_deformable import smooth_polygons
-from lammps_deformable.report import standard_polygons
+from lammps_deformable.comparison import standard_polygons
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

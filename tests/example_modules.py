@@ -34,7 +34,7 @@ def quick(module: ModuleType, folder: Path, monkeypatch: pytest.MonkeyPatch) -> 
     monkeypatch.chdir(folder)
     monkeypatch.setattr(module.plt.Figure, "savefig", lambda figure, file, **_: None)
     monkeypatch.setattr(
-        module.ld, "parallel_map", lambda call, each, **_: [call(*one) for one in each]
+        module.ld, "parallel_map", lambda f, items, **_: [f(item) for item in items]
     )
     module.main(True)
     (file,) = folder.glob("*.json")

@@ -43,7 +43,9 @@ def output(*words: object, cwd: Path, **options: object) -> str:
 def study(name: str, *words: object, cwd: Path) -> str:
     """What a study of `validation` prints, which writes its results into the folder `cwd`."""
     root = str(Path(__file__).parents[1])
-    return output("python", "-m", f"validation.{name}", *words, cwd=cwd, PYTHONPATH=root)
+    return output(
+        "python", "-m", f"validation.{name}", *words, "--out", ".", cwd=cwd, PYTHONPATH=root
+    )
 
 
 def command(*words: object, cwd: Path) -> subprocess.CompletedProcess[str]:

@@ -16,7 +16,10 @@ from mkdocs.structure.files import File, Files
 from mkdocs.structure.pages import Page
 
 ROOT = Path(__file__).parents[2]
-PAGES = ("*.md", "docs/*.md", "docs/api/*.md", "examples/*/README.md", "benchmarks/README.md")
+PAGES = (
+    *("*.md", "docs/*.md", "docs/api/*.md", "examples/*/README.md", "benchmarks/README.md"),
+    *("validation/README.md", "validation/*/README.md"),
+)
 ADDRESSES = {
     "README.md": "index.html",
     "docs/README.md": "contents/index.html",
@@ -24,8 +27,7 @@ ADDRESSES = {
     "CHANGELOG.md": "changes/index.html",
 }
 STANDS_FOR = {
-    "docs/report": "docs/report/index.md",
-    "docs/report/index.html": "docs/report/index.md",
+    "validation/report": "validation/report/index.md",
     "docs/tutorial.ipynb": "docs/tutorial.md",
     "examples": "docs/cookbook.md",
 }

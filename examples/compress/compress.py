@@ -2,7 +2,7 @@
 
 import lammps_deformable as ld
 
-packing = ld.bidisperse(128, radii=(0.5, 0.7), seed=5)
+packing = ld.bidisperse(128, sizes=(0.5, 0.7), seed=5)
 jammed = ld.jam(packing).packing
 print(f"jammed at phi = {jammed.phi:.5f}")
 

@@ -23,7 +23,7 @@ HEADS = ("phi", "pressure", "coordination", "shear modulus", "bulk modulus", "sh
 
 def measure(seed):
     """A packing from its onset to the last phi: phi_J, and a row for each phi."""
-    loose = ld.bidisperse(NUMBER, radii=RADII, seed=seed)
+    loose = ld.bidisperse(NUMBER, sizes=RADII, seed=seed)
     jammed = ld.jam(loose, DROPLETS, tolerance=1e-6).packing  # 1e-6 above the onset
     rows = []
     with ld.Simulation(jammed, DROPLETS) as sim:
@@ -41,12 +41,12 @@ def measure(seed):
 def means(packings):
     """Means over the packings and their errors, each of shape (phi, quantities)."""
     rows = [packing["rows"] for packing in packings]
-    return ld.jackknife(lambda some: np.mean(some, axis=0), rows)
+    return ld.jackknife(rows, lambda some: np.mean(some, axis=0))
 
 
 def table(packings):
     """phi_J, and the lines of the table, with errors of the last digits."""
-    onset, error = ld.jackknife(np.mean, [packing["phi_J"] for packing in packings])
+    onset, error = ld.jackknife([packing["phi_J"] for packing in packings])
     yield f"phi_J = {with_error(onset, error)}, {len(packings)} packings of {NUMBER} droplets"
     yield "| " + " | ".join(HEADS) + " |"
     yield "|" + "---|" * len(HEADS)
@@ -95,7 +95,7 @@ def draw(packings, file):
 
 
 if __name__ == "__main__":
-    packings = ld.parallel_map(measure, [(seed,) for seed in SEEDS])
+    packings = ld.parallel_map(measure, SEEDS)
     with open("emulsion.json", "w") as file:
         json.dump(packings, file, separators=(",", ":"))
     print(*table(packings), sep="\n")

@@ -28,7 +28,7 @@ STEP = 0.01  # strain between states
 
 def prepare(number):
     """A packing at rest, saved in a folder."""
-    jammed = ld.jam(ld.bidisperse(number, radii=RADII, seed=1), DROPLETS, pressure=1e-4).packing
+    jammed = ld.jam(ld.bidisperse(number, sizes=RADII, seed=1), DROPLETS, pressure=1e-4).packing
     with ld.Simulation(jammed.at(PHI), DROPLETS) as sim:
         sim.relax(1e-4).save("start", overwrite=True)
 
@@ -122,7 +122,7 @@ if __name__ == "__main__":
     longer = [min(math.sqrt(rate / RATES[0]), LONGER) for rate in RATES]
     calls = [(rate, given.strain * more) for rate, more in zip(RATES, longer, strict=True)]
     calls.append((0.0, given.strain))
-    found = ld.parallel_map(flow, calls)
+    found = ld.parallel_map(lambda call: flow(*call), calls)
     runs = [
         {"rate": rate, "blocks": blocks(*curve[:2])}
         for (rate, _), curve in zip(calls, found, strict=True)

@@ -31,7 +31,7 @@ def free_droplets(seed):
     box = start.box * np.sqrt(np.pi * np.sum(radius**2) / PHI / np.linalg.det(start.box))
     place = start.positions @ np.linalg.solve(start.box, box)
     species = np.zeros(NUMBER, int)
-    return ld.push_off(ld.Packing(place, species, [0.55], box, radius))
+    return ld.Packing(place, radius, box, species=species).push_off()
 
 
 def films_of(state):
@@ -107,7 +107,7 @@ def summarize(adhesion, gels):
 
 def main():
     calls = [(adhesion, seed) for adhesion in (0.0, *ADHESIONS) for seed in SEEDS]
-    found = ld.parallel_map(measure, calls)
+    found = ld.parallel_map(lambda call: measure(*call), calls)
     gels = dict(zip(calls, found, strict=True))
     for call in calls[len(SEEDS) :]:
         show(*call, gels[call])

@@ -20,7 +20,7 @@ NUMBER = 200
 RADII = (0.4, 0.6)  # the mean diameter is 1, as all masses are
 GRAIN = ld.Ring(kA=math.inf, kP=0.0, tension=1.0, reach=1.0)  # keeps its area
 STIFFNESS = 4 * math.pi / 3  # of a contact, 2 pi tension/(3 R)
-CONTACT = {"kt": 2.0, "gt": 0.3, "damp": 0.5}
+CONTACT = {"kt": 2.0, "gt": 0.3, "damping": 0.5}
 STEP = 0.05  # of time
 
 # Pressure over stiffness of a contact, and coefficient of friction.
@@ -119,7 +119,7 @@ def averaged(run):
         "sideways": (of["sideways"], of["pressure"]),
         "lost": (of["lost"], of["work"]),
     }
-    return {name: ld.jackknife(ratio, np.transpose(each)) for name, each in pairs.items()}
+    return {name: ld.jackknife(np.transpose(each), ratio) for name, each in pairs.items()}
 
 
 def ratio(pairs):
@@ -203,7 +203,7 @@ def planned(quick):
 
 def main(quick):
     calls = planned(quick)
-    found = ld.parallel_map(flow, calls, keep=None if quick else "flows")
+    found = ld.parallel_map(lambda call: flow(*call), calls)
     if MPI.COMM_WORLD.rank == 0:
         data = []
         for (softness, mu, inertia, number, _), rows in zip(calls, found, strict=True):

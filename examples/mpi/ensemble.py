@@ -15,6 +15,6 @@ def pressure(seed):
 
 
 if __name__ == "__main__":
-    found = ld.parallel_map(pressure, [(seed,) for seed in range(1, 9)])
+    found = ld.parallel_map(pressure, range(1, 9))
     if MPI.COMM_WORLD.rank == 0:
         print(f"pressure {np.mean(found):.15e} +- {np.std(found) / np.sqrt(7):.1e}")

@@ -20,13 +20,13 @@ TEMPERATURE, FRICTION = 0.015, 0.3
 def mixture(seed):
     """Cells of radius 0.5 at random positions, where they do not overlap, in a round container."""
     rng = np.random.default_rng(seed)
-    container = ld.Circle((0, 0), np.sqrt(0.25 * NUMBER / PHI))
+    container = ld.Sphere(np.sqrt(0.25 * NUMBER / PHI), (0, 0))
     distance = (container.radius - 0.5) * np.sqrt(rng.uniform(size=NUMBER))
     angle = rng.uniform(0, 2 * np.pi, NUMBER)
     place = np.column_stack([distance * np.cos(angle), distance * np.sin(angle)])
     kinds = np.arange(NUMBER) % 2
-    cells = ld.Packing(place, kinds, [0.5, 0.5], np.eye(2), None, [container])
-    return ld.push_off(cells)
+    cells = ld.Packing(place, 0.5, np.eye(2), species=kinds, walls=[container])
+    return cells.push_off()
 
 
 def unlike(state):

@@ -6,7 +6,7 @@ import numpy as np
 TEMPERATURE, FRICTION, TIMESTEP, EVERY = 1e-6, 0.005, 0.25, 100
 
 for name, phi in (("fluid", 0.6), ("glass", 0.9)):
-    packing = ld.push_off(ld.bidisperse(64, phi=phi, seed=1))
+    packing = ld.bidisperse(64, phi=phi, seed=1).push_off()
     sim = ld.Simulation(packing, ld.Ring(kA=1.0))
     bath = {"temperature": TEMPERATURE, "friction": FRICTION, "timestep": TIMESTEP, "every": EVERY}
     for _ in ld.move(sim, 8_000, **bath, seed=1):

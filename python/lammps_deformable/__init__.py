@@ -25,15 +25,16 @@ if TYPE_CHECKING:
     from .comparison import Comparison as Comparison
     from .comparison import compare as compare
     from .compression import compress as compress
-    from .crystal import cubic as cubic
-    from .crystal import triangular as triangular
+    from .crystals import crystal as crystal
     from .errors import BeyondModelWarning as BeyondModelWarning
     from .errors import CallError as CallError
+    from .errors import DeformableError as DeformableError
     from .errors import FileError as FileError
     from .errors import JumpWarning as JumpWarning
     from .errors import LammpsError as LammpsError
     from .errors import ParameterError as ParameterError
     from .errors import StalledWarning as StalledWarning
+    from .errors import UndefinedError as UndefinedError
     from .errors import UnjammedWarning as UnjammedWarning
     from .errors import UnsavedWarning as UnsavedWarning
     from .friction import Friction as Friction
@@ -50,8 +51,7 @@ if TYPE_CHECKING:
     from .packing import Packing as Packing
     from .parallel import jackknife as jackknife
     from .parallel import parallel_map as parallel_map
-    from .polygons import PolygonModel as PolygonModel
-    from .polygons import Walls as Walls
+    from .polygons import DeformablePolygon as DeformablePolygon
     from .random import bidisperse as bidisperse
     from .random import polydisperse as polydisperse
     from .recording import compress_in as compress_in
@@ -68,38 +68,34 @@ if TYPE_CHECKING:
     from .shearing import oscillate as oscillate
     from .shearing import shear as shear
     from .simulation import Simulation as Simulation
-    from .starts import push_off as push_off
     from .state import State as State
     from .tracking import unwrapped as unwrapped
-    from .walls import Ball as Ball
-    from .walls import Circle as Circle
+    from .walls import BoxWall as BoxWall
     from .walls import Cone as Cone
     from .walls import Cylinder as Cylinder
-    from .walls import Disk as Disk
     from .walls import Plane as Plane
-    from .walls import Polygon as Polygon
-    from .walls import Post as Post
+    from .walls import PolygonWall as PolygonWall
     from .walls import Segment as Segment
     from .walls import Sphere as Sphere
-    from .walls import cuboid as cuboid
-    from .walls import rectangle as rectangle
 
     __version__: str
     potentials: Path
 
 _HOMES = {
-    "PolygonModel": "polygons",
-    "Ball": "walls",
+    "crystal": "crystals",
+    "PolygonWall": "walls",
+    "BoxWall": "walls",
+    "DeformablePolygon": "polygons",
     "BeyondModelWarning": "errors",
     "CallError": "errors",
-    "Circle": "walls",
     "Comparison": "comparison",
     "Cone": "walls",
     "Cylinder": "walls",
-    "Disk": "walls",
     "Droplet": "laws",
     "DynamicModulus": "shearing",
+    "DeformableError": "errors",
     "FileError": "errors",
+    "UndefinedError": "errors",
     "Friction": "friction",
     "JumpWarning": "errors",
     "LammpsError": "errors",
@@ -107,8 +103,6 @@ _HOMES = {
     "Packing": "packing",
     "ParameterError": "errors",
     "Plane": "walls",
-    "Polygon": "walls",
-    "Post": "walls",
     "Ring": "laws",
     "Run": "run",
     "Sector": "laws",
@@ -120,15 +114,12 @@ _HOMES = {
     "State": "state",
     "UnjammedWarning": "errors",
     "UnsavedWarning": "errors",
-    "Walls": "polygons",
     "bidisperse": "random",
     "bulk_modulus": "measured_moduli",
     "compare": "comparison",
     "compress": "compression",
     "compress_in": "recording",
     "creep": "shearing",
-    "cubic": "crystal",
-    "cuboid": "walls",
     "dynamic_modulus": "shearing",
     "export": "run",
     "jackknife": "parallel",
@@ -139,15 +130,12 @@ _HOMES = {
     "oscillate": "shearing",
     "parallel_map": "parallel",
     "polydisperse": "random",
-    "push_off": "starts",
     "record": "recording",
-    "rectangle": "walls",
     "settle": "settling",
     "shear": "shearing",
     "shear_in": "recording",
     "shear_modulus": "measured_moduli",
     "state_in_file": "run",
-    "triangular": "crystal",
     "unwrapped": "tracking",
 }
 

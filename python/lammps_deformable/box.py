@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._checks import numbers, shown, whole
-from .errors import AbsentError, ParameterError
+from .errors import ParameterError, UndefinedError
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -36,7 +36,7 @@ def refuse_space(what: str, dimension: int, way_out: str, attribute: bool = Fals
         ParameterError: there are three dimensions.
     """
     if dimension == 3:
-        raise (AbsentError if attribute else ParameterError)(
+        raise (UndefinedError if attribute else ParameterError)(
             f"{what} is for packings in the plane, and this one has three dimensions: {way_out}"
         )
 

@@ -20,7 +20,9 @@ import numpy as np
 from mpi4py import MPI
 from numpy.typing import ArrayLike, NDArray
 
-from ._checks import count, expect
+from . import core
+from ._checks import count, expect, shown
+from ._files import make_folder
 from .box import cartesian, fractional
 from .compression import compress
 from .core import angles, norm, unit_vectors
@@ -28,7 +30,7 @@ from .errors import ParameterError
 from .laws import Law, Ring, Sector, SoftContact, per_species, refuse_adhesion
 from .packing import Packing
 from .parallel import parallel_map
-from .polygons import PolygonModel, Polygons
+from .polygons import DeformablePolygon, Polygons
 from .simulation import Simulation
 from .state import State
 from .versions import optional
@@ -162,7 +164,7 @@ def compare(
     start: Packing | State | Sequence[State],
     *,
     law: Law | None = None,
-    polygon: PolygonModel | None = None,
+    polygon: DeformablePolygon | None = None,
     vertices: Iterable[int] = (38, 57, 76),
     beads: Iterable[int] = (),
     strain: float = 0.02,
@@ -190,15 +192,18 @@ def compare(
         strain: total linear strain of the compression.
         steps: number of steps.
         workers: methods at a time, as in `parallel_map`.
-        keep: folder of the results of methods that are complete, as in `parallel_map`.
+        keep: folder of pickles, of the results of methods that are complete: only you may write to
+            it, because reading a pickle runs the code in it.
 
     Raises:
         ParameterError: circles overlap; a run is no isotropic compression; or particles stick, or
             have a tension: polygons have none.
     """
-    if isinstance(start, State) and isinstance(start.law, PolygonModel):
+    if isinstance(start, State) and isinstance(start.law, DeformablePolygon):
         return _at_centers(start, law)
     first, strain, steps = _begin(start, strain, steps)
+    if not 0.0 < strain < 1.0:
+        raise ParameterError(f"strain must lie between 0 and 1, not {strain}")
     packing = first if isinstance(first, Packing) else first.packing
     expect("packing", packing, Packing)
     for each in (law, None if isinstance(first, Packing) else first.law):
@@ -231,7 +236,8 @@ def _begin(start: Any, strain: float, steps: int) -> tuple[Packing | State, floa
     """Where a comparison begins, its strain and steps."""
     if isinstance(start, (Packing, State)):
         return start, strain, steps
-    expect("start", start, Sequence)
+    if not hasattr(start, "__getitem__"):
+        raise ParameterError(f"start must be a packing, a state or a run, not {shown(start)}")
     first, last = start[0], start[-1]
     whole = first.packing.box
     strain = 1.0 - float(last.packing.box[0, 0] / whole[0, 0])
@@ -242,11 +248,11 @@ def _begin(start: Any, strain: float, steps: int) -> tuple[Packing | State, floa
 
 def _polygons(
     packing: Packing,
-    polygon: PolygonModel | None,
+    polygon: DeformablePolygon | None,
     law: Law | None,
     vertices: int,
     smooth: bool = True,
-) -> PolygonModel:
+) -> DeformablePolygon:
     """Polygons of another number of vertices with the stiffness of a model, or of a law."""
     if polygon is not None:
         times = vertices / float(np.min(polygon.vertices))
@@ -256,12 +262,12 @@ def _polygons(
         return replace(polygon, vertices=of_each, kL=springs, smooth=smooth)
     if law is None:
         return standard_polygons(vertices, smooth=smooth)
-    kinds = len(packing.radii)
+    kinds = len(packing._species_radii)
     kA, kP = (per_species(value, kinds) for value in (law.kA, law.kP))
-    return stiff_polygons(packing.radii, vertices, kA, kP, smooth)
+    return stiff_polygons(packing._species_radii, vertices, kA, kP, smooth)
 
 
-def standard_polygons(count: int, kP: float = 6.0, smooth: bool = True) -> PolygonModel:
+def standard_polygons(count: int, kP: float = 6.0, smooth: bool = True) -> DeformablePolygon:
     """Polygons for the measurements, of kA = 1 and contacts of range c = 0.05 and stiffness 10.
 
     Args:
@@ -269,7 +275,7 @@ def standard_polygons(count: int, kP: float = 6.0, smooth: bool = True) -> Polyg
         kP: stiffness of their perimeter [energy/length^2].
         smooth: whether they are smooth, else bead polygons.
     """
-    return PolygonModel(vertices=count, radius=SKIN, kL=kP * count, kr=CONTACT, smooth=smooth)
+    return DeformablePolygon(count, smooth=smooth, radius=SKIN, kL=kP * count, kr=CONTACT)
 
 
 def stiff_polygons(
@@ -278,21 +284,23 @@ def stiff_polygons(
     kA: Sequence[float],
     kP: Sequence[float],
     smooth: bool = True,
-) -> PolygonModel:
+) -> DeformablePolygon:
     """Polygons of species of these stiffnesses, arguments as for `standard_polygons`.
 
     Where kP is infinite, polygons have 10 kA R^2 instead, because no spring is rigid.
     """
-    polygons = PolygonModel(vertices=count, radius=SKIN, smooth=True).polygons(radii)
+    polygons = DeformablePolygon(count, radius=SKIN).polygons(radii)
     springs = polygons.number * np.where(np.isinf(kP), STIFF * np.array(kA) * radii**2, kP)
-    return PolygonModel(count, SKIN, springs.tolist(), kA, kr=CONTACT * max(kA), smooth=smooth)
+    return DeformablePolygon(
+        count, smooth=smooth, radius=SKIN, kL=springs.tolist(), kA=kA, kr=CONTACT * max(kA)
+    )
 
 
-def _matched(law: Law, model: PolygonModel, packing: Packing) -> Law:
+def _matched(law: Law, model: DeformablePolygon, packing: Packing) -> Law:
     """The law for particles like these polygons: with their kP, and their vertices as a skin."""
     if isinstance(law, Sector):
         return law
-    polygons = model.polygons(packing.radii)
+    polygons = model.polygons(packing._species_radii)
     return replace(law, kP=polygons.kP.tolist(), skin=polygons.skin.tolist())
 
 
@@ -311,10 +319,10 @@ def _at_centers(exact: State, law: Law | None) -> Comparison:
 
 def compression_rows(
     start: Packing,
-    model: PolygonModel,
+    model: DeformablePolygon,
     strain: float,
     steps: int,
-    rivals: Sequence[PolygonModel] = (),
+    rivals: Sequence[DeformablePolygon] = (),
     *,
     laws: Mapping[str, Law] | None = None,
     workers: int | None = None,
@@ -355,13 +363,18 @@ def compression_rows(
         seconds_polygons: that of the reference's relaxation.
     """
     if laws is None:
-        laws = matching_laws(model, model.polygons(start.radii))
+        laws = matching_laws(model, model.polygons(start._species_radii))
     own = [name for name in laws if name not in _RESTLESS]
     others = [matching(start, rival) for rival in rivals]
     calls: list[tuple[Any, ...]] = [(start, model, strain, steps)]
     calls += [(other, rival, strain, steps) for other, rival in zip(others, rivals, strict=True)]
     calls += [(start, laws[name], strain, steps) for name in own]
-    found = parallel_map(_path, calls, workers, "methods", keep=keep)
+    follow = _path
+    if keep is not None:
+        from joblib import Memory
+
+        follow = Memory(str(make_folder(keep) / core.version), verbose=0).cache(_path)
+    found = parallel_map(lambda call: follow(*call), calls, workers=workers)
     reference, *found = found
     paths = dict(zip(own, found[len(rivals) :], strict=True))
     rows: list[Row] = []
@@ -462,12 +475,12 @@ def of_many_vertices(coarse: float, fine: float, times: float) -> float:
     return fine + (fine - coarse) / (times**2 - 1.0)
 
 
-def _path(start: Packing, method: Law | PolygonModel, strain: float, steps: int) -> Steps:
-    path = polygon_path if isinstance(method, PolygonModel) else law_path
+def _path(start: Packing, method: Law | DeformablePolygon, strain: float, steps: int) -> Steps:
+    path = polygon_path if isinstance(method, DeformablePolygon) else law_path
     return path(start, method, strain, steps)  # type: ignore[arg-type]
 
 
-def polygon_path(start: Packing, model: PolygonModel, strain: float, steps: int) -> Steps:
+def polygon_path(start: Packing, model: DeformablePolygon, strain: float, steps: int) -> Steps:
     """Polygons compressed from jamming: states, and seconds of processor time, of the steps."""
     with Simulation(start, model, comm=MPI.COMM_SELF) as polygons, warnings.catch_warnings():
         warnings.simplefilter("ignore")  # the rows have the residuals
@@ -510,12 +523,12 @@ def _over(value: float, exact: float) -> float | None:
 
 
 def _shape_error(exact: State, other: State) -> float | None:
-    if not isinstance(other.law, PolygonModel):
+    if not isinstance(other.law, DeformablePolygon):
         try:
             return float(shape_errors(exact, other).mean())
         except ParameterError:  # an outline folds
             return None
-    radius = exact.packing.radius
+    radius = exact.packing.radii
     return float(np.mean(np.abs(_dents(exact) - _dents(other)) / radius[:, None]))
 
 
@@ -532,7 +545,7 @@ def _dents(state: State) -> NDArray[np.float64]:
 
 
 def matching_laws(
-    model: PolygonModel, polygons: Polygons, rigid: Sequence[bool] = ()
+    model: DeformablePolygon, polygons: Polygons, rigid: Sequence[bool] = ()
 ) -> dict[str, Law]:
     """The contact laws for such polygons, by name.
 
@@ -562,12 +575,12 @@ def matching_laws(
     return found
 
 
-def matching(packing: Packing, model: PolygonModel) -> Packing:
+def matching(packing: Packing, model: DeformablePolygon) -> Packing:
     """The packing with other radii, such that the polygons have its own radii as effective ones."""
-    radii = packing.radii
+    radii = packing._species_radii
     for _ in range(10):  # the roughness hardly depends on the radius: each step gains two digits
-        radii = radii + packing.radii - model.polygons(radii).effective_radius
-    return replace(packing, radii=radii)
+        radii = radii + packing._species_radii - model.polygons(radii).effective_radius
+    return packing.replace(radii=radii[packing.species])
 
 
 def is_unjammed(own: State, exact: State) -> bool:
@@ -597,7 +610,7 @@ def _rms(a: Packing, b: Packing, held: NDArray[np.bool_]) -> float | None:
     apart -= apart[0]  # then the nearest image does not depend on the drift
     apart = cartesian(apart - np.rint(apart), b.box)
     apart -= apart.mean(axis=0)
-    return float(np.sqrt(np.mean(np.sum(apart**2, axis=1))) / b.radius.mean())
+    return float(np.sqrt(np.mean(np.sum(apart**2, axis=1))) / b.radii.mean())
 
 
 def predict(reference: State, law: Law | None = None, comm: MPI.Comm | None = None) -> State:
@@ -616,12 +629,13 @@ def predict(reference: State, law: Law | None = None, comm: MPI.Comm | None = No
         LammpsError: see `Simulation.relax`.
     """
     expect("reference", reference, State)
-    expect("the law of reference", reference.law, PolygonModel)
+    expect("the law of reference", reference.law, DeformablePolygon)
     if law is None:
         law = matching_laws(reference.law, reference.polygons)["balanced"]
     expect("law", law, Ring, Sector)
     refuse_adhesion(law, (), ", and polygons have none")
-    packing = replace(reference.packing, radii=reference.polygons.effective_radius)
+    radii = reference.polygons.effective_radius[reference.packing.species]
+    packing = reference.packing.replace(radii=radii)
     with Simulation(packing, law, comm=comm) as sim:
         return sim.state()
 
@@ -629,7 +643,7 @@ def predict(reference: State, law: Law | None = None, comm: MPI.Comm | None = No
 def polygon_outlines(reference: State, state: State) -> list[NDArray[np.float64]]:
     """Lines of bead centers in a law, about each particle's own center, arrays (m, 2) [length]."""
     polygons = reference.polygons.radius[reference.packing.species]
-    return state.parallels(state.packing.radius - polygons, _POINTS)
+    return state.parallels(state.packing.radii - polygons, _POINTS)
 
 
 def shape_errors(reference: State, state: State) -> NDArray[np.float64]:
@@ -644,7 +658,7 @@ def shape_errors(reference: State, state: State) -> NDArray[np.float64]:
             reference.outlines,
             reference.packing.positions,
             polygon_outlines(reference, state),
-            reference.packing.radius,
+            reference.packing.radii,
             strict=True,
         )
     ):

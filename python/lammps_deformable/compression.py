@@ -13,7 +13,7 @@ from ._checks import count, expect, finite, positive
 from .errors import ParameterError, UnjammedWarning
 from .free_box import UnreachedError, reach, told_at_the_end
 from .laws import SoftContact
-from .polygons import PolygonModel
+from .polygons import DeformablePolygon
 from .progress import Steps, progress
 from .ranks import world
 from .simulation import Simulation
@@ -90,7 +90,7 @@ def check_target(sim: Simulation | None, steps: int, **targets: float | None) ->
         check_strain_and_steps(target, steps)
         return name, float(target)
     law = sim.law if sim else None
-    if name == "pressure" and isinstance(law, PolygonModel):
+    if name == "pressure" and isinstance(law, DeformablePolygon):
         raise ParameterError("polygons have no target pressure: give strain or phi")
     if positive(name, target) >= 1.0 and name == "phi" and not isinstance(law, SoftContact):
         raise ParameterError(

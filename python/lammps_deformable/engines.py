@@ -15,7 +15,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from itertools import combinations_with_replacement
 from typing import TYPE_CHECKING, Any
 
@@ -91,7 +90,7 @@ from .relax import (
     thermo_commands,
     virial_command,
 )
-from .room import Distances, check_centers, check_fit, free_room
+from .room import Distances, check_centers, check_fit
 from .state import State
 
 if TYPE_CHECKING:
@@ -136,11 +135,11 @@ def particles_in_lammps(
         LammpsError: LAMMPS refuses the packing or the law.
     """
     lmp = open_lammps(packing, comm)
-    with shared_file(comm, species_file(law, packing.radii)) as file:
+    with shared_file(comm, species_file(law, packing._species_radii)) as file:
         run(lmp, law_commands(packing, law, file))
     place_walls(lmp, packing.walls)
     run(lmp, film_commands(law, packing.walls))
-    run(lmp, friction_commands(friction, len(packing.radii)))
+    run(lmp, friction_commands(friction, len(packing._species_radii)))
     if friction:  # evaluations have one too
         run(lmp, f"timestep {min(friction.accurate_step, _TIMESTEP)!r}")
     run(lmp, commands_of_energy(law, bool(packing.walls or friction)))
@@ -265,25 +264,23 @@ class Deformables:
     def check(self, packing: Packing, friction: Friction | None) -> None:
         """Refuse what the law cannot have."""
         check_dimension(self.law, packing.dimension)
-        species_file(self.law, packing.radii)
+        species_file(self.law, packing._species_radii)
         if friction:
             check_friction(friction, packing, self.law)
 
     def opened(self, packing: Packing, friction: Friction | None) -> Packing:
         """The packing; with friction particles have radii of their own, which lets them turn."""
-        if not friction or packing.particle_radii is not None:
-            return packing
-        return replace(packing, particle_radii=packing.radius)
+        return packing._with_own_radii() if friction and not packing._own_radii else packing
 
     def open(self, sim: Simulation, packing: Packing) -> lammps:
         """LAMMPS with the packing, the law, walls and friction, and the computes of states."""
-        self._radii = packing.radii
+        self._radii = packing._species_radii
         self._check_walls(packing.walls, packing.box)
         if packing.walls:
             check_centers(packing.walls, packing.box, packing.positions)
             check_sticky_walls(packing, self.law)
         lmp = particles_in_lammps(packing, self.law, sim.comm, sim.friction)
-        self._smallest_radius = float(packing.radius.min())
+        self._smallest_radius = float(packing.radii.min())
         self._measure(packing)
         return lmp
 
@@ -332,21 +329,19 @@ class Deformables:
     def _common(self, sim: Simulation, forces: Forces, stalled: bool) -> dict[str, Any]:
         """What states of all these laws have."""
         dimension = sim.dimension
-        packing = Packing(
-            positions=gather(sim.lmp, "x", 3)[:, :dimension],
-            species=self._species,
-            radii=self._radii,
-            box=sim.box,
-            particle_radii=self._particle_radii,
-            walls=sim.walls,
+        packing = Packing._of_species(
+            gather(sim.lmp, "x", 3)[:, :dimension],
+            self._species,
+            self._radii,
+            sim.box,
+            self._particle_radii,
+            sim.walls,
         )
         return {
             "packing": packing,
             "law": self.law,
             "energy": float(sim.lmp.extract_compute("deformable_energy", 0, 0)),
-            "stress": stress(
-                sim.lmp, free_room(packing.walls, packing.box) if packing.walls else None
-            ),
+            "stress": stress(sim.lmp, packing.volume if packing.walls else None),
             "residual": forces.residual,
             "stalled": stalled,
             "beyond": round(told(sim.lmp, BEYOND)),
@@ -365,7 +360,7 @@ class Rings(Deformables):
     law: Law
 
     def _measure(self, packing: Packing) -> None:
-        self._largest_radius = float(packing.radius.max())
+        self._largest_radius = float(packing.radii.max())
         stiffness = self.law.single_contact_stiffness(self._smallest_radius)
         self._single_contact_pressure = stiffness / STIFFNESS_PER_PRESSURE
         self._single_contact_force = stiffness * self._smallest_radius
@@ -451,7 +446,7 @@ class Droplets(Deformables):
     law: Droplet
 
     def _measure(self, packing: Packing) -> None:
-        tension = self.law.species_parameters(packing.radii).tension
+        tension = self.law.species_parameters(packing._species_radii).tension
         self._stiffness = float(tension.max())
 
     def forces(self, sim: Simulation, least: float = 0.0) -> Forces:
@@ -586,7 +581,7 @@ class SoftParticles:
 
     def open(self, sim: Simulation, packing: Packing) -> lammps:
         """LAMMPS with the packing and its walls."""
-        self._radii, self._radius = packing.radii, packing.radius
+        self._radii, self._radius = packing._species_radii, packing.radii
         self.follow(sim, packing.walls, packing.box)
         lmp = open_disks(packing, k=self.law.k)
         if packing.walls:
@@ -639,13 +634,13 @@ class SoftParticles:
         if least == 0.0:
             return self.forces(sim)
         refuse_other(sim.lmp, sim._setup)
-        self._radius = self._packing(sim).radius
+        self._radius = self._packing(sim).radii
         return Forces(np.inf, least, force_rounding(sim.box, self.law.k))
 
     def forces(self, sim: Simulation, least: float = 0.0) -> Forces:
         """The forces at the present positions."""
         refuse_other(sim.lmp, sim._setup)
-        self._radius = self._packing(sim).radius  # for the walls
+        self._radius = self._packing(sim).radii  # for the walls
         run(sim.lmp, "run 0 post no")
         return self.after(sim, least)
 
@@ -681,9 +676,7 @@ class SoftParticles:
             packing=packing,
             law=self.law,
             energy=float(0.5 * np.sum(self._contact_forces**2) / self.law.k),
-            stress=stress(
-                sim.lmp, free_room(packing.walls, packing.box) if packing.walls else None
-            ),
+            stress=stress(sim.lmp, packing.volume if packing.walls else None),
             residual=forces.residual,
             stalled=stalled,
             velocities=gather(sim.lmp, "v", 3)[:, : packing.dimension],
@@ -696,13 +689,13 @@ class SoftParticles:
         """The packing that LAMMPS has."""
         by_particle = sim.lmp.extract_setting("radius_flag")
         self._dimension = sim.dimension
-        return Packing(
-            positions=gather(sim.lmp, "x", 3)[:, : sim.dimension],
-            species=gather(sim.lmp, "type", 1).astype(np.int64) - 1,
-            radii=self._radii,
-            box=sim.box,
-            particle_radii=gather(sim.lmp, "radius", 1) if by_particle else None,
-            walls=sim.walls,
+        return Packing._of_species(
+            gather(sim.lmp, "x", 3)[:, : sim.dimension],
+            gather(sim.lmp, "type", 1).astype(np.int64) - 1,
+            self._radii,
+            sim.box,
+            gather(sim.lmp, "radius", 1) if by_particle else None,
+            sim.walls,
         )
 
 
@@ -719,21 +712,23 @@ def separated(packing: Packing) -> Packing:
     start = np.searchsorted(group[order], group[order])
     rank = np.empty(len(packing))
     rank[order] = np.arange(len(packing)) - start  # 0, 1, ... among the centers at each place
-    distance = _SEPARATION * float(packing.radius.min()) * np.sqrt(rank)
+    distance = _SEPARATION * float(packing.radii.min()) * np.sqrt(rank)
     spiral = distance[:, None] * unit_vectors(_GOLDEN * rank)
     if packing.dimension == 3:  # on a cone
         spiral = np.column_stack([spiral, distance])
-    return replace(packing, positions=packing.positions + spiral)
+    return packing.replace(positions=packing.positions + spiral)
 
 
 def open_disks(packing: Packing, comm: MPI.Comm = MPI.COMM_SELF, k: float = 1.0) -> lammps:
     """A LAMMPS with soft disks or spheres, U = k/2 overlap^2 of each pair, ready for FIRE."""
-    smallest = float(packing.radius.min())
+    smallest = float(packing.radii.min())
     lmp = open_lammps(packing, comm)
-    by_species = packing.particle_radii is None
+    by_species = not packing._own_radii
     if by_species:
         run(lmp, "pair_style harmonic/cut")
-        for (i, a), (j, b) in combinations_with_replacement(enumerate(packing.radii, start=1), 2):
+        for (i, a), (j, b) in combinations_with_replacement(
+            enumerate(packing._species_radii, start=1), 2
+        ):
             run(
                 lmp, f"pair_coeff {i} {j} {0.5 * k!r} {float(a + b)!r}"
             )  # LAMMPS' energy has no 1/2

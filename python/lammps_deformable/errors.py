@@ -3,23 +3,27 @@
 from __future__ import annotations
 
 
-class ParameterError(ValueError):
+class DeformableError(Exception):
+    """Any error of this package."""
+
+
+class ParameterError(DeformableError, ValueError):
     """A parameter has a value that cannot work."""
 
 
-class AbsentError(ParameterError, AttributeError):
+class UndefinedError(ParameterError, AttributeError):
     """An object of this kind has no such attribute, so that `hasattr` says no."""
 
 
-class FileError(RuntimeError):
+class FileError(DeformableError, RuntimeError):
     """A folder or file cannot be read."""
 
 
-class LammpsError(RuntimeError):
+class LammpsError(DeformableError, RuntimeError):
     """LAMMPS refused a command; the message is one line of LAMMPS' error."""
 
 
-class CallError(RuntimeError):
+class CallError(DeformableError, RuntimeError):
     """A simulation is called by two threads at a time, or not by all of its ranks."""
 
 

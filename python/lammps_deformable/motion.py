@@ -96,7 +96,7 @@ class Dynamics:
         part = self.part * (1.0 if exact else ACCURATE)
         steps = [part * self.longest_step(state), self.limit]
         if self.drive and self.friction:
-            radius = float(state.packing.radius.min())
+            radius = float(state.packing.radii.min())
             steps.append(_MOVED * radius * self.friction / self.drive)
             if self.inertia:  # half a step makes velocities of fix gjf larger
                 steps.append(_SETTLED / self.friction)

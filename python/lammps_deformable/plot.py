@@ -55,7 +55,7 @@ def parallels(state: State, inset: Floats | None, points: int, same_area: bool) 
             **{name: rows[name] for name in lines},
         )
         for kind, radius, distance, rows in zip(
-            packing.species, packing.radius, inset, state.contact_tables, strict=True
+            packing.species, packing.radii, inset, state.contact_tables, strict=True
         )
     ]
 
@@ -136,7 +136,7 @@ def _flats(state: State) -> list[list[Floats]]:
         return chords(state.packing, state._contact_forces)
     if not isinstance(state.law, Ring | Sector):
         raise ParameterError("contacts of polygons have no lines to draw: draw their forces")
-    return flats_of(state.outlines, state.packing.radius, state.contact_tables)
+    return flats_of(state.outlines, state.packing.radii, state.contact_tables)
 
 
 def _marks(state: State, contacts: bool, forces: bool, spins: bool) -> list[Mark]:

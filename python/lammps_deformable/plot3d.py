@@ -21,7 +21,7 @@ from .drawing import Picture, Scale, color_map, limited
 from .errors import ParameterError
 from .plot import label_of, scale_of, title_of, values_of
 from .room import bounds, closed, lines_around, section_between
-from .walls import Ball, Wall
+from .walls import Sphere, Wall
 
 if TYPE_CHECKING:
     from .state import State
@@ -211,7 +211,7 @@ def section_of(packing: Packing, facets: Facets, height: float) -> Section:
     Raises:
         ParameterError: the plane is outside of the walls.
     """
-    x, radius, up = packing.positions, packing.radius, packing.box[2]
+    x, radius, up = packing.positions, packing.radii, packing.box[2]
     walls = section_between(packing.walls, packing.box, height)
     if walls is None:
         low, high = bounds(packing.walls, packing.box)[:, 2]
@@ -287,7 +287,7 @@ class Packing(Protocol):
     @property
     def positions(self) -> Floats: ...
     @property
-    def radius(self) -> Floats: ...
+    def radii(self) -> Floats: ...
     @property
     def box(self) -> Floats: ...
     @property
@@ -356,10 +356,10 @@ def draw(
     norm = Normalize(on.low, on.low + 1.0 if one_value else on.high)
     ax = new_axes(colorbar) if ax is None else ax
     expect("ax", ax, Axes)
-    balls = [wall for wall in packing.walls if isinstance(wall, Ball)]
-    middles = np.array([ball.center for ball in balls]).reshape(-1, 3)
+    balls = [w for w in packing.walls if isinstance(w, Sphere) and not w.inside]
+    middles = np.array([ball.middle for ball in balls]).reshape(-1, 3)
     bodies = _in_box(packing, np.concatenate([packing.positions, middles])) @ turn
-    radius = np.append(packing.radius, [ball.radius for ball in balls])
+    radius = np.append(packing.radii, [ball.radius for ball in balls])
     centers = bodies[: len(packing.positions)]
     edges = [line @ turn for line in lines_around(packing.walls, packing.box, turn[:, 2])]
     ends, margin = np.concatenate([*edges, bodies]), float(radius.max())
@@ -479,7 +479,7 @@ def _draw_chains(ax: Axes, centers: Floats, colors: Floats, chains: Chains, on: 
 def facets_of(state: State) -> Facets:
     """Where particles are cut by their contacts."""
     table = state.contact_table
-    height = state.packing.radius[table["i"]] - table["indentation"]
+    height = state.packing.radii[table["i"]] - table["indentation"]
     return Facets(table["i"], table["normal"], height)
 
 

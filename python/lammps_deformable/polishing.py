@@ -96,7 +96,7 @@ def polish(sim: Simulation, state: State, tolerance: float) -> State:
         If a particle would move by more than a hundredth of the smallest radius, or the forces do
         not fall to the tolerance, the state of the smallest forces on the way, and `stalled`.
     """
-    farthest = _FARTHEST * float(state.packing.radius.min())
+    farthest = _FARTHEST * float(state.packing.radii.min())
     with balanced_to(sim, state.packing, CLOSE):
         best = now = sim.state()
         moved = np.zeros((len(now.packing), 2))

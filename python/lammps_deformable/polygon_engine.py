@@ -44,7 +44,14 @@ from .lammps import (
 )
 from .laws import filled_area
 from .packing import Packing
-from .polygons import PolygonModel, Walls, polygon_file, refuse_own_image, refuse_start, undeformed
+from .polygons import (
+    DeformablePolygon,
+    Walls,
+    polygon_file,
+    refuse_own_image,
+    refuse_start,
+    undeformed,
+)
 from .progress import progress
 from .relax import (
     Forces,
@@ -94,7 +101,7 @@ _FIRE_TOLERANCE, _NEWTON_TOLERANCE = 1e-3, 1e-6
 
 
 class PolygonBeads:
-    """Polygons with the law `PolygonModel`, see `engines`.
+    """Polygons with the law `DeformablePolygon`, see `engines`.
 
     Args:
         law: settings of the polygons.
@@ -108,7 +115,7 @@ class PolygonBeads:
     patience, scale = _PATIENCE, "that on a bead in a contact"
     loose = None  # nobody asks whether the packing was rigid before
 
-    def __init__(self, law: PolygonModel, walls: Walls | None = None) -> None:
+    def __init__(self, law: DeformablePolygon, walls: Walls | None = None) -> None:
         self.law, self.walls = law, walls
         self._newton = law.smooth and walls is None
         self.tolerance = _NEWTON_TOLERANCE if self._newton else _FIRE_TOLERANCE
@@ -120,10 +127,9 @@ class PolygonBeads:
             raise ParameterError("polygons have the friction of their beads: leave it out")
         if packing.walls:
             raise ParameterError("polygons have no walls: replace the packing by one without walls")
-        if packing.particle_radii is not None:
+        if packing._own_radii:
             raise ParameterError(
-                "polygons have the radii of their species: give each size a species of its "
-                "own, not particle_radii"
+                "polygons have the radii of their species: give each size a species of its own"
             )
 
     def opened(self, packing: Packing, friction: Friction | None) -> Packing:
@@ -133,8 +139,8 @@ class PolygonBeads:
     def open(self, sim: Simulation, packing: Packing) -> lammps:
         """LAMMPS with undeformed polygons around the centers."""
         law, walls = self.law, self.walls
-        self.polygons = polygons = law.polygons(packing.radii)
-        self._species, self._radii = packing.species, packing.radii
+        self.polygons = polygons = law.polygons(packing._species_radii)
+        self._species, self._radii = packing.species, packing._species_radii
         self._first = np.concatenate([[0], np.cumsum(polygons.number[packing.species])])
         positions = undeformed(packing, polygons)
         refuse_start(packing, positions, law, walls)
@@ -308,7 +314,7 @@ class PolygonBeads:
         table, kind = self._contacts(sim, vertices), self._species
         deficit = self.polygons.area[kind] - self._area
         return State(
-            packing=Packing(centers, kind, self._radii, box),
+            packing=Packing._of_species(centers, kind, self._radii, box),
             law=self.law,
             energy=float(sim.lmp.get_thermo("pe")),
             stress=stress(sim.lmp),
@@ -421,7 +427,7 @@ class SmoothPolygons:
         box: lattice vectors as rows, shape (2, 2) [length].
     """
 
-    model: PolygonModel
+    model: DeformablePolygon
     polygons: Polygons
     species: NDArray[np.int64]
     box: Array

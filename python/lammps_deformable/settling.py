@@ -99,7 +99,7 @@ def settle(
     drag = rate * min(_DRAG, 8.0 * _BORNE / (inertial_number * sim.lmp.get_natoms()))
     dynamics = dynamics_of(sim, None, drag, True, timestep, None)
     # a loose packing does not tell how stiff contacts become
-    contact = 2.0 * pressure * float(sim.state().packing.radius.max())
+    contact = 2.0 * pressure * float(sim.state().packing.radii.max())
     dynamics = replace(dynamics, drive=contact)
     box = _BOX.format(pressure=pressure, gain=inertial_number / rate).strip()
     state, at_rest = sim.state(), False
@@ -148,6 +148,6 @@ def _residual(sim: Simulation, state: State) -> float:
     force = np.linalg.norm(gather(sim.lmp, "f", 3), axis=1)
     largest = float(force.max())
     if rub_and_spin(sim.lmp):
-        torque = gather(sim.lmp, "torque", 3)[:, 2] / state.packing.radius
+        torque = gather(sim.lmp, "torque", 3)[:, 2] / state.packing.radii
         largest = max(largest, float(np.abs(torque).max()))
     return largest / float(state.contact_table["force"].mean())

@@ -236,7 +236,7 @@ def _bodies(state: State) -> tuple[Shapes, NDArray[np.int64], dict[str, NDArray[
         return polygons_of(state.outlines), np.arange(len(packing)), {}
     from .plot3d import facets_of, surfaces_of
 
-    found = surfaces_of(packing.positions, packing.radius, facets_of(state))
+    found = surfaces_of(packing.positions, packing.radii, facets_of(state))
     shapes = Shapes(found.points, found.corners, found.ends, normals=found.normals)
     j, force = state.contact_table["j"], state.contact_table["force"]
     # of what is no facet, -1, both are 0

@@ -143,7 +143,7 @@ def flow(
         balanced_to(sim, state.packing, imbalance_under(rate * duration)),
         moving(sim, dynamics, of_noise),
     ):
-        drag = dynamics.friction * rate * 2.0 * float(state.packing.radius.max())
+        drag = dynamics.friction * rate * 2.0 * float(state.packing.radii.max())
         limit = min(dynamics.limit, _OF_A_STEP / rate)
         dynamics = replace(dynamics, drive=drag, limit=limit)
         pieces = math.ceil(rate * duration / _OF_A_PIECE)
@@ -601,7 +601,7 @@ def creep(
 
     def states() -> Iterator[State]:
         start = sim.state()
-        held, radius = start.shear_stress, float(start.packing.radius.mean())
+        held, radius = start.shear_stress, float(start.packing.radii.mean())
         usual = dynamics.friction / (1.0 if sim.dimension == 2 else 2.0 * radius)
         viscosity = given or usual
         fastest = 2.0 * (abs(stress) + abs(held)) / viscosity

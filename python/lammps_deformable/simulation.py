@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import replace
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
@@ -18,7 +17,7 @@ from .engines import (
     Rings,
     SoftParticles,
 )
-from .errors import AbsentError, ParameterError
+from .errors import ParameterError, UndefinedError
 from .free_box import check_free, relax_free_box
 from .friction import Friction
 from .lammps import box_change, close_lammps, communicator, refuse_forces_of_motion, run, setup
@@ -26,7 +25,7 @@ from .laws import AnyLaw, Droplet, Ring, Sector, SoftContact, sticks
 from .packing import Packing
 from .polishing import USUAL, can_polish, fire_reaches, polish
 from .polygon_engine import PolygonBeads
-from .polygons import PolygonModel, Walls
+from .polygons import DeformablePolygon, Walls
 from .ranks import OneCall
 from .relax import (
     Callback,
@@ -43,7 +42,7 @@ from .relax import (
 from .soft_disks import relax_in_box
 from .state import State
 from .store import Motion
-from .walls import Wall, as_walls
+from .walls import Wall
 
 if TYPE_CHECKING:
     from types import TracebackType
@@ -56,7 +55,7 @@ _ENGINES: dict[type, type] = {
     Sector: Rings,
     Droplet: Droplets,
     SoftContact: SoftParticles,
-    PolygonModel: PolygonBeads,
+    DeformablePolygon: PolygonBeads,
 }
 
 
@@ -68,7 +67,7 @@ class Simulation(OneCall):
     Args:
         packing: where particles start, e.g. from `bidisperse`; or a state, such as that of `jam`:
             see `reset`. Its law may be another one.
-        law: `Ring`, `Sector`, `Droplet`, `SoftContact` or `PolygonModel`.
+        law: `Ring`, `Sector`, `Droplet`, `SoftContact` or `DeformablePolygon`.
         friction: of the contacts of rings, which then rub and damp, and turn the particles; these
             get radii of their own. That of a state if not given; contacts of a packing slip freely
             then.
@@ -107,11 +106,10 @@ class Simulation(OneCall):
     def __init__(
         self,
         packing: Packing | State,
-        law: AnyLaw | SoftContact | PolygonModel,
+        law: AnyLaw | SoftContact | DeformablePolygon,
         *,
         friction: Friction | None = None,
         comm: MPI.Comm | None = None,
-        walls: Wall | Sequence[Wall] | None = None,
     ) -> None:
         expect("packing", packing, Packing, State)
         expect("law", law, *_ENGINES)
@@ -119,15 +117,13 @@ class Simulation(OneCall):
         self.law, self.comm = law, communicator(comm)
         start, state = _parts(self.comm.bcast(packing))  # those of other machines may differ
         self.friction = state.friction if state and friction is None else friction
-        if walls is not None:
-            start = replace(start, walls=as_walls(walls, start.dimension))
         self._engine = _ENGINES[type(law)](law)
         self._rigidity = Rigidity(start)
         self._open(start, state)
 
     @classmethod
     def _within(
-        cls, packing: Packing, law: PolygonModel, walls: Walls, comm: MPI.Comm | None = None
+        cls, packing: Packing, law: DeformablePolygon, walls: Walls, comm: MPI.Comm | None = None
     ) -> Simulation:
         """A single polygon between `Walls`, which `confine` moves."""
         expect("walls", walls, Walls)
@@ -143,7 +139,7 @@ class Simulation(OneCall):
         self._walls = packing.walls
         self.lmp = self._engine.open(self, packing)
         self._imbalance = USUAL
-        self._facet = float(packing.radius.min()) ** (packing.dimension - 1)
+        self._facet = float(packing.radii.min()) ** (packing.dimension - 1)
         self._engine.go_on(self, _motion(state, packing, self.law))
         self._setup = setup(self.lmp)
 
@@ -170,7 +166,7 @@ class Simulation(OneCall):
     def lmp(self) -> lammps:
         """The LAMMPS instance."""
         if self.closed:
-            raise AbsentError(
+            raise UndefinedError(
                 "this Simulation is closed: make a new one, or use it before the end of its `with` "
                 "block"
             )
@@ -428,7 +424,7 @@ def _motion(state: State | None, packing: Packing, law: Any) -> Motion:
     """What goes on of a state, at rest without one; films only where the law has some."""
     if state is None:
         return Motion(np.zeros_like(packing.positions))
-    motion = state.motion.at(state.packing.walls, packing.walls)
+    motion = state.motion
     if type(law) is not type(state.law) and not sticks(law, packing.walls):
         motion = motion._replace(films=None)
     return motion

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -69,7 +68,7 @@ class Enthalpy:
 
     def __init__(self, packing: Packing, pressure: float | None) -> None:
         self._start, self._applied, self._keeps_box = packing, pressure or 0.0, pressure is None
-        self._radius, self._smallest = packing.radius, float(packing.radius.min())
+        self._radius, self._smallest = packing.radii, float(packing.radii.min())
         self._distances = Distances(packing.walls, packing.box) if packing.walls else None
         self._dimension, self._phi = packing.dimension, packing.phi
         self._room = free_room(packing.walls, packing.box)
@@ -99,7 +98,7 @@ class Enthalpy:
         x, scale = self._unpacked(z)
         box = self._start.box * scale
         walls = stretched(self._start.walls, self._start.box, box)
-        return replace(self._start, positions=x * scale, box=box, walls=walls)
+        return self._start.replace(positions=x * scale, box=box, walls=walls)
 
     def __call__(self, z: Floats) -> tuple[float, Floats]:
         """The enthalpy and its gradient."""
@@ -280,7 +279,7 @@ def _relax(
 ) -> RelaxedDisks:
     order = _rows(packing) if len(packing) >= HUGE else np.arange(len(packing))
     enthalpy = Enthalpy(_reordered(packing, order), applied)
-    smallest = float(packing.radius.min())
+    smallest = float(packing.radii.min())
     facet = smallest ** (packing.dimension - 1)  # about that of a contact
     rounding = force_rounding(packing.box, stiffness=1.0)
     last = math.inf
@@ -323,12 +322,10 @@ def _rows(packing: Packing) -> NDArray[np.int64]:
 
 
 def _reordered(packing: Packing, order: NDArray[np.int64]) -> Packing:
-    radii = packing.particle_radii
-    return replace(
-        packing,
+    return packing.replace(
         positions=packing.positions[order],
         species=packing.species[order],
-        particle_radii=None if radii is None else radii[order],
+        radii=packing.radii[order],
     )
 
 
@@ -352,9 +349,9 @@ def relax_on_ranks(
     Walls and disks with radii of their own have no energy in LAMMPS: each rank relaxes them by
     itself.
     """
-    if packing.walls or packing.particle_radii is not None:
+    if packing.walls or packing._own_radii:
         return relax_in_box(packing, tolerance, loose, report)
-    smallest = float(packing.radius.min())
+    smallest = float(packing.radii.min())
     facet = smallest ** (packing.dimension - 1)  # about that of a contact
     rounding = force_rounding(packing.box, stiffness=1.0)
     lmp = open_disks(packing, comm)
@@ -374,4 +371,4 @@ def relax_on_ranks(
         positions = gather(lmp, "x", 3)[:, : packing.dimension]
     finally:
         lmp.close()
-    return RelaxedDisks(replace(packing, positions=positions), pressure, residual, not relaxed)
+    return RelaxedDisks(packing.replace(positions=positions), pressure, residual, not relaxed)

@@ -43,7 +43,7 @@ def push_off(packing: Packing) -> Packing:
     sim = Simulation(packing, SoftContact(), comm=MPI.COMM_SELF)
     with sim, warnings.catch_warnings():
         warnings.simplefilter("ignore", StalledWarning)  # with another text
-        facet = float(packing.radius.min()) ** (packing.dimension - 1)  # about that of a contact
+        facet = float(packing.radii.min()) ** (packing.dimension - 1)  # about that of a contact
         pushed = sim._relax(1e-3, _PUSHED_OFF * natural_pressure(packing, SoftContact()) * facet)
     if pushed.stalled:
         warnings.warn(

@@ -21,7 +21,7 @@ from . import analysis, contacts, shapes, tracking
 from ._checks import count, numbers, positive, shown
 from ._files import check_parameters
 from .contacts import ContactForces, ContactTable
-from .errors import AbsentError, ParameterError, UnsavedWarning
+from .errors import ParameterError, UndefinedError, UnsavedWarning
 from .friction import Friction, Rubbing, spin_column
 from .laws import (
     AnyLaw,
@@ -71,7 +71,7 @@ _WAYS_OUT = {
     "filled_area": "take filled_volume",
     "filled_volume": "take filled_area",
     "area": "take filled_volume",
-    "outlines": "take packing.positions and packing.radius",
+    "outlines": "take packing.positions and packing.radii",
 }
 
 # Results of single laws.
@@ -202,7 +202,7 @@ class State:
             raise AttributeError(f"'State' object has no attribute {name!r}")
         if name in ("area", "perimeter") and self.packing.dimension == 3:
             self._check_has(name, "plane")
-        raise AbsentError(
+        raise UndefinedError(
             f"{name} is a result of {_RESULTS[name]}, and the law of this state is {self.law!r}"
         )
 
@@ -210,21 +210,21 @@ class State:
         """Refuse an attribute that this state does not have.
 
         Raises:
-            AbsentError: it is of states in the other dimension, or of other laws.
+            UndefinedError: it is of states in the other dimension, or of other laws.
         """
         dimension = self.packing.dimension
         way_out = _WAYS_OUT.get(name, "this state has none")
         if where == "plane" and dimension == 3:
-            raise AbsentError(
+            raise UndefinedError(
                 f"{name} is for packings in the plane, and this one has three dimensions: {way_out}"
             )
         if where == "space" and dimension == 2:
-            raise AbsentError(
+            raise UndefinedError(
                 f"{name} is for packings in three dimensions, and this one is in the plane: "
                 f"{way_out}"
             )
         if where in _LAWS and not isinstance(self.law, _LAWS[where][0]):
-            raise AbsentError(
+            raise UndefinedError(
                 f"{name} is for states of {_LAWS[where][1]}, and the law of this one is "
                 f"{self.law!r}: take its packing"
             )
@@ -244,7 +244,7 @@ class State:
     @property
     def kinetic_energy(self) -> float:
         """Sum of v^2/2, as masses are 1; with friction also of R^2 w^2/4 for spins w [energy]."""
-        spins = 0.0 if self.rubbing is None else self.packing.radius * self.rubbing.spins
+        spins = 0.0 if self.rubbing is None else self.packing.radii * self.rubbing.spins
         return float(np.sum(self.velocities**2) / 2.0) + float(np.sum(spins**2) / 4.0)
 
     @property
@@ -295,7 +295,7 @@ class State:
         """
         if isinstance(self.law, SoftContact | Droplet):
             return self.packing.phi
-        return float(np.sum(self.filled_area) / self.packing.area)
+        return float(np.sum(self.filled_area) / self.packing.volume)
 
     @property
     def particle_pressure(self) -> Floats:
@@ -326,14 +326,14 @@ class State:
         """
         self._check_has("filled_area", "plane")
         if isinstance(self.law, SoftContact):
-            return np.pi * self.packing.radius**2
+            return np.pi * self.packing.radii**2
         return filled_area(self.area, self.perimeter, self._skin)
 
     @property
     def filled_volume(self) -> Floats:
         """4 pi R^3/3 of each particle, shape (N,) [length^3]."""
         self._check_has("filled_volume", "space")
-        return 4.0 / 3.0 * np.pi * self.packing.radius**3
+        return 4.0 / 3.0 * np.pi * self.packing.radii**3
 
     @property
     def _filled(self) -> Floats:
@@ -345,7 +345,7 @@ class State:
         """Thickness of the rigid skin of each particle, shape (N,) [length]."""
         if self.polygons is not None:
             return self.polygons.skin[self.packing.species]
-        skin: Floats = self.law.species_parameters(self.packing.radii).skin
+        skin: Floats = self.law.species_parameters(self.packing._species_radii).skin
         return skin[self.packing.species]
 
     @property
@@ -354,7 +354,7 @@ class State:
         area: Floats = self.area
         if self.polygons is not None:
             return self.polygons.area[self.packing.species] - area
-        return np.pi * (self.packing.radius - self._skin) ** 2 - area
+        return np.pi * (self.packing.radii - self._skin) ** 2 - area
 
     @property
     def shape_parameter(self) -> Floats:
@@ -546,7 +546,7 @@ class State:
 
             stress = -sum x F / filled_area        (symmetric part)
 
-        The sum of stress times `filled_area` over the particles is `stress` times `packing.area`;
+        The sum of stress times `filled_area` over the particles is `stress` times `packing.volume`;
         in three dimensions these are volumes.
         Between walls that holds for the trace, the pressure. A wall also exerts a torque on a
         particle, which `stress` has in its other components, and this tensor does not.
@@ -805,7 +805,7 @@ class State:
             ParameterError: the law is `Sector`, particles stick or rub, walls were given to `lmp`,
                 or a line is held at the largest tilt; soft spheres touch a cylinder, cone or post;
                 droplets touch walls, or the compliance of one is singular, far beyond the model.
-            AbsentError: they are polygons.
+            UndefinedError: they are polygons.
         """
         return hessian_of(self, rattlers)
 
@@ -1016,7 +1016,7 @@ class State:
 
     def particle_values(self) -> dict[str, NDArray[Any]]:
         """Values of the particles by their names in a trajectory, arrays of shape (N,)."""
-        found: dict[str, NDArray[Any]] = {"radius": self.packing.radius}
+        found: dict[str, NDArray[Any]] = {"radius": self.packing.radii}
         if isinstance(self.law, SoftContact):
             found["area" if self.packing.dimension == 2 else "volume"] = self._filled
             found |= {"pressure": self.particle_pressure, "contacts": self.contacts}

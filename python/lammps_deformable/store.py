@@ -57,7 +57,7 @@ from .laws import ALL_LAWS, AnyLaw
 from .packing import Packing
 from .room import closed
 from .versions import versions
-from .walls import KINDS, Wall
+from .walls import SHAPES, Wall
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -118,20 +118,6 @@ class Motion(NamedTuple):
         spins = self.rubbing is not None and self.rubbing.spins.any()
         return bool(self.velocities.any() or spins)
 
-    def at(self, former: tuple[Wall, ...], walls: tuple[Wall, ...]) -> Motion:
-        """The motion between walls in the place of former ones, whose numbers contacts know.
-
-        Films and springs of walls are left out if the kinds of the walls are others.
-        """
-        if [wall.kind for wall in walls] == [wall.kind for wall in former]:
-            return self
-        films, rubbing = self.films, self.rubbing
-        if films is not None:
-            films = films[films[:, 1] > 0]
-        if rubbing is not None:
-            rubbing = rubbing._replace(springs=rubbing.springs[rubbing.springs[:, 1] > 0])
-        return self._replace(films=films, rubbing=rubbing)
-
 
 def packing_file(packing: Packing, motion: Motion, frames: int | None) -> str:
     """A packing as a LAMMPS data file.
@@ -144,8 +130,8 @@ def packing_file(packing: Packing, motion: Motion, frames: int | None) -> str:
     title = f"LAMMPS data file by lammps-deformable, units lj, atom_style {style}, "
     title += f"{space}-dimensional"
     columns: list[NDArray[Any]] = [packing.species + 1]
-    if packing.particle_radii is not None:
-        columns += sphere_columns(packing.particle_radii)
+    if packing._own_radii:
+        columns += sphere_columns(packing.radii)
     if motion.time:
         title += f", time {motion.time!r}"
     if motion.strain is not None:
@@ -154,7 +140,7 @@ def packing_file(packing: Packing, motion: Motion, frames: int | None) -> str:
         title if frames is None else f"{title}, {frames} frames",
         style,
         packing.box,
-        len(packing.radii),
+        len(packing._species_radii),
         columns,
         packing.positions,
         origin=packing.origin.tolist(),
@@ -180,12 +166,12 @@ def packing_in(text: str, radii: list[float], dimension: int) -> Packing:
     if not np.array_equal(found.ids, np.arange(1, len(found.ids) + 1)):
         raise ValueError(f"atom IDs must be 1 to {len(found.ids)}")
     own = "diameter" in found.columns
-    return Packing(
-        positions=found.places(dimension),
-        species=found.species,
-        radii=np.array(radii),
-        box=found.lattice(dimension),
-        particle_radii=found.radius("diameter") if own else None,
+    return Packing._of_species(
+        found.places(dimension),
+        found.species,
+        radii,
+        found.lattice(dimension),
+        found.radius("diameter") if own else None,
     )
 
 
@@ -269,7 +255,9 @@ def script(
     """
     commands = law_commands(packing, law, SPECIES) + wall_commands(packing.walls)
     commands += film_commands(law, packing.walls, motion.films)
-    commands += friction_commands(friction, len(packing.radii)) + spring_commands(motion.rubbing)
+    commands += friction_commands(friction, len(packing._species_radii)) + spring_commands(
+        motion.rubbing
+    )
     commands += f"timestep {timestep!r}\n"
     setup = setup_commands(packing)
     velocity = "" if motion.moves else f"# velocity all create {TEMPERATURE!r} 12345\n"
@@ -624,7 +612,7 @@ def read_frame(
     values, species, largest = found.columns, found.species, np.array(radii)
     own = bool((values["radius"] != largest[species]).any())
     np.maximum.at(largest, species, values["radius"])
-    packing = Packing(
+    packing = Packing._of_species(
         found.places(dimension),
         species,
         largest,
@@ -668,7 +656,7 @@ def save(
         "parameters": as_json("parameters", parameters or {}),
         "versions": versions(),
     }
-    write_whole(folder / SPECIES, species_file(law, packing.radii))
+    write_whole(folder / SPECIES, species_file(law, packing._species_radii))
     write_whole(folder / SCRIPT, script(packing, law, *timesteps, motion, friction))
     write_whole(folder / SUMMARY, json.dumps(summary, indent=2, allow_nan=False) + "\n")
     # last: it completes the state
@@ -689,8 +677,8 @@ def setup(packing: Packing, law: AnyLaw, friction: Friction | None) -> dict[str,
     settings = {name: value for name, value in asdict(law).items() if name != "contact"}
     return {
         "law": {"name": law.name} | as_json("law", settings),
-        "radii": packing.radii.tolist(),
-        "walls": [{"shape": wall.kind, **asdict(wall)} for wall in packing.walls],
+        "radii": packing._species_radii.tolist(),
+        "walls": [{"shape": type(wall).__name__, **asdict(wall)} for wall in packing.walls],
         **({} if friction is None else {"friction": as_json("friction", asdict(friction))}),
     }
 
@@ -748,9 +736,9 @@ def _friction(saved: Mapping[str, Any]) -> Friction:
 
 def _wall(shape: str, **values: Any) -> Wall:
     """A wall of the summary."""
-    if shape not in KINDS:
+    if shape not in SHAPES:
         raise ValueError(f"there is no wall {shape!r}")
-    return KINDS[shape](**values)
+    return SHAPES[shape](**values)
 
 
 def read(folder: Path) -> tuple[Packing, AnyLaw, Friction | None]:
@@ -764,7 +752,7 @@ def read(folder: Path) -> tuple[Packing, AnyLaw, Friction | None]:
         law, radii, walls, friction = read_setup(summary)
     with reading(folder / DATA):
         packing = packing_in(_text(folder / DATA, folder), radii, law.dimension)
-        return (replace(packing, walls=walls) if walls else packing), law, friction
+        return (packing.replace(walls=walls) if walls else packing), law, friction
 
 
 def read_motion(folder: Path, packing: Packing) -> Motion:

@@ -204,4 +204,4 @@ def local_strain(before: Snapshot | Packing, now: Snapshot, r_max: float) -> Loc
 
 def usual_distance(packing: Packing) -> float:
     """Distance up to which particles are neighbors, 3 times the mean radius [length]."""
-    return 3.0 * float(packing.radius.mean())
+    return 3.0 * float(packing.radii.mean())

@@ -8,7 +8,7 @@ import pytest
 from balanced import Pairs, of_mixture
 from contact_rows import CONTACTS, contacts, of_compute_pair
 from lammps_deformable import core
-from lammps_deformable.shape_error import shape_error
+from lammps_deformable.comparison import shape_error
 from laws import BALANCED, EXACT
 from materials import packing, pushed
 from scene import PACKINGS, Scene

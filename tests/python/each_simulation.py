@@ -5,8 +5,8 @@ from typing import Any
 
 import lammps_deformable as ld
 from lammps_deformable import (
+    DeformablePolygon,
     Droplet,
-    PolygonModel,
     Ring,
     Simulation,
     SoftContact,
@@ -19,5 +19,5 @@ MAKERS: dict[str, Callable[[], Any]] = {
     "droplets": lambda: Simulation(SPACE, Droplet()),
     "disks": lambda: Simulation(PLANE, SoftContact()),
     "spheres": lambda: Simulation(SPACE, SoftContact()),
-    "polygons": lambda: Simulation(PLANE, PolygonModel(vertices=20)),
+    "polygons": lambda: Simulation(PLANE, DeformablePolygon(20, smooth=False)),
 }

@@ -11,9 +11,15 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 from lammps_deformable import core
-from lammps_deformable.comparison import polygon_outlines, shape_errors
+from lammps_deformable.comparison import (
+    centers_rms,
+    matching_laws,
+    polygon_outlines,
+    predict,
+    shape_error,
+    shape_errors,
+)
 from lammps_deformable.lammps import gather
-from lammps_deformable.shape_error import shape_error
 
 # Made by a bead code that shares nothing with this project; coordinates have nine decimals. The
 # key `about` describes it.
@@ -28,12 +34,13 @@ def independent() -> ld.State:
     radii = np.unique(REFERENCE["radius"])
     packing = ld.Packing(
         [outline.mean(axis=0) for outline in outlines],
-        np.searchsorted(radii, REFERENCE["radius"]),
-        radii,
+        REFERENCE["radius"],
         REFERENCE["box"] * np.eye(2),
+        species=np.searchsorted(radii, REFERENCE["radius"]),
     )
-    model = ld.PolygonModel(
+    model = ld.DeformablePolygon(
         vertices=[len(outlines[REFERENCE["radius"].index(radius)]) for radius in radii],
+        smooth=False,
         radius=REFERENCE["bead_radius"],
         **{name: REFERENCE[name] for name in ("kL", "kA", "kr")},
     )
@@ -77,11 +84,11 @@ def test_laws_on_the_independent_packing(
     deficit: float | None,
     correlation: float | None,
 ) -> None:
-    found = ld.compare(independent, law)
-    assert found.shape_error.mean() == pytest.approx(shape, abs=1e-6)
+    (found,) = ld.compare(independent, law=law).rows
+    assert found["shape_error"] == pytest.approx(shape, abs=1e-6)
     if deficit is not None:
-        assert found.area_deficit_error == pytest.approx(deficit, abs=1e-3)
-        both = np.corrcoef(found.state.area_deficit, independent.area_deficit)
+        assert found["area_error"] == pytest.approx(deficit, abs=1e-3)
+        both = np.corrcoef(predict(independent, law).area_deficit, independent.area_deficit)
         assert both[0, 1] == pytest.approx(correlation, abs=1e-3)
 
 
@@ -89,35 +96,37 @@ def test_balanced_law_on_the_independent_packing(independent: ld.State) -> None:
     """With the polygons' own stiffness and skin: areas to 1 %, energy to 1 %, outlines to 2e-4."""
     sim = independent.polygons
     kP, skin = 300.0 / sim.number, sim.effective_radius - sim.radius
-    found = ld.compare(independent, ld.Ring(kP=kP, skin=skin, contact="balanced"))
-    assert found.shape_error.mean() < 2e-4
-    assert found.area_deficit_error < 0.01
-    assert found.energy_ratio == pytest.approx(1.0, abs=0.01)
+    law = ld.Ring(kP=kP, skin=skin, contact="balanced")
+    (found,) = ld.compare(independent, law=law).rows
+    assert found["shape_error"] < 2e-4
+    assert found["area_error"] < 0.01
+    assert found["energy_error"] < 0.01
     # the forces of both sides of every contact are equal, to 1e-8 of the largest force
-    table = found.state.contact_table
+    table = predict(independent, law).contact_table
     force = {(r["i"], r["j"], *r["image"].tolist()): r["force"] for r in table}
     off = [abs(f - force[j, i, -a, -b]) for (i, j, a, b), f in force.items()]
     assert max(off) < 1e-8 * table["force"].max()
-    by_default = ld.compare(independent)
-    assert by_default.state.law == found.state.law
-    assert by_default.energy_ratio == found.energy_ratio
+    by_name = {row["method"]: row for row in ld.compare(independent).rows}
+    assert list(by_name) == ["sector", "radical, kP inf", "radical", "balanced", "curved"]
+    assert by_name["balanced"] == found
+    assert predict(independent).law == law
 
 
 def test_circles_on_the_independent_packing(independent: ld.State) -> None:
     packing = independent.packing
     errors = []
-    for outline, center, kind in zip(
-        independent.outlines, packing.positions, packing.species, strict=True
+    for outline, center, kind, radius in zip(
+        independent.outlines, packing.positions, packing.species, packing.radii, strict=True
     ):
         circle = core.outline("ring", independent.polygons.radius[kind], [], [], 1440)
-        errors.append(shape_error(outline - center, circle, packing.radii[kind]))
+        errors.append(shape_error(outline - center, circle, radius))
     assert np.mean(errors) == pytest.approx(7.690e-3, abs=1e-6)
 
 
 @pytest.fixture(scope="module")
 def small() -> ld.State:
     jammed = ld.jam(ld.bidisperse(6, seed=3)).packing
-    with ld.Simulation(jammed, ld.PolygonModel(vertices=40)) as sim:
+    with ld.Simulation(jammed, ld.DeformablePolygon(40, smooth=False)) as sim:
         (state,) = ld.compress(sim, strain=0.02, steps=1, tolerance=0.02)
     return state
 
@@ -125,7 +134,7 @@ def small() -> ld.State:
 def test_predictions_are_for_the_centers_and_effective_radii(
     small: ld.State,
 ) -> None:
-    state = ld.predict(small, ld.Ring(kA=2.0))
+    state = predict(small, ld.Ring(kA=2.0))
     apart = (state.packing.positions - small.packing.positions) @ np.linalg.inv(small.packing.box)
     assert apart - np.rint(apart) == pytest.approx(0.0, abs=1e-12)
     assert state.packing.radii.tolist() == small.polygons.effective_radius.tolist()
@@ -134,24 +143,24 @@ def test_predictions_are_for_the_centers_and_effective_radii(
 
 
 def test_measures_of_a_comparison(small: ld.State) -> None:
-    found = ld.compare(small, ld.Ring())
-    ours, exact = found.state.area_deficit, small.polygons.area[small.packing.species] - small.area
-    assert found.area_deficit_error == pytest.approx(
+    state, (found,) = predict(small, ld.Ring()), ld.compare(small, law=ld.Ring()).rows
+    ours, exact = state.area_deficit, small.polygons.area[small.packing.species] - small.area
+    assert found["area_error"] == pytest.approx(
         np.sqrt(np.mean((ours - exact) ** 2) / np.mean(exact**2))
     )
-    assert found.energy_ratio == pytest.approx(np.sum(ours**2) / 2.0 / small.energy)
-    assert found.pressure_ratio == pytest.approx(
-        np.trace(found.state.stress) / np.trace(small.stress)
-    )
-    assert found.shape_error.shape == (6,)
-    assert 0.0 < found.shape_error.mean() < 0.01
+    assert found["energy_ratio"] == pytest.approx(np.sum(ours**2) / 2.0 / small.energy)
+    assert found["pressure_ratio"] == pytest.approx(np.trace(state.stress) / np.trace(small.stress))
+    assert found["energy_error"] == abs(found["energy_ratio"] - 1.0)
+    assert found["shape_error"] == shape_errors(small, state).mean()
+    assert 0.0 < found["shape_error"] < 0.01
+    assert (found["seconds"], found["residual"], found["strain"]) == (None, None, None)
 
 
 @pytest.mark.parametrize("law", [ld.Ring, ld.Sector])
 def test_beads_on_the_outlines_have_no_error(
     small: ld.State, law: Callable[[], ld.Ring | ld.Sector]
 ) -> None:
-    state = ld.predict(small, law())
+    state = predict(small, law())
     outlines = polygon_outlines(small, state)
     centers = small.packing.positions
     exact = replace(
@@ -164,7 +173,7 @@ def test_beads_on_the_outlines_have_no_error(
     )
     distance = [np.hypot(*line.T).mean() for line in outlines]
     assert shape_errors(beyond, state) == pytest.approx(
-        0.001 * np.array(distance) / small.packing.radius
+        0.001 * np.array(distance) / small.packing.radii
     )
 
 
@@ -173,8 +182,8 @@ def test_a_folded_outline_is_named(small: ld.State) -> None:
     pressed = replace(small, packing=packing.at(packing.phi / 0.9**2))
     for law in (ld.Ring(), ld.Sector()):
         with pytest.raises(ld.ParameterError, match="compress less") as error:
-            ld.compare(pressed, law)
-        state = ld.predict(pressed, law)
+            shape_errors(pressed, predict(pressed, law))
+        state = predict(pressed, law)
         folds = [n for n, line in enumerate(polygon_outlines(pressed, state)) if turns_back(line)]
         assert f"particle {folds[0]} folds in the {law.name} law" in str(error.value)
 
@@ -183,9 +192,9 @@ def test_a_folded_outline_is_named(small: ld.State) -> None:
 def test_another_kind_of_law_is_refused(small: ld.State, wrong: str) -> None:
     """Such as a state of a law, which has all that is compared."""
     law: Any = {"state": small, "droplet": ld.Droplet()}.get(wrong, wrong)
-    for function in (ld.compare, ld.predict):
+    for start in (small, small.packing):
         with pytest.raises(ld.ParameterError, match="law must be of the kind Ring or Sec"):
-            function(small, law)
+            ld.compare(start, law=law)
 
 
 def turns_back(outline: np.ndarray) -> bool:
@@ -196,13 +205,13 @@ def turns_back(outline: np.ndarray) -> bool:
 
 def test_no_load_no_ratio(small: ld.State) -> None:
     idle = replace(small, energy=0.0, stress=np.zeros((2, 2)))
-    found = ld.compare(idle, ld.Ring())
-    assert (found.energy_ratio, found.pressure_ratio) == (math.inf, math.inf)
+    (found,) = ld.compare(idle, law=ld.Ring()).rows
+    assert (found["energy_ratio"], found["pressure_ratio"]) == (None, None)
 
 
 def test_outlines_have_the_areas_of_the_law(small: ld.State) -> None:
     """Parallel to the particle's outline: the same area deficit, and the radius of the beads."""
-    state = ld.predict(small, ld.Ring())
+    state = predict(small, ld.Ring())
     radius = small.polygons.radius[small.packing.species]
     for line, deficit, r in zip(
         polygon_outlines(small, state), state.area_deficit, radius, strict=True
@@ -211,3 +220,100 @@ def test_outlines_have_the_areas_of_the_law(small: ld.State) -> None:
         area = 0.5 * np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y)
         # chords of 1440 sides cut (2 pi)^3 r^2 / (12 1440^2) off a circle
         assert np.pi * r**2 - area == pytest.approx(deficit, abs=2.2e-5 * r**2 / 2.0)
+
+
+@pytest.fixture(scope="module")
+def jammed() -> ld.Packing:
+    return ld.jam(ld.bidisperse(6, seed=1)).packing
+
+
+@pytest.fixture(scope="module")
+def compared(jammed: ld.Packing) -> ld.Comparison:
+    return ld.compare(jammed, vertices=(38, 19), beads=(38,), strain=0.015, steps=1, workers=1)
+
+
+def test_a_comparison_is_of_own_relaxations(jammed: ld.Packing, compared: ld.Comparison) -> None:
+    """All methods from the same start; the finest polygons are the reference."""
+    laws = ["sector", "radical, kP inf", "radical", "balanced", "curved"]
+    methods = [(row["method"], row["vertices"]) for row in compared.rows]
+    polygons = [("smooth", 19), ("bead", 38), ("reference", 38)]
+    assert methods == [("disk", None), *((law, None) for law in laws), *polygons]
+    model = ld.DeformablePolygon(38, radius=0.025, kL=6.0 * 38, kr=10.0)
+    with ld.Simulation(jammed, model) as sim:
+        sim.deform(jammed.box * 0.985)
+        exact = sim.relax()
+    law = matching_laws(model, exact.polygons)["balanced"]
+    with ld.Simulation(jammed, law) as sim:
+        sim.deform(jammed.box * 0.985)
+        own = sim.relax()
+    (balanced,) = (row for row in compared.rows if row["method"] == "balanced")
+    *_, reference = compared.rows
+    assert balanced["pressure_ratio"] == pytest.approx(own.pressure / exact.pressure, rel=1e-4)
+    relative = balanced["energy_ratio"] / reference["energy_ratio"]
+    assert relative == pytest.approx(own.energy / exact.energy, rel=1e-4)
+    (step,) = (row for row in compared.steps if row["law"] == "balanced" and row["own"])
+    assert step["distance"] == pytest.approx(centers_rms(exact, own), abs=1e-4)
+    coarse = compared.rows[-3]
+    # energies differ from the limit by a part of 1/N_v^2
+    by_4 = (coarse["energy_ratio"] - 1.0) / (reference["energy_ratio"] - 1.0)
+    assert by_4 == pytest.approx(4.0, rel=1e-9)
+    assert "limit_error" not in reference  # needs three
+
+
+def test_table_and_picture_of_a_comparison(compared: ld.Comparison) -> None:
+    table = compared.table()
+    assert {len(column) for column in table.values()} == {len(compared.rows)}
+    assert table["method"].tolist() == [row["method"] for row in compared.rows]
+    assert math.isnan(table["energy_error"][0])  # of disks
+    assert table["seconds"][-1] == compared.rows[-1]["seconds"] > 0.0
+    assert compared.to_pandas()["area_error"].tolist()[0] == 1.0
+    lines = str(compared).splitlines()
+    assert len(lines) == 1 + len(compared.rows)
+    assert lines[1].split()[:3] == ["disk", "-", "-"]
+    pytest.importorskip("matplotlib")
+    ax = compared.plot()
+    assert ax.get_ylabel() == "error of the energy"
+    _, labels = ax.get_legend_handles_labels()
+    assert set(labels) >= {"smooth polygons", "bead polygons", "balanced", "curved"}
+    with pytest.raises(ld.ParameterError, match=r"quantity must be one of energy_error, .*, not I"):
+        compared.plot(quantity="I")
+
+
+def test_laws_at_given_centers_have_no_time(small: ld.State) -> None:
+    pytest.importorskip("matplotlib")
+    with pytest.raises(ld.ParameterError, match="no method has a time"):
+        ld.compare(small).plot()
+
+
+def test_a_run_is_compared_from_its_start(jammed: ld.Packing, tmp_path: Path) -> None:
+    """Its law, with the kP of polygons in the place of an infinite one; its strain and steps."""
+    law = ld.Ring(kA=2.0)
+    with ld.Simulation(jammed, law) as sim:
+        for _ in ld.compress_in(sim, tmp_path / "run", strain=0.02, steps=2):
+            pass
+    run = ld.Run(tmp_path / "run")
+    found = ld.compare(run, law=law, vertices=(76,), workers=1)
+    assert [row["method"] for row in found.rows] == ["disk", "balanced", "reference"]
+    strains = [row["strain"] for row in found.steps if row["own"]]
+    assert strains == pytest.approx([0.01, 0.02])
+    balanced, reference = found.rows[1:]
+    assert reference["energy_ratio"] == 1.0
+    assert balanced["energy_error"] < 0.05
+    sheared = [run[0], replace(run[1], packing=run[1].packing.replace(box=[[9, 0], [1, 9]]))]
+    with pytest.raises(ld.ParameterError, match="no isotropic compression: compare its first"):
+        ld.compare(sheared)
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"law": ld.Ring(kP=1.0, tension=0.1)}, "have a tension, and polygons have none"),
+        ({"vertices": (0,)}, "vertices must be at least 1, not 0"),
+        ({"beads": (2.5,)}, "beads must be .* not 2.5"),
+    ],
+)
+def test_what_cannot_be_compared(
+    jammed: ld.Packing, settings: dict[str, Any], message: str
+) -> None:
+    with pytest.raises(ld.ParameterError, match=message):
+        ld.compare(jammed, **settings)

@@ -16,9 +16,8 @@ pytest.importorskip("matplotlib")
 
 ROOT = Path(__file__).parents[2]
 FOLDER, PAGE = ROOT / "validation" / "disordered_crystals", ROOT / "docs" / "disordered_crystals.md"
-results = crystals.results
 RESULT = json.loads((FOLDER / "full.json").read_text())
-GROUPS = results.groups(RESULT["ramps"])
+GROUPS = crystals.groups(RESULT["ramps"])
 LAWS = list(crystals.LAWS)
 
 
@@ -28,13 +27,13 @@ def of(law: str, phi: float = 0.94, number: int = 1024) -> list[dict]:
 
 def apart(one: str, other: str, phi: float, number: int) -> tuple[float, float]:
     """By how much a law keeps its order longer than another one with the same sizes, and error."""
-    lost = [results.line(of(law, phi, number), "psi6", results.HALF) for law in (one, other)]
-    return results.mean([a - b for a, b in zip(*lost, strict=True)])
+    lost = [crystals.line(of(law, phi, number), "psi6", crystals.HALF) for law in (one, other)]
+    return crystals.mean([a - b for a, b in zip(*lost, strict=True)])
 
 
 def forces() -> str:
     """How much larger the spread of the forces is in disks, in the limit of small eta."""
-    first = {law: results.column(of(law), "force_spread")[:, 1].mean() for law in LAWS}
+    first = {law: crystals.column(of(law), "force_spread")[:, 1].mean() for law in LAWS}
     return (
         f"It is {first['disks'] / first['droplets']:.1f} times larger for disks than for droplets"
     )
@@ -42,7 +41,7 @@ def forces() -> str:
 
 def shift(number: int) -> str:
     told = [
-        f"{results.shown(*apart(law, 'disks', 0.94, number))} ({law})"
+        f"{crystals.shown(*apart(law, 'disks', 0.94, number))} ({law})"
         for law in ("rings", "soft rings", "droplets")
     ]
     return f"N = {number}, by {', '.join(told)}"
@@ -64,8 +63,8 @@ def opened() -> str:
     """Spread of the forces of linear response where contacts are lost."""
     found = []
     for ramps in GROUPS.values():
-        per_spread = results.column(ramps, "force_spread")[:, 1].mean() / 0.01
-        lost = results.line(ramps, "z", results.LOST)
+        per_spread = crystals.column(ramps, "force_spread")[:, 1].mean() / 0.01
+        lost = crystals.line(ramps, "z", crystals.LOST)
         found += [per_spread * np.mean(lost)] if np.isfinite(lost).all() else []
     return f"is {min(found):.2f} to {max(found):.2f} of their mean"
 
@@ -73,7 +72,7 @@ def opened() -> str:
 def energies() -> str:
     """Energies of packings on the way down over those of crystals, means of each law, phi and N."""
     at = {
-        eta: [np.mean(results.cost(ramps, eta)) for ramps in GROUPS.values()] for eta in (0.3, 0.4)
+        eta: [np.mean(crystals.cost(ramps, eta)) for ramps in GROUPS.values()] for eta in (0.3, 0.4)
     }
     near, far = (f"{min(values):.2f} to {max(values):.2f} times" for values in at.values())
     return f"have {near} the energy of the crystal, and {far} at 0.4"
@@ -81,11 +80,8 @@ def energies() -> str:
 
 def returned() -> str:
     """Order at the end."""
-    told = [
-        f"{results.shown(*results.mean(results.column(of(law, 0.94, 256), 'psi6', 'down')[:, -1]))}"
-        f" ({law})"
-        for law in LAWS
-    ]
+    ends = {law: crystals.column(of(law, 0.94, 256), "psi6", "down")[:, -1] for law in LAWS}
+    told = [f"{crystals.shown(*crystals.mean(end))} ({law})" for law, end in ends.items()]
     return f"at eta = 0, N = 256, phi = 0.94, psi_6 is {', '.join(told)}"
 
 
@@ -95,7 +91,7 @@ def took() -> str:
     each = [np.mean([ramp["seconds"] for ramp in of("droplets", 0.94, n)]) for n in sizes]
     each = [float(f"{seconds:.2g}") for seconds in each]
     told = ", ".join(f"{each:g} s (N = {n})" for n, each in zip(sizes, each, strict=True))
-    minutes = results.seconds(RESULT) / 60.0
+    minutes = crystals.seconds(RESULT) / 60.0
     total = f"{minutes:.0f} minutes of processor time in all"
     return f"{total}. A ramp of droplets up and down takes {told}"
 
@@ -112,7 +108,7 @@ SENTENCES = {
 }
 
 
-@pytest.mark.parametrize("table", results.TABLES)
+@pytest.mark.parametrize("table", crystals.TABLES)
 def test_tables_are_those_of_the_measurements(table) -> None:
     assert "\n".join(table(RESULT)) in PAGE.read_text()
 
@@ -151,11 +147,11 @@ def test_droplets_with_six_contacts_have_the_pressure_of_the_crystal() -> None:
 def test_small_spreads_are_those_of_linear_response() -> None:
     for (_, phi, number), ramps in GROUPS.items():
         linear = [ramp["linear_u2"] for ramp in ramps]
-        ratio = results.column(ramps, "u2")[:, 1] / 0.01**2 / linear
+        ratio = crystals.column(ramps, "u2")[:, 1] / 0.01**2 / linear
         assert ratio == pytest.approx(1.0, rel=0.02 if phi > 0.93 else 0.2), (phi, number)
     exact = {(row["law"], row["number"]): row["u2"] for row in RESULT["impurities"]}
     for law in LAWS:
-        found, error = results.mean([ramp["linear_u2"] for ramp in of(law, 0.94, 256)])
+        found, error = crystals.mean([ramp["linear_u2"] for ramp in of(law, 0.94, 256)])
         assert abs(found - exact[law, 256]) < 4.0 * error
 
 
@@ -163,8 +159,8 @@ def test_small_spreads_are_those_of_linear_response() -> None:
 def test_contacts_are_lost_long_before_order(law: str) -> None:
     compared = 0
     for (name, *_), ramps in GROUPS.items():
-        contacts = np.array(results.line(ramps, "z", results.LOST))
-        order = np.array(results.line(ramps, "psi6", results.HALF))
+        contacts = np.array(crystals.line(ramps, "z", crystals.LOST))
+        order = np.array(crystals.line(ramps, "psi6", crystals.HALF))
         if name == law and np.isfinite(contacts).all():  # near confluence some keep six
             assert max(contacts) < np.nanmin(order)
             compared += 1
@@ -178,9 +174,9 @@ def test_deformable_particles_keep_their_order_longer(number: int) -> None:
 
 
 def test_the_log_is_that_of_the_small_run(capsys: pytest.CaptureFixture[str]) -> None:
-    results.show(json.loads((FOLDER / "quick.json").read_text()))
+    crystals.show(json.loads((FOLDER / "quick.json").read_text()))
     assert capsys.readouterr().out == (FOLDER / "quick.log").read_text()
 
 
 if __name__ == "__main__":
-    write(PAGE, (table(RESULT) for table in results.TABLES), SENTENCES)
+    write(PAGE, (table(RESULT) for table in crystals.TABLES), SENTENCES)

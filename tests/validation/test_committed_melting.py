@@ -1,4 +1,4 @@
-"""What docs/melting.md and the example's README say follows from the committed measurements.
+"""What docs/melting.md and the README of the study say follows from the committed measurements.
 
 Run as a script, this writes tables and sentences into the page.
 """
@@ -12,13 +12,13 @@ import pytest
 from committed_page import write
 
 from validation.melting import __main__ as melting
+from validation.melting import measure, results
 
 pytest.importorskip("matplotlib")
 pytest.importorskip("freud")
 
 ROOT = Path(__file__).parents[2]
 FOLDER, PAGE = ROOT / "validation" / "melting", ROOT / "docs" / "melting.md"
-tables, results = melting.tables, melting.tables.results
 RESULT, SMALL = (json.loads((FOLDER / f"{name}.json").read_text()) for name in ("full", "small"))
 STAGES = results.stages(RESULT)
 
@@ -53,7 +53,7 @@ SENTENCES = {
 }
 
 
-@pytest.mark.parametrize("table", tables.TABLES)
+@pytest.mark.parametrize("table", results.TABLES)
 def test_tables_are_those_of_the_measurements(table) -> None:
     assert "\n".join(table(RESULT)) in PAGE.read_text()
 
@@ -105,7 +105,7 @@ def test_crystal_melts_between_two_temperatures_and_the_liquid_is_one() -> None:
 def test_exponents_by_size_are_those_by_moduli_and_of_a_solid() -> None:
     for temperature in (0.06, 0.07, 0.075):
         small, large = (at(number, "crystal", temperature) for number in (256, 1024))
-        by_size, error = tables.between_sizes(small, large, "Bragg")
+        by_size, error = results.between_sizes(small, large, "Bragg")
         by_moduli, other = results.value(large, "eta_K by moduli")
         assert abs(by_size - by_moduli) < 2.0 * math.hypot(error, other)
         assert by_moduli < 1.0 / 3.0
@@ -116,7 +116,7 @@ def test_exponents_by_size_are_those_by_moduli_and_of_a_solid() -> None:
 def test_long_steps_and_a_loose_balance_change_no_average_but_another_law_does() -> None:
     rows = {(row["settings"], row["T"]): row for row in RESULT["checks"]}
     for temperature in (0.06, 0.1):
-        used, exact, other = (rows[name, temperature] for name in melting.comparisons.SETTINGS)
+        used, exact, other = (rows[name, temperature] for name in measure.SETTINGS)
         for name in ("energy", "pressure"):
             (a, da), (b, db) = used[name], exact[name]
             assert abs(a - b) < 1.3 * math.hypot(da, db)
@@ -132,4 +132,4 @@ def test_no_packing_at_rest_has_less_energy_than_the_crystal() -> None:
 
 
 if __name__ == "__main__":
-    write(PAGE, (table(RESULT) for table in tables.TABLES), SENTENCES)
+    write(PAGE, (table(RESULT) for table in results.TABLES), SENTENCES)

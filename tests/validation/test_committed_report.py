@@ -1,12 +1,13 @@
-"""The report in docs/report agrees with README and docs; `slow` tests measure again."""
+"""The report in validation/report agrees with README and docs; `slow` tests measure again."""
 
 import json
 import math
 from pathlib import Path
 
 import pytest
-from lammps_deformable.packing_rows import mixed_rows
-from validation.report.accuracy.errors import energy_errors, exceptions
+
+from validation.report.accuracy import energy_errors, exceptions
+from validation.report.packings import mixed_rows
 
 REPORT = json.loads(
     (Path(__file__).parents[2] / "validation" / "report" / "report.json").read_text()

@@ -1,4 +1,4 @@
-"""The example of grains that leave a silo: what holds for every run, and its figures."""
+"""The study of grains that leave a silo: what holds for every run, and its figures."""
 
 from pathlib import Path
 
@@ -11,6 +11,7 @@ from validation.discharge import __main__ as discharge
 pytest.importorskip("matplotlib")
 
 
+@pytest.mark.slow
 def test_quick_discharge(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """More grains leave a larger opening, fewer those that rub; contacts lose what weight does."""
     runs = quick(discharge, tmp_path, monkeypatch)

@@ -1,4 +1,4 @@
-"""Tables of README.md and of docs have the numbers of docs/report/report.json.
+"""Tables of README.md and of docs have the numbers of validation/report/report.json.
 
 Run as a script, this writes the numbers of the report into the pages.
 """
@@ -8,14 +8,14 @@ import re
 from pathlib import Path
 
 import pytest
-from validation.report.accuracy.errors import (
+
+from validation.report.accuracy import (
     CONVERGED,
     fastest_as_good,
     label,
     summary,
     whole_percents,
 )
-
 from validation.report.section import percent
 
 ROOT = Path(__file__).parents[2]

@@ -9,9 +9,8 @@ import pytest
 from programs import study
 
 from validation.frictional_jamming import __main__ as jamming
-from validation.frictional_jamming import beads, results
 
-FOLDER = Path(results.__file__).parent
+FOLDER = Path(jamming.__file__).parent
 
 
 def test_jamming_of_droplets_that_rub() -> None:
@@ -38,10 +37,10 @@ def test_numbers_of_frictional_jamming() -> None:
     for file in (FOLDER / "small.json", FOLDER / "large.json"):
         found = json.loads(file.read_text())
         logged = file.with_suffix(".log").read_text().splitlines()[2:]
-        for row, line in zip(results.table(found), logged, strict=False):
+        for row, line in zip(jamming.table(found), logged, strict=False):
             mu, *cells = re.findall(r"\d[.\d]*", line)
-            exact = np.ravel([row[name] for name in results.MEANS])
-            digits = np.repeat([10.0**-n for n in results.MEANS.values()], 2)
+            exact = np.ravel([row[name] for name in jamming.MEANS])
+            digits = np.repeat([10.0**-n for n in jamming.MEANS.values()], 2)
             assert float(mu) == row["mu"]
             assert (np.abs(np.array(cells, float) - exact) < 0.51 * digits).all()
             told = " | ".join(" ± ".join(cells[n : n + 2]) for n in (0, 2, 4))
@@ -55,7 +54,7 @@ def test_friction_of_beads_on_record(tmp_path: Path, monkeypatch: pytest.MonkeyP
     """Log and page have those of the packings; mu is where rings have as many contacts."""
     found = json.loads((FOLDER / "beads.json").read_text())
     monkeypatch.chdir(tmp_path)
-    beads.results.write_beads(found, beads.with_error)
+    jamming.write_beads(found)
     page = (FOLDER / "README.md").read_text()
     lines, again = (
         [re.findall(r"\d[.\d]*", line) for line in (place / "beads.log").read_text().splitlines()]
@@ -70,10 +69,11 @@ def test_friction_of_beads_on_record(tmp_path: Path, monkeypatch: pytest.MonkeyP
             told = " | ".join(" ± ".join(pairs[n : n + 2]) for n in (0, 2, 4, 6))
             assert f"| {number} | {hollow} | {told} |" in page
     rings = [
-        {"mu": mu, "z": z, "seed": 1} for mu, z in zip(beads.FRICTION, range(9, 3, -1), strict=True)
+        {"mu": mu, "z": z, "seed": 1}
+        for mu, z in zip(jamming.FRICTION, range(9, 3, -1), strict=True)
     ]
-    assert beads.friction_of([{"z": 6.0}], rings, "z") == pytest.approx(0.3)
-    assert beads.friction_of([{"z": 6.5}], rings, "z") == pytest.approx(np.sqrt(0.1 * 0.3))
+    assert jamming.friction_of([{"z": 6.0}], rings, "z") == pytest.approx(0.3)
+    assert jamming.friction_of([{"z": 6.5}], rings, "z") == pytest.approx(np.sqrt(0.1 * 0.3))
 
 
 @pytest.mark.slow
@@ -82,7 +82,7 @@ def test_frictional_jamming_as_it_stands(tmp_path: Path) -> None:
     recorded = json.loads((FOLDER / "small.json").read_text())
     study("frictional_jamming", cwd=tmp_path)
     again = json.loads((tmp_path / "small.json").read_text())
-    for old, new in zip(results.table(recorded), results.table(again), strict=True):
+    for old, new in zip(jamming.table(recorded), jamming.table(again), strict=True):
         for name in ("phi", "z"):
             apart, error = old[name][0] - new[name][0], np.hypot(old[name][1], new[name][1])
             assert abs(apart) < 4.0 * error + 0.002

@@ -21,6 +21,7 @@ def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path / "run"
 
 
+@pytest.mark.slow
 def test_it_keeps_what_it_has(run: Path, capsys: pytest.CaptureFixture[str]) -> None:
     ask = ("8", "--seeds", "2")
     ensemble("10", *ask)
@@ -42,19 +43,24 @@ def test_it_keeps_what_it_has(run: Path, capsys: pytest.CaptureFixture[str]) -> 
 
 
 def test_it_keeps_what_is_done_when_it_fails(run: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def fails_at_three(
-        law: str, pressure: float, number: int, seed: int, *others: object
-    ) -> object:
-        if seed == 3:
+    called, unlucky = [], 3
+
+    def fails(law: str, pressure: float, number: int, seed: int, *others: object) -> object:
+        if seed == unlucky:
             raise ld.LammpsError("out of luck")
+        called.append(seed)
         return measure(law, pressure, number, seed)
 
-    monkeypatch.setattr(jamming, "measure", fails_at_three)
+    monkeypatch.setattr(jamming, "measure", fails)
     with pytest.raises(ld.LammpsError, match="out of luck"):
         ensemble("8", "--seeds", "4")
-    assert [row["seed"] for row in jamming.read_table(run / "table.csv")] == [1, 2]
+    unlucky = 0
+    ensemble("8", "--seeds", "4")
+    assert called == [1, 2, 3, 4]
+    assert [row["seed"] for row in jamming.read_table(run / "table.csv")] == [1, 2, 3, 4]
 
 
+@pytest.mark.slow
 def test_it_follows_packings_upwards(run: Path, capsys: pytest.CaptureFixture[str]) -> None:
     ask = ("8", "--seeds", "1", "--pressure", "1e-7")
     ensemble(*ask)
@@ -69,6 +75,7 @@ def test_it_follows_packings_upwards(run: Path, capsys: pytest.CaptureFixture[st
     assert (run / "scaling.png").stat().st_size > 5_000
 
 
+@pytest.mark.slow
 def test_packings_are_saved(run: Path) -> None:
     """Also those that are in the table already."""
     ask = ("8", "--law", "radical", "--seeds", "2")
@@ -108,6 +115,7 @@ def test_names_of_laws_in_tables() -> None:
         assert excess_coordination(row) == pytest.approx(1.0)
 
 
+@pytest.mark.slow
 def test_spheres_and_droplets_touch_at_the_same_phi(run: Path) -> None:
     for law in ("sphere", "droplet"):
         ensemble("12", "--law", law, "--seeds", "1", "--pressure", "1e-7")

@@ -1,4 +1,4 @@
-"""The example of melting: limits that are known exactly, what it measures, and its small run.
+"""The study of melting: limits that are known exactly, what it measures, and its small run.
 
 Means of motions are compared within 5 of their standard errors, by blocks that are longer than the
 time in which the bath forgets, so that no processor and no seed decides.
@@ -14,37 +14,37 @@ import pytest
 from numpy.typing import NDArray
 
 from validation.melting import __main__ as melting
+from validation.melting import measure, results
 
 pytest.importorskip("matplotlib")
 pytest.importorskip("freud")
 
 FOLDER = Path(__file__).parents[2] / "validation" / "melting"
-limits, motion, order = melting.limits, melting.motion, melting.order
-tables, results = melting.tables, melting.tables.results
 RESULT = json.loads((FOLDER / "small.json").read_text())
 
 
 def close(values: list[float], expected: float) -> None:
     """Whether the mean of a series is as expected, by 20 blocks after the first tenth."""
     blocks = np.array_split(np.array(values)[len(values) // 10 :], 20)
-    found, error = ld.jackknife(np.mean, [block.mean() for block in blocks])
+    found, error = ld.jackknife([block.mean() for block in blocks])
     assert abs(found - expected) < 5.0 * error, (found, expected, error)
     assert error < 0.1 * abs(expected)
 
 
 def resting(number: int) -> tuple[ld.Packing, ld.State]:
-    packing = motion.crystal(number, motion.PHI)
-    with ld.Simulation(packing, motion.LAW) as sim:
+    packing = measure.crystal(number, measure.PHI)
+    with ld.Simulation(packing, measure.LAW) as sim:
         return packing, sim.relax(1e-10)
 
 
+@pytest.mark.slow
 def test_cold_crystal_is_harmonic() -> None:
     """Energy T/2 a mode, <u^2> = T sum 1/k / N by the modes of the Hessian, and order 1."""
     (packing, rest), temperature = resting(16), 1e-7
     stiffness = rest.modes(vectors=False).stiffness
     assert len(stiffness) == 30
     rows = []
-    with ld.Simulation(packing, motion.LAW) as sim:
+    with ld.Simulation(packing, measure.LAW) as sim:
         sim.relax(1e-10)
         for state in ld.move(
             sim, 20_000, temperature=temperature, every=40, seed=1, friction=0.3, timestep=0.05
@@ -56,7 +56,7 @@ def test_cold_crystal_is_harmonic() -> None:
     close(temperatures, temperature)
     close(energy, 15.0 * temperature)
     close(squares, temperature * np.sum(1.0 / stiffness))
-    found = order.measured(16, motion.PHI, state.packing.positions[None], state.hexatic()[None])
+    found = measure.measured(16, measure.PHI, state.packing.positions[None], state.hexatic()[None])
     assert math.hypot(found["psi_x"][0], found["psi_y"][0]) == pytest.approx(1.0, abs=1e-4)
     assert found["bragg"] == pytest.approx(1.0, abs=1e-4)
     assert found["defects"] == 0.0
@@ -68,7 +68,7 @@ def test_waves_of_a_harmonic_crystal_have_the_moduli_of_linear_response() -> Non
     box, sites = packing.box.diagonal(), packing.positions
     hessian, moduli = rest.hessian().operator, rest.elastic_moduli()
     softness = []
-    for wave in order.waves(box):
+    for wave in measure.waves(box):
         phases = sites @ wave
         across = np.array([-wave[1], wave[0]]) / np.hypot(*wave)
         for direction in (across, wave / np.hypot(*wave)):
@@ -83,54 +83,55 @@ def test_waves_of_a_harmonic_crystal_have_the_moduli_of_linear_response() -> Non
 
 def test_displacements_are_from_the_nearest_sites_of_a_lattice_that_drifts() -> None:
     """Particles may have changed their places, and a row may have slipped."""
-    packing, rng = motion.crystal(64, motion.PHI), np.random.default_rng(1)
+    packing, rng = measure.crystal(64, measure.PHI), np.random.default_rng(1)
     u = 0.1 * rng.normal(size=(64, 2))
     u -= u.mean(axis=0)
     slipped = packing.positions.copy()
-    slipped[:8, 0] += motion.spacing(packing)
+    slipped[:8, 0] += measure.spacing(packing)
     slipped[[20, 40]] = slipped[[40, 20]]
-    found = order.displacements(
-        slipped + u + [3.3, -0.7], packing.positions, motion.spacing(packing)
+    found = measure.displacements(
+        slipped + u + [3.3, -0.7], packing.positions, measure.spacing(packing)
     )
     assert found == pytest.approx(u, abs=2e-3)  # the drift is that of density waves
 
 
 def test_softness_of_one_wave() -> None:
-    packing = motion.crystal(64, motion.PHI)
+    packing = measure.crystal(64, measure.PHI)
     box, sites = packing.box.diagonal(), packing.positions
-    q = order.waves(box)
+    q = measure.waves(box)
     wave, amplitude = q[3], 0.01
     u = amplitude * np.cos(sites @ wave)[:, None] * wave / np.hypot(*wave)
-    across, along = order.softness(u, sites, box)
+    across, along = measure.softness(u, sites, box)
     assert across == pytest.approx(0.0, abs=1e-12)
     expected = box.prod() * (wave @ wave) * (0.5 * amplitude) ** 2 / len(q)
     assert along == pytest.approx(expected)
 
 
+@pytest.mark.slow
 def test_second_virial_coefficient_by_energies_and_by_pressures() -> None:
     """The same by parts; cold droplets are hard disks of the radius 1, with B_2 = 2 pi."""
     for temperature in (0.005, 0.02):
-        by_energy, by_pressure = limits.second_virial(temperature)
+        by_energy, by_pressure = measure.second_virial(temperature)
         assert by_pressure == pytest.approx(by_energy, rel=1e-3)
-    assert limits.second_virial(1e-6)[0] == pytest.approx(2.0 * math.pi, rel=0.02)
+    assert measure.second_virial(1e-6)[0] == pytest.approx(2.0 * math.pi, rel=0.02)
 
 
 def test_pressure_of_a_gas_without_contacts() -> None:
-    packing = motion.crystal(16, 0.1)
-    leg = motion.leg(16, 0.1, 0.1, 1, packing.positions, steps=motion.SAMPLES)
-    assert leg["rows"][0]["pressure"] * packing.area == pytest.approx(16 * 0.1)
+    packing = measure.crystal(16, 0.1)
+    leg = measure.leg(16, 0.1, 0.1, 1, packing.positions, steps=measure.SAMPLES)
+    assert leg["rows"][0]["pressure"] * packing.volume == pytest.approx(16 * 0.1)
 
 
 def test_neighbors_of_the_crystal_and_of_random_points() -> None:
-    packing = motion.crystal(36, motion.PHI)
+    packing = measure.crystal(36, measure.PHI)
     box = packing.box.diagonal()
-    i, j = order.neighbors(packing.positions, box)
+    i, j = measure.neighbors(packing.positions, box)
     assert len(i) == 3 * 36
-    between = order.apart(box, packing.positions[j] - packing.positions[i])
-    assert np.hypot(*between.T) == pytest.approx(np.full(108, motion.spacing(packing)))
+    between = measure.apart(box, packing.positions[j] - packing.positions[i])
+    assert np.hypot(*between.T) == pytest.approx(np.full(108, measure.spacing(packing)))
     places = np.random.default_rng(1).random((200, 2)) @ packing.box
-    packing = ld.Packing(places, np.zeros(200, int), [0.01], packing.box)
-    pairs = order.neighbors(places, box)
+    packing = ld.Packing(places, 0.01, packing.box)
+    pairs = measure.neighbors(places, box)
     assert len(pairs[0]) == 600
     with ld.Simulation(packing, ld.Ring()) as sim:
         sides = sim.state().cell_sides
@@ -149,56 +150,57 @@ def flipped(pairs: NDArray[np.int64]) -> NDArray[np.int64]:
 
 def test_defects_of_a_bond_that_flips() -> None:
     """Two particles of 5 and two of 7 neighbors: dislocations that are bound."""
-    packing = motion.crystal(64, motion.PHI)
-    pairs = order.neighbors(packing.positions, packing.box.diagonal())
-    assert not any(order.defects(pairs, 64).values())
-    found = order.defects(flipped(pairs), 64)
+    packing = measure.crystal(64, measure.PHI)
+    pairs = measure.neighbors(packing.positions, packing.box.diagonal())
+    assert not any(measure.defects(pairs, 64).values())
+    found = measure.defects(flipped(pairs), 64)
     assert found["defects"] == 4 / 64
     assert found["bound"] == 1 / 64
     assert found["dislocations"] == found["larger"] == found["disclinations"] == 0.0
-    found = order.defects(pairs[:, 1:], 64)  # two particles with 5, apart
+    found = measure.defects(pairs[:, 1:], 64)  # two particles with 5, apart
     assert found["defects"] == 2 / 64
     assert found["disclinations"] == 2 / 64
 
 
 def test_waves_and_correlations_of_the_crystal() -> None:
-    packing = motion.crystal(144, motion.PHI)
+    packing = measure.crystal(144, measure.PHI)
     box, places = packing.box.diagonal(), packing.positions + 0.3
-    length = 4.0 * np.pi / (math.sqrt(3.0) * motion.spacing(packing))
-    wave, strength = order.strongest_wave(places, box, length)
+    length = 4.0 * np.pi / (math.sqrt(3.0) * measure.spacing(packing))
+    wave, strength = measure.strongest_wave(places, box, length)
     assert strength == pytest.approx(1.0)
     assert np.hypot(*wave) == pytest.approx(length)
-    _, sums, pairs = order.correlation(places, box, np.exp(1j * places @ wave))
+    _, sums, pairs = measure.correlation(places, box, np.exp(1j * places @ wave))
     assert sums == pytest.approx(pairs)
     assert pairs[0] == 0.0 < pairs.max()
     random = np.random.default_rng(1).random((1000, 2)) @ packing.box
-    assert order.strongest_wave(random, box, length)[1] < 0.03
+    assert measure.strongest_wave(random, box, length)[1] < 0.03
 
 
+@pytest.mark.slow
 def test_interrupted_ramps_go_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A second call reads the legs that are kept; each begins where the last one ended."""
-    monkeypatch.setattr(motion, "kept", short(50))
-    ramp = melting.ramp(16, motion.PHI, "crystal", 1, ((0.01, 2), (0.02, 1)), tmp_path)
+    monkeypatch.setattr(measure, "kept", short(50))
+    ramp = melting.ramp(16, measure.PHI, "crystal", 1, ((0.01, 2), (0.02, 1)), tmp_path)
     assert [leg["T"] for leg in ramp["legs"]] == [0.01, 0.01, 0.02]
     assert ramp["ended"] == 0
-    start = motion.begin(16, motion.PHI, "crystal", 1)
-    one = motion.leg(16, motion.PHI, 0.01, 1001, start, steps=50)
-    two = motion.leg(16, motion.PHI, 0.01, 1002, one["places"][-1], steps=50)
+    start = measure.begin(16, measure.PHI, "crystal", 1)
+    one = measure.leg(16, measure.PHI, 0.01, 1001, start, steps=50)
+    two = measure.leg(16, measure.PHI, 0.01, 1002, one["places"][-1], steps=50)
     for leg, found in zip(ramp["legs"], (one, two), strict=False):
         assert leg["energy"] == np.mean([row["energy"] for row in found["rows"]])
     assert (ramp["ends"][0][1] == two["places"][-1]).all()
     monkeypatch.setattr(ld, "move", None)
-    again = melting.ramp(16, motion.PHI, "crystal", 1, ((0.01, 2), (0.02, 1)), tmp_path)
+    again = melting.ramp(16, measure.PHI, "crystal", 1, ((0.01, 2), (0.02, 1)), tmp_path)
     assert again["legs"] == ramp["legs"]
 
 
 def short(steps: int):  # type: ignore[no-untyped-def]
     """As `kept`, with short legs."""
-    usual = motion.kept
+    usual = measure.kept
 
     def kept(function, arguments, folder):  # type: ignore[no-untyped-def]
-        if function is motion.leg:
-            arguments = (*arguments, motion.LAW, motion.BATH, steps)
+        if function is measure.leg:
+            arguments = (*arguments, measure.LAW, measure.BATH, steps)
         return usual(function, arguments, folder)
 
     return kept
@@ -210,19 +212,19 @@ def test_legs_without_a_shape_begin_anew_and_are_counted(
     usual, seeds = short(50), []
 
     def sometimes(function, arguments, folder):  # type: ignore[no-untyped-def]
-        if function is not motion.leg:
+        if function is not measure.leg:
             return usual(function, arguments, folder)
         seeds.append(arguments[3])
         failed = len(seeds) == 1
         return {"ended": "no shape"} if failed else usual(function, arguments, folder)
 
-    monkeypatch.setattr(motion, "kept", sometimes)
-    ramp = melting.ramp(16, motion.PHI, "crystal", 1, ((0.01, 1),), tmp_path)
+    monkeypatch.setattr(measure, "kept", sometimes)
+    ramp = melting.ramp(16, measure.PHI, "crystal", 1, ((0.01, 1),), tmp_path)
     assert ramp["ended"] == 1
     assert seeds == [1001, 101_001]
-    monkeypatch.setattr(motion, "kept", lambda *_: {"ended": "no shape"})
+    monkeypatch.setattr(measure, "kept", lambda *_: {"ended": "no shape"})
     with pytest.raises(RuntimeError, match=r"T = 0\.01: no shape"):
-        melting.ramp(16, motion.PHI, "crystal", 1, ((0.01, 1),), tmp_path)
+        melting.ramp(16, measure.PHI, "crystal", 1, ((0.01, 1),), tmp_path)
 
 
 def test_a_leg_ends_where_a_droplet_finds_no_shape(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -230,8 +232,8 @@ def test_a_leg_ends_where_a_droplet_finds_no_shape(monkeypatch: pytest.MonkeyPat
         raise ld.LammpsError("no shape")
 
     monkeypatch.setattr(ld, "move", no_shape)
-    start = motion.crystal(16, motion.PHI).positions
-    assert motion.leg(16, motion.PHI, 0.01, 1, start)["ended"] == "no shape"
+    start = measure.crystal(16, measure.PHI).positions
+    assert measure.leg(16, measure.PHI, 0.01, 1, start)["ended"] == "no shape"
 
 
 def test_decay_of_a_power_is_its_exponent() -> None:
@@ -258,4 +260,4 @@ def test_exponents_by_size() -> None:
         [{"number": n, "T": 0.1, "bragg": b * math.sqrt(n) ** -0.3} for b in (1.0, 1.1, 0.9)]
         for n in (256, 1024)
     )
-    assert tables.between_sizes(small, large, "Bragg")[0] == pytest.approx(0.3)
+    assert results.between_sizes(small, large, "Bragg")[0] == pytest.approx(0.3)

@@ -8,13 +8,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from lammps_deformable import Comparison, ParameterError, PolygonModel, core
-from lammps_deformable.shape_error import shape_error
-from validation.report.paper.single import IRREGULAR, Squeezed, regular, squeeze
+from lammps_deformable import DeformablePolygon, ParameterError, core
+from lammps_deformable.comparison import shape_error
 
-from validation.report.packings import figure as packing_figure
-from validation.report.paper import figures as paper_figures
-from validation.report.paper import results as paper
+from validation.report import packings, paper
+from validation.report.packings import AtCenters
+from validation.report.paper import IRREGULAR, Squeezed, regular, squeeze
 
 PAPER = paper.ring_in_walls(188, 1e4)
 
@@ -24,7 +23,7 @@ def sweep() -> list[Squeezed]:
     return paper.stiffness_sweep((1.0, 1e2, 1e4), [0.01, 0.02, 0.03], number=96, workers=1)
 
 
-@pytest.mark.slow  # tests/test_committed_report.py has the rows of the report
+@pytest.mark.slow  # test_committed_report.py has the rows of the report
 @pytest.mark.parametrize(("sides", "indentation"), [(3, 0.01), (4, 0.03)])
 def test_sector_is_right_where_walls_stick(sides: int, indentation: float) -> None:
     # in steps of 0.005 the quadrangle has 1.07e-4
@@ -33,6 +32,7 @@ def test_sector_is_right_where_walls_stick(sides: int, indentation: float) -> No
     assert result.shape_error("sector") < 0.5 * result.shape_error("ring, kP inf")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sides", IRREGULAR)
 def test_ring_is_right_where_walls_slip(sides: int) -> None:
     [result] = squeeze(IRREGULAR[sides], [0.05], PAPER, stick=False)
@@ -42,6 +42,7 @@ def test_ring_is_right_where_walls_slip(sides: int) -> None:
     assert paper.steiner_error(result) < 0.5 * result.shape_error("ring, kP inf")
 
 
+@pytest.mark.slow
 def test_error_falls_with_stiffness_and_grows_with_indentation(sweep: list[Squeezed]) -> None:
     error = np.array([r.shape_error("sector") for r in sweep]).reshape(3, 3)
     assert (np.diff(error, axis=0) < 0.0).all()
@@ -70,11 +71,13 @@ def test_the_ring_law_has_the_stiffness_of_the_springs(kL: float) -> None:
     assert abs(off) / exact < np.pi**2 / (3.0 * 192**2 * 0.02) + 1e-3
 
 
+@pytest.mark.slow
 def test_sweep_keeps_the_order_of_its_arguments(sweep: list[Squeezed]) -> None:
     assert [r.reference.model.kL for r in sweep[::3]] == [1.0, 1e2, 1e4]
     assert [r.indentation for r in sweep[:3]] == [0.01, 0.02, 0.03]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sides", [4, 6])
 def test_stiff_rings_of_many_beads_tend_to_the_exact_deficit(sides: int) -> None:
     found = paper.limit(sides, 0.05, numbers=(96, 192), kP=(10.0, 40.0), workers=1)
@@ -93,11 +96,12 @@ def test_stiff_rings_of_many_beads_tend_to_the_exact_deficit(sides: int) -> None
 
 
 @pytest.fixture(scope="module")
-def packed() -> dict[str, Comparison]:
-    return paper.packing(8, strain=0.02, seed=2)
+def packed() -> dict[str, AtCenters]:
+    return packings.paper_packing(8, strain=0.02, seed=2)
 
 
-def test_packing_is_nearer_to_the_laws_than_to_circles(packed: dict[str, Comparison]) -> None:
+@pytest.mark.slow
+def test_packing_is_nearer_to_the_laws_than_to_circles(packed: dict[str, AtCenters]) -> None:
     reference = packed["radical"].reference
     assert reference.polygons.number.tolist() == [50, 72]
     assert not reference.stalled
@@ -108,7 +112,7 @@ def test_packing_is_nearer_to_the_laws_than_to_circles(packed: dict[str, Compari
                 reference.outlines,
                 reference.packing.positions,
                 reference.polygons.radius[reference.packing.species],
-                reference.packing.radius,
+                reference.packing.radii,
                 strict=True,
             )
         ]
@@ -120,7 +124,7 @@ def test_packing_is_nearer_to_the_laws_than_to_circles(packed: dict[str, Compari
 
 
 def test_row_of_a_table() -> None:
-    model = PolygonModel(24, 0.1, kL=2400.0)
+    model = DeformablePolygon(24, radius=0.1, kL=2400.0, smooth=False)
     row = paper.single_row(squeeze(IRREGULAR[3], [0.02], model, stick=True)[0])
     assert json.loads(json.dumps(row)) == row
     given = {"polygon": "irregular", "sides": 3, "walls": "stick", "n_v": 24, "kL": 2400.0}
@@ -138,15 +142,16 @@ def test_row_of_a_table() -> None:
 @pytest.mark.parametrize("stick", [True, False])
 def test_results_do_not_depend_on_their_number(stick: bool) -> None:
     # walls that stick make the same steps; where they slip there is one state, to the tolerance
-    model = PolygonModel(24, 0.1, kL=2400.0)
+    model = DeformablePolygon(24, radius=0.1, kL=2400.0, smooth=False)
     *_, many = squeeze(regular(4), [0.005, 0.01, 0.015, 0.02], model, stick)
     [one] = squeeze(regular(4), [0.02], model, stick)
     exact = 2e-12 if stick else 1e-3
     assert one.reference.area_deficit == pytest.approx(many.reference.area_deficit, rel=exact)
 
 
+@pytest.mark.slow
 def test_steps_of_walls_that_stick_matter() -> None:
-    model = PolygonModel(96, 0.1, kL=960.0)
+    model = DeformablePolygon(96, radius=0.1, kL=960.0, smooth=False)
     for stick, same in ((True, False), (False, True)):
         [fine] = squeeze(regular(6), [0.02], model, stick)
         [coarse] = squeeze(regular(6), [0.02], model, stick, step=0.01)
@@ -155,7 +160,12 @@ def test_steps_of_walls_that_stick_matter() -> None:
 
 def test_seconds_are_those_of_a_processor() -> None:
     began = time.process_time()
-    first, second = squeeze(regular(4), [0.01, 0.02], PolygonModel(24, 0.1, kL=2400.0), stick=True)
+    first, second = squeeze(
+        regular(4),
+        [0.01, 0.02],
+        DeformablePolygon(24, radius=0.1, kL=2400.0, smooth=False),
+        stick=True,
+    )
     spent = time.process_time() - began
     assert 0.0 < first.seconds + second.seconds < spent
     assert set(first.law_seconds) == {"sector", "ring, kP inf", "ring"}
@@ -168,27 +178,36 @@ def test_seconds_are_those_of_a_processor() -> None:
 )
 def test_indentations_that_do_not_rise_are_refused(indentations: list[float]) -> None:
     with pytest.raises(ParameterError, match=f"to {indentations[-1]:g}: indentations"):
-        squeeze(regular(4), indentations, PolygonModel(radius=0.1), stick=False)
+        squeeze(
+            regular(4), indentations, DeformablePolygon(50, radius=0.1, smooth=False), stick=False
+        )
 
 
 @pytest.mark.parametrize("step", [0.0, -1.0, float("nan")])
 def test_steps_that_lead_nowhere_are_refused(step: float) -> None:
     with pytest.raises(ParameterError, match=rf"^step .* {step}$"):
-        squeeze(regular(4), [0.01], PolygonModel(radius=0.1), stick=True, step=step)
+        squeeze(
+            regular(4),
+            [0.01],
+            DeformablePolygon(50, radius=0.1, smooth=False),
+            stick=True,
+            step=step,
+        )
 
 
+@pytest.mark.slow
 def test_figures_are_1200_pixels_wide(
-    tmp_path: Path, sweep: list[Squeezed], packed: dict[str, Comparison]
+    tmp_path: Path, sweep: list[Squeezed], packed: dict[str, AtCenters]
 ) -> None:
     single = paper.shapes([0.02], number=24, kL=1e3, workers=1)
     assert len(single) == 12
     for figure in (
-        paper_figures.shapes(single, stick=True),
-        paper_figures.shapes(single, stick=False),
-        paper_figures.deviation(sweep),
-        paper_figures.error_by_indentation(sweep),
-        paper_figures.limits([paper.limit(4, 0.05, numbers=(24, 36), kP=(10.0, 20.0), workers=1)]),
-        packing_figure.packing(packed),
+        paper.shapes_figure(single, stick=True),
+        paper.shapes_figure(single, stick=False),
+        paper.deviation_figure(sweep),
+        paper.error_by_indentation(sweep),
+        paper.limits_figure([paper.limit(4, 0.05, numbers=(24, 36), kP=(10.0, 20.0), workers=1)]),
+        packings.packing(packed),
     ):
         figure.savefig(tmp_path / "figure.png")
         assert struct.unpack(">I", (tmp_path / "figure.png").read_bytes()[16:20]) == (1200,)
@@ -199,12 +218,12 @@ def test_figures_are_1200_pixels_wide(
 )
 def test_deviations_are_magnified_by_round_factors(largest: float, factor: float) -> None:
     """The largest one is then up to a tenth of the radius, and none is reduced."""
-    assert paper_figures.magnification(largest) == pytest.approx(factor)
-    assert paper_figures.magnification(2.0 * largest, radius=2.0) == pytest.approx(factor)
+    assert paper.magnification(largest) == pytest.approx(factor)
+    assert paper.magnification(2.0 * largest, radius=2.0) == pytest.approx(factor)
 
 
 def test_no_deviation_is_not_magnified() -> None:
-    assert paper_figures.magnification(0.0) == 1.0
+    assert paper.magnification(0.0) == 1.0
 
 
 def test_smooth_polygons_have_the_area_of_the_ring_law_between_walls() -> None:

@@ -1,9 +1,9 @@
 """Droplets leave a silo again and again: their flow over the opening, and what slows it.
 
-python discharge.py             what the README shows
-python discharge.py --quick     a part of it, in 20 seconds
+python -m validation.discharge            what the README shows
+python -m validation.discharge --quick    a part of it, in 20 seconds
 
-Under mpiexec the ranks share the runs: mpiexec -n 4 python -m mpi4py discharge.py
+Under mpiexec the ranks share the runs: mpiexec -n 4 python -m mpi4py -m validation.discharge
 """
 
 import argparse
@@ -16,13 +16,16 @@ import numpy as np
 from mpi4py import MPI
 from scipy.optimize import curve_fit
 
+from validation import options_of
+from validation.ensembles import over_cores
+
 OPENINGS = (3.0, 3.5, 4.0, 4.5, 5.0, 6.0, 7.0)  # over the mean diameter, which is 1
 SEEDS = 3  # runs of each opening
 GRAINS = 120  # that leave in a run, after half of so many
 ROWS = 18  # of grains: the height of the filling
 HEIGHTS = (27,)  # of other fillings, for the opening of 6
 DROPLET = ld.Ring(kA=np.inf, kP=0.0, tension=1.0, reach=1.0)  # conserves its area
-CONTACT = {"kt": 2.0, "gt": 0.3, "damp": 0.5}
+CONTACT = {"kt": 2.0, "gt": 0.3, "damping": 0.5}
 WIDTH, COLUMNS = 20.0, 18
 RATES = (3, 5, 10, 20)  # on the axis of the picture
 POWERS = (0.5, 1.0, 1.5)  # that are tried beside one that is fitted
@@ -77,11 +80,9 @@ def filled(opening, rows, seed):
     floor = [[-half, 1.0], [0.6 - half, 0.4], [half - 0.6, 0.4], [half, 1.0]]
     return ld.Packing(
         place + rng.uniform(-0.02, 0.02, place.shape),
-        np.zeros(number),
-        [0.55],
-        [[WIDTH, 0.0], [0.5 * WIDTH, 1.65 + 0.98 * rows]],
         rng.uniform(0.45, 0.55, number),
-        [ld.Polygon(floor)],
+        [[WIDTH, 0.0], [0.5 * WIDTH, 1.65 + 0.98 * rows]],
+        walls=[ld.PolygonWall(floor)],
     )
 
 
@@ -270,7 +271,7 @@ def planned(quick):
 def main(quick):
     scenes, seeds, grains = planned(quick), 2 if quick else SEEDS, 20 if quick else GRAINS
     calls = [(*each, seed, grains) for each in scenes for seed in range(1, seeds + 1)]
-    found = ld.parallel_map(flow, calls, keep=None if quick else "discharge")
+    found = over_cores(flow, calls, keep=None if quick else "discharge")
     if MPI.COMM_WORLD.rank == 0:
         data = []
         for n, (case, opening, rows) in enumerate(scenes):
@@ -286,4 +287,4 @@ def main(quick):
 if __name__ == "__main__":
     options = argparse.ArgumentParser()
     options.add_argument("--quick", action="store_true", help="a part, in 20 seconds")
-    main(options.parse_args().quick)
+    main(options_of(options, __file__).quick)

@@ -1,6 +1,6 @@
 """An emulsion in space: osmotic pressure, elastic moduli, contacts and loads of random packings.
 
-python emulsion_3d.py --number 128 --packings 4 --workers 2
+python -m validation.emulsion_3d --number 128 --packings 4 --workers 2
 
 Each packing is written to emulsion_3d_NUMBER.json when it is there, and not measured again.
 """
@@ -15,6 +15,9 @@ import lammps_deformable as ld
 import matplotlib.pyplot as plt
 import numpy as np
 from scipy.stats import lognorm
+
+from validation import options_of
+from validation.ensembles import over_cores
 
 KINDS = ("nearly equal", "polydisperse")
 RADII = (1.0, 1.2)  # of equal numbers: equal droplets begin to crystallize
@@ -34,9 +37,9 @@ def measure(kind, number, seed):
     if kind == "polydisperse":
         start = ld.polydisperse(number, lognorm(WIDTH), dimension=3, seed=seed)
     else:
-        start = ld.bidisperse(number, radii=RADII, dimension=3, seed=seed)
+        start = ld.bidisperse(number, sizes=RADII, dimension=3, seed=seed)
     jammed = ld.jam(start).packing
-    unit = np.sum(jammed.radius**2) / np.sum(jammed.radius**3)
+    unit = np.sum(jammed.radii**2) / np.sum(jammed.radii**3)
     rows = []
     with ld.Simulation(jammed, ld.Droplet(tension=1.0)) as sim:
         for phi in [*(jammed.phi + above for above in ABOVE), *PHI]:
@@ -47,7 +50,7 @@ def measure(kind, number, seed):
             if seed == 1 and phi in FINITE:
                 row["sheared"] = ld.shear_modulus(state, STRAIN).value / unit
             rows.append(row)
-    width = float(jammed.radius.std() / jammed.radius.mean())
+    width = float(jammed.radii.std() / jammed.radii.mean())
     return {"kind": kind, "seed": seed, "width": width, "phi_J": jammed.phi, "rows": rows}
 
 
@@ -90,13 +93,13 @@ def of_kind(packings, kind):
 
 def means(packings, kind):
     """Means over the packings and their errors, by name, each of one number for each phi."""
-    values, errors = ld.jackknife(lambda some: np.mean(some, 0), of_kind(packings, kind))
+    values, errors = ld.jackknife(of_kind(packings, kind), lambda some: np.mean(some, 0))
     return dict(zip(NAMES, values.T, strict=True)), dict(zip(NAMES, errors.T, strict=True))
 
 
 def onset(packings, kind):
     """phi_J of a kind, and its error."""
-    return ld.jackknife(np.mean, [p["phi_J"] for p in packings if p["kind"] == kind])
+    return ld.jackknife([p["phi_J"] for p in packings if p["kind"] == kind])
 
 
 def exponent(packings, kind, name, rows):
@@ -107,7 +110,7 @@ def exponent(packings, kind, name, rows):
         mean = np.mean(some, axis=0)[rows]
         return np.polyfit(np.log(mean[:, pressure]), np.log(np.abs(mean[:, column])), 1)[0]
 
-    return ld.jackknife(slope, of_kind(packings, kind))
+    return ld.jackknife(of_kind(packings, kind), slope)
 
 
 def microseconds(packings, number):
@@ -217,7 +220,7 @@ def main():
     parser.add_argument("--number", type=int, default=512, help="droplets of a packing")
     parser.add_argument("--packings", type=int, default=8, help="of each kind")
     parser.add_argument("--workers", type=int, help="packings at a time")
-    asked = parser.parse_args()
+    asked = options_of(parser, __file__)
     file = Path(f"emulsion_3d_{asked.number}.json")
     packings = json.loads(file.read_text()) if file.exists() else []
     known = {(packing["kind"], packing["seed"]) for packing in packings}
@@ -225,12 +228,8 @@ def main():
     calls = [
         (kind, asked.number, seed) for seed in seeds for kind in KINDS if (kind, seed) not in known
     ]
-
-    def keep(packing):
-        packings.append(packing)
-        file.write_text(json.dumps(packings))
-
-    ld.parallel_map(measure, calls, asked.workers, "packings", keep)
+    packings += over_cores(measure, calls, asked.workers, file.with_suffix(".kept"))
+    file.write_text(json.dumps(packings))
     packings.sort(key=lambda one: (one["seed"], one["kind"]))
     print(*lines(packings, asked.number), sep="\n")
     draw(packings, file.with_suffix(".png"))

@@ -1,6 +1,6 @@
 """An emulsion that creams: droplets lighter than the liquid rest below a ceiling.
 
-python own_weight.py --number 128 --columns 2
+python -m validation.emulsion_3d.own_weight --number 128 --columns 2
 
 Each column is written to own_weight_NUMBER.json when it is there, and not measured again. The
 pressures to compare with are those of emulsion_3d_512.json.
@@ -14,7 +14,9 @@ import lammps_deformable as ld
 import matplotlib.pyplot as plt
 import numpy as np
 
+from validation import options_of
 from validation.emulsion_3d.__main__ import KINDS, RADII, height, means, onset, with_error
+from validation.ensembles import over_cores
 
 WIDTH = 10.0  # of a column of 512, which is periodic across; others have its shape
 HIGHEST = 0.25  # pressure of all droplets together on the ceiling [tension/R32]
@@ -26,13 +28,13 @@ HEADS = ("height", "weight below", "phi", "phi by the measured pressure", "stres
 def column(number, seed):
     """Droplets at rest below the ceiling; a row for each slab, see `slabs`."""
     width = WIDTH * (number / 512) ** (1 / 3)
-    loose = ld.bidisperse(number, phi=0.5, radii=RADII, dimension=3, seed=seed)
+    loose = ld.bidisperse(number, sizes=RADII, phi=0.5, dimension=3, seed=seed)
     tall = loose.volume / width**2
-    start = ld.bidisperse(number, phi=0.5, radii=RADII, aspect=tall / width, dimension=3, seed=seed)
+    start = ld.bidisperse(number, sizes=RADII, phi=0.5, dimension=3, aspect=tall / width, seed=seed)
     floor = ld.Plane((0, 0, 0), (0, 0, 1))
     ceiling = ld.Plane((0, 0, tall), (0, 0, -1))
-    start = ld.push_off(start.between([floor, ceiling]))
-    r32 = np.sum(start.radius**3) / np.sum(start.radius**2)
+    start = start.between([floor, ceiling]).push_off()
+    r32 = np.sum(start.radii**3) / np.sum(start.radii**2)
     weight = HIGHEST / r32 * width**2 / (0.5 * start.volume)  # of a unit of volume
     with ld.Simulation(start, ld.Droplet(tension=1.0)) as sim:
         for species, radius in enumerate(RADII, start=1):
@@ -49,10 +51,10 @@ def slabs(state, r32, weight):
     Lengths are in units of tension/(R32 weight), pressures in units of tension/R32.
     """
     box, place = state.packing.box, state.packing.positions[:, 2]
-    floor = float((place - state.packing.radius).min())
+    floor = float((place - state.packing.radii).min())
     edges = np.linspace(floor + DIAMETER, box[2, 2] - DIAMETER, SLABS + 1)
     area = box[0, 0] * box[1, 1]
-    below = np.array([volume_below(edge, place, state.packing.radius) for edge in edges])
+    below = np.array([volume_below(edge, place, state.packing.radii) for edge in edges])
     inside = np.digitize(place, edges) - 1
     stress = np.einsum("naa,n->na", state.particle_stress, state.filled_volume)
     middle, room = 0.5 * (edges[1:] + edges[:-1]) - floor, area * np.diff(edges)
@@ -82,7 +84,7 @@ def expected(pressure, packings):
 def profile(columns):
     """Means over the columns and their errors, each of shape (quantities, slabs)."""
     rows = [np.transpose(one["rows"]) for one in columns]
-    return ld.jackknife(lambda some: np.mean(some, axis=0), rows)
+    return ld.jackknife(rows, lambda some: np.mean(some, axis=0))
 
 
 def table(columns, packings):
@@ -114,18 +116,14 @@ def main():
     parser.add_argument("--number", type=int, default=512, help="droplets of a column")
     parser.add_argument("--columns", type=int, default=4)
     parser.add_argument("--workers", type=int, help="columns at a time")
-    asked = parser.parse_args()
+    asked = options_of(parser, __file__)
     packings = json.loads((Path(__file__).parent / "emulsion_3d_512.json").read_text())
     file = Path(f"own_weight_{asked.number}.json")
     columns = json.loads(file.read_text()) if file.exists() else []
     known = {one["seed"] for one in columns}
     calls = [(asked.number, seed) for seed in range(1, asked.columns + 1) if seed not in known]
-
-    def keep(one):
-        columns.append(one)
-        file.write_text(json.dumps(columns))
-
-    ld.parallel_map(column, calls, asked.workers, "columns", keep)
+    columns += over_cores(column, calls, asked.workers, file.with_suffix(".kept"))
+    file.write_text(json.dumps(columns))
     columns.sort(key=lambda one: one["seed"])
     print(*table(columns, packings), sep="\n")
     draw(columns, packings, file.with_suffix(".png"))

@@ -17,6 +17,7 @@ import argparse
 import csv
 import io
 import json
+import shutil
 import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -25,11 +26,10 @@ import numpy as np
 from lammps_deformable._files import make_folder, write_whole
 from lammps_deformable.errors import FileError, ParameterError
 from lammps_deformable.laws import ALL_LAWS
-from lammps_deformable.parallel import parallel_map
 from lammps_deformable.progress import print_once
-from lammps_deformable.ranks import led
 from lammps_deformable.versions import versions
 
+from validation.ensembles import over_cores
 from validation.jamming.packings import (
     QUANTITIES,
     SOFT,
@@ -92,7 +92,6 @@ def main(arguments: Sequence[str] | None = None) -> None:
     ensemble(**vars(parser.parse_args(arguments)))
 
 
-@led
 def ensemble(
     numbers: Sequence[int],
     seeds: int,
@@ -150,7 +149,9 @@ def ensemble(
     for number in wanted:
         present(number)
     runs = [(*packing, values, packings) for number in wanted for packing in missing(number)]
-    parallel_map(measure, runs, workers, "packings", keep)
+    for found in over_cores(measure, runs, workers, out / "kept"):
+        keep(found)
+    shutil.rmtree(out / "kept", ignore_errors=True)  # the tables have them
     for row in exponents(scaled):
         found = (f"{name.replace('_', ' ')} {_value(row, name, 3)}" for name in QUANTITIES)
         where = f"{row['law']}, N = {row['number']}"

@@ -15,13 +15,14 @@ from lammps_deformable.errors import ParameterError, StalledWarning, UnjammedWar
 from lammps_deformable.jamming import jam, natural_pressure
 from lammps_deformable.laws import ALL_LAWS, Droplet, Ring, SoftContact
 from lammps_deformable.measured_moduli import bulk_modulus, shear_modulus
-from lammps_deformable.parallel import power_law
 from lammps_deformable.random import bidisperse
 from lammps_deformable.relax import TOLERANCE
 from lammps_deformable.simulation import Simulation
 from lammps_deformable.state import State
 from mpi4py import MPI
 from numpy.typing import NDArray
+
+from validation.ensembles import power_law
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -116,7 +117,7 @@ def measure(
         # rows have a column for what stalled; packings may rearrange while they are compressed
         warnings.simplefilter("ignore", UnjammedWarning)
         warnings.simplefilter("always", StalledWarning)
-        start = bidisperse(number, seed=seed, dimension=dimension_of(law))
+        start = bidisperse(number, dimension=dimension_of(law), seed=seed)
         packing = jam(
             start, settings, pressure=onset_pressure, tolerance=TOLERANCE
         ).packing  # counts contacts

@@ -1,14 +1,27 @@
-"""Normal modes and moduli of packings above jamming: density of states, omega*, boson peak."""
+"""Normal modes and moduli of packings above jamming: density of states, omega*, boson peak.
+
+    python -m validation.jamming.vibrations LAW N [--seeds 4] [--modes M] [--excess-phi 1e-4 ...]
+
+Packings are jammed as soft disks and compressed to each phi - phi_J; there `State.modes` and
+`State.elastic_moduli` are computed. vibrations.json keeps the packings of earlier calls, which are
+not measured again, also with other options; vibrations.png shows all of them. Times are those of
+one thread if OMP_NUM_THREADS=1 is set.
+"""
 
 from __future__ import annotations
 
+import argparse
+import json
+import time
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from lammps_deformable._files import make_folder, write_whole
 from lammps_deformable.jamming import jam, natural_pressure
 from lammps_deformable.laws import SoftContact
 from lammps_deformable.packing import Packing
-from lammps_deformable.parallel import jackknife, power_law
+from lammps_deformable.parallel import jackknife
 from lammps_deformable.random import bidisperse
 from lammps_deformable.simulation import Simulation
 from lammps_deformable.soft_disks import relax_at_pressure
@@ -16,6 +29,7 @@ from lammps_deformable.state import State
 from mpi4py import MPI
 from numpy.typing import NDArray
 
+from validation.ensembles import power_law
 from validation.jamming.packings import Row, contact_law, standard_error
 
 if TYPE_CHECKING:
@@ -24,6 +38,11 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Floats = NDArray[np.float64]
+
+DISKS = [1e-5, 1e-4, 1e-3, 1e-2, 1e-1]
+
+# Those with second derivatives.
+LAWS = ("disk", "radical", "balanced", "curved")
 
 # Intervals of frequency, ten a decade, in units of sqrt(k/m) with the mean stiffness k of contacts.
 EDGES: Floats = 10.0 ** np.linspace(-4.0, 0.7, 48)
@@ -255,7 +274,7 @@ def _jackknife(value: Callable[[Sequence[Row]], float], rows: list[Row]) -> tupl
     """A value of all packings, and its standard error; nan of less than three."""
     if len(rows) < 3:
         return value(rows), float("nan")
-    found, error = jackknife(value, rows)
+    found, error = jackknife(rows, value)
     return float(found), float(error)
 
 
@@ -310,3 +329,42 @@ def figure(rows: Sequence[Row]) -> Figure:
         ax.set(xlabel=r"$\phi - \phi_J$", xscale="log", yscale="log")
         ax.legend(fontsize=7)
     return figure
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description="Modes and moduli above jamming")
+    parser.add_argument("law", choices=LAWS)
+    parser.add_argument("number", type=int, help="of particles in a packing")
+    parser.add_argument("--seeds", type=int, default=4, help="packings")
+    parser.add_argument("--modes", type=int, help="lowest ones of each packing; all if omitted")
+    parser.add_argument("--excess-phi", type=float, nargs="+", default=DISKS, help="phi - phi_J")
+    parser.add_argument(
+        "--out", type=Path, default=Path(__file__).parent, help="folder of the results"
+    )
+    options = parser.parse_args()
+
+    path = make_folder(options.out) / "vibrations.json"
+    rows = json.loads(path.read_text())["rows"] if path.exists() else []
+    for seed in range(1, options.seeds + 1):
+        key = (options.law, options.number, seed)
+        if key in {(row["law"], row["number"], row["seed"]) for row in rows}:
+            print(*key, "is there", flush=True)
+            continue
+        began = time.process_time()
+        rows += measure(*key, sorted(options.excess_phi), options.modes)
+        rows.sort(key=lambda row: (row["law"], row["number"], row["seed"], row["wanted"]))
+        lines = ",\n".join(json.dumps(row) for row in rows)
+        means = ",\n".join(json.dumps(finite(row)) for row in summarize(rows))
+        write_whole(path, f'{{"summary": [\n{means}\n],\n"rows": [\n{lines}\n]}}\n')
+        print(*key, f"{time.process_time() - began:.1f} s", flush=True)
+    if rows:
+        figure(rows).savefig(options.out / "vibrations.png", dpi=110)
+
+
+def finite(row: dict[str, object]) -> dict[str, object]:
+    """JSON has no nan."""
+    return {name: None if value != value else value for name, value in row.items()}
+
+
+if __name__ == "__main__":
+    main()

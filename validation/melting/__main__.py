@@ -1,7 +1,7 @@
 """Melting: equal droplets in a heat bath, from a crystal and from random positions.
 
-python melting.py         a minute: 64 droplets at four temperatures
-python melting.py full    half an hour of processor time: up to 1024 droplets, heated and cooled
+python -m validation.melting         a minute: 64 droplets at four temperatures
+python -m validation.melting full    half an hour: up to 1024 droplets, heated and cooled
 
 Each leg of a motion begins where the last one ended, so that an interrupted run goes on.
 """
@@ -12,11 +12,12 @@ from functools import partial
 from itertools import product
 from pathlib import Path
 
-import lammps_deformable as ld
 import numpy as np
 
-from validation.melting import comparisons, limits, motion, order, tables
-from validation.melting.motion import BATH, PHI
+from validation import options_of
+from validation.ensembles import over_cores
+from validation.melting import measure, results
+from validation.melting.measure import BATH, PHI
 
 ATTEMPTS = 10  # of a leg in which a droplet finds no shape
 MEANS = ("energy", "pressure", "z", "bath", "beyond")  # of the samples of a leg
@@ -52,19 +53,23 @@ def ramp(number, phi, start, seed, stages, folder):
 
     A leg in which a droplet finds no shape begins anew with other noise, and is counted.
     """
-    positions = motion.kept(motion.begin, (number, phi, start, seed), folder)
+    positions = measure.kept(measure.begin, (number, phi, start, seed), folder)
     legs, ended, ends = [], 0, []
     for temperature, repeats in stages:
         for n in range(repeats):
             for attempt in range(ATTEMPTS):
                 seeds = 100_000 * attempt + 1000 * seed + n + 1
-                one = motion.kept(motion.leg, (number, phi, temperature, seeds, positions), folder)
+                one = measure.kept(
+                    measure.leg, (number, phi, temperature, seeds, positions), folder
+                )
                 if "ended" not in one:
                     break
                 ended += 1
             else:
                 raise RuntimeError(f"T = {temperature}: {one['ended']}")
-            found = motion.kept(order.measured, (number, phi, one["places"], one["order"]), folder)
+            found = measure.kept(
+                measure.measured, (number, phi, one["places"], one["order"]), folder
+            )
             means = {name: np.mean([row[name] for row in one["rows"]]) for name in MEANS}
             legs.append({"T": temperature, "seconds": one["seconds"]} | means | found)
             positions = one["places"][-1]
@@ -78,8 +83,8 @@ def ramp(number, phi, start, seed, stages, folder):
 
 def compared(ramps, folder, workers):
     """Other settings, energies at rest, and polygons: what the full plan adds."""
-    checks = list(product(comparisons.SETTINGS, (0.06, 0.1), [folder]))
-    laws = list(product(comparisons.LAWS, (PHI, 0.98)))
+    checks = list(product(measure.SETTINGS, (0.06, 0.1), [folder]))
+    laws = list(product(measure.LAWS, (PHI, 0.98)))
     quenched = [
         (law, each["number"], phi, places, each["start"], temperature)
         for law, phi in laws
@@ -87,12 +92,12 @@ def compared(ramps, folder, workers):
         for temperature, places in each["ends"]
         if (each["number"], each["phi"]) == (256, PHI) and temperature in QUENCHED
     ]
-    share = partial(ld.parallel_map, workers=workers, keep=folder)
+    share = partial(over_cores, workers=workers, keep=folder)
     return {
-        "checks": share(comparisons.check, checks, description="checks"),
-        "solids": share(comparisons.solid, laws, description="crystals"),
-        "quenches": share(comparisons.quench, quenched, description="at rest"),
-        "polygons": comparisons.polygons(),
+        "checks": share(measure.check, checks),
+        "solids": share(measure.solid, laws),
+        "quenches": share(measure.quench, quenched),
+        "polygons": measure.polygons(),
     }
 
 
@@ -111,20 +116,20 @@ if __name__ == "__main__":
     options = argparse.ArgumentParser()
     options.add_argument("plan", nargs="?", default="small", choices=PLANS)
     options.add_argument("--workers", type=int, help="calls at a time; one per core if omitted")
-    given = options.parse_args()
+    given = options_of(options, __file__)
     if given.workers is not None and given.workers < 1:
         options.error(f"--workers must be at least 1, not {given.workers}")
     folder = f"{given.plan}_kept"
     plan = [(*each, folder) for each in PLANS[given.plan]]
-    ramps = ld.parallel_map(ramp, plan, given.workers, "melting")
+    ramps = over_cores(ramp, plan, given.workers)
     found = {
         "phi": PHI,
         **BATH,
-        "crystal": limits.harmonic(PHI),
-        "dilute": [limits.dilute(0.1), limits.dilute(0.2)],
+        "crystal": measure.harmonic(PHI),
+        "dilute": [measure.dilute(0.1), measure.dilute(0.2)],
     }
     if given.plan == "full":
         found |= compared(ramps, folder, given.workers)
     found |= without_places(ramps)
     Path(f"{given.plan}.json").write_text(json.dumps(found, separators=(",", ":")))
-    tables.report(Path(f"{given.plan}.json"))
+    results.report(Path(f"{given.plan}.json"))

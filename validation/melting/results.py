@@ -1,13 +1,22 @@
-"""Quantities with errors, and tables of them, of a result of melting.py.
+"""Quantities with errors, tables and the picture of a result of melting.
+
+    python -m validation.melting.results validation/melting/full.json
 
 The first third of the legs at each temperature is left out. Errors come from leaving out one of the
 others after another (jackknife), so they are right if order is forgotten within a leg.
 """
 
+import argparse
+import json
 import math
+from pathlib import Path
 
 import lammps_deformable as ld
+import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.collections import EllipseCollection
+
+from validation.melting.measure import crystal, neighbors
 
 LEG = 240.0  # time, of melting.py
 NEAR, FAR = 3.5, math.inf  # window of the exponents: from the second neighbors to half of the box
@@ -119,7 +128,7 @@ def value(legs, name):
     some, quantity = late(legs), QUANTITIES.get(name, name)
     if len(some) < 2:
         return float(quantity(some)), math.nan
-    found, error = ld.jackknife(quantity, some)
+    found, error = ld.jackknife(some, quantity)
     return float(found), float(error)
 
 
@@ -218,10 +227,238 @@ def summary(data):
     return " ".join([*told, f"{seconds(data):.0f} s of processor time."])
 
 
-TABLES = (order_table, thermal_table, defect_table, start_table)
+FEW_TABLES = (order_table, thermal_table, defect_table, start_table)
 
 
-def show(data, tables=TABLES):
+def show(data, tables=FEW_TABLES):
     print(summary(data))
     for table in tables:
         print("", table.__doc__, *table(data), sep="\n")
+
+
+WINDOWS = ((3.5, 8.0), (3.5, 16.0), (3.5, math.inf), (8.0, math.inf))
+
+
+def window_table(data):
+    """Exponents of N = 1024 in windows of r."""
+    names = [f"{near:g} to {far:g}".replace("inf", "L/2") for near, far in WINDOWS]
+    rows = []
+    for (number, phi, start, _, temperature), legs in stages(data).items():
+        if number == 1024 and phi == data["phi"] and start == "crystal" and temperature > 0.05:
+            found = [
+                shown(*value(legs, lambda some, name=name, w=w: decay(some, name, *w)))
+                for name in ("g6", "positional")
+                for w in WINDOWS
+            ]
+            rows.append([f"{temperature:g}", *found])
+    heads = [f"{eta}, {name}" for eta in ("eta_6", "eta_K") for name in names]
+    return lines(["T", *heads], rows)
+
+
+def between_sizes(legs, larger, squared):
+    """Exponent of the size L: squared order ~ L^-eta, with its error."""
+    (a, da), (b, db) = (value(each, squared) for each in (legs, larger))
+    width = 0.5 * math.log(larger[0]["number"] / legs[0]["number"])
+    return math.log(a / b) / width, math.hypot(da / a, db / b) / width
+
+
+def size_table(data):
+    """Exponents by size: <|Psi_6|^2> ~ L^-eta_6, Bragg ~ L^-eta_K, heated from the crystal."""
+    found, rows = stages(data), []
+    for number, phi, start, seed, temperature in found:
+        larger = 4 * number, phi, start, seed, temperature
+        if larger in found and start == "crystal":
+            pair = found[number, phi, start, seed, temperature], found[larger]
+            six = between_sizes(*pair, lambda legs: np.mean(order(legs) ** 2))
+            bragg = between_sizes(*pair, "Bragg")
+            chi = [shown(*value(legs, "susceptibility")) for legs in pair]
+            rows.append(
+                [f"{number} to {4 * number}", f"{temperature:g}", shown(*six), shown(*bragg), *chi]
+            )
+    return lines(["N", "T", "eta_6", "eta_K", "susceptibility", "of the larger"], rows)
+
+
+def time_table(data):
+    """Time at each temperature after its first third, and time in which |Psi_6| is forgotten."""
+    rows = []
+    for (number, phi, start, _, temperature), legs in stages(data).items():
+        if phi == data["phi"]:
+            some = late(legs)
+            forgotten, whole = memory(some), LEG * len(some)
+            rows.append(
+                [
+                    *(number, start, f"{temperature:g}"),
+                    *(f"{each:.0f}" for each in (whole, forgotten, whole / forgotten)),
+                ]
+            )
+    return lines(["N", "start", "T", "time", "forgotten in", "ratio"], rows)
+
+
+def isotherm_table(data):
+    """Over phi, at one temperature."""
+    found = {}
+    for ramp in data["ramps"]:
+        found.setdefault((ramp["number"], ramp["start"]), set()).add(ramp["phi"])
+    several = {key for key, phis in found.items() if len(phis) > 1}
+    names = ("p", "energy", "psi_6", "susceptibility", "eta_6", "Bragg", "defects")
+    at = {leg["T"] for r in data["ramps"] if r["phi"] != data["phi"] for leg in r["legs"]}
+    return of_stages(
+        data, names, lambda number, phi, start, seed, t: (number, start) in several and t in at
+    )
+
+
+def check_table(data):
+    """Energy and pressure with other time steps, tolerances and laws, N = 256."""
+    rows = [
+        [
+            *(f"{row['T']:g}", row["settings"]),
+            *(shown(*row["energy"]), shown(*row["pressure"]), f"{row['microseconds']:.2g}"),
+        ]
+        for row in sorted(data["checks"], key=lambda row: row["T"])
+    ]
+    return lines(["T", "law, step, tolerance", "energy", "p", "microseconds"], rows)
+
+
+def quench_table(data):
+    """Crystals at rest; energies above theirs of packings from the bath, and parts with defects."""
+    rows = {(row["law"], row["phi"]): [] for row in data["solids"]}
+    for row in data["quenches"]:
+        rows[row["law"], row["phi"]].append(row)
+    cells = [
+        [
+            *(law, f"{phi:g}", f"{solid['G']:.3g}", f"{solid['K']:.3g}"),
+            *(f"{solid['unbinding']:.2g}", f"{some[0]['crystal']:.4g}"),
+            *(f"{100.0 * row['excess']:.1f} % ({100.0 * row['defects']:.0f} %)" for row in some),
+        ]
+        for solid, ((law, phi), some) in zip(data["solids"], rows.items(), strict=True)
+    ]
+    ends = [f"{row['start']}, T = {row['T']:g}" for row in next(iter(rows.values()))]
+    return lines(["law", "phi", "G", "K", "T of unbinding", "energy", *ends], cells)
+
+
+def cost_table(data):
+    """Processor time of the ramps."""
+    rows = []
+    for number in sorted({ramp["number"] for ramp in data["ramps"]}):
+        legs = [leg for r in data["ramps"] if r["number"] == number for leg in r["legs"]]
+        seconds, steps = sum(leg["seconds"] for leg in legs), 4000 * number * len(legs)
+        rows.append([number, len(legs), f"{seconds:.0f}", f"{1e6 * seconds / steps:.2g}"])
+        rows[-1].append(f"{steps / seconds:.2g}")
+    heads = ["N", "legs", "seconds", "microseconds a particle-step", "particle-steps a second"]
+    return lines(heads, rows)
+
+
+def elastic_table(data):
+    """Moduli of the crystal at temperature, and Y a^2/T, which is 16 pi = 50.3 at melting."""
+    return of_stages(
+        data,
+        ELASTIC,
+        lambda number, phi, start, seed, t: start == "crystal" and phi == data["phi"],
+    )
+
+
+TABLES = (
+    *FEW_TABLES,
+    *(window_table, size_table, time_table, elastic_table, isotherm_table),
+    *(check_table, quench_table, cost_table),
+)
+
+
+def report(file):
+    """Print the tables of a result, and draw it."""
+    found = json.loads(file.read_text())
+    show(found, TABLES if "checks" in found else FEW_TABLES)
+    draw(found, file.with_suffix(".png"))
+
+
+STYLES = {"crystal": ("C0", "-", "heated"), "random": ("C3", ":", "cooled")}
+MARKS = "os^D"
+
+
+def draw(data, file):
+    """Order, susceptibility, pressure, correlations, stiffness, and packings with their defects."""
+    found = {key: legs for key, legs in stages(data).items() if key[1] == data["phi"]}
+    places = data.get("places", [])
+    figure, axes = plt.subplots(2 + bool(places), 3, figsize=(12, 10), layout="constrained")
+    if not places:
+        figure.set_figheight(7)
+    numbers = sorted({number for number, *_ in found})
+    for ax, name, label in (
+        (axes[0, 0], "psi_6", r"$|\Psi_6|$; small marks: part with defects"),
+        (axes[0, 1], "susceptibility", "susceptibility"),
+        (axes[0, 2], "p", "p"),
+    ):
+        over_temperature(ax, found, numbers, name)
+        ax.set(xlabel="T", ylabel=label)
+    axes[0, 1].set_yscale("log")
+    figure.suptitle(f"phi = {data['phi']:g}", fontsize=10)
+    axes[0, 0].legend(frameon=False, fontsize=8)
+    largest = {key: legs for key, legs in found.items() if key[0] == numbers[-1]}
+    for ax, name, power, label in (
+        (axes[1, 0], "g6", 4, r"$g_6(r)$"),
+        (axes[1, 1], "positional", 3, r"$g_K(r)$"),
+    ):
+        over_distance(ax, largest, name, power)
+        ax.set(xlabel="r/R", ylabel=label, ylim=(0.01, 1.2), xlim=(1.8, None))
+        ax.set_xticks([2, 5, 10, 20], ["2", "5", "10", "20"])
+        ax.minorticks_off()
+    axes[1, 0].legend(frameon=False, fontsize=7, ncols=2)
+    for number, mark in zip(numbers, MARKS, strict=False):
+        some = {
+            key[-1]: legs for key, legs in found.items() if key[0::2][:2] == (number, "crystal")
+        }
+        kept = [t for t, legs in some.items() if mean(late(legs), "bragg") > CRYSTAL]
+        values = np.reshape([value(some[t], "Y a^2/T") for t in kept], (-1, 2))
+        axes[1, 2].errorbar(kept, *values.T, fmt=f"{mark}-", color="C0", label=f"N = {number}")
+    axes[1, 2].axhline(16.0 * np.pi, color="k", lw=1, label=r"$16\pi$")
+    axes[1, 2].set(xlabel="T", ylabel=r"$Y a^2/T$", yscale="log")
+    axes[1, 2].legend(frameon=False, fontsize=8)
+    for ax, one in zip(axes[-1], places, strict=False):
+        packing(ax, np.array(one["places"]), data["phi"])
+        ax.set_title(f"T = {one['T']:g}, {STYLES[one['start']][2]}", fontsize=9)
+    figure.savefig(file, dpi=75)
+
+
+def over_temperature(ax, found, numbers, name):
+    for number, mark in zip(numbers, MARKS, strict=False):
+        for start, (color, dashes, told) in STYLES.items():
+            some = {t: legs for (n, _, s, _, t), legs in found.items() if (n, s) == (number, start)}
+            t = sorted(some)
+            values = np.reshape([value(some[each], name) for each in t], (-1, 2))
+            style = {"fmt": mark + dashes, "color": color}
+            ax.errorbar(t, *values.T, **style, ms=4, label=f"N = {number}, {told}")
+            if name == "psi_6":
+                wrong = [value(some[each], "defects")[0] for each in t]
+                ax.errorbar(t, wrong, **style, ms=2, lw=0.5)
+
+
+def over_distance(ax, found, name, power):
+    """A correlation at each temperature, and the power law -1/power."""
+    temperatures = sorted({key[-1] for key in found})
+    for (_, _, start, _, temperature), legs in found.items():
+        color = plt.cm.viridis(temperatures.index(temperature) / max(len(temperatures) - 1, 1))
+        r, g = curve(late(legs), name)
+        told = f"T = {temperature:g}" if start == "crystal" else None
+        ax.loglog(r, np.where(g > 0.005, g, np.nan), STYLES[start][1], color=color, label=told)
+    far = np.array([3.5, r[-1]])
+    ax.loglog(far, 0.9 * (far / far[0]) ** (-1.0 / power), "k-", lw=2, label=f"power -1/{power}")
+
+
+def packing(ax, places, phi):
+    """Particles with five neighbors red, with seven blue."""
+    box = crystal(len(places), phi).box.diagonal()
+    sides = np.bincount(np.concatenate(neighbors(places, box)), minlength=len(places))
+    width = np.full(len(places), 2.0)
+    colors = np.where(sides < 6, "C3", np.where(sides > 6, "C0", "0.85"))
+    disks = EllipseCollection(
+        width, width, 0.0 * width, units="xy", offsets=places % box, transOffset=ax.transData
+    )
+    disks.set_facecolor(colors)
+    ax.add_collection(disks)
+    ax.set(xlim=(0, box[0]), ylim=(0, box[1]), aspect="equal", xticks=[], yticks=[])
+
+
+if __name__ == "__main__":
+    options = argparse.ArgumentParser()
+    options.add_argument("file", type=Path, help="a result, such as full.json")
+    report(options.parse_args().file)

@@ -25,13 +25,12 @@ from typing import Any
 
 from lammps_deformable._files import make_folder
 from lammps_deformable.comparison import standard_polygons
-from lammps_deformable.parallel import call_once, parallel_map
-from lammps_deformable.polygons import PolygonModel
+from lammps_deformable.polygons import DeformablePolygon
 from lammps_deformable.progress import print_once, progress
-from lammps_deformable.ranks import led
 from lammps_deformable.versions import machine, versions
 from matplotlib.figure import Figure
 
+from validation.ensembles import once, over_cores
 from validation.report import accuracy, cost, packings, paper, roughness
 from validation.report.accuracy import pareto_means, pareto_rows, smooth_rows
 from validation.report.cost import cost_rows
@@ -51,10 +50,10 @@ class Plan:
     ablation: dict[str, Any]
     pareto: list[tuple[Any, ...]]
     smooth: list[tuple[int, int, int] | tuple[int, int, int, float, int]]
-    friction: list[tuple[PolygonModel]]
-    hysteresis: list[tuple[int, int, PolygonModel, float, int]]
-    crystal: list[tuple[PolygonModel, float]]
-    large: tuple[int, int, float, PolygonModel]
+    friction: list[tuple[DeformablePolygon]]
+    hysteresis: list[tuple[int, int, DeformablePolygon, float, int]]
+    crystal: list[tuple[DeformablePolygon, float]]
+    large: tuple[int, int, float, DeformablePolygon]
     mixtures: list[tuple[Any, ...]]
     shapes: dict[str, Any]
     stiffness: dict[str, Any]
@@ -88,7 +87,7 @@ FULL = Plan(
     ],
     hysteresis=[(16, 1, standard_polygons(80, smooth=kind), 0.03, 6) for kind in (True, False)],
     crystal=[(standard_polygons(n), a) for a in (0.01, 0.03) for n in (40, 80, 160)],
-    large=(128, 1, 0.01, PolygonModel()),
+    large=(128, 1, 0.01, DeformablePolygon(50, smooth=False)),
     mixtures=[(16, seed, 0.02, 76, kA, kP) for kA, kP in _MIXTURES for seed in _RIGID[:2]],
     shapes={},
     stiffness={},
@@ -103,7 +102,7 @@ QUICK = Plan(
     friction=[(standard_polygons(40, smooth=kind),) for kind in (True, False)],
     hysteresis=[(8, 1, standard_polygons(40, smooth=kind), 0.02, 2) for kind in (True, False)],
     crystal=[(standard_polygons(n), 0.03) for n in (40, 80)],
-    large=(48, 1, 0.01, PolygonModel()),
+    large=(48, 1, 0.01, DeformablePolygon(50, smooth=False)),
     mixtures=[(8, 1, 0.02, 57, kA, kP) for kA, kP in _MIXTURES],
     shapes={"indentations": (0.01, 0.02, 0.03), "number": 96},
     stiffness={"indentations": (0.01, 0.02, 0.03), "number": 94, "kL": (1.0, 1e2, 1e4)},
@@ -148,21 +147,21 @@ class Results:
 
 def measure(plan: Plan, keep: Path, print_once: Callable[[str], None]) -> Results:
     """Measure all parts of a plan, except calls whose results the folder `keep` has."""
-    once = partial(call_once, keep)
-    over_cores = partial(parallel_map, keep=keep)
+    once_ = partial(once, keep)
+    kept = partial(over_cores, keep=keep)
     parts: dict[str, Callable[[], Any]] = {
-        "ablation": lambda: once(cost_rows, **plan.ablation),
-        "large": lambda: once(packing_rows, *plan.large),
-        "smooth": lambda: over_cores(smooth_rows, plan.smooth, description="smooth polygons"),
-        "pareto": lambda: over_cores(pareto_rows, plan.pareto, description="error against time"),
-        "friction": lambda: over_cores(sliding, plan.friction, description="friction"),
-        "hysteresis": lambda: over_cores(hysteresis, plan.hysteresis, description="hysteresis"),
-        "crystal": lambda: over_cores(crystal_row, plan.crystal, description="crystal"),
-        "mixtures": lambda: over_cores(mixed_rows, plan.mixtures, description="mixtures"),
-        "shapes": lambda: once(paper.shapes, **plan.shapes),
-        "stiffness": lambda: once(paper.stiffness_sweep, **plan.stiffness),
-        "limits": lambda: [once(paper.limit, *arguments) for arguments in plan.limits],
-        "stability": lambda: once(stability_rows, **plan.stability),
+        "ablation": lambda: once_(cost_rows, **plan.ablation),
+        "large": lambda: once_(packing_rows, *plan.large),
+        "smooth": lambda: kept(smooth_rows, plan.smooth),
+        "pareto": lambda: kept(pareto_rows, plan.pareto),
+        "friction": lambda: kept(sliding, plan.friction),
+        "hysteresis": lambda: kept(hysteresis, plan.hysteresis),
+        "crystal": lambda: kept(crystal_row, plan.crystal),
+        "mixtures": lambda: kept(mixed_rows, plan.mixtures),
+        "shapes": lambda: once_(paper.shapes, **plan.shapes),
+        "stiffness": lambda: once_(paper.stiffness_sweep, **plan.stiffness),
+        "limits": lambda: [once_(paper.limit, *arguments) for arguments in plan.limits],
+        "stability": lambda: once_(stability_rows, **plan.stability),
     }
     found = {}
     with progress("report", unit="part", total=len(parts)) as bar:
@@ -219,9 +218,8 @@ def pictures(results: Results) -> dict[str, Figure]:
     }
 
 
-@led
 def report(folder: Path, quick: bool, overwrite: bool) -> None:
-    """Measure everything, and write report.json and its pictures. All ranks measure, one writes."""
+    """Measure everything, and write report.json and its pictures."""
     if (folder / "report.json").exists() and not overwrite:
         raise SystemExit(f"'{folder}' holds a report: give --overwrite, or another --out")
     parts = make_folder(folder / ("quick_parts" if quick else "parts"))

@@ -21,7 +21,7 @@ from lammps_deformable.comparison import (
     standard_polygons,
 )
 from lammps_deformable.jamming import jam
-from lammps_deformable.polygons import PolygonModel
+from lammps_deformable.polygons import DeformablePolygon
 from lammps_deformable.random import bidisperse
 from lammps_deformable.relax import TOLERANCE
 from matplotlib.figure import Figure
@@ -57,8 +57,8 @@ def smooth_rows(
     count: int,
     strain: float = 0.05,
     steps: int = 10,
-    rivals: Sequence[PolygonModel] = (),
-    model: PolygonModel | None = None,
+    rivals: Sequence[DeformablePolygon] = (),
+    model: DeformablePolygon | None = None,
 ) -> list[Row]:
     """`compression_rows` of a bidisperse packing.
 
@@ -98,8 +98,8 @@ def pareto_rows(
         bead: N_v of bead polygons.
     """
     start = jam(bidisperse(number, seed=seed)).packing
-    counts = {"vertices": (*smooth, reference), "beads": bead}
-    found = compare(start, strain=strain, steps=steps, workers=1, **counts)
+    counts = (*smooth, reference)
+    found = compare(start, vertices=counts, beads=bead, strain=strain, steps=steps, workers=1)
     return [{"n": number, "seed": seed, "reference": reference} | row for row in found.rows]
 
 

@@ -10,7 +10,7 @@ import statistics
 import time
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -32,7 +32,7 @@ from lammps_deformable.jamming import jam
 from lammps_deformable.lammps import run
 from lammps_deformable.laws import Law, Ring, Sector, per_species
 from lammps_deformable.packing import Packing
-from lammps_deformable.polygons import PolygonModel
+from lammps_deformable.polygons import DeformablePolygon
 from lammps_deformable.random import bidisperse
 from lammps_deformable.relax import TOLERANCE, minimize_command
 from lammps_deformable.simulation import Simulation
@@ -79,7 +79,7 @@ class AtCenters:
         return shape_errors(self.reference, self.state)
 
 
-def strain_polygons(start: Packing, model: PolygonModel, strain: float) -> tuple[State, float]:
+def strain_polygons(start: Packing, model: DeformablePolygon, strain: float) -> tuple[State, float]:
     """Polygons after one strain step from jamming, and the seconds of processor time."""
     with Simulation(start, model, comm=MPI.COMM_SELF) as polygons:
         polygons.deform(polygons.box * (1.0 - strain))
@@ -103,7 +103,7 @@ def strain_law(start: Packing, law: Law, strain: float) -> tuple[State, float]:
 
 def strain_disks(start: Packing, strain: float) -> float:
     """Seconds of processor time of soft disks for the same step, to the tolerance of the laws."""
-    force = TOLERANCE * strain * 2.0 * float(start.radius.mean())  # of the overlap, stiffness 1
+    force = TOLERANCE * strain * 2.0 * float(start.radii.mean())  # of the overlap, stiffness 1
     seconds = []
     for _ in range(_REPEATS):
         lmp = open_disks(start.at(start.phi / (1.0 - strain) ** 2))
@@ -129,7 +129,7 @@ def mixed_rows(
             large one instead, because no spring is rigid; `balanced, kP inf` is the law with the
             infinite value.
     """
-    radii = bidisperse(number).radii
+    radii = np.array([0.5, 0.7])
     model, rigid = stiff_polygons(radii, count, kA, kP), np.isinf(kP)
     rows, _ = packing_rows(number, seed, strain, model, rigid.tolist())
     return rows
@@ -139,7 +139,7 @@ def packing_rows(
     number: int,
     seed: int,
     strain: float,
-    model: PolygonModel,
+    model: DeformablePolygon,
     rigid: Sequence[bool] = (),
 ) -> tuple[list[Row], dict[str, AtCenters]]:
     """One bidisperse packing of polygons, strained from jamming in one step, against every law.
@@ -183,7 +183,7 @@ def packing_rows(
         "seconds": strain_disks(start, strain),
     }
     rows: list[Row] = [common | disk]
-    smooth = replace(start, radii=polygons.polygons.effective_radius)
+    smooth = start.replace(radii=polygons.polygons.effective_radius[start.species])
     comparisons = {}
     for name, law in matching_laws(model, polygons.polygons, rigid).items():
         comparison = comparisons[name] = AtCenters(polygons, predict(polygons, law, MPI.COMM_SELF))
@@ -195,7 +195,8 @@ def packing_rows(
             | {
                 "law": name,
                 "kP_law": [
-                    k if math.isfinite(k) else "inf" for k in per_species(law.kP, len(start.radii))
+                    k if math.isfinite(k) else "inf"
+                    for k in per_species(law.kP, len(start._species_radii))
                 ],
                 "I": float(comparison.shape_error.mean()),
                 "S_rms": _over(core.norm(there.area_deficit - exact), core.norm(exact)),
@@ -214,11 +215,12 @@ def packing_rows(
 def _error_of_disks(reference: State) -> float:
     """Mean shape error of the circles through the beads at rest."""
     errors = []
-    for polygon, center, kind in zip(
-        reference.outlines, reference.packing.positions, reference.packing.species, strict=True
+    packing = reference.packing
+    for polygon, center, kind, radius in zip(
+        reference.outlines, packing.positions, packing.species, packing.radii, strict=True
     ):
         circle = core.outline("ring", reference.polygons.radius[kind], [], [], 1440)
-        errors.append(shape_error(polygon - center, circle, reference.packing.radii[kind]))
+        errors.append(shape_error(polygon - center, circle, radius))
     return float(np.mean(errors))
 
 
@@ -231,7 +233,7 @@ def paper_packing(
     number: int = 128,
     strain: float = 0.01,
     steps: int = 1,
-    model: PolygonModel | None = None,
+    model: DeformablePolygon | None = None,
     seed: int = 1,
 ) -> dict[str, AtCenters]:
     """A bidisperse packing of rings of beads beyond jamming, against `sector` and `radical`.
@@ -246,7 +248,7 @@ def paper_packing(
     jammed = jam(bidisperse(number, seed=seed)).packing
     with Simulation(jammed, model) as polygons:
         *_, state = compress(polygons, strain, steps)
-    laws = {"sector": Sector(), "radical": Ring(contact="radical")}
+    laws: dict[str, Law] = {"sector": Sector(), "radical": Ring(contact="radical")}
     return {name: AtCenters(state, predict(state, law)) for name, law in laws.items()}
 
 

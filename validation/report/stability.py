@@ -23,7 +23,7 @@ from lammps_deformable.jamming import jam
 from lammps_deformable.lammps import run
 from lammps_deformable.laws import LAWS, Law, Ring, Sector
 from lammps_deformable.packing import Packing
-from lammps_deformable.parallel import parallel_map, power_law
+from lammps_deformable.parallel import parallel_map
 from lammps_deformable.random import bidisperse
 from lammps_deformable.relax import TOLERANCE
 from lammps_deformable.simulation import Simulation
@@ -31,6 +31,7 @@ from lammps_deformable.state import State
 from mpi4py import MPI
 from numpy.typing import NDArray
 
+from validation.ensembles import power_law
 from validation.report.paper import polygon_stiffness
 from validation.report.section import Column, Row, Section, Table, listed, show, span
 
@@ -263,7 +264,10 @@ def _finite(state: State) -> bool:
 def size_rows() -> Iterator[Row]:
     """Large particles among small ones: outlines bulge further, which needs more reach."""
     for ratio, reach in ((1.4, 0.3), (3.0, 0.5), (10.0, 3.0)):
-        case, jammed = f"sizes 1 to {ratio:g}", jam(bidisperse(16, ratio=ratio, seed=1)).packing
+        case, jammed = (
+            f"sizes 1 to {ratio:g}",
+            jam(bidisperse(16, sizes=(0.5, 0.5 * ratio), seed=1)).packing,
+        )
         for contact in ("radical", "balanced", "curved"):
             state = strained(jammed, Ring(contact=contact, reach=reach))
             yield row(case, contact, "residual of FIRE", state.residual, TOLERANCE)
@@ -306,9 +310,7 @@ def _side_by_side(name: str, kernel: Callable[..., Any]) -> Row:
 
 def convergence_rows(packings: int) -> Iterator[Row]:
     """Number of relaxations of small packings that do not converge."""
-    failed = parallel_map(
-        _failures, [(seed,) for seed in range(1, packings + 1)], description="stability"
-    )
+    failed = parallel_map(_failures, range(1, packings + 1))
     for name in LAWS:
         case, count = f"{packings} packings, 1 % strain", sum(each[name] for each in failed)
         why = JUMPS if name == "sector" else ""

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 import time
-from typing import TYPE_CHECKING, Annotated
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Annotated
 
 import typer
 from mpi4py import MPI
@@ -17,28 +19,23 @@ from ..recording import compress_in, compression
 from ..relax import TOLERANCE
 from ..run import Run
 from ..simulation import Simulation
+from ..state import State
 from ..store import refuse
+from .material_options import (
+    Adhesion,
+    AreaStiffness,
+    Dimension,
+    FromFile,
+    FromFrame,
+    FromRadii,
+    LawName,
+    PerimeterStiffness,
+    Reach,
+    Tension,
+)
+from .options import Overwrite, Resume, Tolerance
 from .output import draw, print_states
 from .settings import PROTOCOL, Settings, check_same, check_together, given_settings
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
-
-    from ..state import State
-    from .material_options import (
-        Adhesion,
-        AreaStiffness,
-        Dimension,
-        FromFile,
-        FromFrame,
-        FromRadii,
-        LawName,
-        PerimeterStiffness,
-        Reach,
-        Tension,
-    )
-    from .options import Overwrite, Resume, Tolerance
 
 _WAYS_OUT = (
     "finish it with --resume",

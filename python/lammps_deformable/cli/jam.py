@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -14,23 +14,21 @@ from ..progress import print_once
 from ..random import bidisperse
 from ..simulation import Simulation
 from ..store import refuse_run
+from .material_options import (
+    Adhesion,
+    AreaStiffness,
+    Dimension,
+    FromFile,
+    FromFrame,
+    FromRadii,
+    LawName,
+    PerimeterStiffness,
+    Reach,
+    Tension,
+)
 from .options import Overwrite, is_given
 from .output import draw
 from .settings import Material, check_material, given_settings
-
-if TYPE_CHECKING:
-    from .material_options import (
-        Adhesion,
-        AreaStiffness,
-        Dimension,
-        FromFile,
-        FromFrame,
-        FromRadii,
-        LawName,
-        PerimeterStiffness,
-        Reach,
-        Tension,
-    )
 
 # Part of a contact force that is left, so that the weakest contacts are counted.
 _TOLERANCE = 1e-6

@@ -5,9 +5,10 @@ from __future__ import annotations
 import os
 import shlex
 import sys
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from itertools import islice
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 from mpi4py import MPI
@@ -15,9 +16,6 @@ from typer.core import TyperCommand, TyperGroup, TyperOption
 
 from ..errors import ParameterError
 from ..recording import LARGEST_TOLERANCE
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
 
 # Options of commands that write a run.
 Tolerance = Annotated[

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
@@ -11,14 +12,10 @@ from ..errors import ParameterError
 from ..movies import of_dimension
 from ..progress import print_once
 from ..run import Run
+from ..state import State
 from ..versions import optional
 from .options import refuse_ranks
 from .output import DOTS
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from ..state import State
 
 Recorded = Annotated[Path, typer.Argument(help="Folder of a run, e.g. of `deformable compress`.")]
 ColorBy = Annotated[str, typer.Option(help="Quantity of the particles, e.g. shape_parameter.")]

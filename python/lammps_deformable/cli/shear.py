@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 import time
 from dataclasses import asdict
-from typing import TYPE_CHECKING, Annotated, Any
+from pathlib import Path
+from typing import Annotated, Any
 
 import typer
 
@@ -16,25 +17,21 @@ from ..relax import TOLERANCE
 from ..run import Run
 from ..simulation import Simulation
 from ..store import refuse
+from .material_options import (
+    Adhesion,
+    AreaStiffness,
+    Dimension,
+    FromFile,
+    FromFrame,
+    FromRadii,
+    LawName,
+    PerimeterStiffness,
+    Reach,
+    Tension,
+)
 from .options import Overwrite, Resume, Tolerance, is_given
 from .output import draw, print_states
 from .settings import Material, check_material, check_same, given_settings, option
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from .material_options import (
-        Adhesion,
-        AreaStiffness,
-        Dimension,
-        FromFile,
-        FromFrame,
-        FromRadii,
-        LawName,
-        PerimeterStiffness,
-        Reach,
-        Tension,
-    )
 
 _WAYS_OUT = ("finish it with --resume", "replace it with --overwrite")
 

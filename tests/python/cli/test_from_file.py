@@ -62,7 +62,7 @@ def test_radii(word: str, radii: list[float], here: Path, monkeypatch: pytest.Mo
     begun = []
 
     def compress_in(sim: ld.Simulation, *_: object, **__: object) -> list[object]:
-        begun.append(sim.state().packing.radii.tolist())
+        begun.append(sim.state().packing._species_radii.tolist())
         return []
 
     monkeypatch.setattr("lammps_deformable.cli.compress.compress_in", compress_in)

@@ -12,7 +12,6 @@ import lammps_deformable as ld
 import pytest
 import ranks
 from lammps_deformable import core
-from lammps_deformable import packing_rows as packings
 from lammps_deformable.cli import main as cli
 from programs import command, program
 
@@ -148,72 +147,19 @@ def test_soft_perimeters(law: str, tmp_path: Path) -> None:
     assert (float(law["kA"]), law["kP"]) == (math.inf, 2.0)
 
 
-def table(output: str) -> dict[str, list[str]]:
-    """The rows of `compare` by name, which may contain spaces."""
-    lines = output.splitlines()
-    head = next(n for n, line in enumerate(lines) if line.startswith("law "))
-    notes = ("no law", "polygons have")
-    rows = [line for line in lines[head + 1 :] if not line.startswith(notes)]
-    width = lines[head].index("I") - 8  # a column of nine digits
-    return {line[:width].strip(): line[width:].split(maxsplit=5) for line in rows}
-
-
-@pytest.mark.parametrize("kind", ["smooth", "bead"])
-def test_compare_has_a_row_a_law(kind: str, tmp_path: Path) -> None:
-    options = ("--number", "8", "--vertices", "20", "--strain", "0.03")
-    chosen = ("--polygons", "bead") if kind == "bead" else ()
-    result = run("compare", *options, *chosen, cwd=tmp_path)
-    assert result.returncode == 0, result.stderr
-    assert result.stdout.startswith(f"8 {kind} polygons, 20 vertices on a small one, 3 % strain")
-    rows = table(result.stdout)
-    assert {"polygons", "disk", "sector", "balanced"} < rows.keys()
-    assert rows.pop("polygons")[0] == "-"
-    assert rows.pop("disk")[2] == "-"
-    for row in rows.values():
-        assert 0.0 < float(row[0]) < 0.02
-        assert float(row[2]) > 0.0
-    assert float(rows["balanced"][5]) > 1.0
-    assert "interlock" not in result.stdout
-
-
-def test_compare_warns_that_polygons_interlock(tmp_path: Path) -> None:
-    options = ("--number", "8", "--vertices", "20", "--strain", "1e-7")
-    result = run("compare", *options, "--polygons", "bead", cwd=tmp_path)
-    assert result.returncode == 0, result.stderr
-    assert "the polygons interlock" in result.stdout.splitlines()[-1]
-
-
-def test_compare_marks_what_failed(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    common = {"I": 0.01, "S_rms": 0.5, "seconds_polygons": 4.0, "seconds": 2.0}
-    common["own_energy_ratio"] = 0.25
-    rows = [
-        common | {"law": "disk", "energy_ratio": None, "residual": None},
-        common | {"law": "sector", "energy_ratio": 0.5, "residual": 2e-6},
-        common | {"law": "balanced, kP inf", "energy_ratio": None, "residual": 1e-6},
-    ]
-    monkeypatch.setattr(packings, "packing_rows", lambda *arguments: (rows, []))
-    cli.compare()
-    shown = table(capsys.readouterr().out)
-    assert shown["disk"][2:] == ["-", "0.25", "2", "2"]
-    assert shown["sector"][2:] == ["0.5", "0.25", "2", "did not converge"]
-    assert shown["balanced, kP inf"][2:] == ["-", "0.25", "2", "2"]
-
-
 @pytest.mark.parametrize("strain", ["0", "-0.01", "1", "nan"])
-def test_compare_compresses(strain: str, tmp_path: Path) -> None:
-    result = run("compare", "--strain", strain, cwd=tmp_path)
+def test_report_compresses(strain: str, tmp_path: Path) -> None:
+    result = run("report", "--strain", strain, cwd=tmp_path)
     assert result.returncode == 2
     assert result.stderr.startswith("error: strain ")
     assert result.stderr.endswith(f"{float(strain)}\n")
 
 
 def test_ranks_are_refused(tmp_path: Path) -> None:
-    result = launch("compare", cwd=tmp_path)
+    result = launch("report", cwd=tmp_path)
     assert result.returncode != 0
     (line,) = [line for line in result.stderr.splitlines() if line.startswith("error")]
-    assert line.startswith("error: compare ")
+    assert line.startswith("error: report ")
     assert line.endswith(": start it without mpiexec")
     assert "Traceback" not in result.stderr
     assert not list(tmp_path.iterdir())

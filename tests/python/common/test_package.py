@@ -33,15 +33,6 @@ def test_simulating_imports_neither_matplotlib_nor_mdanalysis() -> None:
     assert loaded.isdisjoint({"matplotlib", "MDAnalysis"})
 
 
-def test_a_module_loads_what_it_needs() -> None:
-    loaded = imported("import lammps_deformable.parallel")
-    ours = {name for name in loaded if name.startswith("lammps_deformable.")}
-    assert ours == {
-        "lammps_deformable.common",
-        *(f"lammps_deformable.common.{name}" for name in ("errors", "fits")),
-    }
-
-
 def test_plugin_is_found_and_loaded() -> None:
     assert (Path(plugin.directory()) / "deformableplugin.so").is_file()
     lmp = lammps(cmdargs=["-log", "none", "-screen", "none"])

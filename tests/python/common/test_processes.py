@@ -37,13 +37,12 @@ def halves(value):
 class Halves:
     def of(self, value):
         return halves(value)[0]
-print(parallel_map(Halves().of, [(2,), (4,)], workers=2))
-found = parallel_map(halves, [(2,), (4,)], workers=2)
+print(parallel_map(Halves().of, [2, 4], workers=2))
+found = parallel_map(halves, [2, 4], workers=2)
 print([value for value, *_ in found], {rank for *_, rank in found})
 print(os.getpid() in {pid for _, pid, _ in found})  # one may make both calls
-print(parallel_map(lambda value: value + OFFSET, [(1,), (2,)], workers=2, keep="kept"))
-print(parallel_map(lambda value: value + OFFSET, [(1,), (2,)], workers=2, keep="kept"))
-parallel_map(halves, [(2,), (3,)], workers=2)
+print(parallel_map(lambda value: value + OFFSET, [1, 2], workers=2))
+parallel_map(halves, [2, 3], workers=2)
 """
 )
 
@@ -51,7 +50,7 @@ parallel_map(halves, [(2,), (3,)], workers=2)
 def check(said: str, error: str) -> None:
     phi, spread, *rest = said.split(maxsplit=2)
     assert (0.8 < float(phi) < 0.88, 0.0 < float(spread) < 0.05) == (True, True)
-    expected = ["[11, 12]", "[11, 12] {None}", "False", "[11, 12]", "[11, 12]"]
+    expected = ["[11, 12]", "[11, 12] {None}", "False", "[11, 12]"]
     assert rest[0].splitlines() == expected
     assert "RuntimeError: Odd: it is odd\nin the call halves(3)" in error
     assert re.search(r", line \d+, in halves\n", error)
@@ -67,12 +66,10 @@ def test_a_script_without_a_guard(ranks: int, variables: dict[str, str], tmp_pat
     result = program("python", "script.py", cwd=tmp_path, ranks=ranks, **variables)
     assert result.returncode != 0
     check(result.stdout, result.stderr)
-    assert 'raise Odd(value, "it is odd")' in result.stderr  # the line of the script
     assert "resource_tracker" not in result.stderr
 
 
 def test_a_cell_of_a_notebook(tmp_path: Path) -> None:
-    """A lambda that is kept gives joblib no name to tell it by, of which it warns."""
     cell = nbformat.v4.new_code_cell(SCRIPT)
     notebook = nbformat.v4.new_notebook(cells=[cell])
     client = nbclient.NotebookClient(
@@ -88,18 +85,22 @@ def test_a_cell_of_a_notebook(tmp_path: Path) -> None:
 def test_lambdas_on_ranks(tmp_path: Path) -> None:
     (tmp_path / "script.py").write_text(
         "import lammps_deformable as ld\n"
-        "print(ld.parallel_map(lambda value: value + 1, [(1,), (2,), (3,)]))\n"
+        "print(ld.parallel_map(lambda value: value + 1, [1, 2, 3]))\n"
     )
     result = program("python", "-m", "mpi4py", "script.py", cwd=tmp_path, ranks=2, timeout=60)
     assert result.stdout.count("[2, 3, 4]") == 2, result.stderr
 
 
+def inverse(value: float) -> float:
+    return 1.0 / value
+
+
 @pytest.mark.parametrize("workers", [1, 2])
 def test_errors_note_the_call(workers: int) -> None:
     with pytest.raises(ZeroDivisionError) as caught:
-        parallel_map(pow, [(2.0, 1), (0.0, -1)], workers)
+        parallel_map(inverse, [2.0, 0.0], workers=workers)
     if sys.version_info >= (3, 11):
-        assert caught.value.__notes__ == ["in the call pow(0.0, -1)"]
+        assert caught.value.__notes__ == ["in the call inverse(0.0)"]
     if workers == 2:
         assert "Traceback (most recent call last)" in str(caught.value.__cause__)
 
@@ -112,7 +113,7 @@ def run(seed):
         open(f"pid-{os.getpid()}", "w").close()
         for state in ld.move(sim, 1e9, temperature=1e-7):
             pass
-ld.parallel_map(run, [(1,), (2,), (3,)], workers=2)
+ld.parallel_map(run, [1, 2, 3], workers=2)
 """
 
 

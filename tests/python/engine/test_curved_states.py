@@ -44,7 +44,7 @@ def test_contacts(states: dict[str, ld.State]) -> None:
         direction = np.arctan2(apart[1], apart[0])
         turn = np.remainder(row["angle"] - row["tilt"] - direction + np.pi, 2 * np.pi) - np.pi
         assert abs(turn) < 1e-12
-        heights = state.packing.radius[[i, j]] - (row["indentation"], other["indentation"])
+        heights = state.packing.radii[[i, j]] - (row["indentation"], other["indentation"])
         assert sum(heights) == pytest.approx(row["distance"] * np.cos(row["tilt"]), rel=1e-9)
     assert 0.01 < np.abs(table["tilt"]).max() < 0.1
     assert (states["balanced"].contact_table["tilt"] == 0).all()

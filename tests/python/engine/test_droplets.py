@@ -25,7 +25,7 @@ def test_relaxation(squeezed: ld.Packing, contact: str) -> None:
         state = sim.relax(1e-6)
     assert not state.stalled
     assert state.residual <= 1e-6
-    radius = squeezed.radius
+    radius = squeezed.radii
     np.testing.assert_allclose(state.area, np.pi * radius**2, rtol=1e-12)
     assert state.energy == pytest.approx(np.sum(state.perimeter - 2 * np.pi * radius), rel=1e-8)
     assert (state.particle_pressure >= 1.0 / radius * (1 - 1e-12)).all()

@@ -33,7 +33,7 @@ def interrupted(work: Callable[[], object]) -> float:
 
 
 def test_a_block_of_a_motion_ends_at_once() -> None:
-    packing = ld.push_off(ld.bidisperse(20, phi=0.7, seed=1))
+    packing = ld.bidisperse(20, phi=0.7, seed=1).push_off()
     with ld.Simulation(packing, ld.Ring(), comm=MPI.COMM_SELF) as sim:
         motion = ld.move(sim, 10**8, 0.01, temperature=1e-6, every=10**8, seed=1)
         assert interrupted(lambda: next(motion)) < 2.0  # the block takes 20 minutes
@@ -48,7 +48,7 @@ def test_a_block_of_a_motion_ends_at_once() -> None:
 def test_a_minimization_ends_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("lammps_deformable.engines.Deformables.patience", 10**8)
     monkeypatch.setattr("lammps_deformable.relax._ITERATIONS", 10**8)
-    packing = ld.push_off(ld.bidisperse(20, phi=0.7, seed=1))
+    packing = ld.bidisperse(20, phi=0.7, seed=1).push_off()
     with ld.Simulation(packing, ld.Ring(), comm=MPI.COMM_SELF) as sim:
         sim.lmp.command("fix down all addforce 0 1e-6 0")  # a fall without end
         assert interrupted(sim.relax) < 2.0

@@ -22,7 +22,7 @@ CONTACTS = {"fcc": 12, "bcc": 8, "sc": 6}
 
 @pytest.fixture(scope="module")
 def jammed() -> Packing:
-    start = ld.bidisperse(32, radii=(1.0, 1.2), dimension=3, seed=1)
+    start = ld.bidisperse(32, sizes=(1.0, 1.2), dimension=3, seed=1)
     return ld.jam(start, tolerance=1e-2).packing
 
 
@@ -36,7 +36,7 @@ def emulsion(jammed: Packing) -> State:
 
 def at_indentation(lattice: str, a: float) -> Packing:
     """A crystal of droplets of radius 1 with this indentation."""
-    touching = ld.cubic(lattice, 2, radius=1.0)
+    touching = ld.crystal(lattice, 2, radius=1.0)
     return touching.at(touching.phi / (1.0 - a) ** 3)
 
 
@@ -74,7 +74,7 @@ def test_moduli_of_crystals(lattice: str, shear: float | None, stretch: float | 
 
     Sites of cubic crystals have a center of symmetry, so that they stay at rest under any strain.
     """
-    touching = ld.cubic(lattice, 2, radius=1.0)
+    touching = ld.crystal(lattice, 2, radius=1.0)
     crystal, small = touching.at(touching.phi + 0.01), 1e-4
 
     def slope(strained: Callable[[float], NDArray[np.float64]]) -> NDArray[np.float64]:
@@ -96,7 +96,7 @@ def test_moduli_of_crystals(lattice: str, shear: float | None, stretch: float | 
 
 
 def test_shear_modulus_is_that_of_small_strains(jammed: Packing) -> None:
-    crystal = ld.cubic("fcc", 2, radius=1.0)
+    crystal = ld.crystal("fcc", 2, radius=1.0)
     with ld.Simulation(crystal.at(crystal.phi + 0.01), Droplet()) as sim:
         state = sim.state()
     assert ld.shear_modulus(state, 1e-4).value == pytest.approx(0.2865, abs=1.5e-4)
@@ -129,7 +129,7 @@ def test_a_state_at_rest(emulsion: State) -> None:
     apart = packing.positions[table["j"]] + shift - packing.positions[table["i"]]
     assert apart == pytest.approx(table["distance"][:, None] * table["normal"], abs=1e-9)
     # facets of both sides are at one place, since the normal is the line of centers
-    height = packing.radius[table["i"]] - table["indentation"]
+    height = packing.radii[table["i"]] - table["indentation"]
     middle = packing.positions[table["i"]] + height[:, None] * table["normal"]
     assert table["position"] == pytest.approx(middle, abs=1e-9)
     key = {(r["i"], r["j"], *r["image"]): r for r in table}
@@ -137,16 +137,16 @@ def test_a_state_at_rest(emulsion: State) -> None:
         other = key[(row["j"], row["i"], *-row["image"])]
         assert other["force"] == row["force"]
         assert row["indentation"] + other["indentation"] == pytest.approx(
-            packing.radius[row["i"]] + packing.radius[row["j"]] - row["distance"], abs=1e-7
+            packing.radii[row["i"]] + packing.radii[row["j"]] - row["distance"], abs=1e-7
         )
     tension = np.array([1.0, 1.5])[packing.species]
     force = np.bincount(table["i"], table["force"], minlength=32)
-    assert emulsion.load == pytest.approx(force / (tension * packing.radius) / (8.0 * np.pi))
+    assert emulsion.load == pytest.approx(force / (tension * packing.radii) / (8.0 * np.pi))
     facets = np.bincount(table["i"], np.pi * table["facet_radius"] ** 2, minlength=32)
     assert emulsion.contact_area == pytest.approx(facets)
-    grown = emulsion.surface_area - 4.0 * np.pi * packing.radius**2
+    grown = emulsion.surface_area - 4.0 * np.pi * packing.radii**2
     assert np.sum(tension * grown) == pytest.approx(emulsion.energy, rel=1e-6)
-    assert (emulsion.particle_pressure > 2.0 * tension / packing.radius).all()
+    assert (emulsion.particle_pressure > 2.0 * tension / packing.radii).all()
     assert emulsion.graph().number_of_edges() == len(table) // 2
     assert {"load", "lz"} <= set(emulsion.numbers())
     assert all(values.shape == (32,) for values in emulsion.particle_values().values())
@@ -171,10 +171,10 @@ def test_stress_is_the_derivative_of_the_energy(emulsion: State) -> None:
 
 def test_droplets_jam_where_spheres_do(jammed: Packing) -> None:
     """They touch at the same phi, and are isostatic there."""
-    start = ld.bidisperse(32, radii=(1.0, 1.2), dimension=3, seed=1)
+    start = ld.bidisperse(32, sizes=(1.0, 1.2), dimension=3, seed=1)
     with ld.Simulation(ld.jam(start, Droplet()).packing, Droplet()) as sim:
         onset = sim.relax(1e-6)
-    assert 1e-6 < onset.pressure * onset.packing.radius.mean() <= 2.1e-6
+    assert 1e-6 < onset.pressure * onset.packing.radii.mean() <= 2.1e-6
     assert onset.phi == pytest.approx(jammed.phi, abs=3e-4)
     held = int(np.sum(~onset.rattlers))
     # weak contacts across gaps, as droplets bulge, may be more than isostatic
@@ -203,9 +203,8 @@ def test_compression_and_shear(jammed: Packing) -> None:
 
 def test_any_radii() -> None:
     """One species with radii of its own, as of two species."""
-    packing = ld.jam(ld.bidisperse(16, ratio=1.4, dimension=3, seed=2)).packing.at(0.72)
-    own = Packing.from_arrays(packing.positions, packing.radius, packing.box)
-    assert own.particle_radii is not None
+    packing = ld.jam(ld.bidisperse(16, sizes=(0.5, 0.7), dimension=3, seed=2)).packing.at(0.72)
+    own = Packing(packing.positions, packing.radii, packing.box)
     energies = []
     for each in (packing, own):
         with ld.Simulation(each, Droplet()) as sim:
@@ -225,7 +224,7 @@ def test_beyond_the_model_is_told(jammed: Packing) -> None:
         warnings.simplefilter("error")
         loose = sim.relax()
     assert (loose.energy, loose.pressure, len(loose.contact_table)) == (0.0, 0.0, 0)
-    assert loose.particle_pressure == pytest.approx(2.0 / loose.packing.radius)
+    assert loose.particle_pressure == pytest.approx(2.0 / loose.packing.radii)
 
 
 def test_no_number_is_lost_far_beyond_the_model(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -252,14 +251,14 @@ SPHERES = ld.bidisperse(8, dimension=3, seed=1)
 @pytest.mark.parametrize(
     ("make", "told"),
     [
-        (lambda: ld.Simulation(ld.bidisperse(4), Droplet()), r"two: .* Ring\(kA="),
-        (lambda: ld.jam(ld.bidisperse(4), Droplet()).packing, "Droplet is for three dim"),
+        (lambda: ld.Simulation(ld.bidisperse(4, seed=1), Droplet()), r"two: .* Ring\(kA="),
+        (lambda: ld.jam(ld.bidisperse(4, seed=1), Droplet()).packing, "Droplet is for three dim"),
         (lambda: ld.Simulation(SPHERES, ld.Ring()), "Ring is .* take `Droplet`"),
         (lambda: ld.Simulation(SPHERES, Droplet([1, 2, 3])), "there are 2 species"),
         (lambda: ld.Simulation(None, Droplet()), "packing must be of the kind Packing"),
         (
-            lambda: ld.Simulation(SPHERES, Droplet(), walls=ld.Circle((0, 0), 9)),
-            "circle 1 is a wall in 2 dimensions",
+            lambda: ld.Simulation(SPHERES.replace(walls=ld.Sphere(9, (0, 0))), Droplet()),
+            "is a wall in 2 dimensions",
         ),
         (lambda: Droplet(0.0), "tension must be positive, .* not 0.0"),
         (lambda: Droplet([1.0, -1.0]), r"not \[1.0, -1.0\]"),
@@ -271,7 +270,7 @@ SPHERES = ld.bidisperse(8, dimension=3, seed=1)
             "phi must be below 1",
         ),
         (
-            lambda: ld.Simulation(SPHERES, Droplet(), friction=ld.Friction(0.5, 0.1)),
+            lambda: ld.Simulation(SPHERES, Droplet(), friction=ld.Friction(0.5, kt=0.1)),
             "friction is for particles in the plane, and droplets",
         ),
     ],

@@ -16,7 +16,7 @@ ACTIVE = {"friction": FRICTION, "propulsion": FORCE, "persistence": TAU}
 @pytest.fixture(scope="module")
 def free() -> ld.Packing:
     x, y = np.divmod(np.arange(NUMBER), 40)
-    return ld.Packing(2.0 + 4.0 * np.column_stack([x, y]), [0] * NUMBER, [0.5], 160.0 * np.eye(2))
+    return ld.Packing(2.0 + 4.0 * np.column_stack([x, y]), 0.5, 160.0 * np.eye(2))
 
 
 def square(state: ld.State, start: ld.Packing) -> np.ndarray:
@@ -89,7 +89,7 @@ def turned(state: ld.State, since: ld.State) -> np.ndarray:
 
 def test_particles_that_push_each_other_keep_their_step() -> None:
     """A dense crowd: the default step holds, and the mean speed is below that of free ones."""
-    packing = ld.push_off(ld.bidisperse(32, phi=0.85, seed=3))
+    packing = ld.bidisperse(32, phi=0.85, seed=3).push_off()
     with ld.Simulation(packing, ld.Ring(kP=0.3)) as sim:
         motion = move(sim, 2000, seed=1, inertia=False, every=500, friction=1.0, propulsion=1e-3,
                       persistence=1e4)  # fmt: skip

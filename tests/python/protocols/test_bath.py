@@ -40,7 +40,7 @@ def test_temperature_of_a_heat_bath(loose: ld.Packing, law: ld.Ring) -> None:
 
 def test_heat_bath_does_not_depend_on_ends_of_runs() -> None:
     """Forces drawn anew at each state would halve the temperature, as fix langevin does."""
-    gas = ld.push_off(ld.bidisperse(64, phi=0.05, seed=3))
+    gas = ld.bidisperse(64, phi=0.05, seed=3).push_off()
     with ld.Simulation(gas, ld.Ring()) as sim:
         states = list(move(sim, 400, 0.5, 1e-6, friction=1.0, every=1, seed=1))
     error = scatter(len(gas), 1.0, states[-1].time)
@@ -52,7 +52,7 @@ def test_heat_bath_does_not_depend_on_ends_of_runs() -> None:
 def free() -> ld.Packing:
     """Far apart, so that none touches another in a short motion."""
     x, y = np.divmod(np.arange(400), 20)
-    return ld.Packing(2.0 + 4.0 * np.column_stack([x, y]), [0] * 400, [0.5], 80.0 * np.eye(2))
+    return ld.Packing(2.0 + 4.0 * np.column_stack([x, y]), 0.5, 80.0 * np.eye(2))
 
 
 def correlation(a: np.ndarray, b: np.ndarray) -> float:
@@ -99,7 +99,7 @@ def test_without_a_seed_no_noise_is_repeated(free: ld.Packing) -> None:
 
 
 def test_one_particle_has_no_temperature() -> None:
-    alone = ld.Packing([[1.0, 1.0]], [0], [0.5], 4.0 * np.eye(2))
+    alone = ld.Packing([[1.0, 1.0]], 0.5, 4.0 * np.eye(2))
     with ld.Simulation(alone, SOFT) as sim:
         with pytest.raises(ld.ParameterError, match="temperature"):
             next(move(sim, 100, temperature=1e-5, seed=1))

@@ -11,7 +11,7 @@ TEMPERATURE, FRICTION = 1e-5, 2.0
 def test_free_particles_diffuse() -> None:
     """<r^2> = 4 D t with D = T/friction; the mean of N values of r^2 has the error 1/N^(1/2)."""
     x, y = np.divmod(np.arange(400), 20)
-    free = ld.Packing(2.0 + 4.0 * np.column_stack([x, y]), [0] * 400, [0.5], 80.0 * np.eye(2))
+    free = ld.Packing(2.0 + 4.0 * np.column_stack([x, y]), 0.5, 80.0 * np.eye(2))
     with ld.Simulation(free, ld.Ring()) as sim:
         states = list(move(sim, 400, 0.5, TEMPERATURE, FRICTION, every=200, seed=1, inertia=False))
     for before, state in zip((None, states[0]), states, strict=True):

@@ -11,7 +11,7 @@ pytestmark = pytest.mark.filterwarnings("error")
 
 
 def test_ten_line_script() -> None:
-    packing = ld.bidisperse(128, radii=(0.5, 0.7), seed=5)
+    packing = ld.bidisperse(128, sizes=(0.5, 0.7), seed=5)
     jammed = ld.jam(packing).packing
     sim = ld.Simulation(jammed, ld.Ring(kA=1.0))
     seen = []
@@ -50,7 +50,7 @@ def test_a_packing_that_comes_apart_says_so_once(jammed: ld.Packing, kind: str) 
         "law": lambda: ld.Simulation(jammed, ld.Ring()),
         "disks": lambda: ld.Simulation(jammed, ld.SoftContact()),
         "polygons": lambda: ld.Simulation(
-            jammed, ld.PolygonModel(40, 0.025, kL=240.0, kr=10.0, smooth=True)
+            jammed, ld.DeformablePolygon(40, radius=0.025, kL=240.0, kr=10.0)
         ),
     }[kind]()
     with sim:

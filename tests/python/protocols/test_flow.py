@@ -27,7 +27,7 @@ def test_work_of_the_flow_is_stored_or_lost_to_friction(rest: ld.State) -> None:
         states = list(shear(sim, 0.05, 100, rate=RATE, friction=FRICTION))
     times = np.array([state.time for state in states])
     assert np.diff(times) == pytest.approx(0.05 / 100 / RATE)
-    work = -np.array([state.stress[0, 1] for state in states]) * rest.packing.area * RATE
+    work = -np.array([state.stress[0, 1] for state in states]) * rest.packing.volume * RATE
     lost = np.array([np.sum(forces_on(state) ** 2) / FRICTION for state in states])
     gain = np.trapezoid(work - lost, times)
     # steps of 5e-4 of strain, of which forces know the half, over indentations of some percent
@@ -66,7 +66,7 @@ def test_long_flows_go_on_in_equivalent_boxes(rest: ld.State) -> None:
 def test_free_particles_follow_the_flow_and_diffuse_in_it() -> None:
     """dr = u dt + noise: <y^2> = 2 D t, <x^2> = 2 D t (1 + gamma^2/3), <x y> = D gamma t."""
     x, y = np.divmod(np.arange(400), 20)
-    packing = ld.Packing(2.0 + 4.0 * np.column_stack([x, y]), [0] * 400, [0.5], 80.0 * np.eye(2))
+    packing = ld.Packing(2.0 + 4.0 * np.column_stack([x, y]), 0.5, 80.0 * np.eye(2))
     temperature, strain = 1e-5, 1.0
     with ld.Simulation(packing, ld.Ring()) as sim:
         (state,) = shear(
@@ -134,8 +134,8 @@ def test_refused_simulations(rest: ld.State) -> None:
         pytest.raises(ld.ParameterError, match="energy of Sector jumps"),
     ):
         shear(sim, 0.1, 1, **flow)
-    walls = ld.rectangle(10, 10)
-    inside = ld.push_off(ld.bidisperse(4, seed=1).between(walls))
+    walls = ld.BoxWall((10, 10)).parts
+    inside = ld.bidisperse(4, seed=1).between(walls).push_off()
     with (
         ld.Simulation(inside, ld.Ring()) as sim,
         pytest.raises(ld.ParameterError, match="walls are not sheared"),

@@ -22,7 +22,7 @@ def test_random_places_are_a_start_after_push_off(dense: ld.Packing) -> None:
 
 @pytest.mark.parametrize("phi", [0.6, 0.9])
 def test_energy_error_falls_with_the_square_of_the_time_step(phi: float) -> None:
-    packing = ld.push_off(ld.bidisperse(16, phi=phi, seed=1))
+    packing = ld.bidisperse(16, phi=phi, seed=1).push_off()
     errors, steps = [], np.array([0.8, 0.4, 0.2])
     for step in steps:
         with ld.Simulation(packing, ld.Ring()) as sim:
@@ -61,7 +61,7 @@ def test_damped_motion_comes_to_rest(dense: ld.Packing) -> None:
 
 def test_velocities_decay_at_the_rate_of_friction() -> None:
     """By (1 - x)/(1 + x) in a step, x = friction dt/2, which is exp(-2 x) to third order."""
-    gas = ld.push_off(ld.bidisperse(16, phi=0.01, seed=3))
+    gas = ld.bidisperse(16, phi=0.01, seed=3).push_off()
     friction, dt = 0.1, 0.5
     with ld.Simulation(gas, ld.Ring()) as sim:
         (_,) = move(sim, 1, dt, temperature=1e-6, every=1, seed=1)
@@ -185,8 +185,8 @@ def test_steps_that_become_too_long_are_refused(loose: ld.Packing) -> None:
 
 def test_default_steps_become_shorter_with_the_pressure() -> None:
     """Particles that fall: the default of the start is too long, and unknown where all rest."""
-    walls = ld.rectangle(10, 12)
-    start = ld.push_off(ld.bidisperse(30, seed=1).between(walls))
+    walls = ld.BoxWall((10, 12)).parts
+    start = ld.bidisperse(30, seed=1).between(walls).push_off()
     with ld.Simulation(start, ld.Ring()) as sim:
         sim.lmp.command("fix down all gravity 1e-3 vector 0 -1 0")
         with pytest.raises(ld.LammpsError, match=r"or give a smaller timestep than .*, which was"):
@@ -203,7 +203,7 @@ def test_longest_step_is_stable_and_not_by_far(
     phi: float, temperature: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The energy is constant to 1 % at the longest step; eight times this step ends the run."""
-    packing = ld.push_off(ld.bidisperse(32, phi=phi, seed=3))
+    packing = ld.bidisperse(32, phi=phi, seed=3).push_off()
 
     def motion(sim: ld.Simulation, timestep: float | None) -> list[ld.State]:
         return list(move(sim, 1000, timestep, temperature, every=20, seed=1))
@@ -232,7 +232,7 @@ def test_too_high_temperatures_are_named(loose: ld.Packing) -> None:
 def test_particles_of_any_size_and_stiffness_move() -> None:
     """Masses are 1 for any radius; the stiffest species limits the time step."""
     radii = np.random.default_rng(2).uniform(0.4, 0.8, 32)
-    packing = ld.push_off(ld.polydisperse(32, radii, phi=0.85, seed=2))
+    packing = ld.polydisperse(32, radii, phi=0.85, seed=2).push_off()
     with ld.Simulation(packing, ld.Ring()) as sim:
         states = list(move(sim, 4000, temperature=1e-6, every=200, seed=1))
     total = [state.energy + state.kinetic_energy for state in states]
@@ -241,7 +241,7 @@ def test_particles_of_any_size_and_stiffness_move() -> None:
     pace = []
     for kA in ((1.0, 1.0), (1.0, 16.0)):
         mixture = ld.Ring(kA=kA, kP=(np.inf, 1.0))
-        with ld.Simulation(ld.push_off(mixed), mixture) as sim:
+        with ld.Simulation(mixed.push_off(), mixture) as sim:
             pace.append(next(move(sim, 1, temperature=1e-6, every=1, seed=1)).time)
     # 1 and kP/R^2 = 1/0.49, to the power of 1/4
     assert pace[1] / pace[0] == pytest.approx(0.49**0.25)

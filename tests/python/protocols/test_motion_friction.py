@@ -5,11 +5,11 @@ import numpy as np
 import pytest
 
 RUB = "fix rub all deformable/friction 0.5 1e-3 1e-4 damp 1e-3"
-FRICTION = ld.Friction(0.5, 1e-3, 1e-4, damp=1e-3)
+FRICTION = ld.Friction(0.5, kt=1e-3, gt=1e-4, damping=1e-3)
 
 
 def fluid() -> ld.Packing:
-    return ld.push_off(ld.bidisperse(16, phi=0.7, seed=2))
+    return ld.bidisperse(16, phi=0.7, seed=2).push_off()
 
 
 def test_particles_turn_and_energy_balances() -> None:
@@ -29,7 +29,7 @@ def test_particles_turn_and_energy_balances() -> None:
 
 def test_motion_that_is_damped() -> None:
     """Velocities and spins of a particle decay at the same rate."""
-    alone = ld.Packing([[1.0, 1.0]], [0], [0.5], [3.0, 3.0])
+    alone = ld.Packing([[1.0, 1.0]], 0.5, [3.0, 3.0])
     with ld.Simulation(alone, ld.Ring(), friction=FRICTION) as sim:
         sim.lmp.command("set group all vx 1.0 omega 0 0 2.0")
         *_, state = ld.move(sim, 200, timestep=0.05, friction=0.1)
@@ -50,7 +50,7 @@ def test_the_fix_of_a_user_without_spins() -> None:
 def test_restart_rubs_again() -> None:
     with ld.Simulation(fluid(), ld.Ring(), friction=FRICTION) as sim:
         with pytest.raises(ld.ParameterError, match="radii"):
-            sim.reset(ld.Packing([[1.0, 1.0]], [0], [-0.5], [3.0, 3.0]))
+            sim.reset(ld.Packing([[1.0, 1.0]], -0.5, [3.0, 3.0]))
         sim.reset(fluid())
         assert "deformable_friction" in sim.lmp.available_ids("fix")
 
@@ -74,7 +74,7 @@ def test_what_does_not_turn(settings: dict[str, float], message: str) -> None:
 
 def test_a_time_step_too_long_for_the_springs() -> None:
     """kt dt^2 = m/7 at most; the default is shorter."""
-    hard = ld.Friction(0.5, 1.0)
+    hard = ld.Friction(0.5, kt=1.0)
     with ld.Simulation(fluid(), ld.Ring(), friction=hard) as sim:
         with pytest.raises(ld.ParameterError, match=r"\A[^\n]*at most 0.38,"):
             list(ld.move(sim, 10, timestep=0.5))

@@ -33,7 +33,7 @@ class Linear:
         self.rate, vectors = np.linalg.eigh(stiffness)
         self.rate /= FRICTION
         self.weight = vectors.T @ (coupled[:n] - m[:n, n:] @ by_lines[:, -1])
-        self.area = state.packing.area
+        self.area = state.packing.volume
         self.affine = (hessian.strain[1, 1] - coupled[n:] @ by_lines[:, -1]) / self.area
 
     def stress(self, omega: float, time: np.ndarray) -> np.ndarray:

@@ -60,7 +60,7 @@ def scale(state: ld.State) -> float:
 
 @pytest.mark.parametrize("law", [None, ld.Ring(kP=0.4)])
 def test_between_walls(law: ld.Ring | None) -> None:
-    walls = ld.Circle((0, 0), 4), ld.Disk((1, 0.5), 0.6)
+    walls = ld.Sphere(4, (0, 0)), ld.Sphere(0.6, (1, 0.5), inside=False)
     jammed = ld.jam(ld.bidisperse(40, seed=1).between(walls, seed=1).at(0.6)).packing
     with simulate(jammed.at(jammed.phi + 0.02), law) as sim:
         assert sim.relax(1e-10).residual <= 1e-10
@@ -75,10 +75,10 @@ def test_the_strain_of_a_shear_stays() -> None:
 
 def test_what_newton_cannot_do_is_left_to_fire(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("lammps_deformable.engines.Deformables.patience", 5000)
-    with ld.Simulation(ld.bidisperse(1), ld.Sector()) as sim:
+    with ld.Simulation(ld.bidisperse(1, seed=1), ld.Sector()) as sim:
         assert sim.relax(1e-10).residual == 0.0
     rough = ld.Friction(0.3, kt=0.05)
-    packing = ld.push_off(ld.bidisperse(16, phi=0.9, seed=2))
+    packing = ld.bidisperse(16, phi=0.9, seed=2).push_off()
     with (
         ld.Simulation(packing, ld.Ring(), friction=rough) as sim,
         pytest.warns(ld.StalledWarning, match="the largest force is"),

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from lammps_deformable.laws import LAWS
 
-ROUGH = ld.Friction(0.3, 0.05)
+ROUGH = ld.Friction(0.3, kt=0.05)
 
 
 def pressed(friction: ld.Friction | None, **options: object) -> ld.Simulation:
-    packing = ld.push_off(ld.bidisperse(16, phi=0.9, seed=2))
-    return ld.Simulation(packing, ld.Ring(), **options)
+    packing = ld.bidisperse(16, phi=0.9, seed=2).push_off()
+    return ld.Simulation(packing, ld.Ring(), friction=friction, **options)
 
 
 @pytest.mark.parametrize("contact", ["balanced", "curved", "radical"])
@@ -22,8 +22,8 @@ def test_a_sheared_crystal(contact: str) -> None:
     Particles turn with the mean rotation; a contact along n at the distance d is then sheared by
     d t.(strain).n. Radical lines have two springs of kt/2.
     """
-    crystal, strain, kt, stress = ld.triangular(4, 4, phi=0.95), 1e-4, 1e-3, []
-    for friction in (None, ld.Friction(np.inf, kt)):
+    crystal, strain, kt, stress = ld.crystal("hex", (4, 2), phi=0.95), 1e-4, 1e-3, []
+    for friction in (None, ld.Friction(np.inf, kt=kt)):
         with ld.Simulation(crystal, LAWS[contact], friction=friction) as sim:
             sim.relax(1e-9)
             *_, state = ld.shear(sim, strain, steps=1, tolerance=1e-7)
@@ -67,7 +67,7 @@ def test_without_friction_a_shear_is_reversed() -> None:
     """The hysteresis above is that of friction: mu = 0 stays in a minimum and comes back to it."""
     with pressed(None) as sim:
         minimal = sim.relax()
-    with ld.Simulation(minimal.packing, minimal.law, friction=ld.Friction(0.0, 2e-3)) as sim:
+    with ld.Simulation(minimal.packing, minimal.law, friction=ld.Friction(0.0, kt=2e-3)) as sim:
         list(ld.shear(sim, 0.002, steps=1))
         *_, back = ld.shear(sim, -0.002, steps=1)
     assert back.energy == pytest.approx(minimal.energy, rel=1e-6)
@@ -84,8 +84,8 @@ def test_a_target_phi() -> None:
 
 def test_weights_at_rest() -> None:
     """All forces act on the way to rest, those of motion too: walls bear the weight."""
-    two = ld.Packing([[1.0, 0.5], [1.6, 1.2]], [0, 0], [0.5], [3.0, 3.0], walls=ld.rectangle(3, 3))
-    with ld.Simulation(two, ld.Ring(), friction=ld.Friction(9, 0.01)) as sim:
+    two = ld.Packing([[1.0, 0.5], [1.6, 1.2]], 0.5, [3.0, 3.0], walls=ld.BoxWall((3, 3)))
+    with ld.Simulation(two, ld.Ring(), friction=ld.Friction(9, kt=0.01)) as sim:
         sim.lmp.command("fix down all gravity 1e-4 vector 0 -1 0")
         state = sim.relax(1e-4)
     assert state.wall_forces.sum(axis=0) == pytest.approx([0, -2e-4], abs=1e-7)

@@ -12,8 +12,8 @@ DROPLETS = ld.Ring(kA=math.inf, kP=0.0, tension=1.0)
 
 def simulation(mu: float | None, number: int = 16, seed: int = 1) -> ld.Simulation:
     """A loose packing whose contacts rub and damp, or slip if there is no mu."""
-    friction = None if mu is None else ld.Friction(mu, 1.0, 0.5, damp=1.0)
-    loose = ld.push_off(ld.bidisperse(number, phi=0.65, seed=seed))
+    friction = None if mu is None else ld.Friction(mu, kt=1.0, gt=0.5, damping=1.0)
+    loose = ld.bidisperse(number, phi=0.65, seed=seed).push_off()
     return ld.Simulation(loose, DROPLETS, friction=friction)
 
 
@@ -31,7 +31,7 @@ def test_every_particle_is_in_balance(mu: float) -> None:
     assert (np.abs(along).max() > 0.01 * tension) == (mu > 0.0)
     lever = table["position"] - packing.positions[i]
     lever -= packing.box.diagonal() * np.rint(lever / packing.box.diagonal())
-    torque = np.bincount(i, along * np.linalg.norm(lever, axis=1)) / packing.radius
+    torque = np.bincount(i, along * np.linalg.norm(lever, axis=1)) / packing.radii
     force = np.zeros_like(packing.positions)
     np.add.at(force, i, table["force_vector"])
     assert np.abs(force).max() < 2e-5 * tension
@@ -82,7 +82,7 @@ RINGS = {
 @pytest.mark.parametrize("pressure", [1e-5, 1e-2])
 def test_the_time_step_knows_the_pressure(law: ld.Ring, pressure: float) -> None:
     """Particles without contacts, of any stiffness: the way to rest at the pressure is stable."""
-    loose = ld.push_off(ld.bidisperse(32, phi=0.7, seed=1))
+    loose = ld.bidisperse(32, phi=0.7, seed=1).push_off()
     with ld.Simulation(loose, law) as sim:
         assert not sim.state().contacts.any()
         state = ld.settle(sim, pressure, inertial_number=0.01)
@@ -134,13 +134,13 @@ def test_refused(values: dict[str, Any], message: str) -> None:
 
 
 def test_what_cannot_settle() -> None:
-    walled = ld.bidisperse(8, phi=0.5, seed=1).between(ld.rectangle(4, 4))
+    walled = ld.bidisperse(8, phi=0.5, seed=1).between(ld.BoxWall((4, 4)))
     with (
-        ld.Simulation(ld.push_off(walled), DROPLETS) as sim,
+        ld.Simulation(walled.push_off(), DROPLETS) as sim,
         pytest.raises(ld.ParameterError, match=r"\A[^\n]*walls do not follow[^\n]*plane"),
     ):
         ld.settle(sim, 1e-3)
-    packing = ld.push_off(ld.bidisperse(8, phi=0.5, seed=1))
+    packing = ld.bidisperse(8, phi=0.5, seed=1).push_off()
     with (
         ld.Simulation(packing, ld.Sector()) as sim,
         pytest.raises(ld.ParameterError, match="Sector jumps"),

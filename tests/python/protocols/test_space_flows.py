@@ -17,9 +17,9 @@ def rest() -> State:
 
     It is stable, whatever the droplets.
     """
-    fcc = ld.cubic("fcc", 2, phi=0.8)
-    own = fcc.radius * np.random.default_rng(1).uniform(0.9, 1.1, len(fcc))
-    packing = Packing.from_arrays(fcc.positions, own, fcc.box, species=np.arange(32) % 2)
+    fcc = ld.crystal("fcc", 2, phi=0.8)
+    own = fcc.radii * np.random.default_rng(1).uniform(0.9, 1.1, len(fcc))
+    packing = Packing(fcc.positions, own, fcc.box, species=np.arange(32) % 2)
     with ld.Simulation(packing, Droplet([1.0, 1.6])) as sim:
         return sim.relax(1e-8)
 
@@ -79,13 +79,11 @@ def test_slow_flow_is_quasistatic(leaning: State) -> None:
 
 def gas(side: int, lean: bool = True) -> Packing:
     """Droplets that never touch."""
-    lattice = ld.cubic("sc", side, radius=1.0).at(0.01)
+    lattice = ld.crystal("sc", side, radius=1.0).at(0.01)
     if not lean:
         return lattice
     box = lattice.box @ np.array([[1.0, 0.0, 0.0], [0.4, 1.0, 0.0], [0.3, 1.4, 1.0]])
-    return Packing.from_arrays(
-        lattice.positions @ np.linalg.inv(lattice.box) @ box, lattice.radius, box
-    )
+    return Packing(lattice.positions @ np.linalg.inv(lattice.box) @ box, lattice.radii, box)
 
 
 @pytest.mark.parametrize("strain", [0.5, -2.3])
@@ -173,7 +171,7 @@ def test_creep_ends_where_shear_has_the_stress(rest: State, viscosity: float | N
     """And the box moves by the stress that contacts do not bear, by the trapezium rule."""
     modulus = rest.elastic_moduli().shear_modulus
     stress = rest.shear_stress + 1e-3 * modulus
-    usual = FRICTION / (2.0 * rest.packing.radius.mean())
+    usual = FRICTION / (2.0 * rest.packing.radii.mean())
     time = 12.0 * (viscosity or usual) / modulus  # a solid alone takes viscosity/modulus
     with ld.Simulation(rest, rest.law) as sim:
         motion = ld.creep(sim, stress, time, 120, friction=FRICTION, viscosity=viscosity)
@@ -202,8 +200,8 @@ def test_refusals(rest: State, leaning: State) -> None:
         pytest.raises(ld.ParameterError, match=r"SoftContact.* is sheared without a rate only"),
     ):
         ld.shear(spheres, 0.1, 1, rate=1.0, friction=1.0)
-    walls = ld.cuboid(8.0, 8.0, 8.0)
-    inside = ld.push_off(ld.bidisperse(4, dimension=3, seed=1).between(walls))
+    walls = ld.BoxWall((8.0, 8.0, 8.0)).parts
+    inside = ld.bidisperse(4, dimension=3, seed=1).between(walls).push_off()
     with (
         ld.Simulation(inside, Droplet()) as sim,
         pytest.raises(ld.ParameterError, match="walls are not sheared"),

@@ -10,13 +10,13 @@ from lammps_deformable.laws import longest_overdamped_step, longest_step
 
 @pytest.fixture(scope="module")
 def jammed() -> Packing:
-    start = ld.bidisperse(32, radii=(1.0, 1.2), dimension=3, seed=1)
+    start = ld.bidisperse(32, sizes=(1.0, 1.2), dimension=3, seed=1)
     return ld.jam(start, tolerance=1e-2).packing
 
 
 @pytest.fixture(scope="module")
 def loose() -> Packing:
-    return ld.push_off(ld.bidisperse(32, phi=0.3, dimension=3, seed=3))
+    return ld.bidisperse(32, phi=0.3, dimension=3, seed=3).push_off()
 
 
 def stiffest(sim: ld.Simulation, state: State) -> float:
@@ -45,7 +45,7 @@ def stiffest(sim: ld.Simulation, state: State) -> float:
 )
 def test_longest_steps_are_stable_and_not_by_far(jammed: Packing, kind: str, phi: float) -> None:
     """Verlet up to 2/omega, Euler up to 2 friction/omega^2, of the stiffest mode."""
-    packing = jammed if kind == "random" else ld.cubic(kind, 2, radius=1.0)
+    packing = jammed if kind == "random" else ld.crystal(kind, 2, radius=1.0)
     with ld.Simulation(packing.at(phi), Droplet(2.0)) as sim:
         state = sim.relax(1e-4)
         largest = stiffest(sim, state)
@@ -94,7 +94,7 @@ def test_a_heat_bath_has_its_temperature(loose: Packing) -> None:
 
 def test_free_droplets_diffuse_in_three_dimensions() -> None:
     """<r^2> = 6 (T/friction) t of droplets that do not touch."""
-    gas = ld.cubic("sc", 6, radius=1.0).at(0.01)
+    gas = ld.crystal("sc", 6, radius=1.0).at(0.01)
     with ld.Simulation(gas, Droplet()) as sim:
         motion = ld.move(sim, 100, temperature=1e-3, friction=2.0, inertia=False, every=50, seed=1)
         first = motion.start()
@@ -111,7 +111,7 @@ def test_free_droplets_diffuse_in_three_dimensions() -> None:
 
 
 def test_damped_motion_comes_to_rest(jammed: Packing) -> None:
-    squeezed = ld.push_off(jammed.at(0.7))
+    squeezed = jammed.at(0.7).push_off()
     with ld.Simulation(squeezed, Droplet()) as sim:
         states = list(ld.move(sim, 400, friction=0.5, every=50))
         total = np.array([state.energy + state.kinetic_energy for state in states])

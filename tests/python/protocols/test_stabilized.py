@@ -54,6 +54,6 @@ def test_nonsense_is_refused() -> None:
     start = ld.bidisperse(16, seed=1)
     with pytest.raises(ld.ParameterError, match="free must be iso, aniso or tri"):
         ld.jam(start, free="free")
-    walled = start.between(ld.rectangle(8, 8))
+    walled = start.between(ld.BoxWall((8, 8)))
     with pytest.raises(ld.ParameterError, match="free='tri' is not for walls"):
         ld.jam(walled, free="tri")

@@ -22,7 +22,7 @@ def expanded() -> ld.State:
         phi = sim.relax().packing.phi
         sim.deform(sim.box * math.sqrt(phi / 0.75))
         state = sim.relax(1e-8)
-    table, radius = state.contact_table, state.packing.radius
+    table, radius = state.contact_table, state.packing.radii
     assert (table["distance"] > radius[table["i"]] + radius[table["j"]]).any()
     assert state.pressure < -0.1
     return state

@@ -61,14 +61,14 @@ def test_a_root_found_by_hand_is_the_same(jammed: ld.Packing) -> None:
 def test_a_loose_packing_is_compressed_until_it_has_a_pressure(
     law: ld.Ring | None,
 ) -> None:
-    loose = ld.push_off(ld.bidisperse(32, phi=0.7, seed=2))
+    loose = ld.bidisperse(32, phi=0.7, seed=2).push_off()
     with simulation(loose, law) as sim:
         states = list(ld.compress(sim, pressure=2e-3, steps=2))
     assert [state.pressure for state in states] == pytest.approx([1e-3, 2e-3], rel=1e-6)
 
 
 def test_polygons_have_a_target_phi() -> None:
-    model = ld.PolygonModel(40, 0.025, kL=240.0, kr=10.0, smooth=True)
+    model = ld.DeformablePolygon(40, radius=0.025, kL=240.0, kr=10.0)
     few = ld.jam(ld.bidisperse(8, seed=1)).packing
     with ld.Simulation(few, model) as polygons:
         (state,) = ld.compress(polygons, phi=0.88, steps=1)

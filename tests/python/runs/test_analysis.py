@@ -17,7 +17,7 @@ def run(
 ) -> tuple[Path, list[ld.State]]:
     """A recorded motion, with the state before its first step."""
     folder = tmp_path_factory.mktemp("run")
-    fluid = ld.push_off(ld.bidisperse(16, phi=0.7, tilt=request.param, seed=2))
+    fluid = ld.bidisperse(16, phi=0.7, tilt=request.param, seed=2).push_off()
     with ld.Simulation(fluid, ld.Ring()) as sim:
         motion = ld.move(sim, 60, temperature=1e-5, every=20, seed=1)
         states = list(ld.record(motion, folder))
@@ -28,7 +28,7 @@ def test_universe_of_a_run(run: tuple[Path, list[ld.State]]) -> None:
     folder, states = run
     universe = ld.Run(folder).universe()
     assert len(universe.trajectory) == len(states) == 4
-    assert np.array_equal(universe.atoms.radii, states[0].packing.radius)
+    assert np.array_equal(universe.atoms.radii, states[0].packing.radii)
     for frame, state in zip(universe.trajectory, states, strict=True):
         one = state.to_mdanalysis()
         assert frame.time == pytest.approx(state.time)

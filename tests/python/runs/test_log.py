@@ -63,7 +63,7 @@ def test_of_disks(jammed: ld.Packing, tmp_path: Path) -> None:
 
 SCRIPT = """
 import lammps_deformable as ld
-sim = ld.Simulation(ld.triangular(4, 4, phi=0.92), ld.Ring())
+sim = ld.Simulation(ld.crystal("hex", (4, 2), phi=0.92), ld.Ring())
 for _ in range(2):
     steps = ld.compress(sim, 0.01, 1, tolerance=0.01)
     list(ld.log(steps, "log.csv", append=True))

@@ -32,7 +32,7 @@ def test_saved_state_goes_on_as_it_was(state: ld.State, tmp_path: Path) -> None:
     ],
 )
 def test_tilted_packings_and_species_go_on(law: ld.Sector | ld.Ring, tmp_path: Path) -> None:
-    jammed = ld.jam(ld.bidisperse(12, tilt=-0.4, aspect=1.3, seed=2)).packing
+    jammed = ld.jam(ld.bidisperse(12, aspect=1.3, tilt=-0.4, seed=2)).packing
     with ld.Simulation(jammed.at(0.86), law) as sim:
         state = sim.state()
     state.save(tmp_path)
@@ -78,7 +78,7 @@ def test_mdanalysis_reads_the_trajectory(tilt: float, tmp_path: Path) -> None:
         assert frame.data["area"] == pytest.approx(state.area)
         assert frame.data["pressure"] == pytest.approx(state.particle_pressure, rel=1e-5)
         assert frame.data["contacts"] == pytest.approx(state.contacts)
-        assert frame.data["radius"] == pytest.approx(state.packing.radius)
+        assert frame.data["radius"] == pytest.approx(state.packing.radii)
         assert frame.positions[:, :2] == pytest.approx(state.packing.positions, abs=1e-5)
         (lx, _), (xy, ly) = state.packing.box
         vectors = frame.triclinic_dimensions[:2, :2]

@@ -256,7 +256,7 @@ def test_killed_from_outside(uninterrupted: dict[str, bytes], tmp_path: Path) ->
 
 def test_python_resumes_what_it_began(jammed: ld.Packing, tmp_path: Path) -> None:
     """Also in a tilted box, where LAMMPS rounds centers as it wraps them, and behind a run."""
-    tilted = ld.jam(ld.bidisperse(12, tilt=0.3, aspect=1.2, seed=2)).packing
+    tilted = ld.jam(ld.bidisperse(12, aspect=1.2, tilt=0.3, seed=2)).packing
     for name, stop in (("whole", 3), ("broken", 1)):
         folder = tmp_path / name
         for packing in (jammed, tilted):

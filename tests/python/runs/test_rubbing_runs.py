@@ -9,20 +9,16 @@ from contact_laws import contacts
 from lammps_deformable.laws import LAWS
 
 ROUGH = ld.Friction(
-    [[0.4, 0.2], [0.2, np.inf]],
-    1e-2,
-    1e-3,
-    damp=1e-3,
-    walls=ld.Friction(0.2, 1e-2),
+    [[0.4, 0.2], [0.2, np.inf]], kt=1e-2, gt=1e-3, damping=1e-3, walls=ld.Friction(0.2, kt=1e-2)
 )
 STEP = {"timestep": 0.05, "every": 100}
 
 
 def begun(law: ld.Ring) -> ld.Simulation:
     """In motion between walls, with springs."""
-    walls = (*ld.rectangle(5.5, 5), ld.Disk((3, 3), 0.6))
+    walls = (ld.BoxWall((5.5, 5)), ld.Sphere(0.6, (3, 3), inside=False))
     packing = ld.bidisperse(14, seed=3).between(walls, seed=1).at(0.84)
-    sim = ld.Simulation(ld.push_off(packing), law, friction=ROUGH)
+    sim = ld.Simulation(packing.push_off(), law, friction=ROUGH)
     list(ld.move(sim, 100, temperature=1e-4, seed=1, **STEP))
     return sim
 
@@ -85,7 +81,7 @@ def test_other_walls_or_no_friction(tmp_path: Path) -> None:
     with begun(LAWS["balanced"]) as sim:
         state = sim.state()
     assert (state.rubbing.springs[:, 1] < 0).any()
-    with ld.Simulation(state, state.law, walls=ld.Circle((2.7, 2.5), 4)) as sim:
+    with ld.Simulation(state.replace(walls=ld.Sphere(4, (2.7, 2.5))), state.law) as sim:
         springs = sim.state().rubbing.springs
     assert len(springs) > 0
     assert (springs[:, 1] > 0).all()

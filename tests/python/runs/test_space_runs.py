@@ -18,7 +18,7 @@ LAW = Droplet([1.0, 1.5])
 @pytest.fixture(scope="module")
 def start() -> Packing:
     """In a tilted box, where LAMMPS rounds centers as it wraps them."""
-    loose = ld.bidisperse(16, radii=(1.0, 1.2), tilt=0.3, dimension=3, seed=1)
+    loose = ld.bidisperse(16, sizes=(1.0, 1.2), dimension=3, tilt=0.3, seed=1)
     return ld.jam(loose, tolerance=1e-2).packing.at(0.68)
 
 
@@ -129,7 +129,7 @@ def test_mdanalysis_reads_runs(moved: tuple[Path, list]) -> None:
     pytest.importorskip("MDAnalysis")
     folder, states = moved
     universe = ld.Run(folder).universe()
-    assert universe.atoms.radii == pytest.approx(states[0].packing.radius)
+    assert universe.atoms.radii == pytest.approx(states[0].packing.radii)
     for frame, state in zip(universe.trajectory, states, strict=True):
         expected = state.to_mdanalysis().trajectory.ts
         assert frame.dimensions == pytest.approx(expected.dimensions, rel=1e-6)
@@ -183,9 +183,9 @@ def test_the_shell_keeps_runs_of_droplets(tmp_path: Path, monkeypatch: pytest.Mo
 
 def test_runs_keep_their_walls(tmp_path: Path) -> None:
     """Which are scaled with the box in each step."""
-    walls = ld.cuboid(6.0, 5.0, 5.0)[:4]  # periodic along z
-    loose = ld.bidisperse(12, radii=(1.0, 1.2), dimension=3, seed=2)
-    packing = ld.push_off(loose.between(walls).at(0.6))
+    walls = ld.BoxWall((6.0, 5.0, 5.0)).parts[:4]  # periodic along z
+    loose = ld.bidisperse(12, sizes=(1.0, 1.2), dimension=3, seed=2)
+    packing = loose.between(walls).at(0.6).push_off()
     for name, stop in (("whole", 2), ("broken", 1)):
         with ld.Simulation(packing, LAW) as sim:
             steps = ld.compress_in(sim, tmp_path / name, 0.02, 2, tolerance=1e-4)

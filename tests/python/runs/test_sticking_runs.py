@@ -46,7 +46,7 @@ def stretched(state: ld.State) -> bool:
     table = state.contact_table[state.contact_table["attached"]]
     return bool(
         (
-            table["distance"] > state.packing.radius[table["i"]] + state.packing.radius[table["j"]]
+            table["distance"] > state.packing.radii[table["i"]] + state.packing.radii[table["j"]]
         ).any()
     )
 

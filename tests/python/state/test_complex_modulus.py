@@ -25,7 +25,7 @@ def soft(dimension: int) -> ld.State:
 
 
 def droplets() -> ld.State:
-    jammed = ld.jam(ld.bidisperse(16, ratio=1.2, dimension=3, seed=1)).packing
+    jammed = ld.jam(ld.bidisperse(16, sizes=(0.5, 0.6), dimension=3, seed=1)).packing
     with ld.Simulation(jammed.at(jammed.phi + 0.06), ld.Droplet(2.0)) as sim:
         return sim.relax(1e-10)
 
@@ -116,7 +116,7 @@ def test_refusals() -> None:
         with pytest.raises(ld.ParameterError, match=message) as error:
             state.complex_modulus(*arguments)
         assert "\n" not in str(error.value)
-    walled = ld.jam(ld.bidisperse(12, seed=1).between(ld.rectangle(6, 6))).packing
+    walled = ld.jam(ld.bidisperse(12, seed=1).between(ld.BoxWall((6, 6)))).packing
     with ld.Simulation(walled.at(walled.phi + 0.01), ld.SoftContact()) as disks:
         held = disks.relax(1e-8)
     with pytest.raises(ld.ParameterError, match="a periodic box without walls"):

@@ -2,7 +2,6 @@
 
 import warnings
 from collections.abc import Callable
-from dataclasses import replace
 
 import lammps_deformable as ld
 import numpy as np
@@ -21,7 +20,7 @@ def moved(packing: ld.Packing, box: list[list[float]], step: Points, images: Poi
     box = np.array(box)
     fractions = packing.positions @ np.linalg.inv(packing.box)
     places = fractions @ box + step + images @ box
-    return replace(packing, positions=places, box=box)
+    return packing.replace(positions=places, box=box)
 
 
 @pytest.mark.filterwarnings("ignore::lammps_deformable.JumpWarning")
@@ -30,13 +29,13 @@ def moved(packing: ld.Packing, box: list[list[float]], step: Points, images: Poi
 def test_steps_come_back(tilt: float, flips: int) -> None:
     """Beside a strain, in any images, and in an equivalent box."""
     rng = np.random.default_rng(1)
-    packing = ld.bidisperse(30, phi=0.3, tilt=tilt, aspect=1.4, seed=1)
+    packing = ld.bidisperse(30, phi=0.3, aspect=1.4, tilt=tilt, seed=1)
     (lx, _), (xy, ly) = packing.box.tolist()
     step = rng.uniform(-0.49, 0.49, (30, 2)) * [1.1 * lx, 0.9 * ly]
     box = [[1.1 * lx, 0.0], [xy * 0.9 + 0.1 * lx, 0.9 * ly]]
     images = rng.integers(-3, 4, (30, 2))
     now = moved(packing, box, step, images)
-    now = replace(now, box=now.box + np.array([[0.0, 0.0], [flips * 1.1 * lx, 0.0]]))
+    now = now.replace(box=now.box + np.array([[0.0, 0.0], [flips * 1.1 * lx, 0.0]]))
     start, end = state_of(packing), state_of(now)
     assert end.nonaffine(start) == pytest.approx(step, abs=1e-11)
     strained = packing.positions @ np.linalg.inv(packing.box) @ np.array(box)
@@ -65,15 +64,15 @@ def test_a_shear_is_told_by_the_strain() -> None:
 
 
 def test_between_walls_nothing_is_across() -> None:
-    walls = ld.rectangle(8.0, 6.0, corner=(-2.0, 1.0))
+    walls = ld.BoxWall((8.0, 6.0), (-2.0, 1.0)).parts
     packing = ld.bidisperse(12, seed=1).between(walls)
     middle = np.array([2.0, 4.0])
-    away = replace(packing, positions=2.0 * middle - packing.positions)
+    away = packing.replace(positions=2.0 * middle - packing.positions)
     expected = away.positions - packing.positions
     assert np.abs(expected).max() > 4.0
     assert state_of(away).nonaffine(packing) == pytest.approx(expected, abs=1e-13)
     channel = packing.between(walls[2:])
-    across = replace(channel, positions=channel.positions + np.array([8.5, 0.0]))
+    across = channel.replace(positions=channel.positions + np.array([8.5, 0.0]))
     assert state_of(across).nonaffine(channel) == pytest.approx(
         np.tile([0.5, 0.0], (12, 1)), abs=1e-12
     )
@@ -86,10 +85,10 @@ def test_jumps_of_half_a_box_are_told(walled: bool) -> None:
     """A fluid that drifts: by 0.2 of the box from state to state it is followed, by 0.45 not."""
     packing = ld.bidisperse(8, phi=0.3, seed=1)
     if walled:
-        packing = packing.between(ld.rectangle(*packing.box.diagonal())[2:])
+        packing = packing.between(ld.BoxWall(packing.box.diagonal()).parts[2:])
     drift = np.array([packing.box[0, 0], 0.0])
     slow, fast = (
-        [state_of(replace(packing, positions=packing.positions + part * drift * n)) for n in (0, 1)]
+        [state_of(packing.replace(positions=packing.positions + part * drift * n)) for n in (0, 1)]
         for part in (0.2, 0.45)
     )
     with warnings.catch_warnings():
@@ -106,7 +105,7 @@ def test_jumps_of_half_a_box_are_told(walled: bool) -> None:
 @pytest.mark.parametrize("tilt", [0.0, 0.4])
 def test_images_of_lammps(tilt: float, flow: str) -> None:
     """A fluid that drifts over several boxes, also in one that is sheared and flips."""
-    fluid = ld.push_off(ld.bidisperse(16, phi=0.7, tilt=tilt, seed=2))
+    fluid = ld.bidisperse(16, phi=0.7, tilt=tilt, seed=2).push_off()
     states, expected, images = [], [], []
     with ld.Simulation(fluid, ld.Ring()) as sim:
         sim.lmp.commands_string(
@@ -129,13 +128,13 @@ def test_images_of_lammps(tilt: float, flow: str) -> None:
 @pytest.mark.parametrize(
     ("before", "told"),
     [
-        (lambda packing: ld.bidisperse(16), "before has 16 particles and this state 30"),
+        (lambda packing: ld.bidisperse(16, seed=1), "before has 16 particles and this state 30"),
         (lambda packing: 3, "before must be a state or a Packing, not 3"),
         (lambda packing: packing.positions, "before must be a state or a Packing, not "),
     ],
 )
 def test_refusals(before: Callable[[ld.Packing], object], told: str) -> None:
-    packing = ld.bidisperse(30, phi=0.3)
+    packing = ld.bidisperse(30, phi=0.3, seed=1)
     state, other = state_of(packing), before(packing)
     for method in (state.displacements, state.nonaffine, state.local_strain):
         with pytest.raises(ld.ParameterError, match=told):

@@ -73,7 +73,7 @@ def test_shape_parameter(state: ld.State) -> None:
     # a circle has the least perimeter
     assert state.shape_parameter.min() >= 1.0 - 4 * np.finfo(float).eps
     # conserved perimeter: P^2 / (4 pi A) = A0 / A
-    expected = np.pi * state.packing.radius**2 / state.area
+    expected = np.pi * state.packing.radii**2 / state.area
     assert state.shape_parameter == pytest.approx(expected, rel=1e-12)
     map_ = state.plot(color_by="shape_parameter").collections[0]
     assert map_.get_clim() == pytest.approx((1.0, expected.max()))
@@ -87,7 +87,7 @@ def test_force_chains_are_as_wide_as_their_forces(state: ld.State) -> None:
     width = np.array(lines.get_linewidths())
     table = state.contact_table
     found = set(zip(length.round(9), (width / width.max()).round(9), strict=True))
-    height = state.packing.radius[table["i"]] - table["indentation"]
+    height = state.packing.radii[table["i"]] - table["indentation"]
     force = table["force"] / table["force"].max()
     assert found == set(zip(height.round(9), force.round(9), strict=True))
     assert len(halves) >= len(table)
@@ -108,7 +108,10 @@ def test_unloaded_packings_have_one_color_and_one_tick(color_by: str, value: flo
     """Without load all values are equal: the color bar names that one, and no other."""
     grid = 2.5 * np.stack(np.meshgrid(np.arange(4.0), np.arange(2.0)), axis=-1)
     loose = ld.Packing(
-        grid.reshape(8, 2), np.arange(8) % 2, np.array([0.5, 0.7]), np.diag([10.0, 5.0])
+        grid.reshape(8, 2),
+        np.asarray(np.array([0.5, 0.7]))[np.arange(8) % 2],
+        np.diag([10.0, 5.0]),
+        species=np.arange(8) % 2,
     )
     with ld.Simulation(loose, ld.Ring()) as sim:
         idle = sim.state()

@@ -9,7 +9,7 @@ def test_packing() -> None:
     side = straight.box[0, 0]
     expected = f"<Packing: 32 particles of 2 species, phi = 0.3000, box {side:.4g} x {side:.4g}>"
     assert repr(straight) == expected
-    tilted = ld.bidisperse(32, tilt=-0.25)
+    tilted = ld.bidisperse(32, tilt=-0.25, seed=1)
     assert repr(tilted).endswith(f" tilted by {-0.25 * side:.4g}>")
 
 
@@ -43,7 +43,7 @@ def test_simulation_and_its_states(jammed: ld.Packing) -> None:
 def test_other_states(jammed: ld.Packing) -> None:
     with ld.Simulation(jammed, ld.SoftContact()) as disks:
         assert repr(disks.state()).startswith("<State: 32 particles, soft disks, phi = 0.8")
-    with ld.Simulation(ld.cubic("fcc", 2, phi=0.8), ld.SoftContact()) as spheres:
+    with ld.Simulation(ld.crystal("fcc", 2, phi=0.8), ld.SoftContact()) as spheres:
         side = f"{spheres.box[0, 0]:.4g}"
         assert (
             repr(spheres)
@@ -51,5 +51,5 @@ def test_other_states(jammed: ld.Packing) -> None:
         )
     assert repr(spheres) == "<Simulation: closed>"
     few = ld.jam(ld.bidisperse(8, seed=1)).packing
-    with ld.Simulation(few, ld.PolygonModel(vertices=20)) as sim:
+    with ld.Simulation(few, ld.DeformablePolygon(20, smooth=False)) as sim:
         assert repr(sim.state()).startswith("<State: 8 polygons, phi = 0.")
