@@ -80,7 +80,7 @@ def compared(
 ) -> list[dict[str, Any]]:
     """Energies of the laws that relaxed on their own over those of the extrapolated polygons."""
     counts = counts or VERTICES[number]
-    start = ld.jam(ld.bidisperse(number, seed=seed))
+    start = ld.jam(ld.bidisperse(number, seed=seed)).packing
     found = {
         count: {
             (row["law"], round(row["strain"], 6)): row

@@ -280,7 +280,7 @@ _SEPARATE = " (push_off separates overlaps, jam does so by itself)"
 # Words in the errors, and the way out in Python.
 _HINTS = {
     "contact line": _SEPARATE,
-    "species file": " (in Python: restart from a packing with larger `radii`)",
+    "species file": " (in Python: reset to a packing with larger `radii`)",
 }
 
 # How LAMMPS names a wall, whose number is in the name of its fix.

@@ -63,7 +63,7 @@ def shear_modulus(
     halved until two values agree. `state.elastic_moduli` has the limit of small strains at once.
 
     Args:
-        state: of a `Simulation`, of `Disks` or `Spheres`, relaxed, with a pressure above zero or
+        state: relaxed, with a pressure above zero or
             with films.
         strain: the first one. Contacts change at strains of some part of phi - phi_J, so that a
             hundredth of that is a good start.

@@ -286,7 +286,7 @@ def refuse_restarted(sim: Simulation, lmp: object) -> None:
     """
     if not sim.closed and sim.lmp is not lmp:
         raise LammpsError(
-            "the simulation was restarted while its particles move: begin a new move after restart"
+            "the simulation was reset while its particles move: begin a new move after reset"
         )
 
 

@@ -246,7 +246,7 @@ def log(
     of a record. Rank 0 writes.
 
     Args:
-        states: of `Simulation`, `Disks` or `Spheres`, e.g. from `compress`; what knows a state
+        states: e.g. from `compress`; what knows a state
             before is told at `record`.
         path: of the file; folders are made if missing.
         append: go on with the log that is there, if any: frames are counted on, and half a row at

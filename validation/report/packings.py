@@ -246,7 +246,7 @@ def paper_packing(
         seed: of the positions at the start.
     """
     jammed = jam(bidisperse(number, seed=seed)).packing
-    with Simulation(jammed, model) as polygons:
+    with Simulation(jammed, model or DeformablePolygon(50, smooth=False)) as polygons:
         *_, state = compress(polygons, strain, steps)
     laws: dict[str, Law] = {"sector": Sector(), "radical": Ring(contact="radical")}
     return {name: AtCenters(state, predict(state, law)) for name, law in laws.items()}

@@ -21,9 +21,9 @@ from lammps_deformable.comparison import BEAD, STYLES, deviation, shape_error
 from lammps_deformable.errors import ParameterError
 from lammps_deformable.laws import Ring
 from lammps_deformable.packing import Packing
-from lammps_deformable.polygon_engine import Simulation
+from lammps_deformable.polygon_engine import Simulation, steiner_point
 from lammps_deformable.polygons import DeformablePolygon, Walls
-from lammps_deformable.state import State, steiner_point
+from lammps_deformable.state import State
 from matplotlib import colormaps
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, NullFormatter, NullLocator
@@ -165,10 +165,10 @@ def squeeze(
 
 def _measure(walls: Walls, a: float, reference: State, seconds: float) -> Squeezed:
     center = np.zeros(2) if walls.stick else reference.packing.positions[0]
-    pressed = 1.0 + reference.model.radius - walls.distances_from(center)
+    pressed = 1.0 + reference.law.radius - walls.distances_from(center)
     touching = pressed >= 0.0  # contacts of the sector law; the ring law finds its own
     stuck, slipping = (walls.angle[touching], pressed[touching]), (walls.angle, pressed)
-    rest, skin = reference.polygons, reference.model.radius
+    rest, skin = reference.polygons, reference.law.radius
     beyond = rest.radius[0] - 1.0  # corners of a smooth polygon, which has the circle's length
     kA, kP, outer = float(rest.kA[0]), float(rest.kP[0]), 1.0 + skin
     ring = Ring(kA, kP=kP, skin=skin)
@@ -298,7 +298,7 @@ def steiner_error(result: Squeezed) -> float:
     """
     beads = result.reference.outlines[0]
     point = steiner_point(beads)
-    pressed = 1.0 + result.reference.model.radius - result.walls.distances_from(point)
+    pressed = 1.0 + result.reference.law.radius - result.walls.distances_from(point)
     points = len(result.outlines["ring, kP inf"])
     outline = core.outline("ring", 1.0, result.walls.angle, pressed, points)
     return shape_error(beads - point, outline, float(result.reference.polygons.radius[0]))

@@ -131,11 +131,10 @@ def _forces(state: State) -> tuple[float, float]:
 
     The second one turns counterclockwise: its left side goes down and its right side up.
     """
-    to_left = np.sign(
-        state.contact_table.force[:, 0]
-    )  # from the second polygon, at the right of the first
-    normal = np.abs(state.contact_table.force[:, 0]).mean()
-    return float(normal), float(np.mean(to_left * state.contact_table.force[:, 1]))
+    table = state.contact_table
+    force = table["force_vector"][table["i"] == 0]
+    to_left = np.sign(force[:, 0])  # from the second polygon, at the right of the first
+    return float(np.abs(force[:, 0]).mean()), float(np.mean(to_left * force[:, 1]))
 
 
 def hysteresis(
@@ -166,7 +165,7 @@ def hysteresis(
     return [
         {
             "seed": seed,
-            "n_v": int(polygons.polygons.number.min()),
+            "n_v": int(forth[0].polygons.number.min()),
             "smooth": model.smooth,
             "strain": strain * (n + 1) / steps,
             "energy_forth": there.energy,

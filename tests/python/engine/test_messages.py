@@ -9,7 +9,7 @@ def test_a_larger_diameter() -> None:
     packing = ld.polydisperse(3, [0.5, 0.6, 0.7], phi=0.4, seed=1).push_off()
     with ld.Simulation(packing, ld.Ring()) as sim:
         sim.lmp.command("set atom 1 diameter 3")
-        with pytest.raises(ld.LammpsError, match="in Python: restart from a packing with"):
+        with pytest.raises(ld.LammpsError, match="in Python: reset to a packing with"):
             sim.state()
 
 

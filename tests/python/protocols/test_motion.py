@@ -92,7 +92,7 @@ def test_a_restart_within_a_motion_is_refused(loose: ld.Packing) -> None:
         motion = move(sim, 300, temperature=1e-6, seed=1)
         state = next(motion)
         sim.reset(state.packing)
-        with pytest.raises(ld.LammpsError, match="restarted while its particles move"):
+        with pytest.raises(ld.LammpsError, match="reset while its particles move"):
             next(motion)
         assert next(move(sim, 100, temperature=1e-6, seed=1)).temperature > 0.0
 

@@ -47,7 +47,7 @@ def test_other_states(jammed: ld.Packing) -> None:
         side = f"{spheres.box[0, 0]:.4g}"
         assert (
             repr(spheres)
-            == f"<Simulation: 32 particles, law SoftContact(k=1.0), box {side} x {side} x {side}>"
+            == f"<Simulation: 32 particles, law SoftContact(), box {side} x {side} x {side}>"
         )
     assert repr(spheres) == "<Simulation: closed>"
     few = ld.jam(ld.bidisperse(8, seed=1)).packing
