@@ -55,7 +55,7 @@ def round_up(seed):
         first = sim.relax()
         bath = {"temperature": TEMPERATURE, "friction": FRICTION, "seed": seed}
         yield first
-        yield from ld.move(sim, ROUNDS * STEPS, TIMESTEP, every=STEPS, **bath)
+        yield from sim.run(ROUNDS * STEPS, timestep=TIMESTEP, every=STEPS, **bath)[1:]
 
 
 def pull(adhesion):

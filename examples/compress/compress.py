@@ -7,7 +7,7 @@ jammed = ld.jam(packing).packing
 print(f"jammed at phi = {jammed.phi:.5f}")
 
 sim = ld.Simulation(jammed, ld.Ring(kA=1.0))
-for state in ld.record(ld.compress(sim, strain=0.01, steps=10), "run", overwrite=True):
+for state in sim.compress(strain=0.01, steps=10, record="run", mode="w")[1:]:
     print(f"phi {state.phi:.5f}  pressure {state.pressure:.4e}  z {state.coordination:.3f}")
 
 state.plot().figure.savefig("packing.png", dpi=110)

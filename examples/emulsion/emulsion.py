@@ -28,7 +28,7 @@ def measure(seed):
     rows = []
     with ld.Simulation(jammed, DROPLETS) as sim:
         for phi in PHI:
-            (state,) = ld.compress(sim, phi=phi, steps=1)
+            (state,) = sim.compress(phi=phi)[1:]
             moduli = state.elastic_moduli()
             shear, bulk = moduli.mean_shear_modulus / UNIT, moduli.bulk_modulus / UNIT
             shape = float(state.shape_parameter.mean())

@@ -99,17 +99,14 @@ def measured_angles(state, theta):
 def flocculate(adhesion, seed=1):
     """The states of a motion in the bath, and the last one relaxed."""
     with ld.Simulation(free_droplets(seed), droplet(adhesion)) as sim:
-        states = list(
-            ld.move(
-                sim,
-                STEPS,
-                timestep=TIMESTEP,
-                temperature=TEMPERATURE,
-                friction=FRICTION,
-                every=STEPS // 20,
-                seed=seed,
-            )
-        )
+        states = sim.run(
+            STEPS,
+            timestep=TIMESTEP,
+            temperature=TEMPERATURE,
+            drag=FRICTION,
+            every=STEPS // 20,
+            seed=seed,
+        )[1:]
         return states, sim.relax()
 
 

@@ -45,10 +45,9 @@ def gel(adhesion, seed):
     """The states of a gel: at rest, and after each step of shear."""
     with ld.Simulation(free_droplets(seed), droplet(adhesion)) as sim:
         bath = {"temperature": TEMPERATURE, "friction": FRICTION, "seed": seed}
-        for _ in ld.move(sim, STEPS, TIMESTEP, every=STEPS, **bath):
-            pass
+        sim.run(STEPS, timestep=TIMESTEP, **bath)
         yield sim.relax()
-        yield from ld.shear(sim, STRAIN, SHEARS)
+        yield from sim.shear(STRAIN, steps=SHEARS)[1:]
 
 
 def measure(adhesion, seed):

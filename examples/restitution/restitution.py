@@ -26,7 +26,7 @@ def collide(friction: ld.Friction, sideways: float = 0.0) -> tuple[float, float,
         for atom, sign in ((1, SPEED), (2, -SPEED)):
             sim.lmp.command(f"set atom {atom} vx {sign!r} vy {sign * sideways!r}")
         before = sim.state().kinetic_energy
-        *_, state = ld.move(sim, 4000, timestep=STEP, every=4000)
+        state = sim.run(4000, timestep=STEP)[-1]
     after = state.kinetic_energy + state.energy + state.spring_energy + state.lost_energy
     (u1, v1), (u2, v2) = (state.velocities / SPEED).tolist()
     spins = state.spins / SPEED

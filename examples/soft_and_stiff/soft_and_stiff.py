@@ -13,7 +13,7 @@ law = ld.Ring(kA=[1.0, 1.0, 10.0, 10.0], kP=[1.0, 1.0, 10.0, 10.0], contact="bal
 
 sim = ld.Simulation(mixture, law)
 sim.state().save("start", overwrite=True)  # in.soft_and_stiff starts here
-for state in ld.compress(sim, strain=0.05, steps=10):
+for state in sim.compress(strain=0.05, steps=10)[1:]:
     print(f"phi {state.phi:.5f}  pressure {state.pressure:.4e}  z {state.coordination:.3f}")
 
 # Both sides of the contacts of soft with stiff particles, in the same order.

@@ -46,15 +46,14 @@ def sort(adhesion, seed):
     law = ld.Ring(kA=20.0, kP=0.0, tension=1.0, contact="curved", adhesion=adhesion)
     with ld.Simulation(mixture(seed), law) as sim:
         yield sim.state()
-        yield from ld.move(
-            sim,
+        yield from sim.run(
             ROUNDS * STEPS,
-            TIMESTEP,
+            timestep=TIMESTEP,
             temperature=TEMPERATURE,
-            friction=FRICTION,
+            drag=FRICTION,
             every=STEPS,
             seed=seed,
-        )
+        )[1:]
 
 
 def draw(state, axes, name):

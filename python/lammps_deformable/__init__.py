@@ -2,12 +2,12 @@
 
     import lammps_deformable as ld
 
-    packing = ld.bidisperse(128, radii=(0.5, 0.7), seed=1)
+    packing = ld.bidisperse(128, seed=1)
     jammed = ld.jam(packing)
     sim = ld.Simulation(jammed, ld.Ring(kA=1.0))
-    for state in ld.compress(sim, strain=0.01, steps=10):
-        print(state.phi, state.pressure)
-    state.plot()
+    run = sim.compress(strain=0.01, steps=10)
+    print(run.table()["pressure"])
+    run[-1].plot()
 
 Names load when first used, so that the import takes no time.
 """
@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 
     from .comparison import Comparison as Comparison
     from .comparison import compare as compare
-    from .compression import compress as compress
     from .crystals import crystal as crystal
     from .errors import BeyondModelWarning as BeyondModelWarning
     from .errors import CallError as CallError
@@ -43,33 +42,16 @@ if TYPE_CHECKING:
     from .laws import Ring as Ring
     from .laws import Sector as Sector
     from .laws import SoftContact as SoftContact
-    from .measured_moduli import Modulus as Modulus
-    from .measured_moduli import bulk_modulus as bulk_modulus
-    from .measured_moduli import shear_modulus as shear_modulus
-    from .motion import move as move
-    from .movies import movie as movie
     from .packing import Packing as Packing
     from .parallel import jackknife as jackknife
     from .parallel import parallel_map as parallel_map
     from .polygons import DeformablePolygon as DeformablePolygon
     from .random import bidisperse as bidisperse
     from .random import polydisperse as polydisperse
-    from .recording import compress_in as compress_in
-    from .recording import record as record
-    from .recording import shear_in as shear_in
     from .run import Run as Run
-    from .run import export as export
-    from .run import log as log
     from .run import state_in_file as state_in_file
-    from .settling import settle as settle
-    from .shearing import DynamicModulus as DynamicModulus
-    from .shearing import creep as creep
-    from .shearing import dynamic_modulus as dynamic_modulus
-    from .shearing import oscillate as oscillate
-    from .shearing import shear as shear
     from .simulation import Simulation as Simulation
     from .state import State as State
-    from .tracking import unwrapped as unwrapped
     from .walls import BoxWall as BoxWall
     from .walls import Cone as Cone
     from .walls import Cylinder as Cylinder
@@ -92,14 +74,12 @@ _HOMES = {
     "Cone": "walls",
     "Cylinder": "walls",
     "Droplet": "laws",
-    "DynamicModulus": "shearing",
     "DeformableError": "errors",
     "FileError": "errors",
     "UndefinedError": "errors",
     "Friction": "friction",
     "JumpWarning": "errors",
     "LammpsError": "errors",
-    "Modulus": "measured_moduli",
     "Packing": "packing",
     "ParameterError": "errors",
     "Plane": "walls",
@@ -115,28 +95,12 @@ _HOMES = {
     "UnjammedWarning": "errors",
     "UnsavedWarning": "errors",
     "bidisperse": "random",
-    "bulk_modulus": "measured_moduli",
     "compare": "comparison",
-    "compress": "compression",
-    "compress_in": "recording",
-    "creep": "shearing",
-    "dynamic_modulus": "shearing",
-    "export": "run",
     "jackknife": "parallel",
     "jam": "jamming",
-    "log": "run",
-    "move": "motion",
-    "movie": "movies",
-    "oscillate": "shearing",
     "parallel_map": "parallel",
     "polydisperse": "random",
-    "record": "recording",
-    "settle": "settling",
-    "shear": "shearing",
-    "shear_in": "recording",
-    "shear_modulus": "measured_moduli",
     "state_in_file": "run",
-    "unwrapped": "tracking",
 }
 
 __all__ = list(_HOMES)

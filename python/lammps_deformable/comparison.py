@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import time
 import warnings
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import pairwise
@@ -24,7 +24,6 @@ from . import core
 from ._checks import count, expect, shown
 from ._files import make_folder
 from .box import cartesian, fractional
-from .compression import compress
 from .core import angles, norm, unit_vectors
 from .errors import ParameterError
 from .laws import Law, Ring, Sector, SoftContact, per_species, refuse_adhesion
@@ -220,7 +219,7 @@ def compare(
         packing, reference, strain, steps, rivals, laws=laws, workers=workers, keep=keep
     )
     disks = math.fsum(
-        seconds for _, seconds in timed(compress(Simulation(packing, SoftContact()), strain, steps))
+        seconds for _, seconds in timed(Simulation(packing, SoftContact()), strain, steps)
     )
     return Comparison(method_rows(rows, disks), rows)
 
@@ -484,22 +483,23 @@ def polygon_path(start: Packing, model: DeformablePolygon, strain: float, steps:
     """Polygons compressed from jamming: states, and seconds of processor time, of the steps."""
     with Simulation(start, model, comm=MPI.COMM_SELF) as polygons, warnings.catch_warnings():
         warnings.simplefilter("ignore")  # the rows have the residuals
-        return list(timed(compress(polygons, strain, steps)))
+        return timed(polygons, strain, steps)
 
 
 def law_path(start: Packing, law: Law, strain: float, steps: int) -> Steps:
     """As `polygon_path`, for the particles of a law."""
     with Simulation(start, law, comm=MPI.COMM_SELF) as sim, warnings.catch_warnings():
         warnings.simplefilter("ignore")  # the rows have the residuals
-        return list(timed(compress(sim, strain, steps)))
+        return timed(sim, strain, steps)
 
 
-def timed(results: Iterable[T]) -> Iterator[tuple[T, float]]:
-    """Each result with its seconds of processor time."""
-    began = time.process_time()
-    for result in results:
-        yield result, time.process_time() - began
-        began = time.process_time()
+def timed(sim: Any, strain: float, steps: int) -> list[tuple[Any, float]]:
+    """The states of a compression, with the seconds of processor time of each step."""
+    ends = [time.process_time()]
+    run = sim.compress(
+        strain=strain, steps=steps, callback=lambda _: ends.append(time.process_time())
+    )
+    return [(state, b - a) for state, (a, b) in zip(run[1:], pairwise(ends), strict=True)]
 
 
 def _against(exact: State, other: State, seconds: float | None) -> dict[str, Any]:

@@ -2,7 +2,7 @@
 
     check(packing, friction)     refuse what the law cannot have
     opened(packing, friction)    the packing as LAMMPS gets it
-    open(sim, packing)           a LAMMPS with it
+    open(sim, packing, former)   a LAMMPS with it, the former one if there is one
     follow(sim, walls, box)      refuse or take the walls of a new box
     forces(sim, least)           evaluate forces and results of particles at the present positions
     begin, after                 the same before a relaxation, and after a call of the minimizer
@@ -47,9 +47,11 @@ from .friction import (
 from .lammps import (
     gather,
     has_other_fixes,
+    images_of,
     local_array,
     open_lammps,
     place,
+    place_images,
     place_velocities,
     place_walls,
     refuse_other,
@@ -121,7 +123,11 @@ compute deformable_beyond all pair {style}
 
 
 def particles_in_lammps(
-    packing: Packing, law: AnyLaw, comm: MPI.Comm, friction: Friction | None
+    packing: Packing,
+    law: AnyLaw,
+    comm: MPI.Comm,
+    friction: Friction | None,
+    former: lammps | None = None,
 ) -> lammps:
     """A LAMMPS with a packing and its law, and the computes of states.
 
@@ -130,11 +136,12 @@ def particles_in_lammps(
         law: of their contacts.
         comm: ranks that share the work.
         friction: of the contacts, if they rub: particles need radii of their own then.
+        former: see `open_lammps`.
 
     Raises:
         LammpsError: LAMMPS refuses the packing or the law.
     """
-    lmp = open_lammps(packing, comm)
+    lmp = open_lammps(packing, comm, former)
     with shared_file(comm, species_file(law, packing._species_radii)) as file:
         run(lmp, law_commands(packing, law, file))
     place_walls(lmp, packing.walls)
@@ -165,7 +172,10 @@ def go_on(sim: Simulation, motion: Motion) -> None:
     if rubbing is not None and lmp.has_id("fix", FRICTION):
         place(lmp, "omega", np.outer(rubbing.spins, [0.0, 0.0, 1.0]))
         run(lmp, spring_commands(rubbing))
+    if motion.images is not None and motion.images.any():
+        place_images(lmp, motion.images)
     sim.time, sim.strain, sim.directions = motion.time, motion.strain, motion.directions
+    sim._lost = motion.lost
 
 
 # Relative change of area and perimeter below which a particle counts as round, that of an
@@ -272,14 +282,14 @@ class Deformables:
         """The packing; with friction particles have radii of their own, which lets them turn."""
         return packing._with_own_radii() if friction and not packing._own_radii else packing
 
-    def open(self, sim: Simulation, packing: Packing) -> lammps:
+    def open(self, sim: Simulation, packing: Packing, former: lammps | None) -> lammps:
         """LAMMPS with the packing, the law, walls and friction, and the computes of states."""
         self._radii = packing._species_radii
         self._check_walls(packing.walls, packing.box)
         if packing.walls:
             check_centers(packing.walls, packing.box, packing.positions)
             check_sticky_walls(packing, self.law)
-        lmp = particles_in_lammps(packing, self.law, sim.comm, sim.friction)
+        lmp = particles_in_lammps(packing, self.law, sim.comm, sim.friction, former)
         self._smallest_radius = float(packing.radii.min())
         self._measure(packing)
         return lmp
@@ -351,6 +361,7 @@ class Deformables:
             "time": sim.time,
             "strain": sim.strain,
             "unsaved": unsaved(sim.lmp, sim._setup),
+            "images": images_of(sim.lmp),
         }
 
 
@@ -426,7 +437,7 @@ class Rings(Deformables):
             },
             table=table,
             films=attached(rows) if sticks(self.law, sim.walls) else None,
-            lost_energy=told(sim.lmp, LOST) + sum(rubbing.lost if rubbing else ()),
+            lost_energy=sim._lost + told(sim.lmp, LOST) + sum(rubbing.lost if rubbing else ()),
             friction=sim.friction,
             rubbing=rubbing,
         )
@@ -579,11 +590,11 @@ class SoftParticles:
         """The packing without centers at one place."""
         return separated(packing)
 
-    def open(self, sim: Simulation, packing: Packing) -> lammps:
+    def open(self, sim: Simulation, packing: Packing, former: lammps | None) -> lammps:
         """LAMMPS with the packing and its walls."""
         self._radii, self._radius = packing._species_radii, packing.radii
         self.follow(sim, packing.walls, packing.box)
-        lmp = open_disks(packing, k=self.law.k)
+        lmp = open_disks(packing, MPI.COMM_SELF, self.law.k, former)
         if packing.walls:
             run(lmp, _WALLS)
             lmp.set_fix_external_callback("deformable_walls", self._repel, lmp)
@@ -683,6 +694,7 @@ class SoftParticles:
             root=sim.comm.rank == 0,
             time=sim.time,
             strain=sim.strain,
+            images=images_of(sim.lmp),
         )
 
     def _packing(self, sim: Simulation) -> Packing:
@@ -719,10 +731,15 @@ def separated(packing: Packing) -> Packing:
     return packing.replace(positions=packing.positions + spiral)
 
 
-def open_disks(packing: Packing, comm: MPI.Comm = MPI.COMM_SELF, k: float = 1.0) -> lammps:
+def open_disks(
+    packing: Packing,
+    comm: MPI.Comm = MPI.COMM_SELF,
+    k: float = 1.0,
+    former: lammps | None = None,
+) -> lammps:
     """A LAMMPS with soft disks or spheres, U = k/2 overlap^2 of each pair, ready for FIRE."""
     smallest = float(packing.radii.min())
-    lmp = open_lammps(packing, comm)
+    lmp = open_lammps(packing, comm, former)
     by_species = not packing._own_radii
     if by_species:
         run(lmp, "pair_style harmonic/cut")

@@ -518,6 +518,7 @@ def data_file(
     origin: Sequence[float] = (0, 0, 0),
     velocities: NDArray[np.float64] | None = None,
     spins: NDArray[np.float64] | None = None,
+    images: NDArray[np.int64] | None = None,
 ) -> str:
     """Text of a LAMMPS data file, with every digit.
 
@@ -532,6 +533,8 @@ def data_file(
         origin: lower left corner of the box, d numbers [length].
         velocities: of the atoms, shape (N, d) [length/time]; at rest if not given.
         spins: angular velocities beside them, shape (N,), of `sphere` [1/time]; 0 if not given.
+        images: how often atoms have left the box through each side, shape (N, d); written if any
+            has.
     """
     vectors = np.asarray(box, dtype=np.float64)
     dimension, height = len(vectors), " 0" * (3 - len(vectors))
@@ -549,7 +552,13 @@ def data_file(
         lines += ["Masses", "", *(f"{n} 1" for n in range(1, types + 1)), ""]
     lines += [f"Atoms # {style}", ""]
     rows = zip(*(column.tolist() for column in columns), *positions.T.tolist(), strict=True)
-    lines += [f"{n} {' '.join(map(repr, row))}{height}" for n, row in enumerate(rows, start=1)]
+    flags = [""] * len(positions)
+    if images is not None and images.any():
+        flags = [f" {' '.join(map(str, row))}{height}" for row in images.tolist()]
+    lines += [
+        f"{n} {' '.join(map(repr, row))}{height}{flag}"
+        for n, (row, flag) in enumerate(zip(rows, flags, strict=True), start=1)
+    ]
     if velocities is not None:
         turns = [""] * len(positions)
         if style == "sphere":
@@ -600,6 +609,8 @@ def read_data_file(text: str) -> Particles:
     complete = sum(len(row.split()) >= len(names) for row in atoms)
     if not atoms or complete != len(atoms) or complete != int(words["atoms"][0]):
         raise ValueError(f"it has {complete} of {words['atoms'][0]} atoms")
+    if all(len(row.split()) >= len(names) + 3 for row in atoms):
+        names += ["ix", "iy", "iz"]
     columns = columns_of(atoms, names)
     order = by_ids(columns["id"])
     ids, kinds, *place = (columns.pop(name)[order] for name in ("id", "type", "x", "y", "z"))

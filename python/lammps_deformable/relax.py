@@ -379,12 +379,12 @@ def damp(
         walls: around the particles.
 
     Raises:
-        ParameterError: a `move` has not ended, which moves them too.
+        ParameterError: a `run` has not ended, which moves them too.
     """
     if "deformable_move" in lmp.available_ids("fix"):
         raise ParameterError(
-            "with friction relax moves the particles, and so does a move of this simulation that "
-            "has not ended: finish its loop, or close() it first"
+            "with friction relax moves the particles, and so does a motion of this simulation, "
+            "whose callback relaxes: let the callback return True, and relax then"
         )
     collisions = _collision_pressure(lmp, natural)
     stiffest, pressure = max(stiffest, collisions), max(pressure, collisions)

@@ -102,6 +102,11 @@ def _only(where: str) -> Callable[[Any], Any]:
     return lambda wrapped: _Only(wrapped, where)
 
 
+def _unknown() -> Any:
+    """Of a field that follows from the others."""
+    return None
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class State:
     """A snapshot, the same on every rank. Particles are numbered from 0.
@@ -151,6 +156,8 @@ class State:
         table: the contacts where the law has them, see `contact_table`.
         polygons: the undeformed `Polygons`; None of other laws.
         vertices: of each polygon, unwrapped around its center, arrays (N_v, 2) [length].
+        images: how often each particle has left the box through each side, shape (N, d).
+        evaluate: evaluates the same particles again, for what was not recorded; else None.
     """
 
     packing: Packing
@@ -160,12 +167,12 @@ class State:
     residual: float
     stalled: bool
     results: Mapping[str, NDArray[Any]] = field(default_factory=dict)
-    velocities: Floats = None  # type: ignore[assignment]  # zero
+    velocities: Floats = field(default_factory=_unknown)
     root: bool = True
     time: float = 0.0
     strain: float | None = None
     beyond: int = 0
-    wall_forces: Floats = None  # type: ignore[assignment]  # zero
+    wall_forces: Floats = field(default_factory=_unknown)
     films: Films | None = None
     lost_energy: float = 0.0
     directions: Floats | None = None
@@ -175,12 +182,18 @@ class State:
     table: ContactTable | None = None
     polygons: Any = None
     vertices: tuple[Floats, ...] = ()
+    images: NDArray[np.int64] = field(default_factory=_unknown)
+    evaluate: Callable[[], State] | None = None
 
     def __post_init__(self) -> None:
         packing = self.packing
         if self.velocities is None:
             object.__setattr__(self, "velocities", np.zeros_like(packing.positions))
-        if self.wall_forces is None:
+        if self.images is None:
+            object.__setattr__(self, "images", np.zeros(packing.positions.shape, np.int64))
+        if self.wall_forces is None and self.evaluate and packing.walls:
+            object.__delattr__(self, "wall_forces")  # evaluated when it is asked for
+        elif self.wall_forces is None:
             none = np.zeros((len(packing.walls), packing.dimension))
             object.__setattr__(self, "wall_forces", none)
         arrays = (*vars(self).values(), *self.results.values(), *(self.rubbing or ()))
@@ -198,6 +211,8 @@ class State:
         results = self.__dict__.get("results", {})
         if name in results:
             return results[name]
+        if name == "wall_forces" and self.__dict__.get("evaluate"):
+            return self._again.wall_forces
         if name not in _RESULTS:
             raise AttributeError(f"'State' object has no attribute {name!r}")
         if name in ("area", "perimeter") and self.packing.dimension == 3:
@@ -271,7 +286,8 @@ class State:
     def motion(self) -> Motion:
         """What goes on with a simulation from this state, beside the packing."""
         history = self.velocities, self.time, self.strain, self.films, self.directions
-        return Motion(*history, self.rubbing)
+        lost = self.lost_energy - sum(self.rubbing.lost if self.rubbing else ())
+        return Motion(*history, self.rubbing, self.images, lost)
 
     @property
     def squeezed(self) -> tuple[str, Floats]:
@@ -439,7 +455,15 @@ class State:
         """
         if self.table is not None:
             return self.table
+        if self.evaluate:
+            return self._again.contact_table
         return contacts.soft_table(self.packing, self.law.k)
+
+    @cached_property
+    def _again(self) -> State:
+        """The state of the same particles, evaluated again."""
+        assert self.evaluate is not None
+        return self.evaluate()
 
     @cached_property
     def contact_tables(self) -> list[ContactTable]:

@@ -42,7 +42,14 @@ from .commands import (
 )
 from .core import unit_vectors
 from .errors import FileError, ParameterError
-from .files import data_file, dump_frame, read_data_file, read_dump_frame, sphere_columns
+from .files import (
+    data_file,
+    dump_frame,
+    frame_texts,
+    read_data_file,
+    read_dump_frame,
+    sphere_columns,
+)
 from .friction import (
     Friction,
     Rubbing,
@@ -60,7 +67,7 @@ from .versions import versions
 from .walls import SHAPES, Wall
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Callable, Iterator, Mapping, Sequence
 
 _COLUMN = "direction"
 
@@ -103,6 +110,8 @@ class Motion(NamedTuple):
         films: those that there are, see `films.py`; None if nothing sticks.
         directions: in which particles propel themselves, shape (N, 2); None if they do not.
         rubbing: spins, and what contacts that rub remember; None if they do not.
+        images: how often particles have left the box through each side, shape (N, d); None: never.
+        lost: energy that films have lost so far [energy].
     """
 
     velocities: NDArray[np.float64]
@@ -111,6 +120,8 @@ class Motion(NamedTuple):
     films: Films | None = None
     directions: NDArray[np.float64] | None = None
     rubbing: Rubbing | None = None
+    images: NDArray[np.int64] | None = None
+    lost: float = 0.0
 
     @property
     def moves(self) -> bool:
@@ -122,8 +133,8 @@ class Motion(NamedTuple):
 def packing_file(packing: Packing, motion: Motion, frames: int | None) -> str:
     """A packing as a LAMMPS data file.
 
-    Its title has the time and the strain where these are not 0, and the number of recorded frames,
-    if given. Films, directions and springs of contacts are comments at its end.
+    Its title has time, strain and the energy lost by films where these are not 0, and the number of
+    recorded frames, if given. Films, directions and springs of contacts are comments at its end.
     """
     style = atom_style(packing)
     space = "two" if packing.dimension == 2 else "three"
@@ -136,6 +147,8 @@ def packing_file(packing: Packing, motion: Motion, frames: int | None) -> str:
         title += f", time {motion.time!r}"
     if motion.strain is not None:
         title += f", strain {motion.strain!r}"
+    if motion.lost:
+        title += f", lost {motion.lost!r}"
     text = data_file(
         title if frames is None else f"{title}, {frames} frames",
         style,
@@ -146,6 +159,7 @@ def packing_file(packing: Packing, motion: Motion, frames: int | None) -> str:
         origin=packing.origin.tolist(),
         velocities=motion.velocities if motion.moves else None,
         spins=motion.rubbing.spins if motion.rubbing else None,
+        images=motion.images,
     )
     memory = film_lines(motion.films) + rubbing_lines(motion.rubbing)
     return text + memory + direction_lines(motion.directions)
@@ -187,7 +201,9 @@ def motion_in(text: str, number: int, dimension: int) -> Motion:
         ValueError: velocities or directions are missing or damaged.
     """
     title, _, body = text.partition("\n")
-    time, strain = (re.search(rf", {name} ([^,]+)", title) for name in ("time", "strain"))
+    time, strain, lost = (
+        re.search(rf", {name} ([^,]+)", title) for name in ("time", "strain", "lost")
+    )
     velocities, spins = np.zeros((number, dimension)), np.zeros(number)
     _, _, section = body.partition("\nVelocities\n\n")
     rows = [row.split() for row in section.partition("\n\n")[0].splitlines()]
@@ -205,7 +221,19 @@ def motion_in(text: str, number: int, dimension: int) -> Motion:
         films_in(text),
         directions_in(text, number),
         rubbing_in(text, spins),
+        images_in(read_data_file(text).columns, dimension),
+        float(lost[1]) if lost else 0.0,
     )
+
+
+def images_in(
+    columns: Mapping[str, NDArray[np.float64]], dimension: int
+) -> NDArray[np.int64] | None:
+    """The image flags among the columns of a file, shape (N, d); None without."""
+    names = ("ix", "iy", "iz")[:dimension]
+    if not all(name in columns for name in names):
+        return None
+    return np.column_stack([columns[name] for name in names]).astype(np.int64)
 
 
 # Of the motion that the comments of a script propose [energy].
@@ -330,13 +358,15 @@ def refuse(folder: str | Path, but: Kind | None = None, ways: tuple[str, ...] = 
     return folder
 
 
-def refuse_run(folder: str | Path, overwrite: bool, ways: tuple[str, ...] = ()) -> Path:
+def refuse_run(
+    folder: str | Path, replaces: bool, ways: tuple[str, ...] = ("replace it with overwrite=True",)
+) -> Path:
     """Raise an error unless a folder is free for a new run.
 
     Args:
         folder: may be missing.
-        overwrite: replace a run in it.
-        ways: further ways out to name in the error if it holds one.
+        replaces: or goes on with a run in it.
+        ways: ways out to name in the error if it holds one.
 
     Returns:
         The folder.
@@ -344,11 +374,10 @@ def refuse_run(folder: str | Path, overwrite: bool, ways: tuple[str, ...] = ()) 
     Raises:
         FileError: as `refuse`, or it has a file of the name of one of a run.
     """
-    expect("overwrite", overwrite, bool)
-    ways = (*ways, "replace it with overwrite=True")
-    place = refuse(folder, "compression" if overwrite else None, ways)
+    expect("overwrite", replaces, bool)
+    place = refuse(folder, "compression" if replaces else None, ways)
     for name in (SUMMARY, SPECIES, SCRIPT, SETUPS):
-        refuse_present(place / name, overwrite)
+        refuse_present(place / name, replaces)
     return place
 
 
@@ -415,7 +444,8 @@ def keep(path: Path, count: int, boundary: str) -> None:
 def frames_in(folder: Path) -> int:
     """Number of recorded frames up to the saved state in a folder, in its title or its series."""
     if (folder / DATA).exists():
-        title = (folder / DATA).read_text(errors="replace").partition("\n")[0]
+        with (folder / DATA).open(errors="replace") as file:
+            title = file.readline().rstrip("\n")
         counted = re.search(r", (\d+) frames$", title)
         if counted:
             return int(counted[1])
@@ -470,14 +500,12 @@ def _frames_of_trajectory(path: Path) -> Iterator[str]:
 
 def clock_of(folder: Path) -> list[tuple[float, float | None]]:
     """Time and shear strain of each frame in the series; None without shear."""
-    rows = series_in(folder)
-    given = [(row.get("time") or 0.0, row.get("strain") or None) for row in rows]
-    return [(float(time), None if strain is None else float(strain)) for time, strain in given]
+    return [_clock(row) for row in series_in(folder)]
 
 
-def stalled_in(folder: Path) -> list[bool]:
-    """Whether the relaxation of each frame in the series had stalled."""
-    return [row.get("stalled") == str(True) for row in series_in(folder)]
+def _clock(row: Mapping[str, str]) -> tuple[float, float | None]:
+    strain = row.get("strain") or None
+    return float(row.get("time") or 0.0), None if strain is None else float(strain)
 
 
 def keep_frames(folder: Path, first: int) -> None:
@@ -548,13 +576,53 @@ def setups_in(folder: Path) -> list[dict[str, Any]]:
         return [setup | {"frame": int(setup["frame"])} for setup in setups]
 
 
-def texts_of(folder: Path) -> list[str]:
-    """The frames of the trajectory as text, each without its first line.
+class Frames:
+    """The recorded frames in a folder, of which one at a time is read.
 
-    Raises:
-        FileError: there is no trajectory.
+    Args:
+        folder: of the run.
     """
-    return recorded(folder, TRAJECTORY).read_text().split("ITEM: TIMESTEP\n")[1:]
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._kept: dict[str, tuple[object, Any]] = {}
+
+    def rows(self) -> list[dict[str, str]]:
+        """The rows of the series."""
+        return self._read(SERIES, rows_in)
+
+    def setup(self, number: int) -> dict[str, Any]:
+        """What a frame is made of besides its particles.
+
+        Raises:
+            LookupError: there is none.
+        """
+        return setup_of(self._read(SETUPS, lambda _: setups_in(self._folder)), number)
+
+    def text(self, number: int) -> str:
+        """A frame of the trajectory, without its first line.
+
+        Raises:
+            FileError: there is no trajectory.
+            LookupError: the frame is missing.
+        """
+        path = recorded(self._folder, TRAJECTORY)
+        places = self._read(TRAJECTORY, frame_texts)
+        if number >= len(places):
+            raise LookupError("it is missing")
+        with path.open("rb") as file:
+            file.seek(places[number].start)
+            found = file.read(places[number].stop - places[number].start)
+        return found.decode().partition("\n")[2]
+
+    def _read(self, name: str, read: Callable[[Path], Any]) -> Any:
+        """What there is to know of a file, found again where it has changed."""
+        path = self._folder / name
+        now = path.stat() if path.exists() else None
+        stamp = now and (now.st_mtime_ns, now.st_size, now.st_ino)
+        if name not in self._kept or self._kept[name][0] != stamp:
+            self._kept[name] = stamp, read(path)
+        return self._kept[name][1]
 
 
 def append_frame(
@@ -593,10 +661,10 @@ def read_frame(
     frame: str,
     radii: Sequence[float],
     saved: Mapping[str, Any],
-    clock: tuple[float, float | None],
+    row: Mapping[str, str],
     dimension: int,
-) -> tuple[Packing, Motion]:
-    """A packing and its motion from a frame as `record` writes it.
+) -> tuple[Packing, Motion, dict[str, NDArray[Any]]]:
+    """A packing, its motion, and the columns of a frame as a protocol writes it.
 
     Particles may have been added or deleted and their radii and species changed since. They have
     radii of their own where these are others than those of their species.
@@ -605,7 +673,7 @@ def read_frame(
         frame: its text, without the first line.
         radii: of the species.
         saved: its setup, with films and springs of contacts.
-        clock: time and strain.
+        row: of the series.
         dimension: 2, or 3 in space.
     """
     found = read_dump_frame(frame)
@@ -622,7 +690,9 @@ def read_frame(
     velocities = np.column_stack([values[name] for name in ("vx", "vy", "vz")[:dimension]])
     films, directions = as_films(saved.get("films")), from_columns(values)
     rubbing = rubbing_from_json(saved, values)
-    return packing, Motion(velocities, *clock, films, directions, rubbing)
+    images = images_in(values, dimension)
+    motion = Motion(velocities, *_clock(row), films, directions, rubbing, images)
+    return packing, motion, dict(values)
 
 
 def save(

@@ -138,11 +138,11 @@ def test_protocols(sim, packing, examples):
             lambda _: sim.deform(no_box),
             lambda value: ld.jam(packing, pressure=value).packing,
             lambda value: ld.jam(packing, step=value).packing,
-            lambda value: ld.compress(sim, 0.1, value),
+            lambda value: sim.compress(strain=0.1, steps=value)[1:],
         ):
             with pytest.raises(ld.ParameterError, match=r"\A[^\n]{10,1000}\Z"):
                 call(wrong)
-        refuses_or_works(lambda: ld.compress(sim, other, 1))
+        refuses_or_works(lambda: sim.compress(strain=other)[1:])
 
     answers()
     # Balanced anew; its error is of second order in what is left of that. Indentations of

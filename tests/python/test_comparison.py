@@ -127,7 +127,7 @@ def test_circles_on_the_independent_packing(independent: ld.State) -> None:
 def small() -> ld.State:
     jammed = ld.jam(ld.bidisperse(6, seed=3)).packing
     with ld.Simulation(jammed, ld.DeformablePolygon(40, smooth=False)) as sim:
-        (state,) = ld.compress(sim, strain=0.02, steps=1, tolerance=0.02)
+        (state,) = sim.compress(strain=0.02, tolerance=0.02)[1:]
     return state
 
 
@@ -289,8 +289,7 @@ def test_a_run_is_compared_from_its_start(jammed: ld.Packing, tmp_path: Path) ->
     """Its law, with the kP of polygons in the place of an infinite one; its strain and steps."""
     law = ld.Ring(kA=2.0)
     with ld.Simulation(jammed, law) as sim:
-        for _ in ld.compress_in(sim, tmp_path / "run", strain=0.02, steps=2):
-            pass
+        sim.compress(record=tmp_path / "run", strain=0.02, steps=2)
     run = ld.Run(tmp_path / "run")
     found = ld.compare(run, law=law, vertices=(76,), workers=1)
     assert [row["method"] for row in found.rows] == ["disk", "balanced", "reference"]

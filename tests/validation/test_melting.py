@@ -46,9 +46,9 @@ def test_cold_crystal_is_harmonic() -> None:
     rows = []
     with ld.Simulation(packing, measure.LAW) as sim:
         sim.relax(1e-10)
-        for state in ld.move(
-            sim, 20_000, temperature=temperature, every=40, seed=1, friction=0.3, timestep=0.05
-        ):
+        for state in sim.run(
+            20_000, temperature=temperature, every=40, seed=1, drag=0.3, timestep=0.05
+        )[1:]:
             u = state.displacements(rest)
             u -= u.mean(axis=0)
             rows.append((state.energy - rest.energy, np.sum(u**2), state.temperature))

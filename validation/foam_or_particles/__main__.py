@@ -71,14 +71,14 @@ def measure(law, number, seed):
 def compressed(sim, phi_J):
     near = [phi_J + x for x in NEAR if phi_J + x < DENSE[0]]
     for phi in (*near, *DENSE):
-        (state,) = ld.compress(sim, phi=phi, steps=1, tolerance=TOLERANCE)
+        (state,) = sim.compress(phi=phi, tolerance=TOLERANCE)[1:]
         yield state
 
 
 def decompressed(sim, unit):
     """Back to the onset, first by phi, then by pressure, which tells how near the onset is."""
     for phi in DENSE[-2::-1]:
-        (state,) = ld.compress(sim, phi=phi, steps=1, tolerance=TOLERANCE)
+        (state,) = sim.compress(phi=phi, tolerance=TOLERANCE)[1:]
         yield state
     for pressure in (*PRESSURES, 10.0 * ONSET):
         yield sim.relax(TOLERANCE, pressure=pressure * unit)

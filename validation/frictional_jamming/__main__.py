@@ -70,7 +70,9 @@ def jammed(number, mu, seed, pressures, inertial_number):
     found = []
     with ld.Simulation(start, LAW, friction=friction) as sim:
         for pressure in pressures:
-            state = ld.settle(sim, pressure, inertial_number=inertial_number, timestep=TIMESTEP)
+            state = sim.run(
+                4_000_000, pressure=pressure, inertial_number=inertial_number, timestep=TIMESTEP
+            )[-1]
             found.append(measure(sim, state, mu))
     seconds = time.process_time() - begun
     return {"mu": mu, "seed": seed, "seconds": round(seconds, 1), "states": found}
@@ -238,7 +240,9 @@ def of_rings(mu, beads, seed):
     # about the stiffness k of contacts, and damping of sqrt(k m), at this pressure
     friction = ld.Friction(mu, kt=0.01, gt=0.05, damping=0.1)
     with ld.Simulation(start, law, friction=friction) as sim:
-        state = ld.settle(sim, PRESSURE, AT_REST, INERTIAL_NUMBER)
+        state = sim.run(
+            4_000_000, pressure=PRESSURE, tolerance=AT_REST, inertial_number=INERTIAL_NUMBER
+        )[-1]
     return {
         "mu": mu,
         "beads": beads,

@@ -14,7 +14,6 @@ from lammps_deformable._checks import zero_or_more
 from lammps_deformable.errors import ParameterError, StalledWarning, UnjammedWarning
 from lammps_deformable.jamming import jam, natural_pressure
 from lammps_deformable.laws import ALL_LAWS, Droplet, Ring, SoftContact
-from lammps_deformable.measured_moduli import bulk_modulus, shear_modulus
 from lammps_deformable.random import bidisperse
 from lammps_deformable.relax import TOLERANCE
 from lammps_deformable.simulation import Simulation
@@ -23,6 +22,7 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 
 from validation.ensembles import power_law
+from validation.finite_strain import bulk_modulus, shear_modulus
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

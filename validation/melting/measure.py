@@ -54,9 +54,9 @@ def leg(number, phi, temperature, seed, positions, law=LAW, bath=BATH, steps=STE
     rows, places, order = [], [], []
     try:
         with ld.Simulation(packing, law) as sim:
-            for state in ld.move(
-                sim, steps, temperature=temperature, every=steps // SAMPLES, seed=seed, **bath
-            ):
+            for state in sim.run(
+                steps, temperature=temperature, every=steps // SAMPLES, seed=seed, **bath
+            )[1:]:
                 rows.append(
                     {
                         "energy": state.energy / number,
@@ -281,7 +281,7 @@ def dilute(phi, temperature=0.02, number=64, steps=20_000):
     """p A / N T of a gas by motion, and by virial coefficients; the third one is that of disks."""
     packing, rows = crystal(number, phi), []
     with ld.Simulation(packing, LAW) as sim:
-        for state in ld.move(sim, steps, temperature=temperature, every=10, seed=1, **BATH):
+        for state in sim.run(steps, temperature=temperature, every=10, seed=1, **BATH)[1:]:
             rows.append(1.0 + state.pressure * packing.volume / number / temperature)
     blocks = np.array_split(rows[len(rows) // 10 :], 20)
     found, error = ld.jackknife([block.mean() for block in blocks])

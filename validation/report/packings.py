@@ -27,7 +27,6 @@ from lammps_deformable.comparison import (
     shape_errors,
     stiff_polygons,
 )
-from lammps_deformable.compression import compress
 from lammps_deformable.jamming import jam
 from lammps_deformable.lammps import run
 from lammps_deformable.laws import Law, Ring, Sector, per_species
@@ -247,7 +246,7 @@ def paper_packing(
     """
     jammed = jam(bidisperse(number, seed=seed)).packing
     with Simulation(jammed, model or DeformablePolygon(50, smooth=False)) as polygons:
-        *_, state = compress(polygons, strain, steps)
+        state = polygons.compress(strain=strain, steps=steps)[-1]
     laws: dict[str, Law] = {"sector": Sector(), "radical": Ring(contact="radical")}
     return {name: AtCenters(state, predict(state, law)) for name, law in laws.items()}
 

@@ -15,7 +15,6 @@ from lammps_deformable.comparison import (
     polygon_path,
     predict,
 )
-from lammps_deformable.compression import compress
 from lammps_deformable.errors import ParameterError
 from lammps_deformable.jamming import jam
 from lammps_deformable.lammps import run
@@ -157,7 +156,7 @@ def hysteresis(
     start = jam(bidisperse(number, seed=seed)).packing
     with Simulation(start, model, comm=MPI.COMM_SELF) as polygons, warnings.catch_warnings():
         warnings.simplefilter("ignore")  # the rows have the residuals
-        forth = list(compress(polygons, strain, steps))
+        forth = polygons.compress(strain=strain, steps=steps)[1:]
         back = []
         for n in range(steps - 1, 0, -1):
             polygons.deform(start.box * (1.0 - strain * n / steps))

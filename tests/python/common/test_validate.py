@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 from lammps_deformable import Ring
 
+from validation.finite_strain import bulk_modulus, shear_modulus
+
 P = ld.bidisperse(4, seed=1)
 
 # A call, the argument that is wrong, and its value as the message shows it.
@@ -19,12 +21,9 @@ CASES: list[tuple[Callable[[], Any], str, str]] = [
     (lambda: ld.Simulation(3, ld.SoftContact()), "packing", "3"),
     (lambda: ld.jam("x").packing, "packing", "'x'"),
     (lambda: ld.jam(P, "ring").packing, "law", "'ring'"),
-    (lambda: ld.compress(P, 0.01, 1), "sim", "a Packing"),
-    (lambda: ld.shear(P, 0.01, 1), "sim", "a Packing"),
-    (lambda: ld.move(P, 1), "sim", "a Packing"),
-    (lambda: ld.shear_modulus(P, 0.01), "state", "a Packing"),
-    (lambda: ld.bulk_modulus(P, 0.01), "state", "a Packing"),
-    (lambda: ld.Run(3).simulation(), "folder", "3"),
+    (lambda: shear_modulus(P, 0.01), "state", "a Packing"),
+    (lambda: bulk_modulus(P, 0.01), "state", "a Packing"),
+    (lambda: ld.Run(3), "source", "3"),
     (lambda: ld.bidisperse("16", seed=1), "number", "'16'"),
     (lambda: ld.bidisperse(True, seed=1), "number", "True"),
     (lambda: P.at(True), "phi", "True"),
@@ -41,22 +40,18 @@ CASES: list[tuple[Callable[[], Any], str, str]] = [
         "walls",
         "3",
     ),
-    (lambda: ld.record(P, "x"), "states", "a Packing"),
-    (lambda: next(ld.record([P], "x")), "a state that is recorded", "a Packing"),
-    (lambda: ld.record([], 3), "folder", "3"),
-    (lambda: ld.record([], "x", "seed 3"), "parameters", "'seed 3'"),
-    (lambda: ld.record([], "x", {"seed": {3}}), "parameters['seed']", "str() of it"),
-    (lambda: ld.compress_in(P, "x", 0.01, 1), "sim", "a Packing"),
-    (lambda: ld.Run(3).resume(), "folder", "3"),
-    (lambda: ld.movie(3, "a.gif"), "states", "3"),
-    (lambda: ld.movie([P], "a.gif"), "a state of a movie", "a Packing"),
-    (lambda: ld.movie([], 3), "path", "3"),
+    (lambda: ld.Run([P]).movie("a.gif"), "a state of a movie", "a Packing"),
+    (lambda: ld.Run([]).movie(3), "path", "3"),
     (lambda: ld.compare(None), "start", "None"),
     (lambda: ld.compare(P, law=3), "law", "3"),
     (lambda: ld.Simulation(P, ld.SoftContact()).relax(1e-3, max_steps=0), "max_steps", "0"),
     (lambda: ld.SoftContact(k=-1.0), "k", "-1.0"),
     (lambda: ld.Simulation(P, Ring()).reset(None), "packing", "None"),
-    (lambda: next(ld.compress(ld.Simulation(P, ld.SoftContact()), 0.1, 10**400)), "steps", "..."),
+    (
+        lambda: ld.Simulation(P, ld.SoftContact()).compress(strain=0.1, steps=10**400)[1],
+        "steps",
+        "...",
+    ),
 ]
 
 
@@ -84,7 +79,7 @@ def test_shear_strain_in_quotes() -> None:
         ld.Simulation(P, ld.SoftContact()) as sim,
         pytest.raises(ld.ParameterError, match="strain must be a finite number, not 'a'"),
     ):
-        ld.shear(sim, "a", 2)  # type: ignore[arg-type]
+        sim.shear("a", steps=2)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(
@@ -98,12 +93,12 @@ def test_a_closed_simulation_refuses_calls(kind: Callable[[], Any], tmp_path: Pa
         lambda: sim.box,
         lambda: sim.lmp,
         lambda: sim.deform(P.box),
-        lambda: ld.compress(sim, 0.01, 1),
-        lambda: next(ld.shear(sim, 0.01, 1)),
+        lambda: sim.compress(strain=0.01)[1:],
+        lambda: sim.shear(0.01)[1],
     ]
     if isinstance(sim.law, Ring):
-        calls += [lambda: ld.move(sim, 1, temperature=1.0), lambda: sim.reset(P)]
-        calls += [lambda: ld.compress_in(sim, tmp_path, 0.01, 1)]
+        calls += [lambda: sim.run(1, temperature=1.0)[1:], lambda: sim.reset(P)]
+        calls += [lambda: sim.compress(record=tmp_path, strain=0.01)[1:]]
     assert not sim.closed
     sim.close()
     sim.close()  # which changes nothing
@@ -118,7 +113,7 @@ def test_folders_that_cannot_be_written(folder: str, state: ld.State) -> None:
     for call in (
         lambda: state.save(folder),
         lambda: next(ld.record([state], folder)),
-        lambda: ld.movie([state], f"{folder}/movie.gif"),
+        lambda: ld.Run([state]).movie(f"{folder}/movie.gif"),
     ):
         told = rf"\A'{folder}[^\n]* cannot be written: |\A'/dev/null' is a file, not a folder: "
         with pytest.raises(ld.FileError, match=told):

@@ -77,7 +77,7 @@ def test_runs(tmp_path: Path) -> None:
     jammed = ld.jam(ld.bidisperse(16, seed=1)).packing
     law, folder = ld.Ring(contact="curved"), tmp_path / "run"
     with ld.Simulation(jammed, law, comm=MPI.COMM_SELF) as sim:
-        *_, last = ld.compress_in(sim, folder, strain=0.02, steps=2)
+        last = sim.compress(record=folder, strain=0.02, steps=2)[-1]
     with ld.Run(folder).simulation(MPI.COMM_SELF) as again:
         assert again.law == law
         assert again.state().energy == pytest.approx(last.energy, rel=1e-9)

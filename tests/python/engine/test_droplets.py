@@ -47,7 +47,7 @@ def test_motion(squeezed: ld.Packing) -> None:
     with ld.Simulation(squeezed, DROPLETS) as sim:
         sim.relax(1e-4)
         for temperature in (1e-8, 1e-3):
-            states = list(ld.move(sim, 400, temperature=temperature, every=40, seed=1))
+            states = sim.run(400, temperature=temperature, every=40, seed=1)[1:]
             total = [state.energy + state.kinetic_energy for state in states[1:]]
             kinetic = np.mean([state.kinetic_energy for state in states[1:]])
             assert np.ptp(total) < 0.05 * kinetic

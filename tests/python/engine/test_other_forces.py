@@ -53,7 +53,7 @@ def test_forces_of_motion_are_refused(start: ld.Packing, fix: str) -> None:
 def test_relaxation_within_a_motion(start: ld.Packing) -> None:
     """The heat bath of `move` is no fix of a user."""
     with ld.Simulation(start, ld.Ring()) as sim:
-        for _ in ld.move(sim, 2, 0.01, temperature=1e-6, friction=1.0, every=1, seed=1):
+        for _ in sim.run(2, timestep=0.01, temperature=1e-6, drag=1.0, every=1, seed=1)[1:]:
             assert not sim.relax().velocities.any()
 
 

@@ -27,7 +27,7 @@ def jammed(start: ld.Packing) -> ld.Packing:
 @pytest.fixture(scope="module")
 def state(jammed: ld.Packing) -> ld.State:
     with ld.Simulation(jammed, RADICAL) as sim:
-        (last,) = ld.compress(sim, strain=0.01, steps=1)
+        (last,) = sim.compress(strain=0.01)[1:]
     return last
 
 
@@ -103,7 +103,7 @@ def test_wide_distributions_reach_the_tolerance(width: float, seed: int, contact
     """Radii up to 12 times as large as others."""
     start = ld.polydisperse(64, stats.lognorm(width, scale=0.5), seed=seed)
     with ld.Simulation(ld.jam(start).packing, ld.Ring(contact=contact)) as sim:
-        for state in ld.compress(sim, strain=0.02, steps=2):
+        for state in sim.compress(strain=0.02, steps=2)[1:]:
             assert not state.stalled
             assert state.residual <= 1e-6
             assert state.energy > 0.0
@@ -128,7 +128,7 @@ def test_trajectory_has_the_radii(jammed: ld.Packing, tmp_path: Path) -> None:
     import MDAnalysis
 
     with ld.Simulation(jammed, ld.Ring()) as sim:
-        list(ld.record(ld.compress(sim, strain=0.01, steps=2), tmp_path))
+        sim.compress(strain=0.01, steps=2, record=tmp_path)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of MDAnalysis
         universe = MDAnalysis.Universe(

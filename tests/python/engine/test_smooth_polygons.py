@@ -206,7 +206,7 @@ def test_soft_contacts_that_let_polygons_cross_are_given_up() -> None:
     energies = []
     for steps in (1, 3):
         with ld.Simulation(jammed, model) as sim:
-            *_, state = ld.compress(sim, 0.03, steps)
+            state = sim.compress(strain=0.03, steps=steps)[-1]
         assert state.residual <= 1e-6
         settings = SmoothPolygons(model, state.polygons, state.packing.species, state.packing.box)
         assert not have_crossed(settings, np.vstack(state.outlines))

@@ -179,7 +179,7 @@ def test_compression_scales_walls_with_droplets(drum, tmp_path: Path) -> None:
     """They are kept in files, by which runs and LAMMPS go on."""
     with exactly_balanced():
         with ld.Simulation(drum, LAW) as sim:
-            states = list(ld.compress(sim, strain=0.02, steps=2, tolerance=1e-4))
+            states = sim.compress(strain=0.02, steps=2, tolerance=1e-4)[1:]
         states[-1].save(tmp_path)
         with ld.Run(tmp_path).simulation() as sim:
             again = sim.state()
@@ -230,7 +230,7 @@ def test_motion_keeps_the_energy(drum) -> None:
     for timestep, steps in ((0.04, 100), (0.02, 200)):
         with exactly_balanced(), ld.Simulation(drum, LAW) as sim:
             before = sim.state().energy
-            for state in ld.move(sim, steps, timestep=timestep, every=steps // 4):
+            for state in sim.run(steps, timestep=timestep, every=steps // 4)[1:]:
                 errors.append(abs(state.energy + state.kinetic_energy - before))
         assert state.kinetic_energy > 1e-3 * before
         assert np.abs(state.wall_forces).max() > 0
@@ -298,7 +298,7 @@ def test_refusals(drum) -> None:
     with ld.Simulation(drum, LAW) as sim:
         state = sim.state()
         with pytest.raises(ParameterError, match="walls are not sheared"):
-            next(iter(ld.shear(sim, strain=0.1, steps=1)))
+            next(iter(sim.shear(0.1)[1:]))
         for refused, told in (
             (lambda: state.hessian(), "do not know walls: take a state of a periodic box"),
             (lambda: sim.relax(pressure=0.1, free="aniso"), "free='aniso' is not for walls"),

@@ -206,7 +206,7 @@ def test_lost_energy() -> None:
     with ld.Simulation(pair(2.02), droplets(), comm=MPI.COMM_SELF) as sim:
         sim.lmp.command("set atom 2 vx -0.1")
         start = sim.state()
-        *_, end = ld.move(sim, steps=400, timestep=0.01)
+        end = sim.run(400, every=100, timestep=0.01)[-1]
     assert start.lost_energy == start.energy == 0.0
     assert end.films is not None
     assert len(end.films) == 1

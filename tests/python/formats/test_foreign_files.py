@@ -83,7 +83,7 @@ def test_lammps_reads_what_goes_out(tilted: Packing, tmp_path: Path) -> None:
 
 def test_a_recorded_run(tmp_path: Path, jammed: Packing) -> None:
     with ld.Simulation(jammed, ld.Ring()) as sim:
-        states = list(ld.record(ld.compress(sim, 0.01, 2), tmp_path))
+        states = sim.compress(strain=0.01, steps=2, record=tmp_path)[1:]
     path = tmp_path / "trajectory.lammpstrj"
     for number in (-2, -1):
         found = Packing.from_file(path, frame=number)

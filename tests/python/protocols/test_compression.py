@@ -15,7 +15,7 @@ def test_ten_line_script() -> None:
     jammed = ld.jam(packing).packing
     sim = ld.Simulation(jammed, ld.Ring(kA=1.0))
     seen = []
-    for state in ld.compress(sim, strain=0.01, steps=10):
+    for state in sim.compress(strain=0.01, steps=10)[1:]:
         seen.append((state.phi, state.pressure))
     phi, pressure = np.array(seen).T
     assert len(seen) == 10
@@ -31,7 +31,7 @@ def test_compress_refuses_nonsense_at_once(jammed: ld.Packing, strain: float, st
         ld.Simulation(jammed, ld.Ring()) as sim,
         pytest.raises(ld.ParameterError),
     ):
-        ld.compress(sim, strain, steps)
+        sim.compress(strain=strain, steps=steps)
 
 
 def test_no_progress_bar_off_a_terminal(
@@ -39,7 +39,7 @@ def test_no_progress_bar_off_a_terminal(
 ) -> None:
     assert not sys.stderr.isatty()
     with ld.Simulation(jammed, ld.Ring()) as sim:
-        list(ld.compress(sim, strain=0.001, steps=1))
+        sim.compress(strain=0.001)
     assert capfd.readouterr() == ("", "")
 
 
@@ -54,8 +54,8 @@ def test_a_packing_that_comes_apart_says_so_once(jammed: ld.Packing, kind: str) 
         ),
     }[kind]()
     with sim:
-        (pressed,) = ld.compress(sim, 0.01, 1)
+        (pressed,) = sim.compress(strain=0.01)[1:]
         with pytest.warns(ld.UnjammedWarning, match="apart at step 2, phi = 0.") as told:
-            states = [pressed, *ld.compress(sim, -0.04, 4)]
+            states = [pressed, *sim.compress(strain=-0.04, steps=4)[1:]]
     assert len(told) == 1
     assert [state.coordination > 0.0 for state in states] == [True, True, False, False, False]

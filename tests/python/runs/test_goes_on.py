@@ -1,13 +1,14 @@
 """Velocities, time and strain go on: through folders, restarts, replays and further calls."""
 
-import itertools
 import re
+from contextlib import nullcontext
 from pathlib import Path
 
 import lammps_deformable as ld
 import numpy as np
 import pytest
 from lammps_deformable.state import State
+from protocol_helpers import Stop, stop_after
 
 pytestmark = pytest.mark.filterwarnings("error")
 
@@ -21,7 +22,7 @@ def packing(request: pytest.FixtureRequest) -> ld.Packing:
 
 
 def moved(sim: ld.Simulation, seed: int | None = None) -> State:
-    *_, state = ld.move(sim, 200, 0.01, temperature=1e-5, seed=seed)
+    state = sim.run(200, every=100, timestep=0.01, temperature=1e-5, seed=seed)[-1]
     return state
 
 
@@ -30,7 +31,7 @@ def test_a_loaded_simulation_moves_on(packing: ld.Packing, tmp_path: Path) -> No
     with ld.Simulation(packing, ld.Ring()) as sim:
         last = moved(sim, seed=3)
         last.save(tmp_path)
-        *_, expected = ld.move(sim, 200, 0.01)
+        expected = sim.run(200, every=100, timestep=0.01)[-1]
     assert last.time == pytest.approx(2.0)
     assert expected.time == pytest.approx(4.0)
     with ld.Run(tmp_path).simulation() as again:
@@ -38,7 +39,7 @@ def test_a_loaded_simulation_moves_on(packing: ld.Packing, tmp_path: Path) -> No
         assert np.array_equal(start.velocities, last.velocities)
         assert start.velocities.any()
         assert (start.time, start.strain) == (last.time, None)
-        *_, found = ld.move(again, 200, 0.01)
+        found = again.run(200, every=100, timestep=0.01)[-1]
     assert found.time == pytest.approx(4.0, rel=1e-12)
     np.testing.assert_allclose(found.packing.positions, expected.packing.positions, atol=1e-9)
     np.testing.assert_allclose(found.velocities, expected.velocities, rtol=0, atol=1e-9)
@@ -80,14 +81,14 @@ def test_restart_from_a_state(packing: ld.Packing) -> None:
 def test_time_goes_on_in_a_recorded_run(packing: ld.Packing, tmp_path: Path) -> None:
     """In the series, the Universe, ParaView's file and replays; relaxations take no time."""
     with ld.Simulation(packing, ld.Ring()) as sim:
-        list(ld.record(ld.move(sim, 200, 0.01, 1e-5, seed=3), tmp_path))
+        sim.run(200, every=100, timestep=0.01, temperature=1e-5, seed=3, record=tmp_path)
     with ld.Run(tmp_path).simulation() as sim:
-        list(ld.Run(tmp_path).append(ld.move(sim, 300, 0.01)))
+        sim.run(300, every=100, timestep=0.01, record=tmp_path, mode="a")
         assert sim.relax().time == pytest.approx(5.0)
     expected = pytest.approx([0.0, 1.0, 2.0, 3.0, 4.0, 5.0])
     series = np.genfromtxt(tmp_path / "series.csv", delimiter=",", names=True)
     assert series["time"] == expected
-    universe = ld.Run(tmp_path).universe()
+    universe = ld.Run(tmp_path).to_mdanalysis()
     assert [frame.time for frame in universe.trajectory] == expected
     assert [state.time for state in ld.Run(tmp_path)] == expected
     ld.Run(tmp_path).export(tmp_path / "run.pvd")
@@ -95,23 +96,16 @@ def test_time_goes_on_in_a_recorded_run(packing: ld.Packing, tmp_path: Path) -> 
     assert [float(step) for step in steps] == expected
 
 
-@pytest.mark.parametrize("resumable", [False, True])
-def test_strain_goes_on(tmp_path: Path, resumable: bool) -> None:
+def test_strain_goes_on(tmp_path: Path) -> None:
     packing = ld.jam(ld.bidisperse(12, seed=2)).packing.at(0.9)
     law = ld.Ring()
     with ld.Simulation(packing, law) as sim:
-        if resumable:
-            list(ld.shear_in(sim, tmp_path, 0.02, 2))
-        else:
-            list(ld.record(ld.shear(sim, 0.02, 2), tmp_path))
+        sim.shear(0.02, steps=2, record=tmp_path)
     with ld.Run(tmp_path).simulation() as sim:
         assert sim.strain == 0.02
-        if resumable:
-            list(ld.Run(tmp_path).shear(-0.03, 3))
-        else:
-            list(ld.Run(tmp_path).append(ld.shear(sim, -0.03, 3)))
+        sim.shear(-0.03, steps=3, record=tmp_path, mode="a")
     with ld.Run(tmp_path).simulation() as sim:
-        *_, last = ld.compress(sim, 0.001, 1)
+        last = sim.compress(strain=0.001)[-1]
         assert last.strain == pytest.approx(-0.01)
     expected = pytest.approx([0.0, 0.01, 0.02, 0.01, 0.0, -0.01], abs=1e-15)
     series = np.genfromtxt(tmp_path / "series.csv", delimiter=",", names=True)
@@ -121,13 +115,14 @@ def test_strain_goes_on(tmp_path: Path, resumable: bool) -> None:
 
 def test_interrupted_shear_goes_on_with_its_strain(tmp_path: Path) -> None:
     packing = ld.jam(ld.bidisperse(12, seed=2)).packing.at(0.9)
-    whole, cut = tmp_path / "whole", tmp_path / "cut"
+    whole, cut, ended = tmp_path / "whole", tmp_path / "cut", pytest.raises(Stop)
     for folder in (whole, cut):
         with ld.Simulation(packing, ld.Ring()) as sim:
-            list(ld.shear_in(sim, folder, 0.02, 2))
-            steps = ld.Run(folder).shear(0.02, 3)
-            list(itertools.islice(steps, 1 if folder == cut else None))
-    list(ld.Run(cut).resume())
+            sim.shear(0.02, record=folder, steps=2)
+        with ld.Run(folder).simulation() as sim, nullcontext() if folder == whole else ended:
+            stop = stop_after(1) if folder == cut else None
+            sim.shear(0.02, steps=3, record=folder, mode="a", callback=stop)
+    ld.Run(cut).resume()
     assert (cut / "series.csv").read_text() == (whole / "series.csv").read_text()
     assert (cut / "packing.data").read_text() == (whole / "packing.data").read_text()
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from exact_balance import exactly_balanced
 from lammps_deformable import FileError, Packing, Ring
+from protocol_helpers import written
 
 LAW = Ring(kA=5.0, kP=0.0, tension=1.0)
 
@@ -41,7 +42,7 @@ def test_growth_and_death(start: Packing, tmp_path: Path) -> None:
                 )
             )
             states.append(sim.state())
-    list(ld.record(states, tmp_path))
+    written(states, tmp_path)
     again = list(ld.Run(tmp_path))
     assert [len(state.packing) for state in again] == [20, 17, 14]
     for found, state in zip(again, states, strict=True):
@@ -49,7 +50,7 @@ def test_growth_and_death(start: Packing, tmp_path: Path) -> None:
         assert found.energy == pytest.approx(state.energy, rel=1e-10)
         assert found.area == pytest.approx(state.area, rel=1e-10)
     with pytest.raises(FileError, match="14 to 20 particles"):
-        ld.Run(tmp_path).universe()
+        ld.Run(tmp_path).to_mdanalysis()
 
 
 def test_other_species(tmp_path: Path) -> None:
@@ -60,7 +61,7 @@ def test_other_species(tmp_path: Path) -> None:
     for each in (packing, swapped):
         with ld.Simulation(each, Ring(kA=[1.0, 2.0])) as sim:
             states.append(sim.state())
-    list(ld.record(states, tmp_path))
+    written(states, tmp_path)
     for found, state in zip(ld.Run(tmp_path), states, strict=True):
         assert np.array_equal(found.packing.species, state.packing.species)
         assert found.energy == pytest.approx(state.energy, rel=1e-10)
@@ -82,9 +83,8 @@ def test_a_frame_has_its_own_radii_law_and_walls(tmp_path: Path) -> None:
     ):
         with ld.Simulation(each.replace(walls=walls).push_off(), law) as sim:
             states.append(sim.state())
-    list(ld.record(states, tmp_path))
-    list(ld.Run(tmp_path).append(states[:2]))
     states += states[:2]
+    written(states, tmp_path)
     for found, state in zip(ld.Run(tmp_path), states, strict=True):
         assert found.law == state.law
         assert found.packing.walls == state.packing.walls
@@ -95,8 +95,7 @@ def test_a_frame_has_its_own_radii_law_and_walls(tmp_path: Path) -> None:
 
 def test_a_run_is_indexed(start: Packing, tmp_path: Path) -> None:
     with ld.Simulation(start, LAW) as sim:
-        for _ in ld.record(ld.compress(sim, -0.01, 4), tmp_path):
-            pass
+        sim.compress(strain=-0.01, steps=4, record=tmp_path)
     run = ld.Run(tmp_path)
     fractions = [state.phi for state in run]
     assert len(run) == len(set(fractions)) == 5
@@ -106,16 +105,20 @@ def test_a_run_is_indexed(start: Packing, tmp_path: Path) -> None:
     for number in (5, -6):
         with pytest.raises(IndexError, match=f"has 5 states, and no state {number}"):
             run[number]
+    assert isinstance(run[1:3], ld.Run)
+    assert repr(run[1:3]) == f"Run({str(tmp_path)!r})[1:3]"
+    assert [state.phi for state in run[1:][::2]] == fractions[1::2]
     with ld.Run(tmp_path).simulation() as sim:
-        (more,) = run.append(ld.compress(sim, 0.01, 1), {"seed": 3})
-    assert (len(run), run[-1].phi) == (6, pytest.approx(more.phi, rel=1e-12))
-    assert run.parameters == {"seed": 3, "before": {}}
+        more = sim.compress(strain=0.01, record=tmp_path, mode="a")
+    assert (len(run), run[-1].phi) == (6, more[-1].phi)
+    assert run[1:3].simulation().state().phi == pytest.approx(fractions[2], rel=1e-12)
+    assert len(ld.Run(list(run))) == 6
 
 
 def test_a_saved_state_is_a_run_without_frames(start: Packing, tmp_path: Path) -> None:
     with ld.Simulation(start, LAW) as sim:
         sim.state().save(tmp_path)
     run = ld.Run(tmp_path)
-    assert (len(run), list(run), run[:]) == (0, [], [])
+    assert (len(run), list(run), len(run[:])) == (0, [], 0)
     with pytest.raises(IndexError, match="one saved state and no recorded ones"):
         run[-1]

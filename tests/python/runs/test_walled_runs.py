@@ -12,6 +12,8 @@ from exact_balance import exactly_balanced
 from lammps_deformable import ParameterError, Plane, PolygonWall, Ring, Segment, Sphere
 from programs import output
 
+from validation.finite_strain import bulk_modulus, shear_modulus
+
 matplotlib = pytest.importorskip("matplotlib")
 matplotlib.use("agg")
 
@@ -41,8 +43,10 @@ def jammed() -> ld.Packing:
 def run(jammed, tmp_path_factory) -> tuple[Path, list[ld.State]]:
     folder = tmp_path_factory.mktemp("run")
     with ld.Simulation(jammed, LAW) as sim:
-        steps = ld.compress_in(sim, folder, strain=0.03, steps=3, tolerance=1e-4)
-        return folder, list(steps)
+        states: list[ld.State] = []
+        how = {"record": folder, "callback": states.append}
+        sim.compress(strain=0.03, steps=3, tolerance=1e-4, **how)
+        return folder, states
 
 
 def test_jammed_disks_touch_walls(jammed) -> None:
@@ -100,7 +104,7 @@ def test_interrupted_runs_are_resumed(run, tmp_path: Path) -> None:
     middle = states[0]
     summary = json.loads((folder / "summary.json").read_text())
     middle._write(tmp_path, summary["parameters"], frames=2)
-    rest = list(ld.Run(tmp_path).resume())
+    rest = ld.Run(tmp_path).resume()[2:]
     assert [state.energy for state in rest] == [state.energy for state in states[1:]]
     for name in ("packing.data", "summary.json", "in.lammps", "trajectory.lammpstrj"):
         assert (tmp_path / name).read_bytes() == (folder / name).read_bytes()
@@ -159,11 +163,11 @@ def test_protocols_that_walls_allow_and_refuse() -> None:
     start = ld.bidisperse(40, seed=1).between(sides).at(0.87).push_off()
     with ld.Simulation(start, LAW) as sim:
         state = sim.relax(1e-8)
-        bulk = ld.bulk_modulus(state, 1e-4)
+        bulk = bulk_modulus(state, 1e-4)
         assert bulk.linear
         for refused, message in (
-            (lambda: ld.shear(sim, 0.1, 1), "walls are not sheared.* a plane"),
-            (lambda: ld.shear_modulus(state, 1e-3), "with walls cannot be sheared"),
+            (lambda: sim.shear(0.1)[1:], "walls are not sheared.* a plane"),
+            (lambda: shear_modulus(state, 1e-3), "with walls cannot be sheared"),
             (lambda: sim.deform(sim.box @ [[1, 0], [0.1, 1]]), "with walls cannot be sheared"),
         ):
             with pytest.raises(ParameterError, match=message):
@@ -171,7 +175,7 @@ def test_protocols_that_walls_allow_and_refuse() -> None:
         # a channel may be stretched in one direction
         sim.deform(sim.box * [[1, 1], [1, 0.999]])
         assert sim.state().stress[1, 1] > state.stress[1, 1]
-        moved = list(ld.move(sim, 200, temperature=1e-6, seed=1))
+        moved = sim.run(200, every=100, temperature=1e-6, seed=1)[1:]
         total = [each.energy + each.kinetic_energy for each in moved]
         assert total[-1] == pytest.approx(total[0], rel=1e-3)
     pillar = start.between((*sides, Sphere(0.1, (4, 4), inside=False)))

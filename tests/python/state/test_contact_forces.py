@@ -128,7 +128,7 @@ def test_equal_particles_as_in_lammps() -> None:
 def test_the_graph_has_the_contacts() -> None:
     networkx = pytest.importorskip("networkx")
     with ld.Simulation(ld.jam(ld.bidisperse(32, seed=3)).packing, Ring()) as sim:
-        *_, state = ld.compress(sim, strain=0.02, steps=2)
+        state = sim.compress(strain=0.02, steps=2)[-1]
     graph, table = state.graph(), state.contact_table
     assert graph.number_of_edges() == len(table) // 2
     assert [degree for _, degree in graph.degree()] == state.contacts.tolist()

@@ -42,7 +42,7 @@ def test_steps_come_back(tilt: float, flips: int) -> None:
     expected = strained + step - packing.positions
     assert end.displacements(start) == pytest.approx(expected, abs=1e-11)
     assert end.displacements(packing) == pytest.approx(end.displacements(start), abs=1e-12)
-    assert ld.unwrapped([start, end])[1] == pytest.approx(strained + step, abs=1e-11)
+    assert ld.Run([start, end]).unwrapped()[1] == pytest.approx(strained + step, abs=1e-11)
 
 
 def test_a_shear_is_told_by_the_strain() -> None:
@@ -52,10 +52,10 @@ def test_a_shear_is_told_by_the_strain() -> None:
         start = disks.relax(1e-2)
         sides = start.packing.box.diagonal()
         strain = float(2.0 * sides[0] / sides[1])
-        states = [start, *ld.shear(disks, strain, steps=40, tolerance=1e-2)]
+        states = [start, *disks.shear(strain, steps=40, tolerance=1e-2)[1:]]
     end = states[-1]
     assert end.packing.box == pytest.approx(start.packing.box, abs=1e-9)
-    first, *_, last = ld.unwrapped(states)
+    first, *_, last = ld.Run(states).unwrapped()
     beside = last - first - np.outer(first[:, 1], [strain, 0.0])
     near = (np.abs(beside) < 0.499 * sides).all(axis=1)
     assert near.any()
@@ -93,11 +93,11 @@ def test_jumps_of_half_a_box_are_told(walled: bool) -> None:
     )
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        places = ld.unwrapped(slow)
+        places = ld.Run(slow).unwrapped()
     assert places[1] - places[0] == pytest.approx(np.broadcast_to(0.2 * drift, (8, 2)))
     told = r"\Aa particle moves by 0\.45 of the box from state 1 to state 2, [^\n]*\Z"
     with pytest.warns(ld.JumpWarning, match=told) as found:
-        ld.unwrapped([slow[0], *fast, fast[1]])
+        ld.Run([slow[0], *fast, fast[1]]).unwrapped()
     assert len(found) == 1
 
 
@@ -122,7 +122,7 @@ def test_images_of_lammps(tilt: float, flow: str) -> None:
     tilts = [state.packing.box[1, 0] for state in states]
     assert (min(np.diff(tilts)) < 0.0) == bool(flow)
     assert not images[0].any()
-    assert ld.unwrapped(states) == pytest.approx(np.array(expected), abs=1e-10)
+    assert ld.Run(states).unwrapped() == pytest.approx(np.array(expected), abs=1e-10)
 
 
 @pytest.mark.parametrize(
@@ -140,9 +140,9 @@ def test_refusals(before: Callable[[ld.Packing], object], told: str) -> None:
         with pytest.raises(ld.ParameterError, match=told):
             method(other)
     with pytest.raises(ld.ParameterError, match=r"at least one state"):
-        ld.unwrapped([])
+        ld.Run([]).unwrapped()
     with pytest.raises(ld.ParameterError, match=r"a state must be .* not 3"):
-        ld.unwrapped([3])
+        ld.Run([3]).unwrapped()
     for given in (0.0, -1.0, "near"):
         with pytest.raises(ld.ParameterError, match="r_max"):
             state.local_strain(state, r_max=given)

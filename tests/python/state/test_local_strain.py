@@ -15,7 +15,7 @@ def fit(old: np.ndarray, new: np.ndarray) -> tuple[np.ndarray, float]:
 def test_as_a_loop(state: ld.State, r_max: float | None) -> None:
     before = state
     with ld.Simulation(before, before.law) as sim:
-        *_, now = ld.shear(sim, strain=0.08, steps=2, tolerance=1e-3)
+        now = sim.shear(0.08, steps=2, tolerance=1e-3)[-1]
     found = now.local_strain(before, r_max)
     gradient, d2min, neighbors = found
     reach = 3.0 * before.packing.radii.mean() if r_max is None else r_max

@@ -23,9 +23,9 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[ld.State]]
         exactly_balanced(),
         ld.Simulation(jammed, ld.Ring(kP=2.0, skin=0.02)) as sim,
     ):
-        pressed = ld.compress(sim, strain=0.03, steps=2)
+        pressed = sim.compress(strain=0.03, steps=2)[1:]
         states = [sim.state(), *ld.record(pressed, folder)]
-        motion = ld.move(sim, 60, temperature=1e-5, every=20, seed=1)
+        motion = sim.run(60, temperature=1e-5, every=20, seed=1)[1:]
         states += ld.Run(folder).append(motion)
     return folder, states
 
@@ -109,7 +109,7 @@ def test_unloaded_packings_have_one_color_and_one_tick(color_by: str, value: flo
     grid = 2.5 * np.stack(np.meshgrid(np.arange(4.0), np.arange(2.0)), axis=-1)
     loose = ld.Packing(
         grid.reshape(8, 2),
-        np.asarray(np.array([0.5, 0.7]))[np.arange(8) % 2],
+        np.where(np.arange(8) % 2, 0.7, 0.5),
         np.diag([10.0, 5.0]),
         species=np.arange(8) % 2,
     )
@@ -144,7 +144,7 @@ def test_movie_has_a_picture_a_state(
     if source == "folder":
         ld.Run(run[0]).movie(path, forces=True, rate=5)
     else:
-        ld.movie(iter(run[1]), path, forces=True, rate=5)
+        ld.Run(iter(run[1])).movie(path, forces=True, rate=5)
     with Image.open(path) as image:
         assert image.n_frames == len(run[1])
         assert image.info["duration"] == 200  # ms
@@ -171,7 +171,7 @@ def test_pictures_of_a_movie_share_one_scale(
 
     monkeypatch.setattr(plots, "draw", watched)
     states = run[1]
-    ld.movie(states, tmp_path / "movie.gif", forces=True, cmap="magma", **limits)
+    ld.Run(states).movie(tmp_path / "movie.gif", forces=True, cmap="magma", **limits)
     assert set(maps) == {"magma"}
     pressure = max(state.particle_pressure.max() for state in states)
     force = [state.contact_table["force"].max() for state in states]
@@ -188,7 +188,7 @@ def test_movies_that_cannot_be(
         message: str, states: object = (state,), name: str = "a.gif", **how: object
     ) -> None:
         with pytest.raises(ld.ParameterError, match=message):
-            ld.movie(states, tmp_path / name, **how)
+            ld.Run(states).movie(tmp_path / name, **how)
 
     refused(r"\.gif or an \.mp4, not '.*a\.avi'", name="a.avi")
     refused("at least one state", states=())
@@ -201,7 +201,7 @@ def test_movies_that_cannot_be(
     refused("ffmpeg", name="a.mp4")
     monkeypatch.setitem(sys.modules, "matplotlib.animation", None)
     with pytest.raises(ImportError, match=r"pip install lammps-deformable\[plot\]"):
-        ld.movie([state], tmp_path / "a.gif")
+        ld.Run([state]).movie(tmp_path / "a.gif")
     assert not list(tmp_path.iterdir())
 
 

@@ -22,7 +22,7 @@ def moved(contact: str, walls: tuple = ()) -> tuple[list[ld.State], np.ndarray]:
     packing = ld.bidisperse(20, tilt=0.0 if walls else 0.3, seed=3).at(0.84)
     packing = (packing.between(walls, seed=1).at(0.84) if walls else packing).push_off()
     with ld.Simulation(packing, LAWS[contact], friction=ROUGH) as sim:
-        motion = ld.move(sim, 300, temperature=1e-4, seed=1, every=100)
+        motion = sim.run(300, temperature=1e-4, seed=1, every=100)[1:]
         states = list(motion)
         return states, np.reshape(sim.lmp.gather("f", 1, 3), (-1, 3))[:, :2]
 
@@ -103,7 +103,7 @@ def test_two_contacts_of_one_pair() -> None:
     rough = ld.Friction(np.inf, kt=1e-4)
     with ld.Simulation(two, ld.Ring(), friction=rough) as sim:
         sim.lmp.command("set atom 2 vy 0.01")
-        *_, state = ld.move(sim, 20, timestep=0.1, every=20)
+        state = sim.run(20, timestep=0.1)[-1]
     table = state.contact_table
     assert len(table) == 4
     # the particle moves up past both sides of the other: to the left and right of it

@@ -186,7 +186,7 @@ def test_affine_strain_is_told(mixture: State) -> None:
         after,
         state_of(Packing(wrapped + box[2], before.radii, box, species=before.species)),
     ]
-    paths = ld.unwrapped(crossing)
+    paths = ld.Run(crossing).unwrapped()
     assert paths[2] == pytest.approx(paths[1], abs=1e-9)
 
 

@@ -148,7 +148,7 @@ def test_movies(states: tuple[ld.State, ld.State], tmp_path: Path) -> None:
         ("slice", {"slice": 0.0, "contacts": True}),
     ):
         path = tmp_path / f"{name}.gif"
-        ld.movie([droplets, droplets], path, color_by="load", **settings)
+        ld.Run([droplets, droplets]).movie(path, color_by="load", **settings)
         with Image.open(path) as movie:
             assert np.array(movie.convert("RGB")).std() > 10.0
     plane = ld.bidisperse(4, phi=0.1, seed=1)
@@ -162,7 +162,7 @@ def test_movies(states: tuple[ld.State, ld.State], tmp_path: Path) -> None:
         (states[0], {}, "a state of a movie must be of the kind State or State"),
     ):
         with pytest.raises(ld.ParameterError, match=told):
-            ld.movie([one], tmp_path / "wrong.gif", **settings)
+            ld.Run([one]).movie(tmp_path / "wrong.gif", **settings)
     assert not (tmp_path / "wrong.gif").exists()
 
 
