@@ -18,7 +18,7 @@ matplotlib.use("agg")
 def run(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[ld.State]]:
     """A recorded run: its start, two steps of compression, then motion in a tilted box."""
     folder = tmp_path_factory.mktemp("run")
-    jammed = ld.jam(ld.bidisperse(12, tilt=0.3, seed=2))
+    jammed = ld.jam(ld.bidisperse(12, tilt=0.3, seed=2)).packing
     with (
         exactly_balanced(),
         ld.Simulation(jammed, ld.Ring(kP=2.0, skin=0.02)) as sim,
@@ -109,7 +109,7 @@ def test_unloaded_packings_have_one_color_and_one_tick(color_by: str, value: flo
     grid = 2.5 * np.stack(np.meshgrid(np.arange(4.0), np.arange(2.0)), axis=-1)
     loose = ld.Packing(
         grid.reshape(8, 2),
-        np.asarray(np.array([0.5, 0.7]))[np.arange(8) % 2],
+        np.where(np.arange(8) % 2, 0.7, 0.5),
         np.diag([10.0, 5.0]),
         species=np.arange(8) % 2,
     )
