@@ -19,7 +19,7 @@ from validation.ensembles import once
 # Droplets have the radius 1, the line tension 1 and the mass 1, and hardly change their area: hot
 # ones that may not change it at all find no shape now and then, which ends a run.
 LAW = ld.Ring(kA=30.0, kP=0.0, tension=1.0, contact="curved")
-BATH = {"friction": 0.1, "timestep": 0.06, "tolerance": 1e-4}
+BATH = {"drag": 0.1, "timestep": 0.06, "balance": 1e-4}
 STEPS, SAMPLES = 4000, 25  # of a leg
 PHI = 0.92
 
@@ -297,7 +297,7 @@ def dilute(phi, temperature=0.02, number=64, steps=20_000):
 
 # Comparisons: other time steps and laws, energies at rest, and polygons.
 
-EXACT = BATH | {"timestep": 0.03, "tolerance": 1e-8}
+EXACT = BATH | {"timestep": 0.03, "balance": 1e-8}
 SETTINGS = {
     "curved, 0.06, 1e-4": (LAW, BATH, STEPS),
     "curved, 0.03, 1e-8": (LAW, EXACT, 2 * STEPS),
