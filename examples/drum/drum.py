@@ -11,7 +11,7 @@ walls = [
 ]
 loose = ld.bidisperse(150, sizes=(0.5, 0.7), seed=1).between(walls)
 print(f"the container has phi = {loose.phi:.4f}")
-jammed = ld.jam(loose)
+jammed = ld.jam(loose).packing
 print(f"jammed at phi = {jammed.phi:.5f}")
 
 sim = ld.Simulation(jammed, ld.Ring(kA=1.0))

@@ -28,7 +28,7 @@ STEP = 0.01  # strain between states
 
 def prepare(number):
     """A packing at rest, saved in a folder."""
-    jammed = ld.jam(ld.bidisperse(number, sizes=RADII, seed=1), DROPLETS, 1e-4)
+    jammed = ld.jam(ld.bidisperse(number, sizes=RADII, seed=1), DROPLETS, pressure=1e-4).packing
     with ld.Simulation(jammed.at(PHI), DROPLETS) as sim:
         sim.relax(1e-4).save("start", overwrite=True)
 

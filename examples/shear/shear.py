@@ -6,7 +6,7 @@ import numpy as np
 
 PHI, STRAIN, STEPS = 0.90, 1.0, 200
 
-jammed = ld.jam(ld.bidisperse(64, seed=1))
+jammed = ld.jam(ld.bidisperse(64, seed=1)).packing
 with ld.Simulation(jammed.at(PHI), ld.Ring()) as sim:
     start = sim.relax(1e-4)
     modulus = ld.shear_modulus(start, strain=1e-4).value

@@ -366,7 +366,7 @@ def polygons(number=16, vertices=76, steps=2000):
     the fastest vertex would turn by a radian; twice as long ones are unstable.
     """
     model = ld.DeformablePolygon(vertices, radius=0.02, kL=float(vertices), kA=30.0, kr=300.0)
-    with ld.PolygonSimulation(crystal(number, 0.88), model) as sim:
+    with ld.Simulation(crystal(number, 0.88), model) as sim:
         fastest = sim.polygons.fastest_frequency(model.kr) * math.sqrt(vertices)
         step = 0.5 / fastest
         sim.lmp.commands_string(

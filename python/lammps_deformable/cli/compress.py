@@ -151,13 +151,13 @@ def compress_command(
 def _begin(folder: Path, settings: Settings, overwrite: bool) -> Run:
     """Jam or read a packing and compress it; errors of the settings come before any work."""
     began = time.perf_counter()
-    check_target(None, settings.steps, **settings.target)
+    check_target(settings.contact_law(), settings.steps, **settings.target)
     check_tolerance(settings.tolerance)
     law, in_file = settings.contact_law(), settings.from_file is not None
     start = settings.packing_in_file(settings.dimension) if in_file else settings.random_start()
     if MPI.COMM_WORLD.rank == 0:
         make_folder(folder)
-    packing = start if in_file else jam(start)
+    packing = start if in_file else jam(start).packing
     begun = f"{len(packing)} particles" if in_file else "jammed"
     print_once(f"{begun} at phi = {packing.phi:.5f} ({time.perf_counter() - began:.1f} s)")
     return Simulation(packing, law).compress(

@@ -78,7 +78,7 @@ def jam_command(
                 )
         start = settings.packing_in_file(settings.dimension)
     contact_law = settings.contact_law()
-    packing = jam(start, contact_law, pressure, tolerance=_TOLERANCE)
+    packing = jam(start, contact_law, pressure=pressure, tolerance=_TOLERANCE).packing
     with Simulation(packing, contact_law) as sim:
         state = sim.relax()
         state.save(folder, overwrite=overwrite)

@@ -9,13 +9,13 @@ from pathlib import Path
 from typing import Any
 
 from ..progress import print_once
-from ..state import DeformedState
+from ..state import State
 
 # Dots per inch of pictures.
 DOTS = 150
 
 
-def printing(done: int, columns: Sequence[str]) -> Callable[[DeformedState], None]:
+def printing(done: int, columns: Sequence[str]) -> Callable[[State], None]:
     """A callback of protocols that prints a line for each state.
 
     Args:
@@ -24,7 +24,7 @@ def printing(done: int, columns: Sequence[str]) -> Callable[[DeformedState], Non
     """
     steps = count(done + 1)
 
-    def show(state: DeformedState) -> None:
+    def show(state: State) -> None:
         step = next(steps)
         if step == done + 1:
             print_once("step " + " ".join(f"{name:>12}" for name in columns))
@@ -34,7 +34,7 @@ def printing(done: int, columns: Sequence[str]) -> Callable[[DeformedState], Non
     return show
 
 
-def draw(state: DeformedState, path: Path) -> None:
+def draw(state: State, path: Path) -> None:
     """Draw a state on the rank that has it, if matplotlib is installed."""
     if state.root and importlib.util.find_spec("matplotlib"):
         figure: Any = state.plot().figure

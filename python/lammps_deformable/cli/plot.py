@@ -12,7 +12,7 @@ from ..errors import ParameterError
 from ..movies import of_dimension
 from ..progress import print_once
 from ..run import Run
-from ..state import DeformedState
+from ..state import State
 from ..versions import optional
 from .options import refuse_ranks
 from .output import DOTS
@@ -61,9 +61,7 @@ def check_picture(out: Path) -> None:
         raise ParameterError(f"a picture is one of .{', .'.join(formats)}, not '{out}'")
 
 
-def draw(
-    state: DeformedState, out: Path, color_by: str, own: Mapping[str, Any], **settings: Any
-) -> None:
+def draw(state: State, out: Path, color_by: str, own: Mapping[str, Any], **settings: Any) -> None:
     """Draw a state into a picture that fits its box; settings as of `State.plot`.
 
     Args:

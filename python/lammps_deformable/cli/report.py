@@ -63,7 +63,7 @@ def report_command(
         raise ParameterError("vertices must have a number at least")
     if from_file is None:
         origin = {"number": number, "seed": seed}
-        start = jam(bidisperse(number, seed=seed))
+        start = jam(bidisperse(number, seed=seed)).packing
     elif given[0] in ("number", "seed"):
         raise ParameterError(
             f"the packing is that in '{from_file}', and --{given[0]} is about a random one: leave "

@@ -14,7 +14,7 @@ from ..errors import ParameterError
 from ..progress import print_once
 from ..relax import TOLERANCE
 from ..run import Run
-from ..simulation import Deforming, Simulation
+from ..simulation import Simulation
 from ..store import refuse
 from .material_options import (
     Adhesion,
@@ -108,7 +108,7 @@ def shear_command(
 
 def _begin(
     run: Path | None, folder: Path, material: Material, given: dict[str, Any]
-) -> tuple[Deforming[Any], dict[str, Any]]:
+) -> tuple[Simulation, dict[str, Any]]:
     """What is sheared, and the parameters that tell where it comes from."""
     if material.from_file is not None:
         if run is not None:

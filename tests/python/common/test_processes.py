@@ -108,7 +108,7 @@ def test_errors_note_the_call(workers: int) -> None:
 LONG = """
 import os, lammps_deformable as ld
 def run(seed):
-    packing = ld.jam(ld.bidisperse(24, seed=seed))
+    packing = ld.jam(ld.bidisperse(24, seed=seed)).packing
     with ld.Simulation(packing, ld.Ring()) as sim:
         open(f"pid-{os.getpid()}", "w").close()
         for state in ld.move(sim, 1e9, temperature=1e-7):

@@ -28,10 +28,10 @@ table = state.contact_table
 seen = [state.phi, state.pressure, state.energy, state.coordination]
 """
 CONTACTS = "seen += [*table['i'].tolist(), *table['j'].tolist()]"
-JAMMED = "start = ld.jam(ld.{})"
+JAMMED = "start = ld.jam(ld.{}).packing"
 POLYGONS = """
-jammed = ld.jam(ld.bidisperse(6, tilt=0.2, seed=3))
-with ld.PolygonSimulation(jammed, ld.DeformablePolygon({beads})) as rings:
+jammed = ld.jam(ld.bidisperse(6, tilt=0.2, seed=3)).packing
+with ld.Simulation(jammed, ld.DeformablePolygon({beads})) as rings:
     rings.deform({stretch} * rings.box)
     {relax}
     state = rings.state()
@@ -118,7 +118,7 @@ from mpi4py import MPI
 import lammps_deformable as ld
 
 rank = MPI.COMM_WORLD.rank
-jammed = ld.jam(ld.bidisperse(16, seed=rank + 1))
+jammed = ld.jam(ld.bidisperse(16, seed=rank + 1)).packing
 sim = ld.Simulation(jammed, ld.Ring(), comm=MPI.COMM_SELF)
 for state in ld.record(ld.compress(sim, 0.01, rank + 1), f"run{rank}"):
     pass
@@ -129,7 +129,7 @@ assert state.root
 PROTOCOL = """
 import lammps_deformable as ld
 
-start = ld.jam(ld.bidisperse(32, seed=6)).at(0.87)
+start = ld.jam(ld.bidisperse(32, seed=6)).packing.at(0.87)
 sim = ld.Simulation(start, ld.Ring(contact="radical"))
 for state in ld.compress_in(sim, "run", strain=0.005, steps=5, tolerance=1e-9):
     pass
@@ -144,17 +144,18 @@ def test_every_rank_may_run_its_own(tmp_path: Path) -> None:
 
 JAM = """
 import lammps_deformable as ld, numpy as np
+from lammps_deformable.laws import natural_pressure
 from mpi4py import MPI
 
 comm = MPI.COMM_WORLD
 loose = ld.bidisperse(96, seed=2)
 for law, pressure in ((None, 1e-7), (ld.Ring(contact="radical"), 1e-10)):
-    jammed = ld.jam(loose, law, pressure=pressure, tolerance=1e-5, comm=comm)
+    jammed = ld.jam(loose, law, pressure=pressure, tolerance=1e-5, comm=comm).packing
     everywhere = comm.allgather(jammed.positions)
     assert all(np.array_equal(jammed.positions, other) for other in everywhere)
-    with ld.starts.simulate(jammed, law) as sim:
+    with ld.Simulation(jammed, law or ld.SoftContact(), comm=MPI.COMM_SELF) as sim:
         state = sim.state()
-    unit = ld.jamming.natural_pressure(jammed, law)
+    unit = natural_pressure(jammed, law or ld.SoftContact())
     if comm.rank == 0:
         print(jammed.positions.sum().hex(), state.phi, state.pressure / unit / pressure)
 """

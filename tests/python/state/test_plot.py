@@ -18,7 +18,7 @@ matplotlib.use("agg")
 def run(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[ld.State]]:
     """A recorded run: its start, two steps of compression, then motion in a tilted box."""
     folder = tmp_path_factory.mktemp("run")
-    jammed = ld.jam(ld.bidisperse(12, tilt=0.3, seed=2))
+    jammed = ld.jam(ld.bidisperse(12, tilt=0.3, seed=2)).packing
     with (
         exactly_balanced(),
         ld.Simulation(jammed, ld.Ring(kP=2.0, skin=0.02)) as sim,
