@@ -79,7 +79,7 @@ def strained(law: ld.Ring, protocol: Callable[..., Iterator[ld.State]]) -> list[
     """Packings, energies, stresses and areas on the way."""
     with ld.Simulation(ld.jam(ld.bidisperse(64, seed=1)).packing.at(0.86), law) as sim:
         states = list(protocol(sim, STRAIN, STEPS))
-    return [[s.packing, s.energy, s.stress, s.area, s.contact_table["force"]] for s in states]
+    return [[s.packing, s.energy, s.pressure_tensor, s.area, s.contacts["force"]] for s in states]
 
 
 def rings() -> list[object]:
@@ -88,7 +88,7 @@ def rings() -> list[object]:
         ld.jam(ld.bidisperse(6, seed=1)).packing, ld.DeformablePolygon(vertices=30, smooth=True)
     ) as sim:
         states = list(ld.compress(sim, STRAIN, STEPS))
-    return [[s.energy, s.stress, s.area_deficit, *s.outlines] for s in states]
+    return [[s.energy, s.pressure_tensor, s.area_deficit, *s.outlines] for s in states]
 
 
 def digest(found: object) -> str:

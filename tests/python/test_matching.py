@@ -39,9 +39,7 @@ def test_distance_of_centers(pair):
     """Neither drift nor periodic images nor rattlers count; a particle that moves does."""
     exact, own = pair
     same = replace(exact, packing=exact.packing.replace(positions=own.packing.positions))
-    touching = np.bincount(
-        np.concatenate([exact.contact_table["i"], exact.contact_table["j"]]), minlength=8
-    )
+    touching = np.bincount(np.concatenate([exact.contacts["i"], exact.contacts["j"]]), minlength=8)
     held = np.flatnonzero((touching >= 3) & ~own.rattlers)
     assert len(held) >= 3
     assert centers_rms(same, own) == pytest.approx(0.0, abs=1e-15)
@@ -57,11 +55,11 @@ def test_distance_of_centers(pair):
 
 def test_rattlers_do_not_count(pair):
     exact, own = pair
-    loose = exact.contact_table["i"][0]
-    there = (exact.contact_table["i"] != loose) & (exact.contact_table["j"] != loose)
+    loose = exact.contacts["i"][0]
+    there = (exact.contacts["i"] != loose) & (exact.contacts["j"] != loose)
     contacts = replace(
-        exact.contact_table,
-        **{name: value[there] for name, value in vars(exact.contact_table).items()},
+        exact.contacts,
+        **{name: value[there] for name, value in vars(exact.contacts).items()},
     )
     exact = replace(exact, contact_table=contacts)
     step = np.zeros((8, 2))
@@ -69,7 +67,7 @@ def test_rattlers_do_not_count(pair):
     assert centers_rms(exact, own) == centers_rms(moved(exact, step), own)
     none = replace(contacts, **{name: value[:0] for name, value in vars(contacts).items()})
     assert centers_rms(replace(exact, contact_table=none), own) is None
-    assert centers_rms(exact, replace(own, stress=1e-7 * own.stress)) is None
+    assert centers_rms(exact, replace(own, stress=1e-7 * own.pressure_tensor)) is None
 
 
 @pytest.mark.parametrize("smooth", [True, False])
