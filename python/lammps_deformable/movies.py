@@ -31,7 +31,7 @@ _WRITERS = {".gif": "pillow", ".mp4": "ffmpeg"}
 def movie(
     states: Iterable[State],
     path: str | Path,
-    color_by: str | ArrayLike = "particle_pressure",
+    color_by: str | ArrayLike = "pressures",
     contacts: bool = False,
     forces: bool = False,
     rate: int = 10,
@@ -86,7 +86,7 @@ def movie(
         expect("a state of a movie", state, State)
     own = of_dimension(frames[0].packing.dimension, spins=spins, view=view, slice=slice)
     values = [state.values(color_by) for state in frames]
-    shared = scale(values, [state.contact_table["force"] for state in frames], color_by)
+    shared = scale(values, [state.contacts["force"] for state in frames], color_by)
     on = limited(shared, vmin, vmax)
     if not frames[0].root:
         return

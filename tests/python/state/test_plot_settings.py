@@ -8,9 +8,7 @@ matplotlib.use("agg")
 
 
 def test_settings_of_a_picture(state: ld.State) -> None:
-    axes = state.plot(
-        color_by="area", cmap="magma", vmin=0.5, vmax=2, title="a packing", forces=True
-    )
+    axes = state.plot(color="area", cmap="magma", vmin=0.5, vmax=2, title="a packing", forces=True)
     particles = axes.collections[0]
     assert particles.get_cmap().name == "magma"
     assert particles.get_clim() == (0.5, 2.0)
