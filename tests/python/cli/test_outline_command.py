@@ -6,9 +6,9 @@ from pathlib import Path
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from protocol_helpers import written
 from lammps_deformable.cli.main import app
 from programs import command, program
+from protocol_helpers import written
 
 SCRIPT = '''
 units lj
