@@ -71,7 +71,7 @@ def outline_command(
             show_default=False,
         ),
     ] = None,
-    color_by: ColorBy = "particle_pressure",
+    color_by: ColorBy = "pressures",
     vmin: FirstColor = None,
     vmax: LastColor = None,
     contacts: Contacts = False,
@@ -98,5 +98,5 @@ def outline_command(
             own = {"view": view, "slice": slice}
             draw(state, path, color_by, own, contacts=contacts, forces=forces, **colors)
         else:
-            state.export(path, overwrite=True)
+            state.export(path, mode="w")
             print_once(f"wrote {path}")

@@ -68,7 +68,7 @@ def draw(state: State, out: Path, color_by: str, own: Mapping[str, Any], **setti
         own: settings of one dimension, of which some may not be given.
     """
     settings |= of_dimension(state.packing.dimension, **own)
-    figure: Any = state.plot(color_by=color_by, **settings).figure
+    figure: Any = state.plot(color=color_by, **settings).figure
     figure.savefig(out, dpi=DOTS)
     print_once(f"wrote {out}")
 
@@ -85,7 +85,7 @@ def plot_command(
             show_default=False,
         ),
     ] = None,
-    color_by: ColorBy = "particle_pressure",
+    color_by: ColorBy = "pressures",
     cmap: ColorMap = None,
     vmin: FirstColor = None,
     vmax: LastColor = None,
@@ -120,7 +120,7 @@ def movie_command(
     out: Annotated[Path, typer.Option(metavar="PATH", help="Movie, .gif or .mp4.")] = Path(
         "movie.gif"
     ),
-    color_by: ColorBy = "particle_pressure",
+    color_by: ColorBy = "pressures",
     cmap: ColorMap = None,
     vmin: FirstColor = None,
     vmax: LastColor = None,
@@ -133,7 +133,7 @@ def movie_command(
 ) -> None:
     """Draw each state of a recorded run as a movie."""
     refuse_ranks("a movie is drawn by one process")
-    colors = {"color_by": color_by, "cmap": cmap, "vmin": vmin, "vmax": vmax}
+    colors = {"color": color_by, "cmap": cmap, "vmin": vmin, "vmax": vmax}
     drawn = {"contacts": contacts, "forces": forces, "spins": spins, "view": view, "slice": slice}
     Run(run).movie(out, rate=rate, **drawn, **colors)
     print_once(f"wrote {out}")
