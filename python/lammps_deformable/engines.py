@@ -694,7 +694,6 @@ class SoftParticles:
             root=sim.comm.rank == 0,
             time=sim.time,
             shear_strain=sim.shear_strain,
-            images=images_of(sim.lmp),
         )
 
     def _packing(self, sim: Simulation) -> Packing:

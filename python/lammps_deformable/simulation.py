@@ -243,6 +243,11 @@ class Simulation(OneCall):
         return room.box_between(self._walls, box[:dimension, :dimension])
 
     @property
+    def packing(self) -> Packing:
+        """The present packing, that of `state()`."""
+        return self.state().packing
+
+    @property
     def walls(self) -> tuple[Wall, ...]:
         """The walls, where they are now."""
         return self._walls

@@ -166,7 +166,8 @@ class State:
         table: the contacts where the law has them, see `contacts`.
         polygons: the undeformed `Polygons`; None of other laws.
         vertices: of each polygon, unwrapped around its center, arrays (N_v, 2) [length].
-        images: how often each particle has left the box through each side, shape (N, d).
+        images: how often each particle has left the box through each side, shape (N, d); None of
+            soft particles and polygons.
         evaluate: evaluates the same particles again, for what was not recorded; else None.
     """
 
@@ -192,15 +193,13 @@ class State:
     table: ContactTable | None = None
     polygons: Any = None
     vertices: tuple[Floats, ...] = ()
-    images: NDArray[np.int64] = field(default_factory=_unknown)
+    images: NDArray[np.int64] | None = None
     evaluate: Callable[[], State] | None = None
 
     def __post_init__(self) -> None:
         packing = self.packing
         if self.velocities is None:
             object.__setattr__(self, "velocities", np.zeros_like(packing.positions))
-        if self.images is None:
-            object.__setattr__(self, "images", np.zeros(packing.positions.shape, np.int64))
         if self.wall_forces is None and self.evaluate and packing.walls:
             object.__delattr__(self, "wall_forces")  # evaluated when it is asked for
         elif self.wall_forces is None:

@@ -133,7 +133,7 @@ def movie_command(
 ) -> None:
     """Draw each state of a recorded run as a movie."""
     refuse_ranks("a movie is drawn by one process")
-    colors = {"color_by": color_by, "cmap": cmap, "vmin": vmin, "vmax": vmax}
+    colors = {"color": color_by, "cmap": cmap, "vmin": vmin, "vmax": vmax}
     drawn = {"contacts": contacts, "forces": forces, "spins": spins, "view": view, "slice": slice}
     Run(run).movie(out, rate=rate, **drawn, **colors)
     print_once(f"wrote {out}")

@@ -19,8 +19,8 @@ RUNS: dict[str, Callable[[S, Path], Writer]] = {
 }
 FILES: dict[str, Callable[[S, Path], Writer]] = {
     "a.vtp": lambda state, path: lambda mode="x": state.export(path, mode=mode),
-    "a.geojson": lambda state, path: lambda mode="x": state.export(path, True, mode == "w"),
-    "a.pvd": lambda state, path: lambda mode="x": ld.Run([state]).export(path, False, mode == "w"),
+    "a.geojson": lambda state, path: lambda mode="x": state.export(path, True, mode),
+    "a.pvd": lambda state, path: lambda mode="x": ld.Run([state]).export(path, False, mode),
     "a.xyz": lambda state, path: lambda **how: state.packing.to_file(path, **how),
     "a.gsd": lambda state, path: lambda **how: state.packing.to_file(path, **how),
     "a.data": lambda state, path: lambda **how: state.packing.to_file(path, **how),

@@ -8,6 +8,7 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 from contact_laws import contacts
+from lammps_deformable.response import open_contacts
 from ranks import python
 
 pytestmark = pytest.mark.usefixtures("exact_balance")
@@ -145,7 +146,7 @@ def test_contacts_of_rattlers_have_two_sides() -> None:
     start = ld.bidisperse(20, phi=0.83, seed=3).push_off()
     law = ld.Ring(kA=[1.0, 50.0], kP=[0.5, math.inf], contact="radical")
     state, _ = evaluated(start, law)
-    sides, _ = state.rattler_contacts()
+    sides, _ = open_contacts(state)
     there = list(zip(sides.i, sides.j, strict=True))
     assert sorted(there) == sorted((j, i) for i, j in there)
     assert 0 < len(there) < len(state.contacts)

@@ -82,7 +82,7 @@ def test_states_and_packings_are_drawn(
     states: tuple[ld.State, ld.State],
 ) -> None:
     for state in (*states, states[0].packing):
-        colors = {"color" if isinstance(state, ld.Packing) else "color_by": "radius"}
+        colors = {"color" if isinstance(state, ld.Packing) else "color": "radius"}
         axes = state.plot(**colors, title="equal", colorbar=False)
         assert axes.get_title() == "equal"
         assert axes.images[0].get_array().max() > 0.0
@@ -177,7 +177,7 @@ def test_movies(states: tuple[ld.State, ld.State], tmp_path: Path) -> None:
         ({"view": 3}, "view must be elevation and azimuth, not 3"),
         ({"view": (1, 2, 3)}, "view must be elevation and azimuth"),
         ({"view": (np.nan, 0)}, "view must be finite numbers"),
-        ({"color_by": "hue"}, "color_by must name a value of each particle"),
+        ({"color": "hue"}, "color_by must name a value of each particle"),
         ({"cmap": "none"}, "cmap must be one of"),
         ({"ax": 3}, "ax must be of the kind Axes"),
         ({"vmin": 2.0, "vmax": 1.0}, "vmin must be below vmax"),
