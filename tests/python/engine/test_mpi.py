@@ -24,7 +24,7 @@ state = sim.compress(strain=0.02, steps=2, tolerance={tolerance}, record="run")[
 assert state.root == (MPI.COMM_WORLD.rank == 0)
 with ld.Run("run").simulation() as again:
     assert abs(again.state().energy / state.energy - 1) < 1e-12
-table = state.n_contacts
+table = state.contacts
 seen = [state.phi, state.pressure, state.energy, state.coordination]
 """
 CONTACTS = "seen += [*table['i'].tolist(), *table['j'].tolist()]"
@@ -36,7 +36,7 @@ with ld.Simulation(jammed, ld.DeformablePolygon({beads})) as rings:
     {relax}
     state = rings.state()
 seen = [state.energy, *state.pressure_tensor.ravel(), *state.results["area"], *state.perimeters]
-table = state.n_contacts
+table = state.contacts
 for values in state.packing.positions, table.force, table.i, table.j, table.image:
     seen += values.ravel().tolist()
 """
