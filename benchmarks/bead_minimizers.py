@@ -22,7 +22,7 @@ import lammps_deformable as ld
 import numpy as np
 
 HERE = Path(__file__).parent
-NUMBER, BEADS, STRAIN, LIMIT = 16, ld.PolygonModel(50), 0.01, 14.0
+NUMBER, BEADS, STRAIN, LIMIT = 16, ld.DeformablePolygon(50, smooth=False), 0.01, 14.0
 TOLERANCES = (1e-1, 1e-2, 1e-3)
 DMAX = f"min_modify dmax {0.1 * BEADS.radius:g} norm max"
 OMEGA = (4.0 * (BEADS.kL + BEADS.kr)) ** 0.5

@@ -30,7 +30,7 @@ from typing import Any
 import lammps_deformable as ld
 import numpy as np
 from lammps_deformable.comparison import compression_rows, law_path, standard_polygons
-from lammps_deformable.polygons import PolygonModel
+from lammps_deformable.polygons import DeformablePolygon
 from lammps_deformable.versions import machine
 from motion import energies, energy_error, step
 
@@ -62,12 +62,12 @@ def contacts() -> list[dict[str, Any]]:
     ]
 
 
-def mixed(count: int, stiffer: float = 1.0) -> PolygonModel:
+def mixed(count: int, stiffer: float = 1.0) -> DeformablePolygon:
     """Polygons of soft small and stiff large particles."""
     kA, kP = (1.0, 10.0), (2.0, 40.0)
-    number = PolygonModel(vertices=count, radius=SKIN, smooth=True).polygons(RADII).number
+    number = DeformablePolygon(count, radius=SKIN).polygons(RADII).number
     springs = [stiffness * n for stiffness, n in zip(kP, number.tolist(), strict=True)]
-    return PolygonModel(count, SKIN, springs, kA, kr=10.0 * stiffer * max(kA), smooth=True)
+    return DeformablePolygon(count, radius=SKIN, kL=springs, kA=kA, kr=10.0 * stiffer * max(kA))
 
 
 def compared(
@@ -149,7 +149,9 @@ def repeated(packing: ld.Packing, times: int) -> ld.Packing:
     shifts = np.array(list(itertools.product(range(times), repeat=2))) @ packing.box
     positions = (packing.positions + shifts[:, None]).reshape(-1, 2)
     species = np.tile(packing.species, len(shifts))
-    return ld.Packing(positions, species, packing.radii, times * packing.box)
+    return ld.Packing(
+        positions, np.asarray(packing.radii)[species], times * packing.box, species=species
+    )
 
 
 def films(repeats: int = 3) -> list[dict[str, Any]]:

@@ -79,7 +79,7 @@ def strained(law: df.Ring, protocol: Callable[..., Iterator[df.State]]) -> list[
 def rings() -> list[object]:
     """The reference model."""
     with df.PolygonSimulation(
-        df.jam(df.bidisperse(6)), df.PolygonModel(vertices=30, smooth=True)
+        df.jam(df.bidisperse(6)), df.DeformablePolygon(vertices=30, smooth=True)
     ) as sim:
         states = list(df.compress(sim, STRAIN, STEPS))
     return [[s.energy, s.stress, s.area_deficit, *s.outlines] for s in states]

@@ -39,7 +39,7 @@ def names(tmp_path_factory: pytest.TempPathFactory) -> dict[str, object]:
     jammed.to_file(folder / "start.dump")
     with ld.Simulation(jammed, ld.Ring()) as sim:
         state = sim.relax()
-        list(ld.record(ld.shear(sim, strain=0.02, steps=1), folder / "run"))
+        sim.shear(0.02, record=folder / "run")
     run = ld.Run(folder / "run")
     given = {"folder": folder, "jammed": jammed, "state": state, "run": run}
     public = {name: getattr(ld, name) for name in ld.__all__}

@@ -31,7 +31,7 @@ def strip():
     row, column = (each.ravel() for each in np.mgrid[:ROWS, :COLUMNS])
     place = 0.99 * np.column_stack([column + 0.5 * (row % 2), row * np.sqrt(0.75)])
     place += 1.5 * COLUMNS - place.mean(axis=0)
-    return ld.Packing(place, np.zeros(len(place)), [0.5], 3.0 * COLUMNS * np.eye(2))
+    return ld.Packing(place, 0.5, 3.0 * COLUMNS * np.eye(2))
 
 
 def aggregate(state):
@@ -55,12 +55,12 @@ def round_up(seed):
         first = sim.relax()
         bath = {"temperature": TEMPERATURE, "friction": FRICTION, "seed": seed}
         yield first
-        yield from ld.move(sim, ROUNDS * STEPS, TIMESTEP, every=STEPS, **bath)
+        yield from sim.run(ROUNDS * STEPS, timestep=TIMESTEP, every=STEPS, **bath)[1:]
 
 
 def pull(adhesion):
     """Distance and force of two droplets of radius 1, in steps from rest until they let go."""
-    two = ld.Packing([[9, 10], [10.99, 10]], [0, 0], [1.0], 20 * np.eye(2))
+    two = ld.Packing([[9, 10], [10.99, 10]], 1.0, 20 * np.eye(2))
     rows = []
     with ld.Simulation(two, droplet(adhesion)) as sim:
         state = sim.relax()

@@ -27,19 +27,12 @@ def filled(width, seed):
     place = np.column_stack([1.0 + distance * column, SLIT + arm + 1.0 + distance * row])
     left = np.array([[0.0, SLIT - 1.0], [arm, SLIT], [0.0, SLIT + arm]])
     walls = [
-        *ld.rectangle(SPACE, place[:, 1].max() + 2.0),
-        ld.Polygon(left),
-        ld.Polygon([SPACE, 0.0] + [-1.0, 1.0] * left),
+        ld.BoxWall((SPACE, place[:, 1].max() + 2.0)),
+        ld.PolygonWall(left),
+        ld.PolygonWall([SPACE, 0.0] + [-1.0, 1.0] * left),
     ]
     radius = rng.uniform(0.45, 0.55, NUMBER)
-    return ld.Packing(
-        place + rng.uniform(-0.02, 0.02, (NUMBER, 2)),
-        np.zeros(NUMBER),
-        [0.55],
-        np.eye(2),  # walls on all sides set the box
-        radius,
-        walls,
-    )
+    return ld.Packing(place + rng.uniform(-0.02, 0.02, (NUMBER, 2)), radius, np.eye(2), walls=walls)
 
 
 def discharge(sim, weight):

@@ -2,12 +2,12 @@
 
 import lammps_deformable as ld
 
-packing = ld.bidisperse(128, radii=(0.5, 0.7), seed=5)
+packing = ld.bidisperse(128, sizes=(0.5, 0.7), seed=5)
 jammed = ld.jam(packing)
 print(f"jammed at phi = {jammed.phi:.5f}")
 
 sim = ld.Simulation(jammed, ld.Ring(kA=1.0))
-for state in ld.record(ld.compress(sim, strain=0.01, steps=10), "run", overwrite=True):
+for state in sim.compress(strain=0.01, steps=10, record="run", mode="w")[1:]:
     print(f"phi {state.phi:.5f}  pressure {state.pressure:.4e}  z {state.coordination:.3f}")
 
 state.plot().figure.savefig("packing.png", dpi=110)

@@ -4,18 +4,18 @@ import lammps_deformable as ld
 import numpy as np
 
 walls = [
-    ld.Circle((0, 0), 10),  # walls[0]: the container
-    ld.Disk((4, 0), 1.5),
-    ld.Polygon([(-5, -5), (-2, -5), (-2, -2), (-5, -2)]),
+    ld.Sphere(10, (0, 0)),  # walls[0]: the container
+    ld.Sphere(1.5, (4, 0), inside=False),
+    ld.PolygonWall([(-5, -5), (-2, -5), (-2, -2), (-5, -2)]),
     ld.Segment((-4, 2), (-4, 6)),
 ]
-loose = ld.bidisperse(150, radii=(0.5, 0.7), seed=1).between(walls)
+loose = ld.bidisperse(150, sizes=(0.5, 0.7), seed=1).between(walls)
 print(f"the container has phi = {loose.phi:.4f}")
 jammed = ld.jam(loose)
 print(f"jammed at phi = {jammed.phi:.5f}")
 
 sim = ld.Simulation(jammed, ld.Ring(kA=1.0))
-steps = ld.compress(sim, strain=0.03, steps=6, tolerance=1e-4)
+steps = sim.compress(strain=0.03, steps=6, tolerance=1e-4)[1:]
 for state in ld.record(steps, "run", overwrite=True):
     on_disk = np.linalg.norm(state.wall_forces[1])
     print(f"phi {state.phi:.4f}  pressure {state.pressure:.3e}  on the disk {on_disk:.2e}")

@@ -23,12 +23,12 @@ HEADS = ("phi", "pressure", "coordination", "shear modulus", "bulk modulus", "sh
 
 def measure(seed):
     """A packing from its onset to the last phi: phi_J, and a row for each phi."""
-    loose = ld.bidisperse(NUMBER, radii=RADII, seed=seed)
+    loose = ld.bidisperse(NUMBER, sizes=RADII, seed=seed)
     jammed = ld.jam(loose, DROPLETS, tolerance=1e-6)  # 1e-6 above the onset
     rows = []
     with ld.Simulation(jammed, DROPLETS) as sim:
         for phi in PHI:
-            (state,) = ld.compress(sim, phi=phi, steps=1)
+            (state,) = sim.compress(phi=phi)[1:]
             moduli = state.elastic_moduli()
             shear, bulk = moduli.mean_shear_modulus / UNIT, moduli.bulk_modulus / UNIT
             shape = float(state.shape_parameter.mean())

@@ -29,7 +29,7 @@ def free_droplets(seed):
     box = start.box * np.sqrt(np.pi * np.sum(radius**2) / PHI / np.linalg.det(start.box))
     place = start.positions @ np.linalg.solve(start.box, box)
     species = np.zeros(NUMBER, int)
-    return ld.push_off(ld.Packing(place, species, [0.55], box, radius))
+    return ld.Packing(place, radius, box, species=species).push_off()
 
 
 def films_of(state):
@@ -46,7 +46,7 @@ def floc_sizes(state):
 
 def binding_energy(adhesion):
     """Of two droplets of the mean radius, to their state at rest."""
-    two = ld.Packing([[0, 0], [0.99, 0]], [0, 0], [0.5], 4 * np.eye(2))
+    two = ld.Packing([[0, 0], [0.99, 0]], 0.5, 4 * np.eye(2))
     with ld.Simulation(two, droplet(adhesion)) as sim:
         return -sim.relax().energy
 
@@ -99,17 +99,14 @@ def measured_angles(state, theta):
 def flocculate(adhesion, seed=1):
     """The states of a motion in the bath, and the last one relaxed."""
     with ld.Simulation(free_droplets(seed), droplet(adhesion)) as sim:
-        states = list(
-            ld.move(
-                sim,
-                STEPS,
-                timestep=TIMESTEP,
-                temperature=TEMPERATURE,
-                friction=FRICTION,
-                every=STEPS // 20,
-                seed=seed,
-            )
-        )
+        states = sim.run(
+            STEPS,
+            timestep=TIMESTEP,
+            temperature=TEMPERATURE,
+            drag=FRICTION,
+            every=STEPS // 20,
+            seed=seed,
+        )[1:]
         return states, sim.relax()
 
 

@@ -41,14 +41,14 @@ def coarsen(sim, state):
     while len(state.packing) > LAST:
         yield time, state
         packing = state.packing
-        gas = np.pi * packing.radius**2
+        gas = np.pi * packing.radii**2
         dt = STEP * gas.mean()
         after = gas + dt * growth(state)
         left = after > SMALLEST * gas.mean()
         after = after[left] * gas.sum() / after[left].sum()  # others take what is left of the rest
         radius = np.sqrt(after / np.pi)
         bubbles = ld.Packing(
-            packing.positions[left], packing.species[left], [radius.max()], packing.box, radius
+            packing.positions[left], radius, packing.box, species=packing.species[left]
         )
         sim.restart(bubbles)
         state = sim.relax(TOLERANCE)
@@ -66,14 +66,14 @@ def rates(state):
 def relaxed(phi, width, number):
     """Bubbles at a packing fraction, with a lognormal distribution of radii of this width."""
     loose = ld.polydisperse(number, stats.lognorm(width, scale=0.5), phi=phi, seed=1)
-    sim = ld.Simulation(ld.push_off(loose), BUBBLE)
+    sim = ld.Simulation(loose.push_off(), BUBBLE)
     return sim, sim.relax(TOLERANCE)
 
 
 # The foam coarsens.
 times, states = zip(*coarsen(*relaxed(PHI, 0.25, NUMBER)), strict=True)
 times = np.array(times)
-radii = [state.packing.radius for state in states]
+radii = [state.packing.radii for state in states]
 square = np.array([radius.mean() ** 2 for radius in radii])
 for n in [*range(0, len(states), 15), len(states) - 1]:
     print(

@@ -31,7 +31,7 @@ def free_droplets(seed):
     box = start.box * np.sqrt(np.pi * np.sum(radius**2) / PHI / np.linalg.det(start.box))
     place = start.positions @ np.linalg.solve(start.box, box)
     species = np.zeros(NUMBER, int)
-    return ld.push_off(ld.Packing(place, species, [0.55], box, radius))
+    return ld.Packing(place, radius, box, species=species).push_off()
 
 
 def films_of(state):
@@ -45,10 +45,9 @@ def gel(adhesion, seed):
     """The states of a gel: at rest, and after each step of shear."""
     with ld.Simulation(free_droplets(seed), droplet(adhesion)) as sim:
         bath = {"temperature": TEMPERATURE, "friction": FRICTION, "seed": seed}
-        for _ in ld.move(sim, STEPS, TIMESTEP, every=STEPS, **bath):
-            pass
+        sim.run(STEPS, timestep=TIMESTEP, **bath)
         yield sim.relax()
-        yield from ld.shear(sim, STRAIN, SHEARS)
+        yield from sim.shear(STRAIN, steps=SHEARS)[1:]
 
 
 def measure(adhesion, seed):

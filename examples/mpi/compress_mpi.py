@@ -8,6 +8,6 @@ from mpi4py import MPI
 
 jammed = ld.jam(ld.bidisperse(128, seed=1))
 sim = ld.Simulation(jammed, ld.Ring(kA=1.0))
-for state in ld.record(ld.compress(sim, strain=0.005, steps=2), "run", overwrite=True):
+for state in sim.compress(strain=0.005, steps=2, record="run", mode="w")[1:]:
     if MPI.COMM_WORLD.rank == 0:
         print(f"phi {state.phi:.5f}  pressure {state.pressure:.4e}  energy {state.energy:.6e}")

@@ -10,7 +10,7 @@ from mpi4py import MPI
 def pressure(seed):
     jammed = ld.jam(ld.bidisperse(32, seed=seed))
     with ld.Simulation(jammed, ld.Ring()) as sim:
-        *_, state = ld.compress(sim, strain=0.01, steps=1)
+        state = sim.compress(strain=0.01)[-1]
     return state.pressure
 
 

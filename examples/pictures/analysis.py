@@ -5,7 +5,7 @@ import csv
 import lammps_deformable as ld
 import numpy as np
 
-universe = ld.Run("run").universe()
+universe = ld.Run("run").to_mdanalysis()
 with open("run/series.csv", newline="") as file:
     phi = [float(row["phi"]) for row in csv.DictReader(file)]
 

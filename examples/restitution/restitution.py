@@ -21,12 +21,12 @@ def collide(friction: ld.Friction, sideways: float = 0.0) -> tuple[float, float,
     Sideways is the velocity at the contact, with what spins add to it.
     """
     x = BOX[0] / 2 + np.array([-1, 1]) * (RADIUS + GAP / 2)
-    two = ld.Packing([[x[0], BOX[1] / 2], [x[1], BOX[1] / 2]], [0, 0], [RADIUS], BOX)
+    two = ld.Packing([[x[0], BOX[1] / 2], [x[1], BOX[1] / 2]], RADIUS, BOX)
     with ld.Simulation(two, DROPLET, friction=friction) as sim:
         for atom, sign in ((1, SPEED), (2, -SPEED)):
             sim.lmp.command(f"set atom {atom} vx {sign!r} vy {sign * sideways!r}")
         before = sim.state().kinetic_energy
-        *_, state = ld.move(sim, 4000, timestep=STEP, every=4000)
+        state = sim.run(4000, timestep=STEP)[-1]
     after = state.kinetic_energy + state.energy + state.spring_energy + state.lost_energy
     (u1, v1), (u2, v2) = (state.velocities / SPEED).tolist()
     spins = state.spins / SPEED
@@ -43,7 +43,7 @@ def restitution(damp: float) -> float:
 print("damp   restitution   closed form   energy error")
 found = []
 for damp in DAMPING:
-    apart, _, error = collide(ld.Friction(mu=0.0, kt=1.0, damp=damp))
+    apart, _, error = collide(ld.Friction(0.0, kt=1.0, damping=damp))
     found.append(apart)
     print(f"{damp:.1f} {apart:13.4f} {restitution(damp):13.4f} {error:14.1e}")
 
@@ -51,7 +51,7 @@ print("\n mu   sideways before   after   if it slides all the time   energy erro
 after: dict[float, list[float]] = {}
 for mu in FRICTION:
     for slope in SLOPES:
-        rough = ld.Friction(mu, kt=0.5 * STIFFNESS, damp=0.3)
+        rough = ld.Friction(mu, kt=0.5 * STIFFNESS, damping=0.3)
         apart, sideways, error = collide(rough, slope)
         # the impulse mu (1 + e) changes the velocity of a disk by itself, its spin by twice that
         slid = slope - 3 * mu * (1 + apart)

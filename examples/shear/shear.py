@@ -11,7 +11,7 @@ with ld.Simulation(jammed.at(PHI), ld.Ring()) as sim:
     start = sim.relax(1e-4)
     modulus = ld.shear_modulus(start, strain=1e-4).value
     print(f"phi {start.phi:.3f}  pressure {start.pressure:.3e}  shear modulus {modulus:.2e}")
-    states = list(ld.shear(sim, STRAIN, STEPS, tolerance=1e-4))
+    states = sim.shear(STRAIN, steps=STEPS, tolerance=1e-4)[1:]
 
 strain = STRAIN * np.arange(1, STEPS + 1) / STEPS
 stress = np.array([state.shear_stress for state in states])

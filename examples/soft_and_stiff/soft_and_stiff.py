@@ -1,21 +1,19 @@
 """Compress a mixture of soft and stiff particles, and draw where their contact lines are."""
 
-from dataclasses import replace
-
 import lammps_deformable as ld
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.collections import LineCollection
 
 # Half of the particles, chosen at random, are ten times as stiff: four species for two sizes.
-jammed = ld.jam(ld.bidisperse(32, radii=(0.5, 0.7), seed=3))
+jammed = ld.jam(ld.bidisperse(32, sizes=(0.5, 0.7), seed=3))
 stiff = np.random.default_rng(1).permutation(len(jammed)) < len(jammed) // 2
-mixture = replace(jammed, species=jammed.species + 2 * stiff, radii=[0.5, 0.7, 0.5, 0.7])
+mixture = jammed.replace(species=jammed.species + 2 * stiff, radii=[0.5, 0.7, 0.5, 0.7])
 law = ld.Ring(kA=[1.0, 1.0, 10.0, 10.0], kP=[1.0, 1.0, 10.0, 10.0], contact="balanced")
 
 sim = ld.Simulation(mixture, law)
 sim.state().save("start", overwrite=True)  # in.soft_and_stiff starts here
-for state in ld.compress(sim, strain=0.05, steps=10):
+for state in sim.compress(strain=0.05, steps=10)[1:]:
     print(f"phi {state.phi:.5f}  pressure {state.pressure:.4e}  z {state.coordination:.3f}")
 
 # Both sides of the contacts of soft with stiff particles, in the same order.
@@ -26,7 +24,7 @@ other = table[stiff[i] & ~stiff[j]]
 soft = soft[np.lexsort((*soft["image"].T, soft["j"], soft["i"]))]
 other = other[np.lexsort((*-other["image"].T, other["i"], other["j"]))]
 
-radius = state.packing.radius
+radius = state.packing.radii
 overlap = np.sum(soft["indentation"] + other["indentation"])
 radical = ld.core.contact_line(soft["distance"], radius[soft["i"]], radius[soft["j"]])
 print(f"{len(soft)} contacts of soft and stiff particles")

@@ -20,13 +20,15 @@ TEMPERATURE, FRICTION = 0.015, 0.3
 def mixture(seed):
     """Cells of radius 0.5 at random positions, where they do not overlap, in a round container."""
     rng = np.random.default_rng(seed)
-    container = ld.Circle((0, 0), np.sqrt(0.25 * NUMBER / PHI))
+    container = ld.Sphere(np.sqrt(0.25 * NUMBER / PHI), (0, 0))
     distance = (container.radius - 0.5) * np.sqrt(rng.uniform(size=NUMBER))
     angle = rng.uniform(0, 2 * np.pi, NUMBER)
     place = np.column_stack([distance * np.cos(angle), distance * np.sin(angle)])
     kinds = np.arange(NUMBER) % 2
-    cells = ld.Packing(place, kinds, [0.5, 0.5], np.eye(2), None, [container])
-    return ld.push_off(cells)
+    cells = ld.Packing(
+        place, np.asarray([0.5, 0.5])[kinds], np.eye(2), species=kinds, walls=[container]
+    )
+    return cells.push_off()
 
 
 def unlike(state):
@@ -46,15 +48,14 @@ def sort(adhesion, seed):
     law = ld.Ring(kA=20.0, kP=0.0, tension=1.0, contact="curved", adhesion=adhesion)
     with ld.Simulation(mixture(seed), law) as sim:
         yield sim.state()
-        yield from ld.move(
-            sim,
+        yield from sim.run(
             ROUNDS * STEPS,
-            TIMESTEP,
+            timestep=TIMESTEP,
             temperature=TEMPERATURE,
-            friction=FRICTION,
+            drag=FRICTION,
             every=STEPS,
             seed=seed,
-        )
+        )[1:]
 
 
 def draw(state, axes, name):

@@ -60,7 +60,7 @@ def divide(lmp, rng):
 def state_of(lmp):
     """The outlines of the cells, and all else that a state has."""
     position, radius = gathered(lmp, "x", 3)[:, :2], gathered(lmp, "radius", 1)[:, 0]
-    cells = ld.Packing(position, np.zeros(len(radius)), [radius.max()], box_of(lmp), radius)
+    cells = ld.Packing(position, radius, box_of(lmp))
     with ld.Simulation(cells, CELL) as sim:
         return sim.state()
 
@@ -83,7 +83,7 @@ def close(push, rate):
     for n in range(ROUNDS + 1):
         state = state_of(lmp)
         rows.append((n * STEPS * timestep, len(state.packing), uncovered(state), state))
-        free = state.area > CROWDED * np.pi * state.packing.radius**2
+        free = state.area > CROWDED * np.pi * state.packing.radii**2
         if rate > 0 and free.any():
             cells = " ".join(str(n + 1) for n in np.flatnonzero(free))
             lmp.commands_string(GROW.format(rate=rate, cells=cells, steps=STEPS))

@@ -5,9 +5,9 @@
     packing = ld.bidisperse(128, radii=(0.5, 0.7), seed=1)
     jammed = ld.jam(packing)
     sim = ld.Simulation(jammed, ld.Ring(kA=1.0))
-    for state in ld.compress(sim, strain=0.01, steps=10):
-        print(state.phi, state.pressure)
-    state.plot()
+    run = sim.compress(strain=0.01, steps=10)
+    print(run.table()["pressure"])
+    run[-1].plot()
 
 Names load when first used, so that the import takes no time.
 """
@@ -24,9 +24,7 @@ if TYPE_CHECKING:
 
     from .comparison import Comparison as Comparison
     from .comparison import compare as compare
-    from .compression import compress as compress
-    from .crystal import cubic as cubic
-    from .crystal import triangular as triangular
+    from .crystals import crystal as crystal
     from .errors import BeyondModelWarning as BeyondModelWarning
     from .errors import CallError as CallError
     from .errors import DeformableError as DeformableError
@@ -43,91 +41,65 @@ if TYPE_CHECKING:
     from .laws import Droplet as Droplet
     from .laws import Ring as Ring
     from .laws import Sector as Sector
-    from .measured_moduli import Modulus as Modulus
-    from .measured_moduli import bulk_modulus as bulk_modulus
-    from .measured_moduli import shear_modulus as shear_modulus
-    from .motion import move as move
-    from .movies import movie as movie
+    from .laws import SoftContact as SoftContact
     from .packing import Packing as Packing
     from .parallel import jackknife as jackknife
     from .parallel import parallel_map as parallel_map
     from .polishing import polish as polish
     from .polygon_simulation import PolygonSimulation as PolygonSimulation
-    from .polygons import PolygonModel as PolygonModel
-    from .polygons import Walls as Walls
+    from .polygons import DeformablePolygon as DeformablePolygon
     from .random import bidisperse as bidisperse
     from .random import polydisperse as polydisperse
-    from .recording import compress_in as compress_in
-    from .recording import record as record
-    from .recording import shear_in as shear_in
     from .run import Run as Run
-    from .run import export as export
-    from .run import log as log
     from .run import state_in_file as state_in_file
     from .secondary import resolve_secondary as resolve_secondary
-    from .settling import settle as settle
-    from .shearing import DynamicModulus as DynamicModulus
-    from .shearing import creep as creep
-    from .shearing import dynamic_modulus as dynamic_modulus
-    from .shearing import oscillate as oscillate
-    from .shearing import shear as shear
     from .simulation import DropletSimulation as DropletSimulation
     from .simulation import Simulation as Simulation
     from .soft_disks import Disks as Disks
     from .soft_disks import Spheres as Spheres
-    from .starts import push_off as push_off
     from .state import DiskState as DiskState
     from .state import DropletState as DropletState
     from .state import PolygonState as PolygonState
     from .state import SphereState as SphereState
     from .state import State as State
-    from .tracking import unwrapped as unwrapped
-    from .walls import Ball as Ball
-    from .walls import Circle as Circle
+    from .walls import BoxWall as BoxWall
     from .walls import Cone as Cone
     from .walls import Cylinder as Cylinder
-    from .walls import Disk as Disk
     from .walls import Plane as Plane
-    from .walls import Polygon as Polygon
-    from .walls import Post as Post
+    from .walls import PolygonWall as PolygonWall
     from .walls import Segment as Segment
     from .walls import Sphere as Sphere
-    from .walls import cuboid as cuboid
-    from .walls import rectangle as rectangle
 
     __version__: str
     potentials: Path
 
 _HOMES = {
+    "crystal": "crystals",
+    "SoftContact": "laws",
+    "PolygonWall": "walls",
+    "BoxWall": "walls",
     "PolygonSimulation": "polygon_simulation",
     "PolygonState": "state",
-    "PolygonModel": "polygons",
-    "Ball": "walls",
+    "DeformablePolygon": "polygons",
     "BeyondModelWarning": "errors",
     "CallError": "errors",
-    "Circle": "walls",
     "Comparison": "comparison",
     "Cone": "walls",
     "Cylinder": "walls",
-    "Disk": "walls",
     "DiskState": "state",
     "Disks": "soft_disks",
     "Droplet": "laws",
     "DropletSimulation": "simulation",
     "DropletState": "state",
-    "DynamicModulus": "shearing",
     "DeformableError": "errors",
     "FileError": "errors",
     "UndefinedError": "errors",
     "Friction": "friction",
     "JumpWarning": "errors",
     "LammpsError": "errors",
-    "Modulus": "measured_moduli",
     "Packing": "packing",
     "ParameterError": "errors",
     "Plane": "walls",
-    "Polygon": "walls",
-    "Post": "walls",
     "Ring": "laws",
     "Run": "run",
     "Sector": "laws",
@@ -140,37 +112,15 @@ _HOMES = {
     "State": "state",
     "UnjammedWarning": "errors",
     "UnsavedWarning": "errors",
-    "Walls": "polygons",
     "bidisperse": "random",
-    "bulk_modulus": "measured_moduli",
     "compare": "comparison",
-    "compress": "compression",
-    "compress_in": "recording",
-    "creep": "shearing",
-    "cubic": "crystal",
-    "cuboid": "walls",
-    "dynamic_modulus": "shearing",
-    "export": "run",
     "jackknife": "parallel",
     "jam": "jamming",
-    "log": "run",
-    "move": "motion",
-    "movie": "movies",
-    "oscillate": "shearing",
     "parallel_map": "parallel",
     "polish": "polishing",
     "polydisperse": "random",
-    "push_off": "starts",
-    "record": "recording",
-    "rectangle": "walls",
     "resolve_secondary": "secondary",
-    "settle": "settling",
-    "shear": "shearing",
-    "shear_in": "recording",
-    "shear_modulus": "measured_moduli",
     "state_in_file": "run",
-    "triangular": "crystal",
-    "unwrapped": "tracking",
 }
 
 __all__ = list(_HOMES)

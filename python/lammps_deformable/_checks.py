@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from dataclasses import fields
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -102,3 +104,18 @@ def shown(value: object) -> str:
     plain = value.tolist() if isinstance(value, (np.ndarray, np.generic)) else value
     line = " ".join(repr(plain).split())
     return line if len(line) <= 200 else line[:200] + "..."
+
+
+def as_call(value: Any, **defaults: object) -> str:
+    """The call that makes an object of a dataclass, without what has its default.
+
+    Args:
+        value: the object.
+        defaults: those that its fields do not tell.
+    """
+    words = []
+    for field in sorted(fields(value), key=lambda field: field.kw_only is True):
+        own = getattr(value, field.name)
+        if own != defaults.get(field.name, field.default):
+            words.append(f"{field.name}={own!r}")
+    return f"{type(value).__name__}({', '.join(words)})"

@@ -242,7 +242,7 @@ class Analysis(ABC):
 
             stress = -sum x F / filled_area        (symmetric part)
 
-        The sum of stress times `filled_area` over the particles is `stress` times `packing.area`;
+        The sum of stress times `filled_area` over the particles is `stress` times `packing.volume`;
         in three dimensions these are volumes.
         Between walls that holds for the trace, the pressure. A wall also exerts a torque on a
         particle, which `stress` has in its other components, and this tensor does not.

@@ -16,13 +16,13 @@ from numpy.typing import NDArray
 from ._files import comment_lines, rows_in_comments
 from .laws import AnyLaw, Droplet, Ring, pair_matrix, sticks
 from .room import closed
-from .walls import Polygon, Wall
+from .walls import PolygonWall, Wall
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from .packing import Packing
-    from .polygons import PolygonModel, Walls
+    from .polygons import DeformablePolygon, Walls
 
 SETUP = """
 units lj
@@ -86,7 +86,7 @@ def wall_commands(walls: Sequence[Wall]) -> str:
     """Commands for the walls, a fix for each, so that each has its force."""
     lines = []
     for n, wall in enumerate(walls, start=1):
-        count = f"{len(wall.corners)} " if isinstance(wall, Polygon) else ""
+        count = f"{len(wall.corners)} " if isinstance(wall, PolygonWall) else ""
         words = f"{wall.kind} {count}" + " ".join(f"{value:.17g}" for value in wall.values)
         words += f" adhesion {wall.adhesion!r}" * (wall.adhesion > 0.0)
         name = WALL.format(n)
@@ -96,7 +96,7 @@ def wall_commands(walls: Sequence[Wall]) -> str:
 
 def atom_style(packing: Packing) -> str:
     """LAMMPS atom_style for this packing."""
-    return "atomic" if packing.particle_radii is None else "sphere"
+    return "sphere" if packing._own_radii else "atomic"
 
 
 def pair_style(law: AnyLaw) -> str:
@@ -146,12 +146,12 @@ def law_commands(packing: Packing, law: AnyLaw, file: str) -> str:
         law: the contact law.
         file: its species file.
     """
-    smallest = float(packing.radius.min())
+    smallest = float(packing.radii.min())
     commands = _LAW.format(
         style=f"{pair_style(law)} {pair_style_arguments(law)}".strip(),
-        whose="type" if packing.particle_radii is None else "atom",
+        whose="atom" if packing._own_radii else "type",
         file=file,
-        names=" ".join(f"s{n}" for n in range(1, len(packing.radii) + 1)),
+        names=" ".join(f"s{n}" for n in range(1, len(packing._species_radii) + 1)),
     )
     return commands + minimizer_commands(skin=0.1 * smallest, dmax=0.005 * smallest)
 
@@ -160,7 +160,7 @@ def balance_command(packing: Packing, law: AnyLaw, tolerance: float) -> str:
     """Command for the imbalance that LAMMPS leaves to contacts; empty if the law has no balance."""
     if law.name in ("radical", "sector"):
         return ""
-    whose = "type" if packing.particle_radii is None else "atom"
+    whose = "atom" if packing._own_radii else "type"
     arguments = f"{pair_style_arguments(law)} balance {tolerance!r} 1000 radius {whose}"
     return f"pair_style {pair_style(law)} {arguments}"
 
@@ -177,7 +177,7 @@ def minimizer_commands(skin: float, dmax: float, tmax: float = 10.0) -> str:
     return _MINIMIZER.format(skin=skin, dmax=dmax, tmax=tmax)
 
 
-def polygon_contact_commands(model: PolygonModel, spacing: float) -> str:
+def polygon_contact_commands(model: DeformablePolygon, spacing: float) -> str:
     """Commands for the contacts of polygons, smooth or of beads.
 
     Args:
@@ -193,7 +193,7 @@ def polygon_contact_commands(model: PolygonModel, spacing: float) -> str:
     )
 
 
-def polygon_wall_commands(model: PolygonModel, stick: bool) -> str:
+def polygon_wall_commands(model: DeformablePolygon, stick: bool) -> str:
     """Commands for walls with the stiffness of beads, at a distance of p from their centers.
 
     The energy of LAMMPS' harmonic wall has no factor 1/2; it ignores the second number, sigma.

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import time
 import warnings
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import pairwise
@@ -24,7 +24,6 @@ from . import core
 from ._checks import count, expect
 from ._files import make_folder
 from .box import cartesian, fractional
-from .compression import compress
 from .contacts import without_rattlers
 from .core import angles, norm, unit_vectors
 from .errors import ParameterError
@@ -32,7 +31,7 @@ from .laws import Law, Ring, Sector, per_species, refuse_adhesion
 from .packing import Packing
 from .parallel import parallel_map
 from .polygon_simulation import PolygonSimulation
-from .polygons import PolygonModel, Polygons
+from .polygons import DeformablePolygon, Polygons
 from .simulation import Simulation
 from .soft_disks import Disks
 from .state import PolygonState, State
@@ -168,7 +167,7 @@ def compare(
     start: Packing | State | PolygonState | Sequence[State],
     *,
     law: Law | None = None,
-    polygon: PolygonModel | None = None,
+    polygon: DeformablePolygon | None = None,
     vertices: Iterable[int] = (38, 57, 76),
     beads: Iterable[int] = (),
     strain: float = 0.02,
@@ -223,7 +222,7 @@ def compare(
     rows = compression_rows(
         packing, reference, strain, steps, rivals, laws=laws, workers=workers, keep=keep
     )
-    disks = math.fsum(seconds for _, seconds in timed(compress(Disks(packing), strain, steps)))
+    disks = math.fsum(seconds for _, seconds in timed(Disks(packing), strain, steps))
     return Comparison(method_rows(rows, disks), rows)
 
 
@@ -249,11 +248,11 @@ def _begin(start: Any, strain: float, steps: int) -> tuple[Packing | State, floa
 
 def _polygons(
     packing: Packing,
-    polygon: PolygonModel | None,
+    polygon: DeformablePolygon | None,
     law: Law | None,
     vertices: int,
     smooth: bool = True,
-) -> PolygonModel:
+) -> DeformablePolygon:
     """Polygons of another number of vertices with the stiffness of a model, or of a law."""
     if polygon is not None:
         times = vertices / float(np.min(polygon.vertices))
@@ -263,12 +262,12 @@ def _polygons(
         return replace(polygon, vertices=of_each, kL=springs, smooth=smooth)
     if law is None:
         return standard_polygons(vertices, smooth=smooth)
-    kinds = len(packing.radii)
+    kinds = len(packing._species_radii)
     kA, kP = (per_species(value, kinds) for value in (law.kA, law.kP))
-    return stiff_polygons(packing.radii, vertices, kA, kP, smooth)
+    return stiff_polygons(packing._species_radii, vertices, kA, kP, smooth)
 
 
-def standard_polygons(count: int, kP: float = 6.0, smooth: bool = True) -> PolygonModel:
+def standard_polygons(count: int, kP: float = 6.0, smooth: bool = True) -> DeformablePolygon:
     """Polygons for the measurements, of kA = 1 and contacts of range c = 0.05 and stiffness 10.
 
     Args:
@@ -276,7 +275,7 @@ def standard_polygons(count: int, kP: float = 6.0, smooth: bool = True) -> Polyg
         kP: stiffness of their perimeter [energy/length^2].
         smooth: whether they are smooth, else bead polygons.
     """
-    return PolygonModel(vertices=count, radius=SKIN, kL=kP * count, kr=CONTACT, smooth=smooth)
+    return DeformablePolygon(count, smooth=smooth, radius=SKIN, kL=kP * count, kr=CONTACT)
 
 
 def stiff_polygons(
@@ -285,21 +284,23 @@ def stiff_polygons(
     kA: Sequence[float],
     kP: Sequence[float],
     smooth: bool = True,
-) -> PolygonModel:
+) -> DeformablePolygon:
     """Polygons of species of these stiffnesses, arguments as for `standard_polygons`.
 
     Where kP is infinite, polygons have 10 kA R^2 instead, because no spring is rigid.
     """
-    polygons = PolygonModel(vertices=count, radius=SKIN, smooth=True).polygons(radii)
+    polygons = DeformablePolygon(count, radius=SKIN).polygons(radii)
     springs = polygons.number * np.where(np.isinf(kP), STIFF * np.array(kA) * radii**2, kP)
-    return PolygonModel(count, SKIN, springs.tolist(), kA, kr=CONTACT * max(kA), smooth=smooth)
+    return DeformablePolygon(
+        count, smooth=smooth, radius=SKIN, kL=springs.tolist(), kA=kA, kr=CONTACT * max(kA)
+    )
 
 
-def _matched(law: Law, model: PolygonModel, packing: Packing) -> Law:
+def _matched(law: Law, model: DeformablePolygon, packing: Packing) -> Law:
     """The law for particles like these polygons: with their kP, and their vertices as a skin."""
     if isinstance(law, Sector):
         return law
-    polygons = model.polygons(packing.radii)
+    polygons = model.polygons(packing._species_radii)
     return replace(law, kP=polygons.kP.tolist(), skin=polygons.skin.tolist())
 
 
@@ -318,10 +319,10 @@ def _at_centers(exact: PolygonState, law: Law | None) -> Comparison:
 
 def compression_rows(
     start: Packing,
-    model: PolygonModel,
+    model: DeformablePolygon,
     strain: float,
     steps: int,
-    rivals: Sequence[PolygonModel] = (),
+    rivals: Sequence[DeformablePolygon] = (),
     *,
     laws: Mapping[str, Law] | None = None,
     workers: int | None = None,
@@ -362,7 +363,7 @@ def compression_rows(
         seconds_polygons: that of the reference's relaxation.
     """
     if laws is None:
-        laws = matching_laws(model, model.polygons(start.radii))
+        laws = matching_laws(model, model.polygons(start._species_radii))
     own = [name for name in laws if name not in _RESTLESS]
     others = [matching(start, rival) for rival in rivals]
     calls: list[tuple[Any, ...]] = [(start, model, strain, steps)]
@@ -474,33 +475,34 @@ def of_many_vertices(coarse: float, fine: float, times: float) -> float:
     return fine + (fine - coarse) / (times**2 - 1.0)
 
 
-def _path(start: Packing, method: Law | PolygonModel, strain: float, steps: int) -> Steps[Any]:
-    path = polygon_path if isinstance(method, PolygonModel) else law_path
+def _path(start: Packing, method: Law | DeformablePolygon, strain: float, steps: int) -> Steps[Any]:
+    path = polygon_path if isinstance(method, DeformablePolygon) else law_path
     return path(start, method, strain, steps)  # type: ignore[arg-type]
 
 
 def polygon_path(
-    start: Packing, model: PolygonModel, strain: float, steps: int
+    start: Packing, model: DeformablePolygon, strain: float, steps: int
 ) -> Steps[PolygonState]:
     """Polygons compressed from jamming: states, and seconds of processor time, of the steps."""
     with PolygonSimulation(start, model, comm=MPI.COMM_SELF) as polygons, warnings.catch_warnings():
         warnings.simplefilter("ignore")  # the rows have the residuals
-        return list(timed(compress(polygons, strain, steps)))
+        return timed(polygons, strain, steps)
 
 
 def law_path(start: Packing, law: Law, strain: float, steps: int) -> Steps[State]:
     """As `polygon_path`, for the particles of a law."""
     with Simulation(start, law, MPI.COMM_SELF) as sim, warnings.catch_warnings():
         warnings.simplefilter("ignore")  # the rows have the residuals
-        return list(timed(compress(sim, strain, steps)))
+        return timed(sim, strain, steps)
 
 
-def timed(results: Iterable[T]) -> Iterator[tuple[T, float]]:
-    """Each result with its seconds of processor time."""
-    began = time.process_time()
-    for result in results:
-        yield result, time.process_time() - began
-        began = time.process_time()
+def timed(sim: Any, strain: float, steps: int) -> list[tuple[Any, float]]:
+    """The states of a compression, with the seconds of processor time of each step."""
+    ends = [time.process_time()]
+    run = sim.compress(
+        strain=strain, steps=steps, callback=lambda _: ends.append(time.process_time())
+    )
+    return [(state, b - a) for state, (a, b) in zip(run[1:], pairwise(ends), strict=True)]
 
 
 def _against(
@@ -531,7 +533,7 @@ def _shape_error(exact: PolygonState, other: State | PolygonState) -> float | No
             return float(shape_errors(exact, other).mean())
         except ParameterError:  # an outline folds
             return None
-    radius = exact.packing.radius
+    radius = exact.packing.radii
     return float(np.mean(np.abs(_dents(exact) - _dents(other)) / radius[:, None]))
 
 
@@ -548,7 +550,7 @@ def _dents(state: PolygonState) -> NDArray[np.float64]:
 
 
 def matching_laws(
-    model: PolygonModel, polygons: Polygons, rigid: Sequence[bool] = ()
+    model: DeformablePolygon, polygons: Polygons, rigid: Sequence[bool] = ()
 ) -> dict[str, Law]:
     """The contact laws for such polygons, by name.
 
@@ -578,12 +580,12 @@ def matching_laws(
     return found
 
 
-def matching(packing: Packing, model: PolygonModel) -> Packing:
+def matching(packing: Packing, model: DeformablePolygon) -> Packing:
     """The packing with other radii, such that the polygons have its own radii as effective ones."""
-    radii = packing.radii
+    radii = packing._species_radii
     for _ in range(10):  # the roughness hardly depends on the radius: each step gains two digits
-        radii = radii + packing.radii - model.polygons(radii).effective_radius
-    return replace(packing, radii=radii)
+        radii = radii + packing._species_radii - model.polygons(radii).effective_radius
+    return packing.replace(radii=radii[packing.species])
 
 
 def is_unjammed(own: State | PolygonState, exact: PolygonState) -> bool:
@@ -618,7 +620,7 @@ def _rms(a: Packing, b: Packing, held: NDArray[np.bool_]) -> float | None:
     apart -= apart[0]  # then the nearest image does not depend on the drift
     apart = cartesian(apart - np.rint(apart), b.box)
     apart -= apart.mean(axis=0)
-    return float(np.sqrt(np.mean(np.sum(apart**2, axis=1))) / b.radius.mean())
+    return float(np.sqrt(np.mean(np.sum(apart**2, axis=1))) / b.radii.mean())
 
 
 def predict(reference: PolygonState, law: Law | None = None, comm: MPI.Comm | None = None) -> State:
@@ -641,7 +643,8 @@ def predict(reference: PolygonState, law: Law | None = None, comm: MPI.Comm | No
         law = matching_laws(reference.model, reference.polygons)["balanced"]
     expect("law", law, Ring, Sector)
     refuse_adhesion(law, (), ", and polygons have none")
-    packing = replace(reference.packing, radii=reference.polygons.effective_radius)
+    radii = reference.polygons.effective_radius[reference.packing.species]
+    packing = reference.packing.replace(radii=radii)
     with Simulation(packing, law, comm) as sim:
         return sim.state()
 
@@ -649,7 +652,7 @@ def predict(reference: PolygonState, law: Law | None = None, comm: MPI.Comm | No
 def polygon_outlines(reference: PolygonState, state: State) -> list[NDArray[np.float64]]:
     """Lines of bead centers in a law, about each particle's own center, arrays (m, 2) [length]."""
     polygons = reference.polygons.radius[reference.packing.species]
-    return state.parallels(state.packing.radius - polygons, _POINTS)
+    return state.parallels(state.packing.radii - polygons, _POINTS)
 
 
 def shape_errors(reference: PolygonState, state: State) -> NDArray[np.float64]:
@@ -664,7 +667,7 @@ def shape_errors(reference: PolygonState, state: State) -> NDArray[np.float64]:
             reference.outlines,
             reference.packing.positions,
             polygon_outlines(reference, state),
-            reference.packing.radius,
+            reference.packing.radii,
             strict=True,
         )
     ):

@@ -1,85 +1,47 @@
-"""Quasistatic compression: shrink the box a little, relax, again."""
+"""Quasistatic compression, and growth of the particles: a small change, relax, again.
+
+`Simulation.compress` scales the box, walls and centers, `Simulation.grow` the radii.
+"""
 
 from __future__ import annotations
 
 import warnings
-from functools import cache
-from typing import TYPE_CHECKING, Any, Protocol, TypeVar
+from dataclasses import replace
+from functools import partial
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ._checks import count, expect, finite, positive
 from .errors import ParameterError, UnjammedWarning
-from .free_box import Relaxed, UnreachedError, reach, told_at_the_end
+from .free_box import REACHED, UnreachedError, reach, told_at_the_end
 from .polygon_simulation import PolygonSimulation
-from .progress import Steps, progress
 from .ranks import world
-from .simulation import DropletSimulation, Simulation
-from .soft_disks import Disks, SoftParticles, Spheres
+from .recording import Protocol, check_tolerance, play
+from .simulation import Deforming
+from .soft_disks import SoftParticles
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterator, Mapping
 
-S = TypeVar("S", bound=Relaxed)
-S_co = TypeVar("S_co", bound=Relaxed, covariant=True)
-
-
-class Compressible(Protocol[S_co]):
-    """A simulation in a periodic box: `Simulation`, `Disks`, `Spheres` or `PolygonSimulation`."""
-
-    @property
-    def box(self) -> NDArray[np.float64]: ...
-    def deform(self, box: NDArray[np.float64]) -> None: ...
-    def state(self) -> S_co: ...
-
-    # its arguments are checked by each simulation
-    @property
-    def relax(self) -> Callable[..., S_co]: ...
+    from .run import Run
 
 
 def compress(
-    sim: Compressible[S],
+    sim: Any,
+    *,
     strain: float | None = None,
-    steps: int = 10,
-    tolerance: float | None = None,
     phi: float | None = None,
     pressure: float | None = None,
-) -> Iterator[S]:
-    """Compress isotropically in equal steps, relaxing after each one.
-
-    Give one of strain, phi and pressure. After step n of a strain the box lengths are those at the
-    call times 1 - strain n / steps. With a phi or a pressure its value after step n lies n / steps
-    of the way from that of the relaxed start to the target; a packing that is loose has none, and
-    is compressed until it has. Such a step takes some four relaxations. Where the start has the
-    target already, the packing stays as it is in all steps. Walls are scaled with the box.
-
-    Args:
-        sim: a `Simulation`, `Disks`, `Spheres` or a `PolygonSimulation`; it ends in the last state.
-        strain: total linear strain, not 0, below 1; negative expands.
-        steps: number of steps.
-        tolerance: of each relaxation; by default that of `sim.relax`.
-        phi: packing fraction of the last state, `state.phi`, reached to 1e-9 of it; that of
-            deformable particles is below 1.
-        pressure: of the last state, reached to 1e-6 of it [energy/length^d]; not with polygons.
-
-    Yields:
-        The relaxed state after each step. A step is done when its state is asked for.
-
-    Raises:
-        ParameterError: a value is out of range, or a target cannot be reached, and the message has
-            what was.
-
-    Warns:
-        UnjammedWarning: an expansion has taken the packing apart; once, after the first such step.
-    """
-    expect("sim", sim, Simulation, DropletSimulation, Disks, Spheres, PolygonSimulation)
+    steps: int = 1,
+    tolerance: float | None = None,
+    **recording: Any,
+) -> Run:
+    """See `Simulation.compress`."""
     name, target = check_target(sim, steps, strain=strain, phi=phi, pressure=pressure)
-    if name == "strain":
-        states = remaining_steps(sim, sim.box, target, int(steps), 0, tolerance)
-        return Steps("compress", states, sim.state)
-    start = cache(lambda: sim.relax(**_given(tolerance)))
-    return Steps("compress", _towards(sim, name, start, target, int(steps), tolerance), start)
+    settings = {name: target, "steps": int(steps), "tolerance": check_tolerance(tolerance)}
+    return play(sim, "compress", settings, **recording)
 
 
 def check_target(sim: object, steps: int, **targets: float | None) -> tuple[str, float]:
@@ -94,14 +56,12 @@ def check_target(sim: object, steps: int, **targets: float | None) -> tuple[str,
         ParameterError: none or several are given, or one that no packing has.
     """
     count("steps", steps)
-    given = {name: value for name, value in targets.items() if value is not None}
-    if len(given) != 1:
-        raise ParameterError(
-            f"give one of {', '.join(targets)}, not {' and '.join(given) or 'none of them'}"
-        )
-    ((name, target),) = given.items()
+    name, target = _one_of(targets)
     if name == "strain":
-        check_strain_and_steps(target, steps)
+        if not -1.0 < finite("strain", target) < 1.0:
+            raise ParameterError(f"strain must lie between -1 and 1 (1 % is 0.01), not {target}")
+        if target == 0.0:
+            raise ParameterError("strain must not be 0: relax the simulation instead")
         return name, float(target)
     if name == "pressure" and isinstance(sim, PolygonSimulation):
         raise ParameterError("polygons have no target pressure: give strain or phi")
@@ -112,98 +72,157 @@ def check_target(sim: object, steps: int, **targets: float | None) -> tuple[str,
     return name, float(target)
 
 
-def check_strain_and_steps(strain: float, steps: int) -> None:
-    """Refuse a strain or a number of steps that `compress` cannot take."""
-    if not -1.0 < finite("strain", strain) < 1.0:
-        raise ParameterError(f"strain must lie between -1 and 1 (1 % is 0.01), not {strain}")
-    if strain == 0.0:
-        raise ParameterError("strain must not be 0: relax the simulation instead")
-    count("steps", steps)
+def _one_of(targets: Mapping[str, float | None]) -> tuple[str, float]:
+    given = {name: value for name, value in targets.items() if value is not None}
+    if len(given) != 1:
+        raise ParameterError(
+            f"give one of {', '.join(targets)}, not {' and '.join(given) or 'none of them'}"
+        )
+    return given.popitem()
 
 
-def remaining_steps(
-    sim: Compressible[S],
-    box: NDArray[np.float64],
-    strain: float,
-    steps: int,
-    done: int,
-    tolerance: float | None,
-) -> Iterator[S]:
-    """The remaining steps of a compression that started at this box, after the steps done."""
-
-    def step(n: int) -> S:
-        sim.deform(box * (1.0 - strain * n / steps))
-        return sim.relax(**_given(tolerance))
-
-    return _stepped(step, steps, done, expands=strain < 0.0)
+def _relaxing(sim: Any, settings: Mapping[str, Any]) -> Callable[..., Any]:
+    """Relaxes the simulation, whose tolerance is its own if none is given."""
+    tolerance = settings.get("tolerance")
+    return sim.relax if tolerance is None else partial(sim.relax, tolerance)
 
 
-def _given(tolerance: float | None) -> dict[str, Any]:
-    """Arguments of `relax`, which has a tolerance of its own."""
-    return {} if tolerance is None else {"tolerance": tolerance}
+def _target_of(settings: Mapping[str, Any]) -> tuple[str, float]:
+    names = ("strain", "phi", "pressure", "factor")
+    return next((name, settings[name]) for name in names if settings.get(name) is not None)
+
+
+def _begin(sim: Any, settings: Mapping[str, Any]) -> tuple[Any, dict[str, Any]]:
+    """The present state, or the relaxed one where a phi or a pressure is to be reached."""
+    name, target = _target_of(settings)
+    start = {"box": sim.box.tolist(), "strain": sim.strain, "states": settings["steps"]}
+    if name in ("strain", "factor"):
+        return sim.state(), start
+    state = _relaxing(sim, settings)()
+    value = getattr(state, name)
+    if abs(value - target) <= REACHED[name] * target:
+        start["states"] = 0
+    return state, start | {name: value}
+
+
+def _compressed(
+    sim: Any, settings: Mapping[str, Any], start: Mapping[str, Any], done: int, before: Any
+) -> Iterator[Any]:
+    (name, target), steps = _target_of(settings), settings["steps"]
+    relax = _relaxing(sim, settings)
+    if name == "strain":
+        box = np.array(start["box"])
+
+        def step(n: int) -> Any:
+            sim.deform(box * (1.0 - target * n / steps))
+            return relax()
+
+        return _told_if_apart(sim, step, steps, done, before, expands=target < 0.0)
+
+    def reached(goal: float) -> Any:
+        if name == "pressure":
+            return relax(pressure=goal)
+        return told_at_the_end(lambda each: reach(sim, name, goal, each), relax, stacklevel=6)
+
+    return _towards(sim, name, target, steps, start, done, before, reached)
 
 
 def _towards(
-    sim: Compressible[S],
+    sim: Any,
     name: str,
-    start: Callable[[], S],
     target: float,
     steps: int,
-    tolerance: float | None,
-) -> Iterator[S]:
-    """The steps to a phi or pressure from that of the relaxed start."""
-    begin = getattr(start(), name)
-    yield from steps_towards(sim, name, begin, target, steps, 0, tolerance)
-
-
-def steps_towards(
-    sim: Compressible[S],
-    name: str,
-    start: float,
-    target: float,
-    steps: int,
+    start: Mapping[str, Any],
     done: int,
-    tolerance: float | None,
-) -> Iterator[S]:
-    """The remaining steps from a phi or pressure to a target, after the steps done."""
-    start = max(start, 0.0)
-    given = _given(tolerance)
+    before: Any,
+    reached: Callable[[float], Any],
+) -> Iterator[Any]:
+    """The states at equal steps from the value of the start to the target."""
+    begin = max(start[name], 0.0)
 
-    def reached(goal: float) -> S:
-        if name == "pressure":
-            return sim.relax(pressure=goal, **given)
-        return told_at_the_end(
-            lambda relax: reach(sim, name, goal, relax), lambda: sim.relax(**given), stacklevel=6
-        )
-
-    def step(n: int) -> S:
+    def step(n: int) -> Any:
         if n == steps:
             return reached(target)
         try:
-            return reached(start + (target - start) * n / steps)
+            return reached(begin + (target - begin) * n / steps)
         except UnreachedError as error:
             raise UnreachedError(
                 f"{name} = {target:.10g} was not reached: in step {n} of {steps}, {error}"
             ) from None
 
-    return _stepped(step, steps, done, expands=target < start)
+    return _told_if_apart(sim, step, steps, done, before, expands=target < begin)
 
 
-def _stepped(step: Callable[[int], S], steps: int, done: int, expands: bool) -> Iterator[S]:
-    """The states after the steps that remain."""
-    apart = not expands  # then `relax` warns if a packing becomes loose
-    with progress("compressing", unit="step", total=steps, initial=done) as bar:
-        for n in range(done + 1, steps + 1):
-            state = step(n)
-            bar.set_postfix(phi=f"{state.phi:.4f}", pressure=f"{state.pressure:.3g}")
-            bar.update()
-            if not (apart or state.coordination):
-                apart = True
-                if world().rank == 0:
-                    warnings.warn(
-                        f"the packing has come apart at step {n}, phi = {state.phi:.5f}: from here "
-                        "on no contacts hold it, and its numbers are those of loose particles",
-                        UnjammedWarning,
-                        stacklevel=3,
-                    )
-            yield state
+def _told_if_apart(
+    sim: Any, step: Callable[[int], Any], steps: int, done: int, before: Any, expands: bool
+) -> Iterator[Any]:
+    """The states after the steps that remain; a warning where an expansion has parted them."""
+    if expands and before is None:
+        before = sim.state()
+    for n in range(done + 1, steps + 1):
+        state = step(n)
+        # `relax` itself warns of a packing that becomes loose in a compression
+        if expands and before.coordination and not state.coordination and world().rank == 0:
+            warnings.warn(
+                f"the packing has come apart at step {n}, phi = {state.phi:.5f}: from here "
+                "on no contacts hold it, and its numbers are those of loose particles",
+                UnjammedWarning,
+                stacklevel=3,
+            )
+        before = state
+        yield state
+
+
+COMPRESS = Protocol(_begin, _compressed)
+
+
+def grow(
+    sim: Any,
+    *,
+    factor: float | None = None,
+    phi: float | None = None,
+    steps: int = 1,
+    tolerance: float | None = None,
+    **recording: Any,
+) -> Run:
+    """See `Simulation.grow`."""
+    expect("sim", sim, Deforming)
+    count("steps", steps)
+    name, target = _one_of({"factor": factor, "phi": phi})
+    if name == "phi":
+        check_target(sim, steps, phi=phi)
+    elif positive("factor", target) == 1.0:
+        raise ParameterError("factor must not be 1: relax the simulation instead")
+    settings = {name: float(target), "steps": int(steps), "tolerance": check_tolerance(tolerance)}
+    return play(sim, "grow", settings, **recording)
+
+
+def _grown(
+    sim: Any, settings: Mapping[str, Any], start: Mapping[str, Any], done: int, before: Any
+) -> Iterator[Any]:
+    (name, target), steps = _target_of(settings), settings["steps"]
+    relax = _relaxing(sim, settings)
+    if name == "factor":
+
+        def step(_: int) -> Any:
+            scale_radii(sim, target ** (1.0 / steps))
+            return relax()
+
+        return _told_if_apart(sim, step, steps, done, before, expands=target < 1.0)
+    # in a box of the size 1 / factor of the radii
+    growing = SimpleNamespace(box=1.0, deform=lambda size: scale_radii(sim, 1.0 / size))
+
+    def reached(goal: float) -> Any:
+        return told_at_the_end(lambda each: reach(growing, name, goal, each), relax, stacklevel=6)
+
+    return _towards(sim, name, target, steps, start, done, before, reached)
+
+
+def scale_radii(sim: Any, factor: float) -> None:
+    """Multiply the radii of all particles, which stay where they are."""
+    state = sim.state()
+    grown = state.packing.replace(radii=state.packing.radii * factor)
+    sim.restart(replace(state, packing=grown))
+
+
+GROW = Protocol(_begin, _grown)

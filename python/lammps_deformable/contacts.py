@@ -30,7 +30,7 @@ from .errors import ParameterError
 from .neighbors import forward
 from .room import Distances, closed
 from .versions import optional
-from .walls import Cone, Cylinder, Plane, Post, Round, Wall
+from .walls import Cone, Cylinder, Plane, Sphere, Wall
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -80,12 +80,12 @@ def _forbidden(wall: Wall) -> list[Floats]:
     """Rows that vanish for a motion that moves a wall within itself."""
     if isinstance(wall, Plane):
         normal = np.array(wall.normal) / np.linalg.norm(wall.normal)
-        return [_turns(normal), normal[None] @ _moves(np.array(wall.point))]
-    if isinstance(wall, (Cylinder, Post)):
+        return [_turns(normal), normal[None] @ _moves(np.array(wall.origin))]
+    if isinstance(wall, Cylinder):
         return [_turns(np.array(wall.direction)), _moves(wall.middle)[list(wall.round_axes)]]
     if isinstance(wall, Cone):
         return [_turns(np.array(wall.direction)), _moves(wall.middle)]
-    if isinstance(wall, Round):
+    if isinstance(wall, Sphere):
         return [_moves(wall.middle)]
     return [np.eye(3)]  # of one with corners, in the plane
 
@@ -159,7 +159,7 @@ def with_walls(packing: Packing, reach: float) -> Sides:
         return between(none, none, np.empty((0, packing.dimension)))
     distances = Distances(packing.walls, packing.box)
     out, height = distances(packing.positions)
-    near = (height < (1.0 + reach) * packing.radius).T
+    near = (height < (1.0 + reach) * packing.radii).T
     vector = np.swapaxes(height[..., None] * out, 0, 1)[near]
     (i, wall), turn = np.nonzero(near), distances.turns(packing.positions).T[near]
     if (centered := np.flatnonzero(np.isinf(turn))).size:
@@ -370,7 +370,7 @@ def _missing_sides(pairs: ContactTable, packing: Packing) -> ContactTable:
     sides = np.array(
         [row for row in pairs if _key(row["j"], row["i"], -row["image"]) not in found], COLUMNS
     )
-    overlap = packing.radius[sides["i"]] + packing.radius[sides["j"]] - sides["distance"]
+    overlap = packing.radii[sides["i"]] + packing.radii[sides["j"]] - sides["distance"]
     sides["i"], sides["j"] = sides["j"].copy(), sides["i"].copy()
     sides["image"] *= -1
     sides["angle"] += np.where(sides["angle"] > 0.0, -np.pi, np.pi)
@@ -445,7 +445,7 @@ def forces_of_droplets(packing: Packing, table: DropletTable) -> ContactForces:
     i, j = table["i"], table["j"]
     rows = table[(i < j) | (j < 0) | ((i == j) & forward(table["image"]))]
     distance = rows["distance"]
-    part = (packing.radius[rows["i"]] - rows["indentation"]) / distance
+    part = (packing.radii[rows["i"]] - rows["indentation"]) / distance
     return ContactForces(
         i=rows["i"],
         j=rows["j"],
@@ -497,7 +497,7 @@ def forces_of_table(packing: Packing, table: ContactTable) -> ContactForces:
     i, j = table["i"], table["j"]
     rows = table[(i < j) | (j < 0) | ((i == j) & forward(image))]
     i, j = rows["i"], rows["j"]
-    within = (packing.radius[i] - rows["indentation"]) / np.cos(rows["tilt"])
+    within = (packing.radii[i] - rows["indentation"]) / np.cos(rows["tilt"])
     return ContactForces(
         i=i,
         j=j,
@@ -530,7 +530,7 @@ def graph(packing: Packing, contacts: ContactForces, rattlers: NDArray[np.bool_]
     found = networkx.MultiGraph()
     axes = "xyz"[: packing.dimension]
     names = (*axes, "radius", "species", "rattler")
-    columns = (*packing.positions.T, packing.radius, packing.species, rattlers)
+    columns = (*packing.positions.T, packing.radii, packing.species, rattlers)
     for n, values in enumerate(zip(*(column.tolist() for column in columns), strict=True)):
         found.add_node(n, **dict(zip(names, values, strict=True)))
     steps = {f"d{axis}": step for axis, step in zip(axes, contacts.vector.T, strict=True)}
@@ -557,7 +557,7 @@ def chords(packing: Packing, contacts: ContactForces) -> list[list[Floats]]:
     At the distance d of the centers it is (d^2 + R^2 - R'^2)/(2 d) from the center of R.
     """
     disk, other, vector, _ = _sides(contacts)
-    radius, d = packing.radius, np.hypot(*vector.T)
+    radius, d = packing.radii, np.hypot(*vector.T)
     r = radius[disk]
     height = np.where(other < 0, d, (d**2 + r**2 - radius[other] ** 2) / (2.0 * d))
     out = vector / d[:, None]

@@ -318,6 +318,7 @@ def data_file(
     origin: Sequence[float] = (0, 0, 0),
     velocities: Floats | None = None,
     spins: Floats | None = None,
+    images: NDArray[np.int64] | None = None,
 ) -> str:
     """Text of a LAMMPS data file, with every digit.
 
@@ -332,6 +333,8 @@ def data_file(
         origin: lower left corner of the box, d numbers [length].
         velocities: of the atoms, shape (N, d) [length/time]; at rest if not given.
         spins: angular velocities beside them, shape (N,), of `sphere` [1/time]; 0 if not given.
+        images: how often atoms have left the box through each side, shape (N, d); written if any
+            has.
     """
     vectors, ids = np.asarray(box, np.float64), np.arange(1, len(positions) + 1)
     lines = [title, "", f"{len(positions)} atoms", f"{types} atom types"]
@@ -343,7 +346,8 @@ def data_file(
     lines += [" ".join(map(repr, _tilts(vectors))) + " xy xz yz", ""]
     if style != "sphere":
         lines += ["Masses", "", *(f"{n} 1" for n in range(1, types + 1)), ""]
-    lines += [f"Atoms # {style}", "", *_table(ids, *columns, *_axes(positions))]
+    flags = [] if images is None or not images.any() else _axes(images)
+    lines += [f"Atoms # {style}", "", *_table(ids, *columns, *_axes(positions), *flags)]
     if velocities is not None:
         none = np.zeros(len(ids), int)
         about_z = 0.0 * ids if spins is None else spins
@@ -387,6 +391,8 @@ def read_data_file(text: str) -> Particles:
     complete = sum(len(row.split()) >= len(names) for row in atoms)
     if not atoms or complete != len(atoms) or complete != int(words["atoms"][0]):
         raise ValueError(f"it has {complete} of {words['atoms'][0]} atoms")
+    if all(len(row.split()) >= len(names) + 3 for row in atoms):
+        names += ["ix", "iy", "iz"]
     columns = _by_ids(_columns_of(atoms, names), len(atoms))
     ids, kinds, *place = (columns.pop(name) for name in ("id", "type", "x", "y", "z"))
     ends = [words[name][:2] for name in ("xhi", "yhi")]

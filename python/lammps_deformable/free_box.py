@@ -200,7 +200,7 @@ def check_free(
         if friction:
             raise ParameterError(
                 "with friction a packing depends on its way to a pressure, and relax goes to and "
-                "fro: take settle(sim, pressure)"
+                "fro: take run(steps, pressure=)"
             )
     if not isinstance(box, str) or box not in FREE:
         raise ParameterError(f"box must be size, sides or shape, not {shown(box)}")

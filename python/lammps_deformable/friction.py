@@ -9,7 +9,7 @@ Friction in pictures: contacts that slide, forces along contacts, and spins.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
     from .packing import Packing
 
-_NAMES = ("mu", "kt", "gt", "damp")
+_NAMES = ("mu", "kt", "gt", "damping")
 
 # Masses are 1, and 1 + m R^2/I is that of spheres at most.
 _MASS, _LEVER = 1.0, 3.5
@@ -48,7 +48,7 @@ class Friction:
     and a dashpot have the force, by which both sides rub, and another dashpot damps the normal:
 
         f_t = kt xi + gt dxi/dt,   dxi/dt = v.t,   held to |f_t| <= mu max(f, 0)
-        f_d = min(damp v.n, max(f, 0))
+        f_d = min(damping v.n, max(f, 0))
 
     f is the elastic force of the contact. Particles turn: their spins have the moments of inertia
     m R^2/2 of disks. See *fix deformable/friction*.
@@ -57,7 +57,7 @@ class Friction:
         mu: coefficient of friction, 0 or more; `math.inf` is a contact that does not slip.
         kt: stiffness of the spring [energy/length^2]; about half of that of the contact is usual.
         gt: constant of the dashpot along the contact [force/velocity].
-        damp: constant of the dashpot along its normal [force/velocity].
+        damping: constant of the dashpot along its normal [force/velocity].
         walls: of contacts with walls, each a number; if not given they are as those of particles.
 
     Each of the first four is a number for all pairs, or a symmetric matrix with a row and a column
@@ -70,9 +70,10 @@ class Friction:
     """
 
     mu: ByPair
+    _: KW_ONLY
     kt: ByPair
     gt: ByPair = 0.0
-    damp: ByPair = 0.0
+    damping: ByPair = 0.0
     walls: Friction | None = None
 
     def __post_init__(self) -> None:
@@ -80,10 +81,12 @@ class Friction:
             object.__setattr__(self, name, by_pair(name, getattr(self, name)))
         for row in self._rows():
             if problem := core.invalid_friction(*row):
-                raise ParameterError(problem)
+                raise ParameterError(problem.replace("damp must", "damping must"))
         expect("walls", self.walls, Friction, type(None))
         if self.walls and (self.walls.by_species or self.walls.walls):
-            raise ParameterError("friction with walls has one number for each of mu, kt, gt, damp")
+            raise ParameterError(
+                "friction with walls has one number for each of mu, kt, gt, damping"
+            )
 
     @property
     def rubs(self) -> bool:
@@ -110,7 +113,7 @@ class Friction:
         return _ACCURATE * self.longest_step
 
     def of_pairs(self, species: int) -> NDArray[np.float64]:
-        """mu, kt, gt and damp of each pair, shape (species, species, 4).
+        """mu, kt, gt and damping of each pair, shape (species, species, 4).
 
         Raises:
             ParameterError: there is another number of species.
@@ -118,7 +121,7 @@ class Friction:
         return np.stack([pair_matrix(name, getattr(self, name), species) for name in _NAMES], 2)
 
     def _rows(self) -> list[list[float]]:
-        """mu, kt, gt and damp of each pair of as many species as matrices have."""
+        """mu, kt, gt and damping of each pair of as many species as matrices have."""
         species = max(len(np.atleast_1d(getattr(self, name))) for name in _NAMES)
         rows: list[list[float]] = self.of_pairs(species).reshape(-1, len(_NAMES)).tolist()
         return rows
@@ -141,10 +144,10 @@ def check_friction(friction: Friction, packing: Packing, law: AnyLaw) -> None:
         raise ParameterError(
             "friction needs contacts that slip, and those of Sector stick: take Ring"
         )
-    friction.of_pairs(len(packing.radii))
+    friction.of_pairs(len(packing._species_radii))
     if packing.walls and friction.by_species and friction.walls is None:
         raise ParameterError(
-            "friction differs by species, and walls have none: give it walls=Friction(mu, kt)"
+            "friction differs by species, and walls have none: give it walls=Friction(mu, kt=kt)"
         )
 
 
@@ -175,7 +178,7 @@ class Rubbing(NamedTuple):
         springs: of the contacts, shape (M, 7): the ID from 1 of its particle, that of its partner
             or the code below 0 of a wall; the vector to the center of the partner, 0 of a wall; the
             length xi of the spring; the forces f_t and f_d.
-        lost: energies lost so far by sliding, in the dashpots gt, and in the dashpots damp.
+        lost: energies lost so far by sliding, in the dashpots gt, and in the other dashpots.
         stored: energy of the springs; known of states only.
         places: of the springs, shape (M, 4): the normal of the contact, and the vector from the
             particle to the center of its partner or to the wall; known of states only.
@@ -389,7 +392,7 @@ def sliding_contacts(
 ) -> Mark:
     """The contacts that slide, as the outlines share them."""
     sliding = [table[table["sliding"]] for table in tables]
-    lines = flats_of(outlines, packing.radius, sliding)
+    lines = flats_of(outlines, packing.radii, sliding)
     return Mark(lines, [[_CONTACT] * len(each) for each in lines], _SLIDES)
 
 
@@ -398,7 +401,7 @@ def friction_bars(packing: Packing, tables: Sequence[ContactTable]) -> list[Mark
     marks = []
     for slides, color in ((False, _STICKS), (True, _SLIDES)):
         lines, widths = [], []
-        for radius, table in zip(packing.radius, tables, strict=True):
+        for radius, table in zip(packing.radii, tables, strict=True):
             rows = table[(table["sliding"] == slides) & (table["friction"] != 0.0)]
             part = np.minimum(np.abs(rows["friction"] / rows["force"]), 1.0)
             across = 0.5 * _BAR * radius * part[:, None] * unit_vectors(rows["angle"] + 0.5 * np.pi)
@@ -414,7 +417,7 @@ def spin_arrows(packing: Packing, spins: Floats) -> list[Mark]:
     fastest = float(np.abs(spins).max(initial=0.0)) or 1.0
     arrows = [
         _arrow(center, _PLACE * radius, _FASTEST * spin / fastest)
-        for center, radius, spin in zip(packing.positions, packing.radius, spins, strict=True)
+        for center, radius, spin in zip(packing.positions, packing.radii, spins, strict=True)
     ]
     return [
         Mark(arrows, [[width] * len(each) for each in arrows], color) for width, color in _ARROW

@@ -319,9 +319,9 @@ class Lines:
 
     def blocks(self) -> RingBlocks:
         """Energy and derivatives by the local variables of the sides."""
-        packing, radius = self.packing, self.packing.radius
+        packing, radius = self.packing, self.packing.radii
         number = np.bincount(self.sides.i, minlength=len(packing))
-        material = self.law.species_parameters(packing.radii).of(packing.species)
+        material = self.law.species_parameters(packing._species_radii).of(packing.species)
         particles = np.column_stack(
             [number, radius, material.kA, material.kP, material.skin, material.tension]
         )
@@ -402,7 +402,7 @@ def lines_of(packing: Packing, law: Law, table: ContactTable, rattlers: bool = T
         touching = np.isin(walls.i, table["i"][table["j"] < 0])
         walls = walls.part(touching)
     sides = joined(between(pairs["i"], pairs["j"], vector), walls)
-    count, radius = len(pairs), packing.radius
+    count, radius = len(pairs), packing.radii
     other = np.full(len(sides.i), -1)
     other[:count] = other_side(pairs)
     tilt, bend = pairs["tilt"], pairs["half_angle"]

@@ -6,7 +6,6 @@ Jamming: the packing at the onset of rigidity, of soft disks or of deformable pa
 from __future__ import annotations
 
 import warnings
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -222,9 +221,14 @@ def jam(
 def _grown(jammed: Packing, start: Packing) -> Packing:
     """The packing at the scale of the start, from which its box and walls have shrunk."""
     factor = start.box[0, 0] / jammed.box[0, 0]
-    own = None if jammed.particle_radii is None else factor * jammed.particle_radii
-    return replace(
-        start, positions=factor * jammed.positions, radii=factor * jammed.radii, particle_radii=own
+    return Packing._of_species(
+        factor * jammed.positions,
+        start.species,
+        factor * jammed._species_radii,
+        start.box,
+        factor * jammed.radii if jammed._own_radii else None,
+        start.walls,
+        start.seed,
     )
 
 
@@ -330,7 +334,7 @@ def _jammed_particles(
         if found < _NOTHING * pressure:
             change = max(change, min(2.0 * last, _FINEST))
         last = float(np.clip(change, -longest, longest))
-        packing = state.packing.at(state.packing.phi + last, grow)
+        packing = state.packing.at(state.packing.phi + last, grow=grow)
 
 
 def _relaxed(
@@ -338,7 +342,7 @@ def _relaxed(
 ) -> Stressed:
     """The packing, relaxed until its pressure is below the given one, or else to the tolerance."""
     # about the contact force at this pressure
-    minimum_contact_force = pressure * float(packing.radius.min()) ** (packing.dimension - 1)
+    minimum_contact_force = pressure * float(packing.radii.min()) ** (packing.dimension - 1)
     with simulate(packing, law, comm) as sim, warnings.catch_warnings():
         warnings.simplefilter("ignore", StalledWarning)  # `jam` warns once for all
         warnings.simplefilter("ignore", UnjammedWarning)  # expected below the onset

@@ -1,38 +1,29 @@
-"""Settings of pairs of species: a number for all pairs, or a symmetric matrix.
+"""Contact laws as settings: what one particle costs, for `Simulation`.
 
-Adhesion of pairs of species, as a setting of a law: a number for all, or a symmetric matrix.
-
-Contact laws as settings, and the table of their names.
-
-Droplets in three dimensions, as a setting.
-
-What sticks: particles to each other by their law, or to walls.
-
-Time steps that the contacts of a packing allow.
-
-How the pressure of a packing rises above the onset of jamming, about.
-
-The area or volume that particles fill.
+Laws with numbers for all species or one for each, the table of their names, and what follows from a
+law and a packing: adhesion to walls, time steps, and the pressure above the onset of jamming.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import KW_ONLY, dataclass, fields
+from dataclasses import KW_ONLY, dataclass
 from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import core
-from ._checks import number_or_nan, positive, shown
+from ._checks import as_call, number_or_nan, positive, shown
 from .box import refuse_space
 from .errors import ParameterError
 
 if TYPE_CHECKING:
     from .packing import Packing
     from .walls import Wall
+
+Floats = NDArray[np.float64]
 
 ByPair = float | Sequence[Sequence[float]]
 
@@ -88,7 +79,7 @@ def adhesion_of(given: object) -> float | tuple[tuple[float, ...], ...]:
     """
     adhesion = by_pair("adhesion", given)
     for value in np.ravel(adhesion).tolist():
-        _refuse_adhesion(core.invalid_adhesion(value))
+        _refuse(core.invalid_adhesion(value))
     return adhesion
 
 
@@ -113,7 +104,7 @@ def check_adhesion(adhesion: ByPair, contact: str, *parameters: NDArray[np.float
             f"contact='curved', not {contact!r}, or adhesion 0"
         )
     for w, *of_species in np.broadcast(matrix.max(axis=1), *parameters):
-        _refuse_adhesion(core.invalid_for_adhesion(w, *of_species))
+        _refuse(core.invalid_for_adhesion(w, *of_species))
 
 
 def wall_adhesion(kind: str, given: object) -> float:
@@ -126,12 +117,6 @@ def wall_adhesion(kind: str, given: object) -> float:
     if problem := core.invalid_adhesion(value):
         raise ParameterError(f"{problem} (of a {kind})")
     return value
-
-
-def _refuse_adhesion(problem: str | None) -> None:
-    """Raise the problem that a rule of `ld.core` has found, if any."""
-    if problem is not None:
-        raise ParameterError(problem)
 
 
 # A ring of constant perimeter bulges by (pi/2 - 1) R at most, when it is pressed flat. A reach f
@@ -175,13 +160,7 @@ class Ring:
 
     Args:
         kA: area stiffness [energy/length^4].
-        reach: neighbors count up to a distance of (1 + reach) (R_i + R_j), because outlines bulge
-            between their contacts; 0.6 if not given, with `radical` 0.3. A larger one costs next to
-            nothing, but with `radical` a quarter at 0.6. One that is too small stops the run with
-            an error that suggests a value: particles of very unequal size need more, at most 3.
         kP: perimeter stiffness [energy/length^2].
-        skin: thickness of a rigid skin around the ring [length]: contacts act at the radius R,
-            while A0 and P0 are those of the radius R - skin.
         tension: line tension of the perimeter at rest [energy/length]. Beside it kP is finite, and
             may be 0. The last term of U is the pressure tension/R of a free particle, so that it
             is at rest with the radius R. With kP the perimeter alone would shrink to
@@ -192,6 +171,8 @@ class Ring:
             cos theta = 1 - w/(2T) between equals. Particles attach where they touch, and let go
             where their film has no length left. w is below twice the weaker tension; both have a
             tension, a finite kP and no skin.
+        skin: thickness of a rigid skin around the ring [length]: contacts act at the radius R,
+            while A0 and P0 are those of the radius R - skin.
         contact: the contact lines. `balanced`: straight, perpendicular to the line of centers,
             where the forces of both sides are equal. `curved`: arcs between particles of unequal
             pressure, whose torques are balanced too; at rest this is the exact shape of slipping
@@ -201,6 +182,10 @@ class Ring:
             factors. A relaxation takes about 1.4 times as long with `balanced` as with `radical`,
             and a relaxation about twice, a step of motion two to four times as long with `curved`
             as with `balanced`.
+        reach: neighbors count up to a distance of (1 + reach) (R_i + R_j), because outlines bulge
+            between their contacts; 0.6 if not given, with `radical` 0.3. A larger one costs next to
+            nothing, but with `radical` a quarter at 0.6. One that is too small stops the run with
+            an error that suggests a value: particles of very unequal size need more, at most 3.
 
     Raises:
         ParameterError: a stiffness is not positive, both are infinite, the reach is not in
@@ -214,12 +199,12 @@ class Ring:
 
     kA: float | Sequence[float] = 1.0
     _: KW_ONLY
-    reach: float = math.nan
     kP: float | Sequence[float] = math.inf
-    skin: float | Sequence[float] = 0.0
-    contact: str = "balanced"
     tension: float | Sequence[float] = 0.0
     adhesion: ByPair = 0.0
+    skin: float | Sequence[float] = 0.0
+    contact: str = "balanced"
+    reach: float = math.nan
 
     def __post_init__(self) -> None:
         if not isinstance(self.contact, str) or self.contact not in _REACH:
@@ -250,7 +235,7 @@ class Ring:
         check_adhesion(self.adhesion, self.contact, kA, kP, skin, tension)
 
     def __repr__(self) -> str:
-        return _call(self)
+        return as_call(self, reach=_REACH[self.contact])
 
     @property
     def _parameters(self) -> list[float | Sequence[float]]:
@@ -349,6 +334,7 @@ class Sector:
     sticks: ClassVar[bool] = False
 
     kA: float = math.nan
+    _: KW_ONLY
     kP: float = math.inf
 
     def __post_init__(self) -> None:
@@ -365,7 +351,7 @@ class Sector:
         _refuse(core.invalid_for_sectors(self.kA, self.kP))
 
     def __repr__(self) -> str:
-        return _call(self)
+        return as_call(self)
 
     @property
     def name(self) -> str:
@@ -440,19 +426,6 @@ def _at(values: float | Sequence[float], species: int) -> float:
     return values if isinstance(values, float) else float(np.asarray(values)[species])
 
 
-def _call(law: Law) -> str:
-    """The call that makes a law, without the settings that have their default."""
-    defaults = {field.name: field.default for field in fields(law)}
-    if isinstance(law, Ring):
-        defaults["reach"] = _REACH[law.contact]
-    given = (
-        f"{name}={getattr(law, name)!r}"
-        for name, default in defaults.items()
-        if getattr(law, name) != default
-    )
-    return f"{type(law).__name__}({', '.join(given)})"
-
-
 def _refuse(problem: str | None) -> None:
     """Raise the problem that a rule of `ld.core` has found, if any."""
     if problem is not None:
@@ -513,7 +486,7 @@ class Droplet:
             )
 
     def __repr__(self) -> str:
-        return "Droplet()" if self.tension == 1.0 else f"Droplet(tension={self.tension!r})"
+        return as_call(self)
 
     @property
     def name(self) -> str:
@@ -534,6 +507,37 @@ class Droplet:
         tension = np.array(per_species(self.tension, len(radii)))
         none = np.zeros(len(radii))
         return SpeciesParameters(np.full(len(radii), np.inf), none, none, tension)
+
+
+@dataclass(frozen=True, repr=False)
+class SoftContact:
+    """Soft disks, or spheres in space: particles that do not deform, and repel where they overlap.
+
+        U = k/2 sum_pairs (R_i + R_j - d)^2 over pairs with d < R_i + R_j
+
+    Args:
+        k: stiffness of a contact [energy/length^2].
+
+    Raises:
+        ParameterError: k is not a positive number.
+
+    Source: C. S. O'Hern et al., Phys. Rev. E 68, 011306 (2003).
+    """
+
+    sticks: ClassVar[bool] = False
+
+    k: float = 1.0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "k", positive("k", self.k))
+
+    def __repr__(self) -> str:
+        return as_call(self)
+
+    @property
+    def name(self) -> str:
+        """`soft`, in files."""
+        return "soft"
 
 
 AnyLaw = Law | Droplet
@@ -585,7 +589,7 @@ def check_sticky_walls(packing: Packing, law: AnyLaw) -> None:
             an infinite kP, or a skin.
     """
     kinds = sorted({*packing.species.tolist()})
-    parameters = law.species_parameters(packing.radii)
+    parameters = law.species_parameters(packing._species_radii)
     for n, wall in enumerate(packing.walls, start=1):
         if wall.adhesion == 0.0:
             continue
@@ -656,16 +660,16 @@ def longest_step(packing: Packing, law: AnyLaw, squeeze: float, temperature: flo
         temperature: of the motion [energy].
     """
     if isinstance(law, Droplet):
-        tension = law.species_parameters(packing.radii).of(packing.species).tension
-        energy = float(np.min(tension * packing.radius**2))
+        tension = law.species_parameters(packing._species_radii).of(packing.species).tension
+        energy = float(np.min(tension * packing.radii**2))
         load = max(squeeze, 0.5 * float(np.sqrt(_HOT * temperature / energy)))
         return float(2.0 / np.sqrt((_LOOSE + _BY_LOAD * load) * tension.max()))
-    kA, kP, skin, tension = law.species_parameters(packing.radii).of(packing.species)
-    radius = packing.radius - skin
+    kA, kP, skin, tension = law.species_parameters(packing._species_radii).of(packing.species)
+    radius = packing.radii - skin
     by_tension = 2.0 * tension / radius**3
     stiffness = np.minimum(kA, kP / radius**2 + by_tension)
     hot = float((tension / radius + np.sqrt(2.0 * stiffness * _HOT * temperature)).max())
-    at_rest = _AT_REST * float(stiffness.max()) * float(packing.radius.min()) ** 2
+    at_rest = _AT_REST * float(stiffness.max()) * float(packing.radii.min()) ** 2
     return float(_STABLE / np.sqrt(max(squeeze, hot, at_rest)))
 
 
@@ -700,8 +704,8 @@ def squeeze_under(force: float, packing: Packing, law: AnyLaw) -> float:
     """
     if not force:
         return 0.0
-    kA, kP, skin, tension = law.species_parameters(packing.radii).of(packing.species)
-    radius = packing.radius - skin
+    kA, kP, skin, tension = law.species_parameters(packing._species_radii).of(packing.species)
+    radius = packing.radii - skin
     if isinstance(law, Droplet):  # two contacts
         return float(np.max(2.0 * _TOGETHER * force / (8.0 * np.pi * tension * radius)))
     stiffness = np.minimum(kA, (kP + 2.0 * tension / radius) / radius**2)
@@ -726,10 +730,10 @@ def natural_pressure(packing: Packing, law: AnyLaw | None) -> float:
     conserved, kP if the area is, tension/R0 of droplets. For soft disks it is their stiffness, 1,
     for soft spheres 1/(2 R0).
     """
-    r0 = float(packing.radius.mean())
+    r0 = float(packing.radii.mean())
     if law is None:
         return 1.0 if packing.dimension == 2 else 0.5 / r0
-    kA, kP, _, tension = law.species_parameters(packing.radii).of(packing.species)
+    kA, kP, _, tension = law.species_parameters(packing._species_radii).of(packing.species)
     compliance = 1.0 / (kA * r0**2) + 1.0 / np.where(kP > 0.0, kP, np.inf)
     stiffness = np.where(kP > 0.0, 1.0 / np.where(compliance > 0.0, compliance, 1.0), 0.0)
     return float(np.mean(stiffness + tension / r0))
@@ -761,10 +765,7 @@ def pressure_above_onset(excess: float, packing: Packing, law: AnyLaw | None) ->
 
 
 def _droplets(packing: Packing, law: Law) -> bool:
-    return bool(np.all(law.species_parameters(packing.radii).tension > 0.0))
-
-
-Floats = NDArray[np.float64]
+    return bool(np.all(law.species_parameters(packing._species_radii).tension > 0.0))
 
 
 def filled_area(area: Floats, perimeter: Floats, skin: Floats) -> Floats:

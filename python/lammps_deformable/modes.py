@@ -135,7 +135,7 @@ class Modes:
         if not -len(self) <= number < len(self):
             raise ParameterError(f"there are {len(self)} modes: index must not be {number}")
         vector = self._vectors[number]
-        length = _ARROW * float(self.packing.radius.mean())
+        length = _ARROW * float(self.packing.radii.mean())
         optional("matplotlib", "plot")
         from . import drawing
 

@@ -1,33 +1,34 @@
-"""How particles move in LAMMPS: the fixes that move them, and the time steps that these allow.
+"""Motion in time: at constant energy, in a heat bath, damped, overdamped, or to rest at a pressure.
 
-Motion in time: at constant energy, in a heat bath, damped, or overdamped.
+`Simulation.run`; and for flows the fixes that move particles, and the time steps that these allow.
 """
 
 from __future__ import annotations
 
 import math
+import warnings
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from functools import cache
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ._checks import count, expect, number_or_nan, positive, whole, zero_or_more
 from .box import refuse_space
 from .core import unit_vectors
-from .errors import LammpsError, ParameterError
+from .errors import LammpsError, ParameterError, StalledWarning
 from .friction import Friction, damped_commands
 from .lammps import gather, place, rub_and_spin, run
 from .laws import ACCURATE, Sector, longest_overdamped_step, longest_step, squeeze_under
-from .progress import Steps, progress
-from .simulation import Deforming, DropletSimulation, S, Simulation
+from .recording import Protocol, play
+from .simulation import Deforming, DropletSimulation, Simulation
 from .small_strains import balanced_to
-from .state import DeformedState, State
+from .state import DeformedState
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterator, Mapping
+
+    from .run import Run
 
 # The integrator of the heat bath by Gronbech-Jensen and Farago keeps positions and half-step
 # velocities of an oscillator at their temperature for any time step. Unlike fix langevin, it does
@@ -36,8 +37,8 @@ if TYPE_CHECKING:
 _BATH = "fix deformable_move all gjf {temperature!r} {temperature!r} {time!r} {seed}"
 _FLATTEN = 1000
 
-# dr/dt = F/friction + noise, by Euler's method. It draws the noise within a step, not at its ends.
-_BROWNIAN = "fix deformable_move all brownian {temperature!r} {seed} gamma_t {friction!r} rng {rng}"
+# dr/dt = F/drag + noise, by Euler's method. It draws the noise within a step, not at its ends.
+_BROWNIAN = "fix deformable_move all brownian {temperature!r} {seed} gamma_t {drag!r} rng {rng}"
 
 # Forces along directions that diffuse, as a fix of this package.
 _PROPULSION = "fix deformable_propel all deformable/propel {force!r} {persistence!r} {seed}"
@@ -57,7 +58,7 @@ class Dynamics:
 
     Attributes:
         temperature: of the heat bath [energy]; None or 0 without.
-        friction: force over velocity [1/time].
+        drag: force over velocity [1/time].
         inertia: whether they have some; without, they are overdamped.
         drive: force that drives them, beside contacts and noise [energy/length].
         persistence: time for which they drive themselves in about one direction; None if they do
@@ -69,7 +70,7 @@ class Dynamics:
     """
 
     temperature: float | None = None
-    friction: float = 0.0
+    drag: float = 0.0
     inertia: bool = True
     drive: float = 0.0
     persistence: float | None = None
@@ -87,11 +88,11 @@ class Dynamics:
         exact = not (self.inertia or self.temperature)  # steps change the energy of noise only
         part = self.part * (1.0 if exact else ACCURATE)
         steps = [part * self.longest_step(state), self.limit]
-        if self.drive and self.friction:
-            radius = float(state.packing.radius.min())
-            steps.append(_MOVED * radius * self.friction / self.drive)
+        if self.drive and self.drag:
+            radius = float(state.packing.radii.min())
+            steps.append(_MOVED * radius * self.drag / self.drive)
             if self.inertia:  # half a step makes velocities of fix gjf larger
-                steps.append(_SETTLED / self.friction)
+                steps.append(_SETTLED / self.drag)
         if self.persistence is not None:
             steps.append(_PERSISTED * self.persistence)
         if self.rubbing:
@@ -103,7 +104,7 @@ class Dynamics:
         squeeze = max(squeeze, squeeze_under(drive, packing, law))
         if self.inertia:
             return longest_step(packing, law, squeeze, temperature)
-        return longest_overdamped_step(packing, law, squeeze, temperature, self.friction)
+        return longest_overdamped_step(packing, law, squeeze, temperature, self.drag)
 
     def _hot(self, state: DeformedState) -> float:
         """The temperature of the motion [energy]."""
@@ -141,12 +142,12 @@ class Dynamics:
         if not self.inertia:
             rng = "gaussian" if temperature else "none"  # and it wants a temperature then too
             mover = _BROWNIAN.format(
-                temperature=temperature or 1.0, seed=seed, friction=self.friction, rng=rng
+                temperature=temperature or 1.0, seed=seed, drag=self.drag, rng=rng
             )
-        elif self.friction and spins:
-            mover = damped_commands(self.friction)
-        elif self.friction:
-            mover = _BATH.format(temperature=temperature, time=1.0 / self.friction, seed=seed)
+        elif self.drag and spins:
+            mover = damped_commands(self.drag)
+        elif self.drag:
+            mover = _BATH.format(temperature=temperature, time=1.0 / self.drag, seed=seed)
         else:
             mover = "fix deformable_move all nve" + "/sphere disc" * spins
         parts = [mover, *["fix deformable_plane all enforce2d"] * (dimension == 2)]
@@ -159,10 +160,9 @@ class Dynamics:
 def dynamics_of(
     sim: Deforming[Any],
     temperature: float | None,
-    friction: float,
+    drag: float | None,
     inertia: bool,
     timestep: float | None,
-    seed: int | None,
 ) -> Dynamics:
     """The dynamics that a user asks for.
 
@@ -178,17 +178,15 @@ def dynamics_of(
         timestep = positive("timestep", timestep)
     if temperature is not None:
         temperature = zero_or_more("temperature", temperature)
-    friction = zero_or_more("friction", friction)
-    if not inertia and not friction:
-        raise ParameterError("without inertia particles need a friction above 0 to move against")
-    if seed is not None and not 0 < whole("seed", seed) < 2**31:
-        raise ParameterError(f"seed must lie between 1 and 2^31 - 1, not {seed}")
-    turning = bool(friction and inertia) and rub_and_spin(sim.lmp)
+    drag = 0.0 if drag is None else zero_or_more("drag", drag)
+    if not inertia and not drag:
+        raise ParameterError("without inertia particles need a drag above 0 to move against")
+    turning = bool(drag and inertia) and rub_and_spin(sim.lmp)
     return Dynamics(
         temperature,
-        friction,
+        drag,
         bool(inertia),
-        limit=_SETTLED / friction if turning else np.inf,
+        limit=_SETTLED / drag if turning else np.inf,
         timestep=timestep,
         rubbing=sim.friction,
     )
@@ -200,12 +198,16 @@ def moving(sim: Deforming[Any], dynamics: Dynamics, seed: int) -> Iterator[None]
 
     Raises:
         ParameterError: another motion has not ended; or contacts rub that should turn particles,
-            but these move against a friction.
+            but these move against a drag.
     """
-    refuse_second_motion(sim)
-    lmp, spins = sim.lmp, rub_and_spin(sim.lmp)
-    if spins and dynamics.friction and (dynamics.temperature or not dynamics.inertia):
-        how = "in a heat bath do not turn: leave out temperature or friction"
+    lmp, begun, spins = sim.lmp, sim._begun, rub_and_spin(sim.lmp)
+    if "deformable_move" in lmp.available_ids("fix"):
+        raise ParameterError(
+            "a motion of this simulation goes on, whose callback begins another one: let the "
+            "callback return True, and begin the other one then"
+        )
+    if spins and dynamics.drag and (dynamics.temperature or not dynamics.inertia):
+        how = "in a heat bath do not turn: leave out temperature or drag"
         if not dynamics.inertia:
             how = (
                 "without inertia, as in flows at a rate, do not turn: let them have inertia, or "
@@ -219,27 +221,33 @@ def moving(sim: Deforming[Any], dynamics: Dynamics, seed: int) -> Iterator[None]
     try:
         yield
     finally:
-        if not sim.closed and sim.lmp is lmp:  # a caller may close it before the motion ends
+        if not sim.closed and sim._begun == begun:  # a callback may close it
             names = [line.split()[1] for line in fixes.splitlines() if line.startswith("fix ")]
             run(lmp, "\n".join(f"unfix {name}" for name in names))
 
 
-def refuse_second_motion(sim: Deforming[Any]) -> None:
-    """Refuse to begin a motion while another one has not ended.
+def drawn_seed(sim: Any, seed: int | None) -> int:
+    """The seed of a motion, one that is drawn if none is given; `sim.seed` keeps it.
 
     Raises:
-        ParameterError: there is one.
+        ParameterError: LAMMPS takes no such seed.
     """
-    if "deformable_move" in sim.lmp.available_ids("fix"):
-        raise ParameterError(
-            "another move of this simulation has not ended: finish its loop, or close() it first"
-        )
+    if seed is None:
+        seed = sim.comm.bcast(int(np.random.default_rng().integers(1, 2**31)))
+    if not 0 < whole("seed", seed) < 2**31:
+        raise ParameterError(f"seed must lie between 1 and 2^31 - 1, not {seed}")
+    sim.seed = int(seed)
+    return sim.seed
 
 
-def seeds(sim: Deforming[Any], seed: int | None) -> list[int]:
-    """Two seeds for LAMMPS, others for each number of steps; without a seed others each time."""
-    entropy = sim.comm.bcast(np.random.SeedSequence(seed).entropy)
-    words = np.random.SeedSequence([entropy, sim.lmp.extract_global("ntimestep")])
+def steps_so_far(sim: Any) -> int:
+    """Number of time steps and iterations of a simulation so far."""
+    return int(sim._steps_before + sim.lmp.extract_global("ntimestep"))
+
+
+def seeds(seed: int, *places: int) -> list[int]:
+    """Two seeds for LAMMPS, others at each place: steps so far, states in a recorded run."""
+    words = np.random.SeedSequence([seed, *places])
     return [1 + int(word) % _SEEDS for word in words.generate_state(2)]
 
 
@@ -268,15 +276,16 @@ def advance(sim: Deforming[Any], dynamics: Dynamics, steps: int, timestep: float
         run(lmp, "velocity all set 0 0 0")  # fix brownian leaves those of its last step
 
 
-def refuse_restarted(sim: Deforming[Any], lmp: object) -> None:
+def refuse_restarted(sim: Deforming[Any], begun: int) -> None:
     """Refuse to go on in another LAMMPS than before the last state.
 
     Raises:
-        LammpsError: the simulation was restarted meanwhile.
+        LammpsError: a callback has restarted or closed the simulation.
     """
-    if not sim.closed and sim.lmp is not lmp:
+    if sim.closed or sim._begun != begun:
         raise LammpsError(
-            "the simulation was restarted while its particles move: begin a new move after restart"
+            "the simulation was restarted while its particles move: end the motion by a callback "
+            "that returns True, then restart it"
         )
 
 
@@ -291,101 +300,126 @@ def _hint(dynamics: Dynamics, timestep: float) -> str:
     )
 
 
-# Default number of steps between states.
-_EVERY = 100
+# Without a number of steps between states, the default time step is chosen anew after so many.
+_LOOK = 100
 
 # The default time step becomes shorter where it is more than this part of the longest stable one.
 _ENOUGH = 0.5
 
+# d(ln L)/dt = gain (P - p) of both sides L, with P the pressure of states.
+_BOX = """
+fix deformable_box all deform/pressure 1 box pressure {pressure!r} {gain!r} remap x
+fix_modify deformable_box press deformable_virial
+"""
 
-def move(
-    sim: Deforming[S],
+# At a pressure: rate at which velocities decay over sqrt(p/m), and the part of the pressure that
+# this drag bears at most: where the box closes in, it pushes N particles together by N m rate
+# drag/8 per area.
+_DRAG, _BORNE = 2.0, 0.02
+
+# At a pressure: part of the longest stable time step, as nothing needs to be accurate on the way to
+# rest, and time steps between looks at the forces.
+_OF_LONGEST, _LOOK_AT_REST = 0.5, 2000
+
+
+def run_motion(
+    sim: Any,
     steps: int,
+    *,
+    every: int | None = None,
     timestep: float | None = None,
     temperature: float | None = None,
-    friction: float = 0.0,
-    every: int | None = None,
-    seed: int | None = None,
+    drag: float | None = None,
     inertia: bool = True,
     propulsion: float | None = None,
     persistence: float | None = None,
+    pressure: float | None = None,
+    inertial_number: float | None = None,
     tolerance: float | None = None,
-) -> Iterator[S]:
-    """Let particles of mass 1 move by their forces F.
+    balance: float | None = None,
+    seed: int | None = None,
+    **recording: Any,
+) -> Run:
+    """See `Simulation.run`."""
+    expect("sim", sim, Simulation, DropletSimulation)
+    steps = count("steps", steps)
+    settings: dict[str, Any] = {
+        "steps": steps,
+        "every": steps if every is None else min(count("every", every), steps),
+        "look": None if every is None else int(every),
+        "timestep": _given(positive, "timestep", timestep),
+        "temperature": _given(zero_or_more, "temperature", temperature),
+        "drag": _given(zero_or_more, "drag", drag),
+        "inertia": bool(inertia),
+        "balance": _given(positive, "balance", balance),
+    }
+    if balance is not None and not balance < 1.0:
+        raise ParameterError(f"balance must be below 1, not {balance}")
+    if pressure is None:
+        for name, value in (("inertial_number", inertial_number), ("tolerance", tolerance)):
+            if value is not None:
+                raise ParameterError(f"{name} has no meaning without a pressure: leave it out")
+        if propulsion is not None or persistence is not None:
+            endless = number_or_nan(persistence) == math.inf
+            settings["propulsion"] = _given(positive, "propulsion", propulsion)
+            settings["persistence"] = (
+                math.inf if endless else _given(positive, "persistence", persistence)
+            )
+    else:
+        _refuse_at_pressure(sim, temperature, inertia, propulsion, persistence)
+        settings["pressure"] = _given(positive, "pressure", pressure)
+        settings["inertial_number"] = _given(positive, "inertial_number", inertial_number) or 1e-3
+        settings["tolerance"] = _given(positive, "tolerance", tolerance) or 1e-4
+    dynamics = _dynamics(sim, settings)
+    if temperature and not dynamics.drag and sim.lmp.get_natoms() < 2:
+        raise ParameterError(
+            "a single particle has no temperature without a heat bath: give it a drag"
+        )
+    settings["seed"] = drawn_seed(sim, seed)
+    return play(sim, "run", settings, **recording)
 
-        dv/dt = F - friction v + sqrt(2 friction temperature) noise
 
-    Without friction the energy is conserved (velocity Verlet, LAMMPS' *fix nve*); with friction
-    alone the motion is damped; with both the particles are in a heat bath (Langevin, *fix gjf*).
-    Without inertia they are overdamped, or Brownian (Euler's method, *fix brownian*),
+def _given(check: Callable[[str, Any], float], name: str, value: float | None) -> float | None:
+    """A value that is checked, if it is given."""
+    return None if value is None else float(check(name, value))
 
-        friction dr/dt = F + sqrt(2 friction temperature) noise
 
-    and diffuse freely by <r^2> = 2 d (temperature/friction) t in d dimensions. Then velocities are
-    0 in all states.
+def _refuse_at_pressure(sim: Any, temperature: Any, inertia: bool, *propelled: Any) -> None:
+    """Refuse what has no meaning where particles come to rest at a pressure."""
+    refuse_space("run(pressure=)", sim.dimension, "take relax(pressure=), or run(drag=)")
+    if sim.walls:
+        raise ParameterError(
+            f"walls do not follow a box that settles, and there are {len(sim.walls)}, the first a "
+            f"{sim.walls[0].kind}: run(drag=) comes to rest between walls"
+        )
+    if temperature or not inertia or any(each is not None for each in propelled):
+        raise ParameterError(
+            "with a pressure particles come to rest by inertia and drag: leave out temperature, "
+            "inertia=False, propulsion and persistence"
+        )
 
-    In the plane, with a propulsion each particle adds to F a force of this size along its
-    direction, which diffuses (*fix deformable/propel* of this package). Without contacts and noise
-    its speed is v = propulsion/friction, and in overdamped motion, with the persistence time tau,
 
-        <r^2> = 2 v^2 tau (t - tau (1 - exp(-t/tau)))
-
-    Args:
-        sim: of the law `Ring` or `Droplet`; it ends in the last state.
-        steps: number of time steps, where other protocols count states.
-        timestep: length of a step [time]; if not given, a fifth of the longest stable one, which
-            depends on the pressure in particles, or the load of droplets, and on the temperature;
-            where these grow, steps become shorter. Give one if other forces than those of contacts,
-            by fixes of `sim.lmp`, move particles that are at rest.
-        temperature: of the heat bath if there is friction, and of initial velocities [energy].
-            These are Maxwell's, with zero total momentum. A bath draws them where all particles are
-            at rest, as after `relax`; others go on with the velocities that they have.
-            If not given, none are drawn: the velocities are those of the simulation.
-        friction: rate at which velocities decay, or force over velocity [1/time].
-        every: number of steps between states, a divisor of `steps`; if not given 100, or all steps
-            if there are fewer.
-        seed: of velocities and noise, together with the number of steps of LAMMPS so far: a second
-            call draws others. The noise also depends on the number of ranks. If not given, none
-            is ever drawn again.
-        inertia: whether particles have some; without, they need a friction.
-        propulsion: force with which particles propel themselves, above 0 [energy/length]; they
-            need a friction.
-        persistence: time tau in which their directions n forget the first one, <n(t).n(0)> =
-            exp(-t/tau), above 0 [time]; infinite for directions that stay.
-        tolerance: largest imbalance of a `balanced` or `curved` contact over the largest force, in
-            steps and states; 1e-8 if not given. In a hot bath 1e-4 halves the time of `curved`.
-
-    Yields:
-        The state after each `every` steps, with its `velocities`, the `time` of all calls of `move`
-        for this simulation and, with a propulsion, the `directions`, which go on in further calls.
+def _dynamics(sim: Any, settings: Mapping[str, Any]) -> Dynamics:
+    """The dynamics of a call of `run`.
 
     Raises:
-        ParameterError: a value is out of range, the time step is too long for the contacts, the law
-            is `Sector`, whose energy jumps, or another `move` of this simulation has not ended.
-        LammpsError: particles overlap too much, at the start (`push_off` helps) or later; or the
-            simulation was restarted between two states.
-
-    Source: heat bath: Gronbech-Jensen and Farago, Mol. Phys. 111, 983 (2013), and Jensen and
-    Gronbech-Jensen, Mol. Phys. 117, 2511 (2019); velocity Verlet: Swope et al., J. Chem. Phys. 76,
-    637 (1982).
+        ParameterError: see `Simulation.run`.
     """
-    expect("sim", sim, Simulation, DropletSimulation)
-    dynamics = dynamics_of(sim, temperature, friction, inertia, timestep, seed)
-    dynamics = _propelled(dynamics, propulsion, persistence, sim.dimension)
-    if tolerance is not None and not positive("tolerance", tolerance) < 1.0:
-        raise ParameterError(f"tolerance must be below 1, not {tolerance}")
-    steps = count("steps", steps)
-    every = min(steps, _EVERY) if every is None else count("every", every)
-    if temperature and not friction and sim.lmp.get_natoms() < 2:
-        raise ParameterError(
-            "a single particle has no temperature without a heat bath: give it friction"
-        )
-    if steps % every:
-        raise ParameterError(
-            f"steps must be a multiple of every, not {steps} and {every}: give another every"
-        )
-    start = cache(lambda: _start(sim, dynamics, seed))
-    return Steps("move", _move(sim, dynamics, steps, every, seed, tolerance, start), start)
+    drag, pressure = settings["drag"], settings.get("pressure")
+    if pressure is not None and drag is None:
+        bears = 8.0 * _BORNE / (settings["inertial_number"] * sim.lmp.get_natoms())
+        drag = math.sqrt(pressure) * min(_DRAG, bears)
+    temperature, inertia, timestep = (
+        settings[name] for name in ("temperature", "inertia", "timestep")
+    )
+    dynamics = dynamics_of(sim, temperature, drag, inertia, timestep)
+    if pressure is not None:
+        # a loose packing does not tell how stiff contacts become
+        contact = 2.0 * pressure * float(sim.state().packing.radii.max())
+        return replace(dynamics, drive=contact)
+    return _propelled(
+        dynamics, settings.get("propulsion"), settings.get("persistence"), sim.dimension
+    )
 
 
 def _propelled(
@@ -394,77 +428,138 @@ def _propelled(
     """The dynamics with a propulsion, if there is one.
 
     Raises:
-        ParameterError: one of both values is missing or out of range; or there is no friction, or
-            there are three dimensions.
+        ParameterError: one of both values is missing; or there is no drag, or there are three
+            dimensions.
     """
     if propulsion is None and persistence is None:
         return dynamics
     refuse_space("a propulsion", dimension, "take LAMMPS' fix propel/self by `sim.lmp`")
     if propulsion is None or persistence is None:
         raise ParameterError("give propulsion and persistence, or none of them")
-    force = positive("propulsion", propulsion)
-    if number_or_nan(persistence) != math.inf:
-        persistence = positive("persistence", persistence)
-    if not dynamics.friction:
-        raise ParameterError("with a propulsion particles get faster and faster: give a friction")
-    return replace(dynamics, drive=force, persistence=float(persistence))
+    if not dynamics.drag:
+        raise ParameterError("with a propulsion particles get faster and faster: give a drag")
+    return replace(dynamics, drive=propulsion, persistence=persistence)
 
 
-def _start(sim: Deforming[S], dynamics: Dynamics, seed: int | None) -> S:
-    """The state before the first step: particles may get velocities, by Maxwell."""
-    refuse_second_motion(sim)
-    lmp, temperature = sim.lmp, dynamics.temperature
+def _begin(sim: Any, settings: Mapping[str, Any]) -> tuple[Any, dict[str, Any]]:
+    """The state before the first step: particles may get velocities, by Maxwell, and directions."""
+    lmp, temperature, dynamics = sim.lmp, settings["temperature"], _dynamics(sim, settings)
+    step = steps_so_far(sim)
+    of_start, _ = seeds(settings["seed"], step)
     # in a bath, particles keep the velocities that they have
-    drawn = not dynamics.friction or not gather(lmp, "v", 3).any()
+    drawn = not dynamics.drag or not gather(lmp, "v", 3).any()
     if dynamics.inertia and temperature is not None and lmp.get_natoms() > 1 and drawn:
-        of_velocities, _ = seeds(sim, seed)
-        maxwell = f"{temperature!r} {of_velocities} loop all mom yes dist gaussian"
-        run(lmp, f"velocity all create {maxwell}")
+        run(lmp, f"velocity all create {temperature!r} {of_start} loop all mom yes dist gaussian")
     if dynamics.persistence is not None:
-        sim.directions = _directions(sim, seed)
-    return _with_directions(sim, dynamics)
+        number = lmp.get_natoms()
+        if sim.directions is None or len(sim.directions) != number:
+            angles = np.random.default_rng(of_start).uniform(-np.pi, np.pi, number)
+            sim.directions = unit_vectors(angles)
+    states = math.ceil(settings["steps"] / settings["every"])
+    return _with_directions(sim, dynamics), {"step": step, "states": states}
 
 
-def _directions(sim: Deforming[S], seed: int | None) -> NDArray[np.float64]:
-    """Those that particles have, or random ones."""
-    number = sim.lmp.get_natoms()
-    if sim.directions is not None and len(sim.directions) == number:
-        return sim.directions
-    of_directions, _ = seeds(sim, seed)
-    return unit_vectors(np.random.default_rng(of_directions).uniform(-np.pi, np.pi, number))
-
-
-def _with_directions(sim: Deforming[S], dynamics: Dynamics) -> S:
+def _with_directions(sim: Any, dynamics: Dynamics) -> Any:
     state = sim.state()
-    if dynamics.persistence is None:
-        return state
-    return cast(S, replace(cast(State, state), directions=sim.directions))
+    return state if dynamics.persistence is None else replace(state, directions=sim.directions)
 
 
-def _move(
-    sim: Deforming[S],
-    dynamics: Dynamics,
-    steps: int,
-    every: int,
-    seed: int | None,
-    tolerance: float | None,
-    start: Callable[[], S],
-) -> Iterator[S]:
-    lmp, state = sim.lmp, start()
-    _, of_noise = seeds(sim, seed)
+def _moved(
+    sim: Any, settings: Mapping[str, Any], start: Mapping[str, Any], done: int, before: Any
+) -> Iterator[Any]:
+    """The states after the steps that remain."""
+    dynamics, begun = _dynamics(sim, settings), sim._begun
+    state = _with_directions(sim, dynamics) if before is None else before
+    _, of_noise = seeds(settings["seed"], start["step"], *[done] * (done > 0))
+    pressure = settings.get("pressure")
+    if pressure is not None:
+        yield from _settled(sim, dynamics, settings, done, state)
+        return
     dt = dynamics.timestep or dynamics.default_step(state)
-    with (
-        balanced_to(sim, state.packing, tolerance),
-        moving(sim, dynamics, of_noise),
-        progress("moving", unit="state", total=steps // every) as bar,
-    ):
-        for _ in range(0, steps, every):
+    with balanced_to(sim, state.packing, settings["balance"]), moving(sim, dynamics, of_noise):
+        for taken, look in _pieces(settings, done, _LOOK):
             if not dynamics.timestep and dt > _ENOUGH * dynamics.longest_step(state):
                 dt = dynamics.default_step(state)
             dynamics.check(state, dt)
-            advance(sim, dynamics, every, dt)
+            advance(sim, dynamics, look, dt)
             state = _with_directions(sim, dynamics)
-            bar.set_postfix(temperature=f"{state.temperature:.3g}")
-            bar.update()
-            yield state
-            refuse_restarted(sim, lmp)
+            if taken is not None:
+                yield state
+                refuse_restarted(sim, begun)
+
+
+def _pieces(settings: Mapping[str, Any], done: int, usual: int) -> Iterator[tuple[int | None, int]]:
+    """Numbers of time steps from a look at the forces to the next one.
+
+    Yields:
+        The number of the state after these steps, None where there is none, and their number.
+    """
+    steps, every = settings["steps"], settings["every"]
+    look = min(usual if settings["look"] is None else settings["look"], every)
+    for n in range(done, math.ceil(steps / every)):
+        begin, end = n * every, min((n + 1) * every, steps)
+        for at in range(begin, end, look):
+            yield (n + 1 if at + look >= end else None), min(look, end - at)
+
+
+def _settled(
+    sim: Any, dynamics: Dynamics, settings: Mapping[str, Any], done: int, state: Any
+) -> Iterator[Any]:
+    """The states on the way to rest at a pressure, of which the last one rests."""
+    pressure, tolerance, begun = settings["pressure"], settings["tolerance"], sim._begun
+    if done and _error_at_rest(sim, state, pressure) <= tolerance:
+        return
+    gain = settings["inertial_number"] / math.sqrt(pressure)
+    states = math.ceil(settings["steps"] / settings["every"])
+    with moving(sim, dynamics, seed=1):
+        run(sim.lmp, _BOX.format(pressure=pressure, gain=gain).strip())
+        try:
+            for taken, look in _pieces(settings, done, _LOOK_AT_REST):
+                longest = dynamics.longest_step(state)
+                if sim.friction:
+                    longest = min(longest, sim.friction.longest_step)
+                dt = dynamics.timestep or _OF_LONGEST * longest
+                dynamics.check(state, dt)
+                if dt > longest:
+                    raise ParameterError(
+                        f"timestep = {dt:g} is too long for contacts at the pressure {pressure:g}: "
+                        f"take at most {longest:.2g}, or leave it out"
+                    )
+                advance(sim, dynamics, look, dt)
+                state = sim.state()
+                error = _error_at_rest(sim, state, pressure)
+                rests, ends = error <= tolerance, taken == states
+                if ends and not rests:
+                    warnings.warn(
+                        f"the particles did not come to rest at the pressure {pressure:g} in "
+                        f"{settings['steps']} steps: forces, torques or the pressure are off by "
+                        f"{error:.2g}, not {tolerance:g}; call again to go on",
+                        StalledWarning,
+                        stacklevel=2,
+                    )
+                if taken is not None or rests:
+                    yield replace(state, stalled=ends and not rests)
+                    refuse_restarted(sim, begun)
+                if rests:
+                    return
+        finally:
+            if not sim.closed and sim._begun == begun:
+                run(sim.lmp, "unfix deformable_box")
+
+
+def _error_at_rest(sim: Any, state: Any, pressure: float) -> float:
+    """Error of the pressure over it; or force, torque over the radius, over the mean contact force.
+
+    The largest of them.
+    """
+    if not state.contacts.any():
+        return math.inf
+    largest = float(np.linalg.norm(gather(sim.lmp, "f", 3), axis=1).max())
+    if rub_and_spin(sim.lmp):
+        torque = gather(sim.lmp, "torque", 3)[:, 2] / state.packing.radii
+        largest = max(largest, float(np.abs(torque).max()))
+    residual = largest / float(state.contact_table["force"].mean())
+    return max(abs(state.pressure / pressure - 1.0), residual)
+
+
+RUN = Protocol(_begin, _moved)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
@@ -26,9 +25,7 @@ def pairs_within(packing: Packing, distance: float) -> tuple[Integers, Integers,
         packing: gives centers and box, and the directions that walls close.
         distance: [length].
     """
-    points = np.zeros(len(packing), dtype=np.int64)
-    radii = np.array([0.5 * distance])
-    return near_pairs(replace(packing, species=points, radii=radii, particle_radii=None), 0.0)
+    return near_pairs(packing.replace(radii=0.5 * distance), 0.0)
 
 
 def near_pairs(packing: Packing, skin: float) -> tuple[Integers, Integers, Floats]:
@@ -44,7 +41,7 @@ def near_pairs(packing: Packing, skin: float) -> tuple[Integers, Integers, Float
     """
     from scipy.spatial import cKDTree
 
-    box, radius, dimension = packing.box, packing.radius, packing.dimension
+    box, radius, dimension = packing.box, packing.radii, packing.dimension
     shut = closed(packing.walls, dimension)
     reach = 2.0 * float(radius.max()) + skin
     fractions = fractional(packing.positions, box)

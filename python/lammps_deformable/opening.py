@@ -7,7 +7,6 @@ The species of a parameter file, as LAMMPS reads them.
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -34,6 +33,7 @@ from .lammps import (
     local_array,
     open_lammps,
     place,
+    place_images,
     place_velocities,
     place_walls,
     run,
@@ -72,7 +72,11 @@ compute deformable_beyond all pair {style}
 
 
 def particles_in_lammps(
-    packing: Packing, law: AnyLaw, comm: MPI.Comm, friction: Friction | None
+    packing: Packing,
+    law: AnyLaw,
+    comm: MPI.Comm,
+    friction: Friction | None,
+    former: lammps | None = None,
 ) -> lammps:
     """A LAMMPS with a packing and its law, and the computes of states.
 
@@ -81,16 +85,17 @@ def particles_in_lammps(
         law: of their contacts.
         comm: ranks that share the work.
         friction: of the contacts, if they rub: particles need radii of their own then.
+        former: see `open_lammps`.
 
     Raises:
         LammpsError: LAMMPS refuses the packing or the law.
     """
-    lmp = open_lammps(packing, comm)
-    with shared_file(comm, species_file(law, packing.radii)) as file:
+    lmp = open_lammps(packing, comm, former)
+    with shared_file(comm, species_file(law, packing._species_radii)) as file:
         run(lmp, law_commands(packing, law, file))
     place_walls(lmp, packing.walls)
     run(lmp, film_commands(law, packing.walls))
-    run(lmp, friction_commands(friction, len(packing.radii)))
+    run(lmp, friction_commands(friction, len(packing._species_radii)))
     if friction:  # evaluations have one too
         run(lmp, f"timestep {min(friction.accurate_step, _TIMESTEP)!r}")
     run(lmp, commands_of_energy(law, bool(packing.walls or friction)))
@@ -112,18 +117,19 @@ def go_on(sim: Engine, motion: Motion) -> None:
     """Let a simulation go on with a motion, where it has the packing of the same moment."""
     lmp, rubbing = sim.lmp, motion.rubbing
     place_velocities(lmp, motion.velocities)
+    if motion.images is not None and motion.images.any():
+        place_images(lmp, motion.images)
     run(lmp, "\n".join(memory_commands(motion.films)))
     if rubbing is not None and lmp.has_id("fix", FRICTION):
         place(lmp, "omega", np.outer(rubbing.spins, [0.0, 0.0, 1.0]))
         run(lmp, spring_commands(rubbing))
     sim.time, sim.strain, sim.directions = motion.time, motion.strain, motion.directions
+    sim._lost = motion.lost
 
 
 def with_spins(packing: Packing) -> Packing:
     """The packing with radii of its particles, which LAMMPS lets turn then."""
-    if packing.particle_radii is not None:
-        return packing
-    return replace(packing, particle_radii=packing.radius)
+    return packing if packing._own_radii else packing._with_own_radii()
 
 
 # Relative change of area and perimeter below which a particle counts as round, that of an

@@ -1,118 +1,209 @@
-"""Packings from arrays and files, and files of packings.
-
-Packings: undeformed disks, or spheres, of any sizes in a periodic box, or between walls.
-"""
+"""Packings: undeformed disks, or spheres, in a periodic box or between walls, and their files."""
 
 from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import KW_ONLY, dataclass, field
 from functools import cached_property
+from itertools import product
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import room
-from ._checks import expect, numbers, positive, shown, whole
-from ._files import reading, refuse_present
-from .box import dimension_of, fractional, lattice_vectors, refuse_space, shown_box
+from ._checks import count, expect, numbers, positive, shown, whole
+from ._files import reading, writing
+from .box import cartesian, dimension_of, fractional, lattice_vectors, refuse_space, shown_box
 from .drawing import Scale, limited, per_particle
 from .drawing import scale as scale_of
-from .errors import ParameterError, UndefinedError, UnsavedWarning
+from .errors import FileError, ParameterError, UnsavedWarning
 from .files import RADII, check_radii, read_particles, write_particles
 from .laws import root, undeformed
 from .room import closed
 from .versions import optional
-from .walls import Wall, as_walls
+from .walls import Plane, Wall, as_walls
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from MDAnalysis import Universe
 
-
 Floats = NDArray[np.float64]
 
+# Largest packing fraction: far beyond any use, and far below percent.
+_DENSEST = 10.0
 
-class _Packing(Protocol):
-    """What a packing has."""
+# Points of a circle.
+_POINTS = 60
 
-    @property
-    def positions(self) -> Floats: ...
-    @property
-    def species(self) -> NDArray[np.int64]: ...
-    @property
-    def radii(self) -> Floats: ...
-    @property
-    def box(self) -> Floats: ...
-    @property
-    def walls(self) -> tuple[Wall, ...]: ...
-    @property
-    def dimension(self) -> int: ...
-    @property
-    def radius(self) -> Floats: ...
-    @property
-    def origin(self) -> Floats: ...
+# Largest distance from the box, in box lengths: LAMMPS brings particles back by one length a step.
+_FARTHEST = 1e6
 
 
-P = TypeVar("P")
+@dataclass(frozen=True, eq=False, repr=False)
+class Packing:
+    """Disks in a periodic box in the plane, or spheres in a box in space, or between walls.
 
+        Packing(positions, radii, (lx, ly))
+        Packing(positions, 0.5, (lx, ly, lz), walls=Sphere(8))
 
-class PackingFiles:
-    """How a packing comes from arrays and files, and goes to them."""
+    Attributes:
+        positions: centers, shape (N, 2), of spheres (N, 3) [length].
+        radii: undeformed radius of each particle, shape (N,); one number is that of all [length].
+        box: lattice vectors as rows, ((lx, 0), (xy, ly)), shape (2, 2) [length]; (lx, ly) may be
+            given for a rectangle. Of spheres ((lx, 0, 0), (xy, ly, 0), (xz, yz, lz)), or
+            (lx, ly, lz).
+        species: of each particle, counted from 0, shape (N,), all 0 if not given: labels for laws
+            with one value for each species. Particles of a species may have different radii.
+        periodic: whether the box repeats along each axis; one value is that of all axes. Where it
+            is False the sides of the box, at 0 and at its length, become walls.
+        walls: one wall or several: `Plane`, `Sphere`, `BoxWall`; in the plane `Segment` and
+            `PolygonWall`, in space `Cylinder` and `Cone`. Where a container of planes and round
+            walls closes a direction, the box is not periodic and spans it, whatever is given.
+            Obstacles repeat with the box.
+        seed: from which positions were drawn, None if they were not.
 
-    @classmethod
-    def from_arrays(
-        cls: type[P],
-        positions: ArrayLike,
-        radii: ArrayLike,
-        box: ArrayLike,
-        species: ArrayLike | None = None,
-        walls: Wall | Sequence[Wall] = (),
-    ) -> P:
-        """A packing of particles whose radii are known one by one.
+    Raises:
+        ParameterError: shapes disagree, walls have another dimension, a number is not finite, or a
+            radius or box length is not positive.
+    """
 
-            Packing.from_arrays(positions, radii, box=(lx, ly))
+    positions: Floats
+    radii: Floats
+    box: Floats
+    _: KW_ONLY
+    species: NDArray[np.int64] = None  # type: ignore[assignment]
+    periodic: tuple[bool, ...] = True  # type: ignore[assignment]
+    walls: tuple[Wall, ...] = ()
+    seed: int | None = None
+    # Largest radius of each species, and whether particles have radii of their own in LAMMPS.
+    _species_radii: Floats = field(init=False)
+    _own_radii: bool = field(init=False)
+
+    def __post_init__(self) -> None:
+        positions, radii = numbers("positions", self.positions), numbers("radii", self.radii)
+        number = len(positions) if positions.ndim == 2 else 0
+        if number == 0 or positions.shape[1] not in (2, 3):
+            raise ParameterError(
+                "positions must have shape (N, 2), or (N, 3) in three dimensions, with N > 0, not "
+                f"{positions.shape}"
+            )
+        if radii.shape not in ((), (number,)):
+            raise ParameterError(
+                f"radii must be one number, or one for each of {number} particles, not "
+                f"{radii.shape}"
+            )
+        if not (radii > 0.0).all():
+            raise ParameterError(f"radii must be positive, not {shown(radii[~(radii > 0.0)])}")
+        kinds = np.zeros(number) if self.species is None else numbers("species", self.species)
+        if kinds.shape != (number,) or (kinds % 1 != 0).any() or (kinds < 0).any():
+            raise ParameterError(
+                f"species must be {number} whole numbers from 0, not {shown(kinds)}"
+            )
+        self._set("positions", positions)
+        self._set("radii", np.array(np.broadcast_to(radii, number)))
+        self._set("species", kinds.astype(np.int64))
+        given = lattice_vectors(self.box)
+        if len(given) != self.dimension:
+            raise ParameterError(
+                f"positions have {self.dimension} columns, so that the box must have as many "
+                f"sides, not {len(given)}"
+            )
+        self._set("walls", self._all_walls(given))
+        self._set("box", lattice_vectors(room.box_between(self.walls, given)))
+        self._set("periodic", tuple(not shut for shut in closed(self.walls, self.dimension)))
+        boxes = np.abs(fractional(self.positions, self.box)).max(axis=1)
+        if boxes.max() > _FARTHEST:
+            far = int(boxes.argmax())
+            raise ParameterError(
+                f"positions of particle {far}, {self.positions[far].tolist()}, are "
+                f"{boxes[far]:.2g} boxes away: move it into the box"
+            )
+        self._set_species_radii(0)
+
+    def _set(self, name: str, value: Any) -> None:
+        if isinstance(value, np.ndarray):
+            value.setflags(write=False)
+        object.__setattr__(self, name, value)
+
+    def _all_walls(self, box: Floats) -> tuple[Wall, ...]:
+        """The walls that are given, and those sides of the box that are not periodic."""
+        walls = as_walls(self.walls, self.dimension)
+        flags = numbers("periodic", self.periodic)
+        if flags.shape not in ((), (self.dimension,)) or not np.isin(flags, (0, 1)).all():
+            raise ParameterError(
+                f"periodic must be True or False, or {self.dimension} of them, not "
+                f"{shown(self.periodic)}"
+            )
+        shut, sides = closed(walls, self.dimension), []
+        for axis, flag in enumerate(np.broadcast_to(flags, self.dimension)):
+            if not (flag or shut[axis]):
+                unit = np.eye(self.dimension)[axis]
+                for end, inward in ((0.0, unit), (box[axis, axis], -unit)):
+                    sides.append(Plane(tuple(end * unit), tuple(inward)))
+        return (*walls, *sides)
+
+    def _set_species_radii(self, least: int) -> None:
+        """Find the largest radius of each species; of one without particles it is that of all.
 
         Args:
-            positions: centers, shape (N, 2), of spheres (N, 3) [length].
-            radii: of each particle, shape (N,), or one number for all [length].
-            box: as that of a packing, or (lx, ly), or (lx, ly, lz) [length].
-            species: of each particle, counted from 0, shape (N,); one species if not given.
-            walls: as those of a packing.
-
-        Raises:
-            ParameterError: as for a packing.
+            least: number of species, if some at the end have no particles.
         """
-        places, radius = np.atleast_1d(numbers("positions", positions)), numbers("radii", radii)
-        if radius.shape not in ((), places.shape[:1]):
-            raise ParameterError(
-                f"radii must be one number, or one for each of {len(places)} particles, not "
-                f"{radius.shape}"
-            )
-        kinds = np.zeros(places.shape[:1]) if species is None else numbers("species", species)
-        if kinds.shape != places.shape[:1] or (kinds % 1 != 0).any() or (kinds < 0).any():
-            raise ParameterError(
-                f"species must be {len(places)} whole numbers from 0, not {shown(kinds)}"
-            )
-        radius = np.broadcast_to(radius, kinds.shape)
-        return _of(
-            cls, places, radius, lattice_vectors(box), kinds.astype(np.int64), as_walls(walls)
-        )
+        largest = np.zeros(max(least, int(self.species.max()) + 1))
+        np.maximum.at(largest, self.species, self.radii)
+        self._set("_own_radii", bool((self.radii != largest[self.species]).any()))
+        largest[largest == 0.0] = self.radii.max()
+        self._set("_species_radii", largest)
+
+    @classmethod
+    def _of_species(
+        cls,
+        positions: ArrayLike,
+        species: ArrayLike,
+        species_radii: ArrayLike,
+        box: ArrayLike,
+        own: ArrayLike | None = None,
+        walls: Sequence[Wall] = (),
+        seed: int | None = None,
+    ) -> Packing:
+        """A packing of species, some of which may have no particles.
+
+        Args:
+            positions: as of a packing.
+            species: as of a packing.
+            species_radii: of each species, at least those of its particles.
+            box: as of a packing.
+            own: radii of particles, where LAMMPS has such; those of the species if None.
+            walls: as of a packing.
+            seed: as of a packing.
+        """
+        largest, kinds = numbers("radii", species_radii), np.asarray(species)
+        radii = largest[kinds.astype(np.int64)] if own is None else numbers("radii", own)
+        made = cls(positions, radii, box, species=kinds, walls=walls, seed=seed)  # type: ignore[arg-type]
+        made._set("_species_radii", largest)
+        made._set("_own_radii", own is not None)
+        return made
+
+    def _with_own_radii(self) -> Packing:
+        """The packing whose particles have radii of their own in LAMMPS, which lets them turn."""
+        packing = self.replace()
+        packing._set("_own_radii", True)
+        return packing
 
     @classmethod
     def from_file(
-        cls: type[P],
+        cls,
         path: str | Path,
+        *,
         radii: float | str | Mapping[Any, float] | None = None,
         frame: int = -1,
         box: ArrayLike | None = None,
         walls: Wall | Sequence[Wall] = (),
         topology: str | Path | None = None,
         dimension: int = 2,
-    ) -> P:
+    ) -> Packing:
         """The packing in a file of another program, or in one that `to_file` has written.
 
             Packing.from_file("trajectory.lammpstrj", frame=0)
@@ -160,20 +251,22 @@ class PackingFiles:
             shut = closed(walls, dimension)
             if given is None:
                 given = found.lattice(dimension)
-                container = "rectangle(width, height)" if plane else "cuboid(lx, ly, lz)"
+                lengths = "(lx, ly)" if plane else "(lx, ly, lz)"
                 for axis, periodic, walled in zip("xyz", found.periodic, shut, strict=False):
                     if not (periodic or walled):
                         raise ValueError(
                             f"its box is not periodic along {axis}: give "
-                            + f"the walls there, such as walls={container}, or "
-                            + f"a periodic box, as box={'(lx, ly)' if plane else '(lx, ly, lz)'}"
+                            + f"the walls there, such as walls=BoxWall({lengths}), or "
+                            + f"a periodic box, as box={lengths}"
                         )
                 if not walls:
                     places = places - found.origin[:dimension]
             species = found.species
-        return _of(cls, places, radius, given, species, walls, found.count)
+        packing = cls(places, radius, given, species=species, walls=walls)
+        packing._set_species_radii(found.count)
+        return packing
 
-    def to_file(self: _Packing, path: str | Path, overwrite: bool = False) -> None:
+    def to_file(self, path: str | Path, mode: str = "x") -> None:
         """Write the packing for other programs; `from_file` reads it again.
 
         Positions, radii, species and box come back to the last bit, from GSD in single precision.
@@ -182,25 +275,33 @@ class PackingFiles:
         Args:
             path: `.data` is a LAMMPS data file of atom_style sphere, `.lammpstrj` or `.dump` a
                 LAMMPS dump, `.xyz` or `.extxyz` extended XYZ, `.gsd` a file of HOOMD-blue.
-            overwrite: replace a file that is there.
+            mode: `x` makes a new file, `w` replaces one that is there.
 
         Raises:
-            ParameterError: the suffix is another.
-            FileError: there is a file and `overwrite` is not given, or it cannot be written.
+            ParameterError: the suffix or the mode is another.
+            FileError: there is a file and the mode is `x`, or it cannot be written.
             ImportError: gsd is missing (`pip install 'lammps-deformable[gsd]'`).
 
         Warns:
             UnsavedWarning: the packing has walls.
         """
         expect("path", path, str, Path)
-        refuse_present(Path(path), overwrite)
+        if mode not in ("x", "w"):
+            raise ParameterError(f"mode must be 'x' or 'w', not {shown(mode)}")
+        with writing(path):  # names may be too long
+            there = mode == "x" and Path(path).exists()
+        if there:
+            raise FileError(
+                f"'{path}' is there already: replace it by to_file({str(path)!r}, mode='w'), or "
+                "give another name"
+            )
         write_particles(
             Path(path),
             self.box,
             self.species,
             self.positions,
-            self.radius,
-            len(self.radii),
+            self.radii,
+            len(self._species_radii),
             self.origin,
             closed(self.walls, self.dimension),
         )
@@ -211,7 +312,7 @@ class PackingFiles:
                 stacklevel=2,
             )
 
-    def to_mdanalysis(self: _Packing) -> Universe:
+    def to_mdanalysis(self) -> Universe:
         """A Universe of MDAnalysis with one frame.
 
         Particles have `ids` and `types` (from 1, as in LAMMPS), `radii` and `masses`. MDAnalysis
@@ -221,205 +322,55 @@ class PackingFiles:
         """
         from .files import universe_of
 
-        return universe_of(self.box, self.species, self.positions - self.origin, self.radius)
-
-
-def _of(
-    kind: Any,
-    positions: Floats,
-    radius: Floats,
-    box: Floats,
-    species: NDArray[np.int64],
-    walls: tuple[Wall, ...],
-    count: int = 0,
-) -> Any:
-    """A packing; particles have radii of their own where those of a species differ.
-
-    A species without particles, of so many as are counted, has the largest radius.
-    """
-    largest = np.zeros(max(count, int(species.max(initial=0)) + 1))
-    np.maximum.at(largest, species, radius)
-    empty = np.bincount(species, minlength=len(largest)) == 0
-    largest[empty] = radius.max(initial=0.0)
-    # as many radii as particles would be taken for theirs
-    own = bool((radius != largest[species]).any()) or (
-        len(largest) == len(species) and bool(empty.any())
-    )
-    return kind(positions, species, largest, box, radius if own else None, walls)
-
-
-# Largest packing fraction: far beyond any use, and far below percent.
-_DENSEST = 10.0
-
-# Points of a circle.
-_POINTS = 60
-
-# Largest distance from the box, in box lengths: LAMMPS brings particles back by one length a step.
-_FARTHEST = 1e6
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Packing(PackingFiles):
-    """Disks in a periodic two-dimensional box, or spheres in a box in space, or between walls.
-
-    Attributes:
-        positions: centers, shape (N, 2), of spheres (N, 3) [length].
-        species: species of each particle, counted from 0, shape (N,).
-        radii: undeformed radius of each species, shape (number of species,) [length]. Those of
-            particles make a packing by `Packing.from_arrays`.
-        box: lattice vectors as rows, ((lx, 0), (xy, ly)), shape (2, 2) [length]; (lx, ly) may be
-            given for a rectangle. Of spheres ((lx, 0, 0), (xy, ly, 0), (xz, yz, lz)), or
-            (lx, ly, lz).
-        particle_radii: undeformed radius of each particle, shape (N,) [length], or None: the radius
-            of its species. If given, `radii` are the largest radii that a species allows.
-        walls: one shape or several: `Plane`, `Circle`, `Disk`, `Segment`, `Polygon`; of spheres
-            `Plane`, `Sphere`, `Cylinder`, `Cone`, `Ball`, `Post`. Where a container of planes and
-            round walls closes a direction, the box is not periodic and spans it, whatever is given.
-            Obstacles repeat with the box.
-
-    Raises:
-        ParameterError: shapes disagree, walls have another dimension, a number is not finite, a
-            radius or box length is not positive, a species has no radius, as many radii as
-            particles are given and some species have none, or a particle is larger than its
-            species allows.
-    """
-
-    positions: NDArray[np.float64]
-    species: NDArray[np.int64]
-    radii: NDArray[np.float64]
-    box: NDArray[np.float64]
-    particle_radii: NDArray[np.float64] | None = None
-    walls: tuple[Wall, ...] = ()
-
-    def __post_init__(self) -> None:
-        for name in ("positions", "species", "radii", "particle_radii"):
-            if name == "particle_radii" and self.particle_radii is None:
-                continue
-            array: NDArray[np.generic] = numbers(name, getattr(self, name))
-            if name == "species":
-                if not np.array_equal(array, np.rint(array)):
-                    raise ParameterError("species must be whole numbers")
-                array = array.astype(np.int64)
-            array.setflags(write=False)
-            object.__setattr__(self, name, array)
-        n, shape = self.species.size, self.positions.shape
-        if n == 0 or shape not in ((n, 2), (n, 3)) or self.species.shape != (n,):
-            raise ParameterError(
-                "positions must have shape (N, 2), or (N, 3) in three dimensions, and species (N,) "
-                f"with N > 0, not {shape} and {self.species.shape}"
-            )
-        given = lattice_vectors(self.box)
-        if len(given) != self.dimension:
-            raise ParameterError(
-                f"positions have {self.dimension} columns, so that the box must have as many "
-                f"sides, not {len(given)}"
-            )
-        object.__setattr__(self, "walls", as_walls(self.walls, self.dimension))
-        box = room.box_between(self.walls, given)
-        object.__setattr__(self, "box", lattice_vectors(box))
-        boxes = np.abs(fractional(self.positions, self.box)).max(axis=1)
-        if boxes.max() > _FARTHEST:
-            far = int(boxes.argmax())
-            raise ParameterError(
-                f"positions of particle {far}, {self.positions[far].tolist()}, are "
-                f"{boxes[far]:.2g} boxes away: move it into the box"
-            )
-        if self.radii.ndim != 1 or not (self.radii > 0.0).all():
-            raise ParameterError(f"radii must be positive, not {self.radii.tolist()}")
-        if self.species.min() < 0 or self.species.max() >= len(self.radii):
-            raise ParameterError(
-                f"species must lie in 0..{len(self.radii) - 1}, the numbers of the radii, "
-                f"not {self.species.min()}..{self.species.max()}"
-            )
-        if self.particle_radii is not None:
-            self._check_particle_radii(self.particle_radii)
-        elif len(self.radii) == n > 2:  # two particles of one of two species are usual
-            self._refuse_unused_radii()
-
-    def _refuse_unused_radii(self) -> None:
-        """Refuse as many radii as particles, of which some would be left out."""
-        used = np.unique(self.species)
-        if len(used) < len(self.radii) and np.ptp(self.radii) > 0.0:
-            raise ParameterError(
-                f"radii are those of species, and the {len(self.radii)} particles are of "
-                f"{len(used)} of them: give radii of particles to Packing.from_arrays(positions, "
-                "radii, box, species), or species that all have particles"
-            )
-
-    def _check_particle_radii(self, particle_radii: NDArray[np.float64]) -> None:
-        if particle_radii.shape != self.species.shape:
-            raise ParameterError(
-                f"particle_radii must have shape {self.species.shape}, not {particle_radii.shape}"
-            )
-        most = self.radii[self.species]
-        # data files of LAMMPS keep 16 digits
-        wrong = np.flatnonzero(~((particle_radii > 0.0) & (particle_radii <= most * (1.0 + 1e-12))))
-        if len(wrong) > 0:
-            n = int(wrong[0])
-            raise ParameterError(
-                "particle_radii must be positive and at most the radius of the species, "
-                f"{most[n]:g} for particle {n}, not {particle_radii[n]:g}"
-            )
+        return universe_of(self.box, self.species, self.positions - self.origin, self.radii)
 
     def __len__(self) -> int:
         return len(self.species)
 
     def __repr__(self) -> str:
-        count = f"{len(self)} particles of {len(self.radii)} species"
-        return f"<Packing: {count}, phi = {self.phi:.4f}, {shown_box(self.box)}>"
+        kinds = len(self._species_radii)
+        drawn = "" if self.seed is None else f", seed {self.seed}"
+        return (
+            f"<Packing: {len(self)} particles of {kinds} species, phi = {self.phi:.4f}, "
+            f"{shown_box(self.box)}{drawn}>"
+        )
 
     @property
     def dimension(self) -> int:
         """2 of disks, 3 of spheres."""
         return int(self.positions.shape[1])
 
-    @property
-    def radius(self) -> NDArray[np.float64]:
-        """Undeformed radius of each particle, shape (N,) [length]."""
-        return self.radii[self.species] if self.particle_radii is None else self.particle_radii
-
-    @property
-    def area(self) -> float:
-        """Area that is free to particles: of the box, or the container, without obstacles."""
-        refuse_space("area", self.dimension, "take the volume", attribute=True)
-        return self._room
-
-    @property
-    def volume(self) -> float:
-        """Volume that is free to spheres: of the box, or the container, without obstacles."""
-        if self.dimension == 2:
-            raise UndefinedError("a packing in the plane has no volume: take the area")
-        return self._room
-
     @cached_property
-    def _room(self) -> float:
+    def volume(self) -> float:
+        """Area, in space volume, that is free: of the box, or the container, without obstacles."""
         return room.free_room(self.walls, self.box)
 
     @property
-    def origin(self) -> NDArray[np.float64]:
+    def origin(self) -> Floats:
         """Lower left corner of the box, (0, 0) but for containers, shape (d,) [length]."""
         return room.bounds(self.walls, self.box)[0]
 
     @property
     def phi(self) -> float:
-        """Packing fraction of the undeformed disks, sum pi R^2 / `area`; overlaps count twice.
+        """Packing fraction of the undeformed disks, sum pi R^2 / `volume`; overlaps count twice.
 
         Of spheres it is sum 4 pi R^3 / (3 `volume`).
         """
-        return undeformed(self.radius, self.dimension) / self._room
+        return undeformed(self.radii, self.dimension) / self.volume
 
     @property
-    def outlines(self) -> list[NDArray[np.float64]]:
+    def outlines(self) -> list[Floats]:
         """Circles of the undeformed disks, closed polygons of shape (m, 2) [length]."""
-        refuse_space("outlines", self.dimension, "take positions and radius", attribute=True)
+        refuse_space("outlines", self.dimension, "take positions and radii", attribute=True)
         turn = np.linspace(0.0, 2.0 * np.pi, _POINTS)
         circle = np.column_stack([np.cos(turn), np.sin(turn)])
-        return list(self.positions[:, None] + self.radius[:, None, None] * circle)
+        return list(self.positions[:, None] + self.radii[:, None, None] * circle)
 
     def plot(
         self,
         ax: Axes | None = None,
-        color_by: str | ArrayLike = "radius",
+        *,
+        color: str | ArrayLike = "radius",
         scale: Scale | None = None,
         cmap: str | None = None,
         vmin: float | None = None,
@@ -432,7 +383,7 @@ class Packing(PackingFiles):
 
         Args:
             ax: axes to draw into; those of a new figure if not given.
-            color_by: `radius`, `species`, or one number for each particle, shape (N,).
+            color: `radius`, `species`, or one number for each particle, shape (N,).
             scale: of the colors, to use one for several pictures.
             cmap: name of one of matplotlib's color maps.
             vmin: value of the first color.
@@ -449,14 +400,14 @@ class Packing(PackingFiles):
             ImportError: matplotlib is missing (`pip install lammps-deformable[plot]`).
         """
         optional("matplotlib", "plot")
-        columns = {"radius": self.radius, "species": self.species}
-        found = columns.get(color_by) if isinstance(color_by, str) else color_by
-        values = per_particle(color_by, found, len(self), columns)
+        columns = {"radius": self.radii, "species": self.species}
+        found = columns.get(color) if isinstance(color, str) else color
+        values = per_particle(color, found, len(self), columns)
         expect("scale", scale, Scale, type(None))
         expect("label", label, str, type(None))
-        on = scale or scale_of([values], [], color_by)
+        on = scale or scale_of([values], [], color)
         if label is None:
-            label = color_by if isinstance(color_by, str) else ""
+            label = color if isinstance(color, str) else ""
         title = f"$\\phi$ = {self.phi:.4f}" if title is None else title
         on = limited(on, vmin, vmax)
         named: dict[str, Any] = {"cmap": cmap, "colorbar": colorbar}
@@ -468,7 +419,62 @@ class Packing(PackingFiles):
 
         return draw(self, self.outlines, values, label, title, on, ax, **named)
 
-    def at(self, phi: float, grow: bool = False) -> Packing:
+    def replace(self, **changes: Any) -> Packing:
+        """The packing with other values of some attributes.
+
+        Args:
+            changes: any of `positions`, `radii`, `box`, `species`, `periodic`, `walls`, `seed`.
+
+        Raises:
+            ParameterError: as for a packing.
+            TypeError: there is no such attribute.
+        """
+        kept = {name: getattr(self, name) for name in _ATTRIBUTES}
+        if "walls" in changes:
+            kept["periodic"] = True
+        packing = Packing(**kept | changes)
+        if "species" not in changes:
+            if "radii" in changes:
+                packing._set_species_radii(len(self._species_radii))
+            else:
+                packing._set("_species_radii", self._species_radii)
+                packing._set("_own_radii", self._own_radii)
+        return packing
+
+    def replicate(self, nx: int, ny: int, nz: int = 1) -> Packing:
+        """The packing beside images of itself, as LAMMPS' *replicate*: one box after the other.
+
+        Args:
+            nx: number of boxes along the first lattice vector.
+            ny: along the second one.
+            nz: along the third one, in space.
+
+        Raises:
+            ParameterError: a number is no count, or is not 1 where there are no images: along z in
+                the plane, or along a direction that walls close; or there are obstacles.
+        """
+        numbers_of = [count(name, n) for name, n in (("nx", nx), ("ny", ny), ("nz", nz))]
+        repeats = (*self.periodic, False)[:3]
+        for name, n, periodic in zip("xyz", numbers_of, repeats, strict=True):
+            if n > 1 and not periodic:
+                raise ParameterError(
+                    f"there are no images along {name}: n{name} must be 1, not {n}"
+                )
+        if not all(wall.inside for wall in self.walls):
+            raise ParameterError("replicate takes no obstacles: replace the walls first")
+        along = numbers_of[: self.dimension]
+        steps = np.array(list(product(*map(range, along))), dtype=np.float64)
+        places = cartesian(steps, self.box)[:, None] + self.positions
+        packing = self.replace(
+            positions=places.reshape(-1, self.dimension),
+            radii=np.tile(self.radii, len(steps)),
+            species=np.tile(self.species, len(steps)),
+            box=self.box * np.array(along)[:, None],
+        )
+        packing._set_species_radii(len(self._species_radii))
+        return packing
+
+    def at(self, phi: float, *, grow: bool = False) -> Packing:
         """The packing at another packing fraction.
 
         Box, centers and walls are scaled by one factor, about the origin of the coordinates.
@@ -482,30 +488,32 @@ class Packing(PackingFiles):
         """
         factor = root(self.phi / fraction_of(phi), self.dimension)
         if grow:
-            own = None if self.particle_radii is None else self.particle_radii / factor
-            return replace(self, radii=self.radii / factor, particle_radii=own)
+            grown = self.replace(radii=self.radii / factor)
+            grown._set("_own_radii", self._own_radii)
+            grown._set("_species_radii", self._species_radii / factor)
+            return grown
         box = self.box * factor
         walls = room.stretched(self.walls, self.box, box)
-        return replace(self, positions=self.positions * factor, box=box, walls=walls)
+        return self.replace(positions=self.positions * factor, box=box, walls=walls)
 
     def between(self, walls: Wall | Sequence[Wall], seed: int | None = None) -> Packing:
         """The same particles at random places between walls, where they may overlap.
 
-            bidisperse(60).between([Circle((0, 0), 7), Disk((2, 0), 1)])
-            bidisperse(200, dimension=3).between(Sphere((0, 0, 0), 8))
+            bidisperse(60).between([Sphere(7), Sphere(1, (2, 0), inside=False)])
+            bidisperse(200, dimension=3).between(Sphere(8))
 
         It is a start for `push_off` and `jam`. The walls have the size that is given, so that the
         packing fraction follows from them; `at` scales all to another one.
 
         Args:
-            walls: one shape or several, see `Packing`.
+            walls: one wall or several, see `Packing`.
             seed: of numpy's default generator. By default the former positions take its place:
                 packings from several seeds have several places between walls too.
 
         Raises:
             ParameterError: walls leave no room.
         """
-        packing = replace(self, walls=as_walls(walls))
+        packing = self.replace(walls=walls, periodic=True)
         if seed is None:
             rng = np.random.default_rng(
                 np.frombuffer(self.positions.astype("<f8").tobytes(), "<u4")
@@ -513,7 +521,27 @@ class Packing(PackingFiles):
         else:
             rng = generator(seed)
         centers = room.random_places(packing.walls, packing.box, len(self), rng)
-        return replace(packing, positions=centers)
+        return packing.replace(positions=centers)
+
+    def push_off(self) -> Packing:
+        """The particles relaxed as soft disks or spheres, in their box, to reduce their overlaps.
+
+        Particles at random positions overlap too deeply for contacts in front of their centers.
+        Soft ones have no such limit. The result is a start for `Simulation`, at any packing
+        fraction.
+
+        Returns:
+            The packing with balanced forces between soft particles.
+
+        Warns:
+            StalledWarning: the forces are not balanced.
+        """
+        from .starts import push_off
+
+        return push_off(self)
+
+
+_ATTRIBUTES = ("positions", "radii", "box", "species", "periodic", "walls", "seed")
 
 
 def fraction_of(phi: float) -> float:
@@ -525,8 +553,15 @@ def fraction_of(phi: float) -> float:
     return float(phi)
 
 
+def drawn_seed(seed: int | None) -> int:
+    """The seed, or one that is drawn."""
+    if seed is None:
+        return int(np.random.SeedSequence().generate_state(1)[0])
+    if (number := whole("seed", seed)) < 0:
+        raise ParameterError(f"seed must not be negative, not {number}")
+    return number
+
+
 def generator(seed: int) -> np.random.Generator:
-    seed = whole("seed", seed)
-    if seed < 0:
-        raise ParameterError(f"seed must not be negative, not {seed}")
-    return np.random.default_rng(seed)
+    """Numpy's default generator of this seed."""
+    return np.random.default_rng(drawn_seed(seed))

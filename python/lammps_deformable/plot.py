@@ -107,7 +107,7 @@ class Parallels:
             )
             for kind, radius, distance, rows in zip(
                 self.packing.species,
-                self.packing.radius,
+                self.packing.radii,
                 inset,
                 self.contact_tables,
                 strict=True,

@@ -28,7 +28,7 @@ from .errors import ParameterError
 from .plot import Colored, label_of
 from .room import bounds, closed, lines_around, section_between
 from .versions import optional
-from .walls import Ball, Wall
+from .walls import Sphere, Wall
 
 if TYPE_CHECKING:
     from .contacts import ContactForces
@@ -218,7 +218,7 @@ def section_of(packing: Packing, facets: Facets, height: float) -> Section:
     Raises:
         ParameterError: the plane is outside of the walls.
     """
-    x, radius, up = packing.positions, packing.radius, packing.box[2]
+    x, radius, up = packing.positions, packing.radii, packing.box[2]
     walls = section_between(packing.walls, packing.box, height)
     if walls is None:
         low, high = bounds(packing.walls, packing.box)[:, 2]
@@ -294,7 +294,7 @@ class Packing(Protocol):
     @property
     def positions(self) -> Floats: ...
     @property
-    def radius(self) -> Floats: ...
+    def radii(self) -> Floats: ...
     @property
     def box(self) -> Floats: ...
     @property
@@ -363,10 +363,10 @@ def draw(
     norm = Normalize(on.low, on.low + 1.0 if one_value else on.high)
     ax = new_axes(colorbar) if ax is None else ax
     expect("ax", ax, Axes)
-    balls = [wall for wall in packing.walls if isinstance(wall, Ball)]
-    middles = np.array([ball.center for ball in balls]).reshape(-1, 3)
+    balls = [w for w in packing.walls if isinstance(w, Sphere) and not w.inside]
+    middles = np.array([ball.middle for ball in balls]).reshape(-1, 3)
     bodies = _in_box(packing, np.concatenate([packing.positions, middles])) @ turn
-    radius = np.append(packing.radius, [ball.radius for ball in balls])
+    radius = np.append(packing.radii, [ball.radius for ball in balls])
     centers = bodies[: len(packing.positions)]
     edges = [line @ turn for line in lines_around(packing.walls, packing.box, turn[:, 2])]
     ends, margin = np.concatenate([*edges, bodies]), float(radius.max())

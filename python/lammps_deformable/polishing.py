@@ -92,7 +92,7 @@ def _newton(
     root: bool,
 ) -> Any:
     """The state of the smallest forces."""
-    farthest = _FARTHEST * float(start.packing.radius.min())
+    farthest = _FARTHEST * float(start.packing.radii.min())
     best, state, moved = start, start, np.zeros((len(start.packing), 2))
     for number in range(1, _STEPS + 1):
         step = None if best.residual <= tolerance else _step(state)

@@ -32,7 +32,14 @@ from .lammps import (
     silent_lammps,
 )
 from .packing import Packing
-from .polygons import PolygonModel, Walls, polygon_file, refuse_own_image, refuse_start, undeformed
+from .polygons import (
+    DeformablePolygon,
+    Walls,
+    polygon_file,
+    refuse_own_image,
+    refuse_start,
+    undeformed,
+)
 from .progress import progress
 from .relax import (
     Forces,
@@ -98,13 +105,13 @@ class PolygonSimulation(Engine):
     def __init__(
         self,
         packing: Packing,
-        model: PolygonModel | None = None,
+        model: DeformablePolygon | None = None,
         walls: Walls | None = None,
         comm: MPI.Comm | None = None,
     ) -> None:
-        self.model = model = PolygonModel() if model is None else model
+        self.model = model = DeformablePolygon() if model is None else model
         expect("packing", packing, Packing)
-        expect("model", model, PolygonModel)
+        expect("model", model, DeformablePolygon)
         expect("walls", walls, Walls, type(None))
         self.comm = communicator(comm)
         packing = self.comm.bcast(packing)
@@ -114,13 +121,12 @@ class PolygonSimulation(Engine):
                 "polygons have no walls but `Walls` around a single one: replace the packing "
                 "by one without walls"
             )
-        if packing.particle_radii is not None:
+        if packing._own_radii:
             raise ParameterError(
-                "polygons have the radii of their species: give each size a species of its "
-                "own, not particle_radii"
+                "polygons have the radii of their species: give each size a species of its own"
             )
-        self.polygons = polygons = model.polygons(packing.radii)
-        self._species, self._radii = packing.species, packing.radii
+        self.polygons = polygons = model.polygons(packing._species_radii)
+        self._species, self._radii = packing.species, packing._species_radii
         self._first = np.concatenate([[0], np.cumsum(polygons.number[packing.species])])
         positions = undeformed(packing, polygons)
         self.walls = walls
@@ -329,7 +335,7 @@ class PolygonSimulation(Engine):
         center = steiner_point if self.model.smooth else partial(np.mean, axis=0)
         centers = np.array([center(outline) for outline in outlines])
         return PolygonState(
-            packing=Packing(centers, self._species, self._radii, box),
+            packing=Packing._of_species(centers, self._species, self._radii, box),
             model=self.model,
             polygons=self.polygons,
             outlines=outlines,

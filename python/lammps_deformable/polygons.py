@@ -7,7 +7,7 @@ The start of bead polygons: undeformed, separate, within walls; as a LAMMPS data
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -93,7 +93,7 @@ _LEAST_SPACING = 0.06
 
 
 @dataclass(frozen=True)
-class PolygonModel:
+class DeformablePolygon:
     """The deformable-polygon model: bead polygons, joined by springs around a soft area.
 
         U = kL/2 sum (L - L0)^2 + kA/2 sum (A - A0)^2 + contacts
@@ -113,11 +113,11 @@ class PolygonModel:
     Args:
         vertices: N_v, beads or vertices of a polygon of the smallest species; larger ones get more,
             N_v ~ R - p. Or a number for each species.
+        smooth: smooth polygons, else bead polygons.
         radius: p, of a bead [length]; contacts reach as far as 2p.
         kL: stiffness of a spring [energy/length^2]; the perimeter of a polygon has kP = kL/N_v.
         kA: stiffness of the area of a polygon [energy/length^4].
         kr: stiffness of the contact of two beads, or of a vertex and an edge [energy/length^2].
-        smooth: smooth polygons, else bead polygons.
 
     Raises:
         ParameterError: a value is not positive and finite, or a polygon has fewer than 3 beads.
@@ -127,12 +127,13 @@ class PolygonModel:
     docs/theory.md, "Smooth polygons".
     """
 
-    vertices: int | Sequence[int] = 50
+    vertices: int | Sequence[int] = 60
+    _: KW_ONLY
+    smooth: bool = True
     radius: float = 0.05
     kL: float | Sequence[float] = 300.0
     kA: float | Sequence[float] = 1.0
     kr: float = 30.0
-    smooth: bool = False
 
     def __post_init__(self) -> None:
         for name in ("radius", "kr"):
@@ -281,7 +282,7 @@ def _translations(box: NDArray[np.float64]) -> NDArray[np.float64]:
 def refuse_start(
     packing: Packing,
     positions: list[NDArray[np.float64]],
-    model: PolygonModel,
+    model: DeformablePolygon,
     walls: Walls | None,
 ) -> None:
     """Refuse polygons that cannot start where they are."""
@@ -292,16 +293,16 @@ def refuse_start(
         _refuse_outside(packing, model, walls)
 
 
-def _refuse_overlap(packing: Packing, model: PolygonModel) -> None:
+def _refuse_overlap(packing: Packing, model: DeformablePolygon) -> None:
     """Refuse polygons that overlap by more than a bead radius: they could stay entangled."""
     steps = _translations(packing.box)
     cell = steps[[0, 2]]
     steps = np.vstack([np.zeros(2), steps, -steps])
-    for n, (center, radius) in enumerate(zip(packing.positions, packing.radius, strict=True)):
+    for n, (center, radius) in enumerate(zip(packing.positions, packing.radii, strict=True)):
         apart = packing.positions[n + 1 :] - center
         apart -= cartesian(np.rint(fractional(apart, cell)), cell)
         distance = np.hypot(*np.moveaxis(apart[:, None] + steps, -1, 0)).min(axis=1)
-        overlap = packing.radius[n + 1 :] + radius - distance
+        overlap = packing.radii[n + 1 :] + radius - distance
         if overlap.max(initial=0.0) > model.radius:
             raise ParameterError(
                 f"particles {n} and {n + 1 + int(overlap.argmax())} overlap by "
@@ -324,11 +325,11 @@ def refuse_own_image(
                 )
 
 
-def _refuse_outside(packing: Packing, model: PolygonModel, walls: Walls) -> None:
+def _refuse_outside(packing: Packing, model: DeformablePolygon, walls: Walls) -> None:
     """Refuse a polygon that starts beyond its walls, or beyond the box around them."""
     if len(packing) != 1 or packing.positions.any():
         raise ParameterError("walls must be around a single particle at the origin")
-    radius = packing.radius[0]
+    radius = packing.radii[0]
     if packing.box[1, 0] != 0.0 or not (packing.box.diagonal() > 2.0 * radius).all():
         raise ParameterError(
             f"walls need a rectangular box wider than the particle, {2.0 * radius:g}, not "
@@ -360,7 +361,7 @@ def polygon_file(packing: Packing, polygons: list[NDArray[np.float64]], centered
         "bead polygons",
         "bond",
         packing.box,
-        len(packing.radii),
+        len(packing._species_radii),
         [np.repeat(np.arange(1, len(polygons) + 1), sizes), types],
         np.vstack(polygons),
         np.column_stack([types, ids, following]),

@@ -1,312 +1,330 @@
-"""Runs that are written as they go on.
+"""The steps of every protocol: states are shown, kept or written, and runs go on after a kill.
 
-Frame 0 is the state before the first step.
-
-Each step of `compress_in` and `shear_in` starts from the packing in the folder, which has all
-digits, and from the box of the first step. So a step gives the same whether or not the same process
-computed those before it.
+Frame 0 of a run is the state before the first step. A protocol that is written starts each step
+from the state before, as a process does that has read it from the folder: LAMMPS is cleared, and
+the particles are created anew. So a step gives the same digits whether or not the same process
+computed those before it. Where a user has given commands to LAMMPS that would be lost, the steps
+follow each other instead, and the run cannot be resumed.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from itertools import chain
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import closing
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+from mpi4py import MPI
 
 from . import store
-from ._checks import expect, positive
+from ._checks import expect, positive, shown
 from ._files import check_parameters, make_folder
-from .compression import check_target, remaining_steps, steps_towards
-from .errors import ParameterError
+from .errors import FileError, ParameterError
+from .lammps import has_commands_of_a_user
 from .opening import go_on
-from .progress import Steps, start_of, waits_for_all
-from .relax import TOLERANCE
-from .shearing import check_shear, shear_steps
-from .simulation import Deforming, DropletSimulation, S, Simulation
-from .state import DropletState, State
-from .store import SERIES, Motion, memory, refuse_foreign, refuse_run, setup
+from .progress import progress
 
 if TYPE_CHECKING:
-    from .packing import Packing
+    from .run import Run
 
 # With a larger one the forces on a particle are far from balanced.
 LARGEST_TOLERANCE = 1e-2
 
-_WAYS = (
-    "finish it with Run.resume",
-    "go on with Run.compress or Run.shear",
-)
-_APPEND = ("go on with Run.append",)
+# Called with each state after a step; True ends the protocol there.
+Callback = Callable[[Any], object]
 
 
-def record(
-    states: Iterable[S],
-    folder: str | Path,
-    parameters: Mapping[str, Any] | None = None,
-    overwrite: bool = False,
-) -> Iterator[S]:
-    """Write each state into a folder as it comes: an interrupted run loses nothing.
+class Protocol(NamedTuple):
+    """What a protocol does.
 
-    Frame 0 is the state before the first step of a protocol.
+    Attributes:
+        begin: from the simulation and the settings of the call, the state before the first step,
+            and what its steps must know of the start, which JSON can hold: `states` is their
+            number at most.
+        go: the states after the steps that remain, from simulation, settings, start, the number of
+            steps done, and the state before, or None if that is not known.
+    """
 
-        for state in ld.record(ld.compress(sim, 0.01, 10), "run"):
-            print(state.phi)
+    begin: Callable[[Any, Mapping[str, Any]], tuple[Any, dict[str, Any]]]
+    go: Callable[[Any, Mapping[str, Any], Mapping[str, Any], int, Any], Iterator[Any]]
 
-    Args:
-        states: e.g. from `compress`. What protocols, `log` and `record` return knows the state
-            before, until its first step is asked for. Frame 0 of all other states is the first one.
-        folder: made if missing. `Run.append` goes on with a run in it.
-        parameters: anything that JSON can hold, for the summary.
-        overwrite: replace a run in the folder, when the first state comes.
 
-    Yields:
-        The states, unchanged; without the one before the first step.
+def protocol_of(name: str) -> Protocol:
+    """The protocol of this name.
 
     Raises:
-        ParameterError: these are no states, of a `Simulation`, or no parameters.
-        FileError: the folder holds a run and `overwrite` is not given, or it holds something else,
-            or a file cannot be written, or `series.csv` is that of another program.
+        FileError: there is none.
     """
-    expect("folder", folder, str, Path)
-    expect_states(states, parameters)
-    refuse_foreign(Path(folder) / SERIES)
-    if waits_for_all(states):
-        refuse_run(folder, overwrite, _APPEND)
-    start = start_of(states)
-    written = write(states, Path(folder), parameters or {}, 0, start, overwrite)
-    return Steps("record", written, start)
+    from . import compression, motion, shearing  # which know this module
+
+    protocols = {
+        "compress": compression.COMPRESS,
+        "grow": compression.GROW,
+        "shear": shearing.SHEAR,
+        "oscillate": shearing.OSCILLATE,
+        "creep": shearing.CREEP,
+        "run": motion.RUN,
+    }
+    if name not in protocols:
+        raise FileError(f"there is no protocol {name!r}")
+    return protocols[name]
 
 
-def compress_in(
-    sim: Deforming[S],
-    folder: str | Path,
-    strain: float | None = None,
-    steps: int = 10,
-    tolerance: float = TOLERANCE,
-    parameters: Mapping[str, Any] | None = None,
-    overwrite: bool = False,
-    phi: float | None = None,
-    pressure: float | None = None,
-) -> Iterator[S]:
-    """Compress as `compress`, and write as `record`, so that `Run.resume` can go on at any step.
-
-    Frame 0 is the state before the first step: unrelaxed, or the relaxed start for a phi or
-    pressure.
-
-    Args:
-        sim: without further commands to its `lmp`, because each step starts a new LAMMPS.
-        folder: made if missing.
-        strain: of all steps together, as in `compress`; or phi or pressure, see there.
-        steps: as in `compress`.
-        tolerance: of each relaxation, see `Simulation.relax`; at most 0.01.
-        parameters: anything that JSON can hold, for the summary.
-        overwrite: replace the run in the folder.
-        phi: as in `compress`.
-        pressure: as in `compress`.
-
-    Yields:
-        The relaxed state after each step, once it is written.
+def check_tolerance(tolerance: float | None) -> float | None:
+    """The tolerance of relaxations, if given.
 
     Raises:
-        ParameterError: as for `compress`, or the tolerance is too large.
-        FileError: as for `record`.
+        ParameterError: it is not positive, or larger than forces of a relaxed packing may be.
     """
-    protocol = compression(steps, tolerance, strain=strain, phi=phi, pressure=pressure)
-    return _begin_in("compress_in", sim, folder, protocol, parameters, overwrite)
-
-
-def shear_in(
-    sim: Deforming[S],
-    folder: str | Path,
-    strain: float,
-    steps: int = 10,
-    tolerance: float = TOLERANCE,
-    parameters: Mapping[str, Any] | None = None,
-    overwrite: bool = False,
-) -> Iterator[S]:
-    """Shear as `shear`, and write as `record`, so that `Run.resume` can go on at any step.
-
-    Frame 0 is the state before the first step, with the strain 0. The other arguments are those of
-    `compress_in`.
-
-    Args:
-        strain: shear strain of all steps together.
-
-    Yields:
-        The relaxed state after each step, once it is written.
-
-    Raises:
-        ParameterError: as for `shear`, or the tolerance is too large.
-        FileError: as for `compress_in`.
-    """
-    expect("sim", sim, Simulation, DropletSimulation)
-    check_shear(sim, strain, steps)
-    protocol = shear_protocol(strain, steps, tolerance)
-    return _begin_in("shear_in", sim, folder, protocol, parameters, overwrite)
-
-
-def expect_states(states: Any, parameters: Any) -> None:
-    """Refuse objects of another kind."""
-    expect("states", states, Iterable)
-    check_parameters(parameters)
-
-
-def compression(steps: int, tolerance: float, **targets: float | None) -> dict[str, Any]:
-    """The steps of a compression to a strain, phi or pressure, for the parameters of a run.
-
-    Raises:
-        ParameterError: a value is out of range.
-    """
-    name, target = check_target(None, steps, **targets)
-    return {name: target} | _steps(steps, tolerance)
-
-
-def shear_protocol(strain: float, steps: int, tolerance: float) -> dict[str, Any]:
-    """The steps of a shear, for the parameters of a run."""
-    return {"protocol": "shear", "strain": float(strain)} | _steps(steps, tolerance)
-
-
-def _steps(steps: int, tolerance: float) -> dict[str, Any]:
+    if tolerance is None:
+        return None
     if positive("tolerance", tolerance) > LARGEST_TOLERANCE:
         raise ParameterError(f"tolerance must be at most {LARGEST_TOLERANCE}, not {tolerance}")
-    return {"steps": int(steps), "tolerance": float(tolerance)}
+    return float(tolerance)
 
 
-def _target(parameters: Mapping[str, Any]) -> tuple[str, float]:
-    """The target of a protocol, and its name."""
-    names = ("strain", "phi", "pressure")
-    return next((name, parameters[name]) for name in names if parameters.get(name) is not None)
-
-
-def _begin_in(
+def play(
+    sim: Any,
     name: str,
-    sim: Deforming[S],
-    folder: str | Path,
-    protocol: Mapping[str, Any],
-    parameters: Mapping[str, Any] | None,
-    overwrite: bool,
-) -> Iterator[S]:
-    expect("sim", sim, Simulation, DropletSimulation)
-    sim.comm.barrier()  # rank 0 may still be writing
-    _ = sim.lmp  # or say that it is closed
-    place = refuse_run(folder, overwrite, _WAYS)
-    refuse_foreign(place / SERIES)
-    return begin(name, sim, place, protocol, parameters)
-
-
-def begin(
-    name: str,
-    sim: Deforming[S],
-    folder: Path,
-    protocol: Mapping[str, Any],
-    parameters: Mapping[str, Any] | None,
-    before: Mapping[str, Any] | None = None,
-    first: int = 0,
-) -> Iterator[S]:
-    """The steps of a run. Nothing is written before the first one is asked for.
+    settings: Mapping[str, Any],
+    *,
+    record: str | Path | None = None,
+    mode: str = "x",
+    callback: Callback | None = None,
+    keep: bool = True,
+    parameters: Mapping[str, Any] | None = None,
+) -> Run:
+    """Take the steps of a protocol.
 
     Args:
-        name: of what the user has called.
-        before: parameters of the run that it goes on with, if any.
-        first: number of the frames before.
+        sim: a simulation; it ends in the last state.
+        name: of the protocol.
+        settings: of the call, what JSON can hold, for the protocol and for the summary.
+        record: folder of a run, made if missing; if not given states are kept in memory.
+        mode: of the folder: `x` refuses one with a run, `w` replaces it, `a` goes on behind it.
+        callback: called with the state after each step; None goes on, True ends the protocol.
+        keep: whether to keep all states; else the last one.
+        parameters: further ones for the summary.
+
+    Returns:
+        The run, which begins with the state before the first step.
+
+    Raises:
+        ParameterError: an argument is of another kind, or the callback returns something else.
+        FileError: the folder cannot be taken, see `mode`, or written.
     """
+    from .run import Run
+
+    if callback is not None and not callable(callback):
+        raise ParameterError(
+            "callback must be a function of a state, such as "
+            f"lambda state: state.pressure > 1e-3, or None, not {shown(callback)}"
+        )
+    expect("keep", keep, bool)
     check_parameters(parameters)
-    return Steps(name, _begun(sim, folder, protocol, parameters, before, first))
+    _ = sim.lmp  # or say that it is closed
+    folder, first, before = _taken(sim, name, record, mode)
+    state, start = protocol_of(name).begin(sim, settings)
+    told: dict[str, Any] = {**(parameters or {}), "protocol": name, **settings}
+    if folder is not None and not has_commands_of_a_user(sim.lmp, sim._setup):
+        told["start"] = {"frame": max(first, 1)} | start
+    told |= before
+    if folder is not None and state.root:
+        if mode == "a":
+            store.keep_frames(make_folder(folder), first)
+        else:
+            store.drop_frames(make_folder(folder))
+        if first:
+            state._write(folder, told, frames=first)  # all of a run that goes on, but the frame
+        else:
+            _write(folder, 0, state, told)
+    states = [state]
+    _steps(sim, told, start, 0, max(first, 1), state, folder, callback, states, keep)
+    if folder is None:
+        return Run(states, told)
+    return Run(folder)[max(first, 1) - 1 :] if keep else Run(folder)[-1:]
 
 
-def _begun(
-    sim: Deforming[S],
-    folder: Path,
-    protocol: Mapping[str, Any],
-    parameters: Mapping[str, Any] | None,
-    before: Mapping[str, Any] | None,
-    first: int,
-) -> Iterator[S]:
-    """Write the start of a run, then take its steps."""
-    shears, new = protocol.get("protocol") == "shear", before is None
-    sim.strain = (sim.strain or 0.0) if shears else sim.strain
-    start = sim.state()  # all ranks have read the folder by then
-    target, _ = _target(protocol)
-    if target != "strain":
-        start = sim.relax(protocol["tolerance"])
-    began = {"frame": max(first, 1), "box": start.packing.box.tolist()}
-    began["strain"] = sim.strain
-    began |= {} if target == "strain" else {target: getattr(start, target)}
-    parameters = {**(parameters or {}), **protocol, "start": began, **(before or {})}
-    if first == 0:
-        for _ in write([start], folder, parameters, first, overwrite=True if new else None):
-            pass
-    elif start.root:
-        start._write(folder, parameters, frames=first)
-    yield from steps_of(sim, start.packing, start.motion, folder, parameters, done=0)
+def resume(run: Run, sim: Any, callback: Callback | None = None) -> None:
+    """Take the steps that a recorded run lacks, from a simulation of its last state.
+
+    Raises:
+        FileError: frames are missing.
+    """
+    told = run.parameters
+    start, done = told["start"], run.steps_done
+    assert run.folder is not None
+    assert done is not None
+    store.check_frames(run.folder)
+    if done and "seed" not in told:
+        sim.relax(np.finfo(float).max)  # relaxed already: this only finds whether it is rigid
+        packing, *_ = store.read(run.folder)
+        sim.restart(packing)
+        go_on(sim, store.read_motion(run.folder, packing))
+    _steps(sim, told, start, done, start["frame"], None, run.folder, callback, [], False)
 
 
-def steps_of(
-    sim: Deforming[S],
-    packing: Packing,
-    motion: Motion,
-    folder: Path,
-    parameters: Mapping[str, Any],
+def _taken(
+    sim: Any, name: str, record: str | Path | None, mode: str
+) -> tuple[Path | None, int, dict[str, Any]]:
+    """The folder, the number of frames in it that stay, and the parameters of the run before.
+
+    Raises:
+        ParameterError: the mode is another, or the simulation cannot be recorded.
+        FileError: the folder holds what the mode does not allow, or an interrupted run.
+    """
+    from .run import Run
+
+    if mode not in ("x", "w", "a"):
+        raise ParameterError(f"mode must be 'x', 'w' or 'a', not {shown(mode)}")
+    if record is None:
+        return None, 0, {}
+    expect("record", record, str, Path)
+    if not hasattr(sim, "restart"):
+        raise ParameterError(
+            f"states of {type(sim).__name__} cannot be written yet: leave out record, or take a "
+            "Simulation"
+        )
+    sim.comm.barrier()  # rank 0 may still be writing
+    call = f"{name}(..., record={str(record)!r}, mode="
+    ways = (
+        f"finish it with Run({str(record)!r}).resume()",
+        f"go on behind it with {call}'a')",
+        f"replace it with {call}'w')",
+    )
+    place = store.refuse_run(record, mode != "x", ways)
+    store.refuse_foreign(place / store.SERIES)
+    if mode != "a" or store.holds(place) is None:
+        return place, 0, {}
+    run = Run(place)
+    done, before = run.steps_done, run.parameters
+    if done is not None and done < before["start"]["states"]:
+        raise FileError(
+            f"the run in '{place}' is interrupted at step {done} of {before['start']['states']}: "
+            f"finish it first with Run({str(place)!r}).resume() (in the shell: --resume)"
+        )
+    store.check_frames(place)
+    return place, store.frames_in(place), {"before": before}
+
+
+def _steps(
+    sim: Any,
+    told: dict[str, Any],
+    start: Mapping[str, Any],
     done: int,
-) -> Iterator[S]:
-    """The steps that are missing, each written and started from a new LAMMPS."""
-    start = parameters["start"]
-    target, goal = _target(parameters)
-    steps = (goal, parameters["steps"], done, parameters["tolerance"])
-    sim.restart(packing)
-    go_on(sim, motion)
-    if parameters.get("protocol") == "shear":
-        states = shear_steps(sim, start.get("strain") or 0.0, *steps)
-    elif target == "strain":
-        states = remaining_steps(sim, np.array(start["box"]), *steps)
-    else:
-        states = steps_towards(sim, target, start[target], *steps)
-    return write(_restarting(sim, states), folder, parameters, start["frame"] + done)
-
-
-def _restarting(sim: Deforming[S], states: Iterable[S]) -> Iterator[S]:
-    for state in states:
-        yield state
-        sim.restart(state)
-
-
-def write(
-    states: Iterable[S],
-    folder: Path,
-    parameters: Mapping[str, Any],
     first: int,
-    start: Callable[[], S | None] = lambda: None,
-    overwrite: bool | None = None,
-) -> Iterator[S]:
-    """Write each state after the first frames of a folder; later frames are removed.
+    before: Any,
+    folder: Path | None,
+    callback: Callback | None,
+    states: list[Any],
+    keep: bool,
+) -> None:
+    """Take the steps that remain.
 
     Args:
-        states: to write.
-        folder: of the run.
-        parameters: of the run.
-        first: number of the frames before.
-        start: returns the state before the first step, which becomes frame 0 and is not yielded.
-        overwrite: begin a new run, and may it replace another? None goes on with the run.
+        sim: that goes on.
+        told: parameters of the run; with a `start` each step begins anew.
+        start: what the steps know of the start.
+        done: number of steps before.
+        first: number of the frame of the first step.
+        before: the last state; None if it is not known.
+        folder: to which states are written, if any.
+        callback: see `play`.
+        states: to which they are appended; they take its place if not all are kept.
+        keep: whether all are.
     """
-    before = start() if first == 0 else None
-    for number, state in enumerate(chain([before] if before else [], states), start=first):
-        expect("a state that is recorded", state, State, DropletState)
-        if state.root:
-            if number == first:
-                if overwrite is None:
-                    store.keep_frames(folder, first)
-                else:
-                    store.drop_frames(make_folder(refuse_run(folder, overwrite, _APPEND)))
-            store.append_setup(
-                folder,
-                number,
-                setup(state.packing, state.law, state.friction) | memory(state.motion),
+    go = protocol_of(told["protocol"]).go
+    anew: Any = _each_anew(sim, go, told, start, done, before) if "start" in told else None
+    source: Any = anew or go(sim, told, start, done, before)
+    number, state = first + done - 1, None
+    title = told["protocol"]
+    with closing(source), progress(title, "state", start["states"], initial=done) as bar:
+        for number, state in enumerate(source, start=first + done):
+            if folder is not None and state.root:
+                _write(folder, number, state, told)
+            if not keep:
+                states.clear()
+            states.append(state)
+            bar.set_postfix(phi=f"{state.phi:.4f}", pressure=f"{state.pressure:.3g}")
+            bar.update()
+            if _ends(callback, state, getattr(sim, "comm", MPI.COMM_SELF)):
+                break
+    if "start" in told and state is not None and (taken := number + 1 - first) < start["states"]:
+        told["start"] = {**told["start"], "states": taken}  # complete: nothing is to be resumed
+        if folder is not None and state.root:
+            state._write(folder, told, frames=number + 1)
+
+
+def _each_anew(
+    sim: Any,
+    go: Callable[..., Iterator[Any]],
+    told: Mapping[str, Any],
+    start: Mapping[str, Any],
+    done: int,
+    state: Any,
+) -> Iterator[Any]:
+    """The states after the steps that remain, each as if the one before were read from a file."""
+    for n in range(done, start["states"]):
+        if state is not None:
+            so_far = sim._steps_before + sim.lmp.extract_global("ntimestep")
+            sim.restart(state)
+            sim._steps_before = so_far  # a later call draws other noise
+        steps: Any = go(sim, told, start, n, None)
+        with closing(steps):
+            state = next(steps, None)
+        if state is None:
+            return
+        yield state
+
+
+def _ends(callback: Callback | None, state: Any, comm: MPI.Comm) -> bool:
+    """Whether the callback ends the protocol; its exception is raised here, on all ranks.
+
+    Raises:
+        ParameterError, TypeError: it returns neither None nor a bool.
+        RuntimeError: it has failed on other ranks only.
+    """
+    if callback is None:
+        return False
+    error: BaseException | None = None
+    answer: object = None
+    try:
+        answer = callback(state)
+        if answer is not None and not isinstance(answer, (bool, np.bool_)):
+            raise TypeError(
+                "callback must return None to go on, or a bool, True to end here, not "
+                f"{shown(answer)}"
             )
-            values, numbers = state.particle_values(), state.numbers()
-            store.append_frame(folder, number, state.packing, values, numbers)
-            state._write(folder, parameters, frames=number + 1)
-        if state is not before:
-            yield state
+    except BaseException as raised:
+        error = raised
+    if comm.size > 1:
+        failed, answers = zip(*comm.allgather((error is not None, bool(answer))), strict=True)
+        if any(failed) and error is None:
+            raise RuntimeError(f"the callback failed on rank {failed.index(True)}")
+        answer = any(answers)
+    if error is not None:
+        raise error
+    return bool(answer)
+
+
+def recorded_numbers(state: Any) -> dict[str, Any]:
+    """The numbers of a state that are recorded, by name: a row of the series."""
+    numbers: dict[str, Any] = dict(state.numbers())
+    axes = "xyz"[: len(state.stress)]
+    for k, a in enumerate(axes):
+        for n, b in enumerate(axes[k:], start=k):
+            numbers[f"p{a}{b}"] = float(state.stress[k, n])
+    if hasattr(state, "lost_energy"):
+        numbers["lost_energy"] = state.lost_energy
+    return numbers
+
+
+def _write(folder: Path, number: int, state: Any, parameters: Mapping[str, Any]) -> None:
+    """Write a frame, and the state behind it. Only one rank calls this."""
+    made_of = store.setup(state.packing, state.law, state.friction) | store.memory(state.motion)
+    store.append_setup(folder, number, made_of)
+    images = dict(zip(("ix", "iy", "iz"), state.images.T, strict=False))
+    values = images | state.particle_values()
+    store.append_frame(folder, number, state.packing, values, recorded_numbers(state))
+    state._write(folder, parameters, frames=number + 1)

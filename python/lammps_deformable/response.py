@@ -177,7 +177,7 @@ class SoftResponse(LinearResponse):
 
     def _overlaps(self) -> tuple[Sides, NDArray[np.float64], NDArray[np.bool_]]:
         """Contacts, the distances at which they open, and whether they bear, all of them once."""
-        packing, radius = self.packing, self.packing.radius
+        packing, radius = self.packing, self.packing.radii
         i, j, shift = near_pairs(packing, 0.0)
         pairs = between(i, j, packing.positions[j] + shift - packing.positions[i])
         sides = joined(pairs, with_walls(packing, 0.0))
@@ -192,7 +192,7 @@ class SoftResponse(LinearResponse):
     def _contact_forces(self) -> ContactForces:
         sides, contact, _ = self._overlaps()
         overlap, wall = contact - sides.distance, sides.j < 0
-        part = np.where(wall, 1.0, (self.packing.radius[sides.i] - 0.5 * overlap) / sides.distance)
+        part = np.where(wall, 1.0, (self.packing.radii[sides.i] - 0.5 * overlap) / sides.distance)
         force = -(overlap / sides.distance)[:, None] * sides.vector
         return ContactForces(sides.i, sides.j, sides.vector, part, force)
 
@@ -261,9 +261,9 @@ class DropletResponse(LinearResponse):
             kept = bearing(table["i"], table["j"], force, len(packing), packing.dimension)
             table = table[kept | kept[other_side(table)]]
         sides = between(table["i"], table["j"], table["distance"][:, None] * table["normal"])
-        tension = self.law.species_parameters(packing.radii).of(packing.species).tension
+        tension = self.law.species_parameters(packing._species_radii).of(packing.species).tension
         number = np.bincount(sides.i, minlength=len(packing))
-        droplets = np.column_stack([number, packing.radius, tension])
+        droplets = np.column_stack([number, packing.radii, tension])
         rows = [sides.vector, sides.turn, np.full(len(table), _SHARE), table["force"]]
         try:
             blocks = droplet_blocks(droplets, np.column_stack(rows))

@@ -1,19 +1,10 @@
-"""Corners of convex polygons and polyhedra, intersections of half planes or half spaces.
+"""The room that walls leave to particles, in the plane and in space.
 
-The room that walls leave to particles: where it ends, and boxes that go with it.
+Where it ends, boxes that go with it, distances of particles from walls, its area or volume, random
+centers in it, and lines that show it.
 
 A direction in which a container ends is *closed*: the box is not periodic along it, and is as long
 as the container. Obstacles repeat with the box along the other directions.
-
-Distances of particles from walls.
-
-What a plane at a height cuts of walls in space, as walls in the plane, and their volume.
-
-The area or volume that walls leave free, and its shape in the plane.
-
-Centers between walls: random ones, and those on the wrong side.
-
-Lines that show walls in space: edges of planes, rims of cones and tubes, round outlines.
 """
 
 from __future__ import annotations
@@ -28,21 +19,7 @@ from numpy.typing import NDArray
 
 from .box import cartesian, fractional, lengths, widths
 from .errors import ParameterError
-from .walls import (
-    Ball,
-    Circle,
-    Cone,
-    Cylinder,
-    Disk,
-    HalfSpace,
-    Plane,
-    Polygon,
-    Post,
-    Segment,
-    Sphere,
-    Wall,
-    sides_of,
-)
+from .walls import Cone, Cylinder, HalfSpace, Plane, PolygonWall, Segment, Sphere, Wall
 
 Floats = NDArray[np.float64]
 
@@ -149,8 +126,9 @@ def corners_between(walls: Sequence[Wall], box: Floats, around: float = 1.0) -> 
     dimension = len(box)
     normals, offsets = half_spaces_between(walls, box, closed(walls, dimension), around)
     if are_open(normals):
-        four = "`rectangle` has four" if dimension == 2 else "`cuboid` has six"
-        raise ParameterError(f"the planes leave the room open: add planes that enclose it ({four})")
+        raise ParameterError(
+            "the planes leave the room open: add planes that enclose it, or take a `BoxWall`"
+        )
     corners = corners_of(normals, offsets)
     if len(corners) <= dimension or np.ptp(corners, axis=0).min() <= 0.0:
         others = "circles" if dimension == 2 else "round walls"
@@ -182,10 +160,10 @@ def check_fit(walls: Sequence[Wall], box: Floats, cutoff: float) -> None:
     """
     shuts, around = closed(walls, len(box)), "circle" if len(box) == 2 else "sphere"
     for n, wall in enumerate(walls, start=1):
-        if isinstance(wall, Plane) or not wall.is_obstacle:
+        if wall.inside:
             continue
         for axis, length, shut in zip("xyz", box.diagonal(), shuts, strict=False):
-            if isinstance(wall, Post) and axis == wall.axis:
+            if isinstance(wall, Cylinder) and axis == wall.axis:
                 if (tilt := box["xyz".index(axis)]).astype(bool).sum() > 1:
                     raise ParameterError(
                         f"post {n} is not along an edge of the box, {tilt.tolist()}: its axis must "
@@ -305,62 +283,50 @@ def _cut(wall: Wall, box: Floats, height: float, shut: bool, ends: Floats) -> li
     """What the plane cuts of a wall; `shut`: whether there are no images along z."""
     if isinstance(wall, Plane):
         *flat, nz = wall.normal
-        above, square = height - wall.point[2], float(np.dot(flat, flat))
+        above, square = height - wall.origin[2], float(np.dot(flat, flat))
         if square <= (ROUNDING * nz) ** 2:
             return [] if nz * above > 0.0 else None
-        x, y = np.subtract(wall.point[:2], np.multiply(nz * above / square, flat)).tolist()
+        x, y = np.subtract(wall.origin[:2], np.multiply(nz * above / square, flat)).tolist()
         return [Plane((x, y), tuple(flat))]
-    if isinstance(wall, Ball):
-        return [
-            Disk((x, y), half)
-            for x, y, z in _images(wall, box, shut)
-            if (half := _half_width(wall, z, height)) > 0.0
-        ]
-    if isinstance(wall, Post):
-        return _cut_post(wall, box, height, shut, ends)
     if isinstance(wall, Cone):
         half = wall.radius_at(height)
-        return [Circle(wall.center[:2], half)] if half > 0.0 else None
+        return [Sphere(half, tuple(wall.middle[:2]))] if half > 0.0 else None
     if not isinstance(wall, (Sphere, Cylinder)):
         raise TypeError(wall)
-    x, y, z = wall.center
     if isinstance(wall, Cylinder) and wall.axis == "z":
-        return [Circle((x, y), wall.radius)]
-    half = _half_width(wall, z, height)
-    if half == 0.0:
-        return None
-    if isinstance(wall, Sphere):
-        return [Circle((x, y), half)]
-    corner = (x, y - half) if wall.axis == "x" else (x - half, y)
-    sides = sides_of(corner, (2.0 * half, 2.0 * half))
-    return [*sides[2:]] if wall.axis == "x" else [*sides[:2]]
-
-
-def _cut_post(wall: Post, box: Floats, height: float, shut: bool, ends: Floats) -> list[Wall]:
-    """A disk, or strips through the room."""
-    if wall.axis == "z":
-        return [Disk(wall.center[:2], wall.radius)]
-    along = "xy".index(wall.axis)
-    strips: list[Wall] = []
-    for *flat, z in _images(wall, box, shut):
-        if (half := _half_width(wall, z, height)) > 0.0:
-            low, high = ends[:, :2].copy()
-            low[1 - along], high[1 - along] = flat[1 - along] - half, flat[1 - along] + half
+        return [Sphere(wall.radius, tuple(wall.middle[:2]), inside=wall.inside)]
+    found: list[Wall] = []
+    for x, y, z in _images(wall, box, shut):
+        if (half := _half_width(wall, z, height)) == 0.0:
+            continue
+        if isinstance(wall, Sphere):
+            found.append(Sphere(half, (x, y), inside=wall.inside))
+            continue
+        along = "xy".index(str(wall.axis))
+        low, high = ends[:, :2].copy()  # of a strip through the room
+        low[1 - along], high[1 - along] = (x, y)[1 - along] - half, (x, y)[1 - along] + half
+        if wall.inside:
+            unit = np.eye(2)[1 - along]
+            low[along], width = (x, y)[along], 2.0 * half * unit
+            found += [Plane(tuple(low), tuple(unit)), Plane(tuple(low + width), tuple(-unit))]
+        else:
             (left, front), (right, back) = low.tolist(), high.tolist()
-            strips.append(Polygon(((left, front), (right, front), (right, back), (left, back))))
-    return strips
+            corners = ((left, front), (right, front), (right, back), (left, back))
+            found.append(PolygonWall(corners))
+    return found if found or not wall.inside else None
 
 
-def _half_width(wall: Ball | Sphere | Cylinder | Post, z: float, height: float) -> float:
+def _half_width(wall: Sphere | Cylinder, z: float, height: float) -> float:
     """Of a round wall with its center at z, 0 where the plane does not cut it."""
     return float(np.sqrt(max(wall.radius**2 - (height - z) ** 2, 0.0)))
 
 
-def _images(wall: Ball | Post, box: Floats, shut: bool) -> list[list[float]]:
-    """Centers of an obstacle and of its images along z."""
-    cell = 0.0 if shut else float(np.floor(fractional(wall.middle, box)[2]))
-    steps = (0,) if shut else (-1, 0, 1)
-    return [(wall.middle + (step - cell) * box[2]).tolist() for step in steps]
+def _images(wall: Sphere | Cylinder, box: Floats, shut: bool) -> list[list[float]]:
+    """Centers of a round wall, of an obstacle with those of its images along z."""
+    if shut or wall.inside:
+        return [wall.middle.tolist()]
+    cell = float(np.floor(fractional(wall.middle, box)[2]))
+    return [(wall.middle + (step - cell) * box[2]).tolist() for step in (-1, 0, 1)]
 
 
 def volume_of(walls: Sequence[Wall], box: Floats, area: Area) -> float:
@@ -377,7 +343,8 @@ def _volume(walls: tuple[Wall, ...], rows: tuple[float, ...], area: Area) -> flo
     from scipy.spatial import ConvexHull
 
     box = np.reshape(rows, (3, 3))
-    apart = [wall for wall in walls if isinstance(wall, Ball) and _is_apart(wall, walls, box)]
+    balls = [wall for wall in walls if isinstance(wall, Sphere) and not wall.inside]
+    apart = [ball for ball in balls if _is_apart(ball, walls, box)]
     within = sum(4.0 / 3.0 * np.pi * ball.radius**3 for ball in apart)
     walls = tuple(wall for wall in walls if wall not in apart)
     if not walls:
@@ -396,7 +363,7 @@ def _volume(walls: tuple[Wall, ...], rows: tuple[float, ...], area: Area) -> flo
     return total
 
 
-def _is_apart(ball: Ball, walls: Sequence[Wall], box: Floats) -> bool:
+def _is_apart(ball: Sphere, walls: Sequence[Wall], box: Floats) -> bool:
     """Whether a ball crosses no other wall and no image of itself."""
     periodic = ~np.array(closed(walls, 3))
     if (widths(box)[periodic] < 2.0 * ball.radius).any():
@@ -423,12 +390,11 @@ def _levels(walls: Sequence[Wall], box: Floats) -> list[float]:
     planes = [wall for wall in walls if isinstance(wall, Plane)]
     spheres: list[tuple[list[float], float]] = []
     for wall in walls:
-        if isinstance(wall, (Cylinder, Post)) and wall.axis != "z":
-            own = _images(wall, box, shut[2]) if isinstance(wall, Post) else [[*wall.center]]
+        if isinstance(wall, Cylinder) and wall.axis != "z":
+            own = _images(wall, box, shut[2])
             found += [z + sign * wall.radius for *_, z in own for sign in (-1.0, 1.0)]
-        elif isinstance(wall, (Ball, Sphere)):
-            own = _images(wall, box, shut[2]) if isinstance(wall, Ball) else [[*wall.center]]
-            spheres += [(center, wall.radius) for center in own]
+        elif isinstance(wall, Sphere):
+            spheres += [(center, wall.radius) for center in _images(wall, box, shut[2])]
     for n, (center, radius) in enumerate(spheres):
         found += [center[2] - radius, center[2] + radius]
         cuts = [plane.half_spaces()[0] for plane in planes]
@@ -468,7 +434,7 @@ def container(walls: Sequence[Wall], box: Floats) -> Any:
         return shapely.Polygon([(0.0, 0.0), box[0], box[0] + box[1], box[1]])
     room = _hull(corners_between(walls, box, around=2.0))
     for wall in walls:
-        if isinstance(wall, Circle):
+        if isinstance(wall, Sphere) and wall.inside:
             room = room.intersection(_round(wall))
     if room.area == 0.0:
         raise ParameterError("planes and circles leave no room: they do not overlap")
@@ -483,9 +449,9 @@ def obstacles(walls: Sequence[Wall], box: Floats) -> list[Any]:
     shifts = [cartesian(np.array([a, b]), box) for a in steps[0] for b in steps[1]]
     solid = []
     for wall in walls:
-        if not isinstance(wall, (Disk, Segment, Polygon)):
+        if wall.inside:
             continue
-        own = _round(wall) if isinstance(wall, Disk) else _hull(wall.corners)
+        own = _hull(wall.corners) if isinstance(wall, (Segment, PolygonWall)) else _round(wall)
         cell = np.where(closed(walls), 0.0, np.floor(fractional(wall.middle, box)))
         solid.append(translate(own, *-cartesian(cell, box)) if cell.any() else own)
     return [translate(shape, *shift) for shape in solid for shift in shifts]
@@ -497,13 +463,13 @@ def _hull(points: Any) -> Any:
     return shapely.MultiPoint(points).convex_hull
 
 
-def _round(wall: Circle | Disk) -> Any:
+def _round(wall: Any) -> Any:
     """A polygon of the same area."""
     import shapely
 
     angle = np.pi / (2.0 * _QUARTER)
     larger = wall.radius * np.sqrt(angle / np.sin(angle))
-    return shapely.Point(wall.center).buffer(larger, quad_segs=_QUARTER)
+    return shapely.Point(wall.middle).buffer(larger, quad_segs=_QUARTER)
 
 
 def free_room(walls: Sequence[Wall], box: Floats) -> float:
@@ -549,7 +515,7 @@ def check_centers(walls: Sequence[Wall], box: Floats, positions: Floats) -> None
     for n, (wall, distance) in enumerate(zip(walls, distances, strict=True), start=1):
         if (wrong := np.flatnonzero(~(distance > 0.0))).size:
             k = int(wrong[0])
-            where = "within" if wall.is_obstacle else "outside of"
+            where = "outside of" if wall.inside else "within"
             raise ParameterError(
                 f"the center of particle {k}, {positions[k].tolist()}, is {where} {wall.kind} {n}: "
                 "`Packing.between` puts particles between walls"
@@ -619,28 +585,29 @@ def _edges(walls: Sequence[Wall], box: Floats) -> list[Floats]:
 
 def _outline(wall: Wall, walls: Sequence[Wall], box: Floats, viewer: Floats) -> list[Floats]:
     """Of a round wall, as the viewer sees it, as far as it is in the room."""
-    if isinstance(wall, Sphere):
+    if isinstance(wall, Sphere) and wall.inside:
         lines = [wall.middle + wall.radius * _circle(viewer)]
-    elif isinstance(wall, (Cylinder, Post, Cone)):
+    elif isinstance(wall, (Cylinder, Cone)):
         lines = _around_axis(wall, walls, box, viewer)
     else:
         return []
-    others = [each for each in walls if each is not wall and not each.is_obstacle]
+    others = [each for each in walls if each is not wall and each.inside]
     return list(chain.from_iterable(_within(others, box, line) for line in lines))
 
 
 def _around_axis(
-    wall: Cylinder | Post | Cone, walls: Sequence[Wall], box: Floats, viewer: Floats
+    wall: Cylinder | Cone, walls: Sequence[Wall], box: Floats, viewer: Floats
 ) -> list[Floats]:
     """Rims at the ends of the room, and both sides where the viewer sees it end."""
     axis, middle = np.array(wall.direction), wall.middle
-    if isinstance(wall, Post):  # the image in the box
+    if not wall.inside:  # the image in the box
         cell = np.where(closed(walls, 3), 0.0, np.floor(fractional(middle, box)))
         middle = middle - cell @ box
     ends = [middle + axis * (end - middle) for end in bounds(walls, box)]
-    slope, radii = 0.0, [wall.radius] * 2
     if isinstance(wall, Cone):
         slope, radii = wall.slope, [wall.radius_at(float(end[2])) for end in ends]
+    else:
+        slope, radii = 0.0, [wall.radius] * 2
     lines = [end + radius * _circle(axis) for end, radius in zip(ends, radii, strict=True)]
     # The normal of a side, its direction u minus slope times the axis, is across the view.
     beside = viewer - (viewer @ axis) * axis

@@ -1,14 +1,4 @@
-"""Columns of a table of states that a user adds.
-
-MDAnalysis' reader of LAMMPS dumps, for recorded runs. Imports MDAnalysis.
-
-Recorded runs for other programs: MDAnalysis, pandas, ParaView, OVITO.
-
-A table of states, without a record of them.
-
-Shapes of the particles in a file of another program, such as a LAMMPS dump.
-
-Recorded runs: folders that are written as a run goes on, opened again, and gone on with.
+"""Runs: states one after the other, in memory or in a folder that is written as a run goes on.
 
     packing.data            last state, LAMMPS data file
     species.deformable      its species, for the pair style
@@ -18,68 +8,70 @@ Recorded runs: folders that are written as a run goes on, opened again, and gone
     trajectory.lammpstrj    LAMMPS dump for OVITO and MDAnalysis
     setups.jsonl            law, radii and walls of the frames: a line for each change
 
-`State.save` writes the first four, `record` all of them while a run goes on. A run may be
+`State.save` writes the first four, a protocol with `record` all of them while it goes on. It may be
 interrupted at any moment: the packing is written last and atomically, with the number of recorded
 frames. Frames beyond it are removed when the run goes on.
+
+Also: a Universe of MDAnalysis for a run, and particles in the dump of another program.
 """
 
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Sized
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from itertools import chain
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar, overload
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 from MDAnalysis.coordinates.LAMMPS import DumpReader
 from MDAnalysis.coordinates.timestep import Timestep
 from MDAnalysis.lib.util import store_init_arguments
 from mpi4py import MPI
+from numpy.typing import NDArray
 
-from . import movies, potentials, store
+from . import movies, potentials, recording, store
 from ._checks import expect, shown
-from ._files import from_json, make_folder, reading, refuse_present, write_whole
+from ._files import from_json, reading, refuse_present, write_whole
 from .errors import FileError, ParameterError, StalledWarning
 from .files import UNTYPED, box_in_space, in_space, read_particles
 from .lammps import communicator
 from .laws import ALL_LAWS, AnyLaw, Droplet, Ring
 from .opening import go_on, read_species, species_names
 from .packing import Packing
-from .progress import Steps, progress, start_of, waits_for_all
 from .ranks import world
-from .recording import begin, compression, expect_states, shear_protocol, steps_of, write
-from .relax import TOLERANCE
+from .recording import recorded_numbers
 from .shapes import Exports, collection
-from .shearing import check_shear
-from .simulation import Deforming, Simulation
-from .state import DeformedState, DiskState, DropletState, SphereState, State
+from .shearing import DynamicModulus, harmonic
+from .simulation import Simulation
+from .starts import simulate
+from .state import DeformedState, DropletState, State
 from .store import (
     SERIES,
     SUMMARY,
     TRAJECTORY,
-    append_row,
     check_frames,
     clock_of,
     columns_in,
     frames_in,
     holds,
-    keep_rows,
     read,
     read_motion,
     read_setup,
     recorded,
     refuse,
-    refuse_foreign,
-    rows_in,
     series_in,
     summary_in,
 )
+from .tracking import mean_squared_displacement, unwrapped
 from .versions import optional
 
 if TYPE_CHECKING:
     from MDAnalysis import Universe
+
+    from .friction import Friction
+    from .store import Motion
 
 
 Column = Callable[[Any], Any]
@@ -156,7 +148,7 @@ def universe(folder: Path) -> Universe:
             dimension=packing.dimension,
             frames=frames_in(folder),
         )
-    found.add_TopologyAttr("radii", packing.radius)
+    found.add_TopologyAttr("radii", packing.radii)
     return found
 
 
@@ -175,43 +167,14 @@ def _clock(times: list[float]) -> tuple[float, float]:
     return 0.0, 1.0
 
 
-def table(folder: Path, states: Iterable[DeformedState], columns: Mapping[str, Column]) -> Any:
-    """The numbers of a recorded run as a DataFrame of pandas, see `Run.table`."""
-    pandas = optional("pandas", "pandas")
-    check_columns(columns, ())
-    found = pandas.read_csv(recorded(folder, SERIES), index_col="frame")
-    check_columns(columns, found.columns)
-    found = found[found.index < frames_in(folder)]
-    if not columns:
-        return found
-    check_frames(folder)
-    rows = [{name: column(state) for name, column in columns.items()} for state in states]
-    return found.assign(**pandas.DataFrame(rows, index=found.index, columns=list(columns)))
-
-
-def export(
-    states: Iterable[Exports], path: str | Path, forces: bool = False, overwrite: bool = False
-) -> None:
-    """Write the shapes of several states for ParaView and OVITO, see `State.export`.
-
-    Args:
-        states: e.g. from `compress`, or a `Run`.
-        path: `NAME.pvd`, which lists the files NAME_0000.vtp, NAME_0001.vtp, ... beside it, with
-            the times of a motion, or with their numbers.
-        forces: write the networks of forces in the place of shapes.
-        overwrite: replace files that are there.
-
-    Raises:
-        ParameterError: the suffix is another, or there are no states.
-        FileError: there is a file and `overwrite` is not given, or it cannot be written.
-    """
-    expect("states", states, Iterable)
+def export(run: Run, path: str | Path, forces: bool = False, overwrite: bool = False) -> None:
+    """See `Run.export`."""
     expect("path", path, str, Path)
     path = Path(path)
     if path.suffix != ".pvd":
         raise ParameterError(f"a series of shapes is a .pvd, not '{path}'")
     names, times = [], []
-    for number, state in enumerate(states):
+    for number, state in enumerate(run):
         expect("a state that is exported", state, Exports)
         names.append(f"{path.stem}_{number:04d}.vtp")
         times.append(state.time)
@@ -222,118 +185,6 @@ def export(
             write_whole(path, collection(names, times))
     if not names:
         raise ParameterError("a series of shapes needs at least one state")
-
-
-_APPEND = "go on with append=True"
-
-S = TypeVar("S", bound=State | DropletState | DiskState | SphereState)
-
-
-def log(
-    states: Iterable[S],
-    path: str | Path,
-    append: bool = False,
-    overwrite: bool = False,
-    **columns: Column,
-) -> Iterator[S]:
-    """Write a row of numbers for each state as it comes, into a CSV file.
-
-        steps = ld.compress(sim, 0.01, 10)
-        for state in ld.log(steps, "log.csv", weakest=lambda state: state.arc_radius.min()):
-            print(state.phi)
-
-    The columns are `frame` and those of `Run.table`; `series.csv` of `record` is the same. Each row
-    is in the file once its state is yielded. Row 0 is the state before the first step, as frame 0
-    of a record. Rank 0 writes.
-
-    Args:
-        states: of `Simulation`, `Disks` or `Spheres`, e.g. from `compress`; what knows a state
-            before is told at `record`.
-        path: of the file; folders are made if missing.
-        append: go on with the log that is there, if any: frames are counted on, and half a row at
-            its end is removed.
-        overwrite: replace the log that is there, when the first state comes.
-        columns: further ones: functions that return a number for a state.
-
-    Yields:
-        The states, unchanged; without the one before the first step.
-
-    Raises:
-        ParameterError: these are no states, or a column is no function, has the name of another or
-            no single number, or `append` and `overwrite` are given.
-        FileError: there is a log, and neither `append` nor `overwrite` is given; or the file cannot
-            be written, is no log, or has other columns.
-    """
-    expect("states", states, Iterable)
-    expect("path", path, str, Path)
-    expect("append", append, bool)
-    if append and overwrite:
-        raise ParameterError("give one of append and overwrite")
-    path = Path(path)
-    if not path.name:
-        raise ParameterError(f"path must name a file, such as log.csv, not {str(path)!r}")
-    check_columns(columns, ())
-    refuse_foreign(path)
-    if waits_for_all(states):
-        refuse_present(path, append or overwrite, _APPEND)
-    start = start_of(states)
-    return Steps("log", _logged(states, start, path, append, overwrite, columns), start)
-
-
-def _whole_rows(path: Path) -> int:
-    """Number of rows that are complete."""
-    torn = path.exists() and not path.read_bytes().endswith(b"\n")
-    return max(len(rows_in(path)) - torn, 0)
-
-
-def _logged(
-    states: Iterable[S],
-    start: Callable[[], S | None],
-    path: Path,
-    append: bool,
-    overwrite: bool,
-    columns: Mapping[str, Column],
-) -> Iterator[S]:
-    """Write the rows. Only the rank that writes knows how many there are already."""
-    before, number = start(), -1
-    for state in chain([before] if before else [], states):
-        expect("a state that is logged", state, State, DropletState, DiskState, SphereState)
-        numbers = state.numbers()
-        check_columns(columns, numbers)
-        row = numbers | {name: _cell(name, column(state)) for name, column in columns.items()}
-        if getattr(state, "root", world().rank == 0):
-            if number < 0:
-                refuse_present(path, append or overwrite, _APPEND)
-                number = _begin(path, append, ["frame", *row])
-            if number == 0 or state is not before:
-                append_row(path, number, row)
-                number += 1
-        if state is not before:
-            yield state
-
-
-def _cell(name: str, value: Any) -> Any:
-    """The value, if it fits into a cell of a table."""
-    if isinstance(value, Sized) and not isinstance(value, str) and getattr(value, "ndim", 1) > 0:
-        raise ParameterError(
-            f"column {name} must have one number for each state, such as a mean, not a "
-            f"{type(value).__name__} of {len(value)}"
-        )
-    return value
-
-
-def _begin(path: Path, append: bool, columns: list[str]) -> int:
-    """Keep the complete rows of a log to go on with, if it has these columns; their number."""
-    make_folder(path.parent)
-    first, former = _whole_rows(path) if append else 0, columns_in(path)
-    if first and set(former) != set(columns):
-        differ = ", ".join(sorted({*former} ^ {*columns}))
-        raise FileError(
-            f"{path} has other columns, the difference is {differ}: take the same ones, or another "
-            "file"
-        )
-    keep_rows(path, first)
-    return first
 
 
 # The law of files that do not tell.
@@ -388,8 +239,8 @@ def state_in_file(
         raise FileError(f"there is no species file '{species}'")
     names = list(species_names(file) if types is None else types)
     own, dimension = 1.0 if radii is None else radii, ALL_LAWS[law].dimension
-    packing = Packing.from_file(path, own, frame, dimension=dimension)
-    number = len(packing.radii)
+    packing = Packing.from_file(path, radii=own, frame=frame, dimension=dimension)
+    number = len(packing._species_radii)
     if number > len(names):
         raise ParameterError(
             f"'{path}' has particles of type {number}, but the species of {len(names)} types are "
@@ -402,7 +253,7 @@ def state_in_file(
         reach: dict[str, Any] = {"reach": told.reach}
         chosen = replace(chosen, **reach)
     if radii is None:
-        packing = replace(packing, radii=sizes)
+        packing = packing.replace(radii=sizes[packing.species])
     with Simulation(packing, chosen, MPI.COMM_SELF) as sim:
         return sim.state()
 
@@ -432,21 +283,127 @@ def law_of_run(path: str | Path, species: str | Path, frame: int) -> AnyLaw | No
     return None
 
 
-class Run:
-    """A run in a folder, or a saved state, which is a run without frames.
+class Table(dict[str, NDArray[Any]]):
+    """Columns of numbers by name, arrays with a number for each state."""
 
+    def to_pandas(self) -> Any:
+        """A DataFrame of pandas, with the frames as index.
+
+        Raises:
+            ImportError: pandas is missing (`pip install 'lammps-deformable[pandas]'`).
+        """
+        return optional("pandas", "pandas").DataFrame(dict(self)).set_index("frame")
+
+
+def _numbers(words: Sequence[str | None]) -> NDArray[Any]:
+    """The column of a series: whole numbers, truth values, or numbers, nan where missing."""
+    if words and all(word in ("True", "False") for word in words):
+        return np.array([word == "True" for word in words])
+    try:
+        return np.array([int(word or "") for word in words], dtype=np.int64)
+    except ValueError:
+        return np.array([float(word) if word else np.nan for word in words], dtype=np.float64)
+
+
+# Fields of a state by the names of columns in a trajectory.
+_COLUMNS: dict[type, dict[str, str]] = {
+    State: {
+        "area": "area",
+        "perimeter": "perimeter",
+        "contacts": "contacts",
+        "pressure": "particle_pressure",
+        "arc_radius": "arc_radius",
+    },
+    DropletState: {
+        "surface_area": "surface_area",
+        "contacts": "contacts",
+        "pressure": "particle_pressure",
+        "load": "load",
+        "contact_area": "contact_area",
+    },
+}
+
+
+def _recorded_state(
+    packing: Packing,
+    law: AnyLaw,
+    friction: Friction | None,
+    motion: Motion,
+    columns: Mapping[str, NDArray[Any]],
+    row: Mapping[str, str],
+) -> DeformedState:
+    """A state as it was recorded; what was not is evaluated when it is asked for."""
+    kind = DropletState if packing.dimension == 3 else State
+    known: dict[str, Any] = {
+        "packing": packing,
+        "law": law,
+        "velocities": motion.velocities,
+        "time": motion.time,
+        "strain": motion.strain,
+        "unsaved": "",
+        "root": world().rank == 0,
+        "images": motion.images,
+        "energy": float(row["energy"]),
+        "residual": float(row["residual"]),
+        "stalled": row["stalled"] == str(True),
+        "beyond": int(row["beyond"]),
+        "stress": _stress_in(row, packing.dimension),
+    }
+    for name, field in _COLUMNS[kind].items():
+        whole = np.int64 if field == "contacts" else np.float64
+        known[field] = columns[name].astype(whole)
+    if kind is State:
+        known |= {"films": motion.films, "directions": motion.directions, "friction": friction}
+        known |= {"lost_energy": float(row["lost_energy"])}
+        if friction is None:
+            known["rubbing"] = None
+    known["_missing"] = partial(_evaluated, packing, law, friction, motion)
+    for array in known.values():
+        if isinstance(array, np.ndarray):
+            array.setflags(write=False)
+    state: Any = object.__new__(kind)
+    vars(state).update(known)
+    return state  # type: ignore[no-any-return]
+
+
+def _stress_in(row: Mapping[str, str], dimension: int) -> NDArray[np.float64]:
+    """The pressure tensor in a row of the series."""
+    stress = np.empty((dimension, dimension))
+    for k, n in zip(*np.triu_indices(dimension), strict=True):
+        stress[k, n] = stress[n, k] = float(row[f"p{'xyz'[k]}{'xyz'[n]}"])
+    return stress
+
+
+def _evaluated(
+    packing: Packing, law: AnyLaw, friction: Friction | None, motion: Motion
+) -> DeformedState:
+    """The state of recorded particles, on this rank alone."""
+    with Simulation(packing, law, MPI.COMM_SELF, friction=friction) as sim:
+        go_on(sim, motion)
+        return sim.state()
+
+
+class Run(Sequence[Any]):
+    """States one after the other, in memory or in a folder: what every protocol returns.
+
+        run = sim.compress(strain=0.01, steps=10, record="run")
         run = ld.Run("run")
         run[-1].plot()
         for state in run:
             print(state.phi)
 
-    `len(run)` is the number of recorded states, `run[3]` and `run[-1]` are states, `run[0]` is the
-    one before the first step, and `run[2:5]` is a list of them. States are evaluated again from the
-    recorded positions, with the law, radii and walls that they had, and are `stalled` if they were.
-    The files are read when they are needed. All MPI ranks must ask for the same.
+    `len(run)` is the number of states, `run[0]` is the one before the first step, `run[-1]` the
+    last one, and `run[2:5]` is a Run of three. A folder is read a frame at a time, and a state has
+    what was recorded: energy, stress, `stalled`, what particles have lost. Contacts are evaluated
+    again, with the law, radii and walls that they had, when they are asked for. All MPI ranks must
+    ask for the same.
+
+    Args:
+        source: folder of a run, or of a saved state, which is a run without frames; or states.
+        parameters: of states in memory: what the protocol was called with.
 
     Attributes:
-        folder: of the run.
+        folder: of the run; None in memory.
 
     Raises:
         FileError: the folder has no run, or a file is missing or cannot be read. On several ranks,
@@ -454,87 +411,118 @@ class Run:
         IndexError: there is no such state.
     """
 
-    def __init__(self, folder: str | Path) -> None:
+    def __init__(
+        self,
+        source: str | Path | Iterable[Any],
+        parameters: Mapping[str, Any] | None = None,
+    ) -> None:
+        expect("source", source, str, Path, Iterable)
+        self.folder: Path | None = None
+        self._range: range | None = None  # of the frames; None: all, as many as there are now
+        if isinstance(source, (str, Path)):
+            self.folder, self._frames = Path(source), store.Frames(Path(source))
+            if world().size == 1:
+                self._check()
+        else:
+            self._states = list(source)
+            self._parameters = dict(parameters or {})
+
+    @staticmethod
+    def exists(folder: str | Path) -> bool:
+        """Whether the folder has a run, which may be interrupted: see `resume`."""
         expect("folder", folder, str, Path)
-        self.folder = Path(folder)
-        if world().size == 1:
-            self._check()
+        found = store.holds(folder) == "compression" and (Path(folder) / store.DATA).exists()
+        return found and (Path(folder) / SUMMARY).exists()
 
     def __repr__(self) -> str:
-        return f"Run({str(self.folder)!r})"
+        if self.folder is None:
+            return f"<Run: {len(self)} states>"
+        part = self._range
+        return f"Run({str(self.folder)!r})" + (f"[{part.start}:{part.stop}]" if part else "")
 
     def _check(self) -> None:
         """Say what is missing."""
-        summary_in(refuse(self.folder, but="compression"))
+        if self.folder is not None:
+            summary_in(refuse(self.folder, but="compression"))
 
     def __len__(self) -> int:
+        if self.folder is None:
+            return len(self._states)
         self._check()
-        return store.frames_in(self.folder)
+        return store.frames_in(self.folder) if self._range is None else len(self._range)
 
-    def __iter__(self) -> Iterator[DeformedState]:
-        return self._states(self._numbers())
+    def _numbers(self) -> range:
+        """Of the frames in the folder, or of the states in memory."""
+        if self._range is not None:
+            return self._range
+        if self.folder is not None:
+            communicator(None).barrier()  # rank 0 may still be writing
+        return range(len(self))
+
+    def __iter__(self) -> Iterator[Any]:
+        return (self._state(number) for number in self._numbers())
 
     @overload
-    def __getitem__(self, index: int) -> DeformedState: ...
+    def __getitem__(self, index: int) -> Any: ...
     @overload
-    def __getitem__(self, index: slice) -> list[DeformedState]: ...
-    def __getitem__(self, index: int | slice) -> DeformedState | list[DeformedState]:
+    def __getitem__(self, index: slice) -> Run: ...
+    def __getitem__(self, index: int | slice) -> Any:
         numbers = self._numbers()
         if isinstance(index, slice):
-            return list(self._states(numbers[index]))
+            if self.folder is None:
+                return Run(self._states[index], self._parameters)
+            part = Run.__new__(Run)
+            part.folder, part._frames, part._range = self.folder, self._frames, numbers[index]
+            return part
         expect("the number of a state", index, int, np.integer)
-        last = len(numbers) - 1
-        if last < 0:
+        last, name = len(numbers) - 1, f"'{self.folder}'" if self.folder else "this run"
+        if last < 0 and self.folder is not None and self._range is None:
             raise IndexError(
-                f"'{self.folder}' has one saved state and no recorded ones: take Run.simulation()"
+                f"{name} has one saved state and no recorded ones: take Run.simulation()"
             )
         if not -last - 1 <= index <= last:
             raise IndexError(
-                f"'{self.folder}' has {last + 1} states, and no state {index}: give 0 to {last}, "
+                f"{name} has {last + 1} states, and no state {index}: give 0 to {last}, "
                 f"or -1 to {-last - 1} from the end"
             )
-        (state,) = self._states([numbers[index]])
-        return state
+        return self._state(numbers[index])
 
-    def _numbers(self) -> range:
-        """Of all states."""
-        communicator(None).barrier()  # rank 0 may still be writing
-        return range(len(self))
-
-    def _states(self, numbers: Iterable[int]) -> Iterator[DeformedState]:
-        """States of these frames, from 0."""
-        numbers = list(numbers)
-        if not numbers:
-            return
-        texts, setups = store.texts_of(self.folder), store.setups_in(self.folder)
-        clock, stalled = store.clock_of(self.folder), store.stalled_in(self.folder)
-        with progress("replaying", unit="state", total=len(numbers)) as bar:
-            for number in numbers:
-                with reading(f"frame {number} of {self.folder / store.TRAJECTORY}"):
-                    saved = store.setup_of(setups, number)
-                    law, radii, walls, friction = read_setup(saved)
-                    if number >= len(texts):
-                        raise LookupError("it is missing")
-                    now = clock[number] if number < len(clock) else (0.0, None)
-                    packing, motion = store.read_frame(
-                        texts[number], radii, saved, now, law.dimension
-                    )
-                    packing = replace(packing, walls=walls)
-                with Simulation(packing, law, friction=friction) as sim:
-                    go_on(sim, motion)
-                    state = sim.state()
-                if motion.directions is not None and isinstance(state, State):
-                    state = replace(state, directions=motion.directions)
-                yield replace(state, stalled=number < len(stalled) and stalled[number])
-                bar.update()
+    def _state(self, number: int) -> Any:
+        """The state of a frame, from 0."""
+        if self.folder is None:
+            return self._states[number]
+        with reading(f"frame {number} of {self.folder / TRAJECTORY}"):
+            saved, text = self._frames.setup(number), self._frames.text(number)
+            law, radii, walls, friction = read_setup(saved)
+            rows = self._frames.rows()
+            if number >= len(rows):
+                raise LookupError(f"its row in {SERIES}")
+            packing, motion, columns = store.read_frame(
+                text, radii, saved, rows[number], law.dimension
+            )
+            packing = packing.replace(walls=walls)
+            return _recorded_state(packing, law, friction, motion, columns, rows[number])
 
     @property
     def parameters(self) -> dict[str, Any]:
-        """The parameters in the summary; those of what was done before have the key `before`."""
+        """What the protocol was called with, its name, and what it knows of its start.
+
+        Those of a run before that it goes on with have the key `before`.
+        """
+        if self.folder is None:
+            return dict(self._parameters)
         with reading(self.folder / SUMMARY):
             return dict(from_json(summary_in(self.folder).get("parameters") or {}))
 
-    def simulation(self, comm: MPI.Comm | None = None) -> Deforming[Any]:
+    @property
+    def steps_done(self) -> int | None:
+        """Recorded steps of the last protocol; None if it cannot be resumed."""
+        parameters = self.parameters
+        if self.folder is None or "start" not in parameters:
+            return None
+        return store.frames_in(self.folder) - int(parameters["start"]["frame"])
+
+    def simulation(self, comm: MPI.Comm | None = None) -> Any:
         """A simulation of the last state: the same particles, box and law.
 
         Velocities, spins, films, springs of contacts, directions, time and shear strain go on from
@@ -546,6 +534,9 @@ class Run:
         Warns:
             StalledWarning: the relaxation of that state had stalled.
         """
+        if self.folder is None or self._range is not None:
+            state = self[-1]
+            return simulate(state, state.law, communicator(comm))
         communicator(comm).barrier()  # rank 0 may still be writing
         last = summary_in(self.folder).get("state")
         if isinstance(last, dict) and last.get("stalled"):
@@ -555,130 +546,181 @@ class Run:
                 StalledWarning,
                 stacklevel=2,
             )
-        return self._simulation(comm)
+        return self._simulation(self.folder, comm)
 
-    def _simulation(self, comm: MPI.Comm | None) -> Deforming[Any]:
-        packing, law, friction = read(self.folder)
-        motion = read_motion(self.folder, packing)
+    def _simulation(self, folder: Path, comm: MPI.Comm | None) -> Any:
+        packing, law, friction = read(folder)
+        motion = read_motion(folder, packing)
         sim = Simulation(packing, law, comm, friction=friction)
         go_on(sim, motion)
         return sim
 
-    def append(
-        self, states: Iterable[DeformedState], parameters: Mapping[str, Any] | None = None
-    ) -> Iterator[DeformedState]:
-        """Go on with the run: as `record`, behind the states that it has."""
-        expect_states(states, parameters)
-        parameters, start = {**(parameters or {}), **self._before()}, start_of(states)
-        written = write(states, self.folder, parameters, len(self._numbers()), start)
-        return Steps("append", written, start)
+    def resume(
+        self, *, callback: Callable[[Any], object] | None = None, comm: MPI.Comm | None = None
+    ) -> Run:
+        """Finish an interrupted protocol in the folder, with the numbers of a whole one.
 
-    def compress(
-        self,
-        strain: float | None = None,
-        steps: int = 10,
-        tolerance: float = TOLERANCE,
-        parameters: Mapping[str, Any] | None = None,
-        comm: MPI.Comm | None = None,
-        phi: float | None = None,
-        pressure: float | None = None,
-    ) -> Iterator[DeformedState]:
-        """Compress the last state further: as `compress_in`, behind the states of the run.
+            run = ld.Run(f).resume() if ld.Run.exists(f) else sim.shear(0.1, steps=100, record=f)
 
-        Raises:
-            FileError: the run is interrupted, see `resume`, or lacks frames.
-        """
-        protocol = compression(steps, tolerance, strain=strain, phi=phi, pressure=pressure)
-        return self._go_on("Run.compress", protocol, parameters, comm)
-
-    def shear(
-        self,
-        strain: float,
-        steps: int = 10,
-        tolerance: float = TOLERANCE,
-        parameters: Mapping[str, Any] | None = None,
-        comm: MPI.Comm | None = None,
-    ) -> Iterator[DeformedState]:
-        """Shear the last state: as `shear_in`, behind the states of the run.
-
-        Raises:
-            FileError: the run is interrupted, see `resume`, or lacks frames.
-        """
-        protocol = shear_protocol(strain, steps, tolerance)
-        return self._go_on("Run.shear", protocol, parameters, comm)
-
-    def resume(self, comm: MPI.Comm | None = None) -> Iterator[DeformedState]:
-        """Finish an interrupted `compress_in` or `shear_in`, with the numbers of a whole one.
-
-        The files of an unfinished step are removed.
+        The files of an unfinished step are removed. Nothing is done if no step is missing.
 
         Args:
+            callback: as of the protocol, for the states that are missing.
             comm: as for `Simulation`.
 
-        Yields:
-            The states that are missing; none if the run is complete.
+        Returns:
+            This run, with all its states.
 
         Raises:
-            FileError: the run is another one, or its files cannot be read.
+            FileError: the protocol cannot be resumed, as commands of a user were given to its
+                `lmp`; or its files cannot be read.
         """
+        if self.folder is None:
+            return self
         communicator(comm).barrier()  # rank 0 may still be writing
         packing, *_ = read(self.folder)
-        motion = read_motion(self.folder, packing)
+        read_motion(self.folder, packing)
         parameters, done = self.parameters, self.steps_done
         if done is None:
             raise FileError(
-                f"the run in '{self.folder}' cannot be resumed, as its last states are none of "
-                "compress_in or shear_in: go on with Run.compress (in the shell: --append), or "
-                "with Run.append of a protocol, such as move, of Run.simulation()"
+                f"the run in '{self.folder}' cannot be resumed: it is a saved state, or commands "
+                "were given to its lmp, which the folder lacks. Go on with Run.simulation(), and a "
+                "protocol with mode='a' (in the shell: --append)"
             )
         communicator(comm).barrier()  # all ranks have read the folder
-        if done >= parameters["steps"]:
-            return iter(())
-        store.check_frames(self.folder)
-        sim = self._simulation(comm)
-        if done > 0:
-            sim.relax(np.finfo(float).max)  # relaxed already: this only finds whether it is rigid
-        return Steps("Run.resume", steps_of(sim, packing, motion, self.folder, parameters, done))
+        if done < parameters["start"]["states"]:
+            with self._simulation(self.folder, comm) as sim:
+                recording.resume(self, sim, callback)
+        return self
 
-    @property
-    def steps_done(self) -> int | None:
-        """Recorded steps of the last `compress_in` or `shear_in`; None if there is none."""
-        parameters = self.parameters
-        return len(self) - int(parameters["start"]["frame"]) if "start" in parameters else None
+    def table(self, **columns: Column) -> Table:
+        """The numbers of the states, by name: arrays, and `to_pandas()` of them all.
 
-    def movie(self, path: str | Path, **settings: Any) -> None:
-        """Draw the states as a movie, see `ld.movie`."""
-        movies.movie(self, path, **settings)
+            run.table()["pressure"]
+            run.table(order=lambda state: abs(state.hexatic()).mean()).to_pandas()
 
-    def export(self, path: str | Path, forces: bool = False, overwrite: bool = False) -> None:
-        """Write the shapes of the states for ParaView and OVITO, see `ld.export`."""
-        export(self, path, forces, overwrite)
-
-    def table(self, **columns: Callable[[DeformedState], Any]) -> Any:
-        """The numbers of the states as a DataFrame of pandas, with the frames as index.
-
-            run.table()[["phi", "pressure"]]
-            run.table(order=lambda state: abs(state.hexatic()).mean())
-
-        It has the box, `strain`, `phi`, `pressure`, `shear_stress`, `energy`, `temperature`,
-        `time`, `coordination`, the numbers of `rattlers` and of particles `beyond` the model, the
-        mean `shape_parameter`, or `load` of droplets in space, `residual` and `stalled`, as they
-        were recorded.
+        There are `frame`, the box, `strain`, `phi`, `pressure`, `shear_stress`, the pressure tensor
+        `pxx`, `pxy`, ..., `energy`, `lost_energy`, `temperature`, `time`, `coordination`, the
+        numbers of `rattlers` and of particles `beyond` the model, the mean `shape_parameter`, or
+        `load` of droplets in space, `residual` and `stalled`, as they were recorded.
 
         Args:
-            columns: further ones: functions that return a number for a state. The states are
-                evaluated again for them.
+            columns: further ones: functions that return a number for a state.
 
         Raises:
             ParameterError: a column is no function, or has the name of another.
-            ImportError: pandas is missing (`pip install 'lammps-deformable[pandas]'`).
         """
-        return table(self.folder, self, columns)
+        numbers = self._numbers()
+        found = Table(frame=np.arange(numbers.start, numbers.stop, numbers.step))
+        if self.folder is None:
+            rows = [recorded_numbers(state) for state in self._states]
+            found |= {
+                name: np.array([np.nan if row[name] is None else row[name] for row in rows])
+                for name in (rows[0] if rows else ())
+            }
+        else:
+            recorded(self.folder, SERIES)
+            texts = self._frames.rows()
+            with reading(self.folder / SERIES):
+                found |= {
+                    name: _numbers([texts[number][name] for number in numbers])
+                    for name in columns_in(self.folder / SERIES)
+                    if name != "frame"
+                }
+        check_columns(columns, found)
+        if columns:
+            more = [[column(state) for column in columns.values()] for state in self]
+            for name, values in zip(columns, zip(*more, strict=True), strict=True):
+                found[name] = np.array(values)
+        return found
 
-    def universe(self) -> Universe:
-        """A Universe of MDAnalysis.
+    def unwrapped(self) -> NDArray[np.float64]:
+        """Positions of particles that are followed across the boundaries of the box.
 
-            for frame in ld.Run("run").universe().trajectory:
+        Each state counts how often its particles have left the box: frames may be as far apart as
+        you like.
+
+        Returns:
+            Shape (number of states, N, d) [length].
+
+        Raises:
+            ParameterError: there are no states, or one has other numbers of particles.
+
+        Warns:
+            JumpWarning: states that count nothing, of soft disks, are too far apart.
+        """
+        return unwrapped(self)
+
+    def msd(
+        self, lags: Sequence[int] | None = None
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Mean squared displacement <|r(t0 + t) - r(t0)|^2> over particles and starts t0.
+
+        Args:
+            lags: numbers of frames; by default all up to half of the run.
+
+        Returns:
+            The times t of these lags, or the lags themselves where no time passes, and the mean
+            squared displacements [length^2], shape (number of lags,) each.
+
+        Raises:
+            ParameterError: a lag is out of range, or times are not equally far apart.
+        """
+        return mean_squared_displacement(self, lags)
+
+    def complex_modulus(self, skip: int = 1) -> DynamicModulus:
+        """G' and G'' of a run of `oscillate`, from the first harmonic of the stress.
+
+        The stress sigma of a cycle of n states gives G' = 2/(n strain) sum sigma sin(omega t), and
+        G'' with the cosine. Linear response is `state.complex_modulus`, without an amplitude and
+        without noise.
+
+        Contacts and, without a period, relaxed forces are balanced up to a part epsilon of the
+        largest or mean contact force. With |F_c| and d_c of the contacts and the room V the error
+        of the stress is about epsilon sum |F_c| d_c/(d V), in errors divided by the strain.
+
+        Args:
+            skip: number of cycles at the start that do not count, in which the response settles.
+
+        Raises:
+            ParameterError: the run is none of `oscillate`, or fewer than two cycles are left.
+        """
+        return harmonic(self, skip)
+
+    def movie(self, path: str | Path, **settings: Any) -> None:
+        """Draw the states as a movie, all with the same scale of colors and forces.
+
+        Args:
+            path: of the movie, .gif, or .mp4 if ffmpeg is installed.
+            settings: `rate` in pictures per second, 10 if not given, and those of `State.plot`.
+
+        Raises:
+            ParameterError: the format is another, ffmpeg is missing, or there are no states or no
+                such attribute or color map, or `vmin` is not below `vmax`.
+            FileError: the movie cannot be written.
+            ImportError: matplotlib is missing.
+        """
+        movies.movie(self, path, **settings)
+
+    def export(self, path: str | Path, forces: bool = False, overwrite: bool = False) -> None:
+        """Write the shapes of the states for ParaView and OVITO, see `State.export`.
+
+        Args:
+            path: `NAME.pvd`, which lists the files NAME_0000.vtp, NAME_0001.vtp, ... beside it,
+                with the times of a motion, or with their numbers.
+            forces: write the networks of forces in the place of shapes.
+            overwrite: replace files that are there.
+
+        Raises:
+            ParameterError: the suffix is another, or there are no states.
+            FileError: there is a file and `overwrite` is not given, or it cannot be written.
+        """
+        export(self, path, forces, overwrite)
+
+    def to_mdanalysis(self) -> Universe:
+        """A Universe of MDAnalysis of a run in a folder.
+
+            for frame in ld.Run("run").to_mdanalysis().trajectory:
                 print(frame.time, frame.data["area"].mean())
 
         Particles and frames are those of `State.to_mdanalysis`. `time` is that of a motion whose
@@ -686,29 +728,8 @@ class Run:
 
         Raises:
             FileError: the number of particles changes, which MDAnalysis does not know.
+            ParameterError: the run is in memory.
         """
+        if self.folder is None:
+            raise ParameterError("a run in memory has no trajectory: give record= to the protocol")
         return universe(self.folder)
-
-    def _before(self) -> dict[str, Any]:
-        """The parameters of the run, for the summary of the next one."""
-        store.check_frames(self.folder)
-        return {"before": self.parameters}
-
-    def _go_on(
-        self,
-        name: str,
-        protocol: Mapping[str, Any],
-        parameters: Mapping[str, Any] | None,
-        comm: MPI.Comm | None,
-    ) -> Iterator[DeformedState]:
-        expect_states((), parameters)
-        sim = self.simulation(comm)
-        if "protocol" in protocol:
-            check_shear(sim, protocol["strain"], protocol["steps"])
-        done, whole = self.steps_done, self.parameters.get("steps", 0)
-        if done is not None and done < whole:
-            raise FileError(
-                f"the run in '{self.folder}' is interrupted at step {done} of {whole}: finish it "
-                "first with --resume (in Python: Run.resume)"
-            )
-        return begin(name, sim, self.folder, protocol, parameters, self._before(), len(self))

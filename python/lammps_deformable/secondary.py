@@ -89,7 +89,7 @@ def resolve_secondary(state: State, iterations: int = 3) -> SecondaryOutlines:
         )
     if whole("iterations", iterations) < 0:
         raise ParameterError(f"iterations must not be negative, not {iterations}")
-    radius = state.packing.radius
+    radius = state.packing.radii
     contacts = [
         np.column_stack([rows["angle"], rows["indentation"]]) for rows in state.contact_tables
     ]
@@ -204,7 +204,7 @@ def _pairs(packing: Packing, arcs: list[_Array]) -> Iterator[tuple[int, int, _Ar
     other, which = np.nonzero(((inside > -margin) & (inside < 1.0 + margin)).all(axis=2))
     ghost = packing.positions[other] + images[which] @ packing.box
     half = which > len(images) // 2  # of a particle's own images
-    radius = packing.radius
+    radius = packing.radii
     for i, origin in enumerate(packing.positions):
         vector = ghost - origin
         distance = np.hypot(*vector.T)

@@ -1,31 +1,36 @@
-"""Boxes that simple shear tilts.
+"""Simple shear: quasistatic, at a rate, to and fro, or under a stress that stays.
 
-Flow at a rate: LAMMPS shears the box, and friction holds particles to the mean flow.
-
-Simple shear: quasistatic, tilt the box a little, relax, again; or at a rate.
-
-Oscillatory shear, and the storage and loss modulus.
-
-Creep: a shear stress that stays, under which the box shears.
+Quasistatic: tilt the box a little, relax, again. At a rate LAMMPS shears the box, and a drag holds
+the particles to the mean flow. An oscillation gives the storage and the loss modulus, creep the
+strain under a stress.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Protocol, TypeVar, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ._checks import count, expect, finite, number_or_nan, positive, whole
 from .errors import ParameterError
-from .lammps import run
-from .motion import Dynamics, advance, dynamics_of, moving, refuse_restarted, seeds
-from .progress import Steps, progress
+from .lammps import images_of, place_images, run
+from .motion import (
+    Dynamics,
+    advance,
+    drawn_seed,
+    dynamics_of,
+    moving,
+    refuse_restarted,
+    seeds,
+    steps_so_far,
+)
+from .recording import Protocol, check_tolerance, play
 from .relax import TOLERANCE
-from .simulation import Deforming, DropletSimulation, S, Simulation
+from .simulation import DropletSimulation, Simulation
 from .small_strains import (
     balanced_to,
     following,
@@ -34,11 +39,9 @@ from .small_strains import (
     unbalanced_modulus,
 )
 from .soft_disks import Disks, Spheres
-from .starts import simulate
-from .state import DiskState, DropletState, SphereState, State
 
 if TYPE_CHECKING:
-    from .walls import Wall
+    from .run import Run
 
 
 def sheared(points: NDArray[np.float64], strain: float) -> NDArray[np.float64]:
@@ -59,7 +62,11 @@ def straighten(sim: Any) -> None:
         if max(place) < len(box) and straight[place] != box[place]
     ]
     if ends:
+        images = images_of(sim.lmp)
         run(sim.lmp, f"change_box all {' '.join(ends)} units box")
+        if images.any():  # which count the former lattice vectors
+            former = np.rint(box @ np.linalg.inv(straight)).astype(np.int64)
+            place_images(sim.lmp, images_of(sim.lmp) - images + images @ former)
 
 
 def straightened(box: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -77,28 +84,28 @@ def straightened(box: NDArray[np.float64]) -> NDArray[np.float64]:
 _OF_A_STEP, _OF_A_PIECE = 5e-4, 0.02
 
 
-def flow_dynamics(
-    sim: object,
-    friction: float | None,
-    temperature: float | None,
-    timestep: float | None,
-    tolerance: float | None,
-    seed: int | None,
-) -> tuple[Deforming[Any], Dynamics]:
-    """What flows, and overdamped motion relative to the mean flow.
+def _flowing(sim: object, settings: Mapping[str, Any]) -> Dynamics:
+    """Overdamped motion relative to the mean flow, in a flow of these settings.
 
     Raises:
-        ParameterError: a value is out of range, the friction is missing, a tolerance is given, or
-            these are `Disks` or `Spheres`.
+        ParameterError: a value is out of range, the drag is missing, a tolerance is given, or these
+            are `Disks` or `Spheres`.
     """
     if not isinstance(sim, (Simulation, DropletSimulation)):
         kind = type(sim).__name__
         raise ParameterError(f"{kind} are sheared without a rate only: take Simulation")
-    if friction is None:
-        raise ParameterError("a flow needs the friction of particles against it: give friction")
-    if tolerance is not None:
+    if settings.get("drag") is None:
+        raise ParameterError("a flow needs the drag of particles against it: give drag")
+    if settings.get("tolerance") is not None:
         raise ParameterError("states of a flow are not relaxed: leave tolerance out")
-    return sim, dynamics_of(sim, temperature, friction, False, timestep, seed)
+    return dynamics_of(sim, settings["temperature"], settings["drag"], False, settings["timestep"])
+
+
+def _of_flow(sim: Any, seed: int | None, **values: float | None) -> dict[str, Any]:
+    """The settings of a flow as numbers of Python, with its seed."""
+    given = {name: None if value is None else float(value) for name, value in values.items()}
+    _flowing(sim, values)
+    return given | {"seed": drawn_seed(sim, seed)}
 
 
 def refuse_without_flow(name: str, **given: object) -> None:
@@ -115,49 +122,55 @@ def refuse_without_flow(name: str, **given: object) -> None:
             )
 
 
-def flow(
-    sim: Deforming[S],
+def _flow(
+    sim: Any,
     dynamics: Dynamics,
     rate: float,
     duration: float,
     strains: Sequence[float | None],
     course: Callable[[float], str],
-    seed: int | None,
-) -> Iterator[S]:
-    """Shear the box, and yield the state after equal times.
+    of_noise: int,
+    done: int,
+    before: Any,
+) -> Iterator[Any]:
+    """Shear the box, and yield the states after equal times that remain.
 
     Args:
         sim: ends in the last state.
         dynamics: of the particles.
         rate: the largest one of the flow [1/time].
         duration: from a state to the next one [time].
-        strains: of the states; None where the box tells it.
+        strains: of all states; None where the box tells it.
         course: commands for a run that begins so long after the first one, of which the last is a
             `flow_command`.
-        seed: of the noise.
+        of_noise: seed of the noise.
+        done: number of states before.
+        before: the last state; None if it is not known.
     """
-    lmp, state = sim.lmp, sim.state()
-    _, of_noise = seeds(sim, seed)
+    begun, state = sim._begun, sim.state() if before is None else before
     with (
         balanced_to(sim, state.packing, imbalance_under(rate * duration)),
         moving(sim, dynamics, of_noise),
     ):
-        drag = dynamics.friction * rate * 2.0 * float(state.packing.radius.max())
+        drag = dynamics.drag * rate * 2.0 * float(state.packing.radii.max())
         limit = min(dynamics.limit, _OF_A_STEP / rate)
         dynamics = replace(dynamics, drive=drag, limit=limit)
         pieces = math.ceil(rate * duration / _OF_A_PIECE)
-        with progress("shearing", unit="state", total=len(strains)) as bar:
-            for n, strain in enumerate(strains):
-                for k in range(pieces):
-                    begin = duration * (n + k / pieces)
-                    state = _piece(sim, dynamics, duration / pieces, course(begin), state)
-                if strain is not None:
-                    sim.strain = strain
-                state = replace(state, strain=sim.strain)
-                bar.set_postfix(stress=f"{state.shear_stress:.3g}")
-                bar.update()
-                yield state
-                refuse_restarted(sim, lmp)
+        for n in range(done, len(strains)):
+            for k in range(pieces):
+                begin = duration * (n + k / pieces)
+                state = _piece(sim, dynamics, duration / pieces, course(begin), state)
+            strain = strains[n]
+            if strain is not None:
+                sim.strain = strain
+            state = replace(state, strain=sim.strain)
+            yield state
+            refuse_restarted(sim, begun)
+
+
+def _noise(settings: Mapping[str, Any], start: Mapping[str, Any], done: int) -> int:
+    """The seed of the noise from a state on: another one where a record goes on from it."""
+    return seeds(settings["seed"], start["step"], *[done] * (done > 0))[1]
 
 
 def flow_command(xy: str, xz: str = "") -> str:
@@ -176,7 +189,7 @@ def leans(sim: Any) -> float:
     return float(straightened(sim.box)[2, 1]) if sim.dimension == 3 else 0.0
 
 
-def _piece(sim: Deforming[S], dynamics: Dynamics, duration: float, course: str, state: S) -> S:
+def _piece(sim: Any, dynamics: Dynamics, duration: float, course: str, state: Any) -> Any:
     """The state after a flow with one time step, from the state before."""
     longest = dynamics.timestep or dynamics.default_step(state)
     steps = count("number of time steps to a state", math.ceil(duration / longest))
@@ -192,104 +205,69 @@ def _piece(sim: Deforming[S], dynamics: Dynamics, duration: float, course: str, 
     return sim.state()
 
 
-def _strain_since(sim: Deforming[S], tilt: float) -> float:
+def _strain_since(sim: Any, tilt: float) -> float:
     """The smallest strain from a tilt of the box to that of now, as LAMMPS may have flipped it."""
     lx, xy, ly = sim.box[[0, 1, 1], [0, 0, 1]].tolist()
     widths = (xy - tilt) / lx
     return float(widths - round(widths)) * lx / ly
 
 
-T = TypeVar("T", bound=State | DiskState | SphereState | DropletState)
-S_co = TypeVar("S_co", bound=State | DiskState | SphereState | DropletState, covariant=True)
-
-
-class Shearable(Protocol[S_co]):
-    """A simulation in a periodic box: `Simulation`, `Disks` or `Spheres`."""
-
-    @property
-    def lmp(self) -> Any: ...
-    @property
-    def box(self) -> NDArray[np.float64]: ...
-    @property
-    def walls(self) -> tuple[Wall, ...]: ...
-
-    strain: float | None
-
-    def deform(self, box: NDArray[np.float64]) -> None: ...
-    def relax(self, tolerance: float = ...) -> S_co: ...
-    def state(self) -> S_co: ...
-
-
 def shear(
-    sim: Shearable[T],
+    sim: Any,
     strain: float,
-    steps: int = 10,
-    tolerance: float | None = None,
+    *,
+    steps: int = 1,
     rate: float | None = None,
-    friction: float | None = None,
+    drag: float | None = None,
     temperature: float | None = None,
     timestep: float | None = None,
+    tolerance: float | None = None,
     seed: int | None = None,
-) -> Iterator[T]:
-    """Shear in equal steps, relaxing after each one, or at a rate; the size of the box stays.
-
-    After step n the upper side of the box has moved along x by strain n / steps times its height.
-    A state has the `shear_stress` that resists, and the `strain` of all calls of `shear` for one
-    simulation. A box whose tilt exceeds half its width is replaced by the
-    equivalent box with the smallest tilt, so that strains may be large.
-
-    With a rate particles are overdamped, with a friction against the mean flow u = rate y along x,
-
-        friction (dr/dt - u) = F + sqrt(2 friction temperature) noise
-
-    as bubbles in Durian's model. LAMMPS' *fix deform* with *remap x* moves the box and the
-    particles in it, *fix brownian* adds the rest. Velocities are 0 in all states.
-
-    Args:
-        sim: a `Simulation`, `Disks` or `Spheres`; it ends in the last state.
-        strain: total shear strain gamma; negative shears in the other direction.
-        steps: number of steps, of which each yields a state.
-        tolerance: of each relaxation; by default that of `sim.relax`.
-        rate: strain per time, above 0 [1/time]; if not given, the shear is quasistatic. The law of
-            flows is `Ring` or `Droplet`, and the next arguments belong to them.
-        friction: force over velocity relative to the mean flow [1/time], as masses are 1.
-        temperature: of the noise [energy]; without, there is none.
-        timestep: length of a time step [time]; if not given it follows from the contacts, as in
-            `move`, and is at most 5e-4/rate.
-        seed: of the noise, as in `move`.
-
-    Yields:
-        The state after each step, with its `strain`; without a rate it is relaxed, with a rate it
-        has a `time`.
-
-    Raises:
-        ParameterError: a value is out of range, or the simulation has walls; or see `move`.
-        LammpsError: see `move`.
-
-    Source: drag: Durian, Phys. Rev. Lett. 75, 4780 (1995).
-    """
+    **recording: Any,
+) -> Run:
+    """See `Simulation.shear`."""
     expect("sim", sim, Simulation, DropletSimulation, Disks, Spheres)
     check_shear(sim, strain, steps)
-    before, strain, steps = sim.strain or 0.0, float(strain), int(steps)
-    flowing = {"friction": friction, "temperature": temperature, "timestep": timestep}
-    states: Iterator[T]
+    settings: dict[str, Any] = {"strain": float(strain), "steps": int(steps)}
+    flowing = {"drag": drag, "temperature": temperature, "timestep": timestep}
     if rate is None:
         refuse_without_flow("rate", **flowing, seed=seed)
-        states = shear_steps(sim, before, strain, steps, 0, tolerance)
+        settings["tolerance"] = check_tolerance(tolerance)
     else:
-        rate = positive("rate", rate)
-        flows, dynamics = flow_dynamics(sim, **flowing, tolerance=tolerance, seed=seed)
-        along = math.copysign(rate, strain)
-        yz = leans(flows)
-        course = flow_command(f"erate {along!r}", f"vel {along * yz!r}" if yz else "")
-        strains = [before + n * strain / steps for n in range(1, steps + 1)]
-        duration = abs(strain) / rate / steps
-        flowed = flow(flows, dynamics, rate, duration, strains, lambda _: course, seed)
-        states = cast(Iterator[T], flowed)
-    return Steps("shear", states, lambda: replace(sim.state(), strain=before))
+        settings["rate"] = float(positive("rate", rate))
+        settings |= _of_flow(sim, seed, **flowing, tolerance=tolerance)
+    return play(sim, "shear", settings, **recording)
 
 
-def check_shear(sim: Shearable[Any], strain: float, steps: int) -> None:
+def _begin(sim: Any, states: int) -> tuple[Any, dict[str, Any]]:
+    """The present state, whose strain is counted from now on."""
+    sim.strain = sim.strain or 0.0
+    return sim.state(), {"strain": sim.strain, "step": steps_so_far(sim), "states": states}
+
+
+def _sheared_states(
+    sim: Any, settings: Mapping[str, Any], start: Mapping[str, Any], done: int, before: Any
+) -> Iterator[Any]:
+    """The states that remain of a shear."""
+    strain, steps, rate = settings["strain"], settings["steps"], settings.get("rate")
+    strains = [start["strain"] + strain * n / steps for n in range(1, steps + 1)]
+    if rate is None:
+        for each in strains[done:]:
+            yield sheared_state(sim, strain / steps, each, settings["tolerance"])
+        return
+    along, yz = math.copysign(rate, strain), leans(sim)
+    course = flow_command(f"erate {along!r}", f"vel {along * yz!r}" if yz else "")
+    of_noise, duration = _noise(settings, start, done), abs(strain) / rate / steps
+    dynamics = _flowing(sim, settings)
+    yield from _flow(
+        sim, dynamics, rate, duration, strains, lambda _: course, of_noise, done, before
+    )
+
+
+SHEAR = Protocol(lambda sim, settings: _begin(sim, settings["steps"]), _sheared_states)
+
+
+def check_shear(sim: Any, strain: float, steps: int) -> None:
     """Refuse what `shear` cannot do."""
     count("steps", steps)
     if finite("strain", strain) == 0.0:
@@ -297,7 +275,7 @@ def check_shear(sim: Shearable[Any], strain: float, steps: int) -> None:
     refuse_walls(sim)
 
 
-def refuse_walls(sim: Shearable[Any]) -> None:
+def refuse_walls(sim: Any) -> None:
     """Refuse walls, which do not follow a shear.
 
     Raises:
@@ -310,24 +288,7 @@ def refuse_walls(sim: Shearable[Any]) -> None:
         )
 
 
-def shear_steps(
-    sim: Shearable[T],
-    before: float,
-    strain: float,
-    steps: int,
-    done: int,
-    tolerance: float | None,
-) -> Iterator[T]:
-    """The remaining steps of a shear, after the steps done and the strain before the first one."""
-    with progress("shearing", unit="step", total=steps, initial=done) as bar:
-        for n in range(done + 1, steps + 1):
-            state = sheared_state(sim, strain / steps, before + strain * n / steps, tolerance)
-            bar.set_postfix(stress=f"{state.shear_stress:.3g}")
-            bar.update()
-            yield state
-
-
-def sheared_state(sim: Shearable[T], by: float, strain: float, tolerance: float | None) -> T:
+def sheared_state(sim: Any, by: float, strain: float, tolerance: float | None) -> Any:
     """The relaxed state after a further strain, which leads to this one in all."""
     straighten(sim)
     sim.deform(sheared(sim.box, by))
@@ -352,68 +313,64 @@ variable deformable_rate_z equal {part!r}*v_deformable_rate
 
 
 def oscillate(
-    sim: Shearable[T],
-    strain: float,
-    period: float | None = None,
+    sim: Any,
+    amplitude: float,
+    *,
+    period: float,
     cycles: int = 1,
     steps: int = 40,
-    tolerance: float | None = None,
-    friction: float | None = None,
+    drag: float | None = None,
     temperature: float | None = None,
     timestep: float | None = None,
+    tolerance: float | None = None,
     seed: int | None = None,
-) -> Iterator[T]:
-    """Shear to and fro, by strain sin(2 pi t/period) about the strain of the start.
-
-    With a period particles flow as in `shear` at a rate: overdamped, with a friction against the
-    flow (LAMMPS' *fix deform* with *remap x*, and *fix brownian*). Without a period, or with an
-    infinite one, each state is relaxed.
-
-    Args:
-        sim: a `Simulation` or, without a period, `Disks` or `Spheres`; it ends in the last state.
-        strain: amplitude of the shear strain, above 0.
-        period: of a cycle [time]; None or infinite: quasistatic.
-        cycles: number of cycles.
-        steps: states of a cycle, 8 or more, after equal parts of it.
-        tolerance: of the relaxations without a period; by default 1e-4 of the strain, at most
-            1e-6.
-        friction: as in `shear`, with a period.
-        temperature: as in `shear`.
-        timestep: as in `shear`.
-        seed: as in `shear`.
-
-    Yields:
-        The states, from the first part of the first cycle to the end of the last one.
-
-    Raises:
-        ParameterError: see `shear`.
-        LammpsError: see `shear`.
-    """
+    **recording: Any,
+) -> Run:
+    """See `Simulation.oscillate`."""
     expect("sim", sim, Simulation, DropletSimulation, Disks, Spheres)
-    strain = positive("strain", strain)
-    check_shear(sim, strain, count("steps", steps))
+    amplitude = float(positive("amplitude", amplitude))
+    check_shear(sim, amplitude, count("steps", steps))
     if steps < _FEWEST:
         raise ParameterError(f"steps must be at least {_FEWEST} in a cycle, not {steps}")
-    flowing = {"friction": friction, "temperature": temperature, "timestep": timestep}
-    before = sim.strain or 0.0
-    part = np.arange(1, steps * count("cycles", cycles) + 1) / steps
-    strains = (before + strain * np.sin(2.0 * np.pi * (part % 1.0))).tolist()
-    states: Iterator[T]
-    if period is None or number_or_nan(period) == math.inf:
+    settings: dict[str, Any] = {"amplitude": amplitude, "steps": int(steps)}
+    settings["cycles"] = count("cycles", cycles)
+    flowing = {"drag": drag, "temperature": temperature, "timestep": timestep}
+    if number_or_nan(period) == math.inf:
         refuse_without_flow("period", **flowing, seed=seed)
-        if tolerance is None:
-            tolerance = tolerance_under(strain, TOLERANCE)
-        states = _relaxed(sim, before, strains, tolerance, _step(strain, steps))
+        tolerance = tolerance_under(amplitude, TOLERANCE) if tolerance is None else tolerance
+        settings |= {"period": math.inf, "tolerance": check_tolerance(tolerance)}
     else:
-        period = positive("period", period)
-        flows, dynamics = flow_dynamics(sim, **flowing, tolerance=tolerance, seed=seed)
-        dynamics = replace(dynamics, limit=period / _STEPS)
-        omega = 2.0 * math.pi / period
-        height = float(sim.box[1, 1])
-        course = _course(omega, strain * height, leans(flows) / height)
-        flowed = flow(flows, dynamics, strain * omega, period / steps, strains, course, seed)
-        states = cast(Iterator[T], flowed)
-    return Steps("oscillate", states, lambda: replace(sim.state(), strain=before))
+        settings["period"] = float(positive("period", period))
+        settings |= _of_flow(sim, seed, **flowing, tolerance=tolerance)
+    return play(sim, "oscillate", settings, **recording)
+
+
+def _oscillated(
+    sim: Any, settings: Mapping[str, Any], start: Mapping[str, Any], done: int, before: Any
+) -> Iterator[Any]:
+    """The states that remain of an oscillation."""
+    amplitude, steps, period = settings["amplitude"], settings["steps"], settings["period"]
+    part = np.arange(1, start["states"] + 1) / steps
+    begin = start["strain"]
+    strains = (begin + amplitude * np.sin(2.0 * np.pi * (part % 1.0))).tolist()
+    if period == math.inf:
+        with following(sim, sim.state().packing, _step(amplitude, steps)):
+            for n in range(done, len(strains)):
+                by = strains[n] - (strains[n - 1] if n else begin)
+                yield sheared_state(sim, by, strains[n], settings["tolerance"])
+        return
+    dynamics = replace(_flowing(sim, settings), limit=period / _STEPS)
+    omega, height = 2.0 * math.pi / period, float(sim.box[1, 1])
+    course = _course(omega, amplitude * height, leans(sim) / height)
+    of_noise = _noise(settings, start, done)
+    yield from _flow(
+        sim, dynamics, amplitude * omega, period / steps, strains, course, of_noise, done, before
+    )
+
+
+OSCILLATE = Protocol(
+    lambda sim, settings: _begin(sim, settings["steps"] * settings["cycles"]), _oscillated
+)
 
 
 def _step(strain: float, steps: int) -> float:
@@ -439,22 +396,6 @@ def _course(omega: float, width: float, part: float) -> Callable[[float], str]:
     return commands
 
 
-def _relaxed(
-    sim: Shearable[T], before: float, strains: Sequence[float], tolerance: float, step: float
-) -> Iterator[T]:
-    """The relaxed states at these strains, which differ by this step at most."""
-    with (
-        following(sim, sim.state().packing, step),
-        progress("shearing", unit="state", total=len(strains)) as bar,
-    ):
-        for strain in strains:
-            state = sheared_state(sim, strain - before, strain, tolerance)
-            bar.set_postfix(stress=f"{state.shear_stress:.3g}")
-            bar.update()
-            yield state
-            before = strain
-
-
 @dataclass(frozen=True)
 class DynamicModulus:
     """The first harmonic of the stress under a strain gamma sin(omega t), over gamma.
@@ -476,70 +417,31 @@ class DynamicModulus:
     harmonics: float
 
 
-def dynamic_modulus(
-    state: State | DropletState | DiskState | SphereState,
-    strain: float,
-    period: float | None = None,
-    cycles: int = 3,
-    discarded: int = 1,
-    steps: int = 40,
-    tolerance: float | None = None,
-    friction: float | None = None,
-    temperature: float | None = None,
-    timestep: float | None = None,
-    seed: int | None = None,
-) -> DynamicModulus:
-    """G' and G'' of a state, which does not change, from the stress of `oscillate`.
-
-    The stress sigma of a cycle of n states gives G' = 2/(n strain) sum sigma sin(omega t), and G''
-    with the cosine. A slow flow has the G' of `shear_modulus`. Linear response is
-    `state.complex_modulus`, without an amplitude and without noise.
-
-    Contacts and, without a period, relaxed forces are balanced up to a part epsilon of the largest
-    or mean contact force. With |F_c| and d_c of the contacts and the room V the error of the stress
-    is about epsilon sum |F_c| d_c/(d V), in errors divided by the strain.
-
-    Args:
-        state: of a `Simulation` or, without a period, of `Disks`.
-        strain: amplitude. Small packings respond linearly up to some hundredth of phi - phi_J.
-        period: of a cycle [time]; None or infinite: quasistatic.
-        cycles: number of cycles that count, 2 or more for an error.
-        discarded: number of cycles before, in which the response settles.
-        steps: as in `oscillate`, as all that follows.
-        tolerance: of relaxations.
-        friction: with a period.
-        temperature: of the noise.
-        timestep: of the flow.
-        seed: of the noise.
-
-    Raises:
-        ParameterError: see `oscillate`.
-        LammpsError: see `oscillate`.
-    """
-    expect("state", state, State, DropletState, DiskState, SphereState)
-    if count("cycles", cycles) < 2:
-        raise ParameterError("cycles must be at least 2, as their scatter is the error, not 1")
-    if whole("discarded", discarded) < 0:
-        raise ParameterError(f"discarded must not be negative, not {discarded}")
-    with simulate(state, state.law) as sim:
-        states = oscillate(
-            sim,
-            strain,
-            period,
-            cycles + discarded,
-            steps,
-            tolerance,
-            friction,
-            temperature,
-            timestep,
-            seed,
+def harmonic(run: Run, skip: int) -> DynamicModulus:
+    """See `Run.complex_modulus`."""
+    settings = run.parameters
+    if settings.get("protocol") != "oscillate":
+        raise ParameterError(
+            "G' and G'' follow from the stress of oscillate: this run is another one"
         )
-        stress, left = np.array([(each.shear_stress, each.residual) for each in states]).T
-    quasistatic = period is None or number_or_nan(period) == math.inf
+    steps, strain = settings["steps"], settings["amplitude"]
+    if whole("skip", skip) < 0:
+        raise ParameterError(f"skip must not be negative, not {skip}")
+    cycles = (len(run) - 1) // steps - skip
+    if cycles < 2:
+        raise ParameterError(
+            f"at least 2 cycles must be left, as their scatter is the error, not {cycles} of "
+            f"{(len(run) - 1) // steps}: take more cycles, or a smaller skip"
+        )
+    numbers = run.table()
+    left, stress = (
+        numbers[name][1 : 1 + steps * (cycles + skip)] for name in ("residual", "shear_stress")
+    )
+    quasistatic = settings["period"] == math.inf
     unbalanced = float(left.max()) if quasistatic else imbalance_under(_step(strain, steps))
-    bound = unbalanced_modulus(state, unbalanced, strain)
+    bound = unbalanced_modulus(run[0], unbalanced, strain)
     phase = 2.0 * np.pi * np.arange(1, steps + 1) / steps
-    cycle = stress.reshape(-1, steps)[discarded:]
+    cycle = stress.reshape(-1, steps)[skip:]
     storage, loss = (
         2.0 / (steps * strain) * np.sum(cycle * wave, axis=1)
         for wave in (np.sin(phase), np.cos(phase))
@@ -566,69 +468,74 @@ fix_modify deformable_flow press deformable_virial
 
 
 def creep(
-    sim: Deforming[S],
-    stress: float,
+    sim: Any,
+    shear_stress: float,
+    *,
     time: float,
-    steps: int = 10,
-    friction: float | None = None,
+    steps: int = 1,
+    drag: float | None = None,
     viscosity: float | None = None,
     temperature: float | None = None,
     timestep: float | None = None,
     seed: int | None = None,
-) -> Iterator[S]:
-    """Apply a shear stress, and let the box shear along x.
-
-    The box follows the stress that the contacts do not bear, against a liquid of some viscosity,
-
-        viscosity d(strain)/dt = stress - sigma
-
-    with sigma the `shear_stress` of the state. Particles move in it as in `shear` at a rate. Below
-    the yield stress the strain ends where sigma is the stress; above it the packing flows. LAMMPS'
-    *fix deform/pressure* with *remap x* shears the box, *fix brownian* moves the particles.
-
-    Args:
-        sim: of the law `Ring` or `Droplet`, without walls; it ends in the last state.
-        stress: shear stress, of either sign [energy/length^d].
-        time: in all [time].
-        steps: number of states, after equal parts of the time.
-        friction: as in `shear` at a rate, must be given [1/time].
-        viscosity: of the liquid, in d dimensions [length^(2-d)/time]; if not
-            given the friction, in space over the mean diameter.
-        temperature: as in `shear`.
-        timestep: as in `shear`.
-        seed: as in `shear`.
-
-    Yields:
-        The states, with their `strain` and `time`.
-
-    Raises:
-        ParameterError: see `shear`; or the box has a tilt yz.
-        LammpsError: see `move`.
-    """
+    **recording: Any,
+) -> Run:
+    """See `Simulation.creep`."""
     expect("sim", sim, Simulation, DropletSimulation)
     refuse_walls(sim)
-    stress, time, steps = finite("stress", stress), positive("time", time), count("steps", steps)
     if leans(sim):
         raise ParameterError(
             f"a box that leans along y, by yz = {leans(sim):.4g}, does not creep: take one without "
             "that tilt, or shear it at a rate"
         )
-    sim, dynamics = flow_dynamics(sim, friction, temperature, timestep, None, seed)
-    given = None if viscosity is None else positive("viscosity", viscosity)
-    before = sim.strain or 0.0
+    settings: dict[str, Any] = {
+        "shear_stress": float(finite("shear_stress", shear_stress)),
+        "time": float(positive("time", time)),
+        "steps": count("steps", steps),
+        "viscosity": None if viscosity is None else float(positive("viscosity", viscosity)),
+    }
+    settings |= _of_flow(sim, seed, drag=drag, temperature=temperature, timestep=timestep)
+    return play(sim, "creep", settings, **recording)
 
-    def states() -> Iterator[S]:
-        start = sim.state()
-        held, radius = start.shear_stress, float(start.packing.radius.mean())
-        usual = dynamics.friction / (1.0 if sim.dimension == 2 else 2.0 * radius)
-        viscosity = given or usual
-        fastest = 2.0 * (abs(stress) + abs(held)) / viscosity
-        if fastest == 0.0:
-            raise ParameterError("stress must not be 0 in a packing that has none")
-        most = fastest * float(sim.box[1, 1])  # velocity of the upper side of the box
-        course = _CREEP.format(target=-stress, gain=1.0 / viscosity, most=most).strip()
-        damped = replace(dynamics, part=min(1.0, viscosity / usual))
-        duration, unknown = time / steps, [None] * steps
-        yield from flow(sim, damped, fastest, duration, unknown, lambda _: course, seed)
 
-    return Steps("creep", states(), lambda: replace(sim.state(), strain=before))
+def _begin_creep(sim: Any, settings: Mapping[str, Any]) -> tuple[Any, dict[str, Any]]:
+    """The present state, and the largest rate of the flow under the stress."""
+    state, start = _begin(sim, settings["steps"])
+    usual = _usual_viscosity(settings["drag"], state.packing)
+    viscosity = settings["viscosity"] or usual
+    fastest = 2.0 * (abs(settings["shear_stress"]) + abs(state.shear_stress)) / viscosity
+    if fastest == 0.0:
+        raise ParameterError("shear_stress must not be 0 in a packing that has none")
+    return state, start | {"viscosity": viscosity, "usual": usual, "fastest": fastest}
+
+
+def _usual_viscosity(drag: float, packing: Any) -> float:
+    """The drag, in space over the mean diameter."""
+    return drag / (1.0 if packing.dimension == 2 else 2.0 * float(packing.radii.mean()))
+
+
+def _crept(
+    sim: Any, settings: Mapping[str, Any], start: Mapping[str, Any], done: int, before: Any
+) -> Iterator[Any]:
+    """The states that remain of a creep."""
+    viscosity, fastest, steps = start["viscosity"], start["fastest"], settings["steps"]
+    most = fastest * float(sim.box[1, 1])  # velocity of the upper side of the box
+    course = _CREEP.format(
+        target=-settings["shear_stress"], gain=1.0 / viscosity, most=most
+    ).strip()
+    damped = replace(_flowing(sim, settings), part=min(1.0, viscosity / start["usual"]))
+    of_noise, unknown = _noise(settings, start, done), [None] * steps
+    yield from _flow(
+        sim,
+        damped,
+        fastest,
+        settings["time"] / steps,
+        unknown,
+        lambda _: course,
+        of_noise,
+        done,
+        before,
+    )
+
+
+CREEP = Protocol(_begin_creep, _crept)

@@ -8,9 +8,8 @@ Deformable particles of the plane in LAMMPS: relax them, take their state, chang
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Callable, Sequence
-from dataclasses import replace
-from typing import Any, ClassVar, Generic, TypeVar
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
 
 import numpy as np
 from mpi4py import MPI
@@ -26,10 +25,10 @@ from .free_box import check_free, relax_free_box
 from .friction import Friction, check_friction
 from .lammps import (
     Engine,
-    close_lammps,
     communicator,
     gather,
     has_other_fixes,
+    images_of,
     place_walls,
     refuse_forces_of_motion,
     refuse_other,
@@ -88,7 +87,10 @@ from .room import check_centers, check_fit, free_room
 from .soft_disks import BALANCED, Rigidity
 from .state import DeformedState, DropletState, State
 from .store import Motion
-from .walls import Wall, as_walls
+from .walls import Wall
+
+if TYPE_CHECKING:
+    from lammps import lammps
 
 S = TypeVar("S", bound=DeformedState)
 
@@ -116,7 +118,6 @@ class Deforming(Watched, Engine, Generic[S]):
         packing: Packing | S,
         law: AnyLaw,
         comm: MPI.Comm | None = None,
-        walls: Wall | Sequence[Wall] | None = None,
         friction: Friction | None = None,
     ) -> None:
         expect("packing", packing, Packing, self._state)
@@ -125,8 +126,6 @@ class Deforming(Watched, Engine, Generic[S]):
         self.law, self.comm = law, communicator(comm)
         start, state = _parts(self.comm.bcast(packing))  # those of other machines may differ
         self.friction = state.friction if state and friction is None else friction
-        if walls is not None:
-            start = replace(start, walls=as_walls(walls, start.dimension))
         self._rigidity = Rigidity(start)
         self._open(start, state)
 
@@ -156,33 +155,37 @@ class Deforming(Watched, Engine, Generic[S]):
         """
         expect("packing", packing, Packing, self._state)
         start, state = _parts(packing)
-        self._check(start)  # or fail before the old LAMMPS is gone
-        close_lammps(self.lmp)
+        self._check(start)  # or fail before the old particles are gone
+        self._steps_before = 0
         self._rigidity.start = self._rigidity.start and start
-        self._open(start, state)
+        try:
+            self._open(start, state, self.lmp)
+        except BaseException:
+            self.close()
+            raise
 
-    def _open(self, packing: Packing, state: S | None) -> None:
+    def _open(self, packing: Packing, state: S | None, former: lammps | None = None) -> None:
         law = self.law
         self._check(packing)
         if self.friction:
             packing = with_spins(packing)
-        self._species, self._radii = packing.species, packing.radii
+        self._species, self._radii = packing.species, packing._species_radii
         self._check_walls(packing.walls, packing.box)
         if packing.walls:
             check_centers(packing.walls, packing.box, packing.positions)
             check_sticky_walls(packing, law)
         self._walls = packing.walls
-        self.lmp = particles_in_lammps(packing, law, self.comm, self.friction)
+        self.lmp = particles_in_lammps(packing, law, self.comm, self.friction, former)
         still = Motion(np.zeros_like(packing.positions))
-        go_on(self, state.motion.at(state.packing.walls, packing.walls) if state else still)
+        go_on(self, state.motion if state else still)
         self._setup = setup(self.lmp)
-        smallest = float(packing.radius.min())
+        smallest = float(packing.radii.min())
         self._smallest_radius, self._facet = smallest, smallest ** (packing.dimension - 1)
         self._measure(packing)
 
     def _check(self, packing: Packing) -> None:
         check_dimension(self.law, packing.dimension)
-        species_file(self.law, packing.radii)
+        species_file(self.law, packing._species_radii)
         if self.friction:
             check_friction(self.friction, packing, self.law)
 
@@ -347,7 +350,7 @@ class DropletSimulation(Deforming[DropletState]):
     _laws, _state = (Droplet,), DropletState
 
     def _measure(self, packing: Packing) -> None:
-        tension = self.law.species_parameters(packing.radii).tension
+        tension = self.law.species_parameters(packing._species_radii).tension
         self._stiffness = float(tension.max())
 
     def _approach(self, tolerance: float) -> Approach:
@@ -390,13 +393,13 @@ class DropletSimulation(Deforming[DropletState]):
 
     def _snapshot(self, forces: Forces, stalled: bool) -> DropletState:
         area, contacts, contact_area, pressure, load = np.ascontiguousarray(self._results.T)
-        packing = Packing(
-            positions=gather(self.lmp, "x", 3),
-            species=self._species,
-            radii=self._radii,
-            box=self.box,
-            particle_radii=self._particle_radii,
-            walls=self._walls,
+        packing = Packing._of_species(
+            gather(self.lmp, "x", 3),
+            self._species,
+            self._radii,
+            self.box,
+            self._particle_radii,
+            self._walls,
         )
         return DropletState(
             packing=packing,
@@ -418,6 +421,7 @@ class DropletSimulation(Deforming[DropletState]):
             time=self.time,
             strain=self.strain,
             unsaved=unsaved(self.lmp, self._setup),
+            images=images_of(self.lmp),
         )
 
 
@@ -454,10 +458,8 @@ class Simulation(OfLaw, Deforming[State]):
         law: contact law, `Ring` or `Sector`; of `Droplet` this is a `DropletSimulation`.
         comm: communicator that shares the work; all ranks if not given. With `MPI.COMM_SELF` every
             rank runs a simulation of its own, the fast way for many small packings.
-        walls: one shape or several, see `Packing`; those of the packing if not given. Centers must
-            be between them: `Packing.between` and `push_off` make such packings.
         friction: of the contacts, which then rub and damp, and turn the particles; these get radii
-            of their own (`Packing.particle_radii`). That of a state if not given; contacts of a
+            of their own in LAMMPS. That of a state if not given; contacts of a
             packing slip freely then.
 
     Attributes:
@@ -483,7 +485,7 @@ class Simulation(OfLaw, Deforming[State]):
     _laws, _state = (Ring, Sector), State
 
     def _measure(self, packing: Packing) -> None:
-        self._largest_radius = float(packing.radius.max())
+        self._largest_radius = float(packing.radii.max())
         stiffness = self.law.single_contact_stiffness(self._smallest_radius)
         self._single_contact_pressure = stiffness / STIFFNESS_PER_PRESSURE
         self._single_contact_force = stiffness * self._smallest_radius
@@ -544,7 +546,7 @@ class Simulation(OfLaw, Deforming[State]):
         refuse_without_area(area)
         positions = gather(self.lmp, "x", 3)[:, :2]
         rows = np.concatenate(self.comm.allgather(self._contact_rows))
-        packing = Packing(
+        packing = Packing._of_species(
             positions, self._species, self._radii, self.box, self._particle_radii, self._walls
         )
         table, rubbing = contacts_of(self.lmp, self.comm, rows, packing, self.friction)
@@ -557,7 +559,7 @@ class Simulation(OfLaw, Deforming[State]):
             particle_pressure=pressure,
             arc_radius=arc_radius,
             energy=float(self.lmp.extract_compute("deformable_energy", 0, 0)),
-            stress=stress(self.lmp, packing.area if packing.walls else None),
+            stress=stress(self.lmp, packing.volume if packing.walls else None),
             residual=forces.residual,
             stalled=stalled,
             beyond=round(self._told(BEYOND)),
@@ -568,8 +570,9 @@ class Simulation(OfLaw, Deforming[State]):
             root=self.comm.rank == 0,
             wall_forces=wall_forces(self.lmp, self._walls),
             films=attached(rows) if sticks(self.law, self._walls) else None,
-            lost_energy=self._told(LOST) + sum(rubbing.lost if rubbing else ()),
+            lost_energy=self._lost + self._told(LOST) + sum(rubbing.lost if rubbing else ()),
             friction=self.friction,
             rubbing=rubbing,
             unsaved=unsaved(self.lmp, self._setup),
+            images=images_of(self.lmp),
         )

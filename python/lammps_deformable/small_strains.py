@@ -48,13 +48,13 @@ def imbalance_under(strain: float) -> float:
 @contextmanager
 def balanced_to(sim: Deforming[Any], packing: Packing, tolerance: float | None) -> Iterator[None]:
     """Leave this imbalance to the contacts of a simulation meanwhile; None: the usual one."""
-    lmp, other = sim.lmp, tolerance not in (None, _USUAL)
+    begun, other = sim._begun, tolerance not in (None, _USUAL)
     if tolerance is not None and other:
         _balance(sim, packing, tolerance)
     try:
         yield
     finally:
-        if other and not sim.closed and sim.lmp is lmp:
+        if other and not sim.closed and sim._begun == begun:
             _balance(sim, packing, _USUAL)
 
 

@@ -24,7 +24,7 @@ from .relax import polygon_forces
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from .polygons import PolygonModel, Polygons
+    from .polygons import DeformablePolygon, Polygons
 
 Array = NDArray[np.float64]
 
@@ -58,7 +58,7 @@ class SmoothPolygons:
         box: lattice vectors as rows, shape (2, 2) [length].
     """
 
-    model: PolygonModel
+    model: DeformablePolygon
     polygons: Polygons
     species: NDArray[np.int64]
     box: Array

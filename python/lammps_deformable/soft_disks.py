@@ -19,7 +19,6 @@ import math
 import warnings
 from abc import abstractmethod
 from collections.abc import Callable
-from dataclasses import replace
 from itertools import combinations_with_replacement
 from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar
 
@@ -106,7 +105,7 @@ class SoftParticles(Engine, Generic[S]):
 
     def __init__(self, packing: Packing) -> None:
         start = separated(packing)
-        self._radii, self._radius = start.radii, start.radius
+        self._radii, self._radius = start._species_radii, start.radii
         self._follow(start.walls, start.box)
         self.lmp = open_disks(start)
         if self._walls:
@@ -193,7 +192,7 @@ class SoftParticles(Engine, Generic[S]):
             forces = self._evaluate_now()  # the scale of forces is in the contacts
         else:
             refuse_other(self.lmp, self._setup)
-            self._radius = self._packing().radius
+            self._radius = self._packing().radii
             forces = Forces(np.inf, minimum_contact_force, force_rounding(self.box, stiffness=1.0))
 
         def minimize(forces: Forces, left: int) -> int:
@@ -228,20 +227,20 @@ class SoftParticles(Engine, Generic[S]):
     def _evaluate_now(self) -> Forces:
         """The forces at the present positions."""
         refuse_other(self.lmp, self._setup)
-        self._radius = self._packing().radius  # for the walls
+        self._radius = self._packing().radii  # for the walls
         run(self.lmp, "run 0 post no")
         return self._evaluate()
 
     def _packing(self) -> Packing:
         """The packing that LAMMPS has."""
         by_particle = self.lmp.extract_setting("radius_flag")
-        return Packing(
-            positions=self._positions(),
-            species=gather(self.lmp, "type", 1).astype(np.int64) - 1,
-            radii=self._radii,
-            box=self.box,
-            particle_radii=gather(self.lmp, "radius", 1) if by_particle else None,
-            walls=self._walls,
+        return Packing._of_species(
+            self._positions(),
+            gather(self.lmp, "type", 1).astype(np.int64) - 1,
+            self._radii,
+            self.box,
+            gather(self.lmp, "radius", 1) if by_particle else None,
+            self._walls,
         )
 
     def _positions(self) -> NDArray[np.float64]:
@@ -297,21 +296,23 @@ def separated(packing: Packing) -> Packing:
     start = np.searchsorted(group[order], group[order])
     rank = np.empty(len(packing))
     rank[order] = np.arange(len(packing)) - start  # 0, 1, ... among the centers at each place
-    distance = _SEPARATION * float(packing.radius.min()) * np.sqrt(rank)
+    distance = _SEPARATION * float(packing.radii.min()) * np.sqrt(rank)
     spiral = distance[:, None] * unit_vectors(_GOLDEN * rank)
     if packing.dimension == 3:  # on a cone
         spiral = np.column_stack([spiral, distance])
-    return replace(packing, positions=packing.positions + spiral)
+    return packing.replace(positions=packing.positions + spiral)
 
 
 def open_disks(packing: Packing, comm: MPI.Comm = MPI.COMM_SELF) -> lammps:
     """A LAMMPS with soft disks or spheres, U = overlap^2/2 of each pair, ready for FIRE."""
-    smallest = float(packing.radius.min())
+    smallest = float(packing.radii.min())
     lmp = open_lammps(packing, comm)
-    by_species = packing.particle_radii is None
+    by_species = not packing._own_radii
     if by_species:
         run(lmp, "pair_style harmonic/cut")
-        for (i, a), (j, b) in combinations_with_replacement(enumerate(packing.radii, start=1), 2):
+        for (i, a), (j, b) in combinations_with_replacement(
+            enumerate(packing._species_radii, start=1), 2
+        ):
             run(lmp, f"pair_coeff {i} {j} 0.5 {float(a + b)!r}")  # LAMMPS' energy has no 1/2
     else:
         run(lmp, _GRAINS)
@@ -425,7 +426,7 @@ class Enthalpy:
 
     def __init__(self, packing: Packing, pressure: float | None) -> None:
         self._start, self._applied, self._keeps_box = packing, pressure or 0.0, pressure is None
-        self._radius, self._smallest = packing.radius, float(packing.radius.min())
+        self._radius, self._smallest = packing.radii, float(packing.radii.min())
         self._distances = Distances(packing.walls, packing.box) if packing.walls else None
         self._dimension, self._phi = packing.dimension, packing.phi
         self._room = free_room(packing.walls, packing.box)
@@ -455,7 +456,7 @@ class Enthalpy:
         x, scale = self._unpacked(z)
         box = self._start.box * scale
         walls = stretched(self._start.walls, self._start.box, box)
-        return replace(self._start, positions=x * scale, box=box, walls=walls)
+        return self._start.replace(positions=x * scale, box=box, walls=walls)
 
     def __call__(self, z: Floats) -> tuple[float, Floats]:
         """The enthalpy and its gradient."""
@@ -636,7 +637,7 @@ def _relax(
 ) -> RelaxedDisks:
     order = _rows(packing) if len(packing) >= HUGE else np.arange(len(packing))
     enthalpy = Enthalpy(_reordered(packing, order), applied)
-    smallest = float(packing.radius.min())
+    smallest = float(packing.radii.min())
     facet = smallest ** (packing.dimension - 1)  # about that of a contact
     rounding = force_rounding(packing.box, stiffness=1.0)
     last = math.inf
@@ -679,12 +680,10 @@ def _rows(packing: Packing) -> NDArray[np.int64]:
 
 
 def _reordered(packing: Packing, order: NDArray[np.int64]) -> Packing:
-    radii = packing.particle_radii
-    return replace(
-        packing,
+    return packing.replace(
         positions=packing.positions[order],
         species=packing.species[order],
-        particle_radii=None if radii is None else radii[order],
+        radii=packing.radii[order],
     )
 
 
@@ -708,9 +707,9 @@ def relax_on_ranks(
     Walls and disks with radii of their own have no energy in LAMMPS: each rank relaxes them by
     itself.
     """
-    if packing.walls or packing.particle_radii is not None:
+    if packing.walls or packing._own_radii:
         return relax_in_box(packing, tolerance, loose, report)
-    smallest = float(packing.radius.min())
+    smallest = float(packing.radii.min())
     facet = smallest ** (packing.dimension - 1)  # about that of a contact
     rounding = force_rounding(packing.box, stiffness=1.0)
     lmp = open_disks(packing, comm)
@@ -730,7 +729,7 @@ def relax_on_ranks(
         positions = gather(lmp, "x", 3)[:, : packing.dimension]
     finally:
         lmp.close()
-    return RelaxedDisks(replace(packing, positions=positions), pressure, residual, not relaxed)
+    return RelaxedDisks(packing.replace(positions=positions), pressure, residual, not relaxed)
 
 
 # Forces over those of contacts of a rigid start; rounding of phi.

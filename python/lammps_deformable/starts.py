@@ -46,7 +46,7 @@ def push_off(packing: Packing) -> Packing:
     expect("packing", packing, Packing)
     with soft(packing) as disks, warnings.catch_warnings():
         warnings.simplefilter("ignore", StalledWarning)  # with another text
-        facet = float(packing.radius.min()) ** (packing.dimension - 1)  # about that of a contact
+        facet = float(packing.radii.min()) ** (packing.dimension - 1)  # about that of a contact
         pushed = disks.relax(1e-3, _PUSHED_OFF * natural_pressure(packing, None) * facet)
     if pushed.stalled:
         warnings.warn(

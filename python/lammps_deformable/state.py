@@ -59,7 +59,7 @@ if TYPE_CHECKING:
     from .commands import Films
     from .drawing import Halves, Mark
     from .packing import Packing
-    from .polygons import PolygonModel, Polygons
+    from .polygons import DeformablePolygon, Polygons
 
 
 class Stressed:
@@ -138,6 +138,15 @@ class Saved(ABC):
     friction: Friction | None = None
     unsaved: str = ""
 
+    def __getattr__(self, name: str) -> Any:
+        """A field of a state that was read from a file, which has to be evaluated."""
+        evaluate = vars(self).get("_missing")
+        if evaluate is None or name not in type(self).__dataclass_fields__:  # type: ignore[attr-defined]
+            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+        del vars(self)["_missing"]
+        vars(self).update(vars(evaluate()) | vars(self))
+        return vars(self)[name]
+
     @abstractmethod
     def numbers(self) -> dict[str, Any]:
         """The state in numbers, by name."""
@@ -165,7 +174,7 @@ class Saved(ABC):
     @property
     def motion(self) -> Motion:
         """What goes on with a simulation from this state, beside the packing."""
-        return Motion(self.velocities, self.time, self.strain)
+        return Motion(self.velocities, self.time, self.strain, images=self.images)
 
     def step_limits(self) -> tuple[Packing, AnyLaw, float, float]:
         """The arguments of `longest_step` and `accurate_step`."""
@@ -237,7 +246,7 @@ class SoftState(SoftResponse, Stressed, ContactNetwork, Analysis):
 
     @property
     def phi(self) -> float:
-        """Packing fraction, sum pi R^2 / `packing.area`; overlaps count twice."""
+        """Packing fraction, sum pi R^2 / `packing.volume`; overlaps count twice."""
         return self.packing.phi
 
     @property
@@ -278,13 +287,13 @@ class DiskState(SoftState, PlaneAnalysis, Pictures):
     @property
     def filled_area(self) -> NDArray[np.float64]:
         """pi R^2 of each particle, shape (N,) [length^2]."""
-        return np.pi * self.packing.radius**2
+        return np.pi * self.packing.radii**2
 
     def particle_values(self) -> dict[str, NDArray[Any]]:
         """Values of the disks by the names of a trajectory, arrays of shape (N,)."""
         i, _ = self._contact_sides
         return {
-            "radius": self.packing.radius,
+            "radius": self.packing.radii,
             "area": self.filled_area,
             "pressure": self.particle_pressure,
             "contacts": np.bincount(i, minlength=len(self.packing)),
@@ -319,7 +328,7 @@ class State(
         arc_radius: smallest radius of curvature of the free outline, shape (N,) [length].
         energy: of the deformation of all particles [energy].
         stress: pressure tensor of the contacts, compression positive, shape (2, 2)
-            [energy/length^2]; motion adds N T / `packing.area` to its diagonal. With walls it is
+            [energy/length^2]; motion adds N T / `packing.volume` to its diagonal. With walls it is
             the derivative of the energy by a strain of particles and walls.
         residual: largest force on a particle over the mean contact force; 0 without contacts.
         stalled: the relaxation stopped before the tolerance.
@@ -347,6 +356,7 @@ class State(
             friction.
         unsaved: what acts on the contacts by commands to `lmp`, and is not saved: walls, excluded
             pairs; empty without.
+        images: how often each particle has left the box through each side, shape (N, 2).
     """
 
     _NAMES: ClassVar[tuple[str, ...]] = (
@@ -377,6 +387,7 @@ class State(
     friction: Friction | None = None
     rubbing: Rubbing | None = None
     unsaved: str = ""
+    images: NDArray[np.int64] = field(default_factory=lambda: np.zeros((0, 2), np.int64))
 
     def __post_init__(self) -> None:
         for array in (*vars(self).values(), *(self.rubbing or ())):
@@ -386,7 +397,7 @@ class State(
     @property
     def phi(self) -> float:
         """Packing fraction: deformed areas, skins included, over the area that walls leave free."""
-        return float(np.sum(self.filled_area) / self.packing.area)
+        return float(np.sum(self.filled_area) / self.packing.volume)
 
     @property
     def filled_area(self) -> NDArray[np.float64]:
@@ -396,7 +407,7 @@ class State(
     @property
     def area_deficit(self) -> NDArray[np.float64]:
         """S = A0 - A of each particle, shape (N,) [length^2]."""
-        return np.pi * (self.packing.radius - self._skin) ** 2 - self.area
+        return np.pi * (self.packing.radii - self._skin) ** 2 - self.area
 
     @property
     def shape_parameter(self) -> NDArray[np.float64]:
@@ -406,7 +417,7 @@ class State(
     @property
     def kinetic_energy(self) -> float:
         """Sum of v^2/2, as masses are 1; with friction also of R^2 w^2/4 for spins w [energy]."""
-        spins = 0.0 if self.rubbing is None else self.packing.radius * self.rubbing.spins
+        spins = 0.0 if self.rubbing is None else self.packing.radii * self.rubbing.spins
         return super().kinetic_energy + float(np.sum(spins**2) / 4.0)
 
     @property
@@ -422,7 +433,7 @@ class State(
     @property
     def _skin(self) -> NDArray[np.float64]:
         """Thickness of the rigid skin of each particle, shape (N,) [length]."""
-        return self.law.species_parameters(self.packing.radii).skin[self.packing.species]
+        return self.law.species_parameters(self.packing._species_radii).skin[self.packing.species]
 
     @property
     def _rubs(self) -> bool:
@@ -440,7 +451,8 @@ class State(
     def motion(self) -> Motion:
         """What goes on with a simulation from this state, beside the packing."""
         history = self.velocities, self.time, self.strain, self.films, self.directions
-        return Motion(*history, self.rubbing)
+        lost = self.lost_energy - sum(self.rubbing.lost if self.rubbing else ())
+        return Motion(*history, self.rubbing, self.images, lost)
 
     @cached_property
     def outlines(self) -> list[NDArray[np.float64]]:
@@ -461,7 +473,7 @@ class State(
     def _flats(self) -> list[list[NDArray[np.float64]]]:
         from .plot import flats_of
 
-        return flats_of(self.outlines, self.packing.radius, self.contact_tables)
+        return flats_of(self.outlines, self.packing.radii, self.contact_tables)
 
     def _halves(self) -> list[Halves]:
         return [(table["position"], table["force"]) for table in self.contact_tables]
@@ -491,7 +503,7 @@ class State(
     def particle_values(self) -> dict[str, NDArray[Any]]:
         """Values of the particles by their names in a trajectory, arrays of shape (N,)."""
         return {
-            "radius": self.packing.radius,
+            "radius": self.packing.radii,
             "area": self.area,
             "perimeter": self.perimeter,
             "pressure": self.particle_pressure,
@@ -516,7 +528,7 @@ _WAYS_OUT = {
     "hexatic_correlation": "take steinhardt",
     "filled_area": "take filled_volume",
     "area": "take filled_volume",
-    "outlines": "take packing.positions and packing.radius",
+    "outlines": "take packing.positions and packing.radii",
 }
 
 
@@ -527,6 +539,8 @@ class InSpace:
     """
 
     def __getattr__(self, name: str) -> Any:
+        if "_missing" in vars(self) and name in DropletState.__dataclass_fields__:
+            return Saved.__getattr__(self, name)  # type: ignore[arg-type]
         kind = type(self).__name__
         known = any(
             hasattr(each, name) or name in each.__dataclass_fields__ for each in (State, DiskState)
@@ -585,6 +599,7 @@ class DropletState(
             pairs; empty without.
         wall_forces: force of the droplets on each of `packing.walls`, shape (number of walls, 3)
             [energy/length].
+        images: how often each droplet has left the box through each side, shape (N, 3).
     """
 
     packing: Packing
@@ -606,6 +621,7 @@ class DropletState(
     strain: float | None = None
     unsaved: str = ""
     wall_forces: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 3)))
+    images: NDArray[np.int64] = field(default_factory=lambda: np.zeros((0, 3), np.int64))
 
     def __post_init__(self) -> None:
         for array in (value for value in vars(self).values() if isinstance(value, np.ndarray)):
@@ -619,7 +635,7 @@ class DropletState(
     @property
     def filled_volume(self) -> NDArray[np.float64]:
         """4 pi R^3/3 of each droplet, shape (N,) [length^3]."""
-        return 4.0 / 3.0 * np.pi * self.packing.radius**3
+        return 4.0 / 3.0 * np.pi * self.packing.radii**3
 
     def numbers(self) -> dict[str, Any]:
         """The state in numbers, by name; `strain` is None without shear."""
@@ -633,7 +649,7 @@ class DropletState(
     def particle_values(self) -> dict[str, NDArray[Any]]:
         """Values of the droplets by name, arrays of shape (N,)."""
         return {
-            "radius": self.packing.radius,
+            "radius": self.packing.radii,
             "surface_area": self.surface_area,
             "pressure": self.particle_pressure,
             "load": self.load,
@@ -650,11 +666,11 @@ class DropletState(
 
     def _facets(self) -> Facets:
         table = self.contact_table
-        height = self.packing.radius[table["i"]] - table["indentation"]
+        height = self.packing.radii[table["i"]] - table["indentation"]
         return Facets(table["i"], table["normal"], height)
 
     def _bodies(self) -> tuple[Shapes, NDArray[np.int64], dict[str, NDArray[Any]]]:
-        found = surfaces_of(self.packing.positions, self.packing.radius, self._facets())
+        found = surfaces_of(self.packing.positions, self.packing.radii, self._facets())
         shapes = Shapes(found.points, found.corners, found.ends, normals=found.normals)
         j, force = self.contact_table["j"], self.contact_table["force"]
         # of what is no facet, -1, both are 0
@@ -695,13 +711,13 @@ class SphereState(InSpace, SoftState, SpaceAnalysis, SpacePictures):
     @property
     def filled_volume(self) -> NDArray[np.float64]:
         """4 pi R^3/3 of each particle, shape (N,) [length^3]."""
-        return 4.0 / 3.0 * np.pi * self.packing.radius**3
+        return 4.0 / 3.0 * np.pi * self.packing.radii**3
 
     def particle_values(self) -> dict[str, NDArray[Any]]:
         """Values of the spheres by name, arrays of shape (N,)."""
         i, _ = self._contact_sides
         return {
-            "radius": self.packing.radius,
+            "radius": self.packing.radii,
             "volume": self.filled_volume,
             "pressure": self.particle_pressure,
             "contacts": np.bincount(i, minlength=len(self.packing)),
@@ -802,7 +818,7 @@ class PolygonState(Stressed):
     """
 
     packing: Packing
-    model: PolygonModel
+    model: DeformablePolygon
     polygons: Polygons
     outlines: list[NDArray[np.float64]]
     area: NDArray[np.float64]

@@ -42,7 +42,14 @@ from .commands import (
 )
 from .core import unit_vectors
 from .errors import FileError, ParameterError
-from .files import data_file, dump_frame, read_data_file, read_dump_frame, sphere_columns
+from .files import (
+    data_file,
+    dump_frame,
+    frame_texts,
+    read_data_file,
+    read_dump_frame,
+    sphere_columns,
+)
 from .friction import (
     Friction,
     Rubbing,
@@ -57,10 +64,10 @@ from .laws import ALL_LAWS, AnyLaw
 from .packing import Packing
 from .room import closed
 from .versions import versions
-from .walls import KINDS, Wall
+from .walls import SHAPES, Wall
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Callable, Iterator, Mapping, Sequence
 
 _COLUMN = "direction"
 
@@ -103,6 +110,8 @@ class Motion(NamedTuple):
         films: those that there are, see `films.py`; None if nothing sticks.
         directions: in which particles propel themselves, shape (N, 2); None if they do not.
         rubbing: spins, and what contacts that rub remember; None if they do not.
+        images: how often particles have left the box through each side, shape (N, d); None: never.
+        lost: energy that films have lost so far [energy].
     """
 
     velocities: NDArray[np.float64]
@@ -111,6 +120,8 @@ class Motion(NamedTuple):
     films: Films | None = None
     directions: NDArray[np.float64] | None = None
     rubbing: Rubbing | None = None
+    images: NDArray[np.int64] | None = None
+    lost: float = 0.0
 
     @property
     def moves(self) -> bool:
@@ -118,48 +129,37 @@ class Motion(NamedTuple):
         spins = self.rubbing is not None and self.rubbing.spins.any()
         return bool(self.velocities.any() or spins)
 
-    def at(self, former: tuple[Wall, ...], walls: tuple[Wall, ...]) -> Motion:
-        """The motion between walls in the place of former ones, whose numbers contacts know.
-
-        Films and springs of walls are left out if the kinds of the walls are others.
-        """
-        if [wall.kind for wall in walls] == [wall.kind for wall in former]:
-            return self
-        films, rubbing = self.films, self.rubbing
-        if films is not None:
-            films = films[films[:, 1] > 0]
-        if rubbing is not None:
-            rubbing = rubbing._replace(springs=rubbing.springs[rubbing.springs[:, 1] > 0])
-        return self._replace(films=films, rubbing=rubbing)
-
 
 def packing_file(packing: Packing, motion: Motion, frames: int | None) -> str:
     """A packing as a LAMMPS data file.
 
-    Its title has the time and the strain where these are not 0, and the number of recorded frames,
-    if given. Films, directions and springs of contacts are comments at its end.
+    Its title has time, strain and the energy lost by films where these are not 0, and the number of
+    recorded frames, if given. Films, directions and springs of contacts are comments at its end.
     """
     style = atom_style(packing)
     space = "two" if packing.dimension == 2 else "three"
     title = f"LAMMPS data file by lammps-deformable, units lj, atom_style {style}, "
     title += f"{space}-dimensional"
     columns: list[NDArray[Any]] = [packing.species + 1]
-    if packing.particle_radii is not None:
-        columns += sphere_columns(packing.particle_radii)
+    if packing._own_radii:
+        columns += sphere_columns(packing.radii)
     if motion.time:
         title += f", time {motion.time!r}"
     if motion.strain is not None:
         title += f", strain {motion.strain!r}"
+    if motion.lost:
+        title += f", lost {motion.lost!r}"
     text = data_file(
         title if frames is None else f"{title}, {frames} frames",
         style,
         packing.box,
-        len(packing.radii),
+        len(packing._species_radii),
         columns,
         packing.positions,
         origin=packing.origin.tolist(),
         velocities=motion.velocities if motion.moves else None,
         spins=motion.rubbing.spins if motion.rubbing else None,
+        images=motion.images,
     )
     memory = film_lines(motion.films) + rubbing_lines(motion.rubbing)
     return text + memory + direction_lines(motion.directions)
@@ -180,12 +180,12 @@ def packing_in(text: str, radii: list[float], dimension: int) -> Packing:
     if not np.array_equal(found.ids, np.arange(1, len(found.ids) + 1)):
         raise ValueError(f"atom IDs must be 1 to {len(found.ids)}")
     own = "diameter" in found.columns
-    return Packing(
-        positions=found.places(dimension),
-        species=found.species,
-        radii=np.array(radii),
-        box=found.lattice(dimension),
-        particle_radii=found.radius("diameter") if own else None,
+    return Packing._of_species(
+        found.places(dimension),
+        found.species,
+        radii,
+        found.lattice(dimension),
+        found.radius("diameter") if own else None,
     )
 
 
@@ -201,7 +201,9 @@ def motion_in(text: str, number: int, dimension: int) -> Motion:
         ValueError: velocities or directions are missing or damaged.
     """
     title, _, body = text.partition("\n")
-    time, strain = (re.search(rf", {name} ([^,]+)", title) for name in ("time", "strain"))
+    time, strain, lost = (
+        re.search(rf", {name} ([^,]+)", title) for name in ("time", "strain", "lost")
+    )
     velocities, spins = np.zeros((number, dimension)), np.zeros(number)
     _, _, section = body.partition("\nVelocities\n\n")
     rows = [row.split() for row in section.partition("\n\n")[0].splitlines()]
@@ -219,7 +221,19 @@ def motion_in(text: str, number: int, dimension: int) -> Motion:
         films_in(text),
         directions_in(text, number),
         rubbing_in(text, spins),
+        images_in(read_data_file(text).columns, dimension),
+        float(lost[1]) if lost else 0.0,
     )
+
+
+def images_in(
+    columns: Mapping[str, NDArray[np.float64]], dimension: int
+) -> NDArray[np.int64] | None:
+    """The image flags among the columns of a file, shape (N, d); None without."""
+    names = ("ix", "iy", "iz")[:dimension]
+    if not all(name in columns for name in names):
+        return None
+    return np.column_stack([columns[name] for name in names]).astype(np.int64)
 
 
 # Of the motion that the comments of a script propose [energy].
@@ -269,7 +283,9 @@ def script(
     """
     commands = law_commands(packing, law, SPECIES) + wall_commands(packing.walls)
     commands += film_commands(law, packing.walls, motion.films)
-    commands += friction_commands(friction, len(packing.radii)) + spring_commands(motion.rubbing)
+    commands += friction_commands(friction, len(packing._species_radii)) + spring_commands(
+        motion.rubbing
+    )
     commands += f"timestep {timestep!r}\n"
     setup = setup_commands(packing)
     velocity = "" if motion.moves else f"# velocity all create {TEMPERATURE!r} 12345\n"
@@ -342,13 +358,13 @@ def refuse(folder: str | Path, but: Kind | None = None, ways: tuple[str, ...] = 
     return folder
 
 
-def refuse_run(folder: str | Path, overwrite: bool, ways: tuple[str, ...] = ()) -> Path:
+def refuse_run(folder: str | Path, replaces: bool, ways: tuple[str, ...] = ()) -> Path:
     """Raise an error unless a folder is free for a new run.
 
     Args:
         folder: may be missing.
-        overwrite: replace a run in it.
-        ways: further ways out to name in the error if it holds one.
+        replaces: or goes on with a run in it.
+        ways: ways out to name in the error if it holds one.
 
     Returns:
         The folder.
@@ -356,11 +372,9 @@ def refuse_run(folder: str | Path, overwrite: bool, ways: tuple[str, ...] = ()) 
     Raises:
         FileError: as `refuse`, or it has a file of the name of one of a run.
     """
-    expect("overwrite", overwrite, bool)
-    ways = (*ways, "replace it with overwrite=True")
-    place = refuse(folder, "compression" if overwrite else None, ways)
+    place = refuse(folder, "compression" if replaces else None, ways)
     for name in (SUMMARY, SPECIES, SCRIPT, SETUPS):
-        refuse_present(place / name, overwrite)
+        refuse_present(place / name, replaces)
     return place
 
 
@@ -427,7 +441,8 @@ def keep(path: Path, count: int, boundary: str) -> None:
 def frames_in(folder: Path) -> int:
     """Number of recorded frames up to the saved state in a folder, in its title or its series."""
     if (folder / DATA).exists():
-        title = (folder / DATA).read_text(errors="replace").partition("\n")[0]
+        with (folder / DATA).open(errors="replace") as file:
+            title = file.readline().rstrip("\n")
         counted = re.search(r", (\d+) frames$", title)
         if counted:
             return int(counted[1])
@@ -482,14 +497,12 @@ def _frames_of_trajectory(path: Path) -> Iterator[str]:
 
 def clock_of(folder: Path) -> list[tuple[float, float | None]]:
     """Time and shear strain of each frame in the series; None without shear."""
-    rows = series_in(folder)
-    given = [(row.get("time") or 0.0, row.get("strain") or None) for row in rows]
-    return [(float(time), None if strain is None else float(strain)) for time, strain in given]
+    return [_clock(row) for row in series_in(folder)]
 
 
-def stalled_in(folder: Path) -> list[bool]:
-    """Whether the relaxation of each frame in the series had stalled."""
-    return [row.get("stalled") == str(True) for row in series_in(folder)]
+def _clock(row: Mapping[str, str]) -> tuple[float, float | None]:
+    strain = row.get("strain") or None
+    return float(row.get("time") or 0.0), None if strain is None else float(strain)
 
 
 def keep_frames(folder: Path, first: int) -> None:
@@ -560,13 +573,53 @@ def setups_in(folder: Path) -> list[dict[str, Any]]:
         return [setup | {"frame": int(setup["frame"])} for setup in setups]
 
 
-def texts_of(folder: Path) -> list[str]:
-    """The frames of the trajectory as text, each without its first line.
+class Frames:
+    """The recorded frames in a folder, of which one at a time is read.
 
-    Raises:
-        FileError: there is no trajectory.
+    Args:
+        folder: of the run.
     """
-    return recorded(folder, TRAJECTORY).read_text().split("ITEM: TIMESTEP\n")[1:]
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._kept: dict[str, tuple[object, Any]] = {}
+
+    def rows(self) -> list[dict[str, str]]:
+        """The rows of the series."""
+        return self._read(SERIES, rows_in)
+
+    def setup(self, number: int) -> dict[str, Any]:
+        """What a frame is made of besides its particles.
+
+        Raises:
+            LookupError: there is none.
+        """
+        return setup_of(self._read(SETUPS, lambda _: setups_in(self._folder)), number)
+
+    def text(self, number: int) -> str:
+        """A frame of the trajectory, without its first line.
+
+        Raises:
+            FileError: there is no trajectory.
+            LookupError: the frame is missing.
+        """
+        path = recorded(self._folder, TRAJECTORY)
+        places = self._read(TRAJECTORY, frame_texts)
+        if number >= len(places):
+            raise LookupError("it is missing")
+        with path.open("rb") as file:
+            file.seek(places[number].start)
+            found = file.read(places[number].stop - places[number].start)
+        return found.decode().partition("\n")[2]
+
+    def _read(self, name: str, read: Callable[[Path], Any]) -> Any:
+        """What there is to know of a file, found again where it has changed."""
+        path = self._folder / name
+        now = path.stat() if path.exists() else None
+        stamp = now and (now.st_mtime_ns, now.st_size, now.st_ino)
+        if name not in self._kept or self._kept[name][0] != stamp:
+            self._kept[name] = stamp, read(path)
+        return self._kept[name][1]
 
 
 def append_frame(
@@ -605,10 +658,10 @@ def read_frame(
     frame: str,
     radii: Sequence[float],
     saved: Mapping[str, Any],
-    clock: tuple[float, float | None],
+    row: Mapping[str, str],
     dimension: int,
-) -> tuple[Packing, Motion]:
-    """A packing and its motion from a frame as `record` writes it.
+) -> tuple[Packing, Motion, dict[str, NDArray[Any]]]:
+    """A packing, its motion, and the columns of a frame as a protocol writes it.
 
     Particles may have been added or deleted and their radii and species changed since. They have
     radii of their own where these are others than those of their species.
@@ -617,14 +670,14 @@ def read_frame(
         frame: its text, without the first line.
         radii: of the species.
         saved: its setup, with films and springs of contacts.
-        clock: time and strain.
+        row: of the series.
         dimension: 2, or 3 in space.
     """
     found = read_dump_frame(frame)
     values, species, largest = found.columns, found.species, np.array(radii)
     own = bool((values["radius"] != largest[species]).any())
     np.maximum.at(largest, species, values["radius"])
-    packing = Packing(
+    packing = Packing._of_species(
         found.places(dimension),
         species,
         largest,
@@ -634,7 +687,9 @@ def read_frame(
     velocities = np.column_stack([values[name] for name in ("vx", "vy", "vz")[:dimension]])
     films, directions = as_films(saved.get("films")), from_columns(values)
     rubbing = rubbing_from_json(saved, values)
-    return packing, Motion(velocities, *clock, films, directions, rubbing)
+    images = images_in(values, dimension)
+    motion = Motion(velocities, *_clock(row), films, directions, rubbing, images)
+    return packing, motion, dict(values)
 
 
 def save(
@@ -668,7 +723,7 @@ def save(
         "parameters": as_json("parameters", parameters or {}),
         "versions": versions(),
     }
-    write_whole(folder / SPECIES, species_file(law, packing.radii))
+    write_whole(folder / SPECIES, species_file(law, packing._species_radii))
     write_whole(folder / SCRIPT, script(packing, law, *timesteps, motion, friction))
     write_whole(folder / SUMMARY, json.dumps(summary, indent=2, allow_nan=False) + "\n")
     # last: it completes the state
@@ -689,8 +744,8 @@ def setup(packing: Packing, law: AnyLaw, friction: Friction | None) -> dict[str,
     settings = {name: value for name, value in asdict(law).items() if name != "contact"}
     return {
         "law": {"name": law.name} | as_json("law", settings),
-        "radii": packing.radii.tolist(),
-        "walls": [{"shape": wall.kind, **asdict(wall)} for wall in packing.walls],
+        "radii": packing._species_radii.tolist(),
+        "walls": [{"shape": type(wall).__name__, **asdict(wall)} for wall in packing.walls],
         **({} if friction is None else {"friction": as_json("friction", asdict(friction))}),
     }
 
@@ -748,9 +803,9 @@ def _friction(saved: Mapping[str, Any]) -> Friction:
 
 def _wall(shape: str, **values: Any) -> Wall:
     """A wall of the summary."""
-    if shape not in KINDS:
+    if shape not in SHAPES:
         raise ValueError(f"there is no wall {shape!r}")
-    return KINDS[shape](**values)
+    return SHAPES[shape](**values)
 
 
 def read(folder: Path) -> tuple[Packing, AnyLaw, Friction | None]:
@@ -764,7 +819,7 @@ def read(folder: Path) -> tuple[Packing, AnyLaw, Friction | None]:
         law, radii, walls, friction = read_setup(summary)
     with reading(folder / DATA):
         packing = packing_in(_text(folder / DATA, folder), radii, law.dimension)
-        return (replace(packing, walls=walls) if walls else packing), law, friction
+        return (packing.replace(walls=walls) if walls else packing), law, friction
 
 
 def read_motion(folder: Path, packing: Packing) -> Motion:

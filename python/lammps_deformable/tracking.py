@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ._checks import shown
+from ._checks import shown, whole
 from .box import cartesian, fractional, nearest_image
 from .errors import JumpWarning, ParameterError
 from .neighbors import pairs_within
@@ -19,7 +19,7 @@ from .packing import Packing
 from .room import closed
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Sequence
 
 Floats = NDArray[np.float64]
 
@@ -98,38 +98,27 @@ def displacements(before: Snapshot | Packing, now: Snapshot) -> Floats:
 
 
 def unwrapped(states: Iterable[Snapshot]) -> Floats:
-    """Positions of particles that are followed across the boundaries of the box.
-
-        positions = ld.unwrapped(ld.Run("run"))
-
-    Positions go on from those of the first state. From each state to the next particles move with
-    the box, and by at most half of it beside that, see `State.nonaffine`: a trajectory needs
-    enough states. Where some move by 0.4 of the box or more, others are likely to move by more than
-    half of it, and to be followed to a wrong image.
-
-    Args:
-        states: of the same particles, one after the other: a `Run`, or states of `compress`,
-            `shear`, `move`.
-
-    Returns:
-        Shape (number of states, N, d) [length].
-
-    Raises:
-        ParameterError: there are no states, or one has other numbers of particles.
-
-    Warns:
-        JumpWarning: a particle moves by 0.4 of the box or more from one state to the next; once.
-    """
+    """See `Run.unwrapped`."""
     found: list[Floats] = []
     former: Snapshot | None = None
     farthest, last = 0.0, 0
     for number, state in enumerate(states):
-        if former is None:
-            found.append(packing_of("a state", state).positions)
+        packing = packing_of("a state", state)
+        if found and len(packing) != len(found[0]):
+            raise ParameterError(
+                f"the first state has {len(found[0])} particles and state {number} {len(packing)}: "
+                "particles can only be followed between states with the same ones"
+            )
+        images = getattr(state, "images", None)
+        if images is not None:
+            found.append(packing.positions + cartesian(images, packing.box))
+        elif former is None:
+            found.append(packing.positions)
         else:
+            # states of soft disks: from one to the next the nearest images
             moved = nonaffine(former, state)
             found.append(affine(former, state, found[-1]) + moved)
-            if (far := _part_of_box(moved, state.packing)) > farthest:
+            if (far := _part_of_box(moved, packing)) > farthest:
                 farthest, last = far, number
         former = state
     if farthest >= _FAR:
@@ -138,11 +127,35 @@ def unwrapped(states: Iterable[Snapshot]) -> Floats:
             "and one that moves by more than half of it is followed to a wrong image: take states "
             "nearer to each other",
             JumpWarning,
-            stacklevel=2,
+            stacklevel=3,
         )
     if not found:
         raise ParameterError("unwrapped positions need at least one state")
     return np.array(found)
+
+
+def mean_squared_displacement(
+    run: Sequence[Any], lags: Sequence[int] | None
+) -> tuple[Floats, Floats]:
+    """See `Run.msd`."""
+    places, number = unwrapped(run), len(run)
+    chosen = range(number // 2 + 1) if lags is None else [whole("a lag", lag) for lag in lags]
+    for lag in chosen:
+        if not 0 <= lag < number:
+            raise ParameterError(
+                f"lags must lie between 0 and {number - 1} in a run of {number} states, not {lag}"
+            )
+    times = np.array([float(getattr(state, "time", 0.0)) for state in run])
+    steps = np.diff(times)
+    if len(steps) and not np.allclose(steps, steps[0], rtol=1e-6, atol=0.0):
+        raise ParameterError(
+            "states are not equally far apart in time: take the part of the run where they are"
+        )
+    step = float(steps.mean()) if len(steps) and steps[0] else 1.0
+    squares = [
+        np.mean(np.sum((places[lag:] - places[: number - lag]) ** 2, axis=2)) for lag in chosen
+    ]
+    return step * np.array(chosen, dtype=np.float64), np.array(squares)
 
 
 def _part_of_box(moved: Floats, packing: Packing) -> float:
@@ -204,4 +217,4 @@ def local_strain(before: Snapshot | Packing, now: Snapshot, r_max: float) -> Loc
 
 def usual_distance(packing: Packing) -> float:
     """Distance up to which particles are neighbors, 3 times the mean radius [length]."""
-    return 3.0 * float(packing.radius.mean())
+    return 3.0 * float(packing.radii.mean())

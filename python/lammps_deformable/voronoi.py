@@ -51,7 +51,7 @@ def cells_of(packing: Packing) -> Cells:
     Not by freud, whose cells know no radii and no walls, and whose Voro++ crashes beside that of
     LAMMPS in one process.
     """
-    radius = packing.radius
+    radius = packing.radii
     spacing = float(np.sqrt(np.prod(packing.box.diagonal()) / len(packing)))
     reach = FIRST * max(2.0 * float(radius.max()), spacing)
     while True:
@@ -78,7 +78,7 @@ def _sides_within(packing: Packing, reach: float) -> tuple[Integers, Floats, Flo
         corners as vectors from the particle, shape (M, 2, 2) [length]. A cell without an end has
         sides of nan. At walls cells go on to a box around the room.
     """
-    radius = packing.radius
+    radius = packing.radii
     i, j, shift = pairs_within(packing, reach)
     vector = packing.positions[j] + shift - packing.positions[i]
     i, j, vector = np.concatenate([i, j]), np.concatenate([j, i]), np.concatenate([vector, -vector])
@@ -170,7 +170,7 @@ def space_cells_of(packing: Packing) -> Cells:
             f"Voronoi cells in space end at planes only, and wall {n} is a {kind}: take a room "
             "between planes for local_phi, cell_sides and steinhardt"
         )
-    radius = packing.radius
+    radius = packing.radii
     spacing = (packing.volume / len(packing)) ** (1.0 / 3.0)
     reach = FIRST * max(2.0 * float(radius.max()), spacing)
     while True:
@@ -189,7 +189,7 @@ def _within(packing: Packing, reach: float, ends: Sequence[HalfSpace]) -> tuple[
     """
     from scipy.spatial import ConvexHull
 
-    radius = packing.radius
+    radius = packing.radii
     i, j, shift = pairs_within(packing, reach)
     vector = packing.positions[j] + shift - packing.positions[i]
     i, j, vector = np.concatenate([i, j]), np.concatenate([j, i]), np.concatenate([vector, -vector])

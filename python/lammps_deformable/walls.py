@@ -1,33 +1,25 @@
-"""What walls in the plane and in space have in common; planes, which are in both.
+"""Walls of a packing, in the plane and in space: containers (`inside`) and obstacles.
 
-Walls in the plane beside `Plane`: a container (circle), obstacles (disk, segment, polygon).
-
-Containers and obstacles have the names and the numbers of `fix deformable/wall`.
-
-Walls in space beside `Plane`: round containers (sphere, cylinder, cone), obstacles (ball, post).
-
-Containers and obstacles have the names of `fix deformable/wall`. Droplets do not stick to them.
-
-Walls: containers (planes, and round ones) and obstacles, in the plane and in space.
+A container keeps particles on its inner side, an obstacle keeps them out. `as_walls` makes the
+walls of a packing of what a user gives, `room.py` has the room that they leave, `commands.py`
+writes them for *fix deformable/wall*, whose words are `kind` and `values`.
 """
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar, TypeVar, Union
+from collections.abc import Iterable
+from dataclasses import KW_ONLY, dataclass, field, replace
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._checks import finite, numbers, positive, shown
+from ._checks import as_call, expect, number_or_nan, numbers, positive, shown
 from .box import lengths
 from .errors import ParameterError
 from .laws import wall_adhesion
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
 
 Floats = NDArray[np.float64]
 Point = tuple[float, ...]
@@ -35,19 +27,68 @@ Point = tuple[float, ...]
 # The points n x <= offset, by n and the offset.
 HalfSpace = tuple[Floats, float]
 
-R = TypeVar("R", bound="Round")
+# Parts of a direction: rounding.
+_ROUNDING = 1e-12
 
 
-class Shape(ABC):
-    """A wall. What it adds to a LAMMPS command are its `kind` and its `values`."""
+@dataclass(frozen=True, repr=False)
+class Wall(ABC):
+    """A wall.
 
-    kind: ClassVar[str]
-    is_obstacle: ClassVar[bool] = False
+    Attributes:
+        adhesion: energy that a particle gains for each unit of length of its film with the wall
+            [energy/length], see `Ring`; in the plane only.
+    """
+
+    inside: ClassVar[bool]  # whether it is a container
+
+    adhesion: float = field(default=0.0, kw_only=True)
+
+    def __post_init__(self) -> None:
+        """Check the attributes."""
+        name = type(self).__name__
+        object.__setattr__(self, "adhesion", wall_adhesion(name, self.adhesion))
+        expect(f"inside of a {name}", self.inside, bool)
+        if self.dimension == 3 and self.adhesion:
+            raise ParameterError(
+                f"adhesion of a {name} is for the plane: droplets in space do not stick, leave it "
+                "out"
+            )
+
+    def __repr__(self) -> str:
+        return as_call(self)
+
+    @property
+    def parts(self) -> tuple[Wall, ...]:
+        """The walls that stand for it in a packing: itself, or its sides."""
+        return (self,)
+
+    def placed(self, dimension: int) -> Wall:
+        """The wall in a packing of this dimension, which a sphere around 0 does not know."""
+        return self
 
     @property
     @abstractmethod
     def dimension(self) -> int:
-        """2, or 3 in space."""
+        """2, 3 in space, 0 if it is not known yet."""
+
+    @property
+    @abstractmethod
+    def kind(self) -> str:
+        """LAMMPS' word."""
+
+    @property
+    @abstractmethod
+    def values(self) -> tuple[float, ...]:
+        """The numbers after LAMMPS' word."""
+
+    @abstractmethod
+    def add_to(self, scene: Any) -> None:
+        """Add it to a scene of `ld.core`."""
+
+    @abstractmethod
+    def stretched(self, *factors: float) -> Wall:
+        """The wall after each coordinate is multiplied by its factor; equal ones where round."""
 
     def half_spaces(self, around: float = 1.0) -> list[HalfSpace]:
         """Those that have a container in common; of a round one a square or cube around it.
@@ -62,100 +103,140 @@ class Shape(ABC):
         """The axes along which a round wall is stretched by one factor."""
         return ()
 
+    @property
+    def middle(self) -> Floats:
+        """The center of an obstacle, shape (d,) [length]."""
+        raise NotImplementedError
 
-@dataclass(frozen=True)
-class Plane(Shape):
+    @property
+    def extent(self) -> float:
+        """Radius of a circle or sphere around an obstacle, about the middle [length]."""
+        raise NotImplementedError
+
+    def _set_point(self, name: str, dimension: int) -> None:
+        """Check an attribute that is a point; 0 is the origin."""
+        given = getattr(self, name)
+        point = numbers(f"{name} of a {type(self).__name__}", given)
+        if point.shape == () and point == 0.0:
+            point = np.zeros(dimension)
+        if point.shape != (dimension,):
+            axes = ", ".join("xyz"[:dimension])
+            raise ParameterError(
+                f"{name} of a {type(self).__name__} must be a point ({axes}), not {shown(given)}"
+            )
+        object.__setattr__(self, name, tuple(point.tolist()))
+
+    def _set_radius(self) -> None:
+        radius = positive(f"radius of a {type(self).__name__}", getattr(self, "radius"))  # noqa: B009
+        object.__setattr__(self, "radius", radius)
+
+
+@dataclass(frozen=True, repr=False)
+class Plane(Wall):
     """A flat wall without ends, in the plane a straight one; particles are on one side of it.
 
     Attributes:
-        point: any point of the wall (x, y), in space (x, y, z) [length].
+        origin: any point of the wall (x, y), in space (x, y, z) [length]; 0 is the origin.
         normal: direction from the wall to the particles (x, y) or (x, y, z), of any length.
-        adhesion: energy that a particle gains for each unit of length of its film with the wall
-            [energy/length], see `Ring`.
 
     Raises:
         ParameterError: a value is not finite, or the normal is 0, or there is an adhesion in space.
     """
 
+    inside: ClassVar[bool] = True
     kind: ClassVar[str] = "plane"
 
-    point: Point
+    origin: Point
     normal: Point
-    adhesion: float = 0.0
 
     def __post_init__(self) -> None:
-        set_adhesion(self)
-        given = [numbers(f"{name} of a plane", getattr(self, name)) for name in _OF_A_PLANE]
-        if [each.shape for each in given] not in ([(2,)] * 2, [(3,)] * 2):
-            wrong = 0 if given[0].shape not in ((2,), (3,)) or given[1].shape == (2,) else 1
+        normal = numbers("normal of a Plane", self.normal)
+        if normal.shape not in ((2,), (3,)) or not normal.any():
             raise ParameterError(
-                f"{_OF_A_PLANE[wrong]} of a plane must be a point (x, y), in space (x, y, z) and "
-                f"the {_OF_A_PLANE[1 - wrong]} too, not {shown(getattr(self, _OF_A_PLANE[wrong]))}"
+                "normal of a Plane must be a direction (x, y), or (x, y, z) in space, not "
+                f"{shown(self.normal)}"
             )
-        for name, each in zip(_OF_A_PLANE, given, strict=True):
-            object.__setattr__(self, name, tuple(each.tolist()))
-        if not any(self.normal):
-            raise ParameterError(f"normal of a plane must have a direction, not {self.normal}")
-        if self.dimension == 3 and self.adhesion:
-            raise ParameterError(
-                "adhesion of a plane is for the plane: droplets in space do not stick, leave it out"
-            )
+        object.__setattr__(self, "normal", tuple(normal.tolist()))
+        self._set_point("origin", self.dimension)
+        super().__post_init__()
 
     @property
     def dimension(self) -> int:
         """2, or 3 in space."""
-        return len(self.point)
+        return len(self.normal)
 
     @property
     def values(self) -> tuple[float, ...]:
-        """The numbers of LAMMPS' word."""
-        return (*self.point, *self.normal)
+        """The numbers after LAMMPS' word."""
+        return (*self.origin, *self.normal)
 
     def half_spaces(self, around: float = 1.0) -> list[HalfSpace]:
         """The points on the side of the particles."""
         out = -np.array(self.normal) / lengths(np.array(self.normal))
-        return [(out, float(out @ self.point))]
+        return [(out, float(out @ self.origin))]
 
     def add_to(self, scene: Any) -> None:
         """Add it to a scene of `ld.core`."""
         scene.add_plane(*self.values)
 
     def stretched(self, *factors: float) -> Plane:
-        """The plane after the coordinates are multiplied by one factor each."""
-        others = (_product(factors[:k] + factors[k + 1 :]) for k in range(len(factors)))
-        return replace(
-            self, point=scaled(self.point, factors), normal=scaled(self.normal, tuple(others))
-        )
+        """The plane after each coordinate is multiplied by its factor."""
+        others = (math.prod(factors[:k] + factors[k + 1 :]) for k in range(len(factors)))
+        normal = _scaled(self.normal, tuple(others))
+        return replace(self, origin=_scaled(self.origin, factors), normal=normal)
 
 
-_OF_A_PLANE = ("point", "normal")
+@dataclass(frozen=True, repr=False)
+class Sphere(Wall):
+    """A round wall: a sphere in space, a circle in the plane.
 
+    Attributes:
+        radius: [length].
+        origin: its center, (x, y) or (x, y, z) [length].
+        inside: particles are inside; otherwise it is an obstacle.
 
-@dataclass(frozen=True)
-class Round(Shape):
-    """A wall around a center."""
+    Raises:
+        ParameterError: a value is not finite, or the radius is not positive, or there is an
+            adhesion in space.
+    """
 
-    center: Point
     radius: float
+    origin: Point | float = 0.0
+    _: KW_ONLY
+    inside: bool = True  # type: ignore[misc]
 
-    def _check(self, dimension: int) -> None:
-        set_points(self, dimension, "center")
-        object.__setattr__(self, "radius", positive(f"radius of a {self.kind}", self.radius))
+    def __post_init__(self) -> None:
+        self._set_radius()
+        if (shape := np.shape(self.origin)) == () and number_or_nan(self.origin) == 0.0:
+            object.__setattr__(self, "origin", 0.0)
+        else:
+            self._set_point("origin", 3 if shape == (3,) else 2)
+        super().__post_init__()
+
+    def placed(self, dimension: int) -> Sphere:
+        """The wall in a packing of this dimension."""
+        return self if self.dimension else replace(self, origin=(0.0,) * dimension)
 
     @property
     def dimension(self) -> int:
-        """2, or 3 in space."""
-        return len(self.center)
+        """2, 3 in space, 0 if it is around 0."""
+        return np.size(self.origin) if np.ndim(self.origin) else 0
+
+    @property
+    def kind(self) -> str:
+        """LAMMPS' word."""
+        names = ("disk", "circle") if self.dimension == 2 else ("ball", "sphere")
+        return names[self.inside]
 
     @property
     def values(self) -> tuple[float, ...]:
-        """The numbers of LAMMPS' word."""
-        return (*self.center, self.radius)
+        """The numbers after LAMMPS' word."""
+        return (*self.middle.tolist(), self.radius)
 
     @property
     def middle(self) -> Floats:
         """Its center, shape (d,) [length]."""
-        return np.array(self.center)
+        return np.array(self.origin)
 
     @property
     def extent(self) -> float:
@@ -164,303 +245,58 @@ class Round(Shape):
 
     def half_spaces(self, around: float = 1.0) -> list[HalfSpace]:
         """A square, or cube, around a container."""
-        if self.is_obstacle:
+        if not self.inside:
             return []
-        units, size = np.eye(self.dimension), around * self.radius
-        return [(n, float(n @ self.center) + size) for n in (*units, *-units)]
+        return _square(self.middle, around * self.radius, range(self.dimension))
 
     def add_to(self, scene: Any) -> None:
         """Add it to a scene of `ld.core`."""
-        scene.add_round(*self.values, not self.is_obstacle)
+        scene.add_round(*self.values, self.inside)
 
     @property
     def round_axes(self) -> tuple[int, ...]:
         """All axes."""
         return tuple(range(self.dimension))
 
-    def stretched(self: R, *factors: float) -> R:
+    def stretched(self, *factors: float) -> Sphere:
         """The wall after all coordinates are multiplied by these equal factors."""
-        return replace(self, center=scaled(self.center, factors), radius=self.radius * factors[0])
+        origin = _scaled(tuple(self.middle.tolist()), factors)
+        return replace(self, origin=origin, radius=self.radius * factors[0])
 
 
-def sides_of(corner: Point, lengths: Point, adhesion: float = 0.0) -> tuple[Plane, ...]:
-    """Planes around a rectangle or cuboid: both sides along x, then along y, and z."""
-    found = []
-    for axis, length in enumerate(lengths):
-        for sign, shift in ((1.0, 0.0), (-1.0, length)):
-            point = tuple(x + shift * (k == axis) for k, x in enumerate(corner))
-            normal = tuple(sign * (k == axis) for k in range(len(corner)))
-            found.append(Plane(point, normal, adhesion))
-    return tuple(found)
-
-
-def point_of(name: str, given: ArrayLike, dimension: int) -> Point:
-    """A point as a tuple."""
-    point = numbers(name, given)
-    if point.shape != (dimension,):
-        axes = ", ".join("xyz"[:dimension])
-        raise ParameterError(f"{name} must be a point ({axes}), not {shown(given)}")
-    return tuple(point.tolist())
-
-
-def set_points(shape: Shape, dimension: int, *names: str) -> None:
-    """Check attributes of a shape that are points."""
-    for name in names:
-        point = point_of(f"{name} of a {shape.kind}", getattr(shape, name), dimension)
-        object.__setattr__(shape, name, point)
-
-
-def set_adhesion(shape: Any) -> None:
-    """Check the adhesion of a shape."""
-    object.__setattr__(shape, "adhesion", wall_adhesion(shape.kind, shape.adhesion))
-
-
-def scaled(point: Point, factors: Point) -> Point:
-    """A point with its coordinates multiplied by one factor each."""
-    return tuple(x * factor for x, factor in zip(point, factors, strict=True))
-
-
-def _product(factors: Point) -> float:
-    product = 1.0
-    for factor in factors:
-        product *= factor
-    return product
-
-
-@dataclass(frozen=True)
-class _Round(Round):
-    adhesion: float = 0.0
-
-    def __post_init__(self) -> None:
-        set_adhesion(self)
-        self._check(2)
-
-
-@dataclass(frozen=True)
-class Circle(_Round):
-    """A round container: particles are inside.
+@dataclass(frozen=True, repr=False)
+class Cylinder(Wall):
+    """A tube without ends in space. Planes may close it, or it goes on with the box.
 
     Attributes:
-        center: (x, y) [length].
         radius: [length].
-        adhesion: energy that a particle gains for each unit of length of its film with the wall
-            [energy/length], see `Ring`.
+        axis: `x`, `y` or `z`, or (0, 0, 1) and so on: a direction along an axis of the coordinates.
+        origin: any point of its own axis (x, y, z) [length].
+        inside: particles are inside; otherwise it is a post, an obstacle.
 
     Raises:
-        ParameterError: a value is not finite, or the radius is not positive.
+        ParameterError: a value is not finite, the radius is not positive, or the axis another one.
     """
 
-    kind: ClassVar[str] = "circle"
+    dimension: ClassVar[int] = 3
 
-
-@dataclass(frozen=True)
-class Disk(_Round):
-    """A round obstacle: particles are outside.
-
-    Attributes:
-        center: (x, y) [length].
-        radius: [length].
-        adhesion: energy that a particle gains for each unit of length of its film with the wall
-            [energy/length], see `Ring`.
-
-    Raises:
-        ParameterError: a value is not finite, or the radius is not positive.
-    """
-
-    kind: ClassVar[str] = "disk"
-    is_obstacle: ClassVar[bool] = True
-
-
-class _Cornered(Shape):
-    """An obstacle that is given by its corners."""
-
-    is_obstacle: ClassVar[bool] = True
-    corners: tuple[Point, ...]
-
-    @property
-    def dimension(self) -> int:
-        """2."""
-        return 2
-
-    def add_to(self, scene: Any) -> None:
-        """Add it to a scene of `ld.core`."""
-        scene.add_polygon(*np.transpose(self.corners))
-
-    @property
-    def middle(self) -> NDArray[np.float64]:
-        """Mean of the corners, shape (2,) [length]."""
-        middle: NDArray[np.float64] = np.mean(self.corners, axis=0)
-        return middle
-
-    @property
-    def extent(self) -> float:
-        """Radius of a circle around it, about the middle [length]."""
-        return float(np.linalg.norm(self.corners - self.middle, axis=1).max())
-
-    def _check(self) -> None:
-        """Refuse corners that do not make a convex shape."""
-        from . import core
-
-        try:
-            core.polygon_planes(*np.transpose(self.corners))
-        except ValueError as error:
-            raise ParameterError(f"a {self.kind} {error}, not {shown(self.corners)}") from None
-
-
-@dataclass(frozen=True)
-class Segment(_Cornered):
-    """A straight obstacle with two ends, which particles touch from both sides.
-
-    Attributes:
-        start: one end (x, y) [length].
-        end: the other one.
-        adhesion: energy that a particle gains for each unit of length of its film with the wall
-            [energy/length], see `Ring`.
-
-    Raises:
-        ParameterError: a value is not finite, or both ends are the same point.
-    """
-
-    kind: ClassVar[str] = "segment"
-
-    start: Point
-    end: Point
-    adhesion: float = 0.0
+    radius: float
+    axis: str | Point
+    origin: Point | float = 0.0
+    _: KW_ONLY
+    inside: bool = True  # type: ignore[misc]
 
     def __post_init__(self) -> None:
-        set_adhesion(self)
-        set_points(self, 2, "start", "end")
-        self._check()
+        self._set_radius()
+        self._set_point("origin", 3)
+        along = np.flatnonzero(_axis_of("Cylinder", self.axis, "xyz"))
+        object.__setattr__(self, "axis", "xyz"[int(along[0])])
+        super().__post_init__()
 
     @property
-    def corners(self) -> tuple[Point, ...]:  # type: ignore[override]
-        """Both ends."""
-        return self.start, self.end
-
-    @property
-    def values(self) -> tuple[float, ...]:
-        """The numbers of LAMMPS' word."""
-        return (*self.start, *self.end)
-
-    def stretched(self, *factors: float) -> Segment:
-        """The segment after the coordinates are multiplied by one factor each."""
-        return replace(self, start=scaled(self.start, factors), end=scaled(self.end, factors))
-
-
-@dataclass(frozen=True)
-class Polygon(_Cornered):
-    """A convex obstacle.
-
-    Attributes:
-        corners: in the order around it, in either direction, shape (n, 2), n >= 3 [length].
-        adhesion: energy that a particle gains for each unit of length of its film with the wall
-            [energy/length], see `Ring`.
-
-    Raises:
-        ParameterError: a value is not finite, there are too few corners, or it is not convex.
-    """
-
-    kind: ClassVar[str] = "polygon"
-
-    corners: tuple[Point, ...]
-    adhesion: float = 0.0
-
-    def __post_init__(self) -> None:
-        set_adhesion(self)
-        given = numbers("corners of a polygon", self.corners)
-        if given.ndim != 2 or given.shape[1] != 2 or len(given) < 3:
-            raise ParameterError(
-                "corners of a polygon must be three or more points (x, y), not "
-                f"{shown(self.corners)}"
-            )
-        object.__setattr__(self, "corners", tuple((x, y) for x, y in given.tolist()))
-        self._check()
-
-    @property
-    def values(self) -> tuple[float, ...]:
-        """The numbers of LAMMPS' word, after the number of corners."""
-        return tuple(value for corner in self.corners for value in corner)
-
-    def stretched(self, *factors: float) -> Polygon:
-        """The polygon after the coordinates are multiplied by one factor each."""
-        return replace(self, corners=tuple(scaled(corner, factors) for corner in self.corners))
-
-
-def rectangle(
-    width: float, height: float, corner: ArrayLike = (0.0, 0.0), adhesion: float = 0.0
-) -> tuple[Plane, Plane, Plane, Plane]:
-    """Four planes around particles: left, right, lower and upper side of a rectangular container.
-
-        Simulation(packing, law, walls=[*rectangle(20, 10), Disk((5, 5), 1)])
-
-    Args:
-        width: along x [length].
-        height: along y [length].
-        corner: the lower left one (x, y) [length].
-        adhesion: of all four [energy/length].
-
-    Raises:
-        ParameterError: a length is not positive, the corner is no point, or the adhesion negative.
-    """
-    lengths = positive("width", width), positive("height", height)
-    left, right, low, high = sides_of(point_of("corner", corner, 2), lengths, adhesion)
-    return left, right, low, high
-
-
-S = TypeVar("S", bound="_Straight")
-
-
-@dataclass(frozen=True)
-class Sphere(Round):
-    """A round container in space: particles are inside.
-
-    Attributes:
-        center: (x, y, z) [length].
-        radius: [length].
-
-    Raises:
-        ParameterError: a value is not finite, or the radius is not positive.
-    """
-
-    kind: ClassVar[str] = "sphere"
-    adhesion: ClassVar[float] = 0.0
-
-    def __post_init__(self) -> None:
-        self._check(3)
-
-
-@dataclass(frozen=True)
-class Ball(Round):
-    """A round obstacle in space: particles are outside.
-
-    Attributes:
-        center: (x, y, z) [length].
-        radius: [length].
-
-    Raises:
-        ParameterError: a value is not finite, or the radius is not positive.
-    """
-
-    kind: ClassVar[str] = "ball"
-    is_obstacle: ClassVar[bool] = True
-    adhesion: ClassVar[float] = 0.0
-
-    def __post_init__(self) -> None:
-        self._check(3)
-
-
-@dataclass(frozen=True)
-class _Straight(Round):
-    """A round wall without ends along one of the axes of the box."""
-
-    adhesion: ClassVar[float] = 0.0
-
-    axis: str = "z"
-
-    def __post_init__(self) -> None:
-        self._check(3)
-        if not isinstance(self.axis, str) or self.axis not in ("x", "y", "z"):
-            raise ParameterError(f"axis of a {self.kind} must be x, y or z, not {shown(self.axis)}")
+    def kind(self) -> str:
+        """LAMMPS' word."""
+        return "cylinder" if self.inside else "post"
 
     @property
     def direction(self) -> Point:
@@ -469,99 +305,103 @@ class _Straight(Round):
 
     @property
     def values(self) -> tuple[float, ...]:
-        """The numbers of LAMMPS' word."""
-        return (*self.center, *self.direction, self.radius)
+        """The numbers after LAMMPS' word."""
+        return (*self.middle.tolist(), *self.direction, self.radius)
+
+    @property
+    def middle(self) -> Floats:
+        """A point of its axis, shape (3,) [length]."""
+        return np.array(self.origin)
+
+    @property
+    def extent(self) -> float:
+        """Its radius [length]."""
+        return self.radius
 
     def half_spaces(self, around: float = 1.0) -> list[HalfSpace]:
         """Four planes around a container."""
-        along = "xyz".index(self.axis)
-        return [(n, offset) for n, offset in super().half_spaces(around) if not n[along]]
+        return _square(self.middle, around * self.radius, self.round_axes) if self.inside else []
 
     def add_to(self, scene: Any) -> None:
         """Add it to a scene of `ld.core`."""
-        scene.add_cone(*self.values, 0.0, not self.is_obstacle)
+        scene.add_cone(*self.values, 0.0, self.inside)
 
     @property
     def round_axes(self) -> tuple[int, ...]:
         """The axes across its own."""
         return tuple(k for k, axis in enumerate("xyz") if axis != self.axis)
 
-    def stretched(self: S, *factors: float) -> S:
+    def stretched(self, *factors: float) -> Cylinder:
         """The wall after the coordinates are multiplied by these factors, equal across it."""
         radius = self.radius * factors[self.round_axes[0]]
-        return replace(self, center=scaled(self.center, factors), radius=radius)
+        return replace(self, origin=_scaled(tuple(self.middle.tolist()), factors), radius=radius)
 
 
-@dataclass(frozen=True)
-class Cylinder(_Straight):
-    """A tube without ends: particles are inside. Planes may close it, or it goes on with the box.
-
-    Attributes:
-        center: any point of its axis (x, y, z) [length].
-        radius: [length].
-        axis: `x`, `y` or `z`, along which it goes.
-
-    Raises:
-        ParameterError: a value is not finite, the radius is not positive, or the axis another one.
-    """
-
-    kind: ClassVar[str] = "cylinder"
-
-
-@dataclass(frozen=True)
-class Post(_Straight):
-    """A round obstacle without ends: particles are outside.
+@dataclass(frozen=True, repr=False)
+class Cone(Wall):
+    """A funnel that stands along z, without end: particles are inside. Planes close it.
 
     Attributes:
-        center: any point of its axis (x, y, z) [length].
-        radius: [length].
-        axis: `x`, `y` or `z`, along which it goes.
+        tip: (x, y, z) [length]; 0 is the origin.
+        axis: from the tip to the particles: `z` or (0, 0, 1) upward, `-z` or (0, 0, -1) downward.
+        angle: between the axis and the side, above 0, below pi/2 [rad].
 
     Raises:
-        ParameterError: a value is not finite, the radius is not positive, or the axis another one.
+        ParameterError: a value is not finite or out of its range, or the axis another one.
     """
 
-    kind: ClassVar[str] = "post"
-    is_obstacle: ClassVar[bool] = True
-
-
-@dataclass(frozen=True)
-class Cone(Round):
-    """A funnel that stands along z, without ends: particles are inside. Planes close it.
-
-    Attributes:
-        center: a point of its axis (x, y, z) [length].
-        radius: there [length].
-        slope: by which the radius grows upward, for each unit of z; negative: downward.
-
-    Raises:
-        ParameterError: a value is not finite, the radius is not positive, or the slope is 0.
-    """
-
+    dimension: ClassVar[int] = 3
+    inside: ClassVar[bool] = True
     kind: ClassVar[str] = "cone"
-    adhesion: ClassVar[float] = 0.0
 
-    slope: float
+    tip: Point | float
+    axis: str | Point
+    angle: float
 
     def __post_init__(self) -> None:
-        self._check(3)
-        object.__setattr__(self, "slope", finite("slope of a cone", self.slope))
-        if self.slope == 0.0:
-            raise ParameterError("slope of a cone must not be 0: take a Cylinder")
+        self._set_point("tip", 3)
+        up = _axis_of("Cone", self.axis, "z")[2] > 0.0
+        object.__setattr__(self, "axis", "z" if up else "-z")
+        object.__setattr__(self, "angle", number_or_nan(self.angle))
+        if not 0.0 < self.angle < 0.5 * math.pi:
+            raise ParameterError(
+                f"angle of a Cone must be above 0 and below pi/2, not {shown(self.angle)}"
+            )
+        super().__post_init__()
+
+    @property
+    def slope(self) -> float:
+        """By which the radius grows upward, for each unit of z; negative: downward."""
+        return math.tan(self.angle) * (1.0 if self.axis == "z" else -1.0)
 
     @property
     def direction(self) -> Point:
-        """Of the axis, a unit vector."""
+        """A unit vector upward."""
         return (0.0, 0.0, 1.0)
 
     @property
     def values(self) -> tuple[float, ...]:
-        """The numbers of LAMMPS' word."""
-        return (*self.center, *self.direction, self.radius, self.slope)
+        """The numbers after LAMMPS' word: of a point one unit of length from the tip."""
+        x, y, z = self.middle.tolist()
+        return (
+            x,
+            y,
+            z + math.copysign(1.0, self.slope),
+            0.0,
+            0.0,
+            1.0,
+            abs(self.slope),
+            self.slope,
+        )
+
+    @property
+    def middle(self) -> Floats:
+        """Its tip, shape (3,) [length]."""
+        return np.array(self.tip)
 
     def radius_at(self, z: float) -> float:
         """Its radius at a height, 0 beyond its tip [length]."""
-        return max(self.radius + self.slope * (z - self.center[2]), 0.0)
+        return max(self.slope * (z - float(self.middle[2])), 0.0)
 
     def half_spaces(self, around: float = 1.0) -> list[HalfSpace]:
         """Four planes around it, which lean."""
@@ -569,7 +409,7 @@ class Cone(Round):
         rows = [
             np.array([x, y, -self.slope]) / slant for x, y in ((1, 0), (-1, 0), (0, 1), (0, -1))
         ]
-        return [(n, float(n @ self.center) + around * self.radius / slant) for n in rows]
+        return [(n, float(n @ self.middle)) for n in rows]
 
     def add_to(self, scene: Any) -> None:
         """Add it to a scene of `ld.core`."""
@@ -583,72 +423,265 @@ class Cone(Round):
     def stretched(self, *factors: float) -> Cone:
         """The cone after the coordinates are multiplied by these factors, equal across it."""
         across, _, along = factors
-        center, slope = scaled(self.center, factors), self.slope * across / along
-        return replace(self, center=center, radius=self.radius * across, slope=slope)
+        tip = _scaled(tuple(self.middle.tolist()), factors)
+        return replace(self, tip=tip, angle=math.atan(abs(self.slope) * across / along))
 
 
-def cuboid(
-    width: float, depth: float, height: float, corner: ArrayLike = (0.0, 0.0, 0.0)
-) -> tuple[Plane, Plane, Plane, Plane, Plane, Plane]:
-    """Six planes around particles: both sides along x, then along y, then floor and top.
+class _Cornered(Wall):
+    """An obstacle in the plane that is given by its corners."""
 
-        bidisperse(200, dimension=3).between([*cuboid(10, 10, 10), Ball((5, 5, 5), 2)])
+    dimension: ClassVar[int] = 2
+    corners: tuple[Point, ...]
 
-    Args:
-        width: along x [length].
-        depth: along y [length].
-        height: along z [length].
-        corner: the lowest one (x, y, z) [length].
+    @property
+    def values(self) -> tuple[float, ...]:
+        """The numbers after LAMMPS' word, and after the number of corners of a polygon."""
+        return tuple(value for corner in self.corners for value in corner)
+
+    def add_to(self, scene: Any) -> None:
+        """Add it to a scene of `ld.core`."""
+        scene.add_polygon(*np.transpose(self.corners))
+
+    @property
+    def middle(self) -> Floats:
+        """Mean of the corners, shape (2,) [length]."""
+        middle: Floats = np.mean(self.corners, axis=0)
+        return middle
+
+    @property
+    def extent(self) -> float:
+        """Radius of a circle around it, about the middle [length]."""
+        return float(np.linalg.norm(self.corners - self.middle, axis=1).max())
+
+    def _check_convex(self) -> None:
+        from . import core
+
+        try:
+            core.polygon_planes(*np.transpose(self.corners))
+        except ValueError as error:
+            raise ParameterError(
+                f"a {type(self).__name__} {error}, not {shown(self.corners)}"
+            ) from None
+
+
+@dataclass(frozen=True, repr=False)
+class Segment(_Cornered):
+    """A straight obstacle with two ends, which particles in the plane touch from both sides.
+
+    Attributes:
+        a: one end (x, y) [length].
+        b: the other one.
 
     Raises:
-        ParameterError: a length is not positive, or the corner is no point.
+        ParameterError: a value is not finite, or both ends are the same point.
     """
-    sides = positive("width", width), positive("depth", depth), positive("height", height)
-    left, right, front, back, floor, top = sides_of(point_of("corner", corner, 3), sides)
-    return left, right, front, back, floor, top
+
+    inside: ClassVar[bool] = False
+    kind: ClassVar[str] = "segment"
+
+    a: Point
+    b: Point
+
+    def __post_init__(self) -> None:
+        self._set_point("a", 2)
+        self._set_point("b", 2)
+        self._check_convex()
+        super().__post_init__()
+
+    @property
+    def corners(self) -> tuple[Point, ...]:  # type: ignore[override]
+        """Both ends."""
+        return self.a, self.b
+
+    def stretched(self, *factors: float) -> Segment:
+        """The segment after each coordinate is multiplied by its factor."""
+        return replace(self, a=_scaled(self.a, factors), b=_scaled(self.b, factors))
 
 
-Wall = Union[  # noqa: UP007  of Python 3.10 at run time
-    Plane, Circle, Disk, Segment, Polygon, Sphere, Cylinder, Cone, Ball, Post
-]
-_IN_THE_PLANE: tuple[type[Wall], ...] = (Plane, Circle, Disk, Segment, Polygon)
-_IN_SPACE: tuple[type[Wall], ...] = (Plane, Sphere, Cylinder, Cone, Ball, Post)
-KINDS: dict[str, type[Wall]] = {each.kind: each for each in _IN_THE_PLANE + _IN_SPACE}
+@dataclass(frozen=True, repr=False)
+class PolygonWall(_Cornered):
+    """A convex polygon in the plane.
 
-
-def as_walls(given: Wall | Iterable[Wall], dimension: int | None = None) -> tuple[Wall, ...]:
-    """Walls from one shape or several.
-
-    Args:
-        given: the shapes.
-        dimension: 2 or 3, if it is known.
+    Attributes:
+        corners: in the order around it, in either direction, shape (n, 2), n >= 3 [length].
+        inside: particles are inside; then a packing has its sides as walls, each a `Plane`, from
+            the one between the first two corners on. Otherwise it is an obstacle.
 
     Raises:
-        ParameterError: one of them is no shape, or one of another dimension.
+        ParameterError: a value is not finite, there are too few corners, or it is not convex.
     """
-    kinds = tuple(KINDS.values())
-    known = {2: _IN_THE_PLANE, 3: _IN_SPACE}.get(dimension or 0, kinds)
-    names = ", ".join(kind.__name__ for kind in known)
+
+    kind: ClassVar[str] = "polygon"
+
+    corners: tuple[Point, ...]
+    _: KW_ONLY
+    inside: bool = False  # type: ignore[misc]
+
+    def __post_init__(self) -> None:
+        given = numbers("corners of a PolygonWall", self.corners)
+        if given.ndim != 2 or given.shape[1] != 2 or len(given) < 3:
+            raise ParameterError(
+                "corners of a PolygonWall must be three or more points (x, y), not "
+                f"{shown(self.corners)}"
+            )
+        object.__setattr__(self, "corners", tuple((x, y) for x, y in given.tolist()))
+        self._check_convex()
+        super().__post_init__()
+
+    @property
+    def parts(self) -> tuple[Wall, ...]:
+        """The walls that stand for it in a packing: itself, or its sides."""
+        if not self.inside:
+            return (self,)
+        sides = []
+        for a, b in zip(self.corners, self.corners[1:] + self.corners[:1], strict=True):
+            (x, y), (inward, up) = np.subtract(b, a), self.middle - a
+            turn = 1.0 if x * up > y * inward else -1.0  # whether the middle is to the left
+            sides.append(Plane(a, (-turn * y, turn * x), adhesion=self.adhesion))
+        return tuple(sides)
+
+    def stretched(self, *factors: float) -> PolygonWall:
+        """The polygon after each coordinate is multiplied by its factor."""
+        return replace(self, corners=tuple(_scaled(corner, factors) for corner in self.corners))
+
+
+@dataclass(frozen=True, repr=False)
+class BoxWall(Wall):
+    """A rectangle, or a cuboid in space.
+
+        packing.between([BoxWall((20, 10)), Sphere(1, (5, 5), inside=False)])
+
+    Attributes:
+        lengths: (lx, ly), or (lx, ly, lz) in space [length].
+        origin: its lowest corner [length].
+        inside: particles are inside; then a packing has its sides as walls, each a `Plane`: both
+            across x, then across y, and z. Otherwise it is an obstacle, in the plane only.
+
+    Raises:
+        ParameterError: a length is not positive, the origin is no point, or it is an obstacle, or
+            has an adhesion, in space.
+    """
+
+    kind: ClassVar[str] = "box"
+
+    lengths: Point
+    origin: Point | float = 0.0
+    _: KW_ONLY
+    inside: bool = True  # type: ignore[misc]
+
+    def __post_init__(self) -> None:
+        given = numbers("lengths of a BoxWall", self.lengths)
+        if given.shape not in ((2,), (3,)) or not (given > 0.0).all():
+            raise ParameterError(
+                "lengths of a BoxWall must be positive, (lx, ly) or (lx, ly, lz), not "
+                f"{shown(self.lengths)}"
+            )
+        object.__setattr__(self, "lengths", tuple(given.tolist()))
+        self._set_point("origin", self.dimension)
+        super().__post_init__()
+        if self.dimension == 3 and not self.inside:
+            raise ParameterError(
+                "a BoxWall in space cannot be an obstacle: take a Sphere or a Cylinder with "
+                "inside=False"
+            )
+
+    @property
+    def dimension(self) -> int:
+        """2, or 3 in space."""
+        return len(self.lengths)
+
+    @property
+    def parts(self) -> tuple[Wall, ...]:
+        """The walls that stand for it in a packing: its sides, or a polygon."""
+        low = np.array(self.origin)
+        units, high = np.eye(self.dimension), low + self.lengths
+        if not self.inside:
+            (left, front), (right, back) = low.tolist(), high.tolist()
+            corners = ((left, front), (right, front), (right, back), (left, back))
+            return (PolygonWall(corners, adhesion=self.adhesion),)
+        return tuple(
+            Plane(tuple(corner.tolist()), tuple((sign * n).tolist()), adhesion=self.adhesion)
+            for axis, n in enumerate(units)
+            for sign, corner in ((1.0, low), (-1.0, np.where(n > 0.0, high, low)))
+        )
+
+    @property
+    def values(self) -> tuple[float, ...]:
+        """Of its parts."""
+        return tuple(value for part in self.parts for value in part.values)
+
+    def add_to(self, scene: Any) -> None:
+        """Add its parts to a scene of `ld.core`."""
+        for part in self.parts:
+            part.add_to(scene)
+
+    def stretched(self, *factors: float) -> BoxWall:
+        """The box after each coordinate is multiplied by its factor."""
+        origin = _scaled(tuple(np.array(self.origin).tolist()), factors)
+        return replace(self, lengths=_scaled(self.lengths, factors), origin=origin)
+
+
+def _scaled(point: Point, factors: Point) -> Point:
+    """A point with its coordinates multiplied by one factor each."""
+    return tuple(x * factor for x, factor in zip(point, factors, strict=True))
+
+
+def _square(middle: Floats, size: float, axes: Iterable[int]) -> list[HalfSpace]:
+    """A square or cube around a round container, across these axes."""
+    units = [np.eye(len(middle))[axis] for axis in axes]
+    return [(n, float(n @ middle) + size) for n in (*units, *(-n for n in units))]
+
+
+def _axis_of(name: str, given: ArrayLike, letters: str) -> Floats:
+    """A unit vector along one of these axes, or opposite to it."""
+    if isinstance(given, str) and (letter := given.removeprefix("-")) and letter in letters:
+        unit = np.eye(3)["xyz".index(letter)]
+        return -unit if given.startswith("-") else unit
     try:
-        walls = (given,) if isinstance(given, kinds) else tuple(given)  # type: ignore[arg-type]
+        vector = numbers("axis", given)
+    except ParameterError:
+        vector = np.zeros(3)
+    known = [unit for letter, unit in zip("xyz", np.eye(3), strict=True) if letter in letters]
+    for unit in known:
+        if vector.shape == (3,) and 0.0 < np.abs(vector).sum() == abs(vector @ unit):
+            return np.copysign(1.0, vector @ unit) * unit
+    names = " or ".join(letters) if len(letters) > 1 else f"{letters} or -{letters}"
+    raise ParameterError(
+        f"axis of a {name} must be {names}, or a direction along it, not {shown(given)}"
+    )
+
+
+SHAPES: dict[str, type[Wall]] = {
+    each.__name__: each for each in (Plane, Sphere, Cylinder, Cone, Segment, PolygonWall, BoxWall)
+}
+
+
+def as_walls(given: Wall | Iterable[Wall], dimension: int) -> tuple[Wall, ...]:
+    """The walls of a packing from one wall or several; a box becomes its sides.
+
+    Raises:
+        ParameterError: one of them is no wall, or one of another dimension.
+    """
+    lacking = ("Cylinder", "Cone") if dimension == 2 else ("Segment", "PolygonWall")
+    names = ", ".join(name for name in SHAPES if name not in lacking)
+    try:
+        several = (given,) if isinstance(given, Wall) else tuple(given)
     except TypeError:
         raise ParameterError(
             f"walls must be one or several of {names}, not {shown(given)}"
-            + (": take its `planes`" if hasattr(given, "planes") else "")
         ) from None
-    for n, wall in enumerate(walls, start=1):
-        if not isinstance(wall, kinds):
+    found: list[Wall] = []
+    for n, wall in enumerate(several, start=1):
+        if not isinstance(wall, Wall):
+            raise ParameterError(f"wall {n} must be one of {names}, not {shown(wall)}")
+        wall = wall.placed(dimension)
+        if wall.dimension != dimension:
+            way_out = f"take one of {names}"
+            if type(wall).__name__ not in lacking:
+                way_out = f"give its points as ({', '.join('xyz'[:dimension])})"
             raise ParameterError(
-                f"wall {n} must be one of {names}, not {shown(wall)}"
-                + ("; put * before a rectangle" if isinstance(wall, (tuple, list)) else "")
+                f"wall {n}, {wall!r}, is a wall in {wall.dimension} dimensions, and the particles "
+                f"have {dimension}: {way_out}"
             )
-        if dimension and wall.dimension != dimension:
-            if isinstance(wall, Plane):
-                way_out = f"give its point and normal as ({', '.join('xyz'[:dimension])})"
-            else:
-                way_out = f"take one of {names}"
-            raise ParameterError(
-                f"{wall.kind} {n} is a wall in {wall.dimension} dimensions, and the particles have "
-                f"{dimension}: {way_out}"
-            )
-    return walls
+        found += wall.parts
+    return tuple(found)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from lammps_deformable.polygons import Walls
 
 # Valid numbers, invalid ones, and other objects. Large counts would only take long.
 FLOATS = st.one_of(st.floats(), st.floats(0.1, 2.0), st.integers(-3, 30))
@@ -25,8 +26,8 @@ ANYTHING = st.one_of(
 BUILDERS = {
     "bidisperse": (
         ld.bidisperse,
-        {"number": 6, "radii": None, "fraction": 0.5, "phi": 0.3, "aspect": 1.0, "tilt": 0.0}
-        | {"seed": 1, "ratio": None},
+        {"number": 6, "sizes": (0.5, 0.7), "fraction_large": 0.5, "phi": 0.3, "aspect": 1.0}
+        | {"tilt": 0.0, "seed": 1},
     ),
     "polydisperse": (
         ld.polydisperse,
@@ -34,8 +35,7 @@ BUILDERS = {
     ),
     "bidisperse in space": (
         ld.bidisperse,
-        {"number": 6, "phi": 0.3, "aspect": 1.0, "tilt": 0.0, "seed": 1, "ratio": None}
-        | {"dimension": 3},
+        {"number": 6, "phi": 0.3, "aspect": 1.0, "tilt": 0.0, "seed": 1, "dimension": 3},
     ),
     "Droplet": (ld.Droplet, {"tension": 1.0}),
     "Packing in space": (
@@ -48,12 +48,12 @@ BUILDERS = {
         {"kA": 1.0, "reach": 0.3, "kP": 1.0, "skin": 0.1, "contact": "radical"},
     ),
     "Sector": (ld.Sector, {"kA": 1.0, "kP": float("inf")}),
-    "Friction": (ld.Friction, {"mu": 0.5, "kt": 1.0, "gt": 0.1, "damp": 0.1}),
-    "PolygonModel": (
-        ld.PolygonModel,
+    "Friction": (ld.Friction, {"mu": 0.5, "kt": 1.0, "gt": 0.1, "damping": 0.1}),
+    "DeformablePolygon": (
+        ld.DeformablePolygon,
         {"vertices": 50, "radius": 0.05, "kL": 1.0, "kA": 1.0, "kr": 1.0},
     ),
-    "Walls": (ld.Walls, {"angle": [0.0, 2.0, 4.0], "height": [1.0, 1.0, 1.0]}),
+    "Walls": (Walls, {"angle": [0.0, 2.0, 4.0], "height": [1.0, 1.0, 1.0]}),
     "Packing": (
         ld.Packing,
         {"positions": [[0.0, 0.0], [1.0, 0.0]], "species": [0, 1], "radii": [0.5, 0.6]}
@@ -138,11 +138,11 @@ def test_protocols(sim, packing, examples):
             lambda _: sim.deform(no_box),
             lambda value: ld.jam(packing, pressure=value),
             lambda value: ld.jam(packing, step=value),
-            lambda value: ld.compress(sim, 0.1, value),
+            lambda value: sim.compress(strain=0.1, steps=value)[1:],
         ):
             with pytest.raises(ld.ParameterError, match=r"\A[^\n]{10,1000}\Z"):
                 call(wrong)
-        refuses_or_works(lambda: ld.compress(sim, other, 1))
+        refuses_or_works(lambda: sim.compress(strain=other)[1:])
 
     answers()
     # Balanced anew; its error is of second order in what is left of that. Indentations of

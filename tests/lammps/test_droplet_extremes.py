@@ -13,7 +13,10 @@ CONTRASTS = [(1.0, (1, 1)), (5.0, (1, 1)), (1.4, (1, 100)), (1.4, (100, 1)), (5.
 @pytest.fixture(scope="module")
 def packings():
     ratios = {ratio for ratio, _ in CONTRASTS}
-    return {r: jam(bidisperse(24, ratio=r, dimension=3, seed=1), tolerance=1e-2) for r in ratios}
+    return {
+        r: jam(bidisperse(24, sizes=(0.5, 0.5 * r), dimension=3, seed=1), tolerance=1e-2)
+        for r in ratios
+    }
 
 
 def case_of(packing, tensions, phi, shake=0.0, seed=1):
@@ -21,9 +24,9 @@ def case_of(packing, tensions, phi, shake=0.0, seed=1):
     packing = packing.at(phi)
     random = np.random.default_rng(seed).normal(size=(len(packing), 3))
     return {
-        "x": packing.positions + shake * packing.radius.min() * random,
+        "x": packing.positions + shake * packing.radii.min() * random,
         "box": np.diag(packing.box),
-        "radius": packing.radius,
+        "radius": packing.radii,
         "tension": np.array(tensions, float)[packing.species],
     }
 

@@ -1,7 +1,5 @@
 """What states should be: by the kernels, from all pairs, and by differences of the energy."""
 
-from dataclasses import replace
-
 import lammps_deformable as ld
 import numpy as np
 import pytest
@@ -12,7 +10,7 @@ def shapes(state: ld.State) -> list[core.Shape]:
     """What the kernel makes of each particle."""
     return [
         core.ring(radius, seen["angle"], seen["indentation"])
-        for radius, seen in zip(state.packing.radius, state.contact_tables, strict=True)
+        for radius, seen in zip(state.packing.radii, state.contact_tables, strict=True)
     ]
 
 
@@ -26,14 +24,14 @@ def brute_force_contacts(state: ld.State) -> dict[tuple[int, int, int, int], boo
                 for b in range(-3, 4):
                     apart = packing.positions[j] - packing.positions[i] + (a, b) @ packing.box
                     distance = float(np.hypot(*apart))
-                    reach = (1.0 + 0.3) * (packing.radius[i] + packing.radius[j])
+                    reach = (1.0 + 0.3) * (packing.radii[i] + packing.radii[j])
                     if (i, 0, 0) != (j, a, b) and distance <= reach:
                         keys.append((i, j, a, b))
                         angle.append(np.arctan2(apart[1], apart[0]))
                         indentation.append(
-                            core.contact_line(distance, packing.radius[i], packing.radius[j])
+                            core.contact_line(distance, packing.radii[i], packing.radii[j])
                         )
-        shape = core.ring(packing.radius[i], np.array(angle), np.array(indentation))
+        shape = core.ring(packing.radii[i], np.array(angle), np.array(indentation))
         found.update(zip(keys, shape.contact_length > 0, strict=True))
     return {(i, j, a, b): found[i, j, a, b] or found[j, i, -a, -b] for i, j, a, b in found}
 
@@ -58,7 +56,7 @@ def check_pressure(packing: ld.Packing) -> None:
     """The pressure is -dE/d(area of the box)."""
     energy = []
     for factor in (1.0 - 1e-6, 1.0 + 1e-6):
-        scaled = replace(packing, positions=packing.positions * factor, box=packing.box * factor)
+        scaled = packing.replace(positions=packing.positions * factor, box=packing.box * factor)
         with ld.Simulation(scaled, ld.Ring()) as sim:
             energy.append(sim.state().energy)
     with ld.Simulation(packing, ld.Ring()) as sim:

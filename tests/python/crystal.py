@@ -15,8 +15,7 @@ def crystal(indentation: float, columns: int = 4, rows: int = 4) -> ld.Packing:
     height = spacing * np.sqrt(0.75)
     k, m = (index.ravel() for index in np.meshgrid(np.arange(columns), np.arange(rows)))
     return ld.Packing(
-        positions=np.column_stack([(k + 0.5 * (m % 2)) * spacing, m * height]),
-        species=np.zeros(columns * rows),
-        radii=[RADIUS],
-        box=[[columns * spacing, 0.0], [0.0, rows * height]],
+        np.column_stack([(k + 0.5 * (m % 2)) * spacing, m * height]),
+        RADIUS,
+        [[columns * spacing, 0.0], [0.0, rows * height]],
     )

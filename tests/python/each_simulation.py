@@ -5,9 +5,9 @@ from typing import Any
 
 import lammps_deformable as ld
 from lammps_deformable import (
+    DeformablePolygon,
     Disks,
     Droplet,
-    PolygonModel,
     PolygonSimulation,
     Ring,
     Simulation,
@@ -21,5 +21,5 @@ MAKERS: dict[str, Callable[[], Any]] = {
     "droplets": lambda: Simulation(SPACE, Droplet()),
     "disks": lambda: Disks(PLANE),
     "spheres": lambda: Spheres(SPACE),
-    "polygons": lambda: PolygonSimulation(PLANE, PolygonModel(vertices=20)),
+    "polygons": lambda: PolygonSimulation(PLANE, DeformablePolygon(20, smooth=False)),
 }

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from lammps_deformable import (
-    PolygonModel,
+    DeformablePolygon,
     PolygonSimulation,
     PolygonState,
     Ring,
@@ -22,7 +22,10 @@ def pair() -> tuple[PolygonState, State]:
     """Rings, and particles of the ring law, both strained by 6 %."""
     start = jam(bidisperse(8, seed=1))
     states = []
-    for packing in (PolygonSimulation(start, PolygonModel(vertices=25)), Simulation(start, Ring())):
+    for packing in (
+        PolygonSimulation(start, DeformablePolygon(25, smooth=False)),
+        Simulation(start, Ring()),
+    ):
         with packing as sim:
             sim.deform(0.94 * start.box)
             states.append(sim.relax())
@@ -31,13 +34,13 @@ def pair() -> tuple[PolygonState, State]:
 
 
 def moved(exact: PolygonState, step: np.ndarray) -> PolygonState:
-    return replace(exact, packing=replace(exact.packing, positions=exact.packing.positions + step))
+    return replace(exact, packing=exact.packing.replace(positions=exact.packing.positions + step))
 
 
 def test_distance_of_centers(pair):
     """Neither drift nor periodic images nor rattlers count; a particle that moves does."""
     exact, own = pair
-    same = replace(exact, packing=replace(exact.packing, positions=own.packing.positions))
+    same = replace(exact, packing=exact.packing.replace(positions=own.packing.positions))
     touching = np.bincount(
         np.concatenate([exact.contact_table.i, exact.contact_table.j]), minlength=8
     )
@@ -50,7 +53,7 @@ def test_distance_of_centers(pair):
     step = np.zeros((8, 2))
     step[held[-1]] = 0.03, 0.04
     share = 1.0 / len(held)
-    expected = 0.05 * np.sqrt(share * (1.0 - share)) / own.packing.radius.mean()
+    expected = 0.05 * np.sqrt(share * (1.0 - share)) / own.packing.radii.mean()
     assert centers_rms(moved(drifted, step), own) == pytest.approx(expected)
 
 

@@ -89,7 +89,7 @@ def sheared() -> str:
     return (
         f"Both agree: {len(strained())} states of the first packings, at 0.66, 0.76 and 0.85, were "
         "sheared along x by 1e-4 or less to both sides and relaxed again "
-        f"(`ld.shear_modulus`), with moduli within {difference:.0e} γ/R32 of those by "
+        f"(`shear_modulus`), with moduli within {difference:.0e} γ/R32 of those by "
         "linear response in this direction."
     )
 

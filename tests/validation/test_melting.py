@@ -46,9 +46,9 @@ def test_cold_crystal_is_harmonic() -> None:
     rows = []
     with ld.Simulation(packing, measure.LAW) as sim:
         sim.relax(1e-10)
-        for state in ld.move(
-            sim, 20_000, temperature=temperature, every=40, seed=1, friction=0.3, timestep=0.05
-        ):
+        for state in sim.run(
+            20_000, temperature=temperature, every=40, seed=1, drag=0.3, timestep=0.05
+        )[1:]:
             u = state.displacements(rest)
             u -= u.mean(axis=0)
             rows.append((state.energy - rest.energy, np.sum(u**2), state.temperature))
@@ -119,7 +119,7 @@ def test_second_virial_coefficient_by_energies_and_by_pressures() -> None:
 def test_pressure_of_a_gas_without_contacts() -> None:
     packing = measure.crystal(16, 0.1)
     leg = measure.leg(16, 0.1, 0.1, 1, packing.positions, steps=measure.SAMPLES)
-    assert leg["rows"][0]["pressure"] * packing.area == pytest.approx(16 * 0.1)
+    assert leg["rows"][0]["pressure"] * packing.volume == pytest.approx(16 * 0.1)
 
 
 def test_neighbors_of_the_crystal_and_of_random_points() -> None:
@@ -130,7 +130,7 @@ def test_neighbors_of_the_crystal_and_of_random_points() -> None:
     between = measure.apart(box, packing.positions[j] - packing.positions[i])
     assert np.hypot(*between.T) == pytest.approx(np.full(108, measure.spacing(packing)))
     places = np.random.default_rng(1).random((200, 2)) @ packing.box
-    packing = ld.Packing(places, np.zeros(200, int), [0.01], packing.box)
+    packing = ld.Packing(places, 0.01, packing.box)
     pairs = measure.neighbors(places, box)
     assert len(pairs[0]) == 600
     with ld.Simulation(packing, ld.Ring()) as sim:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from lammps_deformable import ParameterError, PolygonModel, core
+from lammps_deformable import DeformablePolygon, ParameterError, core
 from lammps_deformable.comparison import shape_error
 
 from validation.report import packings, paper
@@ -107,7 +107,7 @@ def test_packing_is_nearer_to_the_laws_than_to_circles(packed: dict[str, AtCente
                 reference.outlines,
                 reference.packing.positions,
                 reference.polygons.radius[reference.packing.species],
-                reference.packing.radius,
+                reference.packing.radii,
                 strict=True,
             )
         ]
@@ -119,7 +119,7 @@ def test_packing_is_nearer_to_the_laws_than_to_circles(packed: dict[str, AtCente
 
 
 def test_row_of_a_table() -> None:
-    model = PolygonModel(24, 0.1, kL=2400.0)
+    model = DeformablePolygon(24, radius=0.1, kL=2400.0, smooth=False)
     row = paper.single_row(squeeze(IRREGULAR[3], [0.02], model, stick=True)[0])
     assert json.loads(json.dumps(row)) == row
     given = {"polygon": "irregular", "sides": 3, "walls": "stick", "n_v": 24, "kL": 2400.0}
@@ -137,7 +137,7 @@ def test_row_of_a_table() -> None:
 @pytest.mark.parametrize("stick", [True, False])
 def test_results_do_not_depend_on_their_number(stick: bool) -> None:
     # walls that stick make the same steps; where they slip there is one state, to the tolerance
-    model = PolygonModel(24, 0.1, kL=2400.0)
+    model = DeformablePolygon(24, radius=0.1, kL=2400.0, smooth=False)
     *_, many = squeeze(regular(4), [0.005, 0.01, 0.015, 0.02], model, stick)
     [one] = squeeze(regular(4), [0.02], model, stick)
     exact = 2e-12 if stick else 1e-3
@@ -145,7 +145,7 @@ def test_results_do_not_depend_on_their_number(stick: bool) -> None:
 
 
 def test_steps_of_walls_that_stick_matter() -> None:
-    model = PolygonModel(96, 0.1, kL=960.0)
+    model = DeformablePolygon(96, radius=0.1, kL=960.0, smooth=False)
     for stick, same in ((True, False), (False, True)):
         [fine] = squeeze(regular(6), [0.02], model, stick)
         [coarse] = squeeze(regular(6), [0.02], model, stick, step=0.01)
@@ -154,7 +154,12 @@ def test_steps_of_walls_that_stick_matter() -> None:
 
 def test_seconds_are_those_of_a_processor() -> None:
     began = time.process_time()
-    first, second = squeeze(regular(4), [0.01, 0.02], PolygonModel(24, 0.1, kL=2400.0), stick=True)
+    first, second = squeeze(
+        regular(4),
+        [0.01, 0.02],
+        DeformablePolygon(24, radius=0.1, kL=2400.0, smooth=False),
+        stick=True,
+    )
     spent = time.process_time() - began
     assert 0.0 < first.seconds + second.seconds < spent
     assert set(first.law_seconds) == {"sector", "ring, kP inf", "ring"}
@@ -167,13 +172,21 @@ def test_seconds_are_those_of_a_processor() -> None:
 )
 def test_indentations_that_do_not_rise_are_refused(indentations: list[float]) -> None:
     with pytest.raises(ParameterError, match=f"to {indentations[-1]:g}: indentations"):
-        squeeze(regular(4), indentations, PolygonModel(radius=0.1), stick=False)
+        squeeze(
+            regular(4), indentations, DeformablePolygon(50, radius=0.1, smooth=False), stick=False
+        )
 
 
 @pytest.mark.parametrize("step", [0.0, -1.0, float("nan")])
 def test_steps_that_lead_nowhere_are_refused(step: float) -> None:
     with pytest.raises(ParameterError, match=rf"^step .* {step}$"):
-        squeeze(regular(4), [0.01], PolygonModel(radius=0.1), stick=True, step=step)
+        squeeze(
+            regular(4),
+            [0.01],
+            DeformablePolygon(50, radius=0.1, smooth=False),
+            stick=True,
+            step=step,
+        )
 
 
 def test_figures_are_1200_pixels_wide(

@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 
 import pytest
-from lammps_deformable import PolygonModel
+from lammps_deformable import DeformablePolygon
 from lammps_deformable.comparison import standard_polygons
 
 from validation.report import __main__ as report
@@ -22,7 +22,7 @@ SMALLEST = Plan(
     friction=[(MODELS[0], 0.04, 2), (MODELS[1], 0.04, 2, 1e-2)],
     hysteresis=[(4, 2, model, 0.03, 2) for model in MODELS],
     crystal=[(MODELS[0], 0.03)],
-    large=(8, 3, 0.03, PolygonModel(vertices=16)),
+    large=(8, 3, 0.03, DeformablePolygon(16, smooth=False)),
     mixtures=[(8, 1, 0.03, 38, (1.0, 10.0), (0.1, math.inf))],
     shapes={"indentations": (0.02,), "number": 24, "kL": 100.0},
     stiffness={"indentations": (0.01, 0.02), "number": 30, "kL": (1.0, 100.0)},

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from lammps_deformable import PolygonModel, Ring, Sector, Simulation, bidisperse, jam
+from lammps_deformable import DeformablePolygon, Ring, Sector, Simulation, bidisperse, jam
 from lammps_deformable.comparison import matching_laws, of_many_vertices, predict, shape_errors
 
 from validation.report import accuracy, packings, stability
@@ -15,7 +15,7 @@ LAWS = ["sector", "radical, kP inf", "radical", "balanced", "curved"]
 
 def test_rows_of_a_packing():
     """Rows agree with the comparison, the relaxation and the definitions."""
-    model, strain = PolygonModel(vertices=20), 0.03
+    model, strain = DeformablePolygon(20, smooth=False), 0.03
     rows, comparisons = packings.packing_rows(8, 1, strain, model)
     by_law = {row["law"]: row for row in rows}
     assert list(comparisons) == LAWS
@@ -53,7 +53,7 @@ def test_rows_of_a_packing():
             reference.outlines,
             reference.packing.positions,
             inner,
-            reference.packing.radius,
+            reference.packing.radii,
             strict=True,
         )
     ]
@@ -61,7 +61,7 @@ def test_rows_of_a_packing():
     assert by_law["disk"]["I"] == pytest.approx(np.mean(off), abs=3e-6)
 
 
-MIXED = PolygonModel(vertices=[20, 30], kL=[4.0, 1500.0], kA=[1.0, 10.0])
+MIXED = DeformablePolygon([20, 30], kL=[4.0, 1500.0], kA=[1.0, 10.0], smooth=False)
 
 
 def test_laws_have_the_stiffness_of_each_species():
@@ -75,7 +75,7 @@ def test_laws_have_the_stiffness_of_each_species():
     assert laws["balanced"] == Ring(kA, kP=[0.2, 50.0], skin=skin, contact="balanced")
     assert laws["curved"] == replace(laws["balanced"], contact="curved")
     assert laws["balanced, kP inf"] == Ring(kA, kP=[0.2, math.inf], skin=skin, contact="balanced")
-    equal = PolygonModel(vertices=[20, 30], kL=[4.0, 1500.0], kA=[2.0, 2.0])
+    equal = DeformablePolygon([20, 30], kL=[4.0, 1500.0], kA=[2.0, 2.0], smooth=False)
     assert matching_laws(equal, polygons=equal.polygons(np.array([0.5, 0.7])))["sector"] == Sector(
         2.0
     )

@@ -80,11 +80,9 @@ def filled(opening, rows, seed):
     floor = [[-half, 1.0], [0.6 - half, 0.4], [half - 0.6, 0.4], [half, 1.0]]
     return ld.Packing(
         place + rng.uniform(-0.02, 0.02, place.shape),
-        np.zeros(number),
-        [0.55],
-        [[WIDTH, 0.0], [0.5 * WIDTH, 1.65 + 0.98 * rows]],
         rng.uniform(0.45, 0.55, number),
-        [ld.Polygon(floor)],
+        [[WIDTH, 0.0], [0.5 * WIDTH, 1.65 + 0.98 * rows]],
+        walls=[ld.PolygonWall(floor)],
     )
 
 

@@ -13,7 +13,6 @@ import math
 import os
 import time
 import warnings
-from dataclasses import replace
 from pathlib import Path
 
 import lammps_deformable as ld
@@ -73,7 +72,7 @@ FULL = {
 
 def crystal(number, phi):
     side = math.isqrt(number)
-    return ld.triangular(side, side, radius=1.0, phi=phi)
+    return ld.crystal("hex", (side, side // 2), radius=1.0, phi=phi)
 
 
 def sizes(number, seed):
@@ -85,7 +84,7 @@ def spread(packing, u, eta):
     """The packing with radii proportional to 1 + eta u; its box and phi stay."""
     radius = 1.0 + eta * u
     radius *= math.sqrt(len(packing) / np.sum(radius**2))
-    return replace(packing, radii=[radius.max()], particle_radii=radius)
+    return packing.replace(radii=[radius.max()], particle_radii=radius)
 
 
 def simulation(packing, law):

@@ -18,6 +18,7 @@ from scipy.stats import lognorm
 
 from validation import options_of
 from validation.ensembles import over_cores
+from validation.finite_strain import shear_modulus
 
 KINDS = ("nearly equal", "polydisperse")
 RADII = (1.0, 1.2)  # of equal numbers: equal droplets begin to crystallize
@@ -37,20 +38,20 @@ def measure(kind, number, seed):
     if kind == "polydisperse":
         start = ld.polydisperse(number, lognorm(WIDTH), dimension=3, seed=seed)
     else:
-        start = ld.bidisperse(number, radii=RADII, dimension=3, seed=seed)
+        start = ld.bidisperse(number, sizes=RADII, dimension=3, seed=seed)
     jammed = ld.jam(start)
-    unit = np.sum(jammed.radius**2) / np.sum(jammed.radius**3)
+    unit = np.sum(jammed.radii**2) / np.sum(jammed.radii**3)
     rows = []
     with ld.Simulation(jammed, ld.Droplet(tension=1.0)) as sim:
         for phi in [*(jammed.phi + above for above in ABOVE), *PHI]:
             begun, step = time.process_time(), sim.lmp.extract_global("ntimestep")
-            (state,) = ld.compress(sim, phi=phi, steps=1)
+            (state,) = sim.compress(phi=phi)[1:]
             taken = time.process_time() - begun, sim.lmp.extract_global("ntimestep") - step
             row = row_of(state, unit) | dict(zip(("seconds", "steps"), taken, strict=True))
             if seed == 1 and phi in FINITE:
-                row["sheared"] = ld.shear_modulus(state, STRAIN).value / unit
+                row["sheared"] = shear_modulus(state, STRAIN).value / unit
             rows.append(row)
-    width = float(jammed.radius.std() / jammed.radius.mean())
+    width = float(jammed.radii.std() / jammed.radii.mean())
     return {"kind": kind, "seed": seed, "width": width, "phi_J": jammed.phi, "rows": rows}
 
 

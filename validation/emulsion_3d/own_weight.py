@@ -28,13 +28,13 @@ HEADS = ("height", "weight below", "phi", "phi by the measured pressure", "stres
 def column(number, seed):
     """Droplets at rest below the ceiling; a row for each slab, see `slabs`."""
     width = WIDTH * (number / 512) ** (1 / 3)
-    loose = ld.bidisperse(number, phi=0.5, radii=RADII, dimension=3, seed=seed)
+    loose = ld.bidisperse(number, sizes=RADII, phi=0.5, dimension=3, seed=seed)
     tall = loose.volume / width**2
-    start = ld.bidisperse(number, phi=0.5, radii=RADII, aspect=tall / width, dimension=3, seed=seed)
+    start = ld.bidisperse(number, sizes=RADII, phi=0.5, dimension=3, aspect=tall / width, seed=seed)
     floor = ld.Plane((0, 0, 0), (0, 0, 1))
     ceiling = ld.Plane((0, 0, tall), (0, 0, -1))
-    start = ld.push_off(start.between([floor, ceiling]))
-    r32 = np.sum(start.radius**3) / np.sum(start.radius**2)
+    start = start.between([floor, ceiling]).push_off()
+    r32 = np.sum(start.radii**3) / np.sum(start.radii**2)
     weight = HIGHEST / r32 * width**2 / (0.5 * start.volume)  # of a unit of volume
     with ld.Simulation(start, ld.Droplet(tension=1.0)) as sim:
         for species, radius in enumerate(RADII, start=1):
@@ -51,10 +51,10 @@ def slabs(state, r32, weight):
     Lengths are in units of tension/(R32 weight), pressures in units of tension/R32.
     """
     box, place = state.packing.box, state.packing.positions[:, 2]
-    floor = float((place - state.packing.radius).min())
+    floor = float((place - state.packing.radii).min())
     edges = np.linspace(floor + DIAMETER, box[2, 2] - DIAMETER, SLABS + 1)
     area = box[0, 0] * box[1, 1]
-    below = np.array([volume_below(edge, place, state.packing.radius) for edge in edges])
+    below = np.array([volume_below(edge, place, state.packing.radii) for edge in edges])
     inside = np.digitize(place, edges) - 1
     stress = np.einsum("naa,n->na", state.particle_stress, state.filled_volume)
     middle, room = 0.5 * (edges[1:] + edges[:-1]) - floor, area * np.diff(edges)

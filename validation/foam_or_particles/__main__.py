@@ -51,7 +51,7 @@ def measure(law, number, seed):
     """A packing of a law from its onset to phi = 0.99, and of foam back again."""
     warnings.simplefilter("ignore", ld.UnjammedWarning)  # near the onset some rearrange
     began = time.process_time()
-    loose = ld.bidisperse(number, radii=RADII, seed=seed)
+    loose = ld.bidisperse(number, sizes=RADII, seed=seed)
     onset = ld.jam(loose, pressure=ONSET, tolerance=1e-6)
     particles, unit = LAWS[law]
     sim = ld.Simulation(onset, particles) if particles else ld.Disks(onset)
@@ -71,14 +71,14 @@ def measure(law, number, seed):
 def compressed(sim, phi_J):
     near = [phi_J + x for x in NEAR if phi_J + x < DENSE[0]]
     for phi in (*near, *DENSE):
-        (state,) = ld.compress(sim, phi=phi, steps=1, tolerance=TOLERANCE)
+        (state,) = sim.compress(phi=phi, tolerance=TOLERANCE)[1:]
         yield state
 
 
 def decompressed(sim, unit):
     """Back to the onset, first by phi, then by pressure, which tells how near the onset is."""
     for phi in DENSE[-2::-1]:
-        (state,) = ld.compress(sim, phi=phi, steps=1, tolerance=TOLERANCE)
+        (state,) = sim.compress(phi=phi, tolerance=TOLERANCE)[1:]
         yield state
     for pressure in (*PRESSURES, 10.0 * ONSET):
         yield sim.relax(TOLERANCE, pressure=pressure * unit)

@@ -45,7 +45,7 @@ def measure(sim, state, mu):
     used = along / (mu * normal) if mu else np.zeros(len(contacts))
     free = state.rattlers[contacts["i"]] | state.rattlers[contacts["j"]]
     force = np.linalg.norm(np.reshape(sim.lmp.gather("f", 1, 3), (-1, 3)), axis=1)
-    torque = np.reshape(sim.lmp.gather("torque", 1, 3), (-1, 3))[:, 2] / state.packing.radius
+    torque = np.reshape(sim.lmp.gather("torque", 1, 3), (-1, 3))[:, 2] / state.packing.radii
     numbers = {
         "phi": state.phi,
         "pressure": state.pressure,
@@ -65,12 +65,14 @@ def measure(sim, state, mu):
 def jammed(number, mu, seed, pressures, inertial_number):
     """A loose packing that is compressed to a pressure, and to higher ones from there."""
     begun = time.process_time()
-    friction = ld.Friction(mu, SPRING, DASHPOT, damp=DAMPING)
-    start = ld.push_off(ld.bidisperse(number, phi=LOOSE_DROPLETS, seed=seed))
+    friction = ld.Friction(mu, kt=SPRING, gt=DASHPOT, damping=DAMPING)
+    start = ld.bidisperse(number, phi=LOOSE_DROPLETS, seed=seed).push_off()
     found = []
     with ld.Simulation(start, LAW, friction=friction) as sim:
         for pressure in pressures:
-            state = ld.settle(sim, pressure, inertial_number=inertial_number, timestep=TIMESTEP)
+            state = sim.run(
+                4_000_000, pressure=pressure, inertial_number=inertial_number, timestep=TIMESTEP
+            )[-1]
             found.append(measure(sim, state, mu))
     seconds = time.process_time() - begun
     return {"mu": mu, "seed": seed, "seconds": round(seconds, 1), "states": found}
@@ -181,7 +183,7 @@ timestep {timestep!r}
 
 
 def model(beads):
-    return ld.PolygonModel(vertices=beads, radius=0.05, kL=300.0, kA=1.0, kr=30.0)
+    return ld.DeformablePolygon(beads, radius=0.05, kL=300.0, kA=1.0, kr=30.0, smooth=False)
 
 
 def bead_friction(polygons, radius):
@@ -191,7 +193,7 @@ def bead_friction(polygons, radius):
 
 
 def loose(seed):
-    return ld.push_off(ld.bidisperse(NUMBER, phi=LOOSE, seed=seed))
+    return ld.bidisperse(NUMBER, phi=LOOSE, seed=seed).push_off()
 
 
 def of_beads(beads, seed):
@@ -223,7 +225,7 @@ def of_beads(beads, seed):
         "beads": beads,
         "seed": seed,
         "hollow": bead_friction(polygons, 0.05).tolist(),
-        "phi": float(np.sum(np.pi * start.radius**2) / state.packing.area),
+        "phi": float(np.sum(np.pi * start.radii**2) / state.packing.volume),
         "z": len(particle) / rigid if rigid else 0.0,
         "rigid": rigid,
         "seconds": round(time.process_time() - begun, 1),
@@ -236,9 +238,11 @@ def of_rings(mu, beads, seed):
     polygons = model(beads).polygons(matching(start, model(beads)).radii)
     law = matching_laws(model(beads), polygons)["balanced"]
     # about the stiffness k of contacts, and damping of sqrt(k m), at this pressure
-    friction = ld.Friction(mu, kt=0.01, gt=0.05, damp=0.1)
+    friction = ld.Friction(mu, kt=0.01, gt=0.05, damping=0.1)
     with ld.Simulation(start, law, friction=friction) as sim:
-        state = ld.settle(sim, PRESSURE, AT_REST, INERTIAL_NUMBER)
+        state = sim.run(
+            4_000_000, pressure=PRESSURE, tolerance=AT_REST, inertial_number=INERTIAL_NUMBER
+        )[-1]
     return {
         "mu": mu,
         "beads": beads,

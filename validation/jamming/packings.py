@@ -14,7 +14,6 @@ from lammps_deformable._checks import zero_or_more
 from lammps_deformable.errors import ParameterError, StalledWarning, UnjammedWarning
 from lammps_deformable.jamming import jam, natural_pressure
 from lammps_deformable.laws import ALL_LAWS, AnyLaw, Droplet, Ring
-from lammps_deformable.measured_moduli import bulk_modulus, shear_modulus
 from lammps_deformable.random import bidisperse
 from lammps_deformable.relax import TOLERANCE
 from lammps_deformable.starts import simulate
@@ -22,6 +21,7 @@ from lammps_deformable.state import DiskState, DropletState, SphereState, State
 from numpy.typing import NDArray
 
 from validation.ensembles import power_law
+from validation.finite_strain import bulk_modulus, shear_modulus
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -116,7 +116,7 @@ def measure(
         # rows have a column for what stalled; packings may rearrange while they are compressed
         warnings.simplefilter("ignore", UnjammedWarning)
         warnings.simplefilter("always", StalledWarning)
-        start = bidisperse(number, seed=seed, dimension=dimension_of(law))
+        start = bidisperse(number, dimension=dimension_of(law), seed=seed)
         packing = jam(start, settings, onset_pressure, tolerance=TOLERANCE)  # counts contacts
         stalled = any(issubclass(warning.category, StalledWarning) for warning in caught)
         with simulate(packing, settings) as sim:

@@ -26,7 +26,7 @@ PHI = 0.92
 
 def crystal(number, phi):
     side = math.isqrt(number)
-    return ld.triangular(side, side, radius=1.0, phi=phi)
+    return ld.crystal("hex", (side, side // 2), radius=1.0, phi=phi)
 
 
 def spacing(packing):
@@ -39,7 +39,7 @@ def begin(number, phi, start, seed):
     packing = crystal(number, phi)
     if start == "random":
         at = np.random.default_rng(seed).random((number, 2)) @ packing.box
-        packing = ld.push_off(replace(packing, positions=at))
+        packing = packing.replace(positions=at).push_off()
         with ld.Simulation(packing, LAW) as sim:
             packing = sim.relax(1e-2).packing
     return packing.positions
@@ -50,17 +50,17 @@ def leg(number, phi, temperature, seed, positions, law=LAW, bath=BATH, steps=STE
 
     Velocities are drawn anew, as the bath would. A droplet may find no shape: then the run ends.
     """
-    begun, packing = time.process_time(), replace(crystal(number, phi), positions=positions)
+    begun, packing = time.process_time(), crystal(number, phi).replace(positions=positions)
     rows, places, order = [], [], []
     try:
         with ld.Simulation(packing, law) as sim:
-            for state in ld.move(
-                sim, steps, temperature=temperature, every=steps // SAMPLES, seed=seed, **bath
-            ):
+            for state in sim.run(
+                steps, temperature=temperature, every=steps // SAMPLES, seed=seed, **bath
+            )[1:]:
                 rows.append(
                     {
                         "energy": state.energy / number,
-                        "pressure": state.pressure + number * temperature / packing.area,
+                        "pressure": state.pressure + number * temperature / packing.volume,
                         "stress": state.stress.tolist(),
                         "z": state.coordination,
                         "bath": state.temperature / temperature,
@@ -257,10 +257,10 @@ def pair(distances):
     energies, virials = [], []
     for distance in distances:
         places, box = [[0.0, 0.0], [distance, 0.0]], np.diag([12.0, 12.0])
-        with ld.Simulation(ld.Packing(places, [0, 0], [1.0], box), LAW) as sim:
+        with ld.Simulation(ld.Packing(places, 1.0, box), LAW) as sim:
             state = sim.state()
         energies.append(state.energy)
-        virials.append(2.0 * state.pressure * state.packing.area)
+        virials.append(2.0 * state.pressure * state.packing.volume)
     return np.array(energies), np.array(virials)
 
 
@@ -281,11 +281,11 @@ def dilute(phi, temperature=0.02, number=64, steps=20_000):
     """p A / N T of a gas by motion, and by virial coefficients; the third one is that of disks."""
     packing, rows = crystal(number, phi), []
     with ld.Simulation(packing, LAW) as sim:
-        for state in ld.move(sim, steps, temperature=temperature, every=10, seed=1, **BATH):
-            rows.append(1.0 + state.pressure * packing.area / number / temperature)
+        for state in sim.run(steps, temperature=temperature, every=10, seed=1, **BATH)[1:]:
+            rows.append(1.0 + state.pressure * packing.volume / number / temperature)
     blocks = np.array_split(rows[len(rows) // 10 :], 20)
     found, error = ld.jackknife([block.mean() for block in blocks])
-    x = second_virial(temperature)[0] * number / packing.area
+    x = second_virial(temperature)[0] * number / packing.volume
     return {
         "phi": phi,
         "temperature": temperature,
@@ -343,7 +343,7 @@ def quench(law, number, phi, positions, start, temperature):
     packing, energies = crystal(number, phi), []
     scaled = positions * packing.box[0, 0] / crystal(number, PHI).box[0, 0]
     for at in (packing.positions, scaled):
-        begun = ld.push_off(replace(packing, positions=at))
+        begun = packing.replace(positions=at).push_off()
         with ld.Simulation(begun, LAWS[law]) as sim:
             state = sim.relax(1e-3)
         energies.append(state.energy / number)
@@ -365,9 +365,7 @@ def polygons(number=16, vertices=76, steps=2000):
     The mass of a particle is shared by its vertices. Steps are the part 1/2 of the time in which
     the fastest vertex would turn by a radian; twice as long ones are unstable.
     """
-    model = ld.PolygonModel(
-        vertices=vertices, radius=0.02, kL=float(vertices), kA=30.0, kr=300.0, smooth=True
-    )
+    model = ld.DeformablePolygon(vertices, radius=0.02, kL=float(vertices), kA=30.0, kr=300.0)
     with ld.PolygonSimulation(crystal(number, 0.88), model) as sim:
         fastest = sim.polygons.fastest_frequency(model.kr) * math.sqrt(vertices)
         step = 0.5 / fastest

@@ -25,7 +25,7 @@ from typing import Any
 
 from lammps_deformable._files import make_folder
 from lammps_deformable.comparison import standard_polygons
-from lammps_deformable.polygons import PolygonModel
+from lammps_deformable.polygons import DeformablePolygon
 from lammps_deformable.progress import print_once, progress
 from lammps_deformable.versions import machine, versions
 from matplotlib.figure import Figure
@@ -50,10 +50,10 @@ class Plan:
     ablation: dict[str, Any]
     pareto: list[tuple[Any, ...]]
     smooth: list[tuple[int, int, int] | tuple[int, int, int, float, int]]
-    friction: list[tuple[PolygonModel]]
-    hysteresis: list[tuple[int, int, PolygonModel, float, int]]
-    crystal: list[tuple[PolygonModel, float]]
-    large: tuple[int, int, float, PolygonModel]
+    friction: list[tuple[DeformablePolygon]]
+    hysteresis: list[tuple[int, int, DeformablePolygon, float, int]]
+    crystal: list[tuple[DeformablePolygon, float]]
+    large: tuple[int, int, float, DeformablePolygon]
     mixtures: list[tuple[Any, ...]]
     shapes: dict[str, Any]
     stiffness: dict[str, Any]
@@ -87,7 +87,7 @@ FULL = Plan(
     ],
     hysteresis=[(16, 1, standard_polygons(80, smooth=kind), 0.03, 6) for kind in (True, False)],
     crystal=[(standard_polygons(n), a) for a in (0.01, 0.03) for n in (40, 80, 160)],
-    large=(128, 1, 0.01, PolygonModel()),
+    large=(128, 1, 0.01, DeformablePolygon(50, smooth=False)),
     mixtures=[(16, seed, 0.02, 76, kA, kP) for kA, kP in _MIXTURES for seed in _RIGID[:2]],
     shapes={},
     stiffness={},
@@ -102,7 +102,7 @@ QUICK = Plan(
     friction=[(standard_polygons(40, smooth=kind),) for kind in (True, False)],
     hysteresis=[(8, 1, standard_polygons(40, smooth=kind), 0.02, 2) for kind in (True, False)],
     crystal=[(standard_polygons(n), 0.03) for n in (40, 80)],
-    large=(48, 1, 0.01, PolygonModel()),
+    large=(48, 1, 0.01, DeformablePolygon(50, smooth=False)),
     mixtures=[(8, 1, 0.02, 57, kA, kP) for kA, kP in _MIXTURES],
     shapes={"indentations": (0.01, 0.02, 0.03), "number": 96},
     stiffness={"indentations": (0.01, 0.02, 0.03), "number": 94, "kL": (1.0, 1e2, 1e4)},

@@ -21,7 +21,7 @@ from lammps_deformable.comparison import (
     standard_polygons,
 )
 from lammps_deformable.jamming import jam
-from lammps_deformable.polygons import PolygonModel
+from lammps_deformable.polygons import DeformablePolygon
 from lammps_deformable.random import bidisperse
 from lammps_deformable.relax import TOLERANCE
 from matplotlib.figure import Figure
@@ -57,8 +57,8 @@ def smooth_rows(
     count: int,
     strain: float = 0.05,
     steps: int = 10,
-    rivals: Sequence[PolygonModel] = (),
-    model: PolygonModel | None = None,
+    rivals: Sequence[DeformablePolygon] = (),
+    model: DeformablePolygon | None = None,
 ) -> list[Row]:
     """`compression_rows` of a bidisperse packing.
 

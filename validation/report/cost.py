@@ -5,7 +5,6 @@ from __future__ import annotations
 import statistics
 import time
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -117,7 +116,7 @@ def _free_packing(number: int) -> tuple[Packing, str]:
     low = (margin - 0.98 * float(start.radii.max())) * np.ones(2)
     high = box.diagonal() - low
     sides = " ".join(repr(float(x)) for x in (low[0], high[0], low[1], high[1]))
-    free = replace(relaxed, positions=place + margin, box=box)
+    free = relaxed.replace(positions=place + margin, box=box)
     return free, f"region room block {sides} -0.5 0.5 units box"
 
 

@@ -10,7 +10,7 @@ import statistics
 import time
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -27,13 +27,12 @@ from lammps_deformable.comparison import (
     shape_errors,
     stiff_polygons,
 )
-from lammps_deformable.compression import compress
 from lammps_deformable.jamming import jam
 from lammps_deformable.lammps import run
 from lammps_deformable.laws import Law, Ring, Sector, per_species
 from lammps_deformable.packing import Packing
 from lammps_deformable.polygon_simulation import PolygonSimulation
-from lammps_deformable.polygons import PolygonModel
+from lammps_deformable.polygons import DeformablePolygon
 from lammps_deformable.random import bidisperse
 from lammps_deformable.relax import TOLERANCE, minimize_command
 from lammps_deformable.simulation import Simulation
@@ -81,7 +80,7 @@ class AtCenters:
 
 
 def strain_polygons(
-    start: Packing, model: PolygonModel, strain: float
+    start: Packing, model: DeformablePolygon, strain: float
 ) -> tuple[PolygonState, float]:
     """Polygons after one strain step from jamming, and the seconds of processor time."""
     with PolygonSimulation(start, model, comm=MPI.COMM_SELF) as polygons:
@@ -106,7 +105,7 @@ def strain_law(start: Packing, law: Law, strain: float) -> tuple[State, float]:
 
 def strain_disks(start: Packing, strain: float) -> float:
     """Seconds of processor time of soft disks for the same step, to the tolerance of the laws."""
-    force = TOLERANCE * strain * 2.0 * float(start.radius.mean())  # of the overlap, stiffness 1
+    force = TOLERANCE * strain * 2.0 * float(start.radii.mean())  # of the overlap, stiffness 1
     seconds = []
     for _ in range(_REPEATS):
         lmp = open_disks(start.at(start.phi / (1.0 - strain) ** 2))
@@ -132,7 +131,7 @@ def mixed_rows(
             large one instead, because no spring is rigid; `balanced, kP inf` is the law with the
             infinite value.
     """
-    radii = bidisperse(number).radii
+    radii = bidisperse(number, seed=1).radii
     model, rigid = stiff_polygons(radii, count, kA, kP), np.isinf(kP)
     rows, _ = packing_rows(number, seed, strain, model, rigid.tolist())
     return rows
@@ -142,7 +141,7 @@ def packing_rows(
     number: int,
     seed: int,
     strain: float,
-    model: PolygonModel,
+    model: DeformablePolygon,
     rigid: Sequence[bool] = (),
 ) -> tuple[list[Row], dict[str, AtCenters]]:
     """One bidisperse packing of polygons, strained from jamming in one step, against every law.
@@ -186,7 +185,7 @@ def packing_rows(
         "seconds": strain_disks(start, strain),
     }
     rows: list[Row] = [common | disk]
-    smooth = replace(start, radii=polygons.polygons.effective_radius)
+    smooth = start.replace(radii=polygons.polygons.effective_radius)
     comparisons = {}
     for name, law in matching_laws(model, polygons.polygons, rigid).items():
         comparison = comparisons[name] = AtCenters(polygons, predict(polygons, law, MPI.COMM_SELF))
@@ -234,7 +233,7 @@ def paper_packing(
     number: int = 128,
     strain: float = 0.01,
     steps: int = 1,
-    model: PolygonModel | None = None,
+    model: DeformablePolygon | None = None,
     seed: int = 1,
 ) -> dict[str, AtCenters]:
     """A bidisperse packing of rings of beads beyond jamming, against `sector` and `radical`.
@@ -248,7 +247,7 @@ def paper_packing(
     """
     jammed = jam(bidisperse(number, seed=seed))
     with PolygonSimulation(jammed, model) as polygons:
-        *_, state = compress(polygons, strain, steps)
+        state = polygons.compress(strain=strain, steps=steps)[-1]
     laws = {"sector": Sector(), "radical": Ring(contact="radical")}
     return {name: AtCenters(state, predict(state, law)) for name, law in laws.items()}
 

@@ -22,7 +22,7 @@ from lammps_deformable.errors import ParameterError
 from lammps_deformable.laws import Ring
 from lammps_deformable.packing import Packing
 from lammps_deformable.polygon_simulation import PolygonSimulation
-from lammps_deformable.polygons import PolygonModel, Walls
+from lammps_deformable.polygons import DeformablePolygon, Walls
 from lammps_deformable.state import PolygonState, steiner_point
 from matplotlib import colormaps
 from matplotlib.figure import Figure
@@ -112,7 +112,7 @@ class Squeezed:
 def squeeze(
     angle: NDArray[np.float64],
     indentations: Iterable[float],
-    model: PolygonModel,
+    model: DeformablePolygon,
     stick: bool,
     tolerance: float = 1e-3,
     step: float = STEP,
@@ -135,7 +135,7 @@ def squeeze(
         ParameterError: indentations do not rise, or the walls would reach the center; a step or a
             tolerance is not positive; an argument is of another kind.
     """
-    expect("model", model, PolygonModel)
+    expect("model", model, DeformablePolygon)
     angle = numbers("angle", angle)
     positive("step", step)
     largest = 0.5 * model.radius  # so that walls do not pass beads
@@ -148,9 +148,7 @@ def squeeze(
                 "stay below 1"
             )
     outer = 1.0 + model.radius  # walls stop the beads' rims, and R0 is where their centers are
-    packing = Packing(
-        np.zeros((1, 2)), np.zeros(1, int), np.array([outer]), 4.0 * outer * np.eye(2)
-    )
+    packing = Packing(np.zeros((1, 2)), outer, 4.0 * outer * np.eye(2))
     results: list[Squeezed] = []
     walls = Walls(angle, np.full(len(angle), outer), stick)
     with PolygonSimulation(packing, model, walls, MPI.COMM_SELF) as ring:
@@ -219,7 +217,7 @@ POLYGONS = (*map(regular, (3, 4, 5, 6)), *IRREGULAR.values())
 _STIFF_KP = (200.0, 400.0)
 
 
-def ring_in_walls(number: int, kL: float) -> PolygonModel:
+def ring_in_walls(number: int, kL: float) -> DeformablePolygon:
     """The ring of beads for walls: R0 = kA = 1.
 
     Walls are smooth, so that the radius of the beads does not matter; it bounds the steps of walls
@@ -227,7 +225,7 @@ def ring_in_walls(number: int, kL: float) -> PolygonModel:
     a hexagon at a/R0 = 0.05, and for soft springs far below p q/(2 pi kP), by which the ring
     expands. Stiffer walls would only cost time steps.
     """
-    return PolygonModel(vertices=number, radius=0.1, kL=kL, kA=1.0, kr=min(kL, 1e3))
+    return DeformablePolygon(number, radius=0.1, kL=kL, kA=1.0, kr=min(kL, 1e3), smooth=False)
 
 
 def shapes(

@@ -15,13 +15,12 @@ from lammps_deformable.comparison import (
     polygon_path,
     predict,
 )
-from lammps_deformable.compression import compress
 from lammps_deformable.errors import ParameterError
 from lammps_deformable.jamming import jam
 from lammps_deformable.lammps import run
 from lammps_deformable.packing import Packing
 from lammps_deformable.polygon_simulation import PolygonSimulation
-from lammps_deformable.polygons import PolygonModel
+from lammps_deformable.polygons import DeformablePolygon
 from lammps_deformable.random import bidisperse
 from lammps_deformable.relax import minimize_command
 from lammps_deformable.state import PolygonState
@@ -52,7 +51,7 @@ _ITERATIONS, _CALLS = 20_000, 50
 
 
 def sliding(
-    model: PolygonModel, indentation: float = 0.04, turns: int = 12, tolerance: float = 1e-4
+    model: DeformablePolygon, indentation: float = 0.04, turns: int = 12, tolerance: float = 1e-4
 ) -> dict[str, Any]:
     """The forces between two polygons that are pressed together, while one of them turns.
 
@@ -84,7 +83,7 @@ def sliding(
     # the polygon that turns lies in the middle of the box
     centers = np.array([[0.0, 2.0], [2.0 * touch, 2.0]])
     box = np.diag([4.0 * touch, 4.0])
-    packing = Packing(centers, np.zeros(2, np.int64), np.array([_RADIUS]), box)
+    packing = Packing(centers, _RADIUS, box)
     with PolygonSimulation(packing, model, comm=MPI.COMM_SELF) as pair:
         lmp = pair.lmp
         top, bottom = 1 + count // 4, 1 + 3 * count // 4  # of the first polygon, by atom ID
@@ -139,7 +138,7 @@ def _forces(state: PolygonState) -> tuple[float, float]:
 
 
 def hysteresis(
-    number: int, seed: int, model: PolygonModel, strain: float = 0.03, steps: int = 6
+    number: int, seed: int, model: DeformablePolygon, strain: float = 0.03, steps: int = 6
 ) -> list[dict[str, Any]]:
     """A packing of polygons compressed from jamming, and expanded again.
 
@@ -158,7 +157,7 @@ def hysteresis(
     start = jam(bidisperse(number, seed=seed))
     with PolygonSimulation(start, model, comm=MPI.COMM_SELF) as polygons, warnings.catch_warnings():
         warnings.simplefilter("ignore")  # the rows have the residuals
-        forth = list(compress(polygons, strain, steps))
+        forth = polygons.compress(strain=strain, steps=steps)[1:]
         back = []
         for n in range(steps - 1, 0, -1):
             polygons.deform(start.box * (1.0 - strain * n / steps))
@@ -182,7 +181,7 @@ def hysteresis(
 _SIDE = 4
 
 
-def crystal_row(model: PolygonModel, indentation: float) -> dict[str, Any]:
+def crystal_row(model: DeformablePolygon, indentation: float) -> dict[str, Any]:
     """Equal polygons pressed into hexagons, against the exact shape.
 
     Each polygon is a regular hexagon with round corners, for which the ring laws are exact (docs/
@@ -211,8 +210,7 @@ def _touching() -> Packing:
     step, height = 2.0 * _RADIUS, np.sqrt(3.0) * _RADIUS
     return Packing(
         np.column_stack([(column + 0.5 * (row % 2)) * step, row * height]),
-        np.zeros(_SIDE**2, np.int64),
-        np.array([_RADIUS]),
+        _RADIUS,
         np.diag([_SIDE * step, _SIDE * height]),
     )
 

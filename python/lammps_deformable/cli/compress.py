@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated
 
@@ -12,14 +11,14 @@ import typer
 from mpi4py import MPI
 
 from .._files import make_folder
+from ..compression import check_target
 from ..errors import ParameterError
 from ..jamming import jam
 from ..progress import print_once
-from ..recording import compress_in, compression
+from ..recording import check_tolerance
 from ..relax import TOLERANCE
 from ..run import Run
 from ..simulation import Simulation
-from ..state import DeformedState
 from ..store import refuse
 from .material_options import (
     Adhesion,
@@ -34,7 +33,7 @@ from .material_options import (
     Tension,
 )
 from .options import Overwrite, Resume, Tolerance
-from .output import draw, print_states
+from .output import draw, printing
 from .settings import PROTOCOL, Settings, check_same, check_together, given_settings
 
 _WAYS_OUT = (
@@ -121,26 +120,39 @@ def compress_command(
     folder = refuse(out, "compression" if replaced else None, _WAYS_OUT)
     if resume:
         check_same(folder, given)
-        states = Run(folder).resume()
+        done = Run(folder).steps_done or 0
+        run = Run(folder).resume(callback=printing(done, _COLUMNS))
     elif append:
         check_same(folder, {name: given[name] for name in given if name not in PROTOCOL})
-        states = Run(folder).compress(steps=steps, tolerance=tolerance, **settings.target)
+        done = len(Run(folder)) - 1
+        run = (
+            Run(folder)
+            .simulation()
+            .compress(
+                steps=steps,
+                tolerance=tolerance,
+                record=folder,
+                mode="a",
+                callback=printing(max(done, 0), _COLUMNS),
+                **settings.target,
+            )
+        )
+        done = 0
     else:
         check_together(settings, given)
-        states = _begin(folder, settings, overwrite)
-    done = max(len(Run(folder)) - 1, 0) if resume or append else 0
-    last = print_states(states, done, _COLUMNS)
-    if last is None:
+        run, done = _begin(folder, settings, overwrite), 0
+    if resume and run.steps_done == done:
         print_once(f"the compression in '{folder}' is complete")
     else:
-        draw(last, folder / "packing.png")
+        draw(run[-1], folder / "packing.png")
         print_once(f"wrote {folder} ({time.perf_counter() - began:.1f} s)")
 
 
-def _begin(folder: Path, settings: Settings, overwrite: bool) -> Iterator[DeformedState]:
+def _begin(folder: Path, settings: Settings, overwrite: bool) -> Run:
     """Jam or read a packing and compress it; errors of the settings come before any work."""
     began = time.perf_counter()
-    compression(settings.steps, settings.tolerance, **settings.target)
+    check_target(None, settings.steps, **settings.target)
+    check_tolerance(settings.tolerance)
     law, in_file = settings.contact_law(), settings.from_file is not None
     start = settings.packing_in_file(settings.dimension) if in_file else settings.random_start()
     if MPI.COMM_WORLD.rank == 0:
@@ -148,12 +160,12 @@ def _begin(folder: Path, settings: Settings, overwrite: bool) -> Iterator[Deform
     packing = start if in_file else jam(start)
     begun = f"{len(packing)} particles" if in_file else "jammed"
     print_once(f"{begun} at phi = {packing.phi:.5f} ({time.perf_counter() - began:.1f} s)")
-    return compress_in(
-        Simulation(packing, law),
-        folder,
+    return Simulation(packing, law).compress(
         steps=settings.steps,
         tolerance=settings.tolerance,
+        record=folder,
+        mode="w" if overwrite else "x",
+        callback=printing(0, _COLUMNS),
         parameters=settings.parameters,
-        overwrite=overwrite,
         **settings.target,
     )

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import importlib.util
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Sequence
+from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -14,23 +15,23 @@ from ..state import DeformedState
 DOTS = 150
 
 
-def print_states(
-    states: Iterator[DeformedState], done: int, columns: Sequence[str]
-) -> DeformedState | None:
-    """Print a line for each state as it comes, and return the last one if there is any.
+def printing(done: int, columns: Sequence[str]) -> Callable[[DeformedState], None]:
+    """A callback of protocols that prints a line for each state.
 
     Args:
-        states: of a run.
         done: number of steps before; the lines are numbered from there on.
         columns: names of `State.numbers`.
     """
-    first, state = done + 1, None
-    for step, state in enumerate(states, start=first):
-        if step == first:
+    steps = count(done + 1)
+
+    def show(state: DeformedState) -> None:
+        step = next(steps)
+        if step == done + 1:
             print_once("step " + " ".join(f"{name:>12}" for name in columns))
         row = state.numbers()
         print_once(f"{step:4d} " + " ".join(f"{row[name]:12.6g}" for name in columns))
-    return state
+
+    return show
 
 
 def draw(state: DeformedState, path: Path) -> None:

@@ -59,7 +59,7 @@ class InFile:
         elif word:
             radii = _number(word)
         path = str(self.from_file)
-        return Packing.from_file(path, radii, self.from_frame, dimension=dimension)
+        return Packing.from_file(path, radii=radii, frame=self.from_frame, dimension=dimension)
 
 
 @dataclass(frozen=True)
@@ -127,8 +127,8 @@ class Settings(Material):
         if self.polydispersity is None:
             start = bidisperse(
                 self.number,
-                self.radii,
-                self.fraction,
+                sizes=self.radii,
+                fraction_large=self.fraction,
                 aspect=self.aspect,
                 tilt=self.tilt,
                 seed=self.seed,
@@ -254,7 +254,7 @@ def _log_normal(settings: Settings, polydispersity: float) -> Packing:
     variance = math.log1p(width * width)
     return polydisperse(
         settings.number,
-        lambda rng: 0.5 * rng.lognormal(-0.5 * variance, math.sqrt(variance), settings.number),
+        lambda rng, n: 0.5 * rng.lognormal(-0.5 * variance, math.sqrt(variance), n),
         aspect=settings.aspect,
         tilt=settings.tilt,
         seed=settings.seed,
@@ -264,7 +264,7 @@ def _log_normal(settings: Settings, polydispersity: float) -> Packing:
 
 def _check_aspect(start: Packing, aspect: float) -> None:
     """Refuse a box that the largest particles span before they jam."""
-    thinnest = (4.0 * start.radius.max()) ** start.dimension
+    thinnest = (4.0 * start.radii.max()) ** start.dimension
     most = max(float(np.prod(start.box.diagonal())) / thinnest, 1.0)
     least = most ** (-1.0 / (start.dimension - 1))
     if not least <= aspect <= most:

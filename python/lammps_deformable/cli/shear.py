@@ -12,7 +12,6 @@ import typer
 
 from ..errors import ParameterError
 from ..progress import print_once
-from ..recording import shear_in
 from ..relax import TOLERANCE
 from ..run import Run
 from ..simulation import Deforming, Simulation
@@ -30,7 +29,7 @@ from .material_options import (
     Tension,
 )
 from .options import Overwrite, Resume, Tolerance, is_given
-from .output import draw, print_states
+from .output import draw, printing
 from .settings import Material, check_material, check_same, given_settings, option
 
 _WAYS_OUT = ("finish it with --resume", "replace it with --overwrite")
@@ -84,16 +83,26 @@ def shear_command(
         settings = {"strain": strain, "steps": steps, "tolerance": tolerance}
         again = {name: settings[name] for name in settings if is_given(context, name)}
         check_same(folder, again | given)
-        states = Run(folder).resume()
+        done = Run(folder).steps_done or 0
+        sheared = Run(folder).resume(callback=printing(done, _COLUMNS))
     else:
         sim, parameters = _begin(run, folder, material, given)
-        states = shear_in(sim, folder, strain, steps, tolerance, parameters, overwrite)
-    done = Run(folder).steps_done if resume else None
-    last = print_states(states, done or 0, _COLUMNS)
-    if last is None:
+        done, sheared = (
+            0,
+            sim.shear(
+                strain,
+                steps=steps,
+                tolerance=tolerance,
+                record=folder,
+                mode="w" if overwrite else "x",
+                callback=printing(0, _COLUMNS),
+                parameters=parameters,
+            ),
+        )
+    if resume and sheared.steps_done == done:
         print_once(f"the shear in '{folder}' is complete")
     else:
-        draw(last, folder / "packing.png")
+        draw(sheared[-1], folder / "packing.png")
         print_once(f"wrote {folder} ({time.perf_counter() - began:.1f} s)")
 
 

@@ -23,7 +23,7 @@ def test_it_begins_with_the_packing_as_it_is(here: Path, jammed: ld.Packing) -> 
     assert done.returncode == 0, done.stderr
     assert done.stdout.startswith(f"32 particles at phi = {jammed.phi:.5f}")
     with ld.Simulation(jammed, ld.Ring()) as sim:
-        *_, state = ld.compress(sim, strain=0.01, steps=1)
+        state = sim.compress(strain=0.01)[-1]
     run = ld.Run(here / "compress")
     np.testing.assert_allclose(run[-1].packing.box, state.packing.box, rtol=1e-14)
     assert run[-1].phi == pytest.approx(state.phi, rel=1e-4)
@@ -77,7 +77,7 @@ def test_shear_begins_with_it(here: Path, jammed: ld.Packing) -> None:
     assert done.returncode == 0, done.stderr
     law = ld.Ring(kA=math.inf, kP=0.0, tension=1.0)
     with ld.Simulation(jammed, law) as sim:
-        *_, state = ld.shear(sim, 0.01, 2)
+        state = sim.shear(0.01, steps=2)[-1]
     run = ld.Run(here / "shear")
     assert run[-1].law == law
     np.testing.assert_allclose(run[-1].packing.box, state.packing.box, rtol=1e-14, atol=1e-14)

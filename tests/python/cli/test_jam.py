@@ -22,7 +22,7 @@ def test_the_onset_is_saved(tmp_path: Path) -> None:
 
 
 def test_the_packing_in_a_file_is_jammed(tmp_path: Path) -> None:
-    ld.bidisperse(10, (0.5, 0.6), phi=0.7, seed=4).to_file(tmp_path / "a.xyz")
+    ld.bidisperse(10, sizes=(0.5, 0.6), phi=0.7, seed=4).to_file(tmp_path / "a.xyz")
     ask = ("jam", "--from", "a.xyz")
     done = command(*ask, "--law", "radical", cwd=tmp_path)
     assert done.returncode == 0, done.stderr

@@ -123,10 +123,10 @@ def test_species_of_the_package_and_radii_of_atoms(tmp_path: Path) -> None:
         f"ITEM: ATOMS id type x y size\n{rows}"
     )
     state = ld.state_in_file(dump, "droplets.deformable")
-    np.testing.assert_array_equal(state.packing.radius, [0.5, 0.7])
+    np.testing.assert_array_equal(state.packing.radii, [0.5, 0.7])
     np.testing.assert_allclose(state.area, np.pi * np.array([0.5, 0.7]) ** 2, rtol=1e-12)
     own = ld.state_in_file(dump, "droplets.deformable", radii="size")
-    np.testing.assert_array_equal(own.packing.radius, [0.4, 0.6])
+    np.testing.assert_array_equal(own.packing.radii, [0.4, 0.6])
     assert own.energy > 0
 
 

@@ -16,7 +16,7 @@ def test_command_line(tmp_path: Path) -> None:
     summary = json.loads((tmp_path / "compress" / "summary.json").read_text())
     assert summary["parameters"]["polydispersity"] == 0.1
     with ld.Run(tmp_path / "compress").simulation() as sim:
-        radius = sim.state().packing.radius
+        radius = sim.state().packing.radii
     assert len(np.unique(radius)) == 16
     # mean 0.5 and standard deviation 0.05 are known to 0.05/sqrt(16) and less
     assert radius.mean() == pytest.approx(0.5, abs=0.05)

@@ -35,7 +35,7 @@ def test_shear_starts_from_the_last_packing(folder: Path) -> None:
         rows = list(csv.DictReader(file))
     assert [float(row["strain"]) for row in rows] == [0.0, 0.005, 0.01, 0.015, 0.02]
     with ld.Run(folder / "run").simulation() as sim:
-        states = [sim.state(), *ld.shear(sim, 0.02, 4)]
+        states = [sim.state(), *sim.shear(0.02, steps=4)[1:]]
     assert [state.strain for state in states] == [None, 0.005, 0.01, 0.015, 0.02]
     for row, state in zip(rows, states, strict=True):
         assert float(row["shear_stress"]) == pytest.approx(-state.stress[0, 1], abs=1e-5)
@@ -49,7 +49,7 @@ def test_shear_starts_from_the_last_packing(folder: Path) -> None:
 def test_shear_resumes(folder: Path, tmp_path: Path) -> None:
     with ld.Run(folder / "run").simulation() as sim:
         before = {"before": ld.Run(folder / "run").parameters}
-        steps = ld.shear_in(sim, tmp_path / "part", 0.02, 4, parameters=before)
+        steps = sim.shear(0.02, record=tmp_path / "part", steps=4, parameters=before)[1:]
         next(steps)
     done = run("shear", "--resume", "--strain", "0.02", "--out", "part", cwd=tmp_path)
     assert done.returncode == 0, done.stderr

@@ -15,8 +15,8 @@ def shell(line: str) -> None:
 @pytest.fixture
 def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A folder with a packing of spheres and one of disks in it."""
-    ld.cubic("fcc", 2, phi=0.78).to_file(tmp_path / "space.xyz")
-    ld.bidisperse(8, dimension=2).to_file(tmp_path / "plane.xyz")
+    ld.crystal("fcc", 2, phi=0.78).to_file(tmp_path / "space.xyz")
+    ld.bidisperse(8, dimension=2, seed=1).to_file(tmp_path / "plane.xyz")
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
@@ -46,7 +46,7 @@ def test_jam_finds_the_onset_of_droplets(here: Path) -> None:
 
 def test_droplets_in_a_dump_are_drawn(here: Path) -> None:
     """With a tension and a radius for each type."""
-    packing = ld.push_off(ld.bidisperse(8, ratio=1.2, dimension=3).at(0.6))
+    packing = ld.bidisperse(8, sizes=(0.5, 0.6), dimension=3, seed=1).at(0.6).push_off()
     law = ld.Droplet([1.0, 1.5])
     with ld.Simulation(packing, law) as sim:
         expected = sim.state()
@@ -91,9 +91,9 @@ def test_nonsense_is_told(line: str, message: str, here: Path) -> None:
 
 def test_nonsense_of_pictures_is_told(here: Path) -> None:
     """Of a packing in space, and of one in the plane."""
-    with ld.Simulation(ld.cubic("fcc", 2, phi=0.78), ld.Droplet()) as sim:
+    with ld.Simulation(ld.crystal("fcc", 2, phi=0.78), ld.Droplet()) as sim:
         sim.state().save("space")
-    with ld.Simulation(ld.triangular(4, 4, phi=0.92), ld.Ring()) as sim:
+    with ld.Simulation(ld.crystal("hex", (4, 2), phi=0.92), ld.Ring()) as sim:
         sim.state().save("plane")
     for line, message in (
         ("plot space --spins", "spins is for states in the plane"),

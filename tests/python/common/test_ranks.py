@@ -39,7 +39,7 @@ def strained(seed: int) -> list[object]:
     """As in the script, in this process."""
     jammed = ld.jam(ld.bidisperse(8, seed=seed))
     with ld.Simulation(jammed, ld.Ring()) as sim:
-        *_, state = ld.compress(sim, 0.02, 2)
+        state = sim.compress(strain=0.02, steps=2)[-1]
     return [state.energy, state.packing.positions.tolist()]
 
 

@@ -11,11 +11,11 @@ import pytest
 def test_a_call_that_does_nothing_warns(protocol: str, state: ld.State, tmp_path: Path) -> None:
     with ld.Simulation(state.packing, state.law) as sim:
         calls = {
-            "compress": lambda: ld.compress(sim, 0.001, 2),
-            "shear": lambda: ld.shear(sim, 0.001, 2),
-            "move": lambda: ld.move(sim, 10),
+            "compress": lambda: sim.compress(strain=0.001, steps=2)[1:],
+            "shear": lambda: sim.shear(0.001, steps=2)[1:],
+            "move": lambda: sim.run(10)[1:],
             "record": lambda: ld.record([state], tmp_path),
-            "compress_in": lambda: ld.compress_in(sim, tmp_path / "run", 0.001, 2),
+            "compress_in": lambda: sim.compress(record=tmp_path / "run", strain=0.001, steps=2)[1:],
         }
         said = rf"^{protocol} has done nothing: .*list\({protocol}"
         with pytest.warns(RuntimeWarning, match=said):
@@ -30,9 +30,9 @@ def test_nothing_is_written_before_the_first_step(state: ld.State, tmp_path: Pat
     folder = tmp_path / "run"
     with ld.Simulation(state.packing, state.law) as sim:
         with pytest.warns(RuntimeWarning, match="^compress_in has done nothing"):
-            ld.compress_in(sim, folder, 0.001, 2)
+            sim.compress(record=folder, strain=0.001, steps=2)
         assert not folder.exists()
-        list(ld.compress_in(sim, folder, 0.001, 2))
+        sim.compress(record=folder, strain=0.001, steps=2)
     run = ld.Run(folder)
     before = {path.name: path.read_bytes() for path in folder.iterdir()}
     with pytest.warns(RuntimeWarning, match=r"^Run\.compress has done nothing"):

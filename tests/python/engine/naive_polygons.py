@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import lammps_deformable as ld
 import numpy as np
+from lammps_deformable.polygons import Walls
 
 
 def area(outline: np.ndarray) -> float:
@@ -25,9 +26,10 @@ def naive(state: ld.PolygonState, outlines: list[np.ndarray], box: np.ndarray) -
     """Energy, forces on beads and forces of ring j's image on ring i, for these beads."""
     model, rest, kinds = state.model, state.polygons, state.packing.species
     energy, force, contacts = 0.0, [np.zeros_like(outline) for outline in outlines], {}
-    for outline, f, kind in zip(outlines, force, kinds, strict=True):
+    particles = zip(outlines, force, kinds, state.packing.radii, strict=True)
+    for outline, f, kind, whole in particles:
         count = len(outline)
-        radius = state.packing.radii[kind] - model.radius
+        radius = whole - model.radius
         rest_length = 2.0 * radius * np.sin(np.pi / count)
         rest_area = 0.5 * count * radius**2 * np.sin(2.0 * np.pi / count)
         kA, kL = rest.kA[kind], rest.kL[kind]
@@ -58,14 +60,14 @@ def naive(state: ld.PolygonState, outlines: list[np.ndarray], box: np.ndarray) -
 
 def pair(width: float) -> ld.Packing:
     """Two equal particles that meet each other through four images, 45 degrees off the axes."""
-    return ld.Packing([[0.0, 0.0], [0.5 * width, 0.5 * width]], [0, 0], [0.5], width * np.eye(2))
+    return ld.Packing([[0.0, 0.0], [0.5 * width, 0.5 * width]], 0.5, width * np.eye(2))
 
 
-def square(height: float, stick: bool = False) -> ld.Walls:
-    return ld.Walls(0.3 + np.arange(4) * np.pi / 2.0, np.full(4, height), stick)
+def square(height: float, stick: bool = False) -> Walls:
+    return Walls(0.3 + np.arange(4) * np.pi / 2.0, np.full(4, height), stick)
 
 
-ALONE = ld.Packing(np.zeros((1, 2)), [0], [0.5], 3.0 * np.eye(2))
+ALONE = ld.Packing(np.zeros((1, 2)), 0.5, 3.0 * np.eye(2))
 
 
-LONE_BEADS = ld.PolygonModel(vertices=40, radius=0.03)
+LONE_BEADS = ld.DeformablePolygon(40, radius=0.03, smooth=False)

@@ -117,7 +117,7 @@ import lammps_deformable as ld
 from mpi4py import MPI
 rank = MPI.COMM_WORLD.rank
 sys.stderr = open(f"errors{{rank}}", "w", buffering=1)
-packing = ld.triangular(4, 4, phi=0.92)
+packing = ld.crystal("hex", (4, 2), phi=0.92)
 if {made}:
     sim = ld.Simulation(packing, ld.Ring())
 {calls}
@@ -167,7 +167,7 @@ import time
 import lammps_deformable as ld
 from mpi4py import MPI
 rank = MPI.COMM_WORLD.rank
-sim = ld.Simulation(ld.triangular(4, 4, phi=0.92), ld.Ring())
+sim = ld.Simulation(ld.crystal("hex", (4, 2), phi=0.92), ld.Ring())
 if rank == 1:
     time.sleep(4)
 first = sim.relax()

@@ -44,7 +44,7 @@ def test_contacts(states: dict[str, ld.State]) -> None:
         direction = np.arctan2(apart[1], apart[0])
         turn = np.remainder(row["angle"] - row["tilt"] - direction + np.pi, 2 * np.pi) - np.pi
         assert abs(turn) < 1e-12
-        heights = state.packing.radius[[i, j]] - (row["indentation"], other["indentation"])
+        heights = state.packing.radii[[i, j]] - (row["indentation"], other["indentation"])
         assert sum(heights) == pytest.approx(row["distance"] * np.cos(row["tilt"]), rel=1e-9)
     assert 0.01 < np.abs(table["tilt"]).max() < 0.1
     assert (states["balanced"].contact_table["tilt"] == 0).all()
@@ -77,7 +77,7 @@ def test_runs(tmp_path: Path) -> None:
     jammed = ld.jam(ld.bidisperse(16, seed=1))
     law, folder = ld.Ring(contact="curved"), tmp_path / "run"
     with ld.Simulation(jammed, law, MPI.COMM_SELF) as sim:
-        *_, last = ld.compress_in(sim, folder, strain=0.02, steps=2)
+        last = sim.compress(record=folder, strain=0.02, steps=2)[-1]
     with ld.Run(folder).simulation(MPI.COMM_SELF) as again:
         assert again.law == law
         assert again.state().energy == pytest.approx(last.energy, rel=1e-9)

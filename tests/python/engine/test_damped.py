@@ -32,7 +32,7 @@ def test_critical_damping(softest: float) -> None:
 @pytest.mark.parametrize("ratio", [1.4, 5.0])
 def test_settled_disks(ratio: float) -> None:
     """The minimum is that of the minimizer, also with many small disks around a large one."""
-    packing = ld.push_off(ld.bidisperse(60, ratio=ratio, phi=0.95, seed=3))
+    packing = ld.bidisperse(60, sizes=(0.5, 0.5 * ratio), phi=0.95, seed=3).push_off()
     minimized = relax_at_pressure(packing, 0.02, 1e-9, 1000, lambda *values: None)
     pushed = minimized.packing.at(minimized.packing.phi * 1.001)
     found = settle_at_pressure(pushed, 0.02, 1e-6, 10_000, lambda *values: None)

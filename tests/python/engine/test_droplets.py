@@ -25,7 +25,7 @@ def test_relaxation(squeezed: ld.Packing, contact: str) -> None:
         state = sim.relax(1e-6)
     assert not state.stalled
     assert state.residual <= 1e-6
-    radius = squeezed.radius
+    radius = squeezed.radii
     np.testing.assert_allclose(state.area, np.pi * radius**2, rtol=1e-12)
     assert state.energy == pytest.approx(np.sum(state.perimeter - 2 * np.pi * radius), rel=1e-8)
     assert (state.particle_pressure >= 1.0 / radius * (1 - 1e-12)).all()
@@ -47,7 +47,7 @@ def test_motion(squeezed: ld.Packing) -> None:
     with ld.Simulation(squeezed, DROPLETS) as sim:
         sim.relax(1e-4)
         for temperature in (1e-8, 1e-3):
-            states = list(ld.move(sim, 400, temperature=temperature, every=40, seed=1))
+            states = sim.run(400, temperature=temperature, every=40, seed=1)[1:]
             total = [state.energy + state.kinetic_energy for state in states[1:]]
             kinetic = np.mean([state.kinetic_energy for state in states[1:]])
             assert np.ptp(total) < 0.05 * kinetic

@@ -80,7 +80,7 @@ def test_the_enthalpy_is_least(jammed: ld.Packing, law: ld.Ring | None, pressure
     """Any small strain of the box raises E + p A of the relaxed packing."""
 
     def enthalpy(state: Any) -> float:
-        return float(state.energy + pressure * state.packing.area)
+        return float(state.energy + pressure * state.packing.volume)
 
     with simulation(jammed, law) as sim:
         rest = sim.relax(1e-8, pressure=pressure, box="shape")
@@ -132,8 +132,8 @@ def test_fix_box_relax_comes_to_the_same_packing(
 
 
 def test_walls_are_scaled_with_the_box() -> None:
-    scene = [*ld.rectangle(8, 7), ld.Disk((3, 3), 1.0)]
-    start = ld.push_off(ld.bidisperse(24, seed=1).between(scene).at(0.75))
+    scene = [ld.BoxWall((8, 7)), ld.Sphere(1.0, (3, 3), inside=False)]
+    start = ld.bidisperse(24, seed=1).between(scene).at(0.75).push_off()
     for sim in (ld.Simulation(start, ld.Ring()), ld.Disks(start)):
         with sim:
             state = sim.relax(1e-5, pressure=1e-3)
@@ -146,7 +146,7 @@ def test_walls_are_scaled_with_the_box() -> None:
 
 def test_particles_that_stick() -> None:
     sticky = ld.Ring(kA=math.inf, kP=0.0, tension=1.0, contact="curved", adhesion=0.2)
-    start = ld.push_off(ld.bidisperse(16, phi=0.9, seed=1))
+    start = ld.bidisperse(16, phi=0.9, seed=1).push_off()
     with ld.Simulation(start, sticky) as sim:
         state = sim.relax(1e-5, pressure=0.03, box="shape")
     assert np.abs(excess(state, 0.03)).max() <= 1e-6

@@ -33,14 +33,14 @@ def interrupted(work: Callable[[], object]) -> float:
 
 
 def test_a_block_of_a_motion_ends_at_once() -> None:
-    packing = ld.push_off(ld.bidisperse(20, phi=0.7, seed=1))
+    packing = ld.bidisperse(20, phi=0.7, seed=1).push_off()
     with ld.Simulation(packing, ld.Ring(), MPI.COMM_SELF) as sim:
-        motion = ld.move(sim, 10**8, 0.01, temperature=1e-6, every=10**8, seed=1)
+        motion = sim.run(10**8, timestep=0.01, temperature=1e-6, seed=1)[1:]
         assert interrupted(lambda: next(motion)) < 2.0  # the block takes 20 minutes
         steps = sim.lmp.extract_global("ntimestep")
         assert 0 < steps < 10**8
         assert sim.time == pytest.approx(0.01 * steps, rel=1e-12)
-        *_, state = ld.move(sim, 100, 0.01)
+        state = sim.run(100, timestep=0.01)[-1]
         assert state.time == pytest.approx(0.01 * (steps + 100), rel=1e-12)
         assert sim.relax().residual <= 1e-6
 
@@ -48,7 +48,7 @@ def test_a_block_of_a_motion_ends_at_once() -> None:
 def test_a_minimization_ends_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
     for limit in ("deforming._PATIENCE", "fire._ITERATIONS"):
         monkeypatch.setattr(f"lammps_deformable.engine.{limit}", 10**8)
-    packing = ld.push_off(ld.bidisperse(20, phi=0.7, seed=1))
+    packing = ld.bidisperse(20, phi=0.7, seed=1).push_off()
     with ld.Simulation(packing, ld.Ring(), MPI.COMM_SELF) as sim:
         sim.lmp.command("fix down all addforce 0 1e-6 0")  # a fall without end
         assert interrupted(sim.relax) < 2.0

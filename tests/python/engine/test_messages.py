@@ -6,7 +6,7 @@ import pytest
 
 def test_a_larger_diameter() -> None:
     """The species file is LAMMPS' way; `Simulation` writes that file itself."""
-    packing = ld.push_off(ld.polydisperse(3, [0.5, 0.6, 0.7], phi=0.4, seed=1))
+    packing = ld.polydisperse(3, [0.5, 0.6, 0.7], phi=0.4, seed=1).push_off()
     with ld.Simulation(packing, ld.Ring()) as sim:
         sim.lmp.command("set atom 1 diameter 3")
         with pytest.raises(ld.LammpsError, match="in Python: restart from a packing with"):

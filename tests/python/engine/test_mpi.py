@@ -30,8 +30,8 @@ seen = [state.phi, state.pressure, state.energy, state.coordination]
 CONTACTS = "seen += [*table['i'].tolist(), *table['j'].tolist()]"
 JAMMED = "start = ld.jam(ld.{})"
 POLYGONS = """
-jammed = ld.jam(ld.bidisperse(6, seed=3, tilt=0.2))
-with ld.PolygonSimulation(jammed, ld.PolygonModel({beads})) as rings:
+jammed = ld.jam(ld.bidisperse(6, tilt=0.2, seed=3))
+with ld.PolygonSimulation(jammed, ld.DeformablePolygon({beads})) as rings:
     rings.deform({stretch} * rings.box)
     {relax}
     state = rings.state()
@@ -42,29 +42,29 @@ for values in state.packing.positions, table.force, table.i, table.j, table.imag
 """
 SMOOTH = "vertices=30, radius=0.025, kL=180.0, kr=10.0, smooth=True"
 WALLS = """
-scene = [ld.Circle((0, 0), 6), ld.Disk((2, 0), 1)]
+scene = [ld.Sphere(6, (0, 0)), ld.Sphere(1, (2, 0), inside=False)]
 scene.append(ld.Segment((-3, -2), (-3, 2)))
 loose = ld.bidisperse(48, seed=3).between(scene, seed=1)
-start = ld.push_off(loose.at(0.84))
+start = loose.at(0.84).push_off()
 """
 WALLS_IN_SPACE = """
 lids = [ld.Plane((0, 0, z), (0, 0, 1 - z)) for z in (0, 2)]
-scene = [ld.Cylinder((0, 0, 0), 2), *lids, ld.Ball((1, 0, 1), 0.4)]
-loose = ld.bidisperse(32, seed=3, dimension=3).between(scene, seed=1)
-start = ld.push_off(loose.at(0.6))
+scene = [ld.Cylinder(2, "z", (0, 0, 0)), *lids, ld.Sphere(0.4, (1, 0, 1), inside=False)]
+loose = ld.bidisperse(32, dimension=3, seed=3).between(scene, seed=1)
+start = loose.at(0.6).push_off()
 with ld.Simulation(start, ld.Droplet()) as sim:
     *_, state = ld.compress(sim, 0.02, 2, 1e-8)
 seen = [state.phi, state.pressure, state.energy, *state.wall_forces.ravel()]
 """
 MOTION = """
-packing = ld.push_off(ld.bidisperse(32, phi=0.9, seed=3))
+packing = ld.bidisperse(32, phi=0.9, seed=3).push_off()
 with ld.Simulation(packing, ld.Ring()) as sim:
     (free,) = ld.move(sim, 100, 0.2, temperature=1e-6, seed=1)
     *_, bath = ld.move(sim, 100, 0.2, temperature=1e-6, friction=0.1, every=50, seed=1)
 alike = MPI.COMM_WORLD.allgather(bath.temperature)  # each rank has its own noise
 assert alike == alike[:1] * len(alike)
 seen = [free.energy, free.kinetic_energy]
-rough = ld.Friction(0.4, 0.01, 0.001, damp=0.01)
+rough = ld.Friction(0.4, kt=0.01, gt=0.001, damping=0.01)
 with ld.Simulation(packing, ld.Ring(), friction=rough) as sim:
     (rubbed,) = ld.move(sim, 50, 0.2, temperature=1e-4, seed=1)
 with ld.Simulation(rubbed, ld.Ring()) as sim:  # springs reach their ranks
@@ -79,7 +79,9 @@ SCENES = {
     # relaxations end within 1e-6 of the mean contact force, in slightly different states
     "species": (JAMMED.format("bidisperse(32, seed=3)") + TIGHT + CONTACTS, 1e-6, 0),
     "particles": (
-        JAMMED.format("polydisperse(32, lambda rng: rng.uniform(0.4, 0.6, 32))") + TIGHT + CONTACTS,
+        JAMMED.format("polydisperse(32, lambda rng, n: rng.uniform(0.4, 0.6, n), seed=1)")
+        + TIGHT
+        + CONTACTS,
         1e-6,
         0,
     ),
@@ -150,9 +152,9 @@ for law, pressure in ((None, 1e-7), (ld.Ring(contact="radical"), 1e-10)):
     jammed = ld.jam(loose, law, pressure=pressure, tolerance=1e-5, comm=comm)
     everywhere = comm.allgather(jammed.positions)
     assert all(np.array_equal(jammed.positions, other) for other in everywhere)
-    with lammps_deformable.starts.simulate(jammed, law) as sim:
+    with ld.starts.simulate(jammed, law) as sim:
         state = sim.state()
-    unit = lammps_deformable.jamming.natural_pressure(jammed, law)
+    unit = ld.jamming.natural_pressure(jammed, law)
     if comm.rank == 0:
         print(jammed.positions.sum().hex(), state.phi, state.pressure / unit / pressure)
 """

@@ -9,8 +9,8 @@ GRAVITY = 1e-3
 @pytest.fixture(scope="module")
 def start() -> ld.Packing:
     """Loose in a box with walls: no contact bears a force."""
-    walls = ld.rectangle(10, 12)
-    return ld.push_off(ld.bidisperse(30, seed=1).between(walls))
+    walls = ld.BoxWall((10, 12)).parts
+    return ld.bidisperse(30, seed=1).between(walls).push_off()
 
 
 @pytest.mark.parametrize("law", [ld.Ring(), ld.Ring(kA=10.0, kP=0.0, tension=0.05)])
@@ -31,7 +31,7 @@ def test_a_heap_under_its_weight(start: ld.Packing, law: ld.Ring) -> None:
 
 def test_free_fall_has_no_end(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("lammps_deformable.simulation._PATIENCE", 3000)
-    loose = ld.push_off(ld.bidisperse(8, phi=0.4, seed=1))
+    loose = ld.bidisperse(8, phi=0.4, seed=1).push_off()
     with ld.Simulation(loose, ld.Ring()) as sim:
         sim.lmp.command(f"fix down all addforce 0 {-GRAVITY} 0")
         with pytest.warns(ld.StalledWarning):
@@ -53,13 +53,13 @@ def test_forces_of_motion_are_refused(start: ld.Packing, fix: str) -> None:
 def test_relaxation_within_a_motion(start: ld.Packing) -> None:
     """The heat bath of `move` is no fix of a user."""
     with ld.Simulation(start, ld.Ring()) as sim:
-        for _ in ld.move(sim, 2, 0.01, temperature=1e-6, friction=1.0, every=1, seed=1):
+        for _ in sim.run(2, timestep=0.01, temperature=1e-6, drag=1.0, every=1, seed=1)[1:]:
             assert not sim.relax().velocities.any()
 
 
 def test_fixes_without_forces_change_nothing() -> None:
     """Contacts that hardly overlap bear next to nothing: the packing is loose, with any output."""
-    packing = ld.Packing([[2, 2], [3 - 1e-9, 2]], [0, 0], [0.5], [[9, 0], [0, 9]])
+    packing = ld.Packing([[2, 2], [3 - 1e-9, 2]], 0.5, [[9, 0], [0, 9]])
     with ld.Simulation(packing, ld.Ring()) as sim:
         sim.lmp.command("compute t all temp")
         sim.lmp.command("fix out all ave/time 1 1 1 c_t")

@@ -1,7 +1,6 @@
 """Particles with radii of their own, from the onset of jamming to the files."""
 
 import warnings
-from dataclasses import replace
 from pathlib import Path
 
 import lammps_deformable as ld
@@ -17,7 +16,7 @@ RADICAL = ld.Ring(kA=2.0, contact="radical")
 
 @pytest.fixture(scope="module")
 def start() -> ld.Packing:
-    return ld.polydisperse(24, lambda rng: rng.lognormal(-0.7, 0.15, 24), tilt=0.3, seed=4)
+    return ld.polydisperse(24, lambda rng, n: rng.lognormal(-0.7, 0.15, 24), tilt=0.3, seed=4)
 
 
 @pytest.fixture(scope="module")
@@ -28,14 +27,14 @@ def jammed(start: ld.Packing) -> ld.Packing:
 @pytest.fixture(scope="module")
 def state(jammed: ld.Packing) -> ld.State:
     with ld.Simulation(jammed, RADICAL) as sim:
-        (last,) = ld.compress(sim, strain=0.01, steps=1)
+        (last,) = sim.compress(strain=0.01)[1:]
     return last
 
 
 def test_two_sizes_jam_as_two_species_do() -> None:
     """The same onset, in another style of LAMMPS."""
     two = ld.bidisperse(32, seed=3)
-    many = ld.polydisperse(32, two.radius, seed=3)
+    many = ld.polydisperse(32, two.radii, seed=3)
     expected, found = ld.jam(two), ld.jam(many)
     # the pressure is 1 to 2e-6 there and rises by 0.3 or so per phi
     assert found.phi == pytest.approx(expected.phi, abs=1e-5)
@@ -45,7 +44,7 @@ def test_disks_are_the_same_in_both_styles() -> None:
     """Forces and pressure of overlapping disks, which both styles sum in an order of their own."""
     two = ld.bidisperse(32, phi=0.8, tilt=0.2, seed=3)
     found = []
-    for packing in (two, replace(two, particle_radii=two.radius)):
+    for packing in (two, two._with_own_radii()):
         lmp = open_disks(packing)
         run(lmp, "run 0")
         found.append((gather(lmp, "f", 3), lmp.get_thermo("c_deformable_virial")))
@@ -61,7 +60,7 @@ def test_two_sizes_are_two_species() -> None:
     """Energy, stress, shapes and contacts of the same packing, defined in both ways."""
     two = ld.jam(ld.bidisperse(24, seed=2))
     two = two.at(1.02 * two.phi)
-    many = replace(two, particle_radii=two.radius)
+    many = two._with_own_radii()
     for law in (RADICAL, ld.Ring(kP=5.0, skin=0.02), ld.Sector()):
         states = []
         for packing in (two, many):
@@ -87,12 +86,11 @@ def test_loose_particles_relax_to_nothing(jammed: ld.Packing) -> None:
 
 def test_particles_may_grow_up_to_their_species(state: ld.State) -> None:
     """LAMMPS commands may change radii; states have the new ones."""
-    room = replace(state.packing, radii=2.0 * state.packing.radii)
-    with ld.Simulation(room, RADICAL) as sim:
+    with ld.Simulation(state.packing, RADICAL) as sim:
         assert sim.state().energy == pytest.approx(state.energy, rel=1e-9)
         sim.lmp.command("set atom 3 diameter 0.4")
-        assert sim.state().packing.radius[2] == 0.2
-        sim.lmp.command(f"set atom 3 diameter {5.0 * float(state.packing.radii[0])}")
+        assert sim.state().packing.radii[2] == 0.2
+        sim.lmp.command(f"set atom 3 diameter {2.5 * float(state.packing.radii.max())}")
         with pytest.raises(ld.LammpsError, match=r"Atom 3 has a radius of .* at most"):
             sim.state()
 
@@ -105,7 +103,7 @@ def test_wide_distributions_reach_the_tolerance(width: float, seed: int, contact
     """Radii up to 12 times as large as others."""
     start = ld.polydisperse(64, stats.lognorm(width, scale=0.5), seed=seed)
     with ld.Simulation(ld.jam(start), ld.Ring(contact=contact)) as sim:
-        for state in ld.compress(sim, strain=0.02, steps=2):
+        for state in sim.compress(strain=0.02, steps=2)[1:]:
             assert not state.stalled
             assert state.residual <= 1e-6
             assert state.energy > 0.0
@@ -121,7 +119,6 @@ def test_saved_state_goes_on_as_it_was(
     with ld.Run(tmp_path).simulation() as sim:
         again = sim.state()
         masses = np.array(sim.lmp.gather("rmass", 1, 1))
-    assert np.array_equal(again.packing.radius, state.packing.radius)
     assert np.array_equal(again.packing.radii, state.packing.radii)
     assert again.energy == pytest.approx(expected.energy, rel=1e-12)
     assert masses == pytest.approx(np.ones(24))
@@ -131,7 +128,7 @@ def test_trajectory_has_the_radii(jammed: ld.Packing, tmp_path: Path) -> None:
     import MDAnalysis
 
     with ld.Simulation(jammed, ld.Ring()) as sim:
-        list(ld.record(ld.compress(sim, strain=0.01, steps=2), tmp_path))
+        sim.compress(strain=0.01, steps=2, record=tmp_path)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of MDAnalysis
         universe = MDAnalysis.Universe(
@@ -143,7 +140,7 @@ def test_trajectory_has_the_radii(jammed: ld.Packing, tmp_path: Path) -> None:
         )
         radii = [frame.data["radius"].copy() for frame in universe.trajectory]
     assert len(radii) == 3
-    np.testing.assert_allclose(radii, [jammed.radius] * 3, rtol=1e-12)
+    np.testing.assert_allclose(radii, [jammed.radii] * 3, rtol=1e-12)
 
 
 def test_picture(state: ld.State) -> None:
@@ -153,15 +150,15 @@ def test_picture(state: ld.State) -> None:
 
 
 def test_rings_of_beads_refuse_particle_radii(jammed: ld.Packing) -> None:
-    with pytest.raises(ld.ParameterError, match="particle_radii"):
-        ld.PolygonSimulation(jammed)
+    with pytest.raises(ld.ParameterError, match="a species of its own"):
+        ld.PolygonSimulation(jammed, ld.DeformablePolygon(50, smooth=False))
 
 
 def test_outline_is_of_the_radius_of_its_own(state: ld.State) -> None:
     """Not of that of its species."""
-    n = int(state.packing.radius.argmin())
+    n = int(state.packing.radii.argmin())
     seen = state.contact_tables[n]
     expected = core.outline(
-        "ring", state.packing.radius[n], seen["angle"], seen["indentation"], same_area=True
+        "ring", state.packing.radii[n], seen["angle"], seen["indentation"], same_area=True
     )
     assert np.array_equal(state.outlines[n], state.packing.positions[n] + expected)

@@ -1,6 +1,5 @@
 """Polygons of beads and smooth polygons: what both have in common."""
 
-import dataclasses
 from dataclasses import dataclass
 
 import lammps_deformable as ld
@@ -16,17 +15,17 @@ pytestmark = pytest.mark.filterwarnings("error")
 class Kind:
     """Polygons, a tolerance that they reach, and how alike their contacts are then."""
 
-    model: ld.PolygonModel
+    model: ld.DeformablePolygon
     tolerance: float
     alike: float
     loose: float  # phi below jamming at which they do not touch
 
 
 KINDS = {
-    "beads": Kind(ld.PolygonModel(vertices=24), 0.01, 0.02, 0.02),
+    "beads": Kind(ld.DeformablePolygon(24, smooth=False), 0.01, 0.02, 0.02),
     # 40 vertices with 10 in each quarter: the four contacts are alike
     "smooth": Kind(
-        ld.PolygonModel(vertices=40, radius=0.025, kL=240.0, kr=10.0, smooth=True),
+        ld.DeformablePolygon(40, radius=0.025, kL=240.0, kr=10.0),
         1e-6,
         1e-3,
         0.03,
@@ -72,14 +71,14 @@ def test_loose_rings_relax_at_once(kind: Kind, change: float, six: ld.Packing) -
 @pytest.mark.parametrize("smooth", [True, False])
 def test_phi_has_the_radius_of_vertices(smooth: bool, radius: float, six: ld.Packing) -> None:
     """Round polygons fill the circles that a law has, whatever the radius of their vertices."""
-    model = ld.PolygonModel(vertices=120, radius=radius, smooth=smooth)
+    model = ld.DeformablePolygon(120, radius=radius, smooth=smooth)
     with ld.PolygonSimulation(six.at(0.5), model) as rings:
         state = rings.state()
     circles = np.pi * state.polygons.effective_radius[six.species] ** 2
     area = np.prod(state.packing.box.diagonal())
     assert state.phi == pytest.approx(circles.sum() / area, rel=1e-3)  # 1 - pi^2/(3 N_v^2)
     law = ld.Ring(skin=state.polygons.skin.tolist())
-    same = dataclasses.replace(state.packing, radii=state.polygons.effective_radius)
+    same = state.packing.replace(radii=state.polygons.effective_radius[six.species])
     with ld.Simulation(same, law) as sim:
         assert state.phi == pytest.approx(sim.state().phi, rel=1e-3)
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from lammps_deformable import core
 from lammps_deformable.lammps import gather
+from lammps_deformable.polygons import Walls
 from naive_polygons import ALONE, LONE_BEADS, naive, square
 
 pytestmark = pytest.mark.filterwarnings("error")
@@ -35,11 +36,9 @@ def test_beads_keep_their_place_on_walls_that_stick() -> None:
     slides = {}
     for stick in (True, False):
         angle = np.array([0.0, 1.8, 3.9])
-        with ld.PolygonSimulation(
-            ALONE, LONE_BEADS, ld.Walls(angle, np.full(3, 0.5), stick)
-        ) as sim:
+        with ld.PolygonSimulation(ALONE, LONE_BEADS, Walls(angle, np.full(3, 0.5), stick)) as sim:
             for height in (0.49, 0.48):
-                sim.confine(ld.Walls(angle, np.full(3, height), stick))
+                sim.confine(Walls(angle, np.full(3, height), stick))
                 before = sim.state().outlines[0]
                 state = sim.relax(0.01)
                 assert sim.walls is not None
@@ -66,12 +65,12 @@ def test_walls_do_not_jump_over_beads() -> None:
 @pytest.mark.parametrize(
     ("there", "walls"),
     [
-        (square(0.5), ld.Walls([0.0, 2.0, 4.0], np.full(3, 0.5))),
-        (square(0.5), ld.Walls(np.arange(4) * np.pi / 2.0, np.full(4, 0.5), stick=True)),
+        (square(0.5), Walls([0.0, 2.0, 4.0], np.full(3, 0.5))),
+        (square(0.5), Walls(np.arange(4) * np.pi / 2.0, np.full(4, 0.5), stick=True)),
         (None, square(0.5)),
     ],
 )
-def test_confine_moves_the_walls_that_are_there(there: ld.Walls | None, walls: ld.Walls) -> None:
+def test_confine_moves_the_walls_that_are_there(there: Walls | None, walls: Walls) -> None:
     with (
         ld.PolygonSimulation(ALONE, LONE_BEADS, there) as sim,
         pytest.raises(ld.ParameterError, match=r"number.*stick"),

@@ -10,7 +10,7 @@ from lammps_deformable.relax import Forces, largest_force_told
 SIMULATIONS = [
     lambda packing: ld.Simulation(packing, ld.Ring()),
     ld.Disks,
-    lambda packing: ld.PolygonSimulation(packing, ld.PolygonModel(vertices=20)),
+    lambda packing: ld.PolygonSimulation(packing, ld.DeformablePolygon(20, smooth=False)),
 ]
 
 
@@ -34,7 +34,7 @@ def test_a_residual_above_the_tolerance_looks_larger(residual: float, told: str)
 def test_stalled_simulations_tell_more_than_the_tolerance(
     open_one: Callable[[ld.Packing], ld.Simulation], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    packing = ld.push_off(ld.bidisperse(6, phi=0.5, seed=1))
+    packing = ld.bidisperse(6, phi=0.5, seed=1).push_off()
     with open_one(packing) as sim:
         module = sys.modules[type(sim).relax.__module__]
         monkeypatch.setattr(module, "minimize_until_relaxed", lambda *_, **__: Forces(1.002e-6, 1))
@@ -44,7 +44,7 @@ def test_stalled_simulations_tell_more_than_the_tolerance(
 
 def test_contacts_that_do_not_balance_are_not_relaxed(monkeypatch: pytest.MonkeyPatch) -> None:
     """Whatever their forces on particles are."""
-    packing = ld.push_off(ld.bidisperse(6, phi=0.5, seed=1))
+    packing = ld.bidisperse(6, phi=0.5, seed=1).push_off()
     with ld.Simulation(packing, ld.Ring()) as sim:
         module = sys.modules["lammps_deformable.simulation"]
         monkeypatch.setattr(module, "minimize_until_relaxed", lambda *_, **__: Forces(0.0, 1))

@@ -1,25 +1,22 @@
 """Simulations between walls, compared with LAMMPS scripts, differences of energies and balances."""
 
-from dataclasses import replace
-
 import lammps_deformable as ld
 import numpy as np
 import pytest
 from lammps_deformable import (
-    Circle,
-    Disk,
     LammpsError,
     ParameterError,
     Plane,
-    Polygon,
+    PolygonWall,
     Ring,
     Segment,
+    Sphere,
 )
 
 SCENE = (
-    Circle((1.0, -2.0), 6.0),
-    Disk((3.0, -2.0), 1.0),
-    Polygon([(-2, -3), (0, -3), (0, -1), (-2, -1)]),
+    Sphere(6.0, (1.0, -2.0)),
+    Sphere(1.0, (3.0, -2.0), inside=False),
+    PolygonWall([(-2, -3), (0, -3), (0, -1), (-2, -1)]),
     Segment((0, 1), (1.5, 1)),
 )
 # the same by LAMMPS' regions
@@ -39,7 +36,7 @@ laws = pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
 @pytest.fixture(scope="module")
 def packing() -> ld.Packing:
     """Pressed against walls of every kind, and against one another."""
-    return ld.push_off(ld.bidisperse(60, seed=2).between(SCENE)).at(0.86)
+    return ld.bidisperse(60, seed=2).between(SCENE).push_off().at(0.86)
 
 
 def forces(sim: ld.Simulation) -> np.ndarray:
@@ -52,7 +49,7 @@ def test_lammps_script_with_regions(packing, law) -> None:
     scale = packing.walls[0].radius / 6.0
     with ld.Simulation(packing, law) as sim:
         state, found = sim.state(), forces(sim)
-    bare = replace(packing, walls=(), box=np.diag([90, 90]), positions=packing.positions + 20)
+    bare = packing.replace(walls=(), box=np.diag([90, 90]), positions=packing.positions + 20)
     with ld.Simulation(bare, law) as raw:
         scaled = f"lattice sq {scale**-2!r} origin 0 0 0\n" + REGIONS
         raw.lmp.commands_string("variable shift equal 20")
@@ -71,7 +68,7 @@ def test_lammps_script_with_regions(packing, law) -> None:
         volume = np.prod(np.subtract(high, low)[:2])
         np.testing.assert_allclose(
             np.array([[xx, xy], [xy, yy]]) * volume,
-            state.stress * packing.area,
+            state.stress * packing.volume,
             atol=1e-9 * abs(state.stress).max(),
         )
 
@@ -89,7 +86,7 @@ def test_forces_are_differences_of_the_energy(packing, law) -> None:
             for sign in (1, -1):
                 moved = packing.positions.copy()
                 moved[i, k] += sign * step
-                with ld.Simulation(replace(packing, positions=moved), law) as sim:
+                with ld.Simulation(packing.replace(positions=moved), law) as sim:
                     energies.append(sim.state().energy)
             slope = (energies[0] - energies[1]) / (2 * step)
             assert -slope == pytest.approx(found[i, k], abs=1e-5 * scale)
@@ -106,9 +103,9 @@ def test_walls_bear_the_total_force(packing, law) -> None:
     table = state.contact_table
     if law.name != "sector":
         # a flat wall turns no contact: its force is the sum of those of its contacts
-        by_wall = np.isclose(table["position"][:, 1], state.packing.walls[3].start[1])
+        by_wall = np.isclose(table["position"][:, 1], state.packing.walls[3].a[1])
         rows = table[by_wall & (table["j"] < 0)]
-        ends = [p[0] for p in (state.packing.walls[3].start, state.packing.walls[3].end)]
+        ends = [p[0] for p in (state.packing.walls[3].a, state.packing.walls[3].b)]
         inner = rows[(rows["position"][:, 0] > ends[0]) & (rows["position"][:, 0] < ends[1])]
         if len(inner) == len(rows) > 0:
             along = np.sum(rows["force"] * np.sin(rows["angle"]))
@@ -117,7 +114,7 @@ def test_walls_bear_the_total_force(packing, law) -> None:
 
 def test_relaxed_particles_are_in_balance() -> None:
     start = ld.bidisperse(60, seed=2).between(SCENE[:2])
-    with ld.Simulation(ld.push_off(start.at(0.88)), Ring()) as sim:
+    with ld.Simulation(start.at(0.88).push_off(), Ring()) as sim:
         relaxed = sim.relax(1e-9)
     assert relaxed.residual < 1e-9
     assert not relaxed.stalled
@@ -136,7 +133,7 @@ def test_pressure_is_the_derivative_by_the_free_area(packing, name) -> None:
     for factor in (1 - 1e-6, 1 + 1e-6):
         with ld.Simulation(packing.at(packing.phi / factor**2), LAWS[name]) as sim:
             there = sim.state()
-            found.append((there.energy, there.packing.area))
+            found.append((there.energy, there.packing.volume))
     (first, small), (second, large) = found
     # Energies are right to second order in the imbalance, so that a difference at 1e-6 is to 1e-9.
     # The pressure is a sum of forces: balanced ones are right to 1e-8 of the largest one.
@@ -147,8 +144,8 @@ def test_pressure_is_the_derivative_by_the_free_area(packing, name) -> None:
 
 
 def test_pressure_in_a_square_is_force_per_length() -> None:
-    sides = ld.rectangle(9, 9, (-4, 3))
-    packing = ld.push_off(ld.bidisperse(64, seed=1).between(sides).at(0.87))
+    sides = ld.BoxWall((9, 9), (-4, 3)).parts
+    packing = ld.bidisperse(64, seed=1).between(sides).at(0.87).push_off()
     with ld.Simulation(packing, Ring()) as sim:
         state = sim.relax(1e-9)
     length = state.packing.box[0, 0]
@@ -163,8 +160,8 @@ def test_pressure_in_a_square_is_force_per_length() -> None:
 
 def test_obstacles_alone_stay_in_the_periodic_box() -> None:
     """A pillar at the corner of the box touches particles at all four corners."""
-    start = ld.bidisperse(40, seed=3, tilt=0.2).between(Disk((0, 0), 2.0))
-    packing = ld.push_off(start.at(0.85))
+    start = ld.bidisperse(40, tilt=0.2, seed=3).between(Sphere(2.0, (0, 0), inside=False))
+    packing = start.at(0.85).push_off()
     with ld.Simulation(packing, Ring()) as sim:
         state = sim.state()
     inside = state.packing.positions @ np.linalg.inv(state.packing.box) % 1
@@ -173,8 +170,8 @@ def test_obstacles_alone_stay_in_the_periodic_box() -> None:
     # moving box and pillar along does not matter
     shift = np.array([0.3, 0.2]) @ packing.box
     pillar = packing.walls[0]
-    moved = replace(
-        packing, positions=packing.positions + shift, walls=Disk(tuple(shift), pillar.radius)
+    moved = packing.replace(
+        positions=packing.positions + shift, walls=Sphere(pillar.radius, tuple(shift), inside=False)
     )
     with ld.Simulation(moved, Ring()) as sim:
         assert sim.state().energy == pytest.approx(state.energy, rel=1e-9)
@@ -182,13 +179,15 @@ def test_obstacles_alone_stay_in_the_periodic_box() -> None:
 
 def test_walls_given_to_the_simulation() -> None:
     """They replace those of the packing."""
-    two = ld.Packing([[0, 0], [0.9, 0]], [0, 0], [0.5], np.diag([9.0, 9.0]))
-    room = ld.rectangle(1.85, 1.0, (-0.45, -0.5))
-    with ld.Simulation(two, Ring(), walls=room) as sim:
+    two = ld.Packing([[0, 0], [0.9, 0]], 0.5, np.diag([9.0, 9.0]))
+    room = ld.BoxWall((1.85, 1.0), (-0.45, -0.5)).parts
+    with ld.Simulation(two.replace(walls=room), Ring()) as sim:
         assert sim.walls == room
         assert sim.box.tolist() == [[1.85, 0], [0, 1]]
         pressed = sim.state()
-    with ld.Simulation(replace(two, walls=Disk((4, 4), 1)), Ring(), walls=()) as sim:
+    with ld.Simulation(
+        two.replace(walls=Sphere(1, (4, 4), inside=False)).replace(walls=()), Ring()
+    ) as sim:
         free = sim.state()
         assert free.packing.walls == ()
     assert pressed.energy > free.energy > 0
@@ -196,7 +195,7 @@ def test_walls_given_to_the_simulation() -> None:
 
 def test_further_walls_by_hand(packing) -> None:
     """Through `lmp`: they act, but are none of the simulation's."""
-    with ld.Simulation(replace(packing, walls=packing.walls[:3]), Ring()) as sim:
+    with ld.Simulation(packing.replace(walls=packing.walls[:3]), Ring()) as sim:
         line = packing.walls[3]
         words = " ".join(map(repr, line.values))
         sim.lmp.command(f"fix mine all deformable/wall segment {words}")
@@ -209,21 +208,37 @@ def test_further_walls_by_hand(packing) -> None:
 
 
 def test_errors_name_the_wall(packing) -> None:
-    two = ld.Packing([[2, 2], [6, 6]], [0, 0], [0.5], np.diag([9.0, 9.0]))
+    two = ld.Packing([[2, 2], [6, 6]], 0.5, np.diag([9.0, 9.0]))
     for walls, message in (
-        ([Disk((4, 4), 1), Disk((6, 5.5), 1)], "particle 1, .* within disk 2"),
-        ([Disk((4, 4), 1), Segment((0, 0), (8, 0)), Disk((1, 8), 0.5)], "segment 2 does not fit"),
+        (
+            [Sphere(1, (4, 4), inside=False), Sphere(1, (6, 5.5), inside=False)],
+            "particle 1, .* within disk 2",
+        ),
+        (
+            [
+                Sphere(1, (4, 4), inside=False),
+                Segment((0, 0), (8, 0)),
+                Sphere(0.5, (1, 8), inside=False),
+            ],
+            "segment 2 does not fit",
+        ),
         (Plane((0, 0), (0, 1)), "leave the room open"),
         (3, "walls must be one or several of Plane"),
     ):
         with pytest.raises(ParameterError, match=message):
-            ld.Simulation(two, Ring(), walls=walls)
-    with ld.Simulation(two, Ring(), walls=[Disk((4, 4), 1), Disk((7, 1), 0.5)]) as sim:
+            ld.Simulation(two.replace(walls=walls), Ring())
+    with ld.Simulation(
+        two.replace(walls=[Sphere(1, (4, 4), inside=False), Sphere(0.5, (7, 1), inside=False)]),
+        Ring(),
+    ) as sim:
         sim.lmp.command("set atom 2 x 7.1 y 1.1")
         with pytest.raises(LammpsError, match=r"atom 2 at \(7.1, 1.1\) is in the obstacle disk 2$"):
             sim.state()
-    close = ld.Simulation(two, Ring(), walls=[Disk((4, 8), 0.2), Disk((6, 5), 0.98)])
+    close = ld.Simulation(
+        two.replace(walls=[Sphere(0.2, (4, 8), inside=False), Sphere(0.98, (6, 5), inside=False)]),
+        Ring(),
+    )
     with close as sim, pytest.raises(LammpsError, match="disk 2"):
         sim.state()
     with pytest.raises(ParameterError, match="polygons have no walls"):
-        ld.PolygonSimulation(packing)
+        ld.PolygonSimulation(packing, ld.DeformablePolygon(50, smooth=False))

@@ -10,8 +10,8 @@ from lammps_deformable.smooth_polygons import SmoothPolygons, relax_smooth
 @pytest.mark.parametrize("failures", [1, 10**9])
 def test_a_singular_hessian(failures: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """More damping helps; if it never does, the polygons stay about where they are."""
-    model = ld.PolygonModel(vertices=20, smooth=True)
-    packing = ld.Packing([[0, 0], [0.9, 0]], [0, 0], [0.5], 4.0 * np.eye(2))
+    model = ld.DeformablePolygon(20)
+    packing = ld.Packing([[0, 0], [0.9, 0]], 0.5, 4.0 * np.eye(2))
     polygons = SmoothPolygons(model, model.polygons(packing.radii), packing.species, packing.box)
     angle = 2.0 * np.pi * np.arange(20) / 20
     circle = 0.48 * np.column_stack([np.cos(angle), np.sin(angle)])

@@ -21,8 +21,8 @@ pytestmark = pytest.mark.filterwarnings("error")
 STORED = Path(__file__).parents[2] / "data"
 DATA = json.loads((STORED / "smooth_packing.json").read_text())
 STATES = {state["state"]: state for state in DATA["states"]}
-EXACT = ld.PolygonModel(
-    vertices=DATA["N_v"], radius=0.5 * DATA["c"], kL=DATA["kL"], kA=1.0, kr=DATA["kr"], smooth=True
+EXACT = ld.DeformablePolygon(
+    DATA["N_v"], radius=0.5 * DATA["c"], kL=DATA["kL"], kA=1.0, kr=DATA["kr"]
 )
 KERNEL = SmoothPolygons(
     EXACT,
@@ -30,7 +30,7 @@ KERNEL = SmoothPolygons(
     np.array(DATA["species"]),
     np.diag(DATA["box"]),
 )
-FINE = ld.PolygonModel(vertices=80, radius=0.025, kL=480.0, kr=10.0, smooth=True)
+FINE = ld.DeformablePolygon(80, radius=0.025, kL=480.0, kr=10.0)
 
 
 def vertices(state: dict[str, Any]) -> np.ndarray:
@@ -46,7 +46,10 @@ def expected(request: pytest.FixtureRequest) -> dict[str, Any]:
 def in_lammps(expected: dict[str, Any]) -> Iterator[ld.PolygonSimulation]:
     """The polygons of the independent code in LAMMPS."""
     packing = ld.Packing(
-        expected["centres_mean"], DATA["species"], DATA["radii_law"], np.diag(DATA["box"])
+        expected["centres_mean"],
+        np.array(DATA["radii_law"])[DATA["species"]],
+        np.diag(DATA["box"]),
+        species=DATA["species"],
     )
     loose = packing.at(0.6)  # polygons must not overlap at the start
     with ld.PolygonSimulation(loose, EXACT) as sim:
@@ -106,9 +109,12 @@ def test_state_in_lammps(expected: dict[str, Any], in_lammps: ld.PolygonSimulati
 def test_the_balanced_law_at_the_centers() -> None:
     state = STATES["relaxed"]
     packing = ld.Packing(
-        state["centres_steiner"], DATA["species"], DATA["radii_law"], np.diag(DATA["box"])
+        state["centres_steiner"],
+        np.array(DATA["radii_law"])[DATA["species"]],
+        np.diag(DATA["box"]),
+        species=DATA["species"],
     )
-    polygons = EXACT.polygons(packing.radii)
+    polygons = EXACT.polygons(np.array(DATA["radii_law"]))
     law = ld.Ring(polygons.kA, kP=polygons.kP, skin=polygons.skin)
     given = DATA["law"]["at_steiner_points"]
     with ld.Simulation(packing, law) as particles:
@@ -142,8 +148,8 @@ def test_second_derivatives(name: str) -> None:
 @pytest.fixture(scope="module")
 def relaxed() -> ld.PolygonState:
     """Six particles, compressed by 2 %."""
-    jammed = ld.jam(ld.bidisperse(6, seed=1, tilt=0.3))
-    model = ld.PolygonModel(vertices=40, radius=0.025, kL=240.0, kr=10.0, smooth=True)
+    jammed = ld.jam(ld.bidisperse(6, tilt=0.3, seed=1))
+    model = ld.DeformablePolygon(40, radius=0.025, kL=240.0, kr=10.0)
     with ld.PolygonSimulation(jammed, model) as sim:
         sim.deform(0.98 * sim.box)
         state = sim.relax()
@@ -181,7 +187,7 @@ def test_energy_is_stationary_and_least(relaxed: ld.PolygonState) -> None:
 )
 def test_crystal_against_the_exact_polygon(indentation: float, number: int, ratio: float) -> None:
     """With more vertices the energy comes to that of a hexagon; ratios of another code."""
-    model = ld.PolygonModel(number, 0.025, kL=6.0 * number, kr=10.0, smooth=True)
+    model = ld.DeformablePolygon(number, radius=0.025, kL=6.0 * number, kr=10.0)
     with ld.PolygonSimulation(crystal(0.0, 2, 2), model) as sim:
         for part in (0.5, 1.0):
             sim.deform(crystal(part * indentation, 2, 2).box)
@@ -195,13 +201,13 @@ def test_crystal_against_the_exact_polygon(indentation: float, number: int, rati
 def test_soft_contacts_that_let_polygons_cross_are_given_up() -> None:
     """In one step contacts of 0.02 kr would let polygons of this packing pass each other."""
     stored = json.loads((STORED / "crossing_disks.json").read_text())
-    stored.pop("about")
-    jammed = ld.Packing(**stored)
-    model = ld.PolygonModel(57, 0.025, kL=6.0 * 57, kr=10.0, smooth=True)
+    radii = np.array(stored["radii"])[stored["species"]]
+    jammed = ld.Packing(stored["positions"], radii, stored["box"], species=stored["species"])
+    model = ld.DeformablePolygon(57, radius=0.025, kL=6.0 * 57, kr=10.0)
     energies = []
     for steps in (1, 3):
         with ld.PolygonSimulation(jammed, model) as sim:
-            *_, state = ld.compress(sim, 0.03, steps)
+            state = sim.compress(strain=0.03, steps=steps)[-1]
         assert state.residual <= 1e-6
         settings = SmoothPolygons(model, state.polygons, state.packing.species, state.packing.box)
         assert not have_crossed(settings, np.vstack(state.outlines))
@@ -227,7 +233,7 @@ def test_polygons_that_have_crossed(
 def test_soft_contacts_do_not_let_polygons_pass() -> None:
     """Areas so stiff that polygons would cross if contacts began at 0.002 kr."""
     jammed = ld.jam(ld.bidisperse(6, seed=1))
-    model = ld.PolygonModel(40, 0.025, kL=2400.0, kA=1000.0, kr=100.0, smooth=True)
+    model = ld.DeformablePolygon(40, radius=0.025, kL=2400.0, kA=1000.0, kr=100.0)
     with ld.PolygonSimulation(jammed, model) as sim:
         sim.deform(0.96 * sim.box)
         state = sim.relax()
@@ -237,7 +243,7 @@ def test_soft_contacts_do_not_let_polygons_pass() -> None:
 
 def test_edges_that_meet_their_images_are_refused() -> None:
     packing = pair(1.42)
-    model = ld.PolygonModel(vertices=5, radius=0.1, smooth=True)  # edges of 0.5 at rest
+    model = ld.DeformablePolygon(5, radius=0.1)  # edges of 0.5 at rest
     with (
         ld.PolygonSimulation(packing, model) as sim,
         pytest.raises(ld.LammpsError, match="more than half of the box"),
@@ -275,7 +281,7 @@ def test_kernel_refuses(change: dict[str, Any], message: str) -> None:
 
 def test_relax_smooth_reports_each_step() -> None:
     packing = pair(1.41)
-    model = ld.PolygonModel(vertices=40, radius=0.025, kL=240.0, kr=10.0, smooth=True)
+    model = ld.DeformablePolygon(40, radius=0.025, kL=240.0, kr=10.0)
     polygons = SmoothPolygons(model, model.polygons(packing.radii), packing.species, packing.box)
     seen: list[float] = []
     with ld.PolygonSimulation(packing, model) as start:

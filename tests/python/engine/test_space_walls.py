@@ -1,6 +1,5 @@
 """Droplets and soft spheres between walls in space: known forces, balances, protocols, files."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import lammps_deformable as ld
@@ -8,16 +7,14 @@ import numpy as np
 import pytest
 from exact_balance import exactly_balanced
 from lammps_deformable import (
-    Ball,
+    BoxWall,
     Cone,
     Cylinder,
     Droplet,
     LammpsError,
     ParameterError,
     Plane,
-    Post,
     Sphere,
-    cuboid,
 )
 from polyhedra import FACES, FORCES, INDENTATIONS, precision
 from programs import output
@@ -25,19 +22,31 @@ from programs import output
 LAW = Droplet([1.0, 1.5])
 LIDS = (Plane((0, 0, 0), (0, 0, 1)), Plane((0, 0, 8), (0, 0, -1)))
 SCENES = {
-    "cuboid": cuboid(8, 7, 6, (1, -2, 3)),
+    "cuboid": BoxWall((8, 7, 6), (1, -2, 3)).parts,
     "plates": LIDS,
-    "drum": (Cylinder((4, 3, 2), 4), *LIDS),
-    "tube": Cylinder((4, 3, 2), 4, "x"),
-    "hopper": (Cone((4, 3, 0), 1.5, 0.7), Cylinder((4, 3, 2), 4), *LIDS),
-    "posts": (*cuboid(8, 7, 6, (1, -2, 3)), Post((3, 1, 5), 1.0), Post((3, 4, 7), 0.8, "x")),
-    "sphere and balls": (Sphere((1, 2, 3), 6), Ball((1, 2, 3), 1.5), Ball((-2, 2, 1), 1)),
+    "drum": (Cylinder(4, "z", (4, 3, 2)), *LIDS),
+    "tube": Cylinder(4, "x", (4, 3, 2)),
+    "hopper": (
+        Cone((4, 3, -2.142857142857143), "z", np.arctan(0.7)),
+        Cylinder(4, "z", (4, 3, 2)),
+        *LIDS,
+    ),
+    "posts": (
+        BoxWall((8, 7, 6), (1, -2, 3)),
+        Cylinder(1.0, "z", (3, 1, 5), inside=False),
+        Cylinder(0.8, "x", (3, 4, 7), inside=False),
+    ),
+    "sphere and balls": (
+        Sphere(6, (1, 2, 3)),
+        Sphere(1.5, (1, 2, 3), inside=False),
+        Sphere(1, (-2, 2, 1), inside=False),
+    ),
 }
 
 
 def packed(name: str, phi: float = 0.64, number: int = 40) -> ld.Packing:
-    start = ld.bidisperse(number, ratio=1.2, dimension=3, seed=3).between(SCENES[name])
-    return ld.push_off(start.at(phi))
+    start = ld.bidisperse(number, sizes=(0.5, 0.6), dimension=3, seed=3).between(SCENES[name])
+    return start.at(phi).push_off()
 
 
 @pytest.fixture(scope="module")
@@ -49,10 +58,10 @@ def drum() -> ld.Packing:
 def test_one_droplet_in_its_faces(name: str) -> None:
     """The table of equal contacts."""
     *forces, work = FORCES[name]
-    alone = ld.Packing([[0, 0, 0]], [0], [1.0], [9, 9, 9])
+    alone = ld.Packing([[0, 0, 0]], 1.0, [9, 9, 9])
     for indentation, force in zip(INDENTATIONS, forces, strict=True):
         walls = [Plane(tuple(-(1 - indentation) * n), tuple(n)) for n in FACES[name]]
-        with exactly_balanced(), ld.Simulation(alone, Droplet(2.0), walls=walls) as sim:
+        with exactly_balanced(), ld.Simulation(alone.replace(walls=walls), Droplet(2.0)) as sim:
             state = sim.state()
         table = state.contact_table
         assert (table["j"] == -1).all()
@@ -109,7 +118,7 @@ def test_forces_are_differences_of_the_energy(drum) -> None:
     along = np.random.default_rng(1).normal(size=forces.shape)
     energies = []
     for step in (-1e-5, 1e-5):
-        moved = replace(drum, positions=drum.positions + step * along)
+        moved = drum.replace(positions=drum.positions + step * along)
         with exactly_balanced(), ld.Simulation(moved, LAW) as sim:
             energies.append(sim.state().energy)
     assert state.contacts.sum() > 100
@@ -132,7 +141,7 @@ def test_pressure_in_a_cuboid_is_force_per_area() -> None:
 @pytest.mark.parametrize("name", ["drum", "sphere and balls"])
 def test_soft_spheres_jam_between_walls(name: str) -> None:
     """Their pressure is the slope of the energy, and contacts are as many as hold them."""
-    start = ld.bidisperse(40, ratio=1.2, dimension=3, seed=3).between(SCENES[name])
+    start = ld.bidisperse(40, sizes=(0.5, 0.6), dimension=3, seed=3).between(SCENES[name])
     jammed = ld.jam(start)
     assert 0.4 < jammed.phi < 0.6  # walls take room from small packings
     with ld.Spheres(jammed) as soft:
@@ -156,9 +165,9 @@ def test_two_walls_in_one_place() -> None:
     """Their contacts with a droplet have one direction: the force is the slope of the energy."""
     energies = []
     for step in (-1e-5, 1e-5, 0.0):
-        one = ld.Packing([[1.1 + step, 0.9, 0.7]], [0], [0.5], [9, 9, 9])
-        twice = [Sphere((0, 0, 0), 2.0)] * 2
-        with ld.Simulation(one, Droplet(), walls=twice) as sim:
+        one = ld.Packing([[1.1 + step, 0.9, 0.7]], 0.5, [9, 9, 9])
+        twice = [Sphere(2.0, (0, 0, 0))] * 2
+        with ld.Simulation(one.replace(walls=twice), Droplet()) as sim:
             energies.append(sim.state().energy)
             force = np.array(sim.lmp.gather("f", 1, 3))
     assert (energies[0] - energies[1]) / 2e-5 == pytest.approx(force[0], rel=1e-5)
@@ -169,7 +178,7 @@ def test_compression_scales_walls_with_droplets(drum, tmp_path: Path) -> None:
     """They are kept in files, by which runs and LAMMPS go on."""
     with exactly_balanced():
         with ld.Simulation(drum, LAW) as sim:
-            states = list(ld.compress(sim, strain=0.02, steps=2, tolerance=1e-4))
+            states = sim.compress(strain=0.02, steps=2, tolerance=1e-4)[1:]
         states[-1].save(tmp_path)
         with ld.Run(tmp_path).simulation() as sim:
             again = sim.state()
@@ -220,7 +229,7 @@ def test_motion_keeps_the_energy(drum) -> None:
     for timestep, steps in ((0.04, 100), (0.02, 200)):
         with exactly_balanced(), ld.Simulation(drum, LAW) as sim:
             before = sim.state().energy
-            for state in ld.move(sim, steps, timestep=timestep, every=steps // 4):
+            for state in sim.run(steps, timestep=timestep, every=steps // 4)[1:]:
                 errors.append(abs(state.energy + state.kinetic_energy - before))
         assert state.kinetic_energy > 1e-3 * before
         assert np.abs(state.wall_forces).max() > 0
@@ -266,23 +275,29 @@ def test_cells_end_at_planes() -> None:
 
 
 def test_refusals(drum) -> None:
-    two = ld.Packing([[2, 2, 2], [6, 6, 6]], [0, 0], [0.5], [9, 9, 9])
+    two = ld.Packing([[2, 2, 2], [6, 6, 6]], 0.5, [9, 9, 9])
     for walls, told in (
-        ([Ball((4, 4, 4), 1), Ball((6, 5.5, 6), 1)], "particle 1, .* within ball 2"),
-        ([Ball((4, 4, 4), 1), Ball((0, 0, 0), 4)], "ball 2 does not fit into the periodic box"),
+        (
+            [Sphere(1, (4, 4, 4), inside=False), Sphere(1, (6, 5.5, 6), inside=False)],
+            "particle 1, .* within ball 2",
+        ),
+        (
+            [Sphere(1, (4, 4, 4), inside=False), Sphere(4, (0, 0, 0), inside=False)],
+            "ball 2 does not fit into the periodic box",
+        ),
         (LIDS[:1], "leave the room open"),
-        (ld.rectangle(9, 9), "plane 1 is a wall in 2 dimensions"),
+        (ld.BoxWall((9, 9)), "is a wall in 2 dimensions"),
     ):
         with pytest.raises(ParameterError, match=told):
-            ld.Simulation(two, Droplet(), walls=walls)
-    with ld.Simulation(two, Droplet(), walls=LIDS) as sim:
+            ld.Simulation(two.replace(walls=walls), Droplet())
+    with ld.Simulation(two.replace(walls=LIDS), Droplet()) as sim:
         sim.lmp.command("set atom 2 z 8.1")
         with pytest.raises(LammpsError, match="plane 2"):
             sim.state()
     with ld.Simulation(drum, LAW) as sim:
         state = sim.state()
         with pytest.raises(ParameterError, match="walls are not sheared"):
-            next(iter(ld.shear(sim, strain=0.1, steps=1)))
+            next(iter(sim.shear(0.1)[1:]))
         for refused, told in (
             (lambda: state.hessian(), "do not know walls: take a state of a periodic box"),
             (lambda: sim.relax(pressure=0.1, box="sides"), "box='sides' is not for walls"),
@@ -301,7 +316,7 @@ def test_second_derivatives_of_soft_spheres() -> None:
     gradients = []
     for step in (-1e-7, 1e-7):
         x = packing.positions + step * along.reshape(-1, 3)
-        with ld.Spheres(replace(packing, positions=x)) as soft:
+        with ld.Spheres(packing.replace(positions=x)) as soft:
             gradients.append(-np.array(soft.lmp.gather("f", 1, 3)) if soft.state() else 0.0)
     slope = (gradients[1] - gradients[0]) / 2e-7
     assert hessian.matrix @ along == pytest.approx(slope, abs=1e-5)

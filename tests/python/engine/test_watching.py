@@ -38,9 +38,9 @@ def test_a_relaxation_is_seen(dense: ld.Packing) -> None:
 
 
 def test_walls_leave_the_free_area() -> None:
-    room = ld.bidisperse(12, phi=0.86, seed=1).between(ld.rectangle(4, 4))
+    room = ld.bidisperse(12, phi=0.86, seed=1).between(ld.BoxWall((4, 4)))
     seen: list[Iteration] = []
-    with ld.Simulation(ld.push_off(room), ld.Ring()) as sim:
+    with ld.Simulation(room.push_off(), ld.Ring()) as sim:
         sim.callback = seen.append
         state = sim.relax(1e-3)
     assert seen[-1].phi == pytest.approx(state.phi, rel=1e-14)

@@ -17,8 +17,8 @@ from programs import output
 @pytest.fixture(scope="module")
 def tilted() -> Packing:
     """Of radii of their own, in a tilted box, pushed apart."""
-    loose = ld.polydisperse(30, lambda rng: rng.uniform(0.4, 0.6, 30), tilt=0.4, phi=0.7)
-    return ld.push_off(loose)
+    loose = ld.polydisperse(30, lambda rng, n: rng.uniform(0.4, 0.6, 30), phi=0.7, tilt=0.4, seed=1)
+    return loose.push_off()
 
 
 DUMPS = {
@@ -44,7 +44,7 @@ def test_a_dump_of_lammps(columns: str, tilted: Packing, tmp_path: Path) -> None
             sim.lmp.command(command)
         sim.lmp.command("undump shapes")
     first = Packing.from_file(path, frame=0)
-    np.testing.assert_allclose(first.radius, tilted.radius, rtol=1e-15)
+    np.testing.assert_allclose(first.radii, tilted.radii, rtol=1e-15)
     np.testing.assert_allclose(first.box, tilted.box, rtol=1e-15)
     apart = first.positions - tilted.positions
     images = apart @ np.linalg.inv(tilted.box)
@@ -59,7 +59,7 @@ def test_a_data_file_of_lammps(tilted: Packing, tmp_path: Path) -> None:
     with ld.Simulation(tilted, ld.Ring()) as sim:
         sim.lmp.command(f"write_data {tmp_path / 'any'}")
     found = Packing.from_file(tmp_path / "any")
-    np.testing.assert_allclose(found.radius, tilted.radius, rtol=1e-14)
+    np.testing.assert_allclose(found.radii, tilted.radii, rtol=1e-14)
     np.testing.assert_allclose(found.box, tilted.box, rtol=1e-14)
     assert found.phi == pytest.approx(tilted.phi, rel=1e-13)
 
@@ -76,21 +76,21 @@ def test_lammps_reads_what_goes_out(tilted: Packing, tmp_path: Path) -> None:
         np.testing.assert_allclose(images, np.rint(images), atol=1e-12)
         lmp.command("displace_atoms all random 0.5 0.5 0 1")
         lmp.command(f"read_dump {tmp_path / 'out.lammpstrj'} 0 x y box yes replace yes")
-    np.testing.assert_allclose(lmp.gather_atoms("radius", 1, 1), tilted.radius, rtol=1e-15)
+    np.testing.assert_allclose(lmp.gather_atoms("radius", 1, 1), tilted.radii, rtol=1e-15)
     np.testing.assert_allclose(lmp.gather_atoms("rmass", 1, 1), 1.0, rtol=1e-14)
     lmp.close()
 
 
 def test_a_recorded_run(tmp_path: Path, jammed: Packing) -> None:
     with ld.Simulation(jammed, ld.Ring()) as sim:
-        states = list(ld.record(ld.compress(sim, 0.01, 2), tmp_path))
+        states = sim.compress(strain=0.01, steps=2, record=tmp_path)[1:]
     path = tmp_path / "trajectory.lammpstrj"
     for number in (-2, -1):
         found = Packing.from_file(path, frame=number)
         np.testing.assert_array_equal(found.positions, states[number].packing.positions)
         np.testing.assert_array_equal(found.radii, jammed.radii)
     by_column = Packing.from_file(path, radii="area")
-    np.testing.assert_array_equal(by_column.radius, states[-1].area)
+    np.testing.assert_array_equal(by_column.radii, states[-1].area)
     with pytest.raises(ld.FileError, match=r"3 frames, and no frame 3: give 0 to 2, or -1"):
         Packing.from_file(path, frame=3)
 
@@ -108,7 +108,7 @@ def test_names_of_types_in_alphabetical_order(tmp_path: Path) -> None:
     path.write_text(XYZ.replace("4 0 0", "8 0 0") + XYZ)
     found = Packing.from_file(path, radii="size")
     assert found.species.tolist() == [1, 0, 1]
-    assert found.radius.tolist() == [0.7, 0.5, 0.6]
+    assert found.radii.tolist() == [0.7, 0.5, 0.6]
     assert found.box.tolist() == [[4.0, 0.0], [1.0, 3.0]]
     assert found.positions.tolist() == [[1.0, 1.0], [2.0, 1.5], [3.0, 1.5]]
     by_type = Packing.from_file(path, radii={"Cu": 0.4, "Zr": 0.5, "Ni": 0.45}, frame=0)
@@ -122,7 +122,7 @@ def test_as_many_types_as_atoms(tmp_path: Path) -> None:
     head = "a title\n\n3 atoms\n3 atom types\n0 5 xlo xhi\n0 5 ylo yhi\n-0.5 0.5 zlo zhi\n"
     path.write_text(f"{head}\nAtoms # sphere\n\n{atoms}\n")
     found = Packing.from_file(path)
-    assert (found.species.tolist(), found.radius.tolist()) == ([0, 0, 1], [0.5, 0.5, 0.7])
+    assert (found.species.tolist(), found.radii.tolist()) == ([0, 0, 1], [0.5, 0.5, 0.7])
     assert len(found.radii) == 3
 
 
@@ -180,11 +180,11 @@ def test_gsd_of_hoomd(tmp_path: Path) -> None:
             file.append(frame)
     with pytest.raises(ld.FileError, match=r"a.gsd' .* has no radii .*: give radii=0\.5, "):
         Packing.from_file(tmp_path / "a.gsd", frame=1)
-    found = Packing.from_file(tmp_path / "a.gsd", frame=1, radii=0.5)
+    found = Packing.from_file(tmp_path / "a.gsd", radii=0.5, frame=1)
     assert found.positions.tolist() == [[0.75, 2.0], [3.0, 3.0]]
-    assert (found.radius.tolist(), found.species.tolist()) == ([0.5, 0.5], [1, 0])
-    sized = Packing.from_file(tmp_path / "a.gsd", frame=-2, radii={"small": 0.3, "large": 0.7})
-    assert (sized.radius.tolist(), sized.positions[0, 0]) == ([0.7, 0.3], 0.5)
+    assert (found.radii.tolist(), found.species.tolist()) == ([0.5, 0.5], [1, 0])
+    sized = Packing.from_file(tmp_path / "a.gsd", radii={"small": 0.3, "large": 0.7}, frame=-2)
+    assert (sized.radii.tolist(), sized.positions[0, 0]) == ([0.7, 0.3], 0.5)
     with pytest.raises(ld.FileError, match="2 frames, and no frame -3"):
         Packing.from_file(tmp_path / "a.gsd", frame=-3)
 
@@ -202,12 +202,12 @@ def test_diameters_of_gsd(tmp_path: Path) -> None:
             file.append(frame)
     for number, radii in ((0, [0.6, 0.4]), (1, [0.6, 0.4]), (2, [0.5, 0.7]), (-2, [0.6, 0.4])):
         found = Packing.from_file(tmp_path / "a.gsd", frame=number)
-        assert found.radius == pytest.approx(radii, rel=1e-7)
-    alike = Packing([[1.0, 1.0], [3.0, 1.0]], [0, 0], [0.5], (4.0, 4.0))
+        assert found.radii == pytest.approx(radii, rel=1e-7)
+    alike = Packing([[1.0, 1.0], [3.0, 1.0]], 0.5, (4.0, 4.0))
     alike.to_file(tmp_path / "b.gsd")
     with hoomd.open(tmp_path / "b.gsd") as file:
         assert not file.file.chunk_exists(0, "particles/diameter")
-    assert Packing.from_file(tmp_path / "b.gsd").radius.tolist() == [0.5, 0.5]
+    assert Packing.from_file(tmp_path / "b.gsd").radii.tolist() == [0.5, 0.5]
 
 
 TRAJECTORY = """units lj
@@ -242,7 +242,7 @@ def test_a_trajectory_of_lammps(kind: str, suffix: str, tilted: Packing, tmp_pat
     for frame, moved in ((0, 0.0), (2, 0.5)):
         found = Packing.from_file(tmp_path / f"run.{kind}", frame=frame, topology=topology)
         assert found.species.tolist() == tilted.species.tolist()
-        assert found.radius == pytest.approx(tilted.radius, rel=1e-6)
+        assert found.radii == pytest.approx(tilted.radii, rel=1e-6)
         assert found.box == pytest.approx(tilted.box, rel=1e-5)
         images = (found.positions - tilted.positions - [moved, 0.0]) @ np.linalg.inv(tilted.box)
         assert images == pytest.approx(np.rint(images), abs=1e-5)
@@ -259,7 +259,7 @@ def test_types_that_no_file_tells(kind: str, tmp_path: Path) -> None:
         (tmp_path / "in.run").write_text(TRAJECTORY)
         output("lmp", "-in", "in.run", "-log", "none", cwd=tmp_path)
         typed = Packing.from_file(path, radii={1: 0.5, 2: 0.4}, topology=data)
-        assert sorted(set(typed.radius)) == [0.4, 0.5]
+        assert sorted(set(typed.radii)) == [0.4, 0.5]
     else:
         packing.to_file(path)
         words = {"dump": (" type ", " kind "), "xyz": ("species:", "kind:")}
@@ -270,7 +270,7 @@ def test_types_that_no_file_tells(kind: str, tmp_path: Path) -> None:
         Packing.from_file(path, radii={1: 0.5, 2: 0.4})
     with pytest.raises(ld.FileError, match=f"{told}or the one species of all.* first"):
         ld.state_in_file(path, species)
-    assert set(Packing.from_file(path, radii={1: 0.5}).radius) == {0.5}
+    assert set(Packing.from_file(path, radii={1: 0.5}).radii) == {0.5}
     assert len(ld.state_in_file(path, species, types=["second"]).packing.radii) == 1
 
 
@@ -278,7 +278,7 @@ def test_a_topology_of_other_particles(tilted: Packing, tmp_path: Path) -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         tilted.to_mdanalysis().atoms.write(str(tmp_path / "a.dcd"))
-    ld.bidisperse(7).to_file(tmp_path / "b.data")
+    ld.bidisperse(7, seed=1).to_file(tmp_path / "b.data")
     for name, told in (
         ("b.data", "number of atoms"),
         ("c.data", "c.data' cannot be read: No such"),
@@ -302,6 +302,6 @@ def test_files_of_mdanalysis(tilted: Packing, tmp_path: Path) -> None:
     np.testing.assert_allclose(gro.positions, tilted.positions / 10.0, atol=0.00051)
     np.testing.assert_allclose(gro.box, tilted.box / 10.0, atol=1e-5)
     np.testing.assert_allclose(dcd.positions, tilted.positions, rtol=1e-6, atol=1e-6)
-    np.testing.assert_allclose(pqr.radius, tilted.radius, atol=1e-4)
+    np.testing.assert_allclose(pqr.radii, tilted.radii, atol=1e-4)
     again = MDAnalysis.Universe(str(tmp_path / "a.pqr"))
     assert len(again.atoms) == len(tilted)

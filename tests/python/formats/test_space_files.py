@@ -24,7 +24,7 @@ def packings(draw: st.DrawFn) -> Packing:
     species = rng.integers(0, draw(st.integers(1, 3)), number)
     some = draw(st.booleans()) or number == 3  # three radii would be those of three particles
     own = radii[species] * rng.uniform(0.5, 1.0, number) if some else None
-    return Packing(rng.uniform(-2.0, 3.0, (number, 3)) @ box, species, radii, box, own)
+    return Packing(rng.uniform(-2.0, 3.0, (number, 3)) @ box, own, box, species=species)
 
 
 @pytest.fixture(scope="module")
@@ -37,7 +37,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @given(packing=packings())
 def test_texts_keep_every_bit(suffix: str, folder: Path, packing: Packing) -> None:
     path = folder / f"any{suffix}"
-    packing.to_file(path, overwrite=True)
+    packing.to_file(path, mode="w")
     check_equal(Packing.from_file(path, dimension=3), packing)
 
 
@@ -46,12 +46,12 @@ def test_texts_keep_every_bit(suffix: str, folder: Path, packing: Packing) -> No
 def test_gsd_keeps_single_precision(folder: Path, packing: Packing) -> None:
     """Of lengths, of tilts over heights, and of positions, up to three boxes away."""
     pytest.importorskip("gsd")
-    packing.to_file(folder / "any.gsd", overwrite=True)
+    packing.to_file(folder / "any.gsd", mode="w")
     found = Packing.from_file(folder / "any.gsd", dimension=3)
     sizes = np.abs(packing.box).sum(axis=0)
     assert (np.abs(found.box - packing.box) <= 4.0 * SINGLE * sizes).all()
     assert (np.abs(found.positions - packing.positions) <= 30.0 * SINGLE * sizes).all()
-    np.testing.assert_allclose(found.radius, packing.radius, rtol=2.0 * SINGLE)
+    np.testing.assert_allclose(found.radii, packing.radii, rtol=2.0 * SINGLE)
 
 
 @pytest.mark.parametrize("suffix", [*TEXTS, ".gsd"])
@@ -59,7 +59,7 @@ def test_a_plane_is_not_taken_from_space(suffix: str, tmp_path: Path) -> None:
     if suffix == ".gsd":
         pytest.importorskip("gsd")
     path = tmp_path / f"spheres{suffix}"
-    ld.cubic("fcc", 2).to_file(path)
+    ld.crystal("fcc", 2).to_file(path)
     with pytest.raises(ld.FileError, match=r"atoms fill space, z goes .* dimension=3"):
         Packing.from_file(path)
 
@@ -68,7 +68,7 @@ def test_lammps_reads_and_writes_the_same(tmp_path: Path) -> None:
     """Its own data file and dump of a tilted box."""
     box = [[4.0, 0.0, 0.0], [1.1, 3.5, 0.0], [-0.9, 0.6, 4.2]]
     places = np.random.default_rng(1).random((9, 3)) @ box
-    packing = Packing.from_arrays(places, np.linspace(0.3, 0.5, 9), box)
+    packing = Packing(places, np.linspace(0.3, 0.5, 9), box)
     with ld.Spheres(packing) as spheres:
         columns = "id type xs ys zs radius"
         dump = tmp_path / "lammps.dump"
@@ -80,21 +80,21 @@ def test_lammps_reads_and_writes_the_same(tmp_path: Path) -> None:
         found = Packing.from_file(path, dimension=3)
         assert found.box == pytest.approx(packing.box, rel=1e-12)
         assert found.positions == pytest.approx(packing.positions, abs=1e-12)
-        assert found.radius == pytest.approx(packing.radius, rel=1e-12)
+        assert found.radii == pytest.approx(packing.radii, rel=1e-12)
 
 
 def test_mdanalysis_has_the_same_distances() -> None:
     """Its own search for neighbors finds the contacts of a crystal, and a tilted box is one."""
     from MDAnalysis.lib.distances import self_capped_distance
 
-    crystal = ld.cubic("bcc", 3)
+    crystal = ld.crystal("bcc", 3)
     universe = crystal.to_mdanalysis()
     pairs = self_capped_distance(
         universe.atoms.positions, 1.001, box=universe.dimensions, return_distances=False
     )
     assert len(pairs) == 4 * len(crystal)
     tilted = crystal.box + np.tril(np.full((3, 3), 0.7), -1)
-    leaning = Packing(crystal.positions, crystal.species, crystal.radii, tilted)
+    leaning = Packing(crystal.positions, crystal.radii, tilted, species=crystal.species)
     found = leaning.to_mdanalysis().trajectory.ts.triclinic_dimensions
     assert found == pytest.approx(tilted, abs=1e-5)
 
@@ -111,7 +111,7 @@ def test_mdanalysis_has_the_same_distances() -> None:
 )
 def test_bad_boxes(change: tuple[str, str], told: str, tmp_path: Path) -> None:
     path = tmp_path / "spheres.dump"
-    ld.cubic("fcc", 2, phi=np.pi / np.sqrt(18.0)).to_file(path)
+    ld.crystal("fcc", 2, phi=np.pi / np.sqrt(18.0)).to_file(path)
     text = path.read_text()
     assert change[0] in text
     path.write_text(text.replace(*change))

@@ -1,7 +1,6 @@
 """A saved state is one that LAMMPS takes up by itself."""
 
 import sys
-from dataclasses import replace
 from pathlib import Path
 
 import lammps_deformable as ld
@@ -53,12 +52,11 @@ def test_lammps_has_the_energy_of_sizes_and_small_units(law: str, tmp_path: Path
     """Radii of a thousandth: settings that suit radii near 1 would find too many neighbors."""
     start = ld.polydisperse(24, np.linspace(0.4, 0.6, 24), tilt=0.3, seed=4)
     jammed = ld.jam(start).at(0.87)
-    small = replace(
-        jammed,
+    small = jammed.replace(
         positions=1e-3 * jammed.positions,
         box=1e-3 * jammed.box,
         radii=1e-3 * jammed.radii,
-        particle_radii=1e-3 * jammed.radius,
+        particle_radii=1e-3 * jammed.radii,
     )
     state = saved(small, law, tmp_path)
     _, energy, _, pressure = row(lammps(tmp_path))
@@ -71,8 +69,8 @@ def test_packings_come_back_from_lammps(radii: str, jammed: ld.Packing, tmp_path
     """From `write_data`, where atoms are in another order and other sections follow."""
     packing = jammed.at(0.87)
     if radii == "of particles":
-        packing = replace(
-            packing, particle_radii=packing.radius * np.linspace(0.98, 1.0, len(packing))
+        packing = packing.replace(
+            particle_radii=packing.radii * np.linspace(0.98, 1.0, len(packing))
         )
     saved(packing, "balanced", tmp_path)
     (tmp_path / "in.moved").write_text(
@@ -85,7 +83,7 @@ def test_packings_come_back_from_lammps(radii: str, jammed: ld.Packing, tmp_path
         state = sim.state()
     assert state.energy == pytest.approx(energy, rel=1e-7)
     assert state.packing.species.tolist() == packing.species.tolist()
-    assert state.packing.radius == pytest.approx(packing.radius, rel=1e-15)
+    assert state.packing.radii == pytest.approx(packing.radii, rel=1e-15)
     assert not np.array_equal(state.packing.positions, packing.positions)
 
 
@@ -119,10 +117,10 @@ def test_commands_in_comments_run(state: ld.State, tmp_path: Path) -> None:
 def test_droplets_in_lammps(radii: str, tmp_path: Path) -> None:
     """The saved energy and pressure, motion that keeps it, and the packing it has moved to."""
     packing = ld.jam(
-        ld.bidisperse(24, radii=(1.0, 1.2), tilt=0.2, dimension=3, seed=1), tolerance=1e-2
+        ld.bidisperse(24, sizes=(1.0, 1.2), dimension=3, tilt=0.2, seed=1), tolerance=1e-2
     ).at(0.68)
     if radii == "of particles":
-        packing = replace(packing, particle_radii=packing.radius * np.linspace(0.97, 1.0, 24))
+        packing = packing.replace(particle_radii=packing.radii * np.linspace(0.97, 1.0, 24))
     with ld.Simulation(packing, ld.Droplet([1.0, 1.5])) as sim:
         state = sim.relax()
     state.save(tmp_path)
@@ -139,14 +137,14 @@ def test_droplets_in_lammps(radii: str, tmp_path: Path) -> None:
     with ld.Run(tmp_path).simulation() as sim:
         moved = sim.state()
     assert moved.packing.box == pytest.approx(packing.box, rel=1e-15)
-    assert moved.packing.radius == pytest.approx(packing.radius, rel=1e-15)
+    assert moved.packing.radii == pytest.approx(packing.radii, rel=1e-15)
     assert moved.kinetic_energy == pytest.approx(last[2], rel=1e-6)
     assert moved.energy == pytest.approx(last[1], rel=1e-7)
 
 
 def test_loose_particles_have_a_time_step_to_move(tmp_path: Path) -> None:
     """Nothing presses them, so that a minimization may take any step."""
-    gas = ld.push_off(ld.bidisperse(30, phi=0.5, seed=1))
+    gas = ld.bidisperse(30, phi=0.5, seed=1).push_off()
     with ld.Simulation(gas, LAWS["radical"]) as sim:
         sim.state().save(tmp_path)
     *_, last = uncommented(tmp_path)

@@ -54,13 +54,13 @@ def test_a_folder_is_no_file(state: ld.State, tmp_path: Path) -> None:
         for call in (
             lambda path: ld.Run(path).simulation(),
             lambda path: ld.Run(path).resume(),
-            lambda path: ld.compress_in(sim, path, 0.01, 1),
+            lambda path: sim.compress(record=path, strain=0.01)[1:],
         ):
             for path in (file, file / "within"):
                 with pytest.raises(ld.FileError, match=f"'{file}' is a file, not a folder"):
                     call(path)
         with pytest.raises(ld.ParameterError, match="a folder needs a name, not ''"):
-            ld.compress_in(sim, "", 0.01, 1)
+            sim.compress(record="", strain=0.01)
     for options in ((), ("--resume",), ("--overwrite",)):
         line = run("compress", "--out", "file", *options, cwd=tmp_path)
         assert line.startswith("error: 'file' is a file")

@@ -72,11 +72,11 @@ def test_number_of_species() -> None:
 
 
 WALLS = [
-    ld.Plane((0, 0), (1, 0), 0.3),
-    ld.Circle((0, 0), 5.0, 0.3),
-    ld.Disk((0, 0), 1.0, 0.3),
-    ld.Segment((0, 0), (1, 0), 0.3),
-    ld.Polygon(((0, 0), (1, 0), (0, 1)), 0.3),
+    ld.Plane((0, 0), (1, 0), adhesion=0.3),
+    ld.Sphere(5.0, (0, 0), adhesion=0.3),
+    ld.Sphere(1.0, (0, 0), inside=False, adhesion=0.3),
+    ld.Segment((0, 0), (1, 0), adhesion=0.3),
+    ld.PolygonWall(((0, 0), (1, 0), (0, 1)), adhesion=0.3),
 ]
 
 
@@ -88,13 +88,13 @@ def test_walls(wall: Any) -> None:
     values = {name: value for name, value in vars(wall).items() if name != "adhesion"}
     assert "adhesion" not in wall_commands([type(wall)(**values)])
     for bad in (-0.3, math.inf, "much"):
-        with pytest.raises(ld.ParameterError, match=f"adhesion .*of a {wall.kind}"):
+        with pytest.raises(ld.ParameterError, match=f"adhesion .*of a {type(wall).__name__}"):
             type(wall)(**values, adhesion=bad)
 
 
 def test_rectangle() -> None:
-    assert [wall.adhesion for wall in ld.rectangle(2, 1)] == [0.0] * 4
-    assert [wall.adhesion for wall in ld.rectangle(2, 1, adhesion=0.2)] == [0.2] * 4
+    assert [wall.adhesion for wall in ld.BoxWall((2, 1)).parts] == [0.0] * 4
+    assert [wall.adhesion for wall in ld.BoxWall((2, 1), adhesion=0.2).parts] == [0.2] * 4
 
 
 @pytest.mark.parametrize(
@@ -109,10 +109,10 @@ def test_rectangle() -> None:
 def test_particles_that_stick_to_no_wall(law: Any, message: str) -> None:
     packing = ld.Packing(
         np.array([[1.0, 1.0], [3.0, 1.0]]),
-        np.array([0, 1]),
-        np.array([0.5, 0.7]),
+        [0.5, 0.7],
         np.diag([4.0, 2.0]),
-        walls=ld.rectangle(4, 2, adhesion=0.3),
+        species=[0, 1],
+        walls=ld.BoxWall((4, 2), adhesion=0.3),
     )
     with pytest.raises(ld.ParameterError, match=message):
         ld.Simulation(packing, law)

@@ -1,36 +1,60 @@
-"""The triangular lattice, and what is refused."""
+"""Lattices, and what is refused."""
 
 import lammps_deformable as ld
 import numpy as np
 import pytest
 from crystal import crystal
+from lammps_deformable.neighbors import near_pairs
 
 
 def test_as_built_by_hand() -> None:
     """A packing fraction of pi/sqrt(12)/(1 - a)^2 indents particles by a part a of their radius."""
     for a, columns, rows in ((0.0, 4, 4), (0.02, 5, 2), (-0.1, 3, 6)):
-        made = ld.triangular(columns, rows, phi=np.pi / np.sqrt(12.0) / (1.0 - a) ** 2)
+        made = ld.crystal("hex", (columns, rows // 2), phi=np.pi / np.sqrt(12.0) / (1.0 - a) ** 2)
         expected = crystal(a, columns, rows)
         assert made.positions == pytest.approx(expected.positions, abs=1e-14)
         assert made.box == pytest.approx(expected.box, abs=1e-14)
-        assert made.radius == pytest.approx(expected.radius)
-    large = ld.triangular(4, 4, radius=2.0)
+        assert made.radii == pytest.approx(expected.radii)
+    large = ld.crystal("hex", (4, 2), radius=2.0)
     assert large.phi == pytest.approx(np.pi / np.sqrt(12.0))
-    assert large.box == pytest.approx(4.0 * ld.triangular(4, 4).box)
+    assert large.box == pytest.approx(4.0 * ld.crystal("hex", (4, 2)).box)
+
+
+@pytest.mark.parametrize(
+    ("lattice", "cells", "phi", "neighbors"),
+    [
+        ("hex", (3, 2), np.pi / np.sqrt(12), 6),
+        ("square", (4, 3), np.pi / 4, 4),
+        ("sc", 3, np.pi / 6, 6),
+        ("bcc", (3, 4, 3), np.sqrt(3) * np.pi / 8, 8),
+        ("fcc", 2, np.pi / np.sqrt(18), 12),
+        ("hcp", (4, 2, 2), np.pi / np.sqrt(18), 12),
+    ],
+)
+def test_neighbors_touch(lattice: str, cells, phi: float, neighbors: int) -> None:
+    made = ld.crystal(lattice, cells, radius=0.7)
+    assert made.phi == pytest.approx(phi)
+    i, j, _ = near_pairs(made, 1e-9)
+    counts = np.bincount(np.concatenate([i, j]), minlength=len(made))
+    assert counts.tolist() == [neighbors] * len(made)
+    assert len(near_pairs(made, -1e-9)[0]) == 0
 
 
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [
-        ((4, 3), "rows must be even, not 3"),
-        ((0, 4), "columns must be at least 1"),
-        ((4, -2), "rows must be at least 1"),
-        ((4.5, 4), "columns must be"),
-        ((4, 4, 0.0), "radius must"),
-        ((4, 4, 0.5, 95.0), "phi is a fraction"),
-        ((4, 4, 0.5, np.nan), "phi must"),
+        (("hex", (0, 4)), "cells must be at least 1"),
+        (("hex", (4.5, 4)), "cells must be a whole number"),
+        (("fcc", (4, 4)), "cells must be one number, or 3 for fcc"),
+        (("diamond", 4), "lattice must be square, hex, sc, bcc, fcc, hcp, not 'diamond'"),
     ],
 )
 def test_refusals(arguments: tuple, told: str) -> None:
     with pytest.raises(ld.ParameterError, match=told):
-        ld.triangular(*arguments)
+        ld.crystal(*arguments)
+
+
+@pytest.mark.parametrize(("name", "value"), [("radius", 0.0), ("phi", 95.0), ("phi", np.nan)])
+def test_wrong_numbers(name: str, value: float) -> None:
+    with pytest.raises(ld.ParameterError, match=f"{name} "):
+        ld.crystal("hex", 4, **{name: value})

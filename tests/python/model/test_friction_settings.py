@@ -15,15 +15,15 @@ FIX = "fix deformable_friction all deformable/friction "
 @pytest.mark.parametrize(
     ("friction", "words"),
     [
-        (ld.Friction(0.5, 1), "0.5 1.0 0.0 damp 0.0"),
-        (ld.Friction(math.inf, 1.0, 0.1, np.float32(0.25)), "inf 1.0 0.1 damp 0.25"),
+        (ld.Friction(0.5, kt=1), "0.5 1.0 0.0 damp 0.0"),
+        (ld.Friction(math.inf, kt=1.0, gt=0.1, damping=np.float32(0.25)), "inf 1.0 0.1 damp 0.25"),
         (
-            ld.Friction(MATRIX, 1.0, damp=np.array(MATRIX)),
+            ld.Friction(MATRIX, kt=1.0, damping=np.array(MATRIX)),
             "0.3 1.0 0.0 damp 0.3 types 1 1 0.3 1.0 0.0 0.3 types 1 2 0.1 1.0 0.0 0.1 "
             "types 2 2 0.0 1.0 0.0 0.0",
         ),
         (
-            ld.Friction(0.5, 1.0, walls=ld.Friction(0.1, 2.0, 0.3, 0.4)),
+            ld.Friction(0.5, kt=1.0, walls=ld.Friction(0.1, kt=2.0, gt=0.3, damping=0.4)),
             "0.5 1.0 0.0 damp 0.0 types * wall 0.1 2.0 0.3 0.4",
         ),
     ],
@@ -32,7 +32,7 @@ FIX = "fix deformable_friction all deformable/friction "
 def test_the_fix(friction: ld.Friction, words: str) -> None:
     assert friction_commands(friction, 2) == FIX + words + "\n"
     assert eval(repr(friction), {"Friction": ld.Friction, "inf": math.inf}) == friction
-    assert hash(friction) != hash(ld.Friction(9.0, 9.0))
+    assert hash(friction) != hash(ld.Friction(9.0, kt=9.0))
 
 
 def test_no_friction_no_fix() -> None:
@@ -41,19 +41,19 @@ def test_no_friction_no_fix() -> None:
 
 def test_hard_springs_have_short_steps() -> None:
     """Also where nothing moves: LAMMPS' own step would be refused."""
-    touching = ld.Packing([[1.0, 1.0], [1.9, 1.0]], [0, 0], [0.5], [4.0, 2.0])
-    rough = ld.Friction(0.5, 1e6, damp=1e3)
+    touching = ld.Packing([[1.0, 1.0], [1.9, 1.0]], 0.5, [4.0, 2.0])
+    rough = ld.Friction(0.5, kt=1e6, damping=1e3)
     with ld.Simulation(touching, ld.Ring(), friction=rough) as sim:
         assert sim.state().energy > 0.0
 
 
 def test_time_steps() -> None:
-    """kt dt^2 + 2 gt dt = m/7 and 2 damp dt = m/2, of the hardest pair."""
-    assert ld.Friction(0.5, 1.0).longest_step == pytest.approx(math.sqrt(1 / 7))
-    assert ld.Friction(0.5, 0.0, damp=2.0).longest_step == pytest.approx(1 / 8)
-    hard = ld.Friction(0.5, [[1.0, 2.0], [2.0, 4.0]])
+    """kt dt^2 + 2 gt dt = m/7 and 2 damping dt = m/2, of the hardest pair."""
+    assert ld.Friction(0.5, kt=1.0).longest_step == pytest.approx(math.sqrt(1 / 7))
+    assert ld.Friction(0.5, kt=0.0, damping=2.0).longest_step == pytest.approx(1 / 8)
+    hard = ld.Friction(0.5, kt=[[1.0, 2.0], [2.0, 4.0]])
     assert hard.longest_step == pytest.approx(math.sqrt(1 / 28))
-    walled = ld.Friction(0.5, 1.0, walls=ld.Friction(0.5, 16.0))
+    walled = ld.Friction(0.5, kt=1.0, walls=ld.Friction(0.5, kt=16.0))
     assert walled.longest_step == pytest.approx(math.sqrt(1 / 112))
 
 
@@ -70,9 +70,9 @@ def test_time_steps() -> None:
         ({"kt": math.inf}, "kt must be 0 or positive and finite, not inf"),
         ({"kt": -1.0}, "kt must be 0 or positive and finite, not -1"),
         ({"gt": -1.0}, "gt must be 0 or positive and finite, not -1"),
-        ({"damp": -1.0}, "damp must be 0 or positive and finite, not -1"),
+        ({"damping": -1.0}, "damping must be 0 or positive and finite, not -1"),
         ({"walls": 0.5}, "walls must be of the kind Friction"),
-        ({"walls": ld.Friction(MATRIX, 1.0)}, "walls has one number"),
+        ({"walls": ld.Friction(MATRIX, kt=1.0)}, "walls has one number"),
     ],
 )
 def test_refused(values: dict[str, Any], message: str) -> None:
@@ -81,24 +81,24 @@ def test_refused(values: dict[str, Any], message: str) -> None:
     assert "\n" not in str(error.value)
 
 
-PACKING = ld.Packing([[1.0, 1.0], [3.0, 1.0]], [0, 1], [0.5, 0.7], [4.0, 2.0])
+PACKING = ld.Packing([[1.0, 1.0], [3.0, 1.0]], [0.5, 0.7], [4.0, 2.0], species=[0, 1])
 
 
 @pytest.mark.parametrize(
     ("law", "friction", "walls", "message"),
     [
-        (ld.Sector(), ld.Friction(0.5, 1.0), None, "Sector stick: take Ring"),
-        (ld.Ring(), ld.Friction(np.ones((3, 3)), 1.0), None, "2 species.*not 3"),
+        (ld.Sector(), ld.Friction(0.5, kt=1.0), (), "Sector stick: take Ring"),
+        (ld.Ring(), ld.Friction(np.ones((3, 3)), kt=1.0), (), "2 species.*not 3"),
         (
             ld.Ring(),
-            ld.Friction(MATRIX, 1.0),
-            ld.rectangle(4, 2),
+            ld.Friction(MATRIX, kt=1.0),
+            ld.BoxWall((4, 2)),
             r"give it walls=Friction\(",
         ),
-        (ld.Ring(), 0.5, None, "friction must be of the kind Friction"),
+        (ld.Ring(), 0.5, (), "friction must be of the kind Friction"),
     ],
 )
 def test_simulations_without(law: Any, friction: Any, walls: Any, message: str) -> None:
     with pytest.raises(ld.ParameterError, match=message) as error:
-        ld.Simulation(PACKING, law, walls=walls, friction=friction)
+        ld.Simulation(PACKING.replace(walls=walls), law, friction=friction)
     assert "\n" not in str(error.value)

@@ -13,8 +13,8 @@ from scipy import stats
 BUILDER = st.fixed_dictionaries(
     {
         "number": st.integers(1, 60),
-        "radii": st.tuples(st.floats(0.01, 10.0), st.floats(0.01, 10.0)),
-        "fraction": st.floats(0.0, 1.0),
+        "sizes": st.tuples(st.floats(0.01, 10.0), st.floats(0.01, 10.0)),
+        "fraction_large": st.floats(0.0, 1.0),
         "phi": st.floats(0.01, 1.2),
         "aspect": st.floats(0.1, 10.0),
         "tilt": st.floats(-2.0, 2.0),
@@ -32,8 +32,8 @@ def test_builder_gives_what_was_asked_for(asked: dict[str, Any]) -> None:
     assert zero == 0.0
     assert ly / lx == pytest.approx(asked["aspect"])
     assert xy / ly == pytest.approx(asked["tilt"])
-    assert packing.species.sum() == round(asked["fraction"] * asked["number"])
-    assert np.array_equal(packing.radius, np.array(asked["radii"])[packing.species])
+    assert packing.species.sum() == round(asked["fraction_large"] * asked["number"])
+    assert np.array_equal(packing.radii, np.array(asked["sizes"])[packing.species])
     inside = packing.positions @ np.linalg.inv(packing.box)
     assert (inside > -1e-9).all()
     assert (inside < 1 + 1e-9).all()
@@ -45,20 +45,26 @@ def test_seed_decides() -> None:
     assert not np.array_equal(first.positions, other.positions)
 
 
-def test_ratio_in_place_of_radii() -> None:
-    assert ld.bidisperse(4).radii == pytest.approx([0.5, 0.7])
-    assert ld.bidisperse(4, ratio=1.2).radii == pytest.approx([0.5, 0.6])
+@pytest.mark.parametrize(
+    "build", [ld.bidisperse, lambda n, **k: ld.polydisperse(n, [0.5] * n, **k)]
+)
+def test_a_drawn_seed_is_kept(build: Any) -> None:
+    first, second = build(6), build(6)
+    assert not np.array_equal(first.positions, second.positions)
+    assert first.at(0.8).seed == first.seed
+    assert repr(first).endswith(f", seed {first.seed}>")
+    assert np.array_equal(build(6, seed=first.seed).positions, first.positions)
 
 
 def test_at_scales_box_and_centers_by_one_factor() -> None:
-    packing = ld.bidisperse(20, phi=0.3, tilt=0.4)
+    packing = ld.bidisperse(20, phi=0.3, tilt=0.4, seed=1)
     denser = packing.at(0.6)
     assert denser.phi == pytest.approx(0.6)
     assert denser.positions / np.sqrt(0.5) == pytest.approx(packing.positions)
 
 
 def test_packing_cannot_be_changed() -> None:
-    packing = ld.bidisperse(4)
+    packing = ld.bidisperse(4, seed=1)
     with pytest.raises(dataclasses.FrozenInstanceError):
         packing.box = np.eye(2)  # type: ignore[misc]
     with pytest.raises(ValueError, match="read-only"):
@@ -69,12 +75,10 @@ def test_packing_cannot_be_changed() -> None:
     ("wrong", "message"),
     [
         ({"number": 0}, "number must be at least 1, not 0"),
-        ({"radii": (0.5, -0.7)}, "radii must be a positive number, not -0.7"),
-        ({"radii": (0.5,)}, "radii must be two numbers"),
-        ({"ratio": -1.4}, "ratio must be a positive number, not -1.4"),
-        ({"radii": (0.5, 0.7), "ratio": 1.4}, "give radii or a ratio, not both"),
-        ({"radii": (0.5, float("nan"))}, "radii must be finite numbers"),
-        ({"fraction": 1.5}, "fraction must lie between 0 and 1, not 1.5"),
+        ({"sizes": (0.5, -0.7)}, "sizes must be a positive number, not -0.7"),
+        ({"sizes": (0.5,)}, "sizes must be two numbers"),
+        ({"sizes": (0.5, float("nan"))}, "sizes must be finite numbers"),
+        ({"fraction_large": 1.5}, "fraction_large must lie between 0 and 1, not 1.5"),
         ({"phi": 0.0}, "phi must be a positive number, not 0.0"),
         ({"phi": 84.0}, "phi is a fraction.* not 84"),
         ({"aspect": float("nan")}, "aspect must be a positive number, not nan"),
@@ -82,8 +86,8 @@ def test_packing_cannot_be_changed() -> None:
         ({"tilt": 1e9}, r"tilted by at most 30 .*not 1e\+09"),
         ({"number": 2**31}, "number must be at most 2147483647 .*not 2147483648"),
         ({"number": 2.5}, "number must be a whole number, not 2.5"),
-        ({"seed": None}, "seed must be a whole number, not None"),
-        ({"fraction": "half"}, "fraction must be a finite number, not 'half'"),
+        ({"seed": "one"}, "seed must be a whole number, not 'one'"),
+        ({"fraction_large": "half"}, "fraction_large must be a finite number, not 'half'"),
         ({"seed": -1}, "seed must not be negative, not -1"),
     ],
 )
@@ -95,12 +99,18 @@ def test_builder_names_the_bad_value(wrong: dict[str, Any], message: str) -> Non
 @pytest.mark.parametrize(
     ("wrong", "message"),
     [
-        ({"positions": np.zeros((3, 2))}, "positions must have shape"),
+        ({"positions": np.zeros(2)}, "positions must have shape"),
+        ({"positions": np.zeros((3, 2))}, "one for each of 3 particles"),
         ({"positions": None}, "positions must be finite numbers, not None"),
         ({"positions": np.full((2, 2), np.nan)}, "positions must be finite"),
         ({"positions": [[0.0, 0.0], [0.0, 2.7e15]]}, "positions of particle 1, .* boxes away"),
-        ({"species": np.array([0, 2])}, "species must lie in 0..1"),
-        ({"radii": np.array([0.5, 0.0])}, "radii must be positive"),
+        ({"species": np.array([0, -2])}, "species must be 2 whole numbers from 0"),
+        ({"species": [0.0, 0.9]}, r"species must be 2 whole numbers from 0, not \[0.0, 0.9\]"),
+        ({"species": [0]}, "species must be 2 whole numbers"),
+        ({"radii": np.array([0.5, 0.0])}, r"radii must be positive, not \[0.0\]"),
+        ({"radii": [0.5, 0.6, 0.7]}, r"one for each of 2 particles, not \(3,\)"),
+        ({"radii": [0.5]}, r"one for each of 2 particles, not \(1,\)"),
+        ({"radii": [0.5, float("nan")]}, "radii must be finite"),
         ({"box": np.array([[1.0, 0.5], [0.0, 1.0]])}, "box must be"),
     ],
 )
@@ -116,17 +126,11 @@ def test_packing_refuses_nonsense(wrong: dict[str, Any], message: str) -> None:
         ld.Packing(**(good | wrong))
 
 
-def test_species_are_whole_numbers() -> None:
-    packing = ld.bidisperse(4)
-    with pytest.raises(ld.ParameterError, match="species must be whole numbers"):
-        dataclasses.replace(packing, species=np.array([0.0, 0.9, 1.0, 1.0]))
-
-
 def test_radii_far_from_one_need_another_unit() -> None:
-    small, large = (ld.jam(ld.bidisperse(8, radii=(r, r))) for r in (1e-3, 50.0))
+    small, large = (ld.jam(ld.bidisperse(8, sizes=(r, r), seed=1)) for r in (1e-3, 50.0))
     assert small.phi == pytest.approx(large.phi, rel=0.05)
     with pytest.raises(ld.ParameterError, match=r"radius of 700 is too large.*unit"):
-        ld.push_off(ld.bidisperse(8, radii=(500.0, 700.0)))
+        ld.bidisperse(8, sizes=(500.0, 700.0), seed=1).push_off()
 
 
 # ---- radii of their own ----
@@ -135,11 +139,10 @@ def test_radii_far_from_one_need_another_unit() -> None:
 def test_polydisperse_takes_radii_as_they_are() -> None:
     """Of two sizes, it is the packing of `bidisperse`."""
     two = ld.bidisperse(20, aspect=0.7, tilt=0.2, seed=3)
-    many = ld.polydisperse(20, two.radius, aspect=0.7, tilt=0.2, seed=3)
+    many = ld.polydisperse(20, two.radii, aspect=0.7, tilt=0.2, seed=3)
     assert np.array_equal(many.positions, two.positions)
     assert np.array_equal(many.box, two.box)
-    assert np.array_equal(many.radius, two.radius)
-    assert many.radii.tolist() == [0.7]
+    assert np.array_equal(many.radii, two.radii)
     assert many.phi == two.phi
 
 
@@ -148,21 +151,21 @@ def test_polydisperse_draws_from_distributions() -> None:
     packing = ld.polydisperse(4000, frozen, phi=0.6, seed=2)
     assert packing.phi == pytest.approx(0.6)
     # median and width of log R are known to 0.2/sqrt(N) and 0.2/sqrt(2 N), 0.003 and 0.002
-    assert np.log(packing.radius).mean() == pytest.approx(np.log(0.5), abs=0.015)
-    assert np.log(packing.radius).std() == pytest.approx(0.2, abs=0.01)
+    assert np.log(packing.radii).mean() == pytest.approx(np.log(0.5), abs=0.015)
+    assert np.log(packing.radii).std() == pytest.approx(0.2, abs=0.01)
     again = ld.polydisperse(4000, frozen, phi=0.6, seed=2)
-    assert np.array_equal(again.radius, packing.radius)
-    assert not np.array_equal(ld.polydisperse(4000, frozen).radius, packing.radius)
+    assert np.array_equal(again.radii, packing.radii)
+    assert not np.array_equal(ld.polydisperse(4000, frozen, seed=1).radii, packing.radii)
 
-    uniform = ld.polydisperse(50, lambda rng: rng.uniform(0.4, 0.6, 50))
-    assert ((uniform.radius > 0.4) & (uniform.radius < 0.6)).all()
-    assert len(np.unique(uniform.radius)) == 50
+    uniform = ld.polydisperse(50, lambda rng, n: rng.uniform(0.4, 0.6, n), seed=1)
+    assert ((uniform.radii > 0.4) & (uniform.radii < 0.6)).all()
+    assert len(np.unique(uniform.radii)) == 50
 
 
 def test_at_keeps_the_sizes() -> None:
-    packing = ld.polydisperse(3, [0.4, 0.5, 0.6])
+    packing = ld.polydisperse(3, [0.4, 0.5, 0.6], seed=1)
     assert packing.at(0.5).phi == pytest.approx(0.5)
-    assert packing.at(0.5).radius.tolist() == [0.4, 0.5, 0.6]
+    assert packing.at(0.5).radii.tolist() == [0.4, 0.5, 0.6]
 
 
 @pytest.mark.parametrize(
@@ -175,13 +178,13 @@ def test_at_keeps_the_sizes() -> None:
         ([0.5, float("inf"), 0.5], "radii must be finite numbers, not"),
         (["a", "b", "c"], "radii must be finite numbers, not"),
         (stats.norm(-5.0, 0.1), "radii must be positive, but 3 of 3 are not"),
-        (lambda rng: rng.uniform(0.4, 0.6, 4), "radii must be 3 numbers"),
-        (lambda rng: None, "radii must be 3 numbers|radii must be finite numbers"),
+        (lambda rng, n: rng.uniform(0.4, 0.6, n + 1), "radii must be 3 numbers"),
+        (lambda rng, n: None, "radii must be 3 numbers|radii must be finite numbers"),
     ],
 )
 def test_polydisperse_names_the_bad_value(radii: Any, message: str) -> None:
     with pytest.raises(ld.ParameterError, match=message):
-        ld.polydisperse(3, radii)
+        ld.polydisperse(3, radii, seed=1)
 
 
 @pytest.mark.parametrize(
@@ -200,53 +203,55 @@ def test_polydisperse_checks_the_rest(wrong: dict[str, Any], message: str) -> No
         ld.polydisperse(**({"number": 2, "radii": [0.5, 0.6]} | wrong))
 
 
-@pytest.mark.parametrize(
-    ("particle_radii", "message"),
-    [
-        ([0.5, 0.5, 0.5], r"particle_radii must have shape \(2,\), not \(3,\)"),
-        ([0.5, 0.0], "at most the radius of the species, 0.7 for particle 1, not 0"),
-        ([0.6, 0.6], "at most the radius of the species, 0.5 for particle 0, not 0.6"),
-        ([0.5, float("nan")], "particle_radii must be finite"),
-    ],
-)
-def test_packing_refuses_wrong_particle_radii(particle_radii: list[float], message: str) -> None:
-    packing = ld.bidisperse(2)
-    assert dataclasses.replace(packing, particle_radii=[0.5, 0.6]).radius.tolist() == [0.5, 0.6]
-    rounded = [0.5, np.nextafter(0.7, 1.0)]  # 0.7 as LAMMPS writes it
-    dataclasses.replace(packing, particle_radii=rounded)
-    with pytest.raises(ld.ParameterError, match=message):
-        dataclasses.replace(packing, particle_radii=particle_radii)
-
-
 @pytest.mark.parametrize("walled", [False, True])
 def test_radii_grow_in_place_of_a_shrinking_box(walled: bool) -> None:
     """The same packing up to its scale; box, walls and centers stay."""
-    start = ld.polydisperse(9, lambda rng: rng.uniform(0.4, 0.6, 9), tilt=0.0)
+    start = ld.polydisperse(9, lambda rng, n: rng.uniform(0.4, 0.6, 9), tilt=0.0, seed=1)
     if walled:
-        start = start.between([*ld.rectangle(6, 7), ld.Disk((3, 3), 1)], seed=1)
+        start = start.between([ld.BoxWall((6, 7)), ld.Sphere(1, (3, 3), inside=False)], seed=1)
     grown, shrunk = start.at(0.7, grow=True), start.at(0.7)
     assert grown.phi == pytest.approx(0.7, rel=1e-12)
     np.testing.assert_array_equal(grown.positions, start.positions)
     np.testing.assert_array_equal(grown.box, start.box)
     assert grown.walls == start.walls
     scale = grown.box[0, 0] / shrunk.box[0, 0]
-    np.testing.assert_allclose(grown.radius, scale * shrunk.radius, rtol=1e-12)
+    np.testing.assert_allclose(grown.radii, scale * shrunk.radii, rtol=1e-12)
     np.testing.assert_allclose(grown.positions, scale * shrunk.positions, rtol=1e-12)
 
 
-@pytest.mark.parametrize("species", [[0, 0, 0], [0, 0, 1], [2, 2, 0]])
-def test_radii_of_particles_are_not_left_out(species: list[int]) -> None:
-    """As many radii as particles, of which the species do not take all: told how to give them."""
+@pytest.mark.parametrize("species", [None, [0, 0, 1], [2, 2, 0]])
+def test_each_particle_has_its_radius(species: list[int] | None) -> None:
+    """Whatever its species: soft disks of LAMMPS have them, and give them back."""
     places, radii, box = [[1.0, 1.0], [3.0, 1.0], [2.0, 3.0]], [0.5, 0.6, 0.7], (4.0, 4.0)
-    told = r"\Aradii are those of species, and the 3 particles .* Packing\.from_arrays\(positions, "
-    with pytest.raises(ld.ParameterError, match=told) as error:
-        ld.Packing(places, species, radii, box)
-    assert "\n" not in str(error.value)
-    packing = ld.Packing.from_arrays(places, radii, box, species)
-    assert packing.radius.tolist() == radii
-    assert packing.species.tolist() == species
+    packing = ld.Packing(places, radii, box, species=species)
+    assert packing.radii.tolist() == radii
+    assert packing.species.tolist() == (species or [0, 0, 0])
+    assert ld.Packing(places, 0.5, box).radii.tolist() == [0.5] * 3
     with ld.Disks(packing) as disks:
-        assert disks.state().packing.radius.tolist() == radii
-    # each radius is that of a species, or all are the same
-    assert ld.Packing(places, [2, 0, 1], radii, box).radius.tolist() == [0.7, 0.5, 0.6]
-    assert ld.Packing(places, species, [0.5] * 3, box).radius.tolist() == [0.5] * 3
+        again = disks.state().packing
+    assert again.radii.tolist() == radii
+    assert again.replace(radii=[0.6] * 3).radii.tolist() == [0.6] * 3
+
+
+def test_replicate() -> None:
+    """As many images, each beside the others; where walls close the box there are none."""
+    one = ld.bidisperse(5, tilt=0.3, seed=1)
+    many = one.replicate(2, 3)
+    assert many.phi == pytest.approx(one.phi)
+    assert many.box == pytest.approx(one.box * [[2.0], [3.0]])
+    assert many.positions[:5] == pytest.approx(one.positions)
+    assert many.positions[5:10] == pytest.approx(one.positions + one.box[1])
+    assert many.species.tolist() == 6 * one.species.tolist()
+    assert ld.crystal("sc", 1).replicate(2, 3, 4).positions == pytest.approx(
+        ld.crystal("sc", (2, 3, 4)).positions
+    )
+    walled = one.at(0.1).replace(box=(5, 5)).between(ld.BoxWall((5, 5)).parts[2:])
+    assert len(walled.replicate(3, 1)) == 15
+    for call, message in (
+        (lambda: one.replicate(1, 1, 2), "no images along z: nz must be 1, not 2"),
+        (lambda: walled.replicate(1, 2), "no images along y: ny must be 1, not 2"),
+        (lambda: one.replicate(0, 1), "nx must be at least 1"),
+        (lambda: one.between(ld.Sphere(0.1, (1, 1), inside=False)).replicate(2, 1), "no obstacles"),
+    ):
+        with pytest.raises(ld.ParameterError, match=message):
+            call()

@@ -10,14 +10,14 @@ RADII = np.array([0.5, 0.7])
 
 
 def test_numbers_of_the_paper() -> None:
-    polygons = ld.PolygonModel(vertices=50, radius=0.05).polygons(RADII)
+    polygons = ld.DeformablePolygon(50, radius=0.05, smooth=False).polygons(RADII)
     assert polygons.number.tolist() == [50, 72]
     assert polygons.radius == pytest.approx([0.45, 0.65])
     assert polygons.effective_radius == pytest.approx(RADII - 0.00205, abs=2e-5)
 
 
 def test_smooth_polygons_have_the_perimeter_of_the_law() -> None:
-    polygons = ld.PolygonModel(vertices=80, radius=0.025, kL=480.0, smooth=True).polygons(RADII)
+    polygons = ld.DeformablePolygon(80, radius=0.025, kL=480.0).polygons(RADII)
     assert polygons.number.tolist() == [80, 114]
     assert polygons.number * polygons.spacing == pytest.approx(
         2.0 * np.pi * (RADII - 0.025), rel=1e-14
@@ -31,15 +31,17 @@ def test_smooth_polygons_have_the_perimeter_of_the_law() -> None:
 
 
 def test_few_vertices_are_enough_for_smooth_polygons() -> None:
-    assert ld.PolygonModel(vertices=8, radius=0.01, smooth=True).polygons(RADII).number[0] == 8
+    assert ld.DeformablePolygon(8, radius=0.01).polygons(RADII).number[0] == 8
     with pytest.raises(ld.ParameterError, match="too few"):
-        ld.PolygonModel(vertices=8, radius=0.01).polygons(RADII)
+        ld.DeformablePolygon(8, radius=0.01, smooth=False).polygons(RADII)
     with pytest.raises(ld.ParameterError, match="too many"):
-        ld.PolygonModel(vertices=9000, radius=0.01, smooth=True).polygons(RADII)
+        ld.DeformablePolygon(9000, radius=0.01).polygons(RADII)
 
 
 def test_rest_values_are_those_of_a_regular_polygon() -> None:
-    polygons = ld.PolygonModel(vertices=[5, 11], radius=0.1).polygons(np.array([0.4, 0.3]))
+    polygons = ld.DeformablePolygon([5, 11], radius=0.1, smooth=False).polygons(
+        np.array([0.4, 0.3])
+    )
     for n, radius, spacing, area in zip(
         polygons.number, (0.3, 0.2), polygons.spacing, polygons.area, strict=True
     ):
@@ -52,12 +54,15 @@ def test_rest_values_are_those_of_a_regular_polygon() -> None:
 
 @pytest.mark.parametrize("number", [[50, 80], (50, 80), np.array([50, 80]), np.array([50.0, 80.0])])
 def test_numbers_of_each_species(number: object) -> None:
-    assert ld.PolygonModel(vertices=number).polygons(RADII).number.tolist() == [50, 80]
+    assert ld.DeformablePolygon(number, smooth=False).polygons(RADII).number.tolist() == [50, 80]
 
 
 @pytest.mark.parametrize("number", [50, np.int64(50), np.float64(50.0)])
 def test_one_number_is_of_the_smallest(number: int) -> None:
-    assert ld.PolygonModel(number).polygons(RADII[::-1]).number.tolist() == [72, 50]
+    assert ld.DeformablePolygon(number, smooth=False).polygons(RADII[::-1]).number.tolist() == [
+        72,
+        50,
+    ]
 
 
 @pytest.mark.parametrize(
@@ -66,7 +71,7 @@ def test_one_number_is_of_the_smallest(number: int) -> None:
 )
 def test_numbers_of_beads_are_whole_and_three_or_more(number: object) -> None:
     with pytest.raises(ld.ParameterError, match="whole number of beads, at least 3, not"):
-        ld.PolygonModel(vertices=number)  # type: ignore[arg-type]
+        ld.DeformablePolygon(number, smooth=False)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("name", ["radius", "kr"])
@@ -75,7 +80,7 @@ def test_numbers_of_beads_are_whole_and_three_or_more(number: object) -> None:
 )
 def test_settings_are_positive(name: str, value: Any) -> None:
     with pytest.raises(ld.ParameterError, match=f"{name} must be a positive number"):
-        ld.PolygonModel(**{name: value})
+        ld.DeformablePolygon(**{name: value})
 
 
 @pytest.mark.parametrize("name", ["kL", "kA"])
@@ -96,13 +101,13 @@ def test_settings_are_positive(name: str, value: Any) -> None:
 )
 def test_stiffnesses_are_positive(name: str, value: Any, message: str) -> None:
     with pytest.raises(ld.ParameterError, match=f"{name} must {message}"):
-        ld.PolygonModel(**{name: value})
+        ld.DeformablePolygon(**{name: value})
 
 
 @pytest.mark.parametrize("kind", [list, tuple, np.array])
 def test_stiffnesses_of_each_species(kind: Any) -> None:
-    model = ld.PolygonModel(vertices=[50, 80], kL=kind([1, 2]), kA=3)
-    assert model == ld.PolygonModel(vertices=[50, 80], kL=(1.0, 2.0), kA=3.0)
+    model = ld.DeformablePolygon([50, 80], kL=kind([1, 2]), kA=3, smooth=False)
+    assert model == ld.DeformablePolygon([50, 80], kL=(1.0, 2.0), kA=3.0, smooth=False)
     polygons = model.polygons(RADII)
     assert polygons.kL.tolist() == [1.0, 2.0]
     assert polygons.kA.tolist() == [3.0, 3.0]
@@ -115,31 +120,33 @@ def test_stiffnesses_of_each_species(kind: Any) -> None:
 def test_one_stiffness_a_species(name: str, values: Any) -> None:
     message = r"there are 2 species, so \[1\.0.*\] must have as many numbers"
     with pytest.raises(ld.ParameterError, match=message):
-        ld.PolygonModel(**{name: values}).polygons(RADII)
+        ld.DeformablePolygon(**{name: values}).polygons(RADII)
 
 
 def test_settings_may_be_numpy_numbers() -> None:
-    model = ld.PolygonModel(vertices=np.int64(12), radius=np.float64(0.1), kL=np.float32(8), kA=2)
-    with ld.PolygonSimulation(ld.bidisperse(2, phi=0.1), model) as polygons:
+    model = ld.DeformablePolygon(
+        np.int64(12), radius=np.float64(0.1), kL=np.float32(8), kA=2, smooth=False
+    )
+    with ld.PolygonSimulation(ld.bidisperse(2, phi=0.1, seed=1), model) as polygons:
         assert polygons.state().residual == 0.0
 
 
 @pytest.mark.parametrize("number", [[50], [50, 60, 70]])
 def test_one_number_a_species(number: list[int]) -> None:
     with pytest.raises(ld.ParameterError, match=r"one for each of 2 species, not \["):
-        ld.PolygonModel(vertices=number).polygons(RADII)
+        ld.DeformablePolygon(number, smooth=False).polygons(RADII)
 
 
 @pytest.mark.parametrize("radius", [0.25, 0.5, 3.0])
 def test_beads_are_smaller_than_the_ring(radius: float) -> None:
     with pytest.raises(ld.ParameterError, match=r"too large for a particle of radius 0\.5"):
-        ld.PolygonModel(radius=radius).polygons(RADII)
+        ld.DeformablePolygon(50, radius=radius, smooth=False).polygons(RADII)
 
 
 def test_no_bead_slips_through_between_others() -> None:
     with pytest.raises(ld.ParameterError, match=r"20 beads .* radius 0\.7, .* take 21 or more"):
-        ld.PolygonModel(vertices=[40, 20], radius=0.05).polygons(RADII)
-    enough = ld.PolygonModel(vertices=[40, 21], radius=0.05).polygons(RADII)
+        ld.DeformablePolygon([40, 20], radius=0.05, smooth=False).polygons(RADII)
+    enough = ld.DeformablePolygon([40, 21], radius=0.05, smooth=False).polygons(RADII)
     assert enough.spacing[1] < 4.0 * 0.05 < 2.0 * 0.65 * np.sin(np.pi / 20)
     assert np.isfinite(enough.effective_radius).all()
 
@@ -152,18 +159,18 @@ def test_the_number_that_is_asked_for_suffices(
     """One number is that of the smallest species, but a larger species may need more beads."""
     message = rf"take vertices = \d+ or {way_out}$"
     with pytest.raises(ld.ParameterError, match=message) as error:
-        ld.PolygonModel(number).polygons(radii)
+        ld.DeformablePolygon(number, smooth=False).polygons(radii)
     limit = int(str(error.value).split()[-3])
-    ld.PolygonModel(limit).polygons(radii)
+    ld.DeformablePolygon(limit, smooth=False).polygons(radii)
     with pytest.raises(ld.ParameterError, match=message):
-        ld.PolygonModel(limit + step).polygons(radii)
+        ld.DeformablePolygon(limit + step, smooth=False).polygons(radii)
 
 
 def test_lammps_lists_the_neighbors_of_the_closest_beads() -> None:
     with pytest.raises(ld.ParameterError, match=r"5000 .* radius 0\.7, .* take 1361 or fewer"):
-        ld.PolygonModel(vertices=[50, 5000]).polygons(RADII)
+        ld.DeformablePolygon([50, 5000], smooth=False).polygons(RADII)
     jammed = ld.jam(ld.bidisperse(8, seed=1))
-    model = ld.PolygonModel(vertices=244, radius=0.15)
+    model = ld.DeformablePolygon(244, radius=0.15, smooth=False)
     with ld.PolygonSimulation(jammed, model) as polygons:
         assert polygons.polygons.spacing == pytest.approx(0.06 * 0.15, rel=1e-2)
         polygons.deform(polygons.box * 0.97)

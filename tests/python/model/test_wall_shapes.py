@@ -1,42 +1,58 @@
-"""Shapes of walls: what they refuse, and how they stretch."""
+"""Walls: what they refuse, what stands for them, and how they stretch."""
 
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable import Circle, Disk, ParameterError, Plane, Polygon, Segment, rectangle
+from lammps_deformable import (
+    BoxWall,
+    Cone,
+    Cylinder,
+    ParameterError,
+    Plane,
+    PolygonWall,
+    Segment,
+    Sphere,
+)
+from lammps_deformable.polygons import Walls
 from lammps_deformable.walls import as_walls
 
 WRONG = {
-    "normal": (lambda: Plane((0, 0), (0, 0)), "normal of a plane"),
-    "point": (lambda: Plane((0, 0, 0), (0, 1)), "point of a plane must be a point"),
-    "inf": (lambda: Plane((0, np.inf), (0, 1)), "point of a plane must be finite"),
-    "words": (lambda: Disk("ab", 1), "center of a disk"),
-    "radius": (lambda: Disk((0, 0), -1), "radius of a disk must be a positive number, not -1"),
-    "circle": (lambda: Circle((0, 0), 0), "radius of a circle"),
-    "length": (lambda: Segment((1, 2), (1, 2)), "a segment has no length"),
-    "few": (lambda: Polygon([(0, 0), (1, 0)]), "corners of a polygon must be three or more"),
+    "normal": (lambda: Plane((0, 0), (0, 0)), "normal of a Plane"),
+    "point": (lambda: Plane((0, 0, 0), (0, 1)), r"origin of a Plane must be a point \(x, y\)"),
+    "inf": (lambda: Plane((0, np.inf), (0, 1)), "origin of a Plane must be finite"),
+    "words": (lambda: Sphere(1, "ab"), "origin of a Sphere must be finite numbers"),
+    "one number": (lambda: Sphere(1, 2.0), "origin of a Sphere must be a point"),
+    "radius": (lambda: Sphere(-1), "radius of a Sphere must be a positive number, not -1"),
+    "inside": (lambda: Sphere(1, inside="no"), "inside of a Sphere must be of the kind bool"),
+    "adhesion": (lambda: Sphere(1, (0, 0), adhesion=-1), "adhesion"),
+    "in space": (lambda: Plane(0, (0, 0, 1), adhesion=0.1), "adhesion of a Plane is for the plane"),
+    "length": (lambda: Segment((1, 2), (1, 2)), "a Segment has no length"),
+    "few": (lambda: PolygonWall([(0, 0), (1, 0)]), "corners of a PolygonWall must be three"),
     "convex": (
-        lambda: Polygon([(0, 0), (2, 0), (0.5, 0.5), (0, 2)]),
-        r"a polygon is not convex at its corner \(0.5",
+        lambda: PolygonWall([(0, 0), (2, 0), (0.5, 0.5), (0, 2)]),
+        r"a PolygonWall is not convex at its corner \(0.5",
     ),
     "star": (
-        lambda: Polygon(
+        lambda: PolygonWall(
             [(1, 0), (-0.809, 0.588), (0.309, -0.951), (0.309, 0.951), (-0.809, -0.588)]
         ),
-        "a polygon crosses itself",
+        "a PolygonWall crosses itself",
     ),
-    "width": (lambda: rectangle(0, 1), "width"),
-    "corner": (lambda: rectangle(1, 1, 3), "corner must be a point"),
-    "no shape": (lambda: as_walls(3), "walls must be one or several of Plane, .* not 3"),
-    "class": (lambda: as_walls([Disk]), "wall 1 must be one of Plane"),
-    "nested": (
-        lambda: as_walls([Disk((0, 0), 1), rectangle(1, 1)]),
-        "wall 2 must be one of Plane.*put [*] before",
+    "width": (lambda: BoxWall((0, 1)), "lengths of a BoxWall must be positive"),
+    "corner": (lambda: BoxWall((1, 1), 3), "origin of a BoxWall must be a point"),
+    "block": (lambda: BoxWall((1, 1, 1), inside=False), "cannot be an obstacle"),
+    "axis": (lambda: Cylinder(1, (1, 1, 0)), r"axis of a Cylinder must be x or y or z, .*\(1, 1"),
+    "leaning": (lambda: Cone(0, "x", 0.5), "axis of a Cone must be z or -z, .* not 'x'"),
+    "angle": (lambda: Cone(0, "z", 2.0), "angle of a Cone must be above 0 and below pi/2, not 2"),
+    "nan": (lambda: Cone(0, "z", np.nan), "angle of a Cone must be above 0"),
+    "no shape": (lambda: as_walls(3, 2), "walls must be one or several of Plane, .* not 3"),
+    "class": (lambda: as_walls([Sphere], 2), "wall 1 must be one of Plane, Sphere, Segment"),
+    "bead walls": (lambda: as_walls(Walls([0, 2, 4], [1, 1, 1]), 2), "walls must be one or"),
+    "dimension": (
+        lambda: as_walls([Sphere(1), Cylinder(1, "z")], 2),
+        r"wall 2, Cylinder\(radius=1.0, axis='z', .* is a wall in 3 dimensions, .* 2: take one of",
     ),
-    "bead walls": (
-        lambda: as_walls(ld.Walls([0.0, 2.0, 4.0], [1.0, 1.0, 1.0])),
-        "walls must be one or several of Plane",
-    ),
+    "points": (lambda: as_walls(Sphere(1, (0, 0)), 3), r"give its points as \(x, y, z\)"),
 }
 
 
@@ -47,18 +63,45 @@ def test_wrong_shapes(make, message) -> None:
     assert "\n" not in str(error.value)
 
 
-def test_rectangle() -> None:
-    """Normals point inward, from points on the sides."""
-    sides = rectangle(4, 2, corner=(1, 10))
+@pytest.mark.parametrize("walls", [
+    BoxWall((4, 2), (1, 10)),
+    PolygonWall([(5, 10), (5, 12), (1, 12), (1, 10)], inside=True),
+    PolygonWall([(1, 10), (1, 12), (5, 12), (5, 10)], inside=True),
+])  # fmt: skip
+def test_sides_of_a_rectangle(walls) -> None:
+    """Normals point inward, from points on the sides, whatever the order of the corners."""
+    sides = as_walls(walls, 2)
     middle = np.array([3, 11])
-    heights = [(middle - side.point) @ side.normal for side in sides]
-    assert heights == [2, 2, 1, 1]
+    heights = [(middle - side.origin) @ side.normal / np.hypot(*side.normal) for side in sides]
+    assert sorted(heights) == [1, 1, 2, 2]
+    assert ld.Packing([middle], 0.1, (9, 9), walls=walls).volume == pytest.approx(8)
 
 
-def test_shapes_are_values() -> None:
-    assert Disk([0, 1], 2) == Disk((0.0, 1.0), 2.0)
+def test_an_obstacle_of_a_box_is_a_polygon() -> None:
+    (wall,) = as_walls(BoxWall((4, 2), (1, 10), inside=False), 2)
+    assert wall == PolygonWall([(1, 10), (5, 10), (5, 12), (1, 12)])
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_a_sphere_around_0_has_the_dimension_of_the_packing(dimension) -> None:
+    packing = ld.bidisperse(4, dimension=dimension, seed=1).between(Sphere(4))
+    assert packing.walls == (Sphere(4, (0,) * dimension),)
+    assert packing.periodic == (False,) * dimension
+
+
+def test_walls_are_values() -> None:
+    assert Sphere(2, [0, 1], inside=False) == Sphere(2.0, (0.0, 1.0), inside=False)
     assert len({Segment((0, 0), (1, 0)), Segment(np.zeros(2), [1, 0])}) == 1
-    assert Polygon(np.array([[0, 0], [1, 0], [0, 1]])).corners == ((0, 0), (1, 0), (0, 1))
+    assert PolygonWall(np.array([[0, 0], [1, 0], [0, 1]])).corners == ((0, 0), (1, 0), (0, 1))
+    assert Cylinder(1, (0, 0, 2)) == Cylinder(1, "z", (0, 0, 0))
+    for wall in (
+        Plane((1, 2), (0, 1), adhesion=0.5),
+        Sphere(2, (0, 1), inside=False),
+        Cylinder(1, "x", (0, 2, 0)),
+        Cone((0, 0, 1), (0, 0, -3), 0.5),
+        BoxWall((3, 4)),
+    ):
+        assert eval(repr(wall)) == wall
 
 
 def test_stretched_plane() -> None:
@@ -66,11 +109,37 @@ def test_stretched_plane() -> None:
     plane = Plane((1, 2), (3, 1))
     along = np.array([1, 2]) + 0.7 * np.array([-1, 3])
     new = plane.stretched(2.0, 0.5)
-    assert (along * [2.0, 0.5] - new.point) @ new.normal == pytest.approx(0, abs=1e-14)
+    assert (along * [2.0, 0.5] - new.origin) @ new.normal == pytest.approx(0, abs=1e-14)
+
+
+def test_sides_of_the_box_become_walls() -> None:
+    """Along an axis that is not periodic the box has the walls of a rectangle there."""
+    places, box = [[1, 1], [2, 3]], (6, 5)
+    channel = ld.Packing(places, 0.5, box, periodic=(True, False))
+    assert channel.walls == as_walls(BoxWall(box), 2)[2:]
+    assert channel.periodic == (True, False)
+    assert ld.Packing(places, 0.5, box, periodic=False).walls == as_walls(BoxWall(box), 2)
+    assert channel.replace(walls=()).periodic == (True, True)
+    with pytest.raises(ParameterError, match="periodic must be True or False, or 2 of them"):
+        ld.Packing(places, 0.5, box, periodic=(True, False, True))
 
 
 def test_sides_of_bead_walls_as_planes() -> None:
     """`Walls` of beads around the origin, as planes of a container."""
-    walls = ld.Walls([0.0, 2.0, 4.0], [1.0, 1.5, 2.0])
+    walls = Walls([0.0, 2.0, 4.0], [1.0, 1.5, 2.0])
     for plane, height in zip(walls.planes, walls.height, strict=True):
-        assert -np.dot(plane.point, plane.normal) == pytest.approx(height)
+        assert -np.dot(plane.origin, plane.normal) == pytest.approx(height)
+
+
+@pytest.mark.parametrize(
+    ("angle", "height", "message"),
+    [
+        ([0.0, 3.0], [1.0, 1.0], "less than half a turn"),
+        ([0.0, 4.0, 2.0], [1.0, 1.0, 1.0], "must increase through one turn"),
+        (None, None, "angle of walls must be finite numbers"),
+        ([0.0, 2.0, 4.0], [1.0, 0.0, 1.0], "3 positive numbers"),
+    ],
+)
+def test_bead_walls_are_a_polygon(angle, height, message) -> None:
+    with pytest.raises(ParameterError, match=message):
+        Walls(angle, height)

@@ -7,9 +7,9 @@ import pytest
 @pytest.fixture(scope="module")
 def dense() -> ld.Packing:
     """Particles from random positions far above jamming."""
-    return ld.push_off(ld.bidisperse(32, phi=0.95, seed=3))
+    return ld.bidisperse(32, phi=0.95, seed=3).push_off()
 
 
 @pytest.fixture(scope="module")
 def loose() -> ld.Packing:
-    return ld.push_off(ld.bidisperse(64, phi=0.6, seed=3))
+    return ld.bidisperse(64, phi=0.6, seed=3).push_off()

@@ -5,18 +5,17 @@ from pathlib import Path
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable.motion import move
 
 FORCE, FRICTION, TAU = 1e-4, 2.0, 100.0
 SPEED = FORCE / FRICTION
 NUMBER = 1600
-ACTIVE = {"friction": FRICTION, "propulsion": FORCE, "persistence": TAU}
+ACTIVE = {"drag": FRICTION, "propulsion": FORCE, "persistence": TAU}
 
 
 @pytest.fixture(scope="module")
 def free() -> ld.Packing:
     x, y = np.divmod(np.arange(NUMBER), 40)
-    return ld.Packing(2.0 + 4.0 * np.column_stack([x, y]), [0] * NUMBER, [0.5], 160.0 * np.eye(2))
+    return ld.Packing(2.0 + 4.0 * np.column_stack([x, y]), 0.5, 160.0 * np.eye(2))
 
 
 def square(state: ld.State, start: ld.Packing) -> np.ndarray:
@@ -31,8 +30,7 @@ def test_persistence(free: ld.Packing, inertia: bool) -> None:
     v' = g (v n - v), so that r is that of the directions less v/g: at g tau >> 1 a small part.
     """
     with ld.Simulation(free, ld.Ring()) as sim:
-        motion = move(sim, 1000, 0.2, every=500, seed=1, inertia=inertia, **ACTIVE)
-        start, states = motion.start(), list(motion)
+        start, *states = sim.run(1000, timestep=0.2, every=500, seed=1, inertia=inertia, **ACTIVE)
     assert start.time == 0.0
     for state in states:
         t = state.time
@@ -53,22 +51,22 @@ def test_persistence(free: ld.Packing, inertia: bool) -> None:
 def test_directions_go_on(free: ld.Packing, tmp_path: Path) -> None:
     """In a second call, in a simulation from a state or of a folder, and in a record."""
     with ld.Simulation(free, ld.Ring()) as sim:
-        motion = move(sim, 20, 0.5, every=10, seed=1, inertia=False, **ACTIVE)
-        *_, first = ld.record(motion, tmp_path / "run")
-        (second,) = move(sim, 1, 0.5, seed=1, inertia=False, **ACTIVE)
+        motion = {"timestep": 0.5, "every": 10, "seed": 1, "inertia": False}
+        first = sim.run(20, record=tmp_path / "run", **motion, **ACTIVE)[-1]
+        (second,) = sim.run(1, timestep=0.5, seed=1, inertia=False, **ACTIVE)[1:]
     deviation = np.sqrt(2.0 * 0.5 / TAU)  # in one step
     assert turned(second, first).std() == pytest.approx(deviation, rel=5.0 / np.sqrt(2 * NUMBER))
     read = ld.Run(tmp_path / "run")[-1]
     np.testing.assert_allclose(read.directions, first.directions, rtol=0, atol=1e-15)
     with ld.Simulation(read, ld.Ring()) as sim:
-        third = next(move(sim, 1, 0.5, seed=2, inertia=False, **ACTIVE))
+        third = sim.run(1, timestep=0.5, seed=2, inertia=False, **ACTIVE)[1]
         sim.restart(free)
-        other = next(move(sim, 1, 0.5, seed=2, inertia=False, **ACTIVE))
+        other = sim.run(1, timestep=0.5, seed=2, inertia=False, **ACTIVE)[1]
     assert turned(third, first).std() == pytest.approx(deviation, rel=5.0 / np.sqrt(2 * NUMBER))
     assert abs(np.cos(turned(other, first)).mean()) < 5.0 / np.sqrt(2 * NUMBER)
     with ld.Run(tmp_path / "run").simulation() as sim:
         np.testing.assert_allclose(sim.directions, first.directions, rtol=0, atol=1e-15)
-        fourth = next(move(sim, 1, 0.5, seed=2, inertia=False, **ACTIVE))
+        fourth = sim.run(1, timestep=0.5, seed=2, inertia=False, **ACTIVE)[1]
     np.testing.assert_allclose(fourth.directions, third.directions, rtol=0, atol=1e-12)
     data = tmp_path / "run" / "packing.data"
     data.write_text(data.read_text().rpartition("# direction")[0])
@@ -78,7 +76,7 @@ def test_directions_go_on(free: ld.Packing, tmp_path: Path) -> None:
     ax = first.plot(color_by="direction")
     assert ax.collections[0].get_clim() == pytest.approx((-np.pi, np.pi))
     assert ax.collections[0].get_cmap().name == "twilight"
-    assert next(move(ld.Simulation(free, ld.Ring()), 1, 0.5)).directions is None
+    assert ld.Simulation(free, ld.Ring()).run(1, timestep=0.5)[1].directions is None
 
 
 def turned(state: ld.State, since: ld.State) -> np.ndarray:
@@ -89,11 +87,10 @@ def turned(state: ld.State, since: ld.State) -> np.ndarray:
 
 def test_particles_that_push_each_other_keep_their_step() -> None:
     """A dense crowd: the default step holds, and the mean speed is below that of free ones."""
-    packing = ld.push_off(ld.bidisperse(32, phi=0.85, seed=3))
+    packing = ld.bidisperse(32, phi=0.85, seed=3).push_off()
     with ld.Simulation(packing, ld.Ring(kP=0.3)) as sim:
-        motion = move(sim, 2000, seed=1, inertia=False, every=500, friction=1.0, propulsion=1e-3,
-                      persistence=1e4)  # fmt: skip
-        states = [motion.start(), *motion]
+        crowd = {"drag": 1.0, "propulsion": 1e-3, "persistence": 1e4}
+        states = sim.run(2000, seed=1, inertia=False, every=500, **crowd)
     assert states[-1].energy > 0.0
     assert max(state.particle_pressure.max() for state in states) < 0.1
     assert states[-1].time > states[-2].time
@@ -102,7 +99,7 @@ def test_particles_that_push_each_other_keep_their_step() -> None:
 @pytest.mark.parametrize(
     ("values", "message"),
     [
-        ({"friction": 0.0}, "get faster and faster: give a friction"),
+        ({"drag": 0.0}, "get faster and faster: give a drag"),
         ({"persistence": None}, "give propulsion and persistence, or none of them"),
         ({"propulsion": None}, "give propulsion and persistence, or none of them"),
         ({"propulsion": 0.0}, "propulsion must be a positive number, not 0"),
@@ -116,4 +113,4 @@ def test_refusals(free: ld.Packing, values: dict[str, float], message: str) -> N
         ld.Simulation(free, ld.Ring()) as sim,
         pytest.raises(ld.ParameterError, match=message),
     ):
-        list(move(sim, 10, **ACTIVE | values))
+        sim.run(10, **ACTIVE | values)

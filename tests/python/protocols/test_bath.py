@@ -3,7 +3,6 @@
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable.motion import move
 
 SOFT = ld.Ring(kP=0.3)
 
@@ -22,7 +21,9 @@ def test_temperature_of_a_heat_bath(loose: ld.Packing, law: ld.Ring) -> None:
     """Kinetic temperature of all particles, of each size and along each axis: 1 % at four sigma."""
     temperature, friction, steps = 1e-5, 1.0, 14_000
     with ld.Simulation(loose, law) as sim:
-        states = list(move(sim, steps, None, temperature, friction, every=20, seed=1))
+        states = sim.run(
+            steps, timestep=None, temperature=temperature, drag=friction, every=20, seed=1
+        )[1:]
     error = scatter(len(loose), friction, states[-1].time)
     assert 4.0 * error < 0.01
     found = np.mean([state.temperature for state in states])
@@ -40,9 +41,9 @@ def test_temperature_of_a_heat_bath(loose: ld.Packing, law: ld.Ring) -> None:
 
 def test_heat_bath_does_not_depend_on_ends_of_runs() -> None:
     """Forces drawn anew at each state would halve the temperature, as fix langevin does."""
-    gas = ld.push_off(ld.bidisperse(64, phi=0.05, seed=3))
+    gas = ld.bidisperse(64, phi=0.05, seed=3).push_off()
     with ld.Simulation(gas, ld.Ring()) as sim:
-        states = list(move(sim, 400, 0.5, 1e-6, friction=1.0, every=1, seed=1))
+        states = sim.run(400, timestep=0.5, temperature=1e-6, drag=1.0, every=1, seed=1)[1:]
     error = scatter(len(gas), 1.0, states[-1].time)
     found = np.mean([state.temperature for state in states])
     assert found == pytest.approx(1e-6, rel=4.0 * error)
@@ -52,7 +53,7 @@ def test_heat_bath_does_not_depend_on_ends_of_runs() -> None:
 def free() -> ld.Packing:
     """Far apart, so that none touches another in a short motion."""
     x, y = np.divmod(np.arange(400), 20)
-    return ld.Packing(2.0 + 4.0 * np.column_stack([x, y]), [0] * 400, [0.5], 80.0 * np.eye(2))
+    return ld.Packing(2.0 + 4.0 * np.column_stack([x, y]), 0.5, 80.0 * np.eye(2))
 
 
 def correlation(a: np.ndarray, b: np.ndarray) -> float:
@@ -62,7 +63,7 @@ def correlation(a: np.ndarray, b: np.ndarray) -> float:
 def test_initial_velocities_are_those_of_maxwell(free: ld.Packing) -> None:
     """The fourth moment is 3, of a uniform distribution 1.8; n values scatter by (96/n)^(1/2)."""
     with ld.Simulation(free, SOFT) as sim:
-        (state,) = move(sim, 1, 1e-3, temperature=1e-6, seed=1)
+        (state,) = sim.run(1, timestep=1e-3, temperature=1e-6, seed=1)[1:]
     v = state.velocities / state.velocities.std()
     assert np.mean(v**4) == pytest.approx(3.0, abs=3.0 * np.sqrt(96.0 / v.size))
     assert state.temperature == pytest.approx(1e-6)
@@ -71,14 +72,16 @@ def test_initial_velocities_are_those_of_maxwell(free: ld.Packing) -> None:
 def test_a_heat_bath_goes_on_in_a_second_call(free: ld.Packing) -> None:
     """The same velocities, and other noise, so that free particles diffuse as in a single call."""
     with ld.Simulation(free, SOFT) as sim:
-        *_, first = move(sim, 100, 0.1, temperature=1e-6, friction=1e-6, seed=1)
-        (second,) = move(sim, 1, 0.1, temperature=1e-6, friction=1e-6, seed=1)
+        first = sim.run(100, timestep=0.1, temperature=1e-6, drag=1e-6, seed=1)[-1]
+        (second,) = sim.run(1, timestep=0.1, temperature=1e-6, drag=1e-6, seed=1)[1:]
         assert second.velocities == pytest.approx(first.velocities, abs=1e-2 * 1e-3)
     friction, dt, steps, moved = 2.0, 0.1, 100, []
     with ld.Simulation(free, SOFT) as sim:
         for _ in range(10):
             before = sim.state().packing.positions
-            *_, last = move(sim, steps, dt, temperature=1e-6, friction=friction, seed=1)
+            last = sim.run(steps, every=100, timestep=dt, temperature=1e-6, drag=friction, seed=1)[
+                -1
+            ]
             moved.append(last.packing.positions - before)
     scatter = 4.0 / np.sqrt(moved[0].size)
     assert abs(correlation(moved[3], moved[4])) < scatter
@@ -90,7 +93,7 @@ def test_a_heat_bath_goes_on_in_a_second_call(free: ld.Packing) -> None:
 def test_without_a_seed_no_noise_is_repeated(free: ld.Packing) -> None:
     def end(seed: int | None) -> np.ndarray:
         with ld.Simulation(free, SOFT) as sim:
-            *_, last = move(sim, 20, 0.1, temperature=1e-6, friction=1.0, seed=seed)
+            last = sim.run(20, timestep=0.1, temperature=1e-6, drag=1.0, seed=seed)[-1]
         return last.velocities
 
     assert (end(7) == end(7)).all()
@@ -99,11 +102,11 @@ def test_without_a_seed_no_noise_is_repeated(free: ld.Packing) -> None:
 
 
 def test_one_particle_has_no_temperature() -> None:
-    alone = ld.Packing([[1.0, 1.0]], [0], [0.5], 4.0 * np.eye(2))
+    alone = ld.Packing([[1.0, 1.0]], 0.5, 4.0 * np.eye(2))
     with ld.Simulation(alone, SOFT) as sim:
         with pytest.raises(ld.ParameterError, match="temperature"):
-            next(move(sim, 100, temperature=1e-5, seed=1))
-        assert next(move(sim, 100, seed=1)).temperature == 0.0
+            sim.run(100, temperature=1e-5, seed=1)
+        assert sim.run(100, seed=1)[1].temperature == 0.0
 
 
 def test_potential_energy_has_its_share(dense: ld.Packing) -> None:
@@ -112,8 +115,10 @@ def test_potential_energy_has_its_share(dense: ld.Packing) -> None:
     with ld.Simulation(dense, ld.Ring(contact="radical")) as sim:
         lowest = sim.relax(1e-8)
         assert not lowest.rattlers.any()
-        *_, _ = move(sim, 1000, None, temperature, friction, every=1000, seed=1)
-        states = list(move(sim, 10_000, None, temperature, friction, every=20, seed=2))
+        _ = sim.run(1000, timestep=None, temperature=temperature, drag=friction, seed=1)[-1]
+        states = sim.run(
+            10_000, timestep=None, temperature=temperature, drag=friction, every=20, seed=2
+        )[1:]
     share = np.mean([state.energy - lowest.energy for state in states])
     # the energy of an oscillator decorrelates at the rate `friction`, half that of a free velocity
     error = np.sqrt(2.0) * scatter(len(dense), friction, states[-1].time)

@@ -3,7 +3,6 @@
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable.motion import move
 
 TEMPERATURE, FRICTION = 1e-5, 2.0
 
@@ -11,9 +10,17 @@ TEMPERATURE, FRICTION = 1e-5, 2.0
 def test_free_particles_diffuse() -> None:
     """<r^2> = 4 D t with D = T/friction; the mean of N values of r^2 has the error 1/N^(1/2)."""
     x, y = np.divmod(np.arange(400), 20)
-    free = ld.Packing(2.0 + 4.0 * np.column_stack([x, y]), [0] * 400, [0.5], 80.0 * np.eye(2))
+    free = ld.Packing(2.0 + 4.0 * np.column_stack([x, y]), 0.5, 80.0 * np.eye(2))
     with ld.Simulation(free, ld.Ring()) as sim:
-        states = list(move(sim, 400, 0.5, TEMPERATURE, FRICTION, every=200, seed=1, inertia=False))
+        states = sim.run(
+            400,
+            timestep=0.5,
+            temperature=TEMPERATURE,
+            drag=FRICTION,
+            every=200,
+            seed=1,
+            inertia=False,
+        )[1:]
     for before, state in zip((None, states[0]), states, strict=True):
         start = before.packing.positions if before else free.positions
         time = state.time - (before.time if before else 0.0)
@@ -29,7 +36,15 @@ def test_contacts_have_their_share_of_energy(dense: ld.Packing) -> None:
     with ld.Simulation(dense, ld.Ring(contact="radical")) as sim:
         lowest = sim.relax(1e-8)
         assert not lowest.rattlers.any()
-        states = list(move(sim, 16_000, None, temperature, 1.0, every=50, seed=1, inertia=False))
+        states = sim.run(
+            16_000,
+            timestep=None,
+            temperature=temperature,
+            drag=1.0,
+            every=50,
+            seed=1,
+            inertia=False,
+        )[1:]
     share = np.array([state.energy - lowest.energy for state in states[20:]])
     share /= (len(dense) - 1) * temperature
     blocks = share.reshape(20, -1).mean(axis=1)
@@ -42,7 +57,7 @@ def test_overdamped_particles_go_downhill_to_the_same_rest(dense: ld.Packing) ->
     with ld.Simulation(dense, ld.Ring()) as sim:
         start = sim.relax().packing
         sim.deform(0.999 * sim.box)
-        states = list(move(sim, 3000, friction=0.5, every=300, inertia=False))
+        states = sim.run(3000, drag=0.5, every=300, inertia=False)[1:]
     energies = [state.energy for state in states]
     assert (np.diff(energies) < 1e-12 * energies[0]).all()
     with ld.Simulation(start, ld.Ring()) as sim:
@@ -53,11 +68,11 @@ def test_overdamped_particles_go_downhill_to_the_same_rest(dense: ld.Packing) ->
 @pytest.mark.parametrize(
     ("values", "message"),
     [
-        ({}, "without inertia particles need a friction above 0"),
-        ({"temperature": 1e-6}, "without inertia particles need a friction above 0"),
-        ({"friction": -1.0}, "friction must not be negative, not -1"),
-        ({"friction": 1.0, "timestep": 1e9, "temperature": 0.01}, "too long for the temperature"),
-        ({"friction": 1.0, "timestep": 1e9}, "timestep = .* is too long for particle"),
+        ({}, "without inertia particles need a drag above 0"),
+        ({"temperature": 1e-6}, "without inertia particles need a drag above 0"),
+        ({"drag": -1.0}, "drag must not be negative, not -1"),
+        ({"drag": 1.0, "timestep": 1e9, "temperature": 0.01}, "too long for the temperature"),
+        ({"drag": 1.0, "timestep": 1e9}, "timestep = .* is too long for particle"),
     ],
 )
 def test_refusals(dense: ld.Packing, values: dict[str, float], message: str) -> None:
@@ -65,4 +80,4 @@ def test_refusals(dense: ld.Packing, values: dict[str, float], message: str) -> 
         ld.Simulation(dense, ld.Ring()) as sim,
         pytest.raises(ld.ParameterError, match=message),
     ):
-        next(move(sim, 100, inertia=False, **values))
+        sim.run(100, inertia=False, **values)

@@ -11,11 +11,11 @@ pytestmark = pytest.mark.filterwarnings("error")
 
 
 def test_ten_line_script() -> None:
-    packing = ld.bidisperse(128, radii=(0.5, 0.7), seed=5)
+    packing = ld.bidisperse(128, sizes=(0.5, 0.7), seed=5)
     jammed = ld.jam(packing)
     sim = ld.Simulation(jammed, ld.Ring(kA=1.0))
     seen = []
-    for state in ld.compress(sim, strain=0.01, steps=10):
+    for state in sim.compress(strain=0.01, steps=10)[1:]:
         seen.append((state.phi, state.pressure))
     phi, pressure = np.array(seen).T
     assert len(seen) == 10
@@ -31,7 +31,7 @@ def test_compress_refuses_nonsense_at_once(jammed: ld.Packing, strain: float, st
         ld.Simulation(jammed, ld.Ring()) as sim,
         pytest.raises(ld.ParameterError),
     ):
-        ld.compress(sim, strain, steps)
+        sim.compress(strain=strain, steps=steps)
 
 
 def test_no_progress_bar_off_a_terminal(
@@ -39,7 +39,7 @@ def test_no_progress_bar_off_a_terminal(
 ) -> None:
     assert not sys.stderr.isatty()
     with ld.Simulation(jammed, ld.Ring()) as sim:
-        list(ld.compress(sim, strain=0.001, steps=1))
+        sim.compress(strain=0.001)
     assert capfd.readouterr() == ("", "")
 
 
@@ -50,12 +50,12 @@ def test_a_packing_that_comes_apart_says_so_once(jammed: ld.Packing, kind: str) 
         "law": lambda: ld.Simulation(jammed, ld.Ring()),
         "disks": lambda: ld.Disks(jammed),
         "polygons": lambda: ld.PolygonSimulation(
-            jammed, ld.PolygonModel(40, 0.025, kL=240.0, kr=10.0, smooth=True)
+            jammed, ld.DeformablePolygon(40, radius=0.025, kL=240.0, kr=10.0)
         ),
     }[kind]()
     with sim:
-        (pressed,) = ld.compress(sim, 0.01, 1)
+        (pressed,) = sim.compress(strain=0.01)[1:]
         with pytest.warns(ld.UnjammedWarning, match="apart at step 2, phi = 0.") as told:
-            states = [pressed, *ld.compress(sim, -0.04, 4)]
+            states = [pressed, *sim.compress(strain=-0.04, steps=4)[1:]]
     assert len(told) == 1
     assert [state.coordination > 0.0 for state in states] == [True, True, False, False, False]

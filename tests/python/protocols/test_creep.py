@@ -3,7 +3,6 @@
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable.shearing import creep, shear
 
 
 @pytest.fixture(scope="module")
@@ -21,13 +20,13 @@ def test_it_ends_where_quasistatic_shear_has_the_stress(
     stress = -rest.stress[0, 1] + sign * 1e-3 * modulus
     time = 25.0 * (viscosity or 1.0) / modulus  # a solid alone takes viscosity/modulus
     with ld.Simulation(rest, rest.law) as sim:
-        *_, before, last = creep(sim, stress, time, 8, friction=1.0, viscosity=viscosity)
+        *_, before, last = sim.creep(stress, time=time, steps=8, drag=1.0, viscosity=viscosity)[1:]
     assert last.time == pytest.approx(time)
     assert -last.stress[0, 1] == pytest.approx(stress, rel=1e-4)
     assert last.strain == pytest.approx(before.strain, rel=1e-4)
     assert 0.5e-3 < sign * last.strain < 2e-3
     with ld.Simulation(rest, rest.law) as sim:
-        *_, still = shear(sim, last.strain, 2, tolerance=1e-9)
+        still = sim.shear(last.strain, steps=2, tolerance=1e-9)[-1]
     assert -still.stress[0, 1] == pytest.approx(stress, rel=1e-4)
     assert last.energy == pytest.approx(still.energy, rel=1e-6)
     assert not last.velocities.any()
@@ -37,8 +36,7 @@ def test_the_box_moves_by_the_stress_that_contacts_do_not_bear(rest: ld.State) -
     """d(strain)/dt = (stress - sigma)/viscosity, by the trapezium rule."""
     stress, viscosity = 1e-4, 3.0
     with ld.Simulation(rest, rest.law) as sim:
-        motion = creep(sim, stress, 1500.0, 150, friction=1.0, viscosity=viscosity)
-        states = [motion.start(), *motion]
+        states = sim.creep(stress, time=1500.0, steps=150, drag=1.0, viscosity=viscosity)
     rate = np.array([stress + state.stress[0, 1] for state in states]) / viscosity
     strain = np.trapezoid(rate, [state.time for state in states])
     assert states[-1].strain - states[0].strain == pytest.approx(strain, rel=2e-3)
@@ -49,7 +47,7 @@ def test_a_large_stress_makes_it_flow_through_flips(rest: ld.State) -> None:
     with ld.Simulation(rest.packing.at(0.3), rest.law) as sim:
         start = sim.relax().packing
         (lx, _), (tilt, ly) = start.box
-        states = list(creep(sim, 1e-3, 1200.0, 3, friction=1.0))
+        states = sim.creep(1e-3, time=1200.0, steps=3, drag=1.0)[1:]
         assert sim.strain == states[-1].strain
     assert states[-1].strain == pytest.approx(1.2, rel=0.1)
     for state in states:
@@ -60,24 +58,24 @@ def test_a_large_stress_makes_it_flow_through_flips(rest: ld.State) -> None:
 @pytest.mark.parametrize(
     ("values", "message"),
     [
-        ({"stress": np.nan}, "stress must be a finite number, not nan"),
-        ({"stress": True}, "stress must be a finite number, not True"),
+        ({"shear_stress": np.nan}, "shear_stress must be a finite number, not nan"),
+        ({"shear_stress": True}, "shear_stress must be a finite number, not True"),
         ({"time": 0.0}, "time must be a positive number, not 0"),
         ({"steps": 0}, "steps must be at least 1, not 0"),
-        ({"friction": -1.0}, "friction must not be negative, not -1"),
-        ({"friction": 0.0}, "need a friction above 0"),
-        ({"friction": None}, "a flow needs the friction of particles"),
+        ({"drag": -1.0}, "drag must not be negative, not -1"),
+        ({"drag": 0.0}, "need a drag above 0"),
+        ({"drag": None}, "a flow needs the drag of particles"),
         ({"viscosity": 0.0}, "viscosity must be a positive number, not 0"),
         ({"timestep": 1e9}, "timestep = .* take at most"),
     ],
 )
 def test_refusals(rest: ld.State, values: dict[str, float], message: str) -> None:
-    usual = {"stress": 1e-6, "time": 1e12, "steps": 1, "friction": 1.0}
+    usual = {"shear_stress": 1e-6, "time": 1e12, "steps": 1, "drag": 1.0}
     with (
         ld.Simulation(rest, rest.law) as sim,
         pytest.raises(ld.ParameterError, match=message),
     ):
-        next(creep(sim, **usual | values))
+        sim.creep(**usual | values)
 
 
 def test_refused_simulations(rest: ld.State) -> None:
@@ -85,14 +83,14 @@ def test_refused_simulations(rest: ld.State) -> None:
         ld.Disks(rest.packing) as disks,
         pytest.raises(ld.ParameterError, match="sim must be of the kind Simulation"),
     ):
-        creep(disks, 1e-6, 1.0, 1, friction=1.0)
+        disks.creep(1e-6, time=1.0, steps=1, drag=1.0)
     with (
         ld.Simulation(rest.packing, ld.Sector()) as sim,
         pytest.raises(ld.ParameterError, match="energy of Sector jumps"),
     ):
-        creep(sim, 1e-6, 1.0, 1, friction=1.0)
+        sim.creep(1e-6, time=1.0, steps=1, drag=1.0)
     loose = rest.packing.at(0.3)
     with ld.Simulation(loose, ld.Ring()) as sim:
         sim.relax()
-        with pytest.raises(ld.ParameterError, match="stress must not be 0 in a packing"):
-            next(creep(sim, 0.0, 1.0, 1, friction=1.0))
+        with pytest.raises(ld.ParameterError, match="shear_stress must not be 0 in a packing"):
+            sim.creep(0.0, time=1.0, steps=1, drag=1.0)

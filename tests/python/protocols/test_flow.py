@@ -3,7 +3,6 @@
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable.shearing import shear
 
 RATE, FRICTION = 1e-3, 1.0
 
@@ -24,10 +23,10 @@ def forces_on(state: ld.State) -> np.ndarray:
 def test_work_of_the_flow_is_stored_or_lost_to_friction(rest: ld.State) -> None:
     """dE/dt = V sigma rate - sum F^2/friction, by the trapezium rule between states."""
     with ld.Simulation(rest, rest.law) as sim:
-        states = list(shear(sim, 0.05, 100, rate=RATE, friction=FRICTION))
+        states = sim.shear(0.05, steps=100, rate=RATE, drag=FRICTION)[1:]
     times = np.array([state.time for state in states])
     assert np.diff(times) == pytest.approx(0.05 / 100 / RATE)
-    work = -np.array([state.stress[0, 1] for state in states]) * rest.packing.area * RATE
+    work = -np.array([state.stress[0, 1] for state in states]) * rest.packing.volume * RATE
     lost = np.array([np.sum(forces_on(state) ** 2) / FRICTION for state in states])
     gain = np.trapezoid(work - lost, times)
     # steps of 5e-4 of strain, of which forces know the half, over indentations of some percent
@@ -39,9 +38,9 @@ def test_slow_flow_is_quasistatic(rest: ld.State) -> None:
     """The stress is behind in proportion to the rate: two rates give that of the rate 0."""
     stress = []
     for rate in (0.0, 1e-7, 2e-7):
-        given = {"rate": rate, "friction": FRICTION} if rate else {"tolerance": 1e-9}
+        given = {"rate": rate, "drag": FRICTION} if rate else {"tolerance": 1e-9}
         with ld.Simulation(rest, rest.law) as sim:
-            *_, state = shear(sim, 2e-3, 2, **given)
+            state = sim.shear(2e-3, steps=2, **given)[-1]
         assert state.strain == pytest.approx(2e-3)
         stress.append(rest.stress[0, 1] - state.stress[0, 1])
     still, slow, fast = stress
@@ -52,13 +51,13 @@ def test_slow_flow_is_quasistatic(rest: ld.State) -> None:
 def test_long_flows_go_on_in_equivalent_boxes(rest: ld.State) -> None:
     """Back and forth over several flips; a far particle follows the flow."""
     with ld.Simulation(rest, rest.law) as sim:
-        states = [sim.state(), *shear(sim, 2.5, 10, rate=1e-2, friction=FRICTION)]
+        states = [sim.state(), *sim.shear(2.5, steps=10, rate=1e-2, drag=FRICTION)[1:]]
         (lx, _), (_, ly) = rest.packing.box
         for state in states[1:]:
             turns = (rest.packing.box[1, 0] + state.strain * ly - state.packing.box[1, 0]) / lx
             assert turns == pytest.approx(round(turns), abs=1e-9)
             assert abs(state.packing.box[1, 0]) <= 0.55 * lx
-        (back,) = shear(sim, -0.5, 1, rate=1e-2, friction=FRICTION)
+        (back,) = sim.shear(-0.5, rate=1e-2, drag=FRICTION)[1:]
         assert back.strain == pytest.approx(2.0)
         assert back.time == pytest.approx(300.0)
 
@@ -66,12 +65,12 @@ def test_long_flows_go_on_in_equivalent_boxes(rest: ld.State) -> None:
 def test_free_particles_follow_the_flow_and_diffuse_in_it() -> None:
     """dr = u dt + noise: <y^2> = 2 D t, <x^2> = 2 D t (1 + gamma^2/3), <x y> = D gamma t."""
     x, y = np.divmod(np.arange(400), 20)
-    packing = ld.Packing(2.0 + 4.0 * np.column_stack([x, y]), [0] * 400, [0.5], 80.0 * np.eye(2))
+    packing = ld.Packing(2.0 + 4.0 * np.column_stack([x, y]), 0.5, 80.0 * np.eye(2))
     temperature, strain = 1e-5, 1.0
     with ld.Simulation(packing, ld.Ring()) as sim:
-        (state,) = shear(
-            sim, strain, 1, rate=1e-3, friction=2.0, temperature=temperature, timestep=0.5, seed=1
-        )
+        (state,) = sim.shear(
+            strain, rate=1e-3, drag=2.0, temperature=temperature, timestep=0.5, seed=1
+        )[1:]
     assert not state.contacts.any()
     mean = packing.positions + strain * packing.positions[:, 1:] * [1.0, 0.0]
     moved = state.packing.positions - mean
@@ -89,9 +88,7 @@ def test_free_particles_follow_the_flow_and_diffuse_in_it() -> None:
 
 def test_recorded_flows(rest: ld.State, tmp_path: pytest.TempPathFactory) -> None:
     with ld.Simulation(rest, rest.law) as sim:
-        states = list(
-            ld.record(shear(sim, 0.02, 4, rate=RATE, friction=FRICTION), tmp_path / "run")
-        )
+        states = sim.shear(0.02, steps=4, rate=RATE, drag=FRICTION, record=tmp_path / "run")[1:]
     run = ld.Run(tmp_path / "run")
     assert [state.strain for state in run][-4:] == [state.strain for state in states]
     assert [state.time for state in run][-4:] == [state.time for state in states]
@@ -100,16 +97,16 @@ def test_recorded_flows(rest: ld.State, tmp_path: pytest.TempPathFactory) -> Non
 @pytest.mark.parametrize(
     ("values", "message"),
     [
-        ({"rate": 0.0, "friction": 1.0}, "rate must be a positive number, not 0"),
-        ({"rate": -1e-3, "friction": 1.0}, "rate must be a positive number, not -0.001"),
-        ({"rate": 1e-3}, "a flow needs the friction"),
-        ({"rate": 1e-3, "temperature": 1e-6}, "a flow needs the friction"),
-        ({"rate": 1e-3, "friction": -1.0}, "friction must not be negative, not -1"),
-        ({"rate": 1e-3, "friction": 1.0, "temperature": -1.0}, "temperature must not be negative"),
-        ({"rate": 1e-3, "friction": 1.0, "timestep": 1e9}, "timestep = .* take at most"),
-        ({"rate": 1e-3, "friction": 1.0, "seed": 0}, "seed must lie between 1 and"),
-        ({"rate": 1e-3, "friction": 1.0, "tolerance": 1e-6}, "leave tolerance out"),
-        ({"friction": 1.0}, "friction has no meaning without a rate"),
+        ({"rate": 0.0, "drag": 1.0}, "rate must be a positive number, not 0"),
+        ({"rate": -1e-3, "drag": 1.0}, "rate must be a positive number, not -0.001"),
+        ({"rate": 1e-3}, "a flow needs the drag"),
+        ({"rate": 1e-3, "temperature": 1e-6}, "a flow needs the drag"),
+        ({"rate": 1e-3, "drag": -1.0}, "drag must not be negative, not -1"),
+        ({"rate": 1e-3, "drag": 1.0, "temperature": -1.0}, "temperature must not be negative"),
+        ({"rate": 1e-3, "drag": 1.0, "timestep": 1e9}, "timestep = .* take at most"),
+        ({"rate": 1e-3, "drag": 1.0, "seed": 0}, "seed must lie between 1 and"),
+        ({"rate": 1e-3, "drag": 1.0, "tolerance": 1e-6}, "leave tolerance out"),
+        ({"drag": 1.0}, "drag has no meaning without a rate"),
         ({"temperature": 1e-6}, "temperature has no meaning without a rate"),
         ({"seed": 1}, "seed has no meaning without a rate"),
     ],
@@ -119,25 +116,25 @@ def test_refusals(rest: ld.State, values: dict[str, float], message: str) -> Non
         ld.Simulation(rest, rest.law) as sim,
         pytest.raises(ld.ParameterError, match=message),
     ):
-        list(shear(sim, 0.1, 1, **values))
+        sim.shear(0.1, **values)
 
 
 def test_refused_simulations(rest: ld.State) -> None:
-    flow = {"rate": 1e-3, "friction": 1.0}
+    flow = {"rate": 1e-3, "drag": 1.0}
     with (
         ld.Disks(rest.packing) as disks,
         pytest.raises(ld.ParameterError, match="Disks are sheared without a rate only"),
     ):
-        shear(disks, 0.1, 1, **flow)
+        disks.shear(0.1, **flow)
     with (
         ld.Simulation(rest.packing, ld.Sector()) as sim,
         pytest.raises(ld.ParameterError, match="energy of Sector jumps"),
     ):
-        shear(sim, 0.1, 1, **flow)
-    walls = ld.rectangle(10, 10)
-    inside = ld.push_off(ld.bidisperse(4, seed=1).between(walls))
+        sim.shear(0.1, **flow)
+    walls = ld.BoxWall((10, 10)).parts
+    inside = ld.bidisperse(4, seed=1).between(walls).push_off()
     with (
         ld.Simulation(inside, ld.Ring()) as sim,
         pytest.raises(ld.ParameterError, match="walls are not sheared"),
     ):
-        shear(sim, 0.1, 1, **flow)
+        sim.shear(0.1, **flow)

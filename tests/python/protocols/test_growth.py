@@ -7,9 +7,9 @@ from lammps_deformable.laws import natural_pressure
 
 STARTS = {
     "box": ld.bidisperse(24, tilt=0.2, seed=3),
-    "own radii": ld.polydisperse(20, lambda rng: rng.uniform(0.4, 0.6, 20), seed=2),
-    "container": ld.bidisperse(20, seed=1).between(ld.Circle((1.0, 2.0), 9.0)),
-    "obstacle": ld.bidisperse(24, seed=2).between(ld.Disk((5.0, 4.0), 1.0)),
+    "own radii": ld.polydisperse(20, lambda rng, n: rng.uniform(0.4, 0.6, 20), seed=2),
+    "container": ld.bidisperse(20, seed=1).between(ld.Sphere(9.0, (1.0, 2.0))),
+    "obstacle": ld.bidisperse(24, seed=2).between(ld.Sphere(1.0, (5.0, 4.0), inside=False)),
 }
 
 
@@ -22,7 +22,7 @@ def test_disks_are_those_of_the_shrinking_box(start: ld.Packing) -> None:
     assert scale > 1.0
     # area of the container and obstacles by polygons, at two scales
     assert grown.phi == pytest.approx(shrunk.phi, rel=1e-12)
-    np.testing.assert_allclose(grown.radius, scale * shrunk.radius, rtol=1e-12)
+    np.testing.assert_allclose(grown.radii, scale * shrunk.radii, rtol=1e-12)
     np.testing.assert_allclose(grown.positions, scale * shrunk.positions, rtol=1e-12)
     with ld.Disks(grown) as disks:
         assert 1e-6 < disks.state().pressure < 2e-6

@@ -5,17 +5,17 @@ import numpy as np
 import pytest
 
 RUB = "fix rub all deformable/friction 0.5 1e-3 1e-4 damp 1e-3"
-FRICTION = ld.Friction(0.5, 1e-3, 1e-4, damp=1e-3)
+FRICTION = ld.Friction(0.5, kt=1e-3, gt=1e-4, damping=1e-3)
 
 
 def fluid() -> ld.Packing:
-    return ld.push_off(ld.bidisperse(16, phi=0.7, seed=2))
+    return ld.bidisperse(16, phi=0.7, seed=2).push_off()
 
 
 def test_particles_turn_and_energy_balances() -> None:
     """Kinetic, of spins too, potential, stored and lost."""
     with ld.Simulation(fluid(), ld.Ring(), friction=FRICTION) as sim:
-        states = list(ld.move(sim, 600, temperature=1e-5, seed=1, every=200))
+        states = sim.run(600, temperature=1e-5, seed=1, every=200)[1:]
         spin = np.array(sim.lmp.gather("omega", 1, 3))[2::3]
         rubbed = sim.lmp.extract_fix("deformable_friction", 0, 0)
     *_, state = states
@@ -29,10 +29,10 @@ def test_particles_turn_and_energy_balances() -> None:
 
 def test_motion_that_is_damped() -> None:
     """Velocities and spins of a particle decay at the same rate."""
-    alone = ld.Packing([[1.0, 1.0]], [0], [0.5], [3.0, 3.0])
+    alone = ld.Packing([[1.0, 1.0]], 0.5, [3.0, 3.0])
     with ld.Simulation(alone, ld.Ring(), friction=FRICTION) as sim:
         sim.lmp.command("set group all vx 1.0 omega 0 0 2.0")
-        *_, state = ld.move(sim, 200, timestep=0.05, friction=0.1)
+        state = sim.run(200, every=100, timestep=0.05, drag=0.1)[-1]
         spin = sim.lmp.gather("omega", 1, 3)[2]
     # by steps of dv = -friction dt v: to first order in friction dt
     assert state.velocities[0, 0] == pytest.approx(np.exp(-1.0), rel=4e-3)
@@ -42,7 +42,7 @@ def test_motion_that_is_damped() -> None:
 def test_the_fix_of_a_user_without_spins() -> None:
     with ld.Simulation(fluid(), ld.Ring()) as sim:
         sim.lmp.command(RUB)
-        for state in ld.move(sim, 400, temperature=1e-5, seed=1):
+        for state in sim.run(400, every=100, temperature=1e-5, seed=1)[1:]:
             assert np.isfinite(state.energy)
         assert sim.lmp.extract_fix("rub", 0, 1, 1) > 0
 
@@ -50,7 +50,7 @@ def test_the_fix_of_a_user_without_spins() -> None:
 def test_restart_rubs_again() -> None:
     with ld.Simulation(fluid(), ld.Ring(), friction=FRICTION) as sim:
         with pytest.raises(ld.ParameterError, match="radii"):
-            sim.restart(ld.Packing([[1.0, 1.0]], [0], [-0.5], [3.0, 3.0]))
+            sim.restart(ld.Packing([[1.0, 1.0]], -0.5, [3.0, 3.0]))
         sim.restart(fluid())
         assert "deformable_friction" in sim.lmp.available_ids("fix")
 
@@ -58,9 +58,9 @@ def test_restart_rubs_again() -> None:
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
-        ({"friction": 0.1, "temperature": 1e-5}, "a heat bath do not turn"),
+        ({"drag": 0.1, "temperature": 1e-5}, "a heat bath do not turn"),
         (
-            {"friction": 0.1, "inertia": False},
+            {"drag": 0.1, "inertia": False},
             "without inertia, .* do not turn: let them have inertia",
         ),
     ],
@@ -68,17 +68,17 @@ def test_restart_rubs_again() -> None:
 def test_what_does_not_turn(settings: dict[str, float], message: str) -> None:
     with ld.Simulation(fluid(), ld.Ring(), friction=FRICTION) as sim:
         with pytest.raises(ld.ParameterError, match=message) as error:
-            list(ld.move(sim, 10, **settings))
+            sim.run(10, **settings)
         assert "\n" not in str(error.value)
 
 
 def test_a_time_step_too_long_for_the_springs() -> None:
     """kt dt^2 = m/7 at most; the default is shorter."""
-    hard = ld.Friction(0.5, 1.0)
+    hard = ld.Friction(0.5, kt=1.0)
     with ld.Simulation(fluid(), ld.Ring(), friction=hard) as sim:
         with pytest.raises(ld.ParameterError, match=r"\A[^\n]*at most 0.38,"):
-            list(ld.move(sim, 10, timestep=0.5))
-        (state,) = ld.move(sim, 10)
+            sim.run(10, timestep=0.5)
+        (state,) = sim.run(10)[1:]
         assert state.time / 10 < 0.5 * hard.longest_step
 
 

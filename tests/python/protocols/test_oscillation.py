@@ -5,7 +5,7 @@ import math
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable.shearing import dynamic_modulus, oscillate
+from protocol_helpers import dynamic_modulus
 
 STRAIN, FRICTION = 1e-5, 2.0
 
@@ -33,7 +33,7 @@ class Linear:
         self.rate, vectors = np.linalg.eigh(stiffness)
         self.rate /= FRICTION
         self.weight = vectors.T @ (coupled[:n] - m[:n, n:] @ by_lines[:, -1])
-        self.area = state.packing.area
+        self.area = state.packing.volume
         self.affine = (hessian.strain[1, 1] - coupled[n:] @ by_lines[:, -1]) / self.area
 
     def stress(self, omega: float, time: np.ndarray) -> np.ndarray:
@@ -53,7 +53,7 @@ def test_slow_flow_has_the_static_modulus(rest: ld.State) -> None:
     """The reference of the tests below knows the modulus of linear response and of strains."""
     linear = Linear(rest)
     assert linear.moduli(1e-9).real == pytest.approx(rest.elastic_moduli().shear_modulus, rel=1e-6)
-    found = dynamic_modulus(rest, STRAIN, cycles=2, discarded=0, steps=8, tolerance=1e-9)
+    found = dynamic_modulus(rest, STRAIN, cycles=2, skip=0, steps=8, tolerance=1e-9)
     assert found.storage == pytest.approx(rest.elastic_moduli().shear_modulus, rel=ACCURACY)
     assert abs(found.loss) < ACCURACY * linear.affine
     assert found.storage_error < ACCURACY * linear.affine
@@ -66,7 +66,7 @@ def test_stress_under_an_oscillating_strain(rest: ld.State, part: float) -> None
     omega = part * linear.rate.mean()
     period = 2.0 * math.pi / omega
     with ld.Simulation(rest, rest.law) as sim:
-        states = list(oscillate(sim, STRAIN, period, friction=FRICTION))
+        states = sim.oscillate(STRAIN, period=period, drag=FRICTION)[1:]
     assert [state.time for state in states] == pytest.approx(period * np.arange(1, 41) / 40)
     strain = np.array([state.strain for state in states])
     assert strain == pytest.approx(STRAIN * np.sin(np.pi * np.arange(1, 41) / 20), abs=1e-20)
@@ -85,7 +85,7 @@ def test_storage_and_loss_modulus(rest: ld.State) -> None:
     linear = Linear(rest)
     omega = 0.3 * linear.rate.mean()
     found = dynamic_modulus(
-        rest, STRAIN, 2.0 * math.pi / omega, cycles=2, discarded=2, steps=8, friction=FRICTION
+        rest, STRAIN, 2.0 * math.pi / omega, cycles=2, skip=2, steps=8, drag=FRICTION
     )
     expected = linear.moduli(omega)
     settled = np.exp(-linear.rate[2] * 4.0 * math.pi / omega)  # slowest mode, two cycles
@@ -104,7 +104,7 @@ def test_small_strains(strain: float) -> None:
         state = ld.polish(sim.relax())
     expected = complex(state.complex_modulus(2.0 * math.pi / 20.0, friction=1.0))
     assert 0.005 < expected.imag / expected.real < 0.02
-    found = dynamic_modulus(state, strain, 20.0, steps=8, friction=1.0)
+    found = dynamic_modulus(state, strain, 20.0, steps=8, drag=1.0)
     assert found.storage_error < 1e-3 * expected.real
     assert found.loss_error < 1e-2 * expected.imag
     assert found.storage == pytest.approx(expected.real, abs=3.0 * found.storage_error)
@@ -130,14 +130,14 @@ def test_errors_know_the_forces_that_are_left(
 @pytest.mark.parametrize(
     ("values", "message"),
     [
-        ({"strain": 0.0}, "strain must be a positive number, not 0"),
-        ({"period": 0.0, "friction": 1.0}, "period must be a positive number, not 0"),
-        ({"period": 10.0}, "a flow needs the friction of particles against it: give friction"),
-        ({"period": 10.0, "friction": -1.0}, "friction must not be negative, not -1"),
-        ({"period": 10.0, "friction": 0.0}, "need a friction above 0"),
-        ({"friction": 1.0}, "friction has no meaning without a period"),
+        ({"amplitude": 0.0}, "amplitude must be a positive number, not 0"),
+        ({"period": 0.0, "drag": 1.0}, "period must be a positive number, not 0"),
+        ({"period": 10.0}, "a flow needs the drag of particles against it: give drag"),
+        ({"period": 10.0, "drag": -1.0}, "drag must not be negative, not -1"),
+        ({"period": 10.0, "drag": 0.0}, "need a drag above 0"),
+        ({"drag": 1.0}, "drag has no meaning without a period"),
         ({"temperature": 1e-6}, "temperature has no meaning without a period"),
-        ({"period": 10.0, "friction": 1.0, "tolerance": 1e-6}, "leave tolerance out"),
+        ({"period": 10.0, "drag": 1.0, "tolerance": 1e-6}, "leave tolerance out"),
         ({"steps": 4}, "steps must be at least 8 in a cycle, not 4"),
         ({"cycles": 0}, "cycles must be at least 1, not 0"),
     ],
@@ -147,17 +147,23 @@ def test_refusals(rest: ld.State, values: dict[str, float], message: str) -> Non
         ld.Simulation(rest, rest.law) as sim,
         pytest.raises(ld.ParameterError, match=message),
     ):
-        oscillate(sim, **{"strain": STRAIN} | values)
+        sim.oscillate(**{"amplitude": STRAIN, "period": math.inf} | values)
 
 
 def test_refusals_of_moduli(rest: ld.State) -> None:
-    with pytest.raises(ld.ParameterError, match="cycles must be at least 2"):
-        dynamic_modulus(rest, STRAIN, cycles=1)
-    with pytest.raises(ld.ParameterError, match="discarded must not be negative, not -1"):
-        dynamic_modulus(rest, STRAIN, discarded=-1)
+    with ld.Simulation(rest, rest.law) as sim:
+        run = sim.oscillate(STRAIN, period=math.inf, cycles=2, steps=8, tolerance=1e-2)
+        with pytest.raises(
+            ld.ParameterError, match=r"at least 2 cycles must be left.*, not 1 of 2"
+        ):
+            run.complex_modulus(skip=1)
+        with pytest.raises(ld.ParameterError, match="skip must not be negative, not -1"):
+            run.complex_modulus(skip=-1)
+        with pytest.raises(ld.ParameterError, match="this run is another one"):
+            sim.shear(1e-3).complex_modulus()
     with ld.Disks(rest.packing) as disks:
         with pytest.raises(ld.ParameterError, match="Disks are sheared without a rate"):
-            oscillate(disks, STRAIN, 10.0, friction=1.0)
+            disks.oscillate(STRAIN, period=10.0, drag=1.0)
         soft = disks.relax(1e-9)
-    found = dynamic_modulus(soft, STRAIN, cycles=2, discarded=0, steps=8, tolerance=1e-10)
+    found = dynamic_modulus(soft, STRAIN, cycles=2, skip=0, steps=8, tolerance=1e-10)
     assert found.storage == pytest.approx(soft.elastic_moduli().shear_modulus, rel=1e-2)

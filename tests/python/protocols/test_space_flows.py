@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from lammps_deformable import Droplet, DropletState, Packing
 from lammps_deformable.shearing import sheared
+from protocol_helpers import dynamic_modulus
 
 FRICTION = 1.5
 
@@ -17,9 +18,9 @@ def rest() -> DropletState:
 
     It is stable, whatever the droplets.
     """
-    fcc = ld.cubic("fcc", 2, phi=0.8)
-    own = fcc.radius * np.random.default_rng(1).uniform(0.9, 1.1, len(fcc))
-    packing = Packing.from_arrays(fcc.positions, own, fcc.box, species=np.arange(32) % 2)
+    fcc = ld.crystal("fcc", 2, phi=0.8)
+    own = fcc.radii * np.random.default_rng(1).uniform(0.9, 1.1, len(fcc))
+    packing = Packing(fcc.positions, own, fcc.box, species=np.arange(32) % 2)
     with ld.Simulation(packing, Droplet([1.0, 1.6])) as sim:
         return sim.relax(1e-8)
 
@@ -49,8 +50,7 @@ def test_work_of_the_flow_is_stored_or_lost_to_friction(rest: DropletState) -> N
     """dE/dt = V sigma rate - sum F^2/friction, by the trapezium rule between states."""
     rate = 0.02
     with ld.Simulation(rest, rest.law) as sim:
-        motion = ld.shear(sim, 0.03, 60, rate=rate, friction=FRICTION)
-        states = [sim.state(), *motion]
+        states = sim.shear(0.03, steps=60, rate=rate, drag=FRICTION)
     times = np.array([state.time for state in states])
     assert np.diff(times) == pytest.approx(0.03 / 60 / rate)
     work = np.array([state.shear_stress for state in states]) * rest.packing.volume * rate
@@ -67,9 +67,9 @@ def test_slow_flow_is_quasistatic(leaning: DropletState) -> None:
     """The stress is behind in proportion to the rate: two rates give that of the rate 0."""
     rest, stress = leaning, []
     for rate in (0.0, 1e-5, 2e-5):
-        given = {"rate": rate, "friction": FRICTION} if rate else {"tolerance": 1e-7}
+        given = {"rate": rate, "drag": FRICTION} if rate else {"tolerance": 1e-7}
         with ld.Simulation(rest, rest.law) as sim:
-            *_, state = ld.shear(sim, 1e-3, 1, **given)
+            state = sim.shear(1e-3, **given)[-1]
         assert state.strain == pytest.approx(1e-3)
         stress.append(state.shear_stress - rest.shear_stress)
     still, slow, fast = stress
@@ -79,13 +79,11 @@ def test_slow_flow_is_quasistatic(leaning: DropletState) -> None:
 
 def gas(side: int, lean: bool = True) -> Packing:
     """Droplets that never touch."""
-    lattice = ld.cubic("sc", side, radius=1.0).at(0.01)
+    lattice = ld.crystal("sc", side, radius=1.0).at(0.01)
     if not lean:
         return lattice
     box = lattice.box @ np.array([[1.0, 0.0, 0.0], [0.4, 1.0, 0.0], [0.3, 1.4, 1.0]])
-    return Packing.from_arrays(
-        lattice.positions @ np.linalg.inv(lattice.box) @ box, lattice.radius, box
-    )
+    return Packing(lattice.positions @ np.linalg.inv(lattice.box) @ box, lattice.radii, box)
 
 
 @pytest.mark.parametrize("strain", [0.5, -2.3])
@@ -97,17 +95,17 @@ def test_free_droplets_follow_the_flow(lean: bool, strain: float) -> None:
     box = sheared(packing.box, strain)
     ends = {}
     with ld.Simulation(packing, Droplet()) as sim:
-        (ends["rate"],) = ld.shear(
-            sim, strain, 1, rate=1.0, friction=1.0, timestep=0.01 if abs(strain) < 1 else None
-        )
+        (ends["rate"],) = sim.shear(
+            strain, rate=1.0, drag=1.0, timestep=0.01 if abs(strain) < 1 else None
+        )[1:]
     with ld.Simulation(packing, Droplet()) as sim:
-        *_, ends["still"] = ld.shear(sim, strain, 3)
+        ends["still"] = sim.shear(strain, steps=3)[-1]
         # the tilts before the last step were half of the sides at most
         tilts = np.abs(sim.box[[1, 2, 2], [0, 0, 1]]) / sim.box[0, 0]
         assert (tilts <= 0.501 + np.abs(strain) / 3 * np.array([1.0, 0.5, 0.0])).all()
     if lean and strain > 0:
         with ld.Simulation(packing, Droplet()) as sim:
-            cycle = ld.oscillate(sim, strain, 100.0, friction=1.0, steps=8)
+            cycle = sim.oscillate(strain, period=100.0, drag=1.0, steps=8)[1:]
             _, ends["quarter"], *_, back = cycle
         assert parts(back.packing.positions - packing.positions, packing.box) == pytest.approx(
             np.zeros_like(mean), abs=1e-9
@@ -126,9 +124,9 @@ def test_free_droplets_diffuse_in_the_flow() -> None:
     """<y^2> = <z^2> = 2 D t, <x^2> = 2 D t (1 + gamma^2/3), <x y> = D gamma t."""
     packing, temperature, strain = gas(6), 1e-4, 1.0
     with ld.Simulation(packing, Droplet()) as sim:
-        (state,) = ld.shear(
-            sim, strain, 1, rate=1e-2, friction=2.0, temperature=temperature, timestep=0.1, seed=1
-        )
+        (state,) = sim.shear(
+            strain, rate=1e-2, drag=2.0, temperature=temperature, timestep=0.1, seed=1
+        )[1:]
     assert not state.contacts.any()
     moved = state.packing.positions - sheared(packing.positions, strain)
     dx, dy, dz = (parts(moved, state.packing.box) @ state.packing.box).T
@@ -158,9 +156,7 @@ def test_dynamic_modulus(leaning: DropletState) -> None:
     """Against linear response with a drag, where both parts count."""
     rest, period = leaning, 20.0
     expected = linear_modulus(rest, 2.0 * math.pi / period)
-    found = ld.dynamic_modulus(
-        rest, 1e-5, period, cycles=2, discarded=1, steps=8, friction=FRICTION
-    )
+    found = dynamic_modulus(rest, 1e-5, period, cycles=2, steps=8, drag=FRICTION)
     assert found.storage == pytest.approx(expected.real, rel=5e-3)
     assert found.loss == pytest.approx(expected.imag, abs=5e-3 * expected.real)
     static = linear_modulus(rest, 1e-9).real
@@ -173,11 +169,10 @@ def test_creep_ends_where_shear_has_the_stress(rest: DropletState, viscosity: fl
     """And the box moves by the stress that contacts do not bear, by the trapezium rule."""
     modulus = rest.elastic_moduli().shear_modulus
     stress = rest.shear_stress + 1e-3 * modulus
-    usual = FRICTION / (2.0 * rest.packing.radius.mean())
+    usual = FRICTION / (2.0 * rest.packing.radii.mean())
     time = 12.0 * (viscosity or usual) / modulus  # a solid alone takes viscosity/modulus
     with ld.Simulation(rest, rest.law) as sim:
-        motion = ld.creep(sim, stress, time, 120, friction=FRICTION, viscosity=viscosity)
-        states = [sim.state(), *motion]
+        states = sim.creep(stress, time=time, steps=120, drag=FRICTION, viscosity=viscosity)
     last = states[-1]
     assert last.time == pytest.approx(time)
     assert last.shear_stress == pytest.approx(stress, abs=1e-2 * 1e-3 * modulus)
@@ -192,22 +187,22 @@ def test_refusals(rest: DropletState, leaning: DropletState) -> None:
     """In one line, with a way out."""
     with ld.Simulation(leaning, leaning.law) as sim:
         with pytest.raises(ld.ParameterError, match=r"leans along y.*shear it at a rate"):
-            ld.creep(sim, 1e-3, 1.0, friction=1.0)
+            sim.creep(1e-3, time=1.0, drag=1.0, steps=10)
         with pytest.raises(ld.ParameterError, match=r"timestep = 50 .* take at most"):
-            list(ld.shear(sim, 0.1, 1, rate=1e-4, friction=1.0, timestep=50.0))
-        with pytest.raises(ld.ParameterError, match=r"settle is for .* the plane.*relax"):
-            ld.settle(sim, 1e-3)
+            sim.shear(0.1, rate=1e-4, drag=1.0, timestep=50.0)
+        with pytest.raises(ld.ParameterError, match=r"run\(pressure=\) is for .* the plane.*relax"):
+            sim.run(4_000_000, pressure=1e-3)[-1]
     with pytest.raises(ld.ParameterError, match=r"polish is for .* tolerance"):
         ld.polish(rest)
     with (
         ld.Spheres(rest.packing) as spheres,
         pytest.raises(ld.ParameterError, match="Spheres are sheared without a rate only"),
     ):
-        ld.shear(spheres, 0.1, 1, rate=1.0, friction=1.0)
-    walls = ld.cuboid(8.0, 8.0, 8.0)
-    inside = ld.push_off(ld.bidisperse(4, dimension=3, seed=1).between(walls))
+        spheres.shear(0.1, rate=1.0, drag=1.0)
+    walls = ld.BoxWall((8.0, 8.0, 8.0)).parts
+    inside = ld.bidisperse(4, dimension=3, seed=1).between(walls).push_off()
     with (
         ld.Simulation(inside, Droplet()) as sim,
         pytest.raises(ld.ParameterError, match="walls are not sheared"),
     ):
-        ld.shear(sim, 0.1, 1, rate=1e-3, friction=1.0)
+        sim.shear(0.1, rate=1e-3, drag=1.0)

@@ -10,13 +10,13 @@ from lammps_deformable.laws import longest_overdamped_step, longest_step
 
 @pytest.fixture(scope="module")
 def jammed() -> Packing:
-    start = ld.bidisperse(32, radii=(1.0, 1.2), dimension=3, seed=1)
+    start = ld.bidisperse(32, sizes=(1.0, 1.2), dimension=3, seed=1)
     return ld.jam(start, tolerance=1e-2)
 
 
 @pytest.fixture(scope="module")
 def loose() -> Packing:
-    return ld.push_off(ld.bidisperse(32, phi=0.3, dimension=3, seed=3))
+    return ld.bidisperse(32, phi=0.3, dimension=3, seed=3).push_off()
 
 
 def stiffest(sim: ld.DropletSimulation, state: DropletState) -> float:
@@ -45,12 +45,12 @@ def stiffest(sim: ld.DropletSimulation, state: DropletState) -> float:
 )
 def test_longest_steps_are_stable_and_not_by_far(jammed: Packing, kind: str, phi: float) -> None:
     """Verlet up to 2/omega, Euler up to 2 friction/omega^2, of the stiffest mode."""
-    packing = jammed if kind == "random" else ld.cubic(kind, 2, radius=1.0)
+    packing = jammed if kind == "random" else ld.crystal(kind, 2, radius=1.0)
     with ld.Simulation(packing.at(phi), Droplet(2.0)) as sim:
         state = sim.relax(1e-4)
         largest = stiffest(sim, state)
     assert 0.5 < longest_step(*state.step_limits()) / (2.0 / np.sqrt(largest)) < 1.0
-    euler = longest_overdamped_step(*state.step_limits(), friction=3.0)
+    euler = longest_overdamped_step(*state.step_limits(), 3.0)
     assert 0.1 < euler / (2.0 * 3.0 / largest) < 0.5
 
 
@@ -59,10 +59,13 @@ def test_energy_error_falls_with_the_square_of_the_time_step(jammed: Packing) ->
     for step in steps:
         with ld.Simulation(jammed.at(0.7), Droplet()) as sim:
             sim.relax(1e-6)
-            motion = ld.move(
-                sim, round(8 / step), float(step), 1e-4, every=round(0.4 / step), seed=1
-            )
-            states = list(motion)
+            states = sim.run(
+                round(8 / step),
+                timestep=float(step),
+                temperature=1e-4,
+                every=round(0.4 / step),
+                seed=1,
+            )[1:]
         total = [state.energy + state.kinetic_energy for state in states]
         errors.append(np.std(total))
         assert np.abs(states[-1].velocities.sum(axis=0)).max() < 1e-12
@@ -75,8 +78,7 @@ def test_energy_error_falls_with_the_square_of_the_time_step(jammed: Packing) ->
 def test_temperature_has_three_dimensions(loose: Packing) -> None:
     """Initial velocities have the temperature that is asked for, without a drift."""
     with ld.Simulation(loose, Droplet()) as sim:
-        motion = ld.move(sim, 1, 1e-6, temperature=1e-3, every=1, seed=2)
-        start = motion.start()
+        start = sim.run(1, timestep=1e-6, temperature=1e-3, seed=2)[0]
         assert start.temperature == pytest.approx(1e-3, rel=1e-6)
         assert start.velocities.shape == (32, 3)
 
@@ -85,7 +87,7 @@ def test_a_heat_bath_has_its_temperature(loose: Packing) -> None:
     """Sum of v^2/2 over 32 droplets is gamma-distributed, and 60 states are about independent."""
     temperature, number = 1e-3, 60
     with ld.Simulation(loose, Droplet()) as sim:
-        states = ld.move(sim, 20 * number, temperature=temperature, friction=0.5, every=20, seed=1)
+        states = sim.run(20 * number, temperature=temperature, drag=0.5, every=20, seed=1)[1:]
         kinetic = [state.kinetic_energy for state in states]
     expected = 1.5 * 32 * temperature
     error = expected / np.sqrt(1.5 * 32) / np.sqrt(number / 4.0)  # correlated
@@ -94,11 +96,9 @@ def test_a_heat_bath_has_its_temperature(loose: Packing) -> None:
 
 def test_free_droplets_diffuse_in_three_dimensions() -> None:
     """<r^2> = 6 (T/friction) t of droplets that do not touch."""
-    gas = ld.cubic("sc", 6, radius=1.0).at(0.01)
+    gas = ld.crystal("sc", 6, radius=1.0).at(0.01)
     with ld.Simulation(gas, Droplet()) as sim:
-        motion = ld.move(sim, 100, temperature=1e-3, friction=2.0, inertia=False, every=50, seed=1)
-        first = motion.start()
-        *_, last = motion
+        first, _, last = sim.run(100, temperature=1e-3, drag=2.0, inertia=False, every=50, seed=1)
     assert not last.velocities.any()
     moved = last.displacements(first)
     square = np.sum(moved**2, axis=1)
@@ -111,9 +111,9 @@ def test_free_droplets_diffuse_in_three_dimensions() -> None:
 
 
 def test_damped_motion_comes_to_rest(jammed: Packing) -> None:
-    squeezed = ld.push_off(jammed.at(0.7))
+    squeezed = jammed.at(0.7).push_off()
     with ld.Simulation(squeezed, Droplet()) as sim:
-        states = list(ld.move(sim, 400, friction=0.5, every=50))
+        states = sim.run(400, drag=0.5, every=50)[1:]
         total = np.array([state.energy + state.kinetic_energy for state in states])
         assert (np.diff(total) < 1e-9 * total[0]).all()
         assert states[-1].residual < 0.1 * states[0].residual
@@ -123,11 +123,11 @@ def test_damped_motion_comes_to_rest(jammed: Packing) -> None:
 def test_motion_goes_on_where_it_was(loose: Packing) -> None:
     """Also from a state, and after a relaxation, whose time step is another one."""
     with ld.Simulation(loose, Droplet()) as sim:
-        (whole,) = ld.move(sim, 100, 0.05, 1e-3, every=100, seed=1)
+        (whole,) = sim.run(100, timestep=0.05, temperature=1e-3, seed=1)[1:]
     with ld.Simulation(loose, Droplet()) as sim:
-        (half,) = ld.move(sim, 50, 0.05, 1e-3, every=50, seed=1)
+        (half,) = sim.run(50, timestep=0.05, temperature=1e-3, seed=1)[1:]
     with ld.Simulation(half, Droplet()) as sim:
-        (other,) = ld.move(sim, 50, 0.05, every=50)
+        (other,) = sim.run(50, timestep=0.05)[1:]
         assert not sim.relax(1e-2, 1e-3).velocities.any()
     assert other.time == pytest.approx(5.0)
     assert np.abs(other.packing.positions - whole.packing.positions).max() < 1e-7
@@ -140,7 +140,7 @@ def test_a_tolerance_of_the_balance(jammed: Packing) -> None:
         ends = []
         for tolerance in (None, 1e-3):
             sim.restart(jammed.at(0.66))
-            (last,) = ld.move(sim, 20, 0.05, 1e-2, seed=1, tolerance=tolerance)
+            (last,) = sim.run(20, timestep=0.05, temperature=1e-2, seed=1, balance=tolerance)[1:]
             ends.append(last.packing.positions)
         difference = np.abs(ends[1] - ends[0]).max()
         assert 0.0 < difference < 1e-3
@@ -152,10 +152,9 @@ def test_a_tolerance_of_the_balance(jammed: Packing) -> None:
     [
         ({"timestep": 5.0}, r"timestep = 5 is too long for .* take at most 0\.\d+"),
         ({"timestep": 5.0, "temperature": None}, "droplet|particle .*, whose load is"),
-        ({"propulsion": 1.0, "persistence": 1.0, "friction": 1.0}, "a propulsion is for .* plane"),
-        ({"inertia": False}, "need a friction"),
+        ({"propulsion": 1.0, "persistence": 1.0, "drag": 1.0}, "a propulsion is for .* plane"),
+        ({"inertia": False}, "need a drag"),
         ({"temperature": -1.0}, "temperature .* -1"),
-        ({"steps": 150}, "multiple of every, not 150 and 100"),
     ],
 )
 def test_refusals(loose: Packing, values: dict[str, object], message: str) -> None:
@@ -163,4 +162,4 @@ def test_refusals(loose: Packing, values: dict[str, object], message: str) -> No
         ld.Simulation(loose, Droplet()) as sim,
         pytest.raises(ld.ParameterError, match=message),
     ):
-        next(ld.move(sim, **{"steps": 100, "temperature": 1e-5} | values))
+        sim.run(100, **{"temperature": 1e-5} | values)

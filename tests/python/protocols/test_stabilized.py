@@ -54,6 +54,6 @@ def test_nonsense_is_refused() -> None:
     start = ld.bidisperse(16, seed=1)
     with pytest.raises(ld.ParameterError, match="box must be size, sides or shape"):
         ld.jam(start, box="free")
-    walled = start.between(ld.rectangle(8, 8))
+    walled = start.between(ld.BoxWall((8, 8)))
     with pytest.raises(ld.ParameterError, match="box='shape' is not for walls"):
         ld.jam(walled, box="shape")

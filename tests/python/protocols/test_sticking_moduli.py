@@ -10,6 +10,8 @@ from lammps_deformable.shearing import sheared
 from mpi4py import MPI
 from numpy.typing import NDArray
 
+from validation.finite_strain import Modulus, bulk_modulus, shear_modulus
+
 Box = NDArray[np.float64]
 
 
@@ -22,7 +24,7 @@ def expanded() -> ld.State:
         phi = sim.relax().packing.phi
         sim.deform(sim.box * math.sqrt(phi / 0.75))
         state = sim.relax(1e-8)
-    table, radius = state.contact_table, state.packing.radius
+    table, radius = state.contact_table, state.packing.radii
     assert (table["distance"] > radius[table["i"]] + radius[table["j"]]).any()
     assert state.pressure < -0.1
     return state
@@ -39,14 +41,14 @@ def compressed(box: Box, compression: float) -> Box:
 @pytest.mark.parametrize(
     ("modulus", "settings", "deformed"),
     [
-        (ld.shear_modulus, {}, sheared),
-        (ld.shear_modulus, {"pure": True}, stretched),
-        (ld.bulk_modulus, {}, compressed),
+        (shear_modulus, {}, sheared),
+        (shear_modulus, {"pure": True}, stretched),
+        (bulk_modulus, {}, compressed),
     ],
 )
 def test_modulus_is_the_second_derivative_of_the_energy(
     expanded: ld.State,
-    modulus: Callable[..., ld.Modulus],
+    modulus: Callable[..., Modulus],
     settings: dict[str, bool],
     deformed: Callable[[Box, float], Box],
 ) -> None:

@@ -21,23 +21,23 @@ def simulation(start: ld.Packing, law: ld.Ring | None) -> Any:
 def test_steps_of_phi_are_equal(jammed: ld.Packing, law: ld.Ring | None) -> None:
     with simulation(jammed, law) as sim:
         start = sim.relax().phi
-        up = list(ld.compress(sim, phi=0.87, steps=3))
-        down = list(ld.compress(sim, phi=0.86, steps=2))
+        up = sim.compress(phi=0.87, steps=3)[1:]
+        down = sim.compress(phi=0.86, steps=2)[1:]
     expected = [*np.linspace(start, 0.87, 4)[1:], 0.865, 0.86]
-    assert [state.phi for state in up + down] == pytest.approx(expected, rel=1e-9)
-    assert all(state.residual <= 1e-6 and not state.stalled for state in up + down)
+    assert [state.phi for state in [*up, *down]] == pytest.approx(expected, rel=1e-9)
+    assert all(state.residual <= 1e-6 and not state.stalled for state in [*up, *down])
 
 
 @every_kind
 def test_steps_of_pressure_are_equal(jammed: ld.Packing, law: ld.Ring | None) -> None:
     with simulation(jammed, law) as sim:
         start = sim.relax().pressure
-        up = list(ld.compress(sim, pressure=1e-3, steps=3))
-        down = list(ld.compress(sim, pressure=1e-4, steps=2))
+        up = sim.compress(pressure=1e-3, steps=3)[1:]
+        down = sim.compress(pressure=1e-4, steps=2)[1:]
     expected = [*np.linspace(start, 1e-3, 4)[1:], 5.5e-4, 1e-4]
     # the first step down starts where the last one up has ended
-    assert [state.pressure for state in up + down] == pytest.approx(expected, rel=2e-6)
-    assert all(state.residual <= 1e-6 and not state.stalled for state in up + down)
+    assert [state.pressure for state in [*up, *down]] == pytest.approx(expected, rel=2e-6)
+    assert all(state.residual <= 1e-6 and not state.stalled for state in [*up, *down])
 
 
 def test_a_root_found_by_hand_is_the_same(jammed: ld.Packing) -> None:
@@ -45,7 +45,7 @@ def test_a_root_found_by_hand_is_the_same(jammed: ld.Packing) -> None:
     law, pressure = ld.Ring(), 2e-3
     with ld.Simulation(jammed, law) as sim:
         near = sim.relax(pressure=0.99 * pressure).packing
-        (found,) = ld.compress(sim, pressure=pressure, steps=1, tolerance=1e-8)
+        (found,) = sim.compress(pressure=pressure, tolerance=1e-8)[1:]
 
     def missing(scale: float) -> float:
         with ld.Simulation(near, law) as sim:
@@ -61,27 +61,27 @@ def test_a_root_found_by_hand_is_the_same(jammed: ld.Packing) -> None:
 def test_a_loose_packing_is_compressed_until_it_has_a_pressure(
     law: ld.Ring | None,
 ) -> None:
-    loose = ld.push_off(ld.bidisperse(32, phi=0.7, seed=2))
+    loose = ld.bidisperse(32, phi=0.7, seed=2).push_off()
     with simulation(loose, law) as sim:
-        states = list(ld.compress(sim, pressure=2e-3, steps=2))
+        states = sim.compress(pressure=2e-3, steps=2)[1:]
     assert [state.pressure for state in states] == pytest.approx([1e-3, 2e-3], rel=1e-6)
 
 
 def test_polygons_have_a_target_phi() -> None:
-    model = ld.PolygonModel(40, 0.025, kL=240.0, kr=10.0, smooth=True)
+    model = ld.DeformablePolygon(40, radius=0.025, kL=240.0, kr=10.0)
     few = ld.jam(ld.bidisperse(8, seed=1))
     with ld.PolygonSimulation(few, model) as polygons:
-        (state,) = ld.compress(polygons, phi=0.88, steps=1)
+        (state,) = polygons.compress(phi=0.88)[1:]
         assert state.phi == pytest.approx(0.88, rel=1e-9)
         with pytest.raises(ld.ParameterError, match="polygons have no target pressure"):
-            ld.compress(polygons, pressure=1e-3)
+            polygons.compress(pressure=1e-3, steps=10)
 
 
 def test_an_expansion_that_comes_apart_says_so_once(jammed: ld.Packing) -> None:
     with ld.Simulation(jammed, ld.Ring()) as sim:
         sim.relax(pressure=1e-4)
         with pytest.warns(ld.UnjammedWarning, match=r"apart at step \d, phi") as told:
-            states = list(ld.compress(sim, phi=0.79, steps=4))
+            states = sim.compress(phi=0.79, steps=4)[1:]
     assert len(told) == 1
     assert states[-1].coordination == 0.0
 
@@ -109,7 +109,7 @@ def test_nonsense_is_refused_at_once(
         ld.Simulation(jammed, ld.Ring()) as sim,
         pytest.raises(ld.ParameterError, match=message),
     ):
-        ld.compress(sim, **given)
+        sim.compress(**given)
 
 
 @every_kind
@@ -117,14 +117,14 @@ def test_nonsense_is_refused_at_once(
 def test_a_target_is_reached_once_and_kept(
     jammed: ld.Packing, law: ld.Ring | None, name: str
 ) -> None:
-    """A second call, and a third in steps, leave the packing as it is."""
+    """A second call, and a third in steps, take no step."""
     target = {"phi": 0.87, "pressure": 1e-3}[name]
     with simulation(jammed, law) as sim:
-        (once,) = ld.compress(sim, steps=1, **{name: target})
-        again = list(ld.compress(sim, steps=1, **{name: target}))
-        again += ld.compress(sim, steps=3, **{name: getattr(again[0], name)})
-    assert len(again) == 4
-    for state in again:
+        (once,) = sim.compress(**{name: target})[1:]
+        again = sim.compress(**{name: target})
+        more = sim.compress(steps=3, **{name: getattr(again[0], name)})
+    assert len(again) == len(more) == 1
+    for state in (*again, *more):
         assert getattr(state, name) == pytest.approx(target, rel=2e-6)
         assert state.packing.box == pytest.approx(once.packing.box, rel=1e-6)
         assert np.abs(state.displacements(once)).max() < 1e-4
@@ -135,7 +135,7 @@ def test_a_phi_beyond_the_law_is_told_with_what_was_reached(jammed: ld.Packing) 
     with ld.Simulation(jammed, DROPLETS) as sim:
         told = r"phi = 0.9999999 was not reached, but 0\.9\d+ at phi = 0\.9\d+: LAMMPS: "
         with pytest.raises(ld.ParameterError, match=told):
-            list(ld.compress(sim, phi=0.9999999, steps=1, tolerance=1e-3))
+            sim.compress(phi=0.9999999, tolerance=1e-3)
 
 
 @pytest.mark.filterwarnings("ignore")
@@ -143,7 +143,7 @@ def test_a_pressure_beyond_the_law_is_told_as_it_was_given(jammed: ld.Packing) -
     with ld.Simulation(jammed, DROPLETS) as sim:
         told = r"^pressure = 60 was not reached: in step 1 of 2, pressure = 30\.\d+ was not reached"
         with pytest.raises(ld.ParameterError, match=told):
-            list(ld.compress(sim, pressure=60.0, steps=2, tolerance=1e-3))
+            sim.compress(pressure=60.0, steps=2, tolerance=1e-3)
 
 
 @pytest.mark.filterwarnings("ignore::lammps_deformable.StalledWarning")
@@ -151,5 +151,5 @@ def test_sectors_that_conserve_their_area_have_a_target_phi() -> None:
     """Their relaxations stall, but that phi is the one of undeformed disks."""
     few = ld.jam(ld.bidisperse(8, seed=1))
     with ld.Simulation(few, ld.Sector(kP=1.0)) as sim:
-        (state,) = ld.compress(sim, phi=few.phi + 0.005, steps=1)
+        (state,) = sim.compress(phi=few.phi + 0.005)[1:]
     assert state.phi == pytest.approx(few.phi + 0.005, rel=1e-9)

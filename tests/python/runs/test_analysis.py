@@ -17,18 +17,18 @@ def run(
 ) -> tuple[Path, list[ld.State]]:
     """A recorded motion, with the state before its first step."""
     folder = tmp_path_factory.mktemp("run")
-    fluid = ld.push_off(ld.bidisperse(16, phi=0.7, tilt=request.param, seed=2))
+    fluid = ld.bidisperse(16, phi=0.7, tilt=request.param, seed=2).push_off()
     with ld.Simulation(fluid, ld.Ring()) as sim:
-        motion = ld.move(sim, 60, temperature=1e-5, every=20, seed=1)
+        motion = sim.run(60, temperature=1e-5, every=20, seed=1)[1:]
         states = list(ld.record(motion, folder))
         return folder, [ld.Run(folder)[0], *states]
 
 
 def test_universe_of_a_run(run: tuple[Path, list[ld.State]]) -> None:
     folder, states = run
-    universe = ld.Run(folder).universe()
+    universe = ld.Run(folder).to_mdanalysis()
     assert len(universe.trajectory) == len(states) == 4
-    assert np.array_equal(universe.atoms.radii, states[0].packing.radius)
+    assert np.array_equal(universe.atoms.radii, states[0].packing.radii)
     for frame, state in zip(universe.trajectory, states, strict=True):
         one = state.to_mdanalysis()
         assert frame.time == pytest.approx(state.time)
@@ -47,7 +47,7 @@ def test_mean_square_displacement(run: tuple[Path, list[ld.State]]) -> None:
     from MDAnalysis.transformations import NoJump
 
     folder, states = run
-    universe = ld.Run(folder).universe()
+    universe = ld.Run(folder).to_mdanalysis()
     universe.trajectory.add_transformations(NoJump())
     found = EinsteinMSD(universe, msd_type="xy", fft=False).run().results
     first, last = states[0], states[-1]
@@ -59,7 +59,7 @@ def test_mean_square_displacement(run: tuple[Path, list[ld.State]]) -> None:
 
 def test_frames_without_a_clock_are_counted(state: ld.State, tmp_path: Path) -> None:
     list(ld.record([state, state], tmp_path))
-    universe = ld.Run(str(tmp_path)).universe()
+    universe = ld.Run(str(tmp_path)).to_mdanalysis()
     assert [frame.time for frame in universe.trajectory] == [0.0, 1.0]
 
 
@@ -70,7 +70,7 @@ def test_frames_that_are_not_complete_are_left_out(
     shutil.copytree(run[0], tmp_path, dirs_exist_ok=True)
     text = (tmp_path / "trajectory.lammpstrj").read_text()
     (tmp_path / "trajectory.lammpstrj").write_text(text + text[: len(text) // 4])
-    universe = ld.Run(tmp_path).universe()
+    universe = ld.Run(tmp_path).to_mdanalysis()
     for each in (universe, universe.copy()):
         assert len(each.trajectory) == 4
         assert len([frame.frame for frame in each.trajectory]) == 4
@@ -112,7 +112,7 @@ def test_columns_of_a_table(run: tuple[Path, list[ld.State]], tmp_path: Path) ->
 def test_export_of_a_run(run: tuple[Path, list[ld.State]], tmp_path: Path) -> None:
     folder, states = run
     ld.Run(folder).export(tmp_path / "shapes.pvd")
-    ld.export(states, tmp_path / "again.pvd")
+    ld.Run(states).export(tmp_path / "again.pvd")
     root = ElementTree.parse(tmp_path / "shapes.pvd").getroot()
     assert (root.tag, root.get("type")) == ("VTKFile", "Collection")
     listed = [(each.get("timestep"), each.get("file")) for each in root.iter("DataSet")]
@@ -130,9 +130,9 @@ def test_export_of_a_run(run: tuple[Path, list[ld.State]], tmp_path: Path) -> No
 
 def test_refusals(state: ld.State, tmp_path: Path) -> None:
     with pytest.raises(ld.ParameterError, match=r"\.pvd, not .*a\.vtp"):
-        ld.export([state], tmp_path / "a.vtp")
+        ld.Run([state]).export(tmp_path / "a.vtp")
     with pytest.raises(ld.ParameterError, match="at least one state"):
-        ld.export([], tmp_path / "a.pvd")
+        ld.Run([]).export(tmp_path / "a.pvd")
     for arguments in ((3, "a.pvd"), ([state], 3), ([state.packing], tmp_path / "a.pvd")):
         with pytest.raises(ld.ParameterError, match=r"must be of the kind .* not (3|a Packing)"):
             ld.export(*arguments)
@@ -148,4 +148,4 @@ def test_refusals(state: ld.State, tmp_path: Path) -> None:
         ld.Run(3)
     state.save(tmp_path)
     with pytest.raises(ld.FileError, match=r"trajectory\.lammpstrj is missing"):
-        ld.Run(tmp_path).universe()
+        ld.Run(tmp_path).to_mdanalysis()

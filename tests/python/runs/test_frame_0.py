@@ -10,10 +10,10 @@ import pytest
 Protocol = Callable[[ld.Simulation], Iterator[ld.State]]
 
 PROTOCOLS: dict[str, Protocol] = {
-    "strain": lambda sim: ld.compress(sim, 0.004, 2),
-    "phi": lambda sim: ld.compress(sim, phi=0.9, steps=2),
-    "shear": lambda sim: ld.shear(sim, 0.004, 2),
-    "move": lambda sim: ld.move(sim, 20, temperature=1e-6, every=10, seed=1),
+    "strain": lambda sim: sim.compress(strain=0.004, steps=2)[1:],
+    "phi": lambda sim: sim.compress(phi=0.9, steps=2)[1:],
+    "shear": lambda sim: sim.shear(0.004, steps=2)[1:],
+    "move": lambda sim: sim.run(20, temperature=1e-6, every=10, seed=1)[1:],
 }
 
 
@@ -42,7 +42,7 @@ def test_steps_are_those_without_a_record(jammed: ld.Packing, tmp_path: Path) ->
     ends = []
     for recorded in (False, True):
         with ld.Simulation(jammed, ld.Ring()) as sim:
-            steps = ld.move(sim, 20, temperature=1e-6, friction=0.1, seed=1)
+            steps = sim.run(20, temperature=1e-6, drag=0.1, seed=1)[1:]
             *_, last = ld.record(steps, tmp_path) if recorded else steps
         ends.append(last)
     assert np.array_equal(*(end.packing.positions for end in ends))
@@ -54,9 +54,9 @@ def test_is_not_written_twice(sim: ld.Simulation, tmp_path: Path) -> None:
     folder = tmp_path / "saved"
     sim.state().save(folder)
     run = ld.Run(folder)
-    list(run.append(ld.compress(sim, 0.002, 1)))
+    list(run.append(sim.compress(strain=0.002)[1:]))
     assert len(run) == 2
-    list(run.append(ld.shear(sim, 0.002, 1)))
+    list(run.append(sim.shear(0.002)[1:]))
     list(run.compress(0.002, 1))
     assert len(run) == 4
     sim.state().save(tmp_path / "other")
@@ -71,7 +71,7 @@ def test_is_not_written_twice(sim: ld.Simulation, tmp_path: Path) -> None:
 
 def test_of_states_that_know_no_start(sim: ld.Simulation, tmp_path: Path) -> None:
     """It is the first of a list, or the next one of a protocol that has begun."""
-    steps = ld.compress(sim, 0.004, 2)
+    steps = sim.compress(strain=0.004, steps=2)[1:]
     first = next(steps)
     list(ld.record(steps, tmp_path / "rest"))
     list(ld.record([first], tmp_path / "list"))

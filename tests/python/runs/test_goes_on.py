@@ -21,7 +21,7 @@ def packing(request: pytest.FixtureRequest) -> ld.Packing:
 
 
 def moved(sim: ld.Simulation, seed: int | None = None) -> State:
-    *_, state = ld.move(sim, 200, 0.01, temperature=1e-5, seed=seed)
+    state = sim.run(200, every=100, timestep=0.01, temperature=1e-5, seed=seed)[-1]
     return state
 
 
@@ -30,7 +30,7 @@ def test_a_loaded_simulation_moves_on(packing: ld.Packing, tmp_path: Path) -> No
     with ld.Simulation(packing, ld.Ring()) as sim:
         last = moved(sim, seed=3)
         last.save(tmp_path)
-        *_, expected = ld.move(sim, 200, 0.01)
+        expected = sim.run(200, every=100, timestep=0.01)[-1]
     assert last.time == pytest.approx(2.0)
     assert expected.time == pytest.approx(4.0)
     with ld.Run(tmp_path).simulation() as again:
@@ -38,7 +38,7 @@ def test_a_loaded_simulation_moves_on(packing: ld.Packing, tmp_path: Path) -> No
         assert np.array_equal(start.velocities, last.velocities)
         assert start.velocities.any()
         assert (start.time, start.strain) == (last.time, None)
-        *_, found = ld.move(again, 200, 0.01)
+        found = again.run(200, every=100, timestep=0.01)[-1]
     assert found.time == pytest.approx(4.0, rel=1e-12)
     np.testing.assert_allclose(found.packing.positions, expected.packing.positions, atol=1e-9)
     np.testing.assert_allclose(found.velocities, expected.velocities, rtol=0, atol=1e-9)
@@ -80,14 +80,14 @@ def test_restart_from_a_state(packing: ld.Packing) -> None:
 def test_time_goes_on_in_a_recorded_run(packing: ld.Packing, tmp_path: Path) -> None:
     """In the series, the Universe, ParaView's file and replays; relaxations take no time."""
     with ld.Simulation(packing, ld.Ring()) as sim:
-        list(ld.record(ld.move(sim, 200, 0.01, 1e-5, seed=3), tmp_path))
+        sim.run(200, every=100, timestep=0.01, temperature=1e-5, seed=3, record=tmp_path)
     with ld.Run(tmp_path).simulation() as sim:
-        list(ld.Run(tmp_path).append(ld.move(sim, 300, 0.01)))
+        list(ld.Run(tmp_path).append(sim.run(300, every=100, timestep=0.01)[1:]))
         assert sim.relax().time == pytest.approx(5.0)
     expected = pytest.approx([0.0, 1.0, 2.0, 3.0, 4.0, 5.0])
     series = np.genfromtxt(tmp_path / "series.csv", delimiter=",", names=True)
     assert series["time"] == expected
-    universe = ld.Run(tmp_path).universe()
+    universe = ld.Run(tmp_path).to_mdanalysis()
     assert [frame.time for frame in universe.trajectory] == expected
     assert [state.time for state in ld.Run(tmp_path)] == expected
     ld.Run(tmp_path).export(tmp_path / "run.pvd")
@@ -101,17 +101,17 @@ def test_strain_goes_on(tmp_path: Path, resumable: bool) -> None:
     law = ld.Ring()
     with ld.Simulation(packing, law) as sim:
         if resumable:
-            list(ld.shear_in(sim, tmp_path, 0.02, 2))
+            sim.shear(0.02, record=tmp_path, steps=2)
         else:
-            list(ld.record(ld.shear(sim, 0.02, 2), tmp_path))
+            sim.shear(0.02, steps=2, record=tmp_path)
     with ld.Run(tmp_path).simulation() as sim:
         assert sim.strain == 0.02
         if resumable:
             list(ld.Run(tmp_path).shear(-0.03, 3))
         else:
-            list(ld.Run(tmp_path).append(ld.shear(sim, -0.03, 3)))
+            list(ld.Run(tmp_path).append(sim.shear(-0.03, steps=3)[1:]))
     with ld.Run(tmp_path).simulation() as sim:
-        *_, last = ld.compress(sim, 0.001, 1)
+        last = sim.compress(strain=0.001)[-1]
         assert last.strain == pytest.approx(-0.01)
     expected = pytest.approx([0.0, 0.01, 0.02, 0.01, 0.0, -0.01], abs=1e-15)
     series = np.genfromtxt(tmp_path / "series.csv", delimiter=",", names=True)
@@ -124,7 +124,7 @@ def test_interrupted_shear_goes_on_with_its_strain(tmp_path: Path) -> None:
     whole, cut = tmp_path / "whole", tmp_path / "cut"
     for folder in (whole, cut):
         with ld.Simulation(packing, ld.Ring()) as sim:
-            list(ld.shear_in(sim, folder, 0.02, 2))
+            sim.shear(0.02, record=folder, steps=2)
             steps = ld.Run(folder).shear(0.02, 3)
             list(itertools.islice(steps, 1 if folder == cut else None))
     list(ld.Run(cut).resume())

@@ -24,7 +24,7 @@ def rows(path: Path) -> list[dict[str, str]]:
 def test_rows_are_those_of_a_series(sim: ld.Simulation, tmp_path: Path) -> None:
     """With the state before the first step, in the file before the state is yielded."""
     path = tmp_path / "folder" / "log.csv"
-    steps = ld.log(ld.shear(sim, 0.01, 2), path, largest=lambda s: s.area.max())
+    steps = ld.log(sim.shear(0.01, steps=2)[1:], path, largest=lambda s: s.area.max())
     for number, state in enumerate(ld.record(steps, tmp_path / "run"), start=1):
         last = rows(path)[-1]
         assert int(last["frame"]) == number
@@ -40,10 +40,10 @@ def test_rows_are_those_of_a_series(sim: ld.Simulation, tmp_path: Path) -> None:
 def test_is_gone_on_with(sim: ld.Simulation, tmp_path: Path) -> None:
     """After an interruption within a row; a new log replaces the old one."""
     path = tmp_path / "log.csv"
-    next(ld.log(ld.compress(sim, 0.01, 5), path, append=True))
+    next(ld.log(sim.compress(strain=0.01, steps=5)[1:], path, append=True))
     assert len(rows(path)) == 2
     path.write_text(path.read_text() + "2,32,6.1")
-    list(ld.log(ld.compress(sim, 0.002, 1), path, append=True))
+    list(ld.log(sim.compress(strain=0.002)[1:], path, append=True))
     assert [row["frame"] for row in rows(path)] == ["0", "1", "2"]
     assert float(rows(path)[2]["phi"]) > float(rows(path)[1]["phi"])
     with pytest.raises(ld.FileError, match="already: go on with append=True, replace it"):
@@ -55,7 +55,7 @@ def test_is_gone_on_with(sim: ld.Simulation, tmp_path: Path) -> None:
 
 def test_of_disks(jammed: ld.Packing, tmp_path: Path) -> None:
     with ld.Disks(jammed) as disks:
-        *_, last = ld.log(ld.compress(disks, 0.01, 2), tmp_path / "log.csv")
+        *_, last = ld.log(disks.compress(strain=0.01, steps=2)[1:], tmp_path / "log.csv")
     found = rows(tmp_path / "log.csv")
     assert [float(row["pressure"]) > 1e-4 for row in found] == [False, True, True]
     assert float(found[-1]["coordination"]) == last.coordination
@@ -63,7 +63,7 @@ def test_of_disks(jammed: ld.Packing, tmp_path: Path) -> None:
 
 SCRIPT = """
 import lammps_deformable as ld
-sim = ld.Simulation(ld.triangular(4, 4, phi=0.92), ld.Ring())
+sim = ld.Simulation(ld.crystal("hex", (4, 2), phi=0.92), ld.Ring())
 for _ in range(2):
     steps = ld.compress(sim, 0.01, 1, tolerance=0.01)
     list(ld.log(steps, "log.csv", append=True))

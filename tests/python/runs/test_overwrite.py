@@ -15,20 +15,20 @@ RUNS: dict[str, Callable[[S, Path], Writer]] = {
     "save": lambda state, folder: lambda **how: state.save(folder, **how),
     "record": lambda state, folder: lambda **how: list(ld.record([state], folder, **how)),
     "record of steps": lambda state, folder: (
-        lambda **how: list(ld.record(ld.compress(sim(state), 0.01, 1), folder, **how))
+        lambda **how: sim(state).compress(strain=0.01, record=folder)[1:]
     ),
     "compress_in": lambda state, folder: (
-        lambda **how: list(ld.compress_in(sim(state), folder, 0.01, 1, **how))
+        lambda **how: sim(state).compress(record=folder, strain=0.01, **how)[1:]
     ),
     "shear_in": lambda state, folder: (
-        lambda **how: list(ld.shear_in(sim(state), folder, 0.01, 1, **how))
+        lambda **how: sim(state).shear(0.01, record=folder, **how)[1:]
     ),
 }
 FILES: dict[str, Callable[[S, Path], Writer]] = {
     "log.csv": lambda state, path: lambda **how: list(ld.log([state], path, **how)),
     "a.vtp": lambda state, path: lambda **how: state.export(path, **how),
     "a.geojson": lambda state, path: lambda **how: state.export(path, True, **how),
-    "a.pvd": lambda state, path: lambda **how: ld.export([state], path, **how),
+    "a.pvd": lambda state, path: lambda **how: ld.Run([state]).export(path, **how),
     "a.xyz": lambda state, path: lambda **how: state.packing.to_file(path, **how),
     "a.gsd": lambda state, path: lambda **how: state.packing.to_file(path, **how),
     "a.data": lambda state, path: lambda **how: state.packing.to_file(path, **how),
@@ -104,7 +104,7 @@ def test_a_file_is_not_replaced(name: str, state: S, tmp_path: Path) -> None:
 def test_a_part_of_a_series_is_not_replaced(state: S, tmp_path: Path) -> None:
     (tmp_path / "a_0000.vtp").write_text("mine")
     with pytest.raises(ld.FileError, match=r"a_0000\.vtp' is there already"):
-        ld.export([state], tmp_path / "a.pvd")
+        ld.Run([state]).export(tmp_path / "a.pvd")
     assert (tmp_path / "a_0000.vtp").read_text() == "mine"
 
 
@@ -117,7 +117,7 @@ def test_early_and_late(state: S, tmp_path: Path) -> None:
     for writer in (ld.record, ld.log):
         path = tmp_path / ("run" if writer is ld.record else "run/series.csv")
         with pytest.raises(ld.FileError, match=r"overwrite=True"):
-            writer(ld.compress(sim(state), 0.01, 1), path)
+            writer(sim(state).compress(strain=0.01)[1:], path)
     with pytest.raises(ld.ParameterError, match="one of append and overwrite"):
         ld.log([state], tmp_path / "log.csv", append=True, overwrite=True)
     with pytest.raises(ld.ParameterError, match="overwrite must be of the kind bool"):

@@ -32,7 +32,7 @@ def test_saved_state_goes_on_as_it_was(state: ld.State, tmp_path: Path) -> None:
     ],
 )
 def test_tilted_packings_and_species_go_on(law: ld.Sector | ld.Ring, tmp_path: Path) -> None:
-    jammed = ld.jam(ld.bidisperse(12, tilt=-0.4, aspect=1.3, seed=2))
+    jammed = ld.jam(ld.bidisperse(12, aspect=1.3, tilt=-0.4, seed=2))
     with ld.Simulation(jammed.at(0.86), law) as sim:
         state = sim.state()
     state.save(tmp_path)
@@ -44,14 +44,14 @@ def test_tilted_packings_and_species_go_on(law: ld.Sector | ld.Ring, tmp_path: P
 def test_record_writes_as_the_run_goes(jammed: ld.Packing, tmp_path: Path) -> None:
     with ld.Simulation(jammed, ld.Ring()) as sim:
         before = sim.state()
-        run = ld.record(ld.compress(sim, strain=0.02, steps=4), tmp_path)
+        run = sim.compress(strain=0.02, steps=4, record=tmp_path)[1:]
         first, second = next(run), next(run)  # and interrupted here
     with (tmp_path / "series.csv").open() as file:
         rows = list(csv.DictReader(file))
     assert [float(row["phi"]) for row in rows] == [before.phi, first.phi, second.phi]
 
     with ld.Run(tmp_path).simulation() as sim:
-        steps = ld.compress(sim, strain=0.01, steps=1)
+        steps = sim.compress(strain=0.01)[1:]
         (third,) = ld.Run(tmp_path).append(steps, {"steps": 1})
     with (tmp_path / "series.csv").open() as file:
         rows = list(csv.DictReader(file))
@@ -68,7 +68,7 @@ def test_mdanalysis_reads_the_trajectory(tilt: float, tmp_path: Path) -> None:
     mdanalysis = pytest.importorskip("MDAnalysis")
     jammed = ld.jam(ld.bidisperse(16, tilt=tilt, seed=4))
     with ld.Simulation(jammed, ld.Ring()) as sim:
-        steps = ld.compress(sim, strain=0.02, steps=2)
+        steps = sim.compress(strain=0.02, steps=2)[1:]
         states = [sim.state(), *ld.record(steps, tmp_path)]
     universe = mdanalysis.Universe(
         str(tmp_path / "trajectory.lammpstrj"), format="LAMMPSDUMP", additional_columns=True, dt=1.0
@@ -78,7 +78,7 @@ def test_mdanalysis_reads_the_trajectory(tilt: float, tmp_path: Path) -> None:
         assert frame.data["area"] == pytest.approx(state.area)
         assert frame.data["pressure"] == pytest.approx(state.particle_pressure, rel=1e-5)
         assert frame.data["contacts"] == pytest.approx(state.contacts)
-        assert frame.data["radius"] == pytest.approx(state.packing.radius)
+        assert frame.data["radius"] == pytest.approx(state.packing.radii)
         assert frame.positions[:, :2] == pytest.approx(state.packing.positions, abs=1e-5)
         (lx, _), (xy, ly) = state.packing.box
         vectors = frame.triclinic_dimensions[:2, :2]
@@ -90,7 +90,7 @@ def test_shear_stress_of_a_series_resists(tmp_path: Path) -> None:
     jammed = ld.jam(ld.bidisperse(16, seed=1))
     with ld.Simulation(jammed.at(jammed.phi + 0.03), ld.Ring()) as sim:
         start = sim.relax()
-        states = [start, *ld.record(ld.shear(sim, 1e-3, 2), tmp_path / "run")]
+        states = [start, *sim.shear(1e-3, steps=2, record=tmp_path / "run")[1:]]
     with (tmp_path / "run" / "series.csv").open(newline="") as file:
         stress = [float(row["shear_stress"]) for row in csv.DictReader(file)]
     assert stress == pytest.approx([-state.stress[0, 1] for state in states], rel=1e-6)
@@ -100,12 +100,11 @@ def test_shear_stress_of_a_series_resists(tmp_path: Path) -> None:
 
 def test_append_cuts_off_half_a_frame(jammed: ld.Packing, tmp_path: Path) -> None:
     with ld.Simulation(jammed, ld.Ring()) as sim:
-        for _ in ld.record(ld.compress(sim, 0.01, 1), tmp_path):
-            pass
+        sim.compress(strain=0.01, record=tmp_path)
         trajectory = tmp_path / "trajectory.lammpstrj"
         whole = trajectory.read_text()
         trajectory.write_text(whole + whole[: len(whole) // 2])  # killed in the third frame
-        for _ in ld.Run(tmp_path).append(ld.compress(sim, 0.01, 1)):
+        for _ in ld.Run(tmp_path).append(sim.compress(strain=0.01)[1:]):
             pass
     text = trajectory.read_text()
     assert text.startswith(whole)
@@ -126,7 +125,7 @@ def test_a_row_stands_for_a_whole_frame(
 ) -> None:
     """The series does not count a frame that was not written completely."""
     with ld.Simulation(jammed, ld.Ring()) as sim:
-        steps = ld.record(ld.compress(sim, 0.01, 2), tmp_path)
+        steps = sim.compress(strain=0.01, steps=2, record=tmp_path)[1:]
         next(steps)
 
         def killed(*_: object) -> str:

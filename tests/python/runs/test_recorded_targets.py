@@ -14,7 +14,7 @@ def test_a_resumed_run_has_the_files_of_a_whole_one(
 ) -> None:
     for folder in ("whole", "parts"):
         sim = ld.Simulation(jammed, ld.Ring())
-        states = ld.compress_in(sim, tmp_path / folder, steps=3, **{name: target})
+        states = sim.compress(record=tmp_path / folder, steps=3, **{name: target})[1:]
         if folder == "whole":
             *_, last = states
         else:
@@ -29,7 +29,7 @@ def test_a_resumed_run_has_the_files_of_a_whole_one(
 
 def test_a_run_goes_on_to_another_target(jammed: ld.Packing, tmp_path: Path) -> None:
     sim = ld.Simulation(jammed, ld.Ring())
-    list(ld.compress_in(sim, tmp_path, phi=0.86, steps=1))
+    sim.compress(record=tmp_path, phi=0.86)
     run = ld.Run(tmp_path)
     before = len(run)
     states = list(run.compress(pressure=1e-3, steps=2))

@@ -23,7 +23,7 @@ def exact_states() -> Iterator[None]:
 @pytest.fixture(scope="module")
 def start() -> Packing:
     radii = np.random.default_rng(1).uniform(0.4, 0.6, 20)
-    return ld.push_off(ld.polydisperse(20, radii, phi=0.9))
+    return ld.polydisperse(20, radii, phi=0.9, seed=1).push_off()
 
 
 def test_growth_and_death(start: Packing, tmp_path: Path) -> None:
@@ -32,10 +32,9 @@ def test_growth_and_death(start: Packing, tmp_path: Path) -> None:
         states = [sim.state()]
         for _ in range(2):
             packing = states[-1].packing
-            radius = 1.02 * packing.radius[:-3]
+            radius = 1.02 * packing.radii[:-3]
             sim.restart(
-                replace(
-                    packing,
+                packing.replace(
                     positions=packing.positions[:-3],
                     species=packing.species[:-3],
                     radii=[radius.max()],
@@ -47,17 +46,17 @@ def test_growth_and_death(start: Packing, tmp_path: Path) -> None:
     again = list(ld.Run(tmp_path))
     assert [len(state.packing) for state in again] == [20, 17, 14]
     for found, state in zip(again, states, strict=True):
-        assert np.array_equal(found.packing.radius, state.packing.radius)
+        assert np.array_equal(found.packing.radii, state.packing.radii)
         assert found.energy == pytest.approx(state.energy, rel=1e-10)
         assert found.area == pytest.approx(state.area, rel=1e-10)
     with pytest.raises(FileError, match="14 to 20 particles"):
-        ld.Run(tmp_path).universe()
+        ld.Run(tmp_path).to_mdanalysis()
 
 
 def test_other_species(tmp_path: Path) -> None:
     """As after `fix atom/swap`: a small particle takes the place of a large one."""
-    packing = ld.push_off(ld.bidisperse(16, phi=0.8, seed=2))
-    swapped = replace(packing, species=packing.species[::-1])
+    packing = ld.bidisperse(16, phi=0.8, seed=2).push_off()
+    swapped = packing.replace(species=packing.species[::-1])
     states = []
     for each in (packing, swapped):
         with ld.Simulation(each, Ring(kA=[1.0, 2.0])) as sim:
@@ -70,9 +69,9 @@ def test_other_species(tmp_path: Path) -> None:
 
 def test_a_frame_has_its_own_radii_law_and_walls(tmp_path: Path) -> None:
     """Those of the last state would give other packing fractions, energies and forces."""
-    packing = ld.push_off(ld.bidisperse(16, seed=2).at(0.7))
-    grown = replace(packing, radii=1.1 * packing.radii)
-    obstacle = ld.Disk(packing.positions[0] + [0.0, 1.2], 0.2)
+    packing = ld.bidisperse(16, seed=2).at(0.7).push_off()
+    grown = packing.replace(radii=1.1 * packing.radii)
+    obstacle = ld.Sphere(0.2, packing.positions[0] + [0.0, 1.2], inside=False)
     moved = replace(obstacle, center=packing.positions[1] + [0.0, 1.2])
     states = []
     for each, law, walls in (
@@ -82,7 +81,7 @@ def test_a_frame_has_its_own_radii_law_and_walls(tmp_path: Path) -> None:
         (packing, Ring(), (obstacle,)),
         (packing, Ring(), (moved,)),
     ):
-        with ld.Simulation(ld.push_off(replace(each, walls=walls)), law) as sim:
+        with ld.Simulation(each.replace(walls=walls).push_off(), law) as sim:
             states.append(sim.state())
     list(ld.record(states, tmp_path))
     list(ld.Run(tmp_path).append(states[:2]))
@@ -97,8 +96,7 @@ def test_a_frame_has_its_own_radii_law_and_walls(tmp_path: Path) -> None:
 
 def test_a_run_is_indexed(start: Packing, tmp_path: Path) -> None:
     with ld.Simulation(start, LAW) as sim:
-        for _ in ld.record(ld.compress(sim, -0.01, 4), tmp_path):
-            pass
+        sim.compress(strain=-0.01, steps=4, record=tmp_path)
     run = ld.Run(tmp_path)
     fractions = [state.phi for state in run]
     assert len(run) == len(set(fractions)) == 5
@@ -109,7 +107,7 @@ def test_a_run_is_indexed(start: Packing, tmp_path: Path) -> None:
         with pytest.raises(IndexError, match=f"has 5 states, and no state {number}"):
             run[number]
     with ld.Run(tmp_path).simulation() as sim:
-        (more,) = run.append(ld.compress(sim, 0.01, 1), {"seed": 3})
+        (more,) = run.append(sim.compress(strain=0.01)[1:], {"seed": 3})
     assert (len(run), run[-1].phi) == (6, pytest.approx(more.phi, rel=1e-12))
     assert run.parameters == {"seed": 3, "before": {}}
 

@@ -182,7 +182,7 @@ def test_a_run_is_not_overwritten(uninterrupted: dict[str, bytes], tmp_path: Pat
         ld.Run(folder).simulation() as sim,
         pytest.raises(ld.FileError, match="overwrite=True"),
     ):
-        ld.compress_in(sim, folder, 0.01, 1)
+        sim.compress(record=folder, strain=0.01)
     assert contents(folder) == uninterrupted
     result = compress("--number", "8", "--steps", "1", "--overwrite", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
@@ -227,9 +227,9 @@ def test_numbers_of_numpy_can_be_resumed(tmp_path: Path) -> None:
     """JSON does not know them."""
     packing = ld.jam(ld.bidisperse(8, seed=1))
     with ld.Simulation(packing, ld.Ring()) as sim:
-        run = ld.compress_in(
-            sim, tmp_path, np.float32(0.02), np.int64(3), tolerance=np.float32(1e-6)
-        )
+        run = sim.compress(
+            record=tmp_path, strain=np.float32(0.02), steps=np.int64(3), tolerance=np.float32(1e-6)
+        )[1:]
         next(run)
         del run
     assert len(list(ld.Run(tmp_path).resume())) == 2
@@ -256,12 +256,14 @@ def test_killed_from_outside(uninterrupted: dict[str, bytes], tmp_path: Path) ->
 
 def test_python_resumes_what_it_began(jammed: ld.Packing, tmp_path: Path) -> None:
     """Also in a tilted box, where LAMMPS rounds centers as it wraps them, and behind a run."""
-    tilted = ld.jam(ld.bidisperse(12, tilt=0.3, aspect=1.2, seed=2))
+    tilted = ld.jam(ld.bidisperse(12, aspect=1.2, tilt=0.3, seed=2))
     for name, stop in (("whole", 3), ("broken", 1)):
         folder = tmp_path / name
         for packing in (jammed, tilted):
             sim = ld.Simulation(packing, ld.Ring())
-            steps = ld.compress_in(sim, folder, 0.02, 3, overwrite=packing is tilted)
+            steps = sim.compress(
+                record=folder, strain=0.02, steps=3, mode="w" if packing is tilted else "x"
+            )[1:]
             assert all(state.root for state in steps)
         further = ld.Run(folder).compress(0.02, 3)
         for _, state in zip(range(stop), further, strict=False):
@@ -279,7 +281,7 @@ def test_a_resumed_packing_was_rigid(
 ) -> None:
     """So that a resumed packing that loses its rigidity still gives a warning."""
     first = ld.Simulation(jammed, ld.Ring())
-    next(ld.compress_in(first, tmp_path, 0.02, 2))
+    first.compress(record=tmp_path, strain=0.02, steps=2)
     again = []
     opened = ld.Run._simulation
     monkeypatch.setattr(

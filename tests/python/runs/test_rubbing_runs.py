@@ -9,21 +9,17 @@ from contact_laws import contacts
 from lammps_deformable.laws import LAWS
 
 ROUGH = ld.Friction(
-    [[0.4, 0.2], [0.2, np.inf]],
-    1e-2,
-    1e-3,
-    damp=1e-3,
-    walls=ld.Friction(0.2, 1e-2),
+    [[0.4, 0.2], [0.2, np.inf]], kt=1e-2, gt=1e-3, damping=1e-3, walls=ld.Friction(0.2, kt=1e-2)
 )
 STEP = {"timestep": 0.05, "every": 100}
 
 
 def begun(law: ld.Ring) -> ld.Simulation:
     """In motion between walls, with springs."""
-    walls = (*ld.rectangle(5.5, 5), ld.Disk((3, 3), 0.6))
+    walls = (ld.BoxWall((5.5, 5)), ld.Sphere(0.6, (3, 3), inside=False))
     packing = ld.bidisperse(14, seed=3).between(walls, seed=1).at(0.84)
-    sim = ld.Simulation(ld.push_off(packing), law, friction=ROUGH)
-    list(ld.move(sim, 100, temperature=1e-4, seed=1, **STEP))
+    sim = ld.Simulation(packing.push_off(), law, friction=ROUGH)
+    sim.run(100, temperature=1e-4, seed=1, **STEP)
     return sim
 
 
@@ -49,10 +45,10 @@ def same(a: ld.State, b: ld.State, part: float) -> None:
 def test_motion_goes_on(contact: str, tmp_path: Path) -> None:
     """From a state, a saved one and a recorded one as if it had never stopped, to rounding."""
     with begun(LAWS[contact]) as sim:
-        motion = ld.move(sim, 200, **STEP)
+        motion = sim.run(200, every=100, **STEP)[1:]
         before, state = list(ld.record(motion, tmp_path / "run"))
         assert 0 < before.contact_table["sliding"].sum() < len(before.contact_table)
-        *_, end = ld.move(sim, 200, **STEP)
+        end = sim.run(200, every=100, **STEP)[-1]
     state.save(tmp_path / "saved")
     run = ld.Run(tmp_path / "run")
     same(run[-1], state, BALANCE[contact])
@@ -64,7 +60,7 @@ def test_motion_goes_on(contact: str, tmp_path: Path) -> None:
         ld.Simulation(run[-1], LAWS[contact]),
     ):
         with again:
-            *_, found = ld.move(again, 200, **STEP)
+            found = again.run(200, every=100, **STEP)[-1]
         # small differences grow in 200 steps: particles collide once or twice
         same(found, end, 1e3 * BALANCE[contact])
 
@@ -73,11 +69,11 @@ def test_without_springs_it_does_not_go_on(tmp_path: Path) -> None:
     """A packing alone has lost them: the comparison above can fail."""
     with begun(LAWS["balanced"]) as sim:
         state = sim.state()
-        *_, end = ld.move(sim, 200, **STEP)
+        end = sim.run(200, every=100, **STEP)[-1]
     lost = state.rubbing._replace(springs=state.rubbing.springs[:0])
     forgetful = ld.State(**{**vars(state), "rubbing": lost})
     with ld.Simulation(forgetful, state.law) as sim:
-        *_, found = ld.move(sim, 200, **STEP)
+        found = sim.run(200, every=100, **STEP)[-1]
     assert np.abs(found.packing.positions - end.packing.positions).max() > 1e-5
 
 
@@ -85,7 +81,7 @@ def test_other_walls_or_no_friction(tmp_path: Path) -> None:
     with begun(LAWS["balanced"]) as sim:
         state = sim.state()
     assert (state.rubbing.springs[:, 1] < 0).any()
-    with ld.Simulation(state, state.law, walls=ld.Circle((2.7, 2.5), 4)) as sim:
+    with ld.Simulation(state.replace(walls=ld.Sphere(4, (2.7, 2.5))), state.law) as sim:
         springs = sim.state().rubbing.springs
     assert len(springs) > 0
     assert (springs[:, 1] > 0).all()
@@ -100,7 +96,7 @@ def test_lammps_takes_it_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
     with begun(LAWS["balanced"]) as sim:
         state = sim.state()
         state.save(tmp_path)
-        *_, end = ld.move(sim, 200, **STEP)
+        end = sim.run(200, every=100, **STEP)[-1]
     monkeypatch.chdir(tmp_path)
     lmp = lammps(cmdargs=["-log", "none", "-screen", "none"])
     lmp.file("in.lammps")

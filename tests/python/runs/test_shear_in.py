@@ -25,7 +25,7 @@ def squeezed() -> ld.Packing:
 
 def begin(packing: ld.Packing, folder: Path) -> list[ld.State]:
     sim = ld.Simulation(packing, ld.Ring())
-    return ld.shear_in(sim, folder, STRAIN, STEPS, parameters={"seed": 4})
+    return sim.shear(STRAIN, record=folder, steps=STEPS, parameters={"seed": 4})[1:]
 
 
 def contents(folder: Path) -> dict[str, bytes]:
@@ -49,9 +49,9 @@ def test_interrupted_after_any_step(squeezed: ld.Packing, tmp_path: Path) -> Non
 def test_it_is_a_shear(squeezed: ld.Packing, tmp_path: Path) -> None:
     """The same as `shear`, up to what rounding does; the box leans over and keeps its area."""
     with ld.Simulation(squeezed, ld.Ring()) as sim:
-        first, *_ = ld.shear(sim, 0.02, 2)
+        first, *_ = sim.shear(0.02, steps=2)[1:]
     with ld.Simulation(squeezed, ld.Ring()) as sim:
-        again, last = ld.shear_in(sim, tmp_path, 0.02, 2)
+        again, last = sim.shear(0.02, record=tmp_path, steps=2)[1:]
     assert again.energy == pytest.approx(first.energy, rel=1e-4)
     lean = last.packing.box[1, 0] - squeezed.box[1, 0]
     assert lean == pytest.approx(0.02 * squeezed.box[1, 1], rel=1e-12)
@@ -66,7 +66,7 @@ def strains(folder: Path) -> list[str]:
 def test_the_first_frame_is_the_start(squeezed: ld.Packing, tmp_path: Path) -> None:
     """Frame 0 of a new run; a run that is sheared further goes on after its last frame."""
     with ld.Simulation(squeezed, ld.Ring()) as sim:
-        list(ld.shear_in(sim, tmp_path, 0.02, 2))
+        sim.shear(0.02, record=tmp_path, steps=2)
     assert strains(tmp_path) == ["0.0", "0.01", "0.02"]
     first, *_ = ld.Run(tmp_path)
     # LAMMPS takes them to fractions of the box and back, which rounds twice
@@ -82,12 +82,12 @@ def test_refusals(squeezed: ld.Packing, tmp_path: Path) -> None:
             with pytest.raises(ld.ParameterError, match=word):
                 ld.shear_in(sim, tmp_path / "run", *values)
         with pytest.raises(ld.ParameterError, match=r"tolerance .* 0\.5"):
-            ld.shear_in(sim, tmp_path / "run", 0.1, 2, tolerance=0.5)
+            sim.shear(0.1, record=tmp_path / "run", steps=2, tolerance=0.5)
         assert not list(tmp_path.iterdir())
-        next(ld.shear_in(sim, tmp_path, 0.02, 2))
+        sim.shear(0.02, record=tmp_path, steps=2)
         with pytest.raises(ld.FileError, match="overwrite=True"):
-            ld.shear_in(sim, tmp_path, 0.02, 2)
+            sim.shear(0.02, record=tmp_path, steps=2)
         with pytest.raises(ld.FileError, match="interrupted at step 1 of 2"):
             ld.Run(tmp_path).shear(0.02, 2)
     with ld.Disks(squeezed) as disks, pytest.raises(ld.ParameterError, match="sim"):
-        ld.shear_in(disks, tmp_path / "run", 0.1, 2)
+        disks.shear(0.1, record=tmp_path / "run", steps=2)

@@ -18,7 +18,7 @@ LAW = Droplet([1.0, 1.5])
 @pytest.fixture(scope="module")
 def start() -> Packing:
     """In a tilted box, where LAMMPS rounds centers as it wraps them."""
-    loose = ld.bidisperse(16, radii=(1.0, 1.2), tilt=0.3, dimension=3, seed=1)
+    loose = ld.bidisperse(16, sizes=(1.0, 1.2), dimension=3, tilt=0.3, seed=1)
     return ld.jam(loose, tolerance=1e-2).at(0.68)
 
 
@@ -28,9 +28,9 @@ def moved(start: Packing, tmp_path_factory: pytest.TempPathFactory) -> tuple[Pat
     folder = tmp_path_factory.mktemp("moved") / "run"
     with ld.Simulation(start, LAW) as sim:
         states = [replace(sim.state(), strain=0.0)]
-        steps = ld.shear(sim, 0.02, 2, tolerance=1e-4)
+        steps = sim.shear(0.02, steps=2, tolerance=1e-4)[1:]
         states += ld.record(steps, folder, {"seed": 3})
-        bath = ld.move(sim, 40, temperature=1e-3, friction=0.5, every=20, seed=3)
+        bath = sim.run(40, temperature=1e-3, drag=0.5, every=20, seed=3)[1:]
         states += ld.Run(folder).append(bath)
     return folder, states
 
@@ -40,7 +40,7 @@ def contents(folder: Path) -> dict[str, bytes]:
 
 
 def compressed(**target: float) -> Callable[[DropletSimulation, Path], Iterator[DropletState]]:
-    return lambda sim, folder: ld.compress_in(sim, folder, **target, steps=3)
+    return lambda sim, folder: sim.compress(record=folder, steps=3, **target)[1:]
 
 
 PROTOCOLS = {
@@ -48,7 +48,7 @@ PROTOCOLS = {
     "phi": compressed(phi=0.74),
     "pressure": compressed(pressure=0.1),
     # through a flip of the box
-    "shear": lambda sim, folder: ld.shear_in(sim, folder, 0.4, 3),
+    "shear": lambda sim, folder: sim.shear(0.4, record=folder, steps=3)[1:],
 }
 
 
@@ -73,7 +73,7 @@ def test_runs_go_on(start: Packing, tmp_path: Path) -> None:
     """With another protocol, which is interrupted too."""
     for name, stop in (("whole", 2), ("broken", 1)):
         with ld.Simulation(start, LAW) as sim:
-            list(ld.compress_in(sim, tmp_path / name, 0.01, 1, tolerance=1e-4))
+            sim.compress(record=tmp_path / name, strain=0.01, tolerance=1e-4)
         further = ld.Run(tmp_path / name).shear(0.02, 2, tolerance=1e-4)
         list(itertools.islice(further, stop))
     list(ld.Run(tmp_path / "broken").resume())
@@ -128,8 +128,8 @@ def test_mdanalysis_reads_runs(moved: tuple[Path, list]) -> None:
     """A frame is `to_mdanalysis` of its state; `time` is that of the frame's number."""
     pytest.importorskip("MDAnalysis")
     folder, states = moved
-    universe = ld.Run(folder).universe()
-    assert universe.atoms.radii == pytest.approx(states[0].packing.radius)
+    universe = ld.Run(folder).to_mdanalysis()
+    assert universe.atoms.radii == pytest.approx(states[0].packing.radii)
     for frame, state in zip(universe.trajectory, states, strict=True):
         expected = state.to_mdanalysis().trajectory.ts
         assert frame.dimensions == pytest.approx(expected.dimensions, rel=1e-6)
@@ -143,7 +143,7 @@ def test_mdanalysis_reads_runs(moved: tuple[Path, list]) -> None:
 def test_logs(kind: str, start: Packing, tmp_path: Path) -> None:
     spheres = kind == "spheres"
     with ld.Spheres(start) if spheres else ld.Simulation(start, LAW) as sim:
-        steps = ld.compress(sim, 0.01, 1, tolerance=1e-4)
+        steps = sim.compress(strain=0.01, tolerance=1e-4)[1:]
         columns = {"widest": lambda state: state.packing.box.max()}
         (last,) = ld.log(steps, tmp_path / "log.csv", **columns)
     with (tmp_path / "log.csv").open(newline="") as file:
@@ -183,12 +183,12 @@ def test_the_shell_keeps_runs_of_droplets(tmp_path: Path, monkeypatch: pytest.Mo
 
 def test_runs_keep_their_walls(tmp_path: Path) -> None:
     """Which are scaled with the box in each step."""
-    walls = ld.cuboid(6.0, 5.0, 5.0)[:4]  # periodic along z
-    loose = ld.bidisperse(12, radii=(1.0, 1.2), dimension=3, seed=2)
-    packing = ld.push_off(loose.between(walls).at(0.6))
+    walls = ld.BoxWall((6.0, 5.0, 5.0)).parts[:4]  # periodic along z
+    loose = ld.bidisperse(12, sizes=(1.0, 1.2), dimension=3, seed=2)
+    packing = loose.between(walls).at(0.6).push_off()
     for name, stop in (("whole", 2), ("broken", 1)):
         with ld.Simulation(packing, LAW) as sim:
-            steps = ld.compress_in(sim, tmp_path / name, 0.02, 2, tolerance=1e-4)
+            steps = sim.compress(record=tmp_path / name, strain=0.02, steps=2, tolerance=1e-4)[1:]
             states = list(itertools.islice(steps, stop))
     list(ld.Run(tmp_path / "broken").resume())
     assert contents(tmp_path / "broken") == contents(tmp_path / "whole")

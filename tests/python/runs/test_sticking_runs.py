@@ -31,7 +31,7 @@ def assert_same(states: list[ld.State], others: list[ld.State]) -> None:
 def test_replay(start: ld.State, tmp_path: Path) -> None:
     """Of a hot motion, in which droplets attach, stretch and let go."""
     with ld.Simulation(start, LAW, MPI.COMM_SELF) as sim:
-        moving = ld.move(sim, steps=400, temperature=0.05, every=100, seed=1)
+        moving = sim.run(400, temperature=0.05, every=100, seed=1)[1:]
         states = list(ld.record(moving, tmp_path))
     assert states[-1].lost_energy > 0.0
     run = ld.Run(tmp_path)
@@ -46,7 +46,7 @@ def stretched(state: ld.State) -> bool:
     table = state.contact_table[state.contact_table["attached"]]
     return bool(
         (
-            table["distance"] > state.packing.radius[table["i"]] + state.packing.radius[table["j"]]
+            table["distance"] > state.packing.radii[table["i"]] + state.packing.radii[table["j"]]
         ).any()
     )
 
@@ -55,9 +55,9 @@ def test_resume(start: ld.State, tmp_path: Path) -> None:
     """An interrupted shear goes on with the numbers of a whole one."""
     whole, part = tmp_path / "whole", tmp_path / "part"
     with ld.Simulation(start, LAW, MPI.COMM_SELF) as sim:
-        states = list(ld.shear_in(sim, whole, 0.1, 3, tolerance=1e-3))
+        states = sim.shear(0.1, record=whole, steps=3, tolerance=1e-3)[1:]
     with ld.Simulation(start, LAW, MPI.COMM_SELF) as sim:
-        steps = ld.shear_in(sim, part, 0.1, 3, tolerance=1e-3)
+        steps = sim.shear(0.1, record=part, steps=3, tolerance=1e-3)[1:]
         next(iter(steps))
         steps.close()
     resumed = list(ld.Run(part).resume(MPI.COMM_SELF))
@@ -67,6 +67,6 @@ def test_resume(start: ld.State, tmp_path: Path) -> None:
 
 def test_compression(start: ld.State) -> None:
     with ld.Simulation(start, LAW, MPI.COMM_SELF) as sim:
-        pressures = [state.pressure for state in ld.compress(sim, 0.03, 2)]
+        pressures = [state.pressure for state in sim.compress(strain=0.03, steps=2)[1:]]
     assert np.isfinite(pressures).all()
     assert pressures[1] > pressures[0]

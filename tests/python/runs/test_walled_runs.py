@@ -3,24 +3,25 @@
 import json
 import sys
 from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
 
 import lammps_deformable as ld
 import numpy as np
 import pytest
 from exact_balance import exactly_balanced
-from lammps_deformable import Circle, Disk, ParameterError, Plane, Polygon, Ring, Segment
+from lammps_deformable import ParameterError, Plane, PolygonWall, Ring, Segment, Sphere
 from programs import output
+
+from validation.finite_strain import bulk_modulus, shear_modulus
 
 matplotlib = pytest.importorskip("matplotlib")
 matplotlib.use("agg")
 
 LMP = Path(sys.executable).parent / "lmp"
 SCENE = (
-    Circle((1.0, -2.0), 6.0),
-    Disk((3.0, -2.0), 1.0),
-    Polygon([(-2, -3), (0, -3), (0, -1), (-2, -1)]),
+    Sphere(6.0, (1.0, -2.0)),
+    Sphere(1.0, (3.0, -2.0), inside=False),
+    PolygonWall([(-2, -3), (0, -3), (0, -1), (-2, -1)]),
     Segment((0, 1), (1.5, 1)),
 )
 LAW = Ring(kP=3.0)
@@ -42,7 +43,7 @@ def jammed() -> ld.Packing:
 def run(jammed, tmp_path_factory) -> tuple[Path, list[ld.State]]:
     folder = tmp_path_factory.mktemp("run")
     with ld.Simulation(jammed, LAW) as sim:
-        steps = ld.compress_in(sim, folder, strain=0.03, steps=3, tolerance=1e-4)
+        steps = sim.compress(record=folder, strain=0.03, steps=3, tolerance=1e-4)[1:]
         return folder, list(steps)
 
 
@@ -59,7 +60,7 @@ def test_jammed_disks_touch_walls(jammed) -> None:
     for factor in (1 - 1e-9, 1 + 1e-9):
         with ld.Disks(jammed.at(jammed.phi / factor**2)) as soft:
             energies.append(soft.state().energy)
-            areas.append(soft.state().packing.area)
+            areas.append(soft.state().packing.volume)
     slope = -np.diff(energies) / np.diff(areas)
     # energies are known to 1e-16 of their terms, which changes the slope by 1e-4
     assert slope == pytest.approx(state.pressure, rel=1e-3)
@@ -72,7 +73,7 @@ def test_compression_scales_walls_with_particles(jammed, run) -> None:
     )
     assert (np.diff([s.pressure for s in states]) > 0).all()
     last = states[-1].packing
-    assert last.area / jammed.area == pytest.approx(0.97**2)
+    assert last.volume / jammed.volume == pytest.approx(0.97**2)
     for wall, first in zip(last.walls, jammed.walls, strict=True):
         assert wall.values == pytest.approx(0.97 * np.array(first.values))
 
@@ -116,7 +117,7 @@ def test_lammps_runs_a_saved_state(run) -> None:
     assert energy == pytest.approx(state.energy, rel=1e-12)
     # LAMMPS divides by the area of its box
     box = np.prod(state.packing.box.diagonal())
-    assert pressure * box == pytest.approx(state.pressure * state.packing.area, rel=1e-12)
+    assert pressure * box == pytest.approx(state.pressure * state.packing.volume, rel=1e-12)
 
 
 @pytest.mark.parametrize("text", ['{"shape": "square"}', "3", '{"shape": "disk", "radius": 1}'])
@@ -145,10 +146,10 @@ def test_pictures(run, tmp_path: Path) -> None:
     obstacles, corners = artists(states[-1])
     assert obstacles == 3
     assert corners > 1000
-    start = ld.push_off(ld.bidisperse(20, seed=1).between(Disk((0, 0), 0.8)))
+    start = ld.bidisperse(20, seed=1).between(Sphere(0.8, (0, 0), inside=False)).push_off()
     with ld.Simulation(start, LAW) as sim:
         assert artists(sim.state()) == (9, 5)
-    with ld.Simulation(replace(start, walls=()), LAW) as sim:
+    with ld.Simulation(start.replace(walls=()), LAW) as sim:
         assert artists(sim.state()) == (0, 5)
     ld.Run(folder).movie(tmp_path / "movie.gif")
     assert (tmp_path / "movie.gif").stat().st_size > 10_000
@@ -157,14 +158,14 @@ def test_pictures(run, tmp_path: Path) -> None:
 def test_protocols_that_walls_allow_and_refuse() -> None:
     """A channel: it is compressed, and its particles move; it is not sheared."""
     sides = (Plane((0, 1), (0, 1)), Plane((0, 9), (0, -1)))
-    start = ld.push_off(ld.bidisperse(40, seed=1).between(sides).at(0.87))
+    start = ld.bidisperse(40, seed=1).between(sides).at(0.87).push_off()
     with ld.Simulation(start, LAW) as sim:
         state = sim.relax(1e-8)
-        bulk = ld.bulk_modulus(state, 1e-4)
+        bulk = bulk_modulus(state, 1e-4)
         assert bulk.linear
         for refused, message in (
-            (lambda: ld.shear(sim, 0.1, 1), "walls are not sheared.* a plane"),
-            (lambda: ld.shear_modulus(state, 1e-3), "with walls cannot be sheared"),
+            (lambda: sim.shear(0.1)[1:], "walls are not sheared.* a plane"),
+            (lambda: shear_modulus(state, 1e-3), "with walls cannot be sheared"),
             (lambda: sim.deform(sim.box @ [[1, 0], [0.1, 1]]), "with walls cannot be sheared"),
         ):
             with pytest.raises(ParameterError, match=message):
@@ -172,10 +173,10 @@ def test_protocols_that_walls_allow_and_refuse() -> None:
         # a channel may be stretched in one direction
         sim.deform(sim.box * [[1, 1], [1, 0.999]])
         assert sim.state().stress[1, 1] > state.stress[1, 1]
-        moved = list(ld.move(sim, 200, temperature=1e-6, seed=1))
+        moved = sim.run(200, every=100, temperature=1e-6, seed=1)[1:]
         total = [each.energy + each.kinetic_energy for each in moved]
         assert total[-1] == pytest.approx(total[0], rel=1e-3)
-    pillar = start.between((*sides, Disk((4, 4), 0.1)))
+    pillar = start.between((*sides, Sphere(0.1, (4, 4), inside=False)))
     with ld.Disks(pillar) as soft:
         with pytest.raises(ParameterError, match="disk 3 must stay round"):
             soft.deform(soft.box * [[1, 1], [1, 0.9]])

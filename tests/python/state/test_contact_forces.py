@@ -21,24 +21,24 @@ LAWS = {
 }
 laws = pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
 CONTAINERS = {
-    "rectangle": ld.rectangle(8, 7),
-    "channel": ld.rectangle(8, 7)[2:],
-    "circle": (ld.Circle((1.0, 2.0), 4.5), ld.Disk((1.0, 2.0), 0.6)),
-    "obstacles": (ld.Disk((2.0, 3.0), 0.8), ld.Segment((5.0, 2.0), (6.0, 4.0))),
+    "rectangle": ld.BoxWall((8, 7)).parts,
+    "channel": ld.BoxWall((8, 7)).parts[2:],
+    "circle": (ld.Sphere(4.5, (1.0, 2.0)), ld.Sphere(0.6, (1.0, 2.0), inside=False)),
+    "obstacles": (ld.Sphere(0.8, (2.0, 3.0), inside=False), ld.Segment((5.0, 2.0), (6.0, 4.0))),
 }
 containers = pytest.mark.parametrize("walls", CONTAINERS.values(), ids=CONTAINERS)
 
 
 def pressed(law: Ring | Sector, walls: tuple = ()) -> ld.State:
     """A packing whose forces do not balance."""
-    packing = ld.bidisperse(24, seed=3, tilt=0.0 if walls else 0.3)
+    packing = ld.bidisperse(24, tilt=0.0 if walls else 0.3, seed=3)
     packing = packing.between(walls) if walls else packing
-    with ld.Simulation(ld.push_off(packing.at(0.86)), law) as sim:
+    with ld.Simulation(packing.at(0.86).push_off(), law) as sim:
         return sim.state()
 
 
 def total(state: ld.State | ld.DiskState) -> np.ndarray:
-    return np.einsum("n,nab->ab", state.filled_area, state.particle_stress) / state.packing.area
+    return np.einsum("n,nab->ab", state.filled_area, state.particle_stress) / state.packing.volume
 
 
 @laws
@@ -59,7 +59,7 @@ def test_pressures_sum_between_walls(walls: tuple) -> None:
 @containers
 def test_stresses_of_disks(walls: tuple) -> None:
     """Those of walls too: they exert no torque on a disk."""
-    packing = ld.push_off(ld.bidisperse(24, seed=3).between(walls).at(0.86))
+    packing = ld.bidisperse(24, seed=3).between(walls).at(0.86).push_off()
     for here in (packing, ld.jam(ld.bidisperse(24, seed=3)).at(0.9)):
         with ld.Disks(here) as disks:
             state = disks.state()
@@ -84,7 +84,7 @@ def test_each_particle_by_a_loop(contact: str) -> None:
 
 def test_two_disks() -> None:
     """They touch in the middle of their overlap."""
-    pair = ld.Packing([[1.0, 1.0], [2.1, 1.0]], [0, 1], [0.5, 0.8], np.diag([5.0, 5.0]))
+    pair = ld.Packing([[1.0, 1.0], [2.1, 1.0]], [0.5, 0.8], np.diag([5.0, 5.0]), species=[0, 1])
     with ld.Disks(pair) as disks:
         state = disks.state()
     lever, area = np.array([0.5 - 0.1, 0.8 - 0.1]), np.pi * np.array([0.5, 0.8]) ** 2
@@ -110,7 +110,7 @@ def test_droplets_have_their_pressure_less_that_of_their_tension() -> None:
 
 def test_equal_particles_as_in_lammps() -> None:
     """compute stress/atom halves each pair, as do radical axes of equal circles."""
-    equal = ld.push_off(ld.bidisperse(24, radii=(0.5, 0.5), phi=0.9, seed=3))
+    equal = ld.bidisperse(24, sizes=(0.5, 0.5), phi=0.9, seed=3).push_off()
     with ld.Simulation(equal, Ring(contact="radical")) as sim:
         state = sim.state()
         sim.lmp.commands_string(
@@ -128,7 +128,7 @@ def test_equal_particles_as_in_lammps() -> None:
 def test_the_graph_has_the_contacts() -> None:
     networkx = pytest.importorskip("networkx")
     with ld.Simulation(ld.jam(ld.bidisperse(32, seed=3)), Ring()) as sim:
-        *_, state = ld.compress(sim, strain=0.02, steps=2)
+        state = sim.compress(strain=0.02, steps=2)[-1]
     graph, table = state.graph(), state.contact_table
     assert graph.number_of_edges() == len(table) // 2
     assert [degree for _, degree in graph.degree()] == state.contacts.tolist()
@@ -141,7 +141,7 @@ def test_the_graph_has_the_contacts() -> None:
         assert values["force"] == pytest.approx(-row["force_vector"] @ out, rel=1e-8)
     nodes = dict(graph.nodes(data=True))
     assert [nodes[n]["rattler"] for n in range(32)] == state.rattlers.tolist()
-    assert [nodes[n]["radius"] for n in range(32)] == state.packing.radius.tolist()
+    assert [nodes[n]["radius"] for n in range(32)] == state.packing.radii.tolist()
     largest = max(networkx.connected_components(graph), key=len)
     assert largest >= set(np.flatnonzero(~state.rattlers).tolist())
     assert len(list(networkx.generate_graphml(graph))) > 32  # values that files can hold
@@ -149,8 +149,8 @@ def test_the_graph_has_the_contacts() -> None:
 
 def test_forces_in_the_graph_of_disks_balance() -> None:
     pytest.importorskip("networkx")
-    walls = ld.rectangle(8, 7)
-    packing = ld.push_off(ld.bidisperse(24, seed=3).between(walls).at(0.9))
+    walls = ld.BoxWall((8, 7)).parts
+    packing = ld.bidisperse(24, seed=3).between(walls).at(0.9).push_off()
     with ld.Disks(packing) as disks:
         state = disks.relax(1e-9)
     graph = state.graph()

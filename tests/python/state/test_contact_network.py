@@ -1,7 +1,5 @@
 """Degrees of the contact network, and its coordination beyond isostaticity, by loops."""
 
-from dataclasses import replace
-
 import lammps_deformable as ld
 import numpy as np
 import pytest
@@ -18,15 +16,15 @@ def states() -> list[ld.State | ld.DiskState]:
     The last ones are not at rest: there rattlers bear forces.
     """
     found: list[ld.State | ld.DiskState] = []
-    for walls in ((), ld.rectangle(8, 7), ld.rectangle(8, 7)[2:]):
+    for walls in ((), ld.BoxWall((8, 7)), ld.BoxWall((8, 7)).parts[2:]):
         loose = ld.bidisperse(24, seed=5)
         loose = loose.between(walls) if walls else loose
-        pressed = ld.push_off(loose.at(0.87))
+        pressed = loose.at(0.87).push_off()
         with ld.Simulation(pressed, DROPLETS) as sim, ld.Disks(pressed) as disks:
             found += [sim.relax(), disks.relax()]
     dense = ld.jam(ld.bidisperse(24, seed=1)).at(0.95)
     shaken = np.random.default_rng(1).normal(scale=0.03, size=dense.positions.shape)
-    moved = replace(dense, positions=dense.positions + shaken)
+    moved = dense.replace(positions=dense.positions + shaken)
     with ld.Simulation(moved, DROPLETS) as sim, ld.Disks(moved) as disks:
         return [*found, sim.state(), disks.state()]
 

@@ -1,7 +1,5 @@
 """Particles in space are followed where tilts flip: by protocols, by LAMMPS, in any images."""
 
-from dataclasses import replace
-
 import lammps_deformable as ld
 import numpy as np
 import pytest
@@ -16,7 +14,7 @@ def state_of(packing: ld.Packing) -> ld.SphereState:
 
 def spheres(number: int, box: object, radius: float = 0.4) -> ld.Packing:
     fractions = np.random.default_rng(3).uniform(size=(number, 3))
-    return ld.Packing(fractions @ np.array(box), [0] * number, [radius], box)
+    return ld.Packing(fractions @ np.array(box), radius, box)
 
 
 @pytest.mark.filterwarnings("ignore::lammps_deformable.JumpWarning")
@@ -35,11 +33,11 @@ def test_steps_come_back(tilts: tuple[float, ...], flips: tuple[int, ...]) -> No
     box[1] += flips[0] * box[0]
     box[2] += flips[1] * box[0] + flips[2] * box[1]
     places = affine + step + rng.integers(-3, 4, (30, 3)) @ strained
-    start, end = state_of(packing), state_of(replace(packing, positions=places, box=box))
+    start, end = state_of(packing), state_of(packing.replace(positions=places, box=box))
     assert end.nonaffine(start) == pytest.approx(step, abs=1e-11)
     assert end.displacements(start) == pytest.approx(affine + step - packing.positions, abs=1e-11)
-    assert ld.unwrapped([start, end])[1] == pytest.approx(affine + step, abs=1e-11)
-    local = state_of(replace(packing, positions=affine, box=box)).local_strain(start, 2.5)
+    assert ld.Run([start, end]).unwrapped()[1] == pytest.approx(affine + step, abs=1e-11)
+    local = state_of(packing.replace(positions=affine, box=box)).local_strain(start, 2.5)
     assert local.gradient == pytest.approx(np.broadcast_to(gradient, (30, 3, 3)), abs=1e-9)
     assert local.d2min == pytest.approx(np.zeros(30), abs=1e-12)
 
@@ -48,11 +46,11 @@ def test_a_small_shear_of_a_box_that_leans() -> None:
     """The box leans by more than half its width, so that `shear` replaces it."""
     with ld.Spheres(spheres(20, LEANING)) as sim:
         before = sim.relax(1e-9)
-        (now,) = ld.shear(sim, strain=1e-6, steps=1, tolerance=1e-9)
+        (now,) = sim.shear(1e-6, tolerance=1e-9)[1:]
     assert now.packing.box[2, 0] == pytest.approx(2.4 - 4.0)
     assert np.abs(now.displacements(before)).max() < 1e-4
     assert np.nanmax(now.local_strain(before, r_max=2.0).d2min) < 1e-8
-    assert np.abs(ld.unwrapped([before, now])[1] - before.packing.positions).max() < 1e-4
+    assert np.abs(ld.Run([before, now]).unwrapped()[1] - before.packing.positions).max() < 1e-4
 
 
 @pytest.mark.parametrize("yz", [0.0, 1.7])
@@ -61,8 +59,8 @@ def test_a_shear_is_told_by_the_strain(yz: float) -> None:
     packing = spheres(12, [[4.0, 0.0, 0.0], [0.5, 4.0, 0.0], [-1.0, yz, 4.0]], radius=0.3)
     with ld.Spheres(packing) as sim:
         start = sim.relax(1e-6)
-        states = [start, *ld.shear(sim, strain=2.0, steps=40, tolerance=1e-2)]
-    first, *_, last = ld.unwrapped(states)
+        states = [start, *sim.shear(2.0, steps=40, tolerance=1e-2)[1:]]
+    first, *_, last = ld.Run(states).unwrapped()
     end, affine = states[-1], np.outer(first[:, 1], [2.0, 0.0, 0.0])
     near = (np.abs(last - first - affine) < 1.9).all(axis=1)
     assert near.any()
@@ -73,7 +71,7 @@ def test_a_shear_is_told_by_the_strain(yz: float) -> None:
 @pytest.mark.parametrize("flow", ["xy erate 0.008 xz erate -0.01", "xz erate 0.02 yz erate -0.01"])
 def test_images_of_lammps(flow: str) -> None:
     """Droplets that drift over several boxes, while the box shears and flips in two planes."""
-    packing = ld.push_off(spheres(20, [[4.0, 0.0, 0.0], [1.8, 4.0, 0.0], [-1.8, 1.7, 4.0]]))
+    packing = spheres(20, [[4.0, 0.0, 0.0], [1.8, 4.0, 0.0], [-1.8, 1.7, 4.0]]).push_off()
     states, expected = [], []
     with ld.Simulation(packing, ld.Droplet()) as sim:
         sim.lmp.commands_string(
@@ -88,5 +86,5 @@ def test_images_of_lammps(flow: str) -> None:
     tilts = np.array([state.packing.box[[1, 2, 2], [0, 0, 1]] for state in states])
     flipped = np.abs(np.diff(tilts, axis=0)).max(axis=0) > 3.0
     assert flipped.tolist() == ["xy" in flow, "xz" in flow, "yz" in flow]
-    found = ld.unwrapped(states)
+    found = ld.Run(states).unwrapped()
     assert found - found[0] == pytest.approx(np.array(expected) - expected[0], abs=1e-9)

@@ -16,10 +16,10 @@ MDAnalysis = pytest.importorskip("MDAnalysis")
 @pytest.fixture(scope="module", params=[0.0, -0.4])
 def moving(request: pytest.FixtureRequest) -> ld.State:
     """A packing with velocities, in a box and in a tilted box."""
-    jammed = ld.jam(ld.bidisperse(24, tilt=request.param, aspect=1.3, seed=2))
+    jammed = ld.jam(ld.bidisperse(24, aspect=1.3, tilt=request.param, seed=2))
     with ld.Simulation(jammed, ld.Ring(kP=2.0, skin=0.02)) as sim:
-        ld.compress(sim, strain=0.02, steps=1)
-        *_, last = ld.move(sim, 40, temperature=1e-5, every=20, seed=1)
+        sim.compress(strain=0.02)
+        last = sim.run(40, temperature=1e-5, every=20, seed=1)[-1]
     return last
 
 
@@ -38,7 +38,7 @@ def test_mdanalysis(moving: ld.State) -> None:
     atoms = universe.atoms
     assert atoms.positions == pytest.approx(np.pad(packing.positions, ((0, 0), (0, 1))), abs=1e-5)
     assert atoms.velocities[:, :2] == pytest.approx(moving.velocities, rel=1e-5)
-    assert np.array_equal(atoms.radii, packing.radius)
+    assert np.array_equal(atoms.radii, packing.radii)
     assert atoms.types.astype(int) - 1 == pytest.approx(packing.species)
     assert (atoms.ids[0], atoms.ids[-1], set(atoms.masses)) == (1, 24, {1.0})
     frame = universe.trajectory[0]
@@ -77,8 +77,8 @@ def test_freud(moving: ld.State) -> None:
 
 def test_between_walls_no_neighbors_are_across() -> None:
     freud = pytest.importorskip("freud")
-    room = ld.rectangle(6.0, 6.0, corner=(-2.0, 1.0))
-    packing = ld.push_off(ld.bidisperse(12, seed=1).between(room))
+    room = ld.BoxWall((6.0, 6.0), (-2.0, 1.0)).parts
+    packing = ld.bidisperse(12, seed=1).between(room).push_off()
     with ld.Simulation(packing, ld.Ring()) as sim:
         state = sim.state()
     query = freud.locality.AABBQuery(*state.to_freud())

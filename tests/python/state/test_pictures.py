@@ -10,7 +10,7 @@ matplotlib.use("agg")
 
 @pytest.fixture(scope="module", params=[0.2, 4.0])
 def disks(request: pytest.FixtureRequest) -> ld.DiskState:
-    start = ld.push_off(ld.bidisperse(30, phi=0.95, aspect=request.param, seed=1))
+    start = ld.bidisperse(30, phi=0.95, aspect=request.param, seed=1).push_off()
     with ld.Disks(start) as disks:
         return disks.state()
 
@@ -46,7 +46,7 @@ def test_disks_have_the_words_of_states(disks: ld.DiskState) -> None:
     ax = disks.plot(contacts=True, forces=True, color_by="contacts", cmap="magma", title="disks")
     circles, chords, chains = ax.collections
     assert (circles.get_cmap().name, ax.get_title()) == ("magma", "disks")
-    radius = np.unique(disks.packing.radius)
+    radius = np.unique(disks.packing.radii)
     x = disks.packing.positions
     images = np.concatenate(
         [x + (a, b) @ disks.packing.box for a in (-1, 0, 1) for b in (-1, 0, 1)]
@@ -65,13 +65,13 @@ def test_disks_have_the_words_of_states(disks: ld.DiskState) -> None:
     assert len(widths) >= 2 * len(largest)
     held = disks.particle_stress[:, [0, 1], [0, 1]].mean(axis=1)
     assert disks.values("particle_pressure") == pytest.approx(held, rel=1e-12)
-    assert np.sum(held * disks.filled_area) / disks.packing.area == pytest.approx(disks.pressure)
+    assert np.sum(held * disks.filled_area) / disks.packing.volume == pytest.approx(disks.pressure)
 
 
 def test_disks_at_walls_are_drawn() -> None:
     """The chord of a wall is on the wall."""
-    room = ld.bidisperse(12, phi=0.95, seed=1).between(ld.rectangle(4, 4))
-    with ld.Disks(ld.push_off(room)) as disks:
+    room = ld.bidisperse(12, phi=0.95, seed=1).between(ld.BoxWall((4, 4)))
+    with ld.Disks(room.push_off()) as disks:
         state = disks.state()
     assert len(state.wall_pairs) > 0
     ends = np.array(state.plot(contacts=True).collections[-1].get_segments())

@@ -23,9 +23,9 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[ld.State]]
         exactly_balanced(),
         ld.Simulation(jammed, ld.Ring(kP=2.0, skin=0.02)) as sim,
     ):
-        pressed = ld.compress(sim, strain=0.03, steps=2)
+        pressed = sim.compress(strain=0.03, steps=2)[1:]
         states = [sim.state(), *ld.record(pressed, folder)]
-        motion = ld.move(sim, 60, temperature=1e-5, every=20, seed=1)
+        motion = sim.run(60, temperature=1e-5, every=20, seed=1)[1:]
         states += ld.Run(folder).append(motion)
     return folder, states
 
@@ -73,7 +73,7 @@ def test_shape_parameter(state: ld.State) -> None:
     # a circle has the least perimeter
     assert state.shape_parameter.min() >= 1.0 - 4 * np.finfo(float).eps
     # conserved perimeter: P^2 / (4 pi A) = A0 / A
-    expected = np.pi * state.packing.radius**2 / state.area
+    expected = np.pi * state.packing.radii**2 / state.area
     assert state.shape_parameter == pytest.approx(expected, rel=1e-12)
     map_ = state.plot(color_by="shape_parameter").collections[0]
     assert map_.get_clim() == pytest.approx((1.0, expected.max()))
@@ -87,7 +87,7 @@ def test_force_chains_are_as_wide_as_their_forces(state: ld.State) -> None:
     width = np.array(lines.get_linewidths())
     table = state.contact_table
     found = set(zip(length.round(9), (width / width.max()).round(9), strict=True))
-    height = state.packing.radius[table["i"]] - table["indentation"]
+    height = state.packing.radii[table["i"]] - table["indentation"]
     force = table["force"] / table["force"].max()
     assert found == set(zip(height.round(9), force.round(9), strict=True))
     assert len(halves) >= len(table)
@@ -108,7 +108,10 @@ def test_unloaded_packings_have_one_color_and_one_tick(color_by: str, value: flo
     """Without load all values are equal: the color bar names that one, and no other."""
     grid = 2.5 * np.stack(np.meshgrid(np.arange(4.0), np.arange(2.0)), axis=-1)
     loose = ld.Packing(
-        grid.reshape(8, 2), np.arange(8) % 2, np.array([0.5, 0.7]), np.diag([10.0, 5.0])
+        grid.reshape(8, 2),
+        np.asarray(np.array([0.5, 0.7]))[np.arange(8) % 2],
+        np.diag([10.0, 5.0]),
+        species=np.arange(8) % 2,
     )
     with ld.Simulation(loose, ld.Ring()) as sim:
         idle = sim.state()
@@ -141,7 +144,7 @@ def test_movie_has_a_picture_a_state(
     if source == "folder":
         ld.Run(run[0]).movie(path, forces=True, rate=5)
     else:
-        ld.movie(iter(run[1]), path, forces=True, rate=5)
+        ld.Run(iter(run[1])).movie(path, forces=True, rate=5)
     with Image.open(path) as image:
         assert image.n_frames == len(run[1])
         assert image.info["duration"] == 200  # ms
@@ -168,7 +171,7 @@ def test_pictures_of_a_movie_share_one_scale(
 
     monkeypatch.setattr(plots, "draw", watched)
     states = run[1]
-    ld.movie(states, tmp_path / "movie.gif", forces=True, cmap="magma", **limits)
+    ld.Run(states).movie(tmp_path / "movie.gif", forces=True, cmap="magma", **limits)
     assert set(maps) == {"magma"}
     pressure = max(state.particle_pressure.max() for state in states)
     force = [state.contact_table["force"].max() for state in states]
@@ -185,7 +188,7 @@ def test_movies_that_cannot_be(
         message: str, states: object = (state,), name: str = "a.gif", **how: object
     ) -> None:
         with pytest.raises(ld.ParameterError, match=message):
-            ld.movie(states, tmp_path / name, **how)
+            ld.Run(states).movie(tmp_path / name, **how)
 
     refused(r"\.gif or an \.mp4, not '.*a\.avi'", name="a.avi")
     refused("at least one state", states=())
@@ -198,7 +201,7 @@ def test_movies_that_cannot_be(
     refused("ffmpeg", name="a.mp4")
     monkeypatch.setitem(sys.modules, "matplotlib.animation", None)
     with pytest.raises(ImportError, match=r"pip install lammps-deformable\[plot\]"):
-        ld.movie([state], tmp_path / "a.gif")
+        ld.Run([state]).movie(tmp_path / "a.gif")
     assert not list(tmp_path.iterdir())
 
 

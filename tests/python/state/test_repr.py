@@ -9,7 +9,7 @@ def test_packing() -> None:
     side = straight.box[0, 0]
     expected = f"<Packing: 32 particles of 2 species, phi = 0.3000, box {side:.4g} x {side:.4g}>"
     assert repr(straight) == expected
-    tilted = ld.bidisperse(32, tilt=-0.25)
+    tilted = ld.bidisperse(32, tilt=-0.25, seed=1)
     assert repr(tilted).endswith(f" tilted by {-0.25 * side:.4g}>")
 
 
@@ -43,10 +43,10 @@ def test_simulation_and_its_states(jammed: ld.Packing) -> None:
 def test_other_states(jammed: ld.Packing) -> None:
     with ld.Disks(jammed) as disks:
         assert repr(disks.state()).startswith("<DiskState: 32 particles, soft disks, phi = 0.8")
-    with ld.Spheres(ld.cubic("fcc", 2, phi=0.8)) as spheres:
+    with ld.Spheres(ld.crystal("fcc", 2, phi=0.8)) as spheres:
         side = f"{spheres.box[0, 0]:.4g}"
         assert repr(spheres) == f"<Spheres: 32 particles, box {side} x {side} x {side}>"
     assert repr(spheres) == "<Spheres: closed>"
     few = ld.jam(ld.bidisperse(8, seed=1))
-    with ld.PolygonSimulation(few, ld.PolygonModel(vertices=20)) as sim:
+    with ld.PolygonSimulation(few, ld.DeformablePolygon(20, smooth=False)) as sim:
         assert repr(sim.state()).startswith("<PolygonState: 8 polygons, phi = 0.")

@@ -1,6 +1,5 @@
 """Second derivatives of states of the ring laws: Hessian, modes and moduli."""
 
-import dataclasses
 import json
 import math
 from pathlib import Path
@@ -27,10 +26,10 @@ LAWS = {
     for name, values in STIFFNESS.items()
 }
 SCENES = {
-    "circle": (ld.Circle((0, 0), 4), ld.Disk((1, 0.5), 0.6)),
+    "circle": (ld.Sphere(4, (0, 0)), ld.Sphere(0.6, (1, 0.5), inside=False)),
     "corners": (
         *(ld.Plane((0, y), (0, sign)) for y, sign in ((0, 1), (5, -1))),
-        ld.Polygon(((1, 1.5), (3, 1.5), (2, 3.5))),
+        ld.PolygonWall(((1, 1.5), (3, 1.5), (2, 3.5))),
     ),
 }
 
@@ -59,7 +58,7 @@ def difference(packing: ld.Packing, law: ld.Ring, direction: np.ndarray):
 
     def gradient(step: float) -> np.ndarray:
         positions = packing.positions + step * direction.reshape(-1, 2)
-        return evaluated(dataclasses.replace(packing, positions=positions), law)[1]
+        return evaluated(packing.replace(positions=positions), law)[1]
 
     near, far = ((gradient(h) - gradient(-h)) / (2.0 * h) for h in (2e-6, 4e-6))
     return (4.0 * near - far) / 3.0
@@ -110,12 +109,12 @@ def test_walls(scene: str, contact: str) -> None:
     """Flat and round ones, from inside and outside, and corners."""
     law = ld.Ring(kA=1.0, kP=0.5, contact=contact)
     start = ld.bidisperse(40, seed=1).between(SCENES[scene]).at(0.9)
-    with ld.Simulation(ld.push_off(start), law) as sim:
+    with ld.Simulation(start.push_off(), law) as sim:
         state = sim.relax(1e-3)
     assert (state.contact_table["j"] < 0).sum() > 5
     # at rest a particle may sit where a face ends, and there the force of the wall has a jump
     shift = np.random.default_rng(1).uniform(-0.005, 0.005, state.packing.positions.shape)
-    moved = dataclasses.replace(state.packing, positions=state.packing.positions + shift)
+    moved = state.packing.replace(positions=state.packing.positions + shift)
     agrees(moved, law)
 
 
@@ -123,10 +122,10 @@ def test_walls(scene: str, contact: str) -> None:
 def test_a_particle_and_its_own_images(contact: str) -> None:
     """A crystal of one particle: nothing moves, and the moduli are those of four."""
     law = ld.Ring(kA=1.0, kP=0.4, contact=contact)
-    one = ld.bidisperse(1, phi=0.94, tilt=0.54, aspect=0.88)
+    one = ld.bidisperse(1, phi=0.94, aspect=0.88, tilt=0.54, seed=1)
     steps = np.array([(a, b) for a in (0, 1) for b in (0, 1)]) @ one.box
-    four = ld.Packing(one.positions + steps, np.zeros(4, int), one.radii[:1], 2 * one.box)
-    one = dataclasses.replace(one, species=[0], radii=one.radii[:1])
+    four = ld.Packing(one.positions + steps, one.radii[:1], 2 * one.box)
+    one = one.replace(species=[0], radii=one.radii[:1])
     states = [evaluated(packing, law)[0] for packing in (one, four)]
     assert np.abs(states[0].hessian().reduced()).max() < 1e-14
     left, right = (state.elastic_moduli() for state in states)
@@ -143,7 +142,7 @@ def relaxed(request: pytest.FixtureRequest) -> ld.State:
 
 def test_contacts_of_rattlers_have_two_sides() -> None:
     """Also where only one side of a radical axis bears a force worth mentioning."""
-    start = ld.push_off(ld.bidisperse(20, phi=0.83, seed=3))
+    start = ld.bidisperse(20, phi=0.83, seed=3).push_off()
     law = ld.Ring(kA=[1.0, 50.0], kP=[0.5, math.inf], contact="radical")
     state, _ = evaluated(start, law)
     sides, _ = state.rattler_contacts()
@@ -158,8 +157,8 @@ def test_affine_moduli_leave_the_lines_free(relaxed: ld.State) -> None:
 
     def stress(strain: float) -> float:
         gradient = np.array([[1.0, strain], [0.0, 1.0]])
-        moved = dataclasses.replace(
-            packing, positions=packing.positions @ gradient.T, box=packing.box @ gradient.T
+        moved = packing.replace(
+            positions=packing.positions @ gradient.T, box=packing.box @ gradient.T
         )
         return -float(evaluated(moved, relaxed.law)[0].stress[0, 1])
 
@@ -181,7 +180,7 @@ def test_errors(packing: ld.Packing) -> None:
 
 
 def test_lines_at_the_largest_tilt() -> None:
-    packing = ld.bidisperse(1, phi=1.9, tilt=0.54, aspect=0.88)
+    packing = ld.bidisperse(1, phi=1.9, aspect=0.88, tilt=0.54, seed=1)
     with ld.Simulation(packing, ld.Ring(kP=0.4, contact="curved")) as sim:
         state = sim.state()
     assert np.abs(state.contact_table["tilt"]).max() == pytest.approx(0.3)

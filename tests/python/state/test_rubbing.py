@@ -9,20 +9,20 @@ from lammps_deformable.laws import LAWS
 MU, MU_WALL = 0.4, 0.2
 ROUGH = ld.Friction(
     [[MU, 0.5 * MU], [0.5 * MU, MU]],
-    1e-2,
-    1e-3,
-    damp=1e-3,
-    walls=ld.Friction(MU_WALL, 1e-2),
+    kt=1e-2,
+    gt=1e-3,
+    damping=1e-3,
+    walls=ld.Friction(MU_WALL, kt=1e-2),
 )
-WALLS = {"periodic": (), "walls": (*ld.rectangle(7, 6), ld.Disk((3, 3), 0.7))}
+WALLS = {"periodic": (), "walls": (ld.BoxWall((7, 6)), ld.Sphere(0.7, (3, 3), inside=False))}
 
 
 def moved(contact: str, walls: tuple = ()) -> tuple[list[ld.State], np.ndarray]:
     """States of a motion, and the forces of LAMMPS at its end."""
-    packing = ld.bidisperse(20, seed=3, tilt=0.0 if walls else 0.3).at(0.84)
-    packing = ld.push_off(packing.between(walls, seed=1).at(0.84) if walls else packing)
+    packing = ld.bidisperse(20, tilt=0.0 if walls else 0.3, seed=3).at(0.84)
+    packing = (packing.between(walls, seed=1).at(0.84) if walls else packing).push_off()
     with ld.Simulation(packing, LAWS[contact], friction=ROUGH) as sim:
-        motion = ld.move(sim, 300, temperature=1e-4, seed=1, every=100)
+        motion = sim.run(300, temperature=1e-4, seed=1, every=100)[1:]
         states = list(motion)
         return states, np.reshape(sim.lmp.gather("f", 1, 3), (-1, 3))[:, :2]
 
@@ -53,12 +53,12 @@ def test_forces_stress_and_energies(contact: str, walls: tuple) -> None:
         assert np.abs(sums.sum(axis=0)).max() < 1e-12 * np.abs(forces).max()
     # the stress of the packing is that of its particles; friction of walls acts at the middle of a
     # contact, beside the point that is nearest to the particle by half of its length at most
-    total = np.einsum("n,nab->ab", state.filled_area, state.particle_stress) / state.packing.area
+    total = np.einsum("n,nab->ab", state.filled_area, state.particle_stress) / state.packing.volume
     if walls:
         beside = np.sum(np.abs(table["friction"] * table["length"])[wall]) / 2
-        off = abs(np.trace(total) - 2.0 * state.pressure) * state.packing.area
+        off = abs(np.trace(total) - 2.0 * state.pressure) * state.packing.volume
         assert off < beside + 1e-12 * state.pressure
-        assert beside < 0.02 * state.pressure * state.packing.area
+        assert beside < 0.02 * state.pressure * state.packing.volume
     else:
         np.testing.assert_allclose(total, state.stress, atol=1e-12 * np.abs(state.stress).max())
     # both sides of a line tell the same; radical sides have their own friction
@@ -80,7 +80,7 @@ def test_forces_stress_and_energies(contact: str, walls: tuple) -> None:
 
 
 def test_contacts_that_slip_have_no_such_columns() -> None:
-    packing = ld.push_off(ld.bidisperse(8, seed=3).at(0.84))
+    packing = ld.bidisperse(8, seed=3).at(0.84).push_off()
     with ld.Simulation(packing, ld.Ring()) as sim:
         state = sim.state()
     assert state.spins is state.rubbing is state.friction is None
@@ -90,8 +90,8 @@ def test_contacts_that_slip_have_no_such_columns() -> None:
 
 
 def test_no_contacts() -> None:
-    alone = ld.Packing([[1.0, 1.0]], [0], [0.5], [3.0, 3.0])
-    with ld.Simulation(alone, ld.Ring(), friction=ld.Friction(1, 1)) as sim:
+    alone = ld.Packing([[1.0, 1.0]], 0.5, [3.0, 3.0])
+    with ld.Simulation(alone, ld.Ring(), friction=ld.Friction(1, kt=1)) as sim:
         state = sim.state()
     assert len(state.contact_table) == len(state.rubbing.springs) == 0
     assert state.spring_energy == 0.0
@@ -99,11 +99,11 @@ def test_no_contacts() -> None:
 
 def test_two_contacts_of_one_pair() -> None:
     """In a small box a pair touches through several images: each contact has its own spring."""
-    two = ld.Packing([[0.0, 0.0], [0.98, 0.0]], [0, 0], [0.5], [1.97, 3.0])
-    rough = ld.Friction(np.inf, 1e-4)
+    two = ld.Packing([[0.0, 0.0], [0.98, 0.0]], 0.5, [1.97, 3.0])
+    rough = ld.Friction(np.inf, kt=1e-4)
     with ld.Simulation(two, ld.Ring(), friction=rough) as sim:
         sim.lmp.command("set atom 2 vy 0.01")
-        *_, state = ld.move(sim, 20, timestep=0.1, every=20)
+        state = sim.run(20, timestep=0.1)[-1]
     table = state.contact_table
     assert len(table) == 4
     # the particle moves up past both sides of the other: to the left and right of it
@@ -137,9 +137,9 @@ def test_pictures() -> None:
         middles = [line[[0, -1]].mean(axis=0) for line in lines(lime, **parts)]
         assert len(middles) >= len(sliding)
         distance = np.linalg.norm(sliding["position"][:, None] - middles, axis=2).min(axis=1)
-        assert distance.max() < 0.1 * state.packing.radius.min()
+        assert distance.max() < 0.1 * state.packing.radii.min()
     bars = [np.linalg.norm(line[1] - line[0]) for line in lines(lime, forces=True)]
-    assert max(bars) == pytest.approx(MU * state.packing.radius.max(), rel=1e-9)
+    assert max(bars) == pytest.approx(MU * state.packing.radii.max(), rel=1e-9)
     # the arc of the fastest particle is the longest one; it ends to the left where spins are > 0
     arcs = [line for line in lines(black, spins=True) if len(line) > 3]
     assert len(arcs) >= len(state.packing)

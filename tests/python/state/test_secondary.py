@@ -35,7 +35,14 @@ def column(width: float, radii: list[float], heights: list[float]) -> ld.State:
     *y, top = np.cumsum([0.0, *heights])
     positions = np.column_stack([np.zeros(len(y)), y])
     box = np.diag([width, top])
-    return sector_state(ld.Packing(positions, np.arange(len(y)), np.array(radii), box))
+    return sector_state(
+        ld.Packing(
+            positions,
+            np.asarray(np.array(radii))[np.arange(len(y))],
+            box,
+            species=np.arange(len(y)),
+        )
+    )
 
 
 def flats(arcs: Array) -> tuple[Array, Array]:
@@ -63,7 +70,7 @@ def meetings(
     for i in range(count):
         for n in tree.query(polygons[4 * count + i], predicate="intersects"):
             distance = np.hypot(*(centers[n] - packing.positions[i]))
-            if distance > packing.radius[i] + packing.radius[n % count]:
+            if distance > packing.radii[i] + packing.radii[n % count]:
                 yield outlines[i], moved[n]
 
 
@@ -107,7 +114,7 @@ def test_overlaps_vanish(dense: ld.State) -> None:
 @pytest.mark.parametrize("iterations", [0, 1, 2])
 def test_residual_is_the_largest_penetration(dense: ld.State, iterations: int) -> None:
     secondary = ld.resolve_secondary(dense, iterations)
-    found = secondary.residual[-1] * dense.packing.radius.mean()
+    found = secondary.residual[-1] * dense.packing.radii.mean()
     # polygons err by up to R (2 pi/1000)^2/8 = 3.5e-6 each
     assert found == pytest.approx(deepest(dense, secondary), rel=0, abs=7e-6)
 
@@ -115,7 +122,7 @@ def test_residual_is_the_largest_penetration(dense: ld.State, iterations: int) -
 def test_perimeters_and_tangents_are_kept(dense: ld.State) -> None:
     for iterations in (0, 1, 3):
         secondary = ld.resolve_secondary(dense, iterations)
-        for radius, arcs in zip(dense.packing.radius, secondary.arcs, strict=True):
+        for radius, arcs in zip(dense.packing.radii, secondary.arcs, strict=True):
             opening = arcs[:, 4] - arcs[:, 3]
             length, across = flats(arcs)
             perimeter = np.sum(arcs[:, 2] * opening) + length.sum()
@@ -147,9 +154,9 @@ def test_nothing_to_do() -> None:
     radius, height = 0.5, 0.5 * np.sqrt(3)
     crystal = ld.Packing(
         np.array([[0.25, 0.25 * height], [0.75, 1.25 * height]]),
-        np.array([0, 0]),
-        np.array([radius]),
+        radius,
         0.98 * np.array([[1.0, 0.0], [0.0, 2 * height]]),
+        species=np.array([0, 0]),
     )
     state = sector_state(crystal)
     secondary = ld.resolve_secondary(state)
@@ -225,9 +232,9 @@ def test_circle_keeps_its_contact_until_it_has_two() -> None:
     beside = top - arc - np.sqrt((h + tiny - 0.03) ** 2 - 0.4**2)
     packing = ld.Packing(
         np.array([[0.0, 0.0], [0.0, top], [0.5, y], [-0.4, beside]]),
-        np.array([0, 0, 1, 2]),
-        np.array([large, small, tiny]),
+        np.asarray(np.array([large, small, tiny]))[np.array([0, 0, 1, 2])],
         np.diag([2 * h, top + 3.0]),
+        species=np.array([0, 0, 1, 2]),
     )
     state = sector_state(packing)
     arcs = [len(ld.resolve_secondary(state, n).arcs[2]) for n in range(3)]
@@ -252,7 +259,7 @@ def test_beyond_the_model() -> None:
 @pytest.mark.parametrize(("radius", "depth"), [(0.05, [0.15]), (-0.05, [])])
 def test_arcs_of_negative_radius_meet_nothing(radius: float, depth: list[float]) -> None:
     packing = ld.Packing(
-        np.array([[2.0, 2.0], [4.1, 2.0]]), np.array([0, 0]), np.array([1.0]), 10.0 * np.eye(2)
+        np.array([[2.0, 2.0], [4.1, 2.0]]), 1.0, 10.0 * np.eye(2), species=np.array([0, 0])
     )
     left = np.array([[0.2, 0.0, 1.0, -1.0, 1.0]])
     right = np.array([[-1.0, 0.0, radius, np.pi - 1.0, np.pi + 1.0]])
@@ -267,9 +274,9 @@ def test_images_in_a_small_box() -> None:
     copies = [np.array(image) @ small.box for image in product(range(4), repeat=2)]
     large = ld.Packing(
         np.concatenate([small.positions + shift for shift in copies]),
-        np.tile(small.species, len(copies)),
-        small.radii,
+        np.asarray(small.radii)[np.tile(small.species, len(copies))],
         4 * small.box,
+        species=np.tile(small.species, len(copies)),
     )
     one, many = (ld.resolve_secondary(sector_state(p)) for p in (small, large))
     assert one.residual[0] > 0.0
@@ -299,13 +306,13 @@ def test_contacts_that_leave_no_arc_are_left_out() -> None:
 
 @pytest.mark.parametrize("law", [ld.Ring(), ld.Sector(kP=1.0)])
 def test_other_laws_are_refused(law: ld.Ring | ld.Sector) -> None:
-    with ld.Simulation(ld.bidisperse(4), law) as sim:
+    with ld.Simulation(ld.bidisperse(4, seed=1), law) as sim:
         state = sim.state()
     with pytest.raises(ld.ParameterError, match=f"not {type(law).__name__}"):
         ld.resolve_secondary(state)
 
 
 def test_negative_iterations_are_refused() -> None:
-    state = sector_state(ld.bidisperse(4))
+    state = sector_state(ld.bidisperse(4, seed=1))
     with pytest.raises(ld.ParameterError, match="iterations must not be negative, not -1"):
         ld.resolve_secondary(state, -1)

@@ -17,12 +17,12 @@ def state_of(packing: Packing) -> SphereState:
 
 def leaning(number: int, radii: tuple[float, float]) -> Packing:
     """Random places, pushed apart, in a box that leans all ways, some in images of it."""
-    start = ld.bidisperse(number, radii=radii, phi=0.5, aspect=1.3, dimension=3, seed=3)
+    start = ld.bidisperse(number, sizes=radii, phi=0.5, dimension=3, aspect=1.3, seed=3)
     box = start.box + np.array([[0.0] * 3, [0.9, 0.0, 0.0], [-0.8, 0.6, 0.0]])
     places = start.positions @ np.linalg.inv(start.box) @ box
-    apart = ld.push_off(Packing(places, start.species, start.radii, box))
+    apart = Packing(places, start.radii, box, species=start.species).push_off()
     images = np.random.default_rng(1).integers(-1, 2, (number, 3)) @ box
-    return Packing(apart.positions + images, apart.species, apart.radii, box)
+    return Packing(apart.positions + images, apart.radii, box, species=apart.species)
 
 
 @pytest.fixture(scope="module")
@@ -40,7 +40,7 @@ def mixture() -> SphereState:
 )
 def test_cells_of_crystals(lattice: str, sides: int, q4: float | None, q6: float | None) -> None:
     """Steinhardt's numbers; the cell of bcc is a truncated octahedron of known faces."""
-    state = state_of(ld.cubic(lattice, 3, phi=0.8))
+    state = state_of(ld.crystal(lattice, 3, phi=0.8))
     assert state.local_phi == pytest.approx(np.full(len(state.packing), 0.8), rel=1e-12)
     assert (state.cell_sides == sides).all()
     for degree, known in ((4, q4), (6, q6)):
@@ -78,7 +78,7 @@ def test_cells_fill_the_box(mixture: SphereState) -> None:
     wrapped = packing.positions @ np.linalg.inv(packing.box) % 1.0
     for step in product((-1, 0, 1), repeat=3):
         for n, center in enumerate((wrapped + step) @ packing.box):
-            power = np.sum((points - center) ** 2, axis=1) - packing.radius[n] ** 2
+            power = np.sum((points - center) ** 2, axis=1) - packing.radii[n] ** 2
             owner = np.where(power < least, n, owner)
             least = np.minimum(power, least)
     share = volume / packing.volume
@@ -109,16 +109,16 @@ def test_order_by_harmonics(mixture: SphereState) -> None:
 
 def test_a_sphere_within_another_has_no_cell() -> None:
     places = [[1.0, 1.0, 1.0], [1.0, 1.0, 1.1], [3.0, 3.0, 3.0]]
-    state = state_of(Packing(places, [0, 1, 0], [0.9, 0.2], (4.0, 4.0, 4.0)))
+    state = state_of(Packing(places, [0.9, 0.2, 0.9], (4.0, 4.0, 4.0), species=[0, 1, 0]))
     assert np.isinf(state.local_phi[1])
     assert np.isfinite(state.local_phi[[0, 2]]).all()
     assert np.isnan(state.steinhardt()[1])
     assert state.cell_sides[1] == 0
     # the center of the small one is not in its cell, beside the large one
     places[1] = [1.0, 1.0, 1.85]
-    beside = state_of(Packing(places, [0, 1, 0], [0.9, 0.2], (4.0, 4.0, 4.0)))
+    beside = state_of(Packing(places, [0.9, 0.2, 0.9], (4.0, 4.0, 4.0), species=[0, 1, 0]))
     assert np.sum(beside.filled_volume / beside.local_phi) == pytest.approx(64.0, rel=1e-9)
-    alone = state_of(Packing([[0.3, 0.2, 0.1]], [0], [0.5], (2.0, 3.0, 4.0)))
+    alone = state_of(Packing([[0.3, 0.2, 0.1]], 0.5, (2.0, 3.0, 4.0)))
     assert alone.local_phi == pytest.approx(np.pi / 6.0 / 24.0)
     assert alone.cell_sides.tolist() == [6]
 
@@ -142,7 +142,7 @@ def test_structure_factor_as_a_sum_over_pairs() -> None:
 
 def test_peaks_of_a_crystal() -> None:
     """fcc: the first waves are (111) and (200), both with S = N."""
-    state = state_of(ld.cubic("fcc", 3, phi=0.74))
+    state = state_of(ld.crystal("fcc", 3, phi=0.74))
     cell = state.packing.box[0, 0] / 3.0
     peaks = 2.0 * np.pi / cell * np.array([[1, 1, 1], [2, 0, 0], [1, 0, 0], [0, 1, 1]])
     assert np.abs(state.density_waves(peaks)) == pytest.approx([1.0, 1.0, 0.0, 0.0], abs=1e-12)
@@ -154,7 +154,7 @@ def test_peaks_of_a_crystal() -> None:
 def test_shells_of_a_crystal() -> None:
     """g(r) counts 12, 6 and 24 neighbors at 1, sqrt 2 and sqrt 3."""
     pytest.importorskip("freud")
-    crystal = ld.cubic("fcc", 4)
+    crystal = ld.crystal("fcc", 4)
     r, g = state_of(crystal).radial_distribution(r_max=1.9, bins=190)
     density = len(crystal) / crystal.volume
     edges = np.linspace(0.0, 1.9, 191)
@@ -170,7 +170,7 @@ def test_affine_strain_is_told(mixture: SphereState) -> None:
     strain = np.eye(3) + np.array([[0.01, 0.0, 0.0], [0.03, -0.02, 0.0], [0.01, -0.02, 0.015]])
     box, places = before.box @ strain, before.positions @ strain
     wrapped = places - np.floor(places @ np.linalg.inv(box)) @ box
-    after = state_of(Packing(wrapped, before.species, before.radii, box))
+    after = state_of(Packing(wrapped, before.radii, box, species=before.species))
     assert after.nonaffine(before) == pytest.approx(np.zeros((30, 3)), abs=1e-9)
     local = after.local_strain(before, r_max=2.5)
     gradient = np.tile(strain.T - np.eye(3), (30, 1, 1))
@@ -178,15 +178,15 @@ def test_affine_strain_is_told(mixture: SphereState) -> None:
     assert local.d2min == pytest.approx(np.zeros(30), abs=1e-15)
     moved = wrapped.copy()
     moved[7] += [0.05, -0.04, 0.03]
-    beside = state_of(Packing(moved, before.species, before.radii, box))
+    beside = state_of(Packing(moved, before.radii, box, species=before.species))
     assert beside.nonaffine(before)[7] == pytest.approx([0.05, -0.04, 0.03])
     assert beside.local_strain(before, 2.5).d2min.argmax() == 7
     crossing = [
         before,
         after,
-        state_of(Packing(wrapped + box[2], before.species, before.radii, box)),
+        state_of(Packing(wrapped + box[2], before.radii, box, species=before.species)),
     ]
-    paths = ld.unwrapped(crossing)
+    paths = ld.Run(crossing).unwrapped()
     assert paths[2] == pytest.approx(paths[1], abs=1e-9)
 
 

@@ -1,7 +1,6 @@
 """Exports in three dimensions, read back by their programs, with the numbers of the state."""
 
 import json
-from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -15,10 +14,10 @@ from lammps_deformable.plot3d import WHOLE, Facets, Surfaces, surfaces_of
 @pytest.fixture(scope="module")
 def state() -> DropletState:
     """Of two species, in a box that leans all ways."""
-    start = ld.bidisperse(24, ratio=1.2, aspect=1.4, tilt=0.3, dimension=3, seed=2)
+    start = ld.bidisperse(24, sizes=(0.5, 0.6), dimension=3, aspect=1.4, tilt=0.3, seed=2)
     box = start.box + np.array([[0.0] * 3, [0.0] * 3, [0.7, -0.4, 0.0]])
-    leaning = replace(start, box=box, positions=start.positions @ np.linalg.inv(start.box) @ box)
-    packing = ld.push_off(leaning.at(0.7))
+    leaning = start.replace(box=box, positions=start.positions @ np.linalg.inv(start.box) @ box)
+    packing = leaning.at(0.7).push_off()
     with ld.Simulation(packing, ld.Droplet([1.0, 1.5])) as sim:
         return sim.relax(1e-3)
 
@@ -101,7 +100,7 @@ def test_facets_that_meet_leave_a_polyhedron() -> None:
 
 def test_surfaces_are_closed(state: DropletState) -> None:
     """Each edge of a polygon is that of another one the other way round."""
-    found = surfaces_of(state.packing.positions, state.packing.radius, state._facets())
+    found = surfaces_of(state.packing.positions, state.packing.radii, state._facets())
     _, point = np.unique(found.points.round(9), axis=0, return_inverse=True)
     parts = np.split(point.ravel()[found.corners], found.ends[:-1])
     edges = np.concatenate([np.column_stack([part, np.roll(part, -1)]) for part in parts])
@@ -156,8 +155,8 @@ def test_vtk_has_the_network(state: DropletState, tmp_path: Path) -> None:
 
 def test_networks_in_the_plane(tmp_path: Path) -> None:
     """With a wall, as lines of both formats."""
-    loose = ld.bidisperse(12, seed=1).between(ld.rectangle(6.0, 6.0))
-    with ld.Simulation(ld.push_off(loose.at(0.85)), ld.Ring()) as sim:
+    loose = ld.bidisperse(12, seed=1).between(ld.BoxWall((6.0, 6.0)))
+    with ld.Simulation(loose.at(0.85).push_off(), ld.Ring()) as sim:
         state = sim.state()
     state.export(tmp_path / "network.vtp", forces=True)
     _, values = read_vtp(tmp_path / "network.vtp")
@@ -223,7 +222,7 @@ def test_refusals(state: DropletState, tmp_path: Path) -> None:
 
 
 def test_a_loose_state_has_no_contacts(tmp_path: Path) -> None:
-    packing = ld.cubic("sc", 2, phi=0.3)
+    packing = ld.crystal("sc", 2, phi=0.3)
     with ld.Simulation(packing, ld.Droplet()) as sim:
         loose = sim.state()
     loose.export(tmp_path / "droplets.vtp")

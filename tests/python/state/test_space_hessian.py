@@ -1,6 +1,5 @@
 """Second derivatives of droplets and spheres in three dimensions: Hessian, modes and moduli."""
 
-import dataclasses
 import json
 import sys
 from pathlib import Path
@@ -11,9 +10,11 @@ import pytest
 from lammps_deformable import Droplet, DropletState, Packing, SphereState
 from ranks import python
 
+from validation.finite_strain import bulk_modulus, shear_modulus
+
 pytestmark = pytest.mark.usefixtures("exact_balance")
 
-EMULSION = ld.bidisperse(24, radii=(1.0, 1.2), dimension=3, tilt=0.3, seed=2)
+EMULSION = ld.bidisperse(24, sizes=(1.0, 1.2), dimension=3, tilt=0.3, seed=2)
 SIZES = ld.polydisperse(20, np.linspace(0.5, 1.5, 20), dimension=3, seed=3)
 LAWS = {"spheres": None, "droplets": Droplet(0.7), "tensions": Droplet([1.0, 2.5])}
 CLOSE = {"sc": np.pi / 6, "bcc": np.pi * np.sqrt(3) / 8, "fcc": np.pi * np.sqrt(2) / 6}
@@ -32,7 +33,7 @@ def difference(packing: Packing, law: Droplet | None, direction: np.ndarray) -> 
 
     def gradient(step: float) -> np.ndarray:
         positions = packing.positions + step * direction.reshape(-1, 3)
-        return evaluated(dataclasses.replace(packing, positions=positions), law)[1]
+        return evaluated(packing.replace(positions=positions), law)[1]
 
     near, far = ((gradient(h) - gradient(-h)) / (2.0 * h) for h in (2e-6, 4e-6))
     return (4.0 * near - far) / 3.0
@@ -42,7 +43,7 @@ def agrees(packing: Packing, law: Droplet | None) -> None:
     """Compare energy, gradient, stress and Hessian with those of LAMMPS."""
     state, gradient = evaluated(packing, law)
     hessian, scale = state.hessian(), np.abs(state.stress).max()
-    force = scale * packing.radius.max() ** 2
+    force = scale * packing.radii.max() ** 2
     assert hessian.energy == pytest.approx(state.energy, rel=1e-11)
     assert hessian.gradient[: hessian.size] == pytest.approx(gradient, abs=1e-11 * force)
     assert hessian.gradient[hessian.size :] == pytest.approx(0.0, abs=1e-11 * force)
@@ -58,12 +59,12 @@ def agrees(packing: Packing, law: Droplet | None) -> None:
 
 @pytest.mark.parametrize("law", LAWS)
 def test_two_sizes_in_a_tilted_box(law: str) -> None:
-    agrees(ld.push_off(EMULSION.at(0.72)), LAWS[law])
+    agrees(EMULSION.at(0.72).push_off(), LAWS[law])
 
 
 def test_loads_at_which_single_droplets_are_not_convex() -> None:
     """Some of a dense emulsion: only all of them together are."""
-    with ld.Simulation(ld.push_off(SIZES.at(0.88)), Droplet()) as sim:
+    with ld.Simulation(SIZES.at(0.88).push_off(), Droplet()) as sim:
         packing = sim.relax(1e-3).packing
     agrees(packing, Droplet())
     assert convex(evaluated(packing, Droplet())[0]) < len(packing)
@@ -71,7 +72,7 @@ def test_loads_at_which_single_droplets_are_not_convex() -> None:
 
 def convex(state: DropletState) -> int:
     """Number of droplets whose compliance is positive definite."""
-    found, radius = 0, state.packing.radius
+    found, radius = 0, state.packing.radii
     for i in range(len(radius)):
         rows = state.contact_table[state.contact_table["i"] == i]
         droplet = ld.core.droplet(rows["normal"], rows["force"], radius[i])
@@ -81,16 +82,16 @@ def convex(state: DropletState) -> int:
 
 @pytest.mark.parametrize("law", ["spheres", "droplets"])
 def test_any_sizes(law: str) -> None:
-    agrees(ld.push_off(SIZES.at(0.7)), LAWS[law])
+    agrees(SIZES.at(0.7).push_off(), LAWS[law])
 
 
 @pytest.mark.parametrize("law", ["spheres", "droplets"])
 def test_a_particle_and_its_own_images(law: str) -> None:
     """A crystal of one particle: nothing moves, and the moduli are those of eight."""
     box = np.array([[1.9, 0.0, 0.0], [0.5, 1.93, 0.0], [0.3, 0.4, 1.91]])
-    one = Packing(np.zeros((1, 3)), [0], [1.0], box)
+    one = Packing(np.zeros((1, 3)), 1.0, box)
     steps = np.array(np.unravel_index(range(8), (2, 2, 2))).T @ box
-    eight = Packing(steps, np.zeros(8, int), [1.0], 2 * box)
+    eight = Packing(steps, 1.0, 2 * box)
     states = [evaluated(packing, LAWS[law])[0] for packing in (one, eight)]
     assert np.abs(states[0].hessian().reduced()).max() < 1e-14
     left, right = (state.elastic_moduli() for state in states)
@@ -108,7 +109,7 @@ def test_moduli_of_crystals(lattice: str, shear: float | None, extension: float 
     The same by finite strains of LAMMPS: `tests/lammps/test_droplet_crystals.py`. A uniaxial strain
     at constant volume stretches z by e and x and y by -e/2.
     """
-    packing = ld.cubic(lattice, 2, radius=2.0, phi=CLOSE[lattice] + 0.01)
+    packing = ld.crystal(lattice, 2, radius=2.0, phi=CLOSE[lattice] + 0.01)
     moduli = evaluated(packing, Droplet(3.0))[0].elastic_moduli()
     c, unit = moduli.tensor, 3.0 / 2.0
     assert np.abs(moduli.relaxing).max() < 1e-9  # centers follow the strain
@@ -121,7 +122,7 @@ def test_moduli_of_crystals(lattice: str, shear: float | None, extension: float 
 
 
 def relaxed(law: Droplet | None, phi: float) -> DropletState | SphereState:
-    jammed = ld.jam(ld.bidisperse(48, radii=(1.0, 1.2), dimension=3, seed=1))
+    jammed = ld.jam(ld.bidisperse(48, sizes=(1.0, 1.2), dimension=3, seed=1))
     start = jammed.at(phi)
     with ld.Simulation(start, law) if law else ld.Spheres(start) as sim:
         return sim.relax(1e-10)
@@ -136,8 +137,8 @@ def test_moduli_are_those_of_finite_strains(rest: DropletState | SphereState) ->
     """Of second order in the strain; contacts change from some 1e-4 on."""
     moduli, strain = rest.elastic_moduli(), 1e-5
     for modulus, found in (
-        (ld.shear_modulus, moduli.shear_modulus),
-        (ld.bulk_modulus, moduli.bulk_modulus),
+        (shear_modulus, moduli.shear_modulus),
+        (bulk_modulus, moduli.bulk_modulus),
     ):
         finite = modulus(rest, strain, tolerance=1e-10)
         assert found == pytest.approx(finite.value, rel=1e-4)
@@ -168,13 +169,11 @@ def test_rattlers_are_left_out() -> None:
 
     Its contact hardly bears any more, and would be a soft spring.
     """
-    fcc = ld.cubic("fcc", 2, radius=1.0, phi=0.76)
+    fcc = ld.crystal("fcc", 2, radius=1.0, phi=0.76)
     x = fcc.positions.copy()
     toward = x[1] - x[0]
     x[0] += 0.5 * toward
-    small = dataclasses.replace(
-        fcc, positions=x, species=(np.arange(32) > 0).astype(int), radii=[0.4, 1.0]
-    )
+    small = fcc.replace(positions=x, species=(np.arange(32) > 0).astype(int), radii=[0.4, 1.0])
     with ld.Simulation(small, Droplet()) as sim:
         state = sim.relax(1e-4)
     assert state.contacts[0] == 1
@@ -186,7 +185,7 @@ def test_rattlers_are_left_out() -> None:
 
 def test_mean_shear_modulus_of_a_crystal() -> None:
     """Voigt's mean of a cubic crystal, (C11 - C12 + 3 C44)/5."""
-    fcc = ld.cubic("fcc", 2, phi=0.78)
+    fcc = ld.crystal("fcc", 2, phi=0.78)
     moduli = evaluated(fcc, Droplet())[0].elastic_moduli()
     mean = (2.0 * moduli.pure_shear_modulus + 3.0 * moduli.shear_modulus) / 5.0
     assert moduli.mean_shear_modulus == pytest.approx(mean, rel=1e-9)
@@ -194,7 +193,7 @@ def test_mean_shear_modulus_of_a_crystal() -> None:
 
 
 def test_droplets_that_do_not_touch() -> None:
-    state, _ = evaluated(ld.cubic("sc", 2, phi=0.4), Droplet())
+    state, _ = evaluated(ld.crystal("sc", 2, phi=0.4), Droplet())
     hessian = state.hessian()
     assert hessian.matrix.nnz == 0
     assert hessian.zero_modes == 24
@@ -202,13 +201,13 @@ def test_droplets_that_do_not_touch() -> None:
 
 
 def test_a_state_that_is_not_at_rest() -> None:
-    state, _ = evaluated(ld.push_off(EMULSION.at(0.72)), Droplet())
+    state, _ = evaluated(EMULSION.at(0.72).push_off(), Droplet())
     with pytest.raises(ld.ParameterError, match="at rest"):
         state.elastic_moduli()
 
 
 def test_droplets_at_walls() -> None:
-    with ld.Simulation(ld.cubic("sc", 2, radius=1.0, phi=0.54), Droplet()) as sim:
+    with ld.Simulation(ld.crystal("sc", 2, radius=1.0, phi=0.54), Droplet()) as sim:
         sim.lmp.command("fix floor all deformable/wall plane 0 0 -0.9 0 0 1")
         state = sim.state()
     assert (state.contact_table["j"] < 0).any()
@@ -222,6 +221,7 @@ sys.path[:] = {path!r}
 from mpi4py import MPI
 from exact_balance import exactly_balanced
 from test_space_hessian import matrices
+from validation.finite_strain import bulk_modulus, shear_modulus
 
 with exactly_balanced():
     found = matrices()
@@ -233,7 +233,7 @@ if MPI.COMM_WORLD.rank == 0:
 
 def matrices() -> list[list[float]]:
     """Of droplets on all ranks: H, and the derivatives by strains."""
-    hessian = evaluated(ld.push_off(EMULSION.at(0.72)), Droplet())[0].hessian()
+    hessian = evaluated(EMULSION.at(0.72).push_off(), Droplet())[0].hessian()
     found = hessian.reduced(), hessian.by_strain[: hessian.size], hessian.strain
     return [matrix.ravel().tolist() for matrix in found]
 

@@ -70,7 +70,7 @@ def test_a_plane_cuts_off_a_cap(tilt: float) -> None:
 
 @pytest.fixture(scope="module")
 def states() -> tuple[ld.SphereState, ld.DropletState]:
-    crystal = ld.cubic("fcc", 2, phi=0.8)
+    crystal = ld.crystal("fcc", 2, phi=0.8)
     with ld.Spheres(crystal) as spheres:
         soft = spheres.state()
     with ld.Simulation(crystal, ld.Droplet()) as sim:
@@ -107,7 +107,7 @@ def test_sections_add_up_to_the_volume() -> None:
     """Of spheres that lean out of their box, in images: the mean area fraction is phi."""
     box = np.array([[3.0, 0.0, 0.0], [0.7, 2.5, 0.0], [-0.8, 0.9, 2.0]])
     places = np.random.default_rng(1).random((5, 3)) @ box + box[2]
-    packing = ld.Packing(places, [0, 1, 0, 1, 0], [0.3, 0.6], box)
+    packing = ld.Packing(places, [0.3, 0.6, 0.3, 0.6, 0.3], box, species=[0, 1, 0, 1, 0])
     filled = 0.0
     for z in 2.0 * (np.arange(400) + 0.5) / 400:
         filled += sum(map(polygon_area, section_of(packing, WHOLE, z).outlines)) / 400 / 7.5
@@ -119,7 +119,7 @@ def test_sections_add_up_to_the_volume() -> None:
 
 def test_a_section_of_facets() -> None:
     """Of a cubic crystal: disks with four chords, of which four corners are left."""
-    packing = ld.cubic("sc", 2, radius=1.0).at(0.6)
+    packing = ld.crystal("sc", 2, radius=1.0).at(0.6)
     with ld.Simulation(packing, ld.Droplet()) as sim:
         state = sim.state()
     h = packing.box[0, 0] / 4.0
@@ -133,7 +133,7 @@ def test_a_section_of_facets() -> None:
         assert np.abs(outline - middle).max() == pytest.approx(h)
     axes = state.plot(slice=0.1, contacts=True, color_by="load")
     assert len(axes.collections[1].get_segments()) == 36  # of nine images
-    between = section_of(ld.cubic("sc", 2, phi=0.3), WHOLE, 0.62)
+    between = section_of(ld.crystal("sc", 2, phi=0.3), WHOLE, 0.62)
     assert between.outlines == []
     assert state.plot(slice=h).collections  # on the facets
 
@@ -147,11 +147,11 @@ def test_movies(states: tuple[ld.SphereState, ld.DropletState], tmp_path: Path) 
         ("slice", {"slice": 0.0, "contacts": True}),
     ):
         path = tmp_path / f"{name}.gif"
-        ld.movie([droplets, droplets], path, color_by="load", **settings)
+        ld.Run([droplets, droplets]).movie(path, color_by="load", **settings)
         with Image.open(path) as movie:
             assert np.array(movie.convert("RGB")).std() > 10.0
-    plane = ld.bidisperse(4, phi=0.1)
-    with ld.Simulation(ld.push_off(plane), ld.Ring()) as sim:
+    plane = ld.bidisperse(4, phi=0.1, seed=1)
+    with ld.Simulation(plane.push_off(), ld.Ring()) as sim:
         state = sim.state()
     for one, settings, told in (
         (state, {"slice": 0.0}, "slice is for states in three dimensions"),
@@ -161,7 +161,7 @@ def test_movies(states: tuple[ld.SphereState, ld.DropletState], tmp_path: Path) 
         (states[0], {}, "a state of a movie must be of the kind State or DropletState"),
     ):
         with pytest.raises(ld.ParameterError, match=told):
-            ld.movie([one], tmp_path / "wrong.gif", **settings)
+            ld.Run([one]).movie(tmp_path / "wrong.gif", **settings)
     assert not (tmp_path / "wrong.gif").exists()
 
 

@@ -1,7 +1,5 @@
 """S(k) against a sum over pairs of particles, the peaks of a lattice, and density waves."""
 
-from dataclasses import replace
-
 import lammps_deformable as ld
 import numpy as np
 import pytest
@@ -15,7 +13,7 @@ def state_of(packing: ld.Packing) -> ld.DiskState:
 
 @pytest.mark.parametrize("tilt", [0.0, 0.6, -1.3])
 def test_as_a_sum_over_pairs(tilt: float) -> None:
-    packing = ld.bidisperse(10, phi=0.5, tilt=tilt, aspect=1.5, seed=4)
+    packing = ld.bidisperse(10, phi=0.5, aspect=1.5, tilt=tilt, seed=4)
     k, s = state_of(packing).structure_factor(k_max=6.0, bins=12)
     waves = 2.0 * np.pi * np.linalg.inv(packing.box).T  # rows, a_i b_j = 2 pi delta_ij
     found: list[list[float]] = [[] for _ in range(12)]
@@ -44,26 +42,26 @@ def test_the_peak_of_a_lattice() -> None:
 
 
 def test_refusals() -> None:
-    state = state_of(ld.bidisperse(10))
+    state = state_of(ld.bidisperse(10, seed=1))
     for k_max, bins, told in ((0.0, 100, "k_max"), (5.0, 0, "bins"), ("far", 100, "k_max")):
         with pytest.raises(ld.ParameterError, match=told):
             state.structure_factor(k_max, bins=bins)
     for method in (state.structure_factor, state.radial_distribution, state.hexatic_correlation):
         with pytest.raises(TypeError, match="2 positional arguments but 3 were given"):
             method(50, 5)  # the order of freud
-    walls = ld.rectangle(8.0, 8.0)
+    walls = ld.BoxWall((8.0, 8.0)).parts
     for each in (walls, walls[:2]):
-        walled = state_of(ld.bidisperse(10).between(each))
+        walled = state_of(ld.bidisperse(10, seed=1).between(each))
         with pytest.raises(ld.ParameterError, match="needs a periodic box"):
             walled.structure_factor(5.0)
-    post = ld.Disk((3.0, 3.0), 0.5)
-    around = state_of(ld.bidisperse(20, phi=0.2).between(post))
+    post = ld.Sphere(0.5, (3.0, 3.0), inside=False)
+    around = state_of(ld.bidisperse(20, phi=0.2, seed=1).between(post))
     assert np.isfinite(around.structure_factor(5.0, bins=2)[1]).all()
 
 
 @pytest.mark.parametrize("tilt", [0.0, -1.3])
 def test_density_waves_are_those_of_the_structure_factor(tilt: float) -> None:
-    packing = ld.bidisperse(10, phi=0.5, tilt=tilt, aspect=1.5, seed=4)
+    packing = ld.bidisperse(10, phi=0.5, aspect=1.5, tilt=tilt, seed=4)
     state = state_of(packing)
     wave = 2.0 * np.pi * np.linalg.inv(packing.box)[:, 1]  # a row of the reciprocal lattice
     length = float(np.hypot(*wave))
@@ -77,7 +75,7 @@ def test_density_waves_are_those_of_the_structure_factor(tilt: float) -> None:
 def test_density_waves_of_a_lattice() -> None:
     """1 at its reciprocal lattice, with the phase of where it lies, and 0 elsewhere."""
     lattice = crystal(0.01, 8, 8)
-    moved = replace(lattice, positions=lattice.positions + np.array([0.1, 0.2]))
+    moved = lattice.replace(positions=lattice.positions + np.array([0.1, 0.2]))
     side = 4.0 * np.pi / (np.sqrt(3.0) * 0.99)
     peaks = side * np.array([[0.0, 1.0], [np.sqrt(0.75), 0.5]])
     rho = state_of(moved).density_waves(peaks)
@@ -87,7 +85,7 @@ def test_density_waves_of_a_lattice() -> None:
 
 
 def test_waves_that_do_not_fit_are_refused() -> None:
-    state = state_of(ld.bidisperse(10))
+    state = state_of(ld.bidisperse(10, seed=1))
     with pytest.raises(ld.ParameterError, match="is no wave vector of the box") as error:
         state.density_waves([[1.0, 0.3]])
     nearest = eval(str(error.value).split("nearest one is ")[1])
@@ -95,6 +93,6 @@ def test_waves_that_do_not_fit_are_refused() -> None:
     for wrong in ([1.0, 0.0], np.zeros((2, 3)), "x", [[np.nan, 0.0]]):
         with pytest.raises(ld.ParameterError, match="k must"):
             state.density_waves(wrong)
-    walled = state_of(ld.bidisperse(10).between(ld.rectangle(8.0, 8.0)))
+    walled = state_of(ld.bidisperse(10, seed=1).between(ld.BoxWall((8.0, 8.0))))
     with pytest.raises(ld.ParameterError, match="needs a periodic box"):
         walled.density_waves([[0.0, 0.0]])

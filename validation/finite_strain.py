@@ -6,15 +6,14 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from lammps_deformable._checks import expect, positive
+from lammps_deformable.box import refuse_space
+from lammps_deformable.laws import root
+from lammps_deformable.shearing import sheared
+from lammps_deformable.small_strains import following, tolerance_under, unbalanced_modulus
+from lammps_deformable.starts import simulate
+from lammps_deformable.state import DiskState, DropletState, SphereState, State
 from numpy.typing import NDArray
-
-from ._checks import expect, positive
-from .box import refuse_space
-from .laws import root
-from .shearing import sheared
-from .small_strains import following, tolerance_under, unbalanced_modulus
-from .starts import simulate
-from .state import DiskState, DropletState, SphereState, State
 
 if TYPE_CHECKING:
     from collections.abc import Callable
