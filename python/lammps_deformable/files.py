@@ -526,13 +526,20 @@ def _positions(columns: dict[str, NDArray[Any]], box: Floats, origin: Floats) ->
     raise ValueError(f"it has no positions, such as x and y, among its columns {' '.join(columns)}")
 
 
-def _read_dump(path: Path, number: int) -> Particles:
+def frame_texts(path: Path) -> Sequence[slice]:
+    """Where the frames of a dump stand in its bytes."""
     with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content:
         starts = [found.start() for found in re.finditer(rb"^ITEM: TIMESTEP", content, re.M)]
-        _check_frame(number, len(starts))
-        bounds = [*starts, len(content)]
-        number %= len(starts)
-        return read_dump_frame(content[bounds[number] : bounds[number + 1]].decode())
+        return [slice(a, b) for a, b in zip(starts, [*starts[1:], len(content)], strict=True)]
+
+
+def _read_dump(path: Path, number: int) -> Particles:
+    frames = frame_texts(path)
+    _check_frame(number, len(frames))
+    place = frames[number]
+    with path.open("rb") as file:
+        file.seek(place.start)
+        return read_dump_frame(file.read(place.stop - place.start).decode())
 
 
 # Extended XYZ: a line with the number of particles, one of `key=value`, and one for each particle

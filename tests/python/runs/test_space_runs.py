@@ -10,7 +10,7 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 from lammps_deformable import Droplet, DropletSimulation, DropletState, Packing
-from lammps_deformable.cli.main import app
+from lammps_deformable.cli import app
 
 LAW = Droplet([1.0, 1.5])
 
