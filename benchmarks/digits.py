@@ -71,7 +71,7 @@ def cases(short: bool) -> Iterator[tuple[str, Callable[[], object]]]:
 
 def strained(law: df.Ring, protocol: Callable[..., Iterator[df.State]]) -> list[object]:
     """Packings, energies, stresses and areas on the way."""
-    with df.Simulation(df.jam(df.bidisperse(64)).at(0.86), law) as sim:
+    with df.Simulation(df.jam(df.bidisperse(64, seed=1)).at(0.86), law) as sim:
         states = list(protocol(sim, STRAIN, STEPS))
     return [[s.packing, s.energy, s.stress, s.area, s.contact_table["force"]] for s in states]
 
@@ -94,7 +94,7 @@ def digest(found: object) -> str:
             for each in value:
                 add(each)
         elif isinstance(value, df.Packing):
-            add([value.positions, value.box, value.radius])
+            add([value.positions, value.box, value.radii])
         else:
             total.update(np.ascontiguousarray(value, dtype=np.float64).tobytes())
 

@@ -35,7 +35,7 @@ REPEATED = (1, 4, 8)
 VERTEX_STEPS = 4_000_000
 TEMPERATURES = {"slow": 1e-14, "thermal": 5e-6}
 LONGEST = 0.085  # 14 % above the rest length
-SKIN = 0.25 * PACKING["c"]  # as the beads of `deformable compare` have it
+SKIN = 0.25 * PACKING["c"]  # as polygons of `ld.compare` have it
 STYLES = {
     "beads": f"pair_style harmonic/cut\npair_coeff * * {PACKING['kr'] / 2} {PACKING['c']}",
     "edges": f"pair_style deformable/edge {LONGEST}\npair_coeff * * {PACKING['kr']} {PACKING['c']}",

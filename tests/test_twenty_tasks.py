@@ -15,7 +15,7 @@ ROW = re.compile(r"^\| \[(?P<task>[^]]+)\]\([^)]+\) \| (?P<calls>`.+`) \| \d \|$
 ROWS = ROW.findall(PAGE.read_text().partition("## Twenty tasks")[2])
 SMALLER = {
     "bidisperse(64": "bidisperse(16",
-    "rectangle(12, 12)": "rectangle(6, 6)",
+    "BoxWall((12, 12))": "BoxWall((6, 6))",
     "r_max=3.0": "r_max=1.5",
 }
 

@@ -20,7 +20,7 @@ NUMBER = 200
 RADII = (0.4, 0.6)  # the mean diameter is 1, as all masses are
 GRAIN = ld.Ring(kA=math.inf, kP=0.0, tension=1.0, reach=1.0)  # keeps its area
 STIFFNESS = 4 * math.pi / 3  # of a contact, 2 pi tension/(3 R)
-CONTACT = {"kt": 2.0, "gt": 0.3, "damp": 0.5}
+CONTACT = {"kt": 2.0, "gt": 0.3, "damping": 0.5}
 STEP = 0.05  # of time
 
 # Pressure over stiffness of a contact, and coefficient of friction.

@@ -25,9 +25,7 @@ def mixture(seed):
     angle = rng.uniform(0, 2 * np.pi, NUMBER)
     place = np.column_stack([distance * np.cos(angle), distance * np.sin(angle)])
     kinds = np.arange(NUMBER) % 2
-    cells = ld.Packing(
-        place, np.asarray([0.5, 0.5])[kinds], np.eye(2), species=kinds, walls=[container]
-    )
+    cells = ld.Packing(place, 0.5, np.eye(2), species=kinds, walls=[container])
     return cells.push_off()
 
 

@@ -65,6 +65,9 @@ app = typer.Typer(
     rich_markup_mode=None,
 )
 
+# Exit code of typer after Ctrl-C.
+_INTERRUPTED = 130
+
 STYLES = (
     ("pair", "deformable/ring"),
     ("pair", "deformable/sector"),
@@ -322,7 +325,7 @@ def jam_command(
     began = time.perf_counter()
     material = material.usual(given)
     material.check(given, "number", "seed")
-    folder = refuse_run(out, overwrite)
+    folder = refuse_run(out, overwrite, _WAYS_OUT[1:])
     dimension, law = int(material.dimension or 2), material.contact_law()
     if material.from_file is None:
         start = bidisperse(number, seed=seed, dimension=dimension)

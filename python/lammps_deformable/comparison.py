@@ -21,7 +21,7 @@ from mpi4py import MPI
 from numpy.typing import ArrayLike, NDArray
 
 from . import core
-from ._checks import count, expect
+from ._checks import count, expect, shown
 from ._files import make_folder
 from .box import cartesian, fractional
 from .contacts import without_rattlers
@@ -237,7 +237,8 @@ def _begin(start: Any, strain: float, steps: int) -> tuple[Packing | State, floa
     """Where a comparison begins, its strain and steps."""
     if isinstance(start, (Packing, State)):
         return start, strain, steps
-    expect("start", start, Sequence)
+    if not hasattr(start, "__getitem__"):
+        raise ParameterError(f"start must be a packing, a state or a run, not {shown(start)}")
     first, last = start[0], start[-1]
     whole = first.packing.box
     strain = 1.0 - float(last.packing.box[0, 0] / whole[0, 0])

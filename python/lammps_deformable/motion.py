@@ -455,8 +455,11 @@ def _begin(sim: Any, settings: Mapping[str, Any]) -> tuple[Any, dict[str, Any]]:
         if sim.directions is None or len(sim.directions) != number:
             angles = np.random.default_rng(of_start).uniform(-np.pi, np.pi, number)
             sim.directions = unit_vectors(angles)
-    states = math.ceil(settings["steps"] / settings["every"])
-    return _with_directions(sim, dynamics), {"step": step, "states": states}
+    start = {"step": step, "states": math.ceil(settings["steps"] / settings["every"])}
+    state = _with_directions(sim, dynamics)
+    if settings.get("pressure") is None:
+        start["timestep"] = dynamics.timestep or dynamics.default_step(state)
+    return state, start
 
 
 def _with_directions(sim: Any, dynamics: Dynamics) -> Any:
@@ -465,7 +468,7 @@ def _with_directions(sim: Any, dynamics: Dynamics) -> Any:
 
 
 def _moved(
-    sim: Any, settings: Mapping[str, Any], start: Mapping[str, Any], done: int, before: Any
+    sim: Any, settings: Mapping[str, Any], start: dict[str, Any], done: int, before: Any
 ) -> Iterator[Any]:
     """The states after the steps that remain."""
     dynamics, begun = _dynamics(sim, settings), sim._begun
@@ -475,7 +478,7 @@ def _moved(
     if pressure is not None:
         yield from _settled(sim, dynamics, settings, done, state)
         return
-    dt = dynamics.timestep or dynamics.default_step(state)
+    dt = start["timestep"]
     with balanced_to(sim, state.packing, settings["balance"]), moving(sim, dynamics, of_noise):
         for taken, look in _pieces(settings, done, _LOOK):
             if not dynamics.timestep and dt > _ENOUGH * dynamics.longest_step(state):
@@ -484,6 +487,7 @@ def _moved(
             advance(sim, dynamics, look, dt)
             state = _with_directions(sim, dynamics)
             if taken is not None:
+                start["timestep"] = dt
                 yield state
                 refuse_restarted(sim, begun)
 

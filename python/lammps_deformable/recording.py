@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import closing
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -43,11 +44,12 @@ class Protocol(NamedTuple):
             and what its steps must know of the start, which JSON can hold: `states` is their
             number at most.
         go: the states after the steps that remain, from simulation, settings, start, the number of
-            steps done, and the state before, or None if that is not known.
+            steps done, and the state before, or None if that is not known. It may write into the
+            start what later steps must know.
     """
 
     begin: Callable[[Any, Mapping[str, Any]], tuple[Any, dict[str, Any]]]
-    go: Callable[[Any, Mapping[str, Any], Mapping[str, Any], int, Any], Iterator[Any]]
+    go: Callable[[Any, Mapping[str, Any], dict[str, Any], int, Any], Iterator[Any]]
 
 
 def protocol_of(name: str) -> Protocol:
@@ -126,9 +128,10 @@ def play(
     _ = sim.lmp  # or say that it is closed
     folder, first, before = _taken(sim, name, record, mode)
     state, start = protocol_of(name).begin(sim, settings)
+    start = {"frame": max(first, 1)} | start
     told: dict[str, Any] = {**(parameters or {}), "protocol": name, **settings}
     if folder is not None and not has_commands_of_a_user(sim.lmp, sim._setup):
-        told["start"] = {"frame": max(first, 1)} | start
+        told["start"] = start
     told |= before
     if folder is not None and state.root:
         if mode == "a":
@@ -157,6 +160,8 @@ def resume(run: Run, sim: Any, callback: Callback | None = None) -> None:
     assert run.folder is not None
     assert done is not None
     store.check_frames(run.folder)
+    if sim.comm.rank == 0:
+        store.keep_frames(run.folder, store.frames_in(run.folder))
     if done and "seed" not in told:
         sim.relax(np.finfo(float).max)  # relaxed already: this only finds whether it is rigid
         packing, *_ = store.read(run.folder)
@@ -211,7 +216,7 @@ def _taken(
 def _steps(
     sim: Any,
     told: dict[str, Any],
-    start: Mapping[str, Any],
+    start: dict[str, Any],
     done: int,
     first: int,
     before: Any,
@@ -240,7 +245,8 @@ def _steps(
     number, state = first + done - 1, None
     title = told["protocol"]
     with closing(source), progress(title, "state", start["states"], initial=done) as bar:
-        for number, state in enumerate(source, start=first + done):
+        remaining = islice(source, start["states"] - done)
+        for number, state in enumerate(remaining, start=first + done):
             if folder is not None and state.root:
                 _write(folder, number, state, told)
             if not keep:
@@ -260,7 +266,7 @@ def _each_anew(
     sim: Any,
     go: Callable[..., Iterator[Any]],
     told: Mapping[str, Any],
-    start: Mapping[str, Any],
+    start: dict[str, Any],
     done: int,
     state: Any,
 ) -> Iterator[Any]:

@@ -253,7 +253,7 @@ def state_in_file(
         reach: dict[str, Any] = {"reach": told.reach}
         chosen = replace(chosen, **reach)
     if radii is None:
-        packing = packing.replace(radii=sizes[packing.species])
+        packing = Packing._of_species(packing.positions, packing.species, sizes, packing.box)
     with Simulation(packing, chosen, MPI.COMM_SELF) as sim:
         return sim.state()
 
@@ -355,9 +355,11 @@ def _recorded_state(
     if kind is State:
         known |= {"films": motion.films, "directions": motion.directions, "friction": friction}
         known |= {"lost_energy": float(row["lost_energy"])}
-        if friction is None:
-            known["rubbing"] = None
-    known["_missing"] = partial(_evaluated, packing, law, friction, motion)
+    if friction is None:
+        known |= {"rubbing": None} if kind is State else {}
+        known["_missing"] = partial(_evaluated, packing, law, friction, motion)
+    else:  # forces along contacts are not in the frame
+        known = vars(_evaluated(packing, law, friction, motion)) | known
     for array in known.values():
         if isinstance(array, np.ndarray):
             array.setflags(write=False)

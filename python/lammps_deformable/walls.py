@@ -126,10 +126,6 @@ class Wall(ABC):
             )
         object.__setattr__(self, name, tuple(point.tolist()))
 
-    def _set_radius(self) -> None:
-        radius = positive(f"radius of a {type(self).__name__}", getattr(self, "radius"))  # noqa: B009
-        object.__setattr__(self, "radius", radius)
-
 
 @dataclass(frozen=True, repr=False)
 class Plane(Wall):
@@ -162,32 +158,57 @@ class Plane(Wall):
 
     @property
     def dimension(self) -> int:
-        """2, or 3 in space."""
         return len(self.normal)
 
     @property
     def values(self) -> tuple[float, ...]:
-        """The numbers after LAMMPS' word."""
         return (*self.origin, *self.normal)
 
     def half_spaces(self, around: float = 1.0) -> list[HalfSpace]:
-        """The points on the side of the particles."""
         out = -np.array(self.normal) / lengths(np.array(self.normal))
         return [(out, float(out @ self.origin))]
 
     def add_to(self, scene: Any) -> None:
-        """Add it to a scene of `ld.core`."""
         scene.add_plane(*self.values)
 
     def stretched(self, *factors: float) -> Plane:
-        """The plane after each coordinate is multiplied by its factor."""
         others = (math.prod(factors[:k] + factors[k + 1 :]) for k in range(len(factors)))
         normal = _scaled(self.normal, tuple(others))
         return replace(self, origin=_scaled(self.origin, factors), normal=normal)
 
 
+class _Round(Wall):
+    """A sphere, or a cylinder."""
+
+    radius: float
+    origin: Point | float
+
+    @property
+    def middle(self) -> Floats:
+        return np.array(self.origin)
+
+    @property
+    def extent(self) -> float:
+        return self.radius
+
+    def half_spaces(self, around: float = 1.0) -> list[HalfSpace]:
+        if not self.inside:
+            return []
+        units = [np.eye(self.dimension)[axis] for axis in self.round_axes]
+        size = around * self.radius
+        return [(n, float(n @ self.middle) + size) for n in (*units, *(-n for n in units))]
+
+    def stretched(self, *factors: float) -> Wall:
+        origin, radius = _scaled(self.middle, factors), self.radius * factors[self.round_axes[0]]
+        return replace(self, origin=origin, radius=radius)  # type: ignore[call-arg]
+
+    def _set_radius(self) -> None:
+        radius = positive(f"radius of a {type(self).__name__}", self.radius)
+        object.__setattr__(self, "radius", radius)
+
+
 @dataclass(frozen=True, repr=False)
-class Sphere(Wall):
+class Sphere(_Round):
     """A round wall: a sphere in space, a circle in the plane.
 
     Attributes:
@@ -214,58 +235,31 @@ class Sphere(Wall):
         super().__post_init__()
 
     def placed(self, dimension: int) -> Sphere:
-        """The wall in a packing of this dimension."""
         return self if self.dimension else replace(self, origin=(0.0,) * dimension)
 
     @property
     def dimension(self) -> int:
-        """2, 3 in space, 0 if it is around 0."""
         return np.size(self.origin) if np.ndim(self.origin) else 0
 
     @property
     def kind(self) -> str:
-        """LAMMPS' word."""
         names = ("disk", "circle") if self.dimension == 2 else ("ball", "sphere")
         return names[self.inside]
 
     @property
     def values(self) -> tuple[float, ...]:
-        """The numbers after LAMMPS' word."""
         return (*self.middle.tolist(), self.radius)
 
-    @property
-    def middle(self) -> Floats:
-        """Its center, shape (d,) [length]."""
-        return np.array(self.origin)
-
-    @property
-    def extent(self) -> float:
-        """Its radius [length]."""
-        return self.radius
-
-    def half_spaces(self, around: float = 1.0) -> list[HalfSpace]:
-        """A square, or cube, around a container."""
-        if not self.inside:
-            return []
-        return _square(self.middle, around * self.radius, range(self.dimension))
-
     def add_to(self, scene: Any) -> None:
-        """Add it to a scene of `ld.core`."""
         scene.add_round(*self.values, self.inside)
 
     @property
     def round_axes(self) -> tuple[int, ...]:
-        """All axes."""
         return tuple(range(self.dimension))
-
-    def stretched(self, *factors: float) -> Sphere:
-        """The wall after all coordinates are multiplied by these equal factors."""
-        origin = _scaled(tuple(self.middle.tolist()), factors)
-        return replace(self, origin=origin, radius=self.radius * factors[0])
 
 
 @dataclass(frozen=True, repr=False)
-class Cylinder(Wall):
+class Cylinder(_Round):
     """A tube without ends in space. Planes may close it, or it goes on with the box.
 
     Attributes:
@@ -295,7 +289,6 @@ class Cylinder(Wall):
 
     @property
     def kind(self) -> str:
-        """LAMMPS' word."""
         return "cylinder" if self.inside else "post"
 
     @property
@@ -305,36 +298,14 @@ class Cylinder(Wall):
 
     @property
     def values(self) -> tuple[float, ...]:
-        """The numbers after LAMMPS' word."""
         return (*self.middle.tolist(), *self.direction, self.radius)
 
-    @property
-    def middle(self) -> Floats:
-        """A point of its axis, shape (3,) [length]."""
-        return np.array(self.origin)
-
-    @property
-    def extent(self) -> float:
-        """Its radius [length]."""
-        return self.radius
-
-    def half_spaces(self, around: float = 1.0) -> list[HalfSpace]:
-        """Four planes around a container."""
-        return _square(self.middle, around * self.radius, self.round_axes) if self.inside else []
-
     def add_to(self, scene: Any) -> None:
-        """Add it to a scene of `ld.core`."""
         scene.add_cone(*self.values, 0.0, self.inside)
 
     @property
     def round_axes(self) -> tuple[int, ...]:
-        """The axes across its own."""
         return tuple(k for k, axis in enumerate("xyz") if axis != self.axis)
-
-    def stretched(self, *factors: float) -> Cylinder:
-        """The wall after the coordinates are multiplied by these factors, equal across it."""
-        radius = self.radius * factors[self.round_axes[0]]
-        return replace(self, origin=_scaled(tuple(self.middle.tolist()), factors), radius=radius)
 
 
 @dataclass(frozen=True, repr=False)
@@ -381,7 +352,6 @@ class Cone(Wall):
 
     @property
     def values(self) -> tuple[float, ...]:
-        """The numbers after LAMMPS' word: of a point one unit of length from the tip."""
         x, y, z = self.middle.tolist()
         return (
             x,
@@ -396,7 +366,6 @@ class Cone(Wall):
 
     @property
     def middle(self) -> Floats:
-        """Its tip, shape (3,) [length]."""
         return np.array(self.tip)
 
     def radius_at(self, z: float) -> float:
@@ -404,7 +373,6 @@ class Cone(Wall):
         return max(self.slope * (z - float(self.middle[2])), 0.0)
 
     def half_spaces(self, around: float = 1.0) -> list[HalfSpace]:
-        """Four planes around it, which lean."""
         slant = float(np.hypot(1.0, self.slope))
         rows = [
             np.array([x, y, -self.slope]) / slant for x, y in ((1, 0), (-1, 0), (0, 1), (0, -1))
@@ -412,18 +380,15 @@ class Cone(Wall):
         return [(n, float(n @ self.middle)) for n in rows]
 
     def add_to(self, scene: Any) -> None:
-        """Add it to a scene of `ld.core`."""
         scene.add_cone(*self.values, True)
 
     @property
     def round_axes(self) -> tuple[int, ...]:
-        """The axes across its own."""
         return (0, 1)
 
     def stretched(self, *factors: float) -> Cone:
-        """The cone after the coordinates are multiplied by these factors, equal across it."""
         across, _, along = factors
-        tip = _scaled(tuple(self.middle.tolist()), factors)
+        tip = _scaled(self.middle, factors)
         return replace(self, tip=tip, angle=math.atan(abs(self.slope) * across / along))
 
 
@@ -435,22 +400,18 @@ class _Cornered(Wall):
 
     @property
     def values(self) -> tuple[float, ...]:
-        """The numbers after LAMMPS' word, and after the number of corners of a polygon."""
         return tuple(value for corner in self.corners for value in corner)
 
     def add_to(self, scene: Any) -> None:
-        """Add it to a scene of `ld.core`."""
         scene.add_polygon(*np.transpose(self.corners))
 
     @property
     def middle(self) -> Floats:
-        """Mean of the corners, shape (2,) [length]."""
         middle: Floats = np.mean(self.corners, axis=0)
         return middle
 
     @property
     def extent(self) -> float:
-        """Radius of a circle around it, about the middle [length]."""
         return float(np.linalg.norm(self.corners - self.middle, axis=1).max())
 
     def _check_convex(self) -> None:
@@ -494,7 +455,6 @@ class Segment(_Cornered):
         return self.a, self.b
 
     def stretched(self, *factors: float) -> Segment:
-        """The segment after each coordinate is multiplied by its factor."""
         return replace(self, a=_scaled(self.a, factors), b=_scaled(self.b, factors))
 
 
@@ -530,7 +490,6 @@ class PolygonWall(_Cornered):
 
     @property
     def parts(self) -> tuple[Wall, ...]:
-        """The walls that stand for it in a packing: itself, or its sides."""
         if not self.inside:
             return (self,)
         sides = []
@@ -541,7 +500,6 @@ class PolygonWall(_Cornered):
         return tuple(sides)
 
     def stretched(self, *factors: float) -> PolygonWall:
-        """The polygon after each coordinate is multiplied by its factor."""
         return replace(self, corners=tuple(_scaled(corner, factors) for corner in self.corners))
 
 
@@ -587,12 +545,10 @@ class BoxWall(Wall):
 
     @property
     def dimension(self) -> int:
-        """2, or 3 in space."""
         return len(self.lengths)
 
     @property
     def parts(self) -> tuple[Wall, ...]:
-        """The walls that stand for it in a packing: its sides, or a polygon."""
         low = np.array(self.origin)
         units, high = np.eye(self.dimension), low + self.lengths
         if not self.inside:
@@ -607,29 +563,20 @@ class BoxWall(Wall):
 
     @property
     def values(self) -> tuple[float, ...]:
-        """Of its parts."""
         return tuple(value for part in self.parts for value in part.values)
 
     def add_to(self, scene: Any) -> None:
-        """Add its parts to a scene of `ld.core`."""
         for part in self.parts:
             part.add_to(scene)
 
     def stretched(self, *factors: float) -> BoxWall:
-        """The box after each coordinate is multiplied by its factor."""
-        origin = _scaled(tuple(np.array(self.origin).tolist()), factors)
+        origin = _scaled(np.array(self.origin), factors)
         return replace(self, lengths=_scaled(self.lengths, factors), origin=origin)
 
 
-def _scaled(point: Point, factors: Point) -> Point:
+def _scaled(point: Point | Floats, factors: Point) -> Point:
     """A point with its coordinates multiplied by one factor each."""
-    return tuple(x * factor for x, factor in zip(point, factors, strict=True))
-
-
-def _square(middle: Floats, size: float, axes: Iterable[int]) -> list[HalfSpace]:
-    """A square or cube around a round container, across these axes."""
-    units = [np.eye(len(middle))[axis] for axis in axes]
-    return [(n, float(n @ middle) + size) for n in (*units, *(-n for n in units))]
+    return tuple(float(x) * factor for x, factor in zip(point, factors, strict=True))
 
 
 def _axis_of(name: str, given: ArrayLike, letters: str) -> Floats:

@@ -13,18 +13,18 @@ point = st.tuples(coordinate, coordinate)
 CENTER = st.tuples(st.floats(-1, 1), st.floats(-1, 1))
 rooms = st.one_of(
     st.just([]),
-    st.tuples(st.just("Circle"), CENTER, st.floats(5, 9)).map(lambda c: [c]),
-    st.tuples(st.just("rectangle"), st.floats(7, 14), st.floats(7, 14), point).map(lambda r: [r]),
+    st.tuples(st.just("Sphere"), st.floats(5, 9), CENTER).map(lambda c: [c]),
+    st.tuples(st.just("BoxWall"), st.tuples(*[st.floats(7, 14)] * 2), point).map(lambda r: [r]),
     st.tuples(st.just("channel"), st.floats(7, 14)).map(lambda c: [c]),
     st.lists(st.tuples(st.just("Plane"), point, point), max_size=4),
 )
 obstacles = st.one_of(
-    st.tuples(st.just("Disk"), point, size),
-    st.tuples(st.just("Circle"), point, size),
+    st.tuples(st.just("obstacle"), size, point),
+    st.tuples(st.just("Sphere"), size, point),
     st.tuples(st.just("Segment"), point, point),
-    st.tuples(st.just("Polygon"), st.lists(point, min_size=2, max_size=5)),
+    st.tuples(st.just("PolygonWall"), st.lists(point, min_size=2, max_size=5)),
     st.tuples(GOOD, GOOD, st.floats(0.3, 2)).map(
-        lambda t: ("Polygon", [(t[0], t[1]), (t[0] + t[2], t[1]), (t[0], t[1] + t[2])])
+        lambda t: ("PolygonWall", [(t[0], t[1]), (t[0] + t[2], t[1]), (t[0], t[1] + t[2])])
     ),
 )
 scenes = st.tuples(rooms, st.lists(obstacles, max_size=4)).map(lambda parts: parts[0] + parts[1])
@@ -32,23 +32,23 @@ scenes = st.tuples(rooms, st.lists(obstacles, max_size=4)).map(lambda parts: par
 spot = st.tuples(coordinate, coordinate, coordinate)
 space_rooms = st.one_of(
     st.just([]),
-    st.tuples(st.just("Sphere"), st.tuples(*[st.floats(-1, 1)] * 3), st.floats(4, 9)).map(list)
+    st.tuples(st.just("Sphere"), st.floats(4, 9), st.tuples(*[st.floats(-1, 1)] * 3))
     .map(lambda s: [s]),
-    st.tuples(st.just("cuboid"), *[st.floats(5, 12)] * 3, spot).map(lambda c: [c]),
-    st.tuples(st.just("Cylinder"), spot, st.floats(3, 9), st.sampled_from("xyzw"))
+    st.tuples(st.just("BoxWall"), st.tuples(*[st.floats(5, 12)] * 3), spot).map(lambda c: [c]),
+    st.tuples(st.just("Cylinder"), st.floats(3, 9), st.sampled_from("xyzw"), spot)
     .map(lambda c: [c]),
-    st.tuples(spot, st.floats(0.3, 3), st.floats(0.2, 2), st.floats(5, 12)).map(
-        lambda t: [("Cone", *t[:3]), ("Plane", t[0], (0, 0, 1)),
+    st.tuples(spot, st.floats(0.3, 3), st.floats(0.2, 1.1), st.floats(5, 12)).map(
+        lambda t: [("Cone", (*t[0][:2], -t[1]), "z", t[2]), ("Plane", 0, (0, 0, 1)),
                    ("Plane", (0, 0, t[3]), (0, 0, -1))]),
     st.lists(st.tuples(st.just("Plane"), spot, spot), max_size=4),
 )  # fmt: skip
 posts = st.one_of(
-    st.tuples(st.just("Ball"), spot, size),
-    st.tuples(st.just("Post"), spot, size, st.sampled_from("xyzw")),
-    st.tuples(st.just("Sphere"), spot, size),
-    st.tuples(st.just("Cone"), spot, size, coordinate),
+    st.tuples(st.just("obstacle"), size, spot),
+    st.tuples(st.just("post"), size, st.sampled_from("xyzw"), spot),
+    st.tuples(st.just("Sphere"), size, spot),
+    st.tuples(st.just("Cone"), spot, st.sampled_from(["z", "-z", "x"]), coordinate),
     st.tuples(st.just("Plane"), spot, spot),
-    st.tuples(st.just("Disk"), point, size),
+    st.tuples(st.just("obstacle"), size, point),
 )
 space_scenes = st.tuples(space_rooms, st.lists(posts, max_size=3)).map(
     lambda parts: parts[0] + parts[1]
@@ -59,8 +59,10 @@ def build(ld, parts):
     """The walls of such a scene."""
     walls = []
     for kind, *values in parts:
-        if kind in ("rectangle", "cuboid"):
-            walls += getattr(ld, kind)(*values)
+        if kind == "obstacle":
+            walls.append(ld.Sphere(*values, inside=False))
+        elif kind == "post":
+            walls.append(ld.Cylinder(*values, inside=False))
         elif kind == "channel":
             half = values[0] / 2
             walls += [ld.Plane((0, s * half), (0, -s)) for s in (1, -1)]

@@ -34,12 +34,13 @@ def independent() -> ld.PolygonState:
     radii = np.unique(REFERENCE["radius"])
     packing = ld.Packing(
         [outline.mean(axis=0) for outline in outlines],
-        np.asarray(radii)[np.searchsorted(radii, REFERENCE["radius"])],
+        REFERENCE["radius"],
         REFERENCE["box"] * np.eye(2),
         species=np.searchsorted(radii, REFERENCE["radius"]),
     )
     model = ld.DeformablePolygon(
         vertices=[len(outlines[REFERENCE["radius"].index(radius)]) for radius in radii],
+        smooth=False,
         radius=REFERENCE["bead_radius"],
         **{name: REFERENCE[name] for name in ("kL", "kA", "kr")},
     )
@@ -114,11 +115,11 @@ def test_balanced_law_on_the_independent_packing(independent: ld.PolygonState) -
 def test_circles_on_the_independent_packing(independent: ld.PolygonState) -> None:
     packing = independent.packing
     errors = []
-    for outline, center, kind in zip(
-        independent.outlines, packing.positions, packing.species, strict=True
+    for outline, center, kind, radius in zip(
+        independent.outlines, packing.positions, packing.species, packing.radii, strict=True
     ):
         circle = core.outline("ring", independent.polygons.radius[kind], [], [], 1440)
-        errors.append(shape_error(outline - center, circle, packing.radii[kind]))
+        errors.append(shape_error(outline - center, circle, radius))
     assert np.mean(errors) == pytest.approx(7.690e-3, abs=1e-6)
 
 
@@ -284,11 +285,12 @@ def test_laws_at_given_centers_have_no_time(small: ld.PolygonState) -> None:
         ld.compare(small).plot()
 
 
-def test_a_run_is_compared_from_its_start(jammed: ld.Packing) -> None:
+def test_a_run_is_compared_from_its_start(jammed: ld.Packing, tmp_path: Path) -> None:
     """Its law, with the kP of polygons in the place of an infinite one; its strain and steps."""
     law = ld.Ring(kA=2.0)
     with ld.Simulation(jammed, law) as sim:
-        run = [sim.state(), *sim.compress(strain=0.02, steps=2)[1:]]
+        sim.compress(record=tmp_path / "run", strain=0.02, steps=2)
+    run = ld.Run(tmp_path / "run")
     found = ld.compare(run, law=law, vertices=(76,), workers=1)
     assert [row["method"] for row in found.rows] == ["disk", "balanced", "reference"]
     strains = [row["strain"] for row in found.steps if row["own"]]

@@ -1,4 +1,4 @@
-"""What examples/emulsion_3d/README.md says follows from the committed measurements.
+"""What validation/emulsion_3d/README.md says follows from the committed measurements.
 
 Run as a script, this writes tables and sentences into the page, and both logs.
 """

@@ -1,4 +1,4 @@
-"""The tables in docs/jamming show what docs/jamming.md says."""
+"""The tables in validation/jamming show what docs/jamming.md says."""
 
 import itertools
 import json

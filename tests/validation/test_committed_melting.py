@@ -1,4 +1,4 @@
-"""What docs/melting.md and the example's README say follows from the committed measurements.
+"""What docs/melting.md and the README of the study say follows from the committed measurements.
 
 Run as a script, this writes tables and sentences into the page.
 """

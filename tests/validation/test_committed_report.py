@@ -1,4 +1,4 @@
-"""The report in docs/report agrees with README and docs; `slow` tests measure again."""
+"""The report in validation/report agrees with README and docs; `slow` tests measure again."""
 
 import json
 import math

@@ -37,6 +37,7 @@ def of(rows: list[dict[str, Any]], **values: Any) -> list[dict[str, Any]]:
     return [row for row in rows if all(row[key] == value for key, value in values.items())]
 
 
+@pytest.mark.slow
 def test_rows_have_all_values(rows: list[dict[str, Any]]) -> None:
     assert all(row.keys() == KEYS for row in rows)
     assert [row["strain"] for row in of(rows, law="balanced", own=True)] == [0.01, 0.02]
@@ -51,6 +52,7 @@ def test_rows_have_all_values(rows: list[dict[str, Any]]) -> None:
         assert row["seconds"] > 0.0
 
 
+@pytest.mark.slow
 def test_the_balanced_law_is_right_on_its_own(rows: list[dict[str, Any]]) -> None:
     """1.005 to 1.007 with 160 vertices; 80 of them have 0.4 % less energy at 2 %."""
     for own in (True, False):
@@ -64,6 +66,7 @@ def test_the_balanced_law_is_right_on_its_own(rows: list[dict[str, Any]]) -> Non
     assert 0.0 < own_row["distance"] < 3e-3
 
 
+@pytest.mark.slow
 def test_curved_lines_remove_the_error(rows: list[dict[str, Any]]) -> None:
     """What is left is the 0.4 % by which polygons of 80 vertices are too soft."""
     (balanced,) = of(rows, law="balanced", own=True, strain=0.02)
@@ -73,6 +76,7 @@ def test_curved_lines_remove_the_error(rows: list[dict[str, Any]]) -> None:
         assert curved[key] < balanced[key]
 
 
+@pytest.mark.slow
 def test_other_laws_are_farther_off(rows: list[dict[str, Any]]) -> None:
     for strain in (0.01, 0.02):
         best = of(rows, law="balanced", own=False, strain=strain)[0]
@@ -82,6 +86,7 @@ def test_other_laws_are_farther_off(rows: list[dict[str, Any]]) -> None:
                 assert row[key] > 5.0 * best[key]
 
 
+@pytest.mark.slow
 def test_fewer_vertices_are_farther_off_than_the_law(rows: list[dict[str, Any]]) -> None:
     """At 2 % strain, 40 vertices are off by 1.8 % in energy against 80, and the law by 1 %."""
     (rival,) = of(rows, law="smooth", strain=0.02)
@@ -91,6 +96,7 @@ def test_fewer_vertices_are_farther_off_than_the_law(rows: list[dict[str, Any]])
         assert abs(rival[key] - exact) > abs(law[key] - exact)
 
 
+@pytest.mark.slow
 def test_rings_that_interlock_are_farther_off() -> None:
     """Smooth and bead polygons of 40 against 80 smooth vertices."""
     rivals = [standard_polygons(40, smooth=smooth) for smooth in (True, False)]
@@ -101,6 +107,7 @@ def test_rings_that_interlock_are_farther_off() -> None:
     assert 0.0 < smooth["I"] < bead["I"]
 
 
+@pytest.mark.slow
 def test_rings_against_themselves_have_no_error() -> None:
     rows = smooth_rows(8, 1, 40, 0.02, 1, [standard_polygons(40)])
     (row,) = of(rows, law="smooth")
@@ -123,6 +130,7 @@ def test_whole_compression(seed: int) -> None:
         assert row["energy_ratio"] == pytest.approx(there["energy_ratio"], abs=1e-3)
 
 
+@pytest.mark.slow
 def test_smooth_polygons_slide_and_bead_polygons_catch() -> None:
     """Rough rows of spacing s ride up and down beads: slopes of +-(s/2)/sqrt(4p^2 - s^2/4)."""
     smooth, bead = (sliding(standard_polygons(40, smooth=kind), turns=6) for kind in (True, False))
@@ -143,6 +151,7 @@ def test_friction_falls_with_vertices() -> None:
     assert smooth["friction"] < 0.005
 
 
+@pytest.mark.slow
 def test_smooth_polygons_come_back() -> None:
     rows = hysteresis(6, 1, standard_polygons(80), 0.03, 3)
     assert [row["strain"] for row in rows] == pytest.approx([0.01, 0.02])
@@ -165,6 +174,7 @@ def test_poles_of_rings_that_slide() -> None:
         sliding(standard_polygons(42))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("indentation", [0.01, 0.03])
 def test_a_crystal_of_smooth_polygons_tends_to_the_exact_energy(indentation: float) -> None:
     rows = [crystal_row(standard_polygons(count), indentation) for count in (80, 160)]

@@ -1,4 +1,4 @@
-"""The example of grains that leave a silo: what holds for every run, and its figures."""
+"""The study of grains that leave a silo: what holds for every run, and its figures."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""The example of disordered crystals: limits that are known exactly, and its small run."""
+"""The study of disordered crystals: limits that are known exactly, and its small run."""
 
 import json
 import math

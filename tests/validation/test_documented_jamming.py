@@ -1,4 +1,4 @@
-"""Tables of docs/jamming.md have the numbers of docs/jamming.
+"""Tables of docs/jamming.md have the numbers of validation/jamming.
 
 Run as a script, this writes them into the page.
 """

@@ -1,4 +1,4 @@
-"""Tables of README.md and of docs have the numbers of docs/report/report.json.
+"""Tables of README.md and of docs have the numbers of validation/report/report.json.
 
 Run as a script, this writes the numbers of the report into the pages.
 """

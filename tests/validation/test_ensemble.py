@@ -100,6 +100,7 @@ def test_means_and_their_errors() -> None:
     assert summary["packings"] == 3
 
 
+@pytest.mark.slow
 def test_rings_follow_a_cubic_law_and_disks_a_linear_one() -> None:
     """One packing of 12: until its contacts change, S and overlap are quadratic and linear."""
     for law, pressure, power in (("disk", 1e-7, 1.0), ("radical", 1e-16, 3.0)):

@@ -21,6 +21,7 @@ def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path / "run"
 
 
+@pytest.mark.slow
 def test_it_keeps_what_it_has(run: Path, capsys: pytest.CaptureFixture[str]) -> None:
     ask = ("8", "--seeds", "2")
     ensemble("10", *ask)
@@ -59,6 +60,7 @@ def test_it_keeps_what_is_done_when_it_fails(run: Path, monkeypatch: pytest.Monk
     assert [row["seed"] for row in jamming.read_table(run / "table.csv")] == [1, 2, 3, 4]
 
 
+@pytest.mark.slow
 def test_it_follows_packings_upwards(run: Path, capsys: pytest.CaptureFixture[str]) -> None:
     ask = ("8", "--seeds", "1", "--pressure", "1e-7")
     ensemble(*ask)
@@ -73,6 +75,7 @@ def test_it_follows_packings_upwards(run: Path, capsys: pytest.CaptureFixture[st
     assert (run / "scaling.png").stat().st_size > 5_000
 
 
+@pytest.mark.slow
 def test_packings_are_saved(run: Path) -> None:
     """Also those that are in the table already."""
     ask = ("8", "--law", "radical", "--seeds", "2")
@@ -112,6 +115,7 @@ def test_names_of_laws_in_tables() -> None:
         assert excess_coordination(row) == pytest.approx(1.0)
 
 
+@pytest.mark.slow
 def test_spheres_and_droplets_touch_at_the_same_phi(run: Path) -> None:
     for law in ("sphere", "droplet"):
         ensemble("12", "--law", law, "--seeds", "1", "--pressure", "1e-7")

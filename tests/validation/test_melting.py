@@ -1,4 +1,4 @@
-"""The example of melting: limits that are known exactly, what it measures, and its small run.
+"""The study of melting: limits that are known exactly, what it measures, and its small run.
 
 Means of motions are compared within 5 of their standard errors, by blocks that are longer than the
 time in which the bath forgets, so that no processor and no seed decides.

@@ -23,7 +23,7 @@ def sweep() -> list[Squeezed]:
     return paper.stiffness_sweep((1.0, 1e2, 1e4), [0.01, 0.02, 0.03], number=96, workers=1)
 
 
-@pytest.mark.slow  # tests/test_committed_report.py has the rows of the report
+@pytest.mark.slow  # test_committed_report.py has the rows of the report
 @pytest.mark.parametrize(("sides", "indentation"), [(3, 0.01), (4, 0.03)])
 def test_sector_is_right_where_walls_stick(sides: int, indentation: float) -> None:
     # in steps of 0.005 the quadrangle has 1.07e-4
@@ -32,6 +32,7 @@ def test_sector_is_right_where_walls_stick(sides: int, indentation: float) -> No
     assert result.shape_error("sector") < 0.5 * result.shape_error("ring, kP inf")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sides", IRREGULAR)
 def test_ring_is_right_where_walls_slip(sides: int) -> None:
     [result] = squeeze(IRREGULAR[sides], [0.05], PAPER, stick=False)
@@ -41,6 +42,7 @@ def test_ring_is_right_where_walls_slip(sides: int) -> None:
     assert paper.steiner_error(result) < 0.5 * result.shape_error("ring, kP inf")
 
 
+@pytest.mark.slow
 def test_error_falls_with_stiffness_and_grows_with_indentation(sweep: list[Squeezed]) -> None:
     error = np.array([r.shape_error("sector") for r in sweep]).reshape(3, 3)
     assert (np.diff(error, axis=0) < 0.0).all()
@@ -69,11 +71,13 @@ def test_the_ring_law_has_the_stiffness_of_the_springs(kL: float) -> None:
     assert abs(off) / exact < np.pi**2 / (3.0 * 192**2 * 0.02) + 1e-3
 
 
+@pytest.mark.slow
 def test_sweep_keeps_the_order_of_its_arguments(sweep: list[Squeezed]) -> None:
     assert [r.reference.model.kL for r in sweep[::3]] == [1.0, 1e2, 1e4]
     assert [r.indentation for r in sweep[:3]] == [0.01, 0.02, 0.03]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sides", [4, 6])
 def test_stiff_rings_of_many_beads_tend_to_the_exact_deficit(sides: int) -> None:
     found = paper.limit(sides, 0.05, numbers=(96, 192), kP=(10.0, 40.0), workers=1)
@@ -96,6 +100,7 @@ def packed() -> dict[str, AtCenters]:
     return packings.paper_packing(8, strain=0.02, seed=2)
 
 
+@pytest.mark.slow
 def test_packing_is_nearer_to_the_laws_than_to_circles(packed: dict[str, AtCenters]) -> None:
     reference = packed["radical"].reference
     assert reference.polygons.number.tolist() == [50, 72]
@@ -144,6 +149,7 @@ def test_results_do_not_depend_on_their_number(stick: bool) -> None:
     assert one.reference.area_deficit == pytest.approx(many.reference.area_deficit, rel=exact)
 
 
+@pytest.mark.slow
 def test_steps_of_walls_that_stick_matter() -> None:
     model = DeformablePolygon(96, radius=0.1, kL=960.0, smooth=False)
     for stick, same in ((True, False), (False, True)):
@@ -189,6 +195,7 @@ def test_steps_that_lead_nowhere_are_refused(step: float) -> None:
         )
 
 
+@pytest.mark.slow
 def test_figures_are_1200_pixels_wide(
     tmp_path: Path, sweep: list[Squeezed], packed: dict[str, AtCenters]
 ) -> None:

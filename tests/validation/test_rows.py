@@ -81,6 +81,7 @@ def test_laws_have_the_stiffness_of_each_species():
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("kA", "kP"), [((1.0, 10.0), (0.1, math.inf)), ((10.0, 1.0), (math.inf, 0.1))]
 )

@@ -25,7 +25,7 @@ GRAINS = 120  # that leave in a run, after half of so many
 ROWS = 18  # of grains: the height of the filling
 HEIGHTS = (27,)  # of other fillings, for the opening of 6
 DROPLET = ld.Ring(kA=np.inf, kP=0.0, tension=1.0, reach=1.0)  # conserves its area
-CONTACT = {"kt": 2.0, "gt": 0.3, "damp": 0.5}
+CONTACT = {"kt": 2.0, "gt": 0.3, "damping": 0.5}
 WIDTH, COLUMNS = 20.0, 18
 RATES = (3, 5, 10, 20)  # on the axis of the picture
 POWERS = (0.5, 1.0, 1.5)  # that are tried beside one that is fitted

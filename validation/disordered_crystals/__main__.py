@@ -84,7 +84,7 @@ def spread(packing, u, eta):
     """The packing with radii proportional to 1 + eta u; its box and phi stay."""
     radius = 1.0 + eta * u
     radius *= math.sqrt(len(packing) / np.sum(radius**2))
-    return packing.replace(radii=[radius.max()], particle_radii=radius)
+    return packing.replace(radii=radius)
 
 
 def simulation(packing, law):

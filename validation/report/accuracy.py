@@ -98,8 +98,8 @@ def pareto_rows(
         bead: N_v of bead polygons.
     """
     start = jam(bidisperse(number, seed=seed))
-    counts = {"vertices": (*smooth, reference), "beads": bead}
-    found = compare(start, strain=strain, steps=steps, workers=1, **counts)
+    counts = (*smooth, reference)
+    found = compare(start, vertices=counts, beads=bead, strain=strain, steps=steps, workers=1)
     return [{"n": number, "seed": seed, "reference": reference} | row for row in found.rows]
 
 

@@ -131,7 +131,7 @@ def mixed_rows(
             large one instead, because no spring is rigid; `balanced, kP inf` is the law with the
             infinite value.
     """
-    radii = bidisperse(number, seed=1).radii
+    radii = np.array([0.5, 0.7])
     model, rigid = stiff_polygons(radii, count, kA, kP), np.isinf(kP)
     rows, _ = packing_rows(number, seed, strain, model, rigid.tolist())
     return rows
@@ -185,7 +185,7 @@ def packing_rows(
         "seconds": strain_disks(start, strain),
     }
     rows: list[Row] = [common | disk]
-    smooth = start.replace(radii=polygons.polygons.effective_radius)
+    smooth = start.replace(radii=polygons.polygons.effective_radius[start.species])
     comparisons = {}
     for name, law in matching_laws(model, polygons.polygons, rigid).items():
         comparison = comparisons[name] = AtCenters(polygons, predict(polygons, law, MPI.COMM_SELF))
@@ -197,7 +197,8 @@ def packing_rows(
             | {
                 "law": name,
                 "kP_law": [
-                    k if math.isfinite(k) else "inf" for k in per_species(law.kP, len(start.radii))
+                    k if math.isfinite(k) else "inf"
+                    for k in per_species(law.kP, len(start._species_radii))
                 ],
                 "I": float(comparison.shape_error.mean()),
                 "S_rms": _over(core.norm(there.area_deficit - exact), core.norm(exact)),
@@ -216,11 +217,12 @@ def packing_rows(
 def _error_of_disks(reference: PolygonState) -> float:
     """Mean shape error of the circles through the beads at rest."""
     errors = []
-    for polygon, center, kind in zip(
-        reference.outlines, reference.packing.positions, reference.packing.species, strict=True
+    packing = reference.packing
+    for polygon, center, kind, radius in zip(
+        reference.outlines, packing.positions, packing.species, packing.radii, strict=True
     ):
         circle = core.outline("ring", reference.polygons.radius[kind], [], [], 1440)
-        errors.append(shape_error(polygon - center, circle, reference.packing.radii[kind]))
+        errors.append(shape_error(polygon - center, circle, radius))
     return float(np.mean(errors))
 
 
@@ -248,7 +250,7 @@ def paper_packing(
     jammed = jam(bidisperse(number, seed=seed))
     with PolygonSimulation(jammed, model) as polygons:
         state = polygons.compress(strain=strain, steps=steps)[-1]
-    laws = {"sector": Sector(), "radical": Ring(contact="radical")}
+    laws: dict[str, Law] = {"sector": Sector(), "radical": Ring(contact="radical")}
     return {name: AtCenters(state, predict(state, law)) for name, law in laws.items()}
 
 

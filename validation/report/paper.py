@@ -148,7 +148,7 @@ def squeeze(
                 "stay below 1"
             )
     outer = 1.0 + model.radius  # walls stop the beads' rims, and R0 is where their centers are
-    packing = Packing(np.zeros((1, 2)), outer, 4.0 * outer * np.eye(2))
+    packing = Packing(np.zeros((1, 2)), np.array([outer]), 4.0 * outer * np.eye(2))
     results: list[Squeezed] = []
     walls = Walls(angle, np.full(len(angle), outer), stick)
     with PolygonSimulation(packing, model, walls, MPI.COMM_SELF) as ring:

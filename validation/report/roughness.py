@@ -83,7 +83,7 @@ def sliding(
     # the polygon that turns lies in the middle of the box
     centers = np.array([[0.0, 2.0], [2.0 * touch, 2.0]])
     box = np.diag([4.0 * touch, 4.0])
-    packing = Packing(centers, _RADIUS, box)
+    packing = Packing(centers, np.full(2, _RADIUS), box)
     with PolygonSimulation(packing, model, comm=MPI.COMM_SELF) as pair:
         lmp = pair.lmp
         top, bottom = 1 + count // 4, 1 + 3 * count // 4  # of the first polygon, by atom ID
@@ -210,7 +210,7 @@ def _touching() -> Packing:
     step, height = 2.0 * _RADIUS, np.sqrt(3.0) * _RADIUS
     return Packing(
         np.column_stack([(column + 0.5 * (row % 2)) * step, row * height]),
-        _RADIUS,
+        np.full(column.size, _RADIUS),
         np.diag([_SIDE * step, _SIDE * height]),
     )
 

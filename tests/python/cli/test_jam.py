@@ -27,7 +27,7 @@ def test_the_packing_in_a_file_is_jammed(tmp_path: Path) -> None:
     done = command(*ask, "--law", "radical", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     with ld.Run(tmp_path / "jam").simulation() as sim:
-        assert sim.state().packing.radii.tolist() == [0.5, 0.6]
+        assert set(sim.state().packing.radii) == {0.5, 0.6}
     done = command(*ask, "--seed", 3, "--out", "b", cwd=tmp_path)
     assert "--seed is about a random one: leave it out" in done.stderr
     assert not (tmp_path / "b").exists()

@@ -11,8 +11,7 @@ from pathlib import Path
 import lammps_deformable as ld
 import pytest
 import ranks
-from lammps_deformable import core
-from lammps_deformable import cli
+from lammps_deformable import cli, core
 from programs import command, program
 
 SMALL = ("--number", "12", "--steps", "1")

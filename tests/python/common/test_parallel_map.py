@@ -7,8 +7,7 @@ import threading
 import warnings
 
 import pytest
-from lammps_deformable import ParameterError
-from lammps_deformable import cli
+from lammps_deformable import ParameterError, cli
 from lammps_deformable.parallel import parallel_map
 from lammps_deformable.versions import machine
 

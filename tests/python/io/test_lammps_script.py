@@ -56,7 +56,6 @@ def test_lammps_has_the_energy_of_sizes_and_small_units(law: str, tmp_path: Path
         positions=1e-3 * jammed.positions,
         box=1e-3 * jammed.box,
         radii=1e-3 * jammed.radii,
-        particle_radii=1e-3 * jammed.radii,
     )
     state = saved(small, law, tmp_path)
     _, energy, _, pressure = row(lammps(tmp_path))
@@ -69,9 +68,7 @@ def test_packings_come_back_from_lammps(radii: str, jammed: ld.Packing, tmp_path
     """From `write_data`, where atoms are in another order and other sections follow."""
     packing = jammed.at(0.87)
     if radii == "of particles":
-        packing = packing.replace(
-            particle_radii=packing.radii * np.linspace(0.98, 1.0, len(packing))
-        )
+        packing = packing.replace(radii=packing.radii * np.linspace(0.98, 1.0, len(packing)))
     saved(packing, "balanced", tmp_path)
     (tmp_path / "in.moved").write_text(
         "include in.lammps\nvelocity all create 1e-6 1\ntimestep 0.1\nfix move all nve\n"
@@ -120,7 +117,7 @@ def test_droplets_in_lammps(radii: str, tmp_path: Path) -> None:
         ld.bidisperse(24, sizes=(1.0, 1.2), dimension=3, tilt=0.2, seed=1), tolerance=1e-2
     ).at(0.68)
     if radii == "of particles":
-        packing = packing.replace(particle_radii=packing.radii * np.linspace(0.97, 1.0, 24))
+        packing = packing.replace(radii=packing.radii * np.linspace(0.97, 1.0, 24))
     with ld.Simulation(packing, ld.Droplet([1.0, 1.5])) as sim:
         state = sim.relax()
     state.save(tmp_path)

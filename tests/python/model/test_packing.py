@@ -112,6 +112,9 @@ def test_builder_names_the_bad_value(wrong: dict[str, Any], message: str) -> Non
         ({"radii": [0.5]}, r"one for each of 2 particles, not \(1,\)"),
         ({"radii": [0.5, float("nan")]}, "radii must be finite"),
         ({"box": np.array([[1.0, 0.5], [0.0, 1.0]])}, "box must be"),
+        ({"box": (2, 0)}, r"box must be \(lx, ly\) or"),
+        ({"box": (2, 3, 4)}, "positions have 2 columns, so that the box must .* not 3"),
+        ({"positions": [[0.0]] * 2}, r"positions must have shape \(N, 2\)"),
     ],
 )
 def test_packing_refuses_nonsense(wrong: dict[str, Any], message: str) -> None:

@@ -7,6 +7,7 @@ from xml.etree import ElementTree
 import lammps_deformable as ld
 import numpy as np
 import pytest
+from protocol_helpers import written
 
 pytest.importorskip("MDAnalysis")
 
@@ -19,9 +20,7 @@ def run(
     folder = tmp_path_factory.mktemp("run")
     fluid = ld.bidisperse(16, phi=0.7, tilt=request.param, seed=2).push_off()
     with ld.Simulation(fluid, ld.Ring()) as sim:
-        motion = sim.run(60, temperature=1e-5, every=20, seed=1)[1:]
-        states = list(ld.record(motion, folder))
-        return folder, [ld.Run(folder)[0], *states]
+        return folder, list(sim.run(60, temperature=1e-5, every=20, seed=1, record=folder))
 
 
 def test_universe_of_a_run(run: tuple[Path, list[ld.State]]) -> None:
@@ -58,7 +57,7 @@ def test_mean_square_displacement(run: tuple[Path, list[ld.State]]) -> None:
 
 
 def test_frames_without_a_clock_are_counted(state: ld.State, tmp_path: Path) -> None:
-    list(ld.record([state, state], tmp_path))
+    written([state, state], tmp_path)
     universe = ld.Run(str(tmp_path)).to_mdanalysis()
     assert [frame.time for frame in universe.trajectory] == [0.0, 1.0]
 
@@ -81,10 +80,20 @@ def test_table(run: tuple[Path, list[ld.State]]) -> None:
     pytest.importorskip("pandas")
     recorded = ld.Run(run[0])
     table, states = recorded.table(), list(recorded)
-    assert table.index.tolist() == list(range(len(states)))
+    assert table["frame"].tolist() == list(range(len(states)))
+    kinds = {"particles": "i", "beyond": "i", "stalled": "b", "phi": "f", "strain": "f"}
+    assert {name: table[name].dtype.kind for name in kinds} == kinds
+    memory = ld.Run(states).table()
+    assert memory.keys() == table.keys()
+    for name, values in table.items():
+        np.testing.assert_array_equal(memory[name], values)
     for name, value in run[1][-1].numbers().items():
         expected = np.nan if value is None else value
-        assert table[name].iloc[-1] == pytest.approx(expected, rel=1e-14, nan_ok=True)
+        assert table[name][-1] == pytest.approx(expected, rel=1e-14, nan_ok=True)
+    assert recorded[1:3].table()["frame"].tolist() == [1, 2]
+    frame = table.to_pandas()
+    assert frame.index.name == "frame"
+    assert frame["phi"].tolist() == table["phi"].tolist()
     shapes = [state.shape_parameter.mean() for state in states]
     assert table["shape_parameter"].tolist() == pytest.approx(shapes)
 
@@ -99,7 +108,7 @@ def test_columns_of_a_table(run: tuple[Path, list[ld.State]], tmp_path: Path) ->
     found = recorded.table(
         smallest=lambda state: state.arc_radius.min(), name=lambda state: type(state).__name__
     )
-    assert len(recorded.table()) == len(found) == len(states)
+    assert len(recorded.table()["phi"]) == len(found["name"]) == len(states)
     assert found["smallest"].tolist() == [state.arc_radius.min() for state in states]
     assert set(found["name"]) == {"State"}
     told = "column low must be a function of a state, such as .*, not 'pressure'"
@@ -135,16 +144,16 @@ def test_refusals(state: ld.State, tmp_path: Path) -> None:
         ld.Run([]).export(tmp_path / "a.pvd")
     for arguments in ((3, "a.pvd"), ([state], 3), ([state.packing], tmp_path / "a.pvd")):
         with pytest.raises(ld.ParameterError, match=r"must be of the kind .* not (3|a Packing)"):
-            ld.export(*arguments)
+            ld.Run(arguments[0]).export(arguments[1])
     assert not list(tmp_path.iterdir())
     (tmp_path / "gone").mkdir()
     state.save(tmp_path / "gone")
     gone = ld.Run(tmp_path / "gone")
     (tmp_path / "gone" / "summary.json").unlink()
-    for read in (gone.universe, gone.table, gone.__iter__, gone.__len__):
+    for read in (gone.to_mdanalysis, gone.table, gone.__iter__, gone.__len__):
         with pytest.raises(ld.FileError, match="gone'"):
             read()
-    with pytest.raises(ld.ParameterError, match=r"folder .* not 3"):
+    with pytest.raises(ld.ParameterError, match=r"source .* not 3"):
         ld.Run(3)
     state.save(tmp_path)
     with pytest.raises(ld.FileError, match=r"trajectory\.lammpstrj is missing"):

@@ -1,13 +1,14 @@
 """Velocities, time and strain go on: through folders, restarts, replays and further calls."""
 
-import itertools
 import re
+from contextlib import nullcontext
 from pathlib import Path
 
 import lammps_deformable as ld
 import numpy as np
 import pytest
 from lammps_deformable.state import State
+from protocol_helpers import Stop, stop_after
 
 pytestmark = pytest.mark.filterwarnings("error")
 
@@ -82,7 +83,7 @@ def test_time_goes_on_in_a_recorded_run(packing: ld.Packing, tmp_path: Path) -> 
     with ld.Simulation(packing, ld.Ring()) as sim:
         sim.run(200, every=100, timestep=0.01, temperature=1e-5, seed=3, record=tmp_path)
     with ld.Run(tmp_path).simulation() as sim:
-        list(ld.Run(tmp_path).append(sim.run(300, every=100, timestep=0.01)[1:]))
+        sim.run(300, every=100, timestep=0.01, record=tmp_path, mode="a")
         assert sim.relax().time == pytest.approx(5.0)
     expected = pytest.approx([0.0, 1.0, 2.0, 3.0, 4.0, 5.0])
     series = np.genfromtxt(tmp_path / "series.csv", delimiter=",", names=True)
@@ -95,21 +96,14 @@ def test_time_goes_on_in_a_recorded_run(packing: ld.Packing, tmp_path: Path) -> 
     assert [float(step) for step in steps] == expected
 
 
-@pytest.mark.parametrize("resumable", [False, True])
-def test_strain_goes_on(tmp_path: Path, resumable: bool) -> None:
+def test_strain_goes_on(tmp_path: Path) -> None:
     packing = ld.jam(ld.bidisperse(12, seed=2)).at(0.9)
     law = ld.Ring()
     with ld.Simulation(packing, law) as sim:
-        if resumable:
-            sim.shear(0.02, record=tmp_path, steps=2)
-        else:
-            sim.shear(0.02, steps=2, record=tmp_path)
+        sim.shear(0.02, steps=2, record=tmp_path)
     with ld.Run(tmp_path).simulation() as sim:
         assert sim.strain == 0.02
-        if resumable:
-            list(ld.Run(tmp_path).shear(-0.03, 3))
-        else:
-            list(ld.Run(tmp_path).append(sim.shear(-0.03, steps=3)[1:]))
+        sim.shear(-0.03, steps=3, record=tmp_path, mode="a")
     with ld.Run(tmp_path).simulation() as sim:
         last = sim.compress(strain=0.001)[-1]
         assert last.strain == pytest.approx(-0.01)
@@ -121,13 +115,14 @@ def test_strain_goes_on(tmp_path: Path, resumable: bool) -> None:
 
 def test_interrupted_shear_goes_on_with_its_strain(tmp_path: Path) -> None:
     packing = ld.jam(ld.bidisperse(12, seed=2)).at(0.9)
-    whole, cut = tmp_path / "whole", tmp_path / "cut"
+    whole, cut, ended = tmp_path / "whole", tmp_path / "cut", pytest.raises(Stop)
     for folder in (whole, cut):
         with ld.Simulation(packing, ld.Ring()) as sim:
             sim.shear(0.02, record=folder, steps=2)
-            steps = ld.Run(folder).shear(0.02, 3)
-            list(itertools.islice(steps, 1 if folder == cut else None))
-    list(ld.Run(cut).resume())
+        with ld.Run(folder).simulation() as sim, nullcontext() if folder == whole else ended:
+            stop = stop_after(1) if folder == cut else None
+            sim.shear(0.02, steps=3, record=folder, mode="a", callback=stop)
+    ld.Run(cut).resume()
     assert (cut / "series.csv").read_text() == (whole / "series.csv").read_text()
     assert (cut / "packing.data").read_text() == (whole / "packing.data").read_text()
 

@@ -1,14 +1,16 @@
-"""Recorded runs: `load` continues them, and other programs read them."""
+"""Recorded runs: states have what was written, simulations go on, other programs read them."""
 
 import csv
 import json
 import math
+import pickle
 from dataclasses import replace
 from pathlib import Path
 
 import lammps_deformable as ld
 import numpy as np
 import pytest
+from protocol_helpers import written
 
 
 def test_saved_state_goes_on_as_it_was(state: ld.State, tmp_path: Path) -> None:
@@ -41,25 +43,47 @@ def test_tilted_packings_and_species_go_on(law: ld.Sector | ld.Ring, tmp_path: P
         assert sim.state().energy == pytest.approx(state.energy, rel=1e-12)
 
 
-def test_record_writes_as_the_run_goes(jammed: ld.Packing, tmp_path: Path) -> None:
-    with ld.Simulation(jammed, ld.Ring()) as sim:
-        before = sim.state()
-        run = sim.compress(strain=0.02, steps=4, record=tmp_path)[1:]
-        first, second = next(run), next(run)  # and interrupted here
-    with (tmp_path / "series.csv").open() as file:
-        rows = list(csv.DictReader(file))
-    assert [float(row["phi"]) for row in rows] == [before.phi, first.phi, second.phi]
+def test_a_run_is_written_as_it_goes(jammed: ld.Packing, tmp_path: Path) -> None:
+    seen: list[dict[str, str]] = []
 
+    def read(_: ld.State) -> None:
+        with (tmp_path / "series.csv").open() as file:
+            seen.append(list(csv.DictReader(file))[-1])
+
+    with ld.Simulation(jammed, ld.Ring()) as sim:
+        run = sim.compress(strain=0.02, steps=2, record=tmp_path, callback=read)
+        assert [float(row["phi"]) for row in seen] == [state.phi for state in run[1:]]
     with ld.Run(tmp_path).simulation() as sim:
-        steps = sim.compress(strain=0.01)[1:]
-        (third,) = ld.Run(tmp_path).append(steps, {"steps": 1})
+        start, third = sim.run(1, record=tmp_path, mode="a", parameters={"note": "slow"})
+    assert start.energy == run[2].energy
     with (tmp_path / "series.csv").open() as file:
         rows = list(csv.DictReader(file))
     assert [int(row["frame"]) for row in rows] == [0, 1, 2, 3]
-    assert float(rows[3]["energy"]) == third.energy > second.energy
-    summary = json.loads((tmp_path / "summary.json").read_text())
-    assert summary["parameters"] == {"steps": 1, "before": {}}
+    assert float(rows[3]["energy"]) == third.energy
+    parameters = json.loads((tmp_path / "summary.json").read_text())["parameters"]
+    assert (parameters["note"], parameters["protocol"]) == ("slow", "run")
+    assert parameters["before"]["strain"] == 0.02
     assert (tmp_path / "trajectory.lammpstrj").read_text().count("ITEM: TIMESTEP") == 4
+
+
+def test_states_have_what_was_recorded(jammed: ld.Packing, tmp_path: Path) -> None:
+    """Without an evaluation: contacts are balanced to 1e-8 only. What was not is evaluated."""
+    seen: list[ld.State] = []
+    with ld.Simulation(jammed, ld.Ring()) as sim:
+        run = sim.compress(strain=0.02, steps=2, record=tmp_path, callback=seen.append)
+    for found, state in zip(run[1:], seen, strict=True):
+        for name in ("energy", "pressure", "shear_stress", "residual", "phi", "stalled", "beyond"):
+            assert getattr(found, name) == getattr(state, name)
+        for name in ("area", "perimeter", "particle_pressure", "contacts", "arc_radius", "stress"):
+            assert np.array_equal(getattr(found, name), getattr(state, name)), name
+        assert "contact_table" not in vars(found)
+        assert found.coordination == state.coordination
+        force = state.contact_table["force"]
+        assert found.contact_table["force"] == pytest.approx(force, abs=1e-7 * force.max())
+        assert found.energy == state.energy
+        assert not hasattr(found, "load")
+    copy = pickle.loads(pickle.dumps(run[1]))
+    assert np.array_equal(copy.rattlers, seen[0].rattlers)
 
 
 @pytest.mark.parametrize("tilt", [0.0, 0.3, -0.3])
@@ -68,8 +92,7 @@ def test_mdanalysis_reads_the_trajectory(tilt: float, tmp_path: Path) -> None:
     mdanalysis = pytest.importorskip("MDAnalysis")
     jammed = ld.jam(ld.bidisperse(16, tilt=tilt, seed=4))
     with ld.Simulation(jammed, ld.Ring()) as sim:
-        steps = sim.compress(strain=0.02, steps=2)[1:]
-        states = [sim.state(), *ld.record(steps, tmp_path)]
+        states = sim.compress(strain=0.02, steps=2, record=tmp_path)
     universe = mdanalysis.Universe(
         str(tmp_path / "trajectory.lammpstrj"), format="LAMMPSDUMP", additional_columns=True, dt=1.0
     )
@@ -104,8 +127,8 @@ def test_append_cuts_off_half_a_frame(jammed: ld.Packing, tmp_path: Path) -> Non
         trajectory = tmp_path / "trajectory.lammpstrj"
         whole = trajectory.read_text()
         trajectory.write_text(whole + whole[: len(whole) // 2])  # killed in the third frame
-        for _ in ld.Run(tmp_path).append(sim.compress(strain=0.01)[1:]):
-            pass
+        assert len(ld.Run(tmp_path)) == 2
+        sim.compress(strain=0.01, record=tmp_path, mode="a")
     text = trajectory.read_text()
     assert text.startswith(whole)
     assert text.count("ITEM: TIMESTEP") == 3
@@ -113,27 +136,28 @@ def test_append_cuts_off_half_a_frame(jammed: ld.Packing, tmp_path: Path) -> Non
 
 
 def test_append_without_a_summary_is_refused(state: ld.State, tmp_path: Path) -> None:
-    for _ in ld.record([state], tmp_path):
-        pass
+    written([state], tmp_path)
     (tmp_path / "summary.json").unlink()
-    with pytest.raises(ld.FileError, match=r"summary\.json is missing"):
-        next(iter(ld.Run(tmp_path).append([state])))
+    with (
+        ld.Simulation(state, state.law) as sim,
+        pytest.raises(ld.FileError, match=r"summary\.json is missing"),
+    ):
+        sim.compress(strain=0.01, record=tmp_path, mode="a")
 
 
 def test_a_row_stands_for_a_whole_frame(
     jammed: ld.Packing, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The series does not count a frame that was not written completely."""
-    with ld.Simulation(jammed, ld.Ring()) as sim:
-        steps = sim.compress(strain=0.01, steps=2, record=tmp_path)[1:]
-        next(steps)
 
-        def killed(*_: object) -> str:
-            raise KeyboardInterrupt
+    def killed(*_: object) -> str:
+        raise KeyboardInterrupt
 
+    def next_is_killed(_: ld.State) -> None:
         monkeypatch.setattr("lammps_deformable.store._dump_frame", killed)
-        with pytest.raises(KeyboardInterrupt):
-            next(steps)
+
+    with ld.Simulation(jammed, ld.Ring()) as sim, pytest.raises(KeyboardInterrupt):
+        sim.compress(strain=0.01, steps=2, record=tmp_path, callback=next_is_killed)
     with (tmp_path / "series.csv").open(newline="") as file:
         assert len(list(csv.DictReader(file))) == 2
 
@@ -142,7 +166,7 @@ def test_a_row_stands_for_a_whole_frame(
 def test_nothing_is_added_to_a_broken_trajectory(
     left: float, whole: int, state: ld.State, tmp_path: Path
 ) -> None:
-    list(ld.record([state, state], tmp_path))
+    written([state, state], tmp_path)
     trajectory = tmp_path / "trajectory.lammpstrj"
     text = trajectory.read_text()
     cut = text[: int(left * len(text))]
@@ -151,16 +175,18 @@ def test_nothing_is_added_to_a_broken_trajectory(
     else:
         trajectory.unlink()
     message = rf"trajectory\.lammpstrj lacks frame {whole} of 2 recorded frames"
-    with pytest.raises(ld.FileError, match=message):
-        next(ld.Run(tmp_path).append([state]))
+    with ld.Simulation(state, state.law) as sim, pytest.raises(ld.FileError, match=message):
+        sim.compress(strain=0.01, record=tmp_path, mode="a")
     assert (trajectory.read_text() if cut else "") == cut
     assert len((tmp_path / "series.csv").read_text().splitlines()) == 3
 
 
-def test_a_foreign_series_is_not_overwritten(tmp_path: Path) -> None:
+def test_a_foreign_series_is_not_overwritten(state: ld.State, tmp_path: Path) -> None:
     (tmp_path / "series.csv").write_text("year,price\n1999,3\n")
-    with pytest.raises(ld.FileError, match=r"series\.csv is no series of states"):
-        ld.record([], tmp_path)
+    with ld.Simulation(state, state.law) as sim:
+        for mode in "wa":
+            with pytest.raises(ld.FileError, match=r"series\.csv is no series of states"):
+                sim.compress(strain=0.01, record=tmp_path, mode=mode)
     assert "1999" in (tmp_path / "series.csv").read_text()
 
 
@@ -168,7 +194,7 @@ def test_a_foreign_series_is_not_overwritten(tmp_path: Path) -> None:
 def test_a_stalled_state_comes_back_stalled(jammed: ld.Packing, tmp_path: Path) -> None:
     with ld.Simulation(jammed.at(0.87), ld.Ring()) as sim:
         good, bad = sim.relax(), replace(sim.state(), stalled=True)
-        list(ld.record([good, bad, good, bad], tmp_path / "run"))
+        written([good, bad, good, bad], tmp_path / "run")
         bad.save(tmp_path / "saved")
     assert [state.stalled for state in ld.Run(tmp_path / "run")] == [False, True] * 2
     assert ld.Run(tmp_path / "run")[-1].stalled
@@ -181,11 +207,12 @@ def test_parameters_come_back(state: ld.State, tmp_path: Path) -> None:
     """With their types; `test_strict_json` has more of them."""
     given = {"seed": np.int64(3), "kP": [math.inf, 1.0], "word": "inf", "none": None, "half": 0.5}
     state.save(tmp_path / "saved", given)
-    list(ld.record([state], tmp_path / "run", given))
-    list(ld.Run(tmp_path / "run").append([state], given))
+    with ld.Simulation(state, state.law) as sim:
+        sim.compress(strain=0.01, record=tmp_path / "run", parameters=given)
     kept = given | {"seed": 3}
     assert ld.Run(tmp_path / "saved").parameters == kept
-    assert ld.Run(tmp_path / "run").parameters == kept | {"before": kept}
+    found = ld.Run(tmp_path / "run").parameters
+    assert {name: found[name] for name in kept} == kept
     for name in ("saved/summary.json", "run/summary.json"):
         json.loads((tmp_path / name).read_text(), parse_constant=lambda word: pytest.fail(word))
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from exact_balance import exactly_balanced
 from lammps_deformable import FileError, Packing, Ring
+from protocol_helpers import written
 
 LAW = Ring(kA=5.0, kP=0.0, tension=1.0)
 
@@ -37,12 +38,11 @@ def test_growth_and_death(start: Packing, tmp_path: Path) -> None:
                 packing.replace(
                     positions=packing.positions[:-3],
                     species=packing.species[:-3],
-                    radii=[radius.max()],
-                    particle_radii=radius,
+                    radii=radius,
                 )
             )
             states.append(sim.state())
-    list(ld.record(states, tmp_path))
+    written(states, tmp_path)
     again = list(ld.Run(tmp_path))
     assert [len(state.packing) for state in again] == [20, 17, 14]
     for found, state in zip(again, states, strict=True):
@@ -56,12 +56,12 @@ def test_growth_and_death(start: Packing, tmp_path: Path) -> None:
 def test_other_species(tmp_path: Path) -> None:
     """As after `fix atom/swap`: a small particle takes the place of a large one."""
     packing = ld.bidisperse(16, phi=0.8, seed=2).push_off()
-    swapped = packing.replace(species=packing.species[::-1])
+    swapped = packing.replace(species=packing.species[::-1], radii=packing.radii[::-1])
     states = []
     for each in (packing, swapped):
         with ld.Simulation(each, Ring(kA=[1.0, 2.0])) as sim:
             states.append(sim.state())
-    list(ld.record(states, tmp_path))
+    written(states, tmp_path)
     for found, state in zip(ld.Run(tmp_path), states, strict=True):
         assert np.array_equal(found.packing.species, state.packing.species)
         assert found.energy == pytest.approx(state.energy, rel=1e-10)
@@ -72,7 +72,7 @@ def test_a_frame_has_its_own_radii_law_and_walls(tmp_path: Path) -> None:
     packing = ld.bidisperse(16, seed=2).at(0.7).push_off()
     grown = packing.replace(radii=1.1 * packing.radii)
     obstacle = ld.Sphere(0.2, packing.positions[0] + [0.0, 1.2], inside=False)
-    moved = replace(obstacle, center=packing.positions[1] + [0.0, 1.2])
+    moved = replace(obstacle, origin=packing.positions[1] + [0.0, 1.2])
     states = []
     for each, law, walls in (
         (packing, Ring(), ()),
@@ -83,9 +83,8 @@ def test_a_frame_has_its_own_radii_law_and_walls(tmp_path: Path) -> None:
     ):
         with ld.Simulation(each.replace(walls=walls).push_off(), law) as sim:
             states.append(sim.state())
-    list(ld.record(states, tmp_path))
-    list(ld.Run(tmp_path).append(states[:2]))
     states += states[:2]
+    written(states, tmp_path)
     for found, state in zip(ld.Run(tmp_path), states, strict=True):
         assert found.law == state.law
         assert found.packing.walls == state.packing.walls
@@ -106,16 +105,20 @@ def test_a_run_is_indexed(start: Packing, tmp_path: Path) -> None:
     for number in (5, -6):
         with pytest.raises(IndexError, match=f"has 5 states, and no state {number}"):
             run[number]
+    assert isinstance(run[1:3], ld.Run)
+    assert repr(run[1:3]) == f"Run({str(tmp_path)!r})[1:3]"
+    assert [state.phi for state in run[1:][::2]] == fractions[1::2]
     with ld.Run(tmp_path).simulation() as sim:
-        (more,) = run.append(sim.compress(strain=0.01)[1:], {"seed": 3})
-    assert (len(run), run[-1].phi) == (6, pytest.approx(more.phi, rel=1e-12))
-    assert run.parameters == {"seed": 3, "before": {}}
+        more = sim.compress(strain=0.01, record=tmp_path, mode="a")
+    assert (len(run), run[-1].phi) == (6, more[-1].phi)
+    assert run[1:3].simulation().state().phi == pytest.approx(fractions[2], rel=1e-12)
+    assert len(ld.Run(list(run))) == 6
 
 
 def test_a_saved_state_is_a_run_without_frames(start: Packing, tmp_path: Path) -> None:
     with ld.Simulation(start, LAW) as sim:
         sim.state().save(tmp_path)
     run = ld.Run(tmp_path)
-    assert (len(run), list(run), run[:]) == (0, [], [])
+    assert (len(run), list(run), len(run[:])) == (0, [], 0)
     with pytest.raises(IndexError, match="one saved state and no recorded ones"):
         run[-1]

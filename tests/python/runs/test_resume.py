@@ -4,6 +4,7 @@ import json
 import subprocess
 import sys
 import time
+from contextlib import nullcontext
 from pathlib import Path
 
 import lammps_deformable as ld
@@ -11,6 +12,7 @@ import numpy as np
 import pytest
 from lammps_deformable import cli
 from programs import command, program
+from protocol_helpers import Stop, stop_after, written
 
 FILES = (
     *("packing.data", "species.deformable", "in.lammps", "summary.json"),
@@ -26,7 +28,7 @@ import lammps, mpi4py, qdldl, scipy.sparse.linalg
 mpi4py.rc.initialize = False
 from mpi4py import MPI
 from lammps_deformable import cli
-from lammps_deformable.io import series
+from lammps_deformable import store
 
 def strike():
     global count
@@ -54,7 +56,7 @@ for how, count, *words in json.loads(sys.argv[1]):
         if how == "before":
             sys.addaudithook(watch)
         else:
-            series.append = torn
+            store.append = torn
         sys.argv = ["deformable", "compress", "--out", "run", *words]
         cli.main()
         os._exit(0)
@@ -124,7 +126,7 @@ def test_killed_again_and_again(uninterrupted: dict[str, bytes], tmp_path: Path)
         assert (result.returncode, result.stderr) == (0, "")
         assert result.stdout == "the compression in 'run' is complete\n"
     assert contents(tmp_path / "run") == uninterrupted
-    assert list(ld.Run(tmp_path / "run").resume()) == []
+    assert len(ld.Run(tmp_path / "run").resume()) == 6
 
 
 def in_process(*options: str) -> None:
@@ -155,7 +157,7 @@ def test_the_same_command_resumes(
     with pytest.raises(ld.FileError, match="at step 2 of 5: finish it first with --resume"):
         in_process("--append", "--steps", "1")
     with pytest.raises(ld.FileError, match="at step 2 of 5: finish it first"):
-        ld.Run(tmp_path / "run").compress(0.01, 1)
+        ld.Run(tmp_path / "run").simulation().compress(strain=0.01, record="run", mode="a")
     assert contents(tmp_path / "run") == broken
     result = compress(*START, *law, "--resume", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
@@ -180,7 +182,7 @@ def test_a_run_is_not_overwritten(uninterrupted: dict[str, bytes], tmp_path: Pat
         assert way in result.stderr
     with (
         ld.Run(folder).simulation() as sim,
-        pytest.raises(ld.FileError, match="overwrite=True"),
+        pytest.raises(ld.FileError, match="mode='w'"),
     ):
         sim.compress(record=folder, strain=0.01)
     assert contents(folder) == uninterrupted
@@ -215,9 +217,9 @@ def test_missing_frames_are_refused(
     if left is not None:
         (tmp_path / name).write_text(left)
     with pytest.raises(ld.FileError, match=rf"{name} lacks frame \d"):
-        ld.Run(tmp_path).compress(0.01, 1)
+        ld.Run(tmp_path).simulation().compress(strain=0.01, record=tmp_path, mode="a")
     summary = json.loads((tmp_path / "summary.json").read_text())
-    summary["parameters"]["steps"] = 6
+    summary["parameters"]["start"]["states"] = 6
     (tmp_path / "summary.json").write_text(json.dumps(summary))
     with pytest.raises(ld.FileError, match=rf"{name} lacks frame \d"):
         ld.Run(tmp_path).resume()
@@ -226,13 +228,10 @@ def test_missing_frames_are_refused(
 def test_numbers_of_numpy_can_be_resumed(tmp_path: Path) -> None:
     """JSON does not know them."""
     packing = ld.jam(ld.bidisperse(8, seed=1))
-    with ld.Simulation(packing, ld.Ring()) as sim:
-        run = sim.compress(
-            record=tmp_path, strain=np.float32(0.02), steps=np.int64(3), tolerance=np.float32(1e-6)
-        )[1:]
-        next(run)
-        del run
-    assert len(list(ld.Run(tmp_path).resume())) == 2
+    given = {"strain": np.float32(0.02), "steps": np.int64(3), "tolerance": np.float32(1e-6)}
+    with ld.Simulation(packing, ld.Ring()) as sim, pytest.raises(Stop):
+        sim.compress(record=tmp_path, callback=stop_after(1), **given)
+    assert len(ld.Run(tmp_path).resume()) == 4
     assert json.loads((tmp_path / "summary.json").read_text())["parameters"]["steps"] == 3
 
 
@@ -249,27 +248,23 @@ def test_killed_from_outside(uninterrupted: dict[str, bytes], tmp_path: Path) ->
         time.sleep(0.01)
     process.kill()
     process.wait()
-    for _ in ld.Run(tmp_path / "run").resume():
-        pass
+    ld.Run(tmp_path / "run").resume()
     assert contents(tmp_path / "run") == uninterrupted
 
 
 def test_python_resumes_what_it_began(jammed: ld.Packing, tmp_path: Path) -> None:
     """Also in a tilted box, where LAMMPS rounds centers as it wraps them, and behind a run."""
     tilted = ld.jam(ld.bidisperse(12, aspect=1.2, tilt=0.3, seed=2))
-    for name, stop in (("whole", 3), ("broken", 1)):
+    for name, stop in (("whole", None), ("broken", 1)):
         folder = tmp_path / name
         for packing in (jammed, tilted):
             sim = ld.Simulation(packing, ld.Ring())
-            steps = sim.compress(
-                record=folder, strain=0.02, steps=3, mode="w" if packing is tilted else "x"
-            )[1:]
-            assert all(state.root for state in steps)
-        further = ld.Run(folder).compress(0.02, 3)
-        for _, state in zip(range(stop), further, strict=False):
-            assert state.root
-    states = list(ld.Run(tmp_path / "broken").resume())
-    assert len(states) == 2
+            mode = "w" if packing is tilted else "x"
+            sim.compress(record=folder, strain=0.02, steps=3, mode=mode)
+        with ld.Run(folder).simulation() as sim, pytest.raises(Stop) if stop else nullcontext():
+            how = {"record": folder, "mode": "a", "callback": stop_after(stop) if stop else None}
+            sim.compress(strain=0.02, steps=3, **how)
+    assert len(ld.Run(tmp_path / "broken").resume()) == 7
     assert contents(tmp_path / "broken") == contents(tmp_path / "whole")
     parameters = json.loads((tmp_path / "whole" / "summary.json").read_text())["parameters"]
     assert parameters["start"]["frame"] == 4
@@ -281,12 +276,14 @@ def test_a_resumed_packing_was_rigid(
 ) -> None:
     """So that a resumed packing that loses its rigidity still gives a warning."""
     first = ld.Simulation(jammed, ld.Ring())
-    first.compress(record=tmp_path, strain=0.02, steps=2)
+    with pytest.raises(Stop):
+        first.compress(record=tmp_path, strain=0.02, steps=2, callback=stop_after(1))
     again = []
     opened = ld.Run._simulation
     monkeypatch.setattr(
         ld.Run, "_simulation", lambda *given: again.append(opened(*given)) or again[0]
     )
+    monkeypatch.setattr("lammps_deformable.recording._steps", lambda *_: None)
     ld.Run(tmp_path).resume()
     assert again[0]._rigidity.phi == first._rigidity.phi < 1.0
 
@@ -294,9 +291,8 @@ def test_a_resumed_packing_was_rigid(
 def test_what_cannot_be_resumed(state: ld.State, tmp_path: Path) -> None:
     with pytest.raises(ld.FileError, match=r"summary\.json is missing"):
         ld.Run(tmp_path).resume()
-    for _ in ld.record([state], tmp_path):
-        pass
-    with pytest.raises(ld.FileError, match=r"Run\.compress"):
+    written([state], tmp_path)
+    with pytest.raises(ld.FileError, match=r"cannot be resumed: it is a saved state, or"):
         ld.Run(tmp_path).resume()
     lines = (tmp_path / "packing.data").read_text().splitlines(keepends=True)
     (tmp_path / "packing.data").write_text("".join(lines[:-2]))

@@ -45,10 +45,9 @@ def same(a: ld.State, b: ld.State, part: float) -> None:
 def test_motion_goes_on(contact: str, tmp_path: Path) -> None:
     """From a state, a saved one and a recorded one as if it had never stopped, to rounding."""
     with begun(LAWS[contact]) as sim:
-        motion = sim.run(200, every=100, **STEP)[1:]
-        before, state = list(ld.record(motion, tmp_path / "run"))
+        _, before, state = sim.run(200, **STEP, record=tmp_path / "run")
         assert 0 < before.contact_table["sliding"].sum() < len(before.contact_table)
-        end = sim.run(200, every=100, **STEP)[-1]
+        end = sim.run(200, **STEP)[-1]
     state.save(tmp_path / "saved")
     run = ld.Run(tmp_path / "run")
     same(run[-1], state, BALANCE[contact])
@@ -60,7 +59,7 @@ def test_motion_goes_on(contact: str, tmp_path: Path) -> None:
         ld.Simulation(run[-1], LAWS[contact]),
     ):
         with again:
-            found = again.run(200, every=100, **STEP)[-1]
+            found = again.run(200, **STEP)[-1]
         # small differences grow in 200 steps: particles collide once or twice
         same(found, end, 1e3 * BALANCE[contact])
 
@@ -69,11 +68,11 @@ def test_without_springs_it_does_not_go_on(tmp_path: Path) -> None:
     """A packing alone has lost them: the comparison above can fail."""
     with begun(LAWS["balanced"]) as sim:
         state = sim.state()
-        end = sim.run(200, every=100, **STEP)[-1]
+        end = sim.run(200, **STEP)[-1]
     lost = state.rubbing._replace(springs=state.rubbing.springs[:0])
     forgetful = ld.State(**{**vars(state), "rubbing": lost})
     with ld.Simulation(forgetful, state.law) as sim:
-        found = sim.run(200, every=100, **STEP)[-1]
+        found = sim.run(200, **STEP)[-1]
     assert np.abs(found.packing.positions - end.packing.positions).max() > 1e-5
 
 
@@ -96,7 +95,7 @@ def test_lammps_takes_it_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
     with begun(LAWS["balanced"]) as sim:
         state = sim.state()
         state.save(tmp_path)
-        end = sim.run(200, every=100, **STEP)[-1]
+        end = sim.run(200, **STEP)[-1]
     monkeypatch.chdir(tmp_path)
     lmp = lammps(cmdargs=["-log", "none", "-screen", "none"])
     lmp.file("in.lammps")

@@ -7,6 +7,7 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 from mpi4py import MPI
+from protocol_helpers import Stop, stop_after
 
 LAW = ld.Ring(kA=math.inf, kP=0.0, tension=1.0, contact="curved", adhesion=[[0.3, 0.1], [0.1, 0.2]])
 
@@ -31,10 +32,13 @@ def assert_same(states: list[ld.State], others: list[ld.State]) -> None:
 def test_replay(start: ld.State, tmp_path: Path) -> None:
     """Of a hot motion, in which droplets attach, stretch and let go."""
     with ld.Simulation(start, LAW, MPI.COMM_SELF) as sim:
-        moving = sim.run(400, temperature=0.05, every=100, seed=1)[1:]
-        states = list(ld.record(moving, tmp_path))
-    assert states[-1].lost_energy > 0.0
-    run = ld.Run(tmp_path)
+        states: list[ld.State] = []
+        how = {"record": tmp_path, "callback": states.append}
+        run = sim.run(400, temperature=0.05, every=100, seed=1, **how)
+    lost = [state.lost_energy for state in states]
+    assert (np.diff(lost) > 0.0).all()
+    assert [state.lost_energy for state in run] == [0.0, *lost]
+    assert run.simulation(MPI.COMM_SELF).state().lost_energy == pytest.approx(lost[-1], rel=1e-12)
     assert_same(states, run[1:])
     with run.simulation(MPI.COMM_SELF) as sim:
         assert_same(states[-1:], [sim.state()])
@@ -55,13 +59,13 @@ def test_resume(start: ld.State, tmp_path: Path) -> None:
     """An interrupted shear goes on with the numbers of a whole one."""
     whole, part = tmp_path / "whole", tmp_path / "part"
     with ld.Simulation(start, LAW, MPI.COMM_SELF) as sim:
-        states = sim.shear(0.1, record=whole, steps=3, tolerance=1e-3)[1:]
-    with ld.Simulation(start, LAW, MPI.COMM_SELF) as sim:
-        steps = sim.shear(0.1, record=part, steps=3, tolerance=1e-3)[1:]
-        next(iter(steps))
-        steps.close()
-    resumed = list(ld.Run(part).resume(MPI.COMM_SELF))
-    assert [state.energy for state in resumed] == [state.energy for state in states[1:]]
+        states: list[ld.State] = []
+        how = {"record": whole, "callback": states.append}
+        sim.shear(0.1, steps=3, tolerance=1e-3, **how)
+    with ld.Simulation(start, LAW, MPI.COMM_SELF) as sim, pytest.raises(Stop):
+        sim.shear(0.1, record=part, steps=3, tolerance=1e-3, callback=stop_after(1))
+    resumed = ld.Run(part).resume(comm=MPI.COMM_SELF)
+    assert [state.energy for state in resumed[1:]] == [state.energy for state in states]
     assert_same(states, ld.Run(whole)[1:])
 
 

@@ -85,7 +85,7 @@ def test_jumps_of_half_a_box_are_told(walled: bool) -> None:
     """A fluid that drifts: by 0.2 of the box from state to state it is followed, by 0.45 not."""
     packing = ld.bidisperse(8, phi=0.3, seed=1)
     if walled:
-        packing = packing.between(ld.rectangle(*packing.box.diagonal())[2:])
+        packing = packing.between(ld.BoxWall(packing.box.diagonal()).parts[2:])
     drift = np.array([packing.box[0, 0], 0.0])
     slow, fast = (
         [state_of(packing.replace(positions=packing.positions + part * drift * n)) for n in (0, 1)]
