@@ -2,7 +2,7 @@
 
     import lammps_deformable as ld
 
-    packing = ld.bidisperse(128, radii=(0.5, 0.7), seed=1)
+    packing = ld.bidisperse(128, seed=1)
     jammed = ld.jam(packing)
     sim = ld.Simulation(jammed, ld.Ring(kA=1.0))
     run = sim.compress(strain=0.01, steps=10)

@@ -17,8 +17,6 @@ from . import room
 from ._checks import count, expect, numbers, positive, shown, whole
 from ._files import reading, writing
 from .box import cartesian, dimension_of, fractional, lattice_vectors, refuse_space, shown_box
-from .drawing import Scale, limited, per_particle
-from .drawing import scale as scale_of
 from .errors import FileError, ParameterError, UnsavedWarning
 from .files import RADII, check_radii, read_particles, write_particles
 from .laws import root, undeformed
@@ -29,6 +27,8 @@ from .walls import Plane, Wall, as_walls
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from MDAnalysis import Universe
+
+    from .drawing import Scale
 
 Floats = NDArray[np.float64]
 
@@ -400,24 +400,22 @@ class Packing:
             ImportError: matplotlib is missing (`pip install lammps-deformable[plot]`).
         """
         optional("matplotlib", "plot")
+        from . import drawing, plot3d
+
         columns = {"radius": self.radii, "species": self.species}
         found = columns.get(color) if isinstance(color, str) else color
-        values = per_particle(color, found, len(self), columns)
-        expect("scale", scale, Scale, type(None))
+        values = drawing.per_particle(color, found, len(self), columns)
+        expect("scale", scale, drawing.Scale, type(None))
         expect("label", label, str, type(None))
-        on = scale or scale_of([values], [], color)
+        on = scale or drawing.scale([values], [], color)
         if label is None:
             label = color if isinstance(color, str) else ""
         title = f"$\\phi$ = {self.phi:.4f}" if title is None else title
-        on = limited(on, vmin, vmax)
+        on = drawing.limited(on, vmin, vmax)
         named: dict[str, Any] = {"cmap": cmap, "colorbar": colorbar}
         if self.dimension == 3:
-            from . import plot3d
-
             return plot3d.draw(self, values, label, title, on, ax, **named)
-        from .drawing import draw
-
-        return draw(self, self.outlines, values, label, title, on, ax, **named)
+        return drawing.draw(self, self.outlines, values, label, title, on, ax, **named)
 
     def replace(self, **changes: Any) -> Packing:
         """The packing with other values of some attributes.

@@ -103,7 +103,7 @@ def test_mdanalysis_has_the_same_distances() -> None:
     [
         (
             ("pp pp pp", "pp pp ff"),
-            r"along z: give the walls there, such as walls=BoxWall\(\(lx, ly, lz\)\), or a periodic box",
+            r"along z: give the walls there, such as walls=BoxWall\(\(lx, ly, lz\)\), or a p",
         ),
         (("0.0 2.8", "0.0 -2.8"), "its box is"),
     ],

@@ -103,7 +103,7 @@ def test_equal_particles_as_in_freud(tmp_path: Path) -> None:
         "import freud\n"
         "import lammps_deformable as ld\n"
         "import numpy as np\n"
-        "packing = ld.bidisperse(40, radii=(0.5, 0.5), phi=0.6, tilt=0.4, seed=3)\n"
+        "packing = ld.bidisperse(40, sizes=(0.5, 0.5), phi=0.6, tilt=0.4, seed=3)\n"
         "with ld.Disks(ld.push_off(packing)) as disks:\n"
         "    state = disks.state()\n"
         "cells = freud.locality.Voronoi().compute(state.to_freud())\n"

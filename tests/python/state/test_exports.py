@@ -96,7 +96,7 @@ def test_pandas(moving: ld.State) -> None:
     packing = moving.packing
     assert np.array_equal(particles[["x", "y"]], packing.positions)
     assert np.array_equal(particles["area_deficit"], moving.area_deficit)
-    assert particles.groupby("species")["radius"].max().tolist() == packing.radii.tolist()
+    assert particles.groupby("species")["radius"].max().tolist() == [0.5, 0.7]
     assert len(contacts) == len(moving.contact_table)
     assert contacts.groupby("i").size().to_dict() == {
         n: count for n, count in enumerate(moving.contacts) if count

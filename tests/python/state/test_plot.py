@@ -109,7 +109,7 @@ def test_unloaded_packings_have_one_color_and_one_tick(color_by: str, value: flo
     grid = 2.5 * np.stack(np.meshgrid(np.arange(4.0), np.arange(2.0)), axis=-1)
     loose = ld.Packing(
         grid.reshape(8, 2),
-        np.asarray(np.array([0.5, 0.7]))[np.arange(8) % 2],
+        np.where(np.arange(8) % 2, 0.7, 0.5),
         np.diag([10.0, 5.0]),
         species=np.arange(8) % 2,
     )

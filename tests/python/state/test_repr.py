@@ -7,10 +7,11 @@ import pytest
 def test_packing() -> None:
     straight = ld.bidisperse(32, phi=0.3, seed=1)
     side = straight.box[0, 0]
-    expected = f"<Packing: 32 particles of 2 species, phi = 0.3000, box {side:.4g} x {side:.4g}>"
-    assert repr(straight) == expected
+    expected = f"<Packing: 32 particles of 2 species, phi = 0.3000, box {side:.4g} x {side:.4g}"
+    assert repr(straight) == f"{expected}, seed 1>"
+    assert repr(straight.replace(seed=None)) == f"{expected}>"
     tilted = ld.bidisperse(32, tilt=-0.25, seed=1)
-    assert repr(tilted).endswith(f" tilted by {-0.25 * side:.4g}>")
+    assert repr(tilted).endswith(f" tilted by {-0.25 * side:.4g}, seed 1>")
 
 
 @pytest.mark.parametrize(

@@ -124,8 +124,8 @@ def test_a_particle_and_its_own_images(contact: str) -> None:
     law = ld.Ring(kA=1.0, kP=0.4, contact=contact)
     one = ld.bidisperse(1, phi=0.94, aspect=0.88, tilt=0.54, seed=1)
     steps = np.array([(a, b) for a in (0, 1) for b in (0, 1)]) @ one.box
-    four = ld.Packing(one.positions + steps, one.radii[:1], 2 * one.box)
-    one = one.replace(species=[0], radii=one.radii[:1])
+    four = ld.Packing(one.positions + steps, 0.5, 2 * one.box)
+    one = one.replace(species=[0], radii=0.5)
     states = [evaluated(packing, law)[0] for packing in (one, four)]
     assert np.abs(states[0].hessian().reduced()).max() < 1e-14
     left, right = (state.elastic_moduli() for state in states)

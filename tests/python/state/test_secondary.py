@@ -35,14 +35,7 @@ def column(width: float, radii: list[float], heights: list[float]) -> ld.State:
     *y, top = np.cumsum([0.0, *heights])
     positions = np.column_stack([np.zeros(len(y)), y])
     box = np.diag([width, top])
-    return sector_state(
-        ld.Packing(
-            positions,
-            np.asarray(np.array(radii))[np.arange(len(y))],
-            box,
-            species=np.arange(len(y)),
-        )
-    )
+    return sector_state(ld.Packing(positions, radii, box, species=np.arange(len(y))))
 
 
 def flats(arcs: Array) -> tuple[Array, Array]:
@@ -156,7 +149,6 @@ def test_nothing_to_do() -> None:
         np.array([[0.25, 0.25 * height], [0.75, 1.25 * height]]),
         radius,
         0.98 * np.array([[1.0, 0.0], [0.0, 2 * height]]),
-        species=np.array([0, 0]),
     )
     state = sector_state(crystal)
     secondary = ld.resolve_secondary(state)
@@ -232,9 +224,9 @@ def test_circle_keeps_its_contact_until_it_has_two() -> None:
     beside = top - arc - np.sqrt((h + tiny - 0.03) ** 2 - 0.4**2)
     packing = ld.Packing(
         np.array([[0.0, 0.0], [0.0, top], [0.5, y], [-0.4, beside]]),
-        np.asarray(np.array([large, small, tiny]))[np.array([0, 0, 1, 2])],
+        [large, large, small, tiny],
         np.diag([2 * h, top + 3.0]),
-        species=np.array([0, 0, 1, 2]),
+        species=[0, 0, 1, 2],
     )
     state = sector_state(packing)
     arcs = [len(ld.resolve_secondary(state, n).arcs[2]) for n in range(3)]
@@ -258,9 +250,7 @@ def test_beyond_the_model() -> None:
 
 @pytest.mark.parametrize(("radius", "depth"), [(0.05, [0.15]), (-0.05, [])])
 def test_arcs_of_negative_radius_meet_nothing(radius: float, depth: list[float]) -> None:
-    packing = ld.Packing(
-        np.array([[2.0, 2.0], [4.1, 2.0]]), 1.0, 10.0 * np.eye(2), species=np.array([0, 0])
-    )
+    packing = ld.Packing(np.array([[2.0, 2.0], [4.1, 2.0]]), 1.0, 10.0 * np.eye(2))
     left = np.array([[0.2, 0.0, 1.0, -1.0, 1.0]])
     right = np.array([[-1.0, 0.0, radius, np.pi - 1.0, np.pi + 1.0]])
     found, depths = _overlaps(packing, [left, right])
@@ -274,7 +264,7 @@ def test_images_in_a_small_box() -> None:
     copies = [np.array(image) @ small.box for image in product(range(4), repeat=2)]
     large = ld.Packing(
         np.concatenate([small.positions + shift for shift in copies]),
-        np.asarray(small.radii)[np.tile(small.species, len(copies))],
+        np.tile(small.radii, len(copies)),
         4 * small.box,
         species=np.tile(small.species, len(copies)),
     )

@@ -173,7 +173,7 @@ def test_rattlers_are_left_out() -> None:
     x = fcc.positions.copy()
     toward = x[1] - x[0]
     x[0] += 0.5 * toward
-    small = fcc.replace(positions=x, species=(np.arange(32) > 0).astype(int), radii=[0.4, 1.0])
+    small = fcc.replace(positions=x, radii=np.where(np.arange(32) > 0, 1.0, 0.4))
     with ld.Simulation(small, Droplet()) as sim:
         state = sim.relax(1e-4)
     assert state.contacts[0] == 1

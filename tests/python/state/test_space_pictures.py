@@ -81,7 +81,8 @@ def test_states_and_packings_are_drawn(
     states: tuple[ld.SphereState, ld.DropletState],
 ) -> None:
     for state in (*states, states[0].packing):
-        axes = state.plot(color_by="radius", title="equal", colorbar=False)
+        colors = {"color" if isinstance(state, ld.Packing) else "color_by": "radius"}
+        axes = state.plot(**colors, title="equal", colorbar=False)
         assert axes.get_title() == "equal"
         assert axes.images[0].get_array().max() > 0.0
     soft, droplets = states
