@@ -95,11 +95,10 @@ def main() -> None:
                 nowhere = stack.enter_context(open(os.devnull, "w"))
                 stack.enter_context(redirect_stdout(nowhere))
             sys.exit(app(standalone_mode=False))
-    except typer.Abort:  # Ctrl-C
-        _tell(
-            "interrupted: add --resume to finish a run; `deformable report` goes on when repeated"
-        )
-        sys.exit(130)
+    except SystemExit as end:
+        if end.code == _INTERRUPTED:
+            _tell("interrupted: --resume finishes a run; `deformable report` goes on if repeated")
+        raise
     except CommandLineError as error:
         _tell(f"error: {error}")
         sys.exit(2)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import lammps_deformable as ld
 import pytest
+from lammps_deformable.relax import TOLERANCE
 from programs import command
 
 
@@ -55,7 +56,12 @@ def test_shear_resumes(folder: Path, tmp_path: Path) -> None:
         before = {"before": ld.Run(folder / "run").parameters}
         with pytest.raises(KeyboardInterrupt):
             sim.shear(
-                0.02, steps=4, record=tmp_path / "part", parameters=before, callback=interrupt
+                0.02,
+                steps=4,
+                tolerance=TOLERANCE,
+                record=tmp_path / "part",
+                parameters=before,
+                callback=interrupt,
             )
     done = run("shear", "--resume", "--strain", "0.02", "--out", "part", cwd=tmp_path)
     assert done.returncode == 0, done.stderr

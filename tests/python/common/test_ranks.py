@@ -19,7 +19,7 @@ from mpi4py import MPI
 def strained(seed):
     jammed = ld.jam(ld.bidisperse(8, seed=seed))
     with ld.Simulation(jammed, ld.Ring()) as sim:
-        *_, state = ld.compress(sim, 0.02, 2)
+        state = sim.compress(strain=0.02, steps=2)[-1]
     here = ld.parallel_map(lambda _: os.getpid(), [1, 2]) == [os.getpid()] * 2
     return MPI.COMM_WORLD.rank, here, state.energy, state.packing.positions.tolist()
 
@@ -54,7 +54,7 @@ def test_ranks_share_calls(tmp_path: Path, ranks: int) -> None:
             json.loads((tmp_path / f"{name}-{rank}").read_text()) for name in ("all", "one", "none")
         )
         assert [row[2:] for row in found] == expected
-        assert {row[0] for row in found} == set(range(ranks))
+        assert (len({row[0] for row in found}) > 1) == (ranks > 1)  # who is free takes the next
         assert all(row[1] for row in found)
         assert one[0][2:] == expected[2]
         assert none == []

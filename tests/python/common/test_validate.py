@@ -107,7 +107,7 @@ def test_a_closed_simulation_refuses_calls(kind: Callable[[], Any], tmp_path: Pa
 def test_folders_that_cannot_be_written(folder: str, state: ld.State) -> None:
     for call in (
         lambda: state.save(folder),
-        lambda: next(ld.record([state], folder)),
+        lambda: ld.Simulation(state.packing, state.law).compress(strain=0.01, record=folder),
         lambda: ld.Run([state]).movie(f"{folder}/movie.gif"),
     ):
         told = rf"\A'{folder}[^\n]* cannot be written: |\A'/dev/null' is a file, not a folder: "
