@@ -38,7 +38,7 @@ LONGER = 16
 
 
 def steps(repeats: int) -> list[dict[str, Any]]:
-    packing = ld.jam(ld.bidisperse(256, seed=1)).at(0.9)
+    packing = ld.jam(ld.bidisperse(256, seed=1)).packing.at(0.9)
     rows = []
     for kP in STIFFNESSES:
         for motion, (temperature, dt) in MOTIONS.items():
@@ -61,7 +61,7 @@ def steps(repeats: int) -> list[dict[str, Any]]:
 
 def relaxation(seed: int, kP: float) -> dict[str, Any]:
     """Time and force calls of a compression with `balanced` over those with `radical`."""
-    jammed = ld.jam(ld.bidisperse(64, seed=seed))
+    jammed = ld.jam(ld.bidisperse(64, seed=seed)).packing
     sims = [ld.Simulation(jammed, ld.Ring(kP=kP, contact=c)) for c in LAWS]
     seconds, calls, stalled = np.zeros(2), np.zeros(2), 0
     for strain in np.arange(1, 9) * 0.0025:
@@ -87,7 +87,7 @@ def relaxation(seed: int, kP: float) -> dict[str, Any]:
 
 
 def energy() -> dict[str, Any]:
-    packing = ld.jam(ld.bidisperse(64, seed=1)).at(0.88)
+    packing = ld.jam(ld.bidisperse(64, seed=1)).packing.at(0.88)
 
     def error(tolerance: float, dt: float = TIMESTEPS[2], duration: float = 400.0) -> float:
         style = f"pair_style deformable/ring contact balanced balance {tolerance!r} 100 reach 0.3"

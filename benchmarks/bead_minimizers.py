@@ -76,7 +76,7 @@ def measure(name: str, jammed: ld.Packing, seed: int) -> dict[str, object]:
     row: dict[str, object] = {"method": name, "seed": seed, "calls": [], "seconds": []}
     with (
         tempfile.TemporaryDirectory() as folder,
-        ld.PolygonSimulation(jammed, BEADS) as rings,
+        ld.Simulation(jammed, BEADS) as rings,
     ):
         log = Path(folder, "log")
         rings.lmp.command(f'log "{log}"')
@@ -111,7 +111,7 @@ def main() -> None:
     parser.add_argument("--methods", nargs="+", default=list(METHODS), choices=list(METHODS))
     options = parser.parse_args()
     seeds = range(1, options.seeds + 1)
-    packings = [ld.jam(ld.bidisperse(NUMBER, seed=seed)) for seed in seeds]
+    packings = [ld.jam(ld.bidisperse(NUMBER, seed=seed)).packing for seed in seeds]
     rows = []
     for name in options.methods:
         new = [measure(name, packing, seed) for seed, packing in zip(seeds, packings, strict=True)]

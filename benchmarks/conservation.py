@@ -85,7 +85,7 @@ def main() -> None:
     warnings.simplefilter("ignore", UserWarning)
     rows = []
     for number, steps in RUNS:
-        jammed = ld.jam(ld.bidisperse(number, seed=1))
+        jammed = ld.jam(ld.bidisperse(number, seed=1)).packing
         cases = [(phi, T, TIMESTEP) for phi in PHIS for T in TEMPERATURES]
         if number == RUNS[0][0]:
             cases += [(phi, TEMPERATURES[-1], dt) for phi in PHIS for dt in LONGER]

@@ -80,7 +80,7 @@ def compared(
 ) -> list[dict[str, Any]]:
     """Energies of the laws that relaxed on their own over those of the extrapolated polygons."""
     counts = counts or VERTICES[number]
-    start = ld.jam(ld.bidisperse(number, seed=seed))
+    start = ld.jam(ld.bidisperse(number, seed=seed)).packing
     found = {
         count: {
             (row["law"], round(row["strain"], 6)): row
@@ -122,7 +122,7 @@ def show(value: object) -> str:
 
 def steps(repeats: int = 3) -> list[dict[str, Any]]:
     """At N = 1024 and 9216, from the same packing."""
-    start = ld.jam(ld.bidisperse(1024, seed=1)).at(0.9)
+    start = ld.jam(ld.bidisperse(1024, seed=1)).packing.at(0.9)
     with ld.Simulation(start, ld.Ring()) as sim:
         cell = sim.relax(1e-4).packing
     rows = []
@@ -163,7 +163,7 @@ def films(repeats: int = 3) -> list[dict[str, Any]]:
 
     rows = []
     for phi, (motion, (temperature, dt)) in itertools.product((0.84, 0.9), FILM_MOTIONS.items()):
-        start = ld.jam(ld.bidisperse(1024, seed=1)).at(phi)
+        start = ld.jam(ld.bidisperse(1024, seed=1)).packing.at(phi)
         runs = [
             [step(start, droplets(w), temperature, dt, 10.0, 200) for w in adhesions]
             for _ in range(repeats)
@@ -187,7 +187,7 @@ def relaxations() -> list[dict[str, Any]]:
     for number in (64, 256):
         ratios = []
         for seed in (1, 2, 3):
-            start = ld.jam(ld.bidisperse(number, seed=seed))
+            start = ld.jam(ld.bidisperse(number, seed=seed)).packing
             seconds = [
                 sum(spent for _, spent in law_path(start, ld.Ring(contact=law), 0.05, 10))
                 for law in LAWS
@@ -201,7 +201,7 @@ def relaxations() -> list[dict[str, Any]]:
 def energy() -> list[dict[str, Any]]:
     rows, law = [], ld.Ring(contact="curved")
     for phi in (0.80, 0.88, 0.92):
-        packing = ld.jam(ld.bidisperse(64, seed=1)).at(phi)
+        packing = ld.jam(ld.bidisperse(64, seed=1)).packing.at(phi)
         errors = [energy_error(packing, law, dt, 400.0, 100) for dt in TIMESTEPS]
         rows.append(
             {
@@ -220,7 +220,7 @@ def drift(runs: int = 8) -> list[dict[str, Any]]:
     """Trends of the total energy over the kinetic one, of runs with other velocities."""
     rows, dt, samples, seeds = [], 0.1, 500, range(1, runs + 1)
     for phi, contact in itertools.product((0.80, 0.88, 0.92), LAWS):
-        packing = ld.jam(ld.bidisperse(16, seed=1)).at(phi)
+        packing = ld.jam(ld.bidisperse(16, seed=1)).packing.at(phi)
         trends = []
         for seed in seeds:
             with ld.Simulation(packing, ld.Ring(contact=contact)) as sim:

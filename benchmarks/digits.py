@@ -56,35 +56,41 @@ def cases(short: bool) -> Iterator[tuple[str, Callable[[], object]]]:
     yield "bidisperse, tilted box", lambda: ld.bidisperse(256, tilt=0.3, seed=3)
     yield "polydisperse", lambda: ld.polydisperse(64, stats.lognorm(0.1), tilt=0.3, seed=1)
     for number in (64,) if short else (64, 128, 512, 1000, 4096):
-        yield f"jam, {number} disks", lambda n=number: ld.jam(ld.bidisperse(n, seed=1))
+        yield f"jam, {number} disks", lambda n=number: ld.jam(ld.bidisperse(n, seed=1)).packing
     yield (
         "jam, 60 disks between walls",
-        lambda: ld.jam(ld.bidisperse(60, seed=1).between(walls).at(0.5)),
+        lambda: ld.jam(ld.bidisperse(60, seed=1).between(walls).at(0.5)).packing,
     )
     for name, law in {"balanced": ld.Ring(), "droplets": droplets, "sector": ld.Sector()}.items():
-        yield f"jam, 32 particles, {name}", lambda law=law: ld.jam(ld.bidisperse(32, seed=1), law)
+        yield (
+            f"jam, 32 particles, {name}",
+            lambda law=law: ld.jam(ld.bidisperse(32, seed=1), law).packing,
+        )
     for name, law in {
         "radical": ld.Ring(contact="radical"),
         "curved": ld.Ring(contact="curved"),
     }.items():
-        yield f"compress, 64 particles, {name}", lambda law=law: strained(law, ld.compress)
-    yield "shear, 64 particles, balanced", lambda: strained(ld.Ring(), ld.shear)
+        yield f"compress, 64 particles, {name}", lambda law=law: strained(law, "compress")
+    yield "shear, 64 particles, balanced", lambda: strained(ld.Ring(), "shear")
     yield "compress, 6 smooth polygons", rings
 
 
-def strained(law: ld.Ring, protocol: Callable[..., Iterator[ld.State]]) -> list[object]:
+def strained(law: ld.Ring, protocol: str) -> list[object]:
     """Packings, energies, stresses and areas on the way."""
-    with ld.Simulation(ld.jam(ld.bidisperse(64, seed=1)).at(0.86), law) as sim:
-        states = list(protocol(sim, STRAIN, STEPS))
+    with ld.Simulation(ld.jam(ld.bidisperse(64, seed=1)).packing.at(0.86), law) as sim:
+        if protocol == "shear":
+            states = sim.shear(STRAIN, steps=STEPS)[1:]
+        else:
+            states = sim.compress(strain=STRAIN, steps=STEPS)[1:]
     return [[s.packing, s.energy, s.stress, s.area, s.contact_table["force"]] for s in states]
 
 
 def rings() -> list[object]:
     """The reference model."""
-    with ld.PolygonSimulation(
-        ld.jam(ld.bidisperse(6, seed=1)), ld.DeformablePolygon(vertices=30, smooth=True)
+    with ld.Simulation(
+        ld.jam(ld.bidisperse(6, seed=1)).packing, ld.DeformablePolygon(vertices=30, smooth=True)
     ) as sim:
-        states = list(ld.compress(sim, STRAIN, STEPS))
+        states = sim.compress(strain=STRAIN, steps=STEPS)[1:]
     return [[s.energy, s.stress, s.area_deficit, *s.outlines] for s in states]
 
 

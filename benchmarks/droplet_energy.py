@@ -36,7 +36,7 @@ velocity all zero linear
 def jammed(number: int = 64) -> ld.Packing:
     """Touching spheres of radii 1 and 1.2."""
     start = ld.bidisperse(number, sizes=(1.0, 1.2), dimension=3, seed=1)
-    return ld.jam(start, tolerance=1e-2)
+    return ld.jam(start, tolerance=1e-2).packing
 
 
 def relaxed(packing: ld.Packing) -> ld.Packing:

@@ -76,7 +76,7 @@ def main() -> None:
     rows: list[dict[str, Any]] = []
     same = 0
     for number, seed, shape in itertools.product(options.numbers, SEEDS, SHAPES):
-        jammed = ld.jam(ld.bidisperse(number, seed=seed, dimension=3, **shape))
+        jammed = ld.jam(ld.bidisperse(number, seed=seed, dimension=3, **shape)).packing
         for phi in (jammed.phi + ABOVE, *PHIS):
             pair = [relax(jammed.at(phi), minimizer) for minimizer in MINIMIZERS]
             rows += [{"seed": seed, **shape, **row} for row in pair]

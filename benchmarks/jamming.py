@@ -31,7 +31,7 @@ def measure(number: int, seed: int, pressure: float, tolerance: float) -> dict[s
         warnings.simplefilter("always", ld.StalledWarning)
         jammed = ld.jam(start, pressure=pressure, tolerance=tolerance)
     seconds = time.process_time() - began
-    with ld.Disks(jammed) as disks:
+    with ld.Simulation(jammed, ld.SoftContact()) as disks:
         state = disks.state()
     return {
         "N": number,

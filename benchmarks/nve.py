@@ -88,7 +88,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--out", type=Path, default=HERE / "results" / "nve.json")
     options = parser.parse_args()
-    jammed = ld.jam(ld.bidisperse(64, seed=1))
+    jammed = ld.jam(ld.bidisperse(64, seed=1)).packing
     rows = []
     for phi in (0.80, 0.88, 0.92):
         row = measure(jammed, phi)

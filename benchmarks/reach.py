@@ -45,12 +45,12 @@ timestep 0.01
 
 def ratios(law: str, temperature: float, timestep: float) -> list[float]:
     """Time of a step over that with the first reach."""
-    jammed = ld.jam(ld.bidisperse(4000, seed=1))
+    jammed = ld.jam(ld.bidisperse(4000, seed=1)).packing
     times: list[list[float]] = [[] for _ in REACHES]
     runs = []
     for reach in REACHES:
         ring = ld.Ring(contact=law, reach=reach)
-        runs.append(ld.Simulation(jammed.at(1.06 * jammed.phi), ring, MPI.COMM_SELF))
+        runs.append(ld.Simulation(jammed.at(1.06 * jammed.phi), ring, comm=MPI.COMM_SELF))
         runs[-1].lmp.commands_string(
             f"timestep {timestep}\nvelocity all create {temperature} 1\nfix move all nve\nrun 20"
         )

@@ -40,7 +40,7 @@ def measure(
     law: str, number: int, seed: int, shape: dict[str, float], minimizer: str, dmax: float | None
 ) -> list[dict[str, Any]]:
     """The relaxed states of one packing, from the onset of jamming on."""
-    jammed = ld.jam(ld.bidisperse(number, seed=seed, **shape))
+    jammed = ld.jam(ld.bidisperse(number, seed=seed, **shape)).packing
     rows = []
     with ld.Simulation(jammed, ld.Ring(kA=MINIMIZERS[minimizer], contact=law)) as sim:
         sim.lmp.command(f"min_style {minimizer}")

@@ -65,7 +65,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--out", type=Path, default=HERE / "results" / "sector_stall.json")
     options = parser.parse_args()
-    jammed = ld.jam(ld.bidisperse(64, seed=1))
+    jammed = ld.jam(ld.bidisperse(64, seed=1)).packing
     rows = [measure(jammed, law, phi) for law in LAWS for phi in (0.88, 0.92)]
     for row in rows:
         print("  ".join(f"{key} {value}" for key, value in row.items()))

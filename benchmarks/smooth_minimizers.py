@@ -29,7 +29,7 @@ STRAINS = (0.01, 0.02)
 ANNEALED, AT_ONCE = (0.002, 0.02, 0.2, 1.0), (1.0,)
 
 
-def fire(rings: ld.PolygonSimulation, stages: Sequence[float]) -> ld.PolygonState:
+def fire(rings: ld.Simulation, stages: Sequence[float]) -> ld.State:
     """FIRE, with contacts of these stiffnesses over kr; soft ones end at a residual of 1e-3."""
     began = time.process_time()
     for part in stages:
@@ -45,8 +45,8 @@ def fire(rings: ld.PolygonSimulation, stages: Sequence[float]) -> ld.PolygonStat
     return state
 
 
-def newton(rings: ld.PolygonSimulation, stages: Sequence[float]) -> ld.PolygonState:
-    """Newton's method, as `PolygonSimulation.relax` or without its soft contacts."""
+def newton(rings: ld.Simulation, stages: Sequence[float]) -> ld.State:
+    """Newton's method, as `Simulation.relax` or without its soft contacts."""
     before, smooth_polygons._SOFT = smooth_polygons._SOFT, tuple(stages)
     try:
         return rings.relax(TOLERANCE)
@@ -65,7 +65,7 @@ METHODS = {
 def measure(name: str, jammed: ld.Packing, seed: int, strain: float) -> dict[str, object]:
     """Energy, residual and processor time of one relaxation."""
     method, stages = METHODS[name]
-    with ld.PolygonSimulation(jammed, BEADS) as rings:
+    with ld.Simulation(jammed, BEADS) as rings:
         rings.deform((1.0 - strain) * rings.box)
         began = time.process_time()
         state = method(rings, stages)
@@ -89,7 +89,7 @@ def main() -> None:
     rows = []
     for strain in STRAINS:
         for seed in options.seeds:
-            jammed = ld.jam(ld.bidisperse(NUMBER, seed=seed))
+            jammed = ld.jam(ld.bidisperse(NUMBER, seed=seed)).packing
             for name in METHODS:
                 row = measure(name, jammed, seed, strain)
                 rows.append(row)

@@ -35,7 +35,7 @@ def test_there_are_twenty() -> None:
 def names(tmp_path_factory: pytest.TempPathFactory) -> dict[str, object]:
     """What the text above the table begins with, in a folder of its own."""
     folder = tmp_path_factory.mktemp("tasks")
-    jammed = ld.jam(ld.bidisperse(16, seed=1)).at(0.87)
+    jammed = ld.jam(ld.bidisperse(16, seed=1)).packing.at(0.87)
     jammed.to_file(folder / "start.dump")
     with ld.Simulation(jammed, ld.Ring()) as sim:
         state = sim.relax()

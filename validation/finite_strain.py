@@ -9,10 +9,12 @@ import numpy as np
 from lammps_deformable._checks import expect, positive
 from lammps_deformable.box import refuse_space
 from lammps_deformable.laws import root
+from lammps_deformable.response import check_at_rest
 from lammps_deformable.shearing import sheared
+from lammps_deformable.simulation import Simulation
 from lammps_deformable.small_strains import following, tolerance_under, unbalanced_modulus
-from lammps_deformable.starts import simulate
-from lammps_deformable.state import DiskState, DropletState, SphereState, State
+from lammps_deformable.state import State
+from mpi4py import MPI
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
@@ -48,7 +50,7 @@ class Modulus:
 
 
 def shear_modulus(
-    state: State | DropletState | DiskState | SphereState,
+    state: State,
     strain: float,
     tolerance: float | None = None,
     pure: bool = False,
@@ -60,7 +62,7 @@ def shear_modulus(
     halved until two values agree. `state.elastic_moduli` has the limit of small strains at once.
 
     Args:
-        state: of a `Simulation`, of `Disks` or `Spheres`, relaxed, with a pressure above zero or
+        state: relaxed, with a pressure above zero or
             with films.
         strain: the first one. Contacts change at strains of some part of phi - phi_J, so that a
             hundredth of that is a good start.
@@ -78,7 +80,7 @@ def shear_modulus(
         ParameterError: a value is out of range, or the state is not at rest (`residual` above
             1e-3).
     """
-    expect("state", state, State, DropletState, DiskState, SphereState)
+    expect("state", state, State)
     if pure:
         refuse_space("pure=True", state.packing.dimension, "turn the packing, and shear it along x")
     if not pure:
@@ -93,7 +95,7 @@ def shear_modulus(
 
 
 def bulk_modulus(
-    state: State | DropletState | DiskState | SphereState,
+    state: State,
     strain: float,
     tolerance: float | None = None,
 ) -> Modulus:
@@ -101,7 +103,7 @@ def bulk_modulus(
 
     In three dimensions it is the strain of the volume.
     """
-    expect("state", state, State, DropletState, DiskState, SphereState)
+    expect("state", state, State)
     dimension = state.packing.dimension
     return _modulus(
         state,
@@ -113,7 +115,7 @@ def bulk_modulus(
 
 
 def _modulus(
-    state: State | DropletState | DiskState | SphereState,
+    state: State,
     strain: float,
     tolerance: float | None,
     deformed: Callable[[NDArray[np.float64], float], NDArray[np.float64]],
@@ -121,13 +123,16 @@ def _modulus(
 ) -> Modulus:
     """Half the difference of a component of stress at two opposite strains, over the strain."""
     positive("strain", strain)
-    state.check_at_rest()
+    check_at_rest(state.residual)
     before, zero = np.inf, _AGREEMENT * abs(state.pressure)
     for halving in range(_HALVINGS + 1):
         closely = tolerance_under(strain, _TOLERANCE) if tolerance is None else tolerance
         stresses, stalled, left = [], False, 0.0
         for sign in (1.0, -1.0):
-            with simulate(state, state.law) as sim, following(sim, state.packing, strain):
+            with (
+                Simulation(state, state.law, comm=MPI.COMM_SELF) as sim,
+                following(sim, state.packing, strain),
+            ):
                 sim.deform(deformed(sim.box, sign * strain))
                 relaxed = sim.relax(closely)
             stresses.append(component(relaxed.stress))

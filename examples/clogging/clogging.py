@@ -96,7 +96,7 @@ def fitted_with_error(clogged):
 
 def clogged_state(width, weight, seed):
     """The end of a trial, on this rank alone."""
-    with ld.Simulation(filled(width, seed), DROPLET, MPI.COMM_SELF) as sim:
+    with ld.Simulation(filled(width, seed), DROPLET, comm=MPI.COMM_SELF) as sim:
         discharge(sim, weight)
         return sim.state()
 

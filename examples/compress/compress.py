@@ -3,7 +3,7 @@
 import lammps_deformable as ld
 
 packing = ld.bidisperse(128, sizes=(0.5, 0.7), seed=5)
-jammed = ld.jam(packing)
+jammed = ld.jam(packing).packing
 print(f"jammed at phi = {jammed.phi:.5f}")
 
 sim = ld.Simulation(jammed, ld.Ring(kA=1.0))

@@ -24,7 +24,7 @@ HEADS = ("phi", "pressure", "coordination", "shear modulus", "bulk modulus", "sh
 def measure(seed):
     """A packing from its onset to the last phi: phi_J, and a row for each phi."""
     loose = ld.bidisperse(NUMBER, sizes=RADII, seed=seed)
-    jammed = ld.jam(loose, DROPLETS, tolerance=1e-6)  # 1e-6 above the onset
+    jammed = ld.jam(loose, DROPLETS, tolerance=1e-6).packing  # 1e-6 above the onset
     rows = []
     with ld.Simulation(jammed, DROPLETS) as sim:
         for phi in PHI:

@@ -28,7 +28,7 @@ STEP = 0.01  # strain between states
 
 def prepare(number):
     """A packing at rest, saved in a folder."""
-    jammed = ld.jam(ld.bidisperse(number, sizes=RADII, seed=1), DROPLETS, 1e-4)
+    jammed = ld.jam(ld.bidisperse(number, sizes=RADII, seed=1), DROPLETS, pressure=1e-4).packing
     with ld.Simulation(jammed.at(PHI), DROPLETS) as sim:
         sim.relax(1e-4).save("start", overwrite=True)
 
@@ -36,7 +36,7 @@ def prepare(number):
 def flow(rate, strain):
     """Strain, stress and pressure of an emulsion that flows, or in relaxed steps at the rate 0."""
     with ld.Run("start").simulation() as sim:
-        how = {"rate": rate, "friction": DRAG} if rate else {"tolerance": 1e-4}
+        how = {"rate": rate, "drag": DRAG} if rate else {"tolerance": 1e-4}
         states = sim.shear(strain, steps=round(strain / STEP), **how)[1:]
         rows = [(state.strain, state.shear_stress, state.pressure) for state in states]
     return np.transpose(rows)

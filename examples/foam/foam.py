@@ -50,7 +50,7 @@ def coarsen(sim, state):
         bubbles = ld.Packing(
             packing.positions[left], radius, packing.box, species=packing.species[left]
         )
-        sim.restart(bubbles)
+        sim.reset(bubbles)
         state = sim.relax(TOLERANCE)
         time += dt
     yield time, state

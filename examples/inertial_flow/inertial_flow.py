@@ -74,9 +74,9 @@ run 0
 def started(softness, mu, inertia, number):
     """A simulation that has begun, and the number of steps for a block of strain."""
     loose = ld.polydisperse(number, np.linspace(*RADII, number), seed=1)
-    packing = ld.jam(loose).at(0.8)
+    packing = ld.jam(loose).packing.at(0.8)
     friction = ld.Friction(mu, **CONTACT)
-    sim = ld.Simulation(packing, GRAIN, MPI.COMM_SELF, friction=friction)
+    sim = ld.Simulation(packing, GRAIN, comm=MPI.COMM_SELF, friction=friction)
     commands, steps = scene(softness, inertia, packing.box[1, 1])
     sim.lmp.commands_string(commands)
     return sim, steps

@@ -6,7 +6,7 @@ All ranks run the script and get the same states; rank 0 writes the files.
 import lammps_deformable as ld
 from mpi4py import MPI
 
-jammed = ld.jam(ld.bidisperse(128, seed=1))
+jammed = ld.jam(ld.bidisperse(128, seed=1)).packing
 sim = ld.Simulation(jammed, ld.Ring(kA=1.0))
 for state in sim.compress(strain=0.005, steps=2, record="run", mode="w")[1:]:
     if MPI.COMM_WORLD.rank == 0:

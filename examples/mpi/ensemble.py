@@ -8,7 +8,7 @@ from mpi4py import MPI
 
 
 def pressure(seed):
-    jammed = ld.jam(ld.bidisperse(32, seed=seed))
+    jammed = ld.jam(ld.bidisperse(32, seed=seed)).packing
     with ld.Simulation(jammed, ld.Ring()) as sim:
         state = sim.compress(strain=0.01)[-1]
     return state.pressure

@@ -3,7 +3,7 @@
 import lammps_deformable as ld
 import matplotlib.pyplot as plt
 
-jammed = ld.jam(ld.bidisperse(48, sizes=(0.5, 0.7), seed=1))
+jammed = ld.jam(ld.bidisperse(48, sizes=(0.5, 0.7), seed=1)).packing
 sim = ld.Simulation(jammed, ld.Ring(kA=1.0))
 for state in sim.compress(strain=0.06, steps=15, record="run", mode="w")[1:]:
     print(f"phi {state.phi:.4f}  mean shape parameter {state.shape_parameter.mean():.5f}")

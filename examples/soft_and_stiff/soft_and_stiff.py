@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.collections import LineCollection
 
 # Half of the particles, chosen at random, are ten times as stiff: four species for two sizes.
-jammed = ld.jam(ld.bidisperse(32, sizes=(0.5, 0.7), seed=3))
+jammed = ld.jam(ld.bidisperse(32, sizes=(0.5, 0.7), seed=3)).packing
 stiff = np.random.default_rng(1).permutation(len(jammed)) < len(jammed) // 2
 mixture = jammed.replace(species=jammed.species + 2 * stiff)
 law = ld.Ring(kA=[1.0, 1.0, 10.0, 10.0], kP=[1.0, 1.0, 10.0, 10.0], contact="balanced")

@@ -45,22 +45,12 @@ if TYPE_CHECKING:
     from .packing import Packing as Packing
     from .parallel import jackknife as jackknife
     from .parallel import parallel_map as parallel_map
-    from .polishing import polish as polish
-    from .polygon_simulation import PolygonSimulation as PolygonSimulation
     from .polygons import DeformablePolygon as DeformablePolygon
     from .random import bidisperse as bidisperse
     from .random import polydisperse as polydisperse
     from .run import Run as Run
     from .run import state_in_file as state_in_file
-    from .secondary import resolve_secondary as resolve_secondary
-    from .simulation import DropletSimulation as DropletSimulation
     from .simulation import Simulation as Simulation
-    from .soft_disks import Disks as Disks
-    from .soft_disks import Spheres as Spheres
-    from .state import DiskState as DiskState
-    from .state import DropletState as DropletState
-    from .state import PolygonState as PolygonState
-    from .state import SphereState as SphereState
     from .state import State as State
     from .walls import BoxWall as BoxWall
     from .walls import Cone as Cone
@@ -75,22 +65,15 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "crystal": "crystals",
-    "SoftContact": "laws",
     "PolygonWall": "walls",
     "BoxWall": "walls",
-    "PolygonSimulation": "polygon_simulation",
-    "PolygonState": "state",
     "DeformablePolygon": "polygons",
     "BeyondModelWarning": "errors",
     "CallError": "errors",
     "Comparison": "comparison",
     "Cone": "walls",
     "Cylinder": "walls",
-    "DiskState": "state",
-    "Disks": "soft_disks",
     "Droplet": "laws",
-    "DropletSimulation": "simulation",
-    "DropletState": "state",
     "DeformableError": "errors",
     "FileError": "errors",
     "UndefinedError": "errors",
@@ -105,9 +88,8 @@ _HOMES = {
     "Sector": "laws",
     "Segment": "walls",
     "Simulation": "simulation",
+    "SoftContact": "laws",
     "Sphere": "walls",
-    "SphereState": "state",
-    "Spheres": "soft_disks",
     "StalledWarning": "errors",
     "State": "state",
     "UnjammedWarning": "errors",
@@ -117,9 +99,7 @@ _HOMES = {
     "jackknife": "parallel",
     "jam": "jamming",
     "parallel_map": "parallel",
-    "polish": "polishing",
     "polydisperse": "random",
-    "resolve_secondary": "secondary",
     "state_in_file": "run",
 }
 

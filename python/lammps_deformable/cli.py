@@ -52,8 +52,8 @@ from .random import bidisperse
 from .recording import check_tolerance
 from .relax import TOLERANCE
 from .run import Run, state_in_file
-from .simulation import Deforming, Simulation
-from .state import DeformedState
+from .simulation import Simulation
+from .state import State
 from .store import refuse, refuse_run
 from .versions import mpi_of_lammps, mpi_of_python, optional, versions
 
@@ -129,11 +129,11 @@ def _tell(line: str) -> None:
 # Runs
 
 
-def _printing(columns: Sequence[str], done: int = 0) -> Callable[[DeformedState], None]:
+def _printing(columns: Sequence[str], done: int = 0) -> Callable[[State], None]:
     """A callback that prints these of `State.numbers`, after so many steps before."""
     steps = itertools.count(done + 1)
 
-    def show(state: DeformedState) -> None:
+    def show(state: State) -> None:
         step = next(steps)
         if step == done + 1:
             print_once("step " + " ".join(f"{name:>12}" for name in columns))
@@ -143,14 +143,14 @@ def _printing(columns: Sequence[str], done: int = 0) -> Callable[[DeformedState]
     return show
 
 
-def _finish(state: DeformedState, folder: Path, began: float) -> None:
+def _finish(state: State, folder: Path, began: float) -> None:
     """Draw the last state."""
     if state.root and importlib.util.find_spec("matplotlib"):
         _draw(state, folder / "packing.png")
     print_once(f"wrote {folder} ({time.perf_counter() - began:.1f} s)")
 
 
-def _draw(state: DeformedState, out: Path, **settings: Any) -> None:
+def _draw(state: State, out: Path, **settings: Any) -> None:
     figure: Any = state.plot(**settings).figure
     figure.savefig(out, dpi=150)
 
@@ -199,12 +199,13 @@ def compress_command(
         settings.check(given, *(field.name for field in fields(RandomStart)))
         if settings.polydispersity is not None and given.keys() & {"radii", "fraction"}:
             raise ParameterError("give --polydispersity, or --radii and --fraction of two sizes")
-        check_target(None, settings.steps, **settings.target)
+        law = settings.contact_law()
+        check_target(law, settings.steps, **settings.target)
         check_tolerance(settings.tolerance)
-        law, start = settings.contact_law(), settings.start()
+        start = settings.start()
         if MPI.COMM_WORLD.rank == 0:
             make_folder(folder)
-        packing = jam(start) if settings.from_file is None else start
+        packing = jam(start).packing if settings.from_file is None else start
         begun = "jammed" if settings.from_file is None else f"{len(packing)} particles"
         print_once(f"{begun} at phi = {packing.phi:.5f} ({time.perf_counter() - began:.1f} s)")
         run = Simulation(packing, law).compress(
@@ -278,7 +279,7 @@ def shear_command(
 
 def _sheared(
     run: Path | None, folder: Path, material: Material, given: Mapping[str, Any]
-) -> tuple[Deforming[Any], dict[str, Any]]:
+) -> tuple[Simulation, dict[str, Any]]:
     """What is sheared, and the parameters that tell where it comes from."""
     if material.from_file is not None:
         if run is not None:
@@ -331,7 +332,7 @@ def jam_command(
     else:
         start = material.packing_in_file(dimension)
     # of a contact force this is left, so that the weakest contacts are counted
-    packing = jam(start, law, pressure, tolerance=1e-6)
+    packing = jam(start, law, pressure=pressure, tolerance=1e-6).packing
     with Simulation(packing, law) as sim:
         state = sim.relax()
         state.save(folder, overwrite=overwrite)
@@ -383,7 +384,7 @@ def report_command(
     settings = counts | {"strain": strain, "steps": steps}
     if material.from_file is None:
         origin: dict[str, Any] = {"number": number, "seed": seed}
-        start = jam(bidisperse(number, seed=seed))
+        start = jam(bidisperse(number, seed=seed)).packing
     else:
         origin, start = asdict(material), material.packing_in_file(2)
     found = write_report(

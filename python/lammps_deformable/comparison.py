@@ -24,17 +24,14 @@ from . import core
 from ._checks import count, expect, shown
 from ._files import make_folder
 from .box import cartesian, fractional
-from .contacts import without_rattlers
 from .core import angles, norm, unit_vectors
 from .errors import ParameterError
-from .laws import Law, Ring, Sector, per_species, refuse_adhesion
+from .laws import Law, Ring, Sector, SoftContact, per_species, refuse_adhesion
 from .packing import Packing
 from .parallel import parallel_map
-from .polygon_simulation import PolygonSimulation
 from .polygons import DeformablePolygon, Polygons
 from .simulation import Simulation
-from .soft_disks import Disks
-from .state import PolygonState, State
+from .state import State
 from .versions import optional
 
 if TYPE_CHECKING:
@@ -47,10 +44,9 @@ _QUANTITIES = {
     "shape_error": "error of the outline over the radius",
 }
 
-S = TypeVar("S", State, PolygonState)
 T = TypeVar("T")
 Row = dict[str, Any]
-Steps = list[tuple[S, float]]
+Steps = list[tuple[State, float]]
 
 # Laws without a continuous energy do not come to rest.
 _RESTLESS = {"sector"}
@@ -164,7 +160,7 @@ class Comparison:
 
 
 def compare(
-    start: Packing | State | PolygonState | Sequence[State],
+    start: Packing | State | Sequence[State],
     *,
     law: Law | None = None,
     polygon: DeformablePolygon | None = None,
@@ -202,7 +198,7 @@ def compare(
         ParameterError: circles overlap; a run is no isotropic compression; or particles stick, or
             have a tension: polygons have none.
     """
-    if isinstance(start, PolygonState):
+    if isinstance(start, State) and isinstance(start.law, DeformablePolygon):
         return _at_centers(start, law)
     first, strain, steps = _begin(start, strain, steps)
     if not 0.0 < strain < 1.0:
@@ -222,7 +218,9 @@ def compare(
     rows = compression_rows(
         packing, reference, strain, steps, rivals, laws=laws, workers=workers, keep=keep
     )
-    disks = math.fsum(seconds for _, seconds in timed(Disks(packing), strain, steps))
+    disks = math.fsum(
+        seconds for _, seconds in timed(Simulation(packing, SoftContact()), strain, steps)
+    )
     return Comparison(method_rows(rows, disks), rows)
 
 
@@ -305,11 +303,11 @@ def _matched(law: Law, model: DeformablePolygon, packing: Packing) -> Law:
     return replace(law, kP=polygons.kP.tolist(), skin=polygons.skin.tolist())
 
 
-def _at_centers(exact: PolygonState, law: Law | None) -> Comparison:
+def _at_centers(exact: State, law: Law | None) -> Comparison:
     """The laws at the centers of polygons, not relaxed."""
     if law is not None:
         expect("law", law, Ring, Sector)
-    laws = matching_laws(exact.model, exact.polygons) if law is None else {law.name: law}
+    laws = matching_laws(exact.law, exact.polygons) if law is None else {law.name: law}
     none = {"vertices": None, "strain": None}
     rows = [
         {"method": name} | none | _against(exact, predict(exact, each, MPI.COMM_SELF), None)
@@ -357,7 +355,7 @@ def compression_rows(
             outline of a law folds.
         distance: root mean square distance of the centers over the mean radius, see `centers_rms`;
             0 at given centers.
-        residual: of the reference, see `PolygonState.residual`. Above 1e-6 the reference has not
+        residual: of the reference, see `State.residual`. Above 1e-6 the reference has not
             converged: it is loose, or nearly so, and the row says nothing about the law.
         law_residual: of the law or rival; None at given centers.
         seconds: processor time of the law's or rival's relaxation; None at given centers.
@@ -476,39 +474,39 @@ def of_many_vertices(coarse: float, fine: float, times: float) -> float:
     return fine + (fine - coarse) / (times**2 - 1.0)
 
 
-def _path(start: Packing, method: Law | DeformablePolygon, strain: float, steps: int) -> Steps[Any]:
+def _path(start: Packing, method: Law | DeformablePolygon, strain: float, steps: int) -> Steps:
     path = polygon_path if isinstance(method, DeformablePolygon) else law_path
     return path(start, method, strain, steps)  # type: ignore[arg-type]
 
 
-def polygon_path(
-    start: Packing, model: DeformablePolygon, strain: float, steps: int
-) -> Steps[PolygonState]:
+def polygon_path(start: Packing, model: DeformablePolygon, strain: float, steps: int) -> Steps:
     """Polygons compressed from jamming: states, and seconds of processor time, of the steps."""
-    with PolygonSimulation(start, model, comm=MPI.COMM_SELF) as polygons, warnings.catch_warnings():
+    with Simulation(start, model, comm=MPI.COMM_SELF) as polygons, warnings.catch_warnings():
         warnings.simplefilter("ignore")  # the rows have the residuals
         return timed(polygons, strain, steps)
 
 
-def law_path(start: Packing, law: Law, strain: float, steps: int) -> Steps[State]:
+def law_path(start: Packing, law: Law, strain: float, steps: int) -> Steps:
     """As `polygon_path`, for the particles of a law."""
-    with Simulation(start, law, MPI.COMM_SELF) as sim, warnings.catch_warnings():
+    with Simulation(start, law, comm=MPI.COMM_SELF) as sim, warnings.catch_warnings():
         warnings.simplefilter("ignore")  # the rows have the residuals
         return timed(sim, strain, steps)
 
 
 def timed(sim: Any, strain: float, steps: int) -> list[tuple[Any, float]]:
-    """The states of a compression, with the seconds of processor time of each step."""
-    ends = [time.process_time()]
-    run = sim.compress(
-        strain=strain, steps=steps, callback=lambda _: ends.append(time.process_time())
-    )
-    return [(state, b - a) for state, (a, b) in zip(run[1:], pairwise(ends), strict=True)]
+    """The states of a compression, with the seconds of processor time of each step.
+
+    As `Simulation.compress`, which also evaluates the start.
+    """
+    found, box = [], sim.box
+    for n in range(1, steps + 1):
+        began = time.process_time()
+        sim.deform(box * (1.0 - strain * n / steps))
+        found.append((sim.relax(), time.process_time() - began))
+    return found
 
 
-def _against(
-    exact: PolygonState, other: State | PolygonState, seconds: float | None
-) -> dict[str, Any]:
+def _against(exact: State, other: State, seconds: float | None) -> dict[str, Any]:
     """The errors of a law, or of other polygons, see `compression_rows`."""
     loose = is_unjammed(other, exact)
     wrong = norm(other.area_deficit - exact.area_deficit)
@@ -528,8 +526,8 @@ def _over(value: float, exact: float) -> float | None:
     return value / exact if exact and math.isfinite(value / exact) else None
 
 
-def _shape_error(exact: PolygonState, other: State | PolygonState) -> float | None:
-    if isinstance(other, State):
+def _shape_error(exact: State, other: State) -> float | None:
+    if not isinstance(other.law, DeformablePolygon):
         try:
             return float(shape_errors(exact, other).mean())
         except ParameterError:  # an outline folds
@@ -538,7 +536,7 @@ def _shape_error(exact: PolygonState, other: State | PolygonState) -> float | No
     return float(np.mean(np.abs(_dents(exact) - _dents(other)) / radius[:, None]))
 
 
-def _dents(state: PolygonState) -> NDArray[np.float64]:
+def _dents(state: State) -> NDArray[np.float64]:
     """Distance of each polygon inward from its circle at rest, shape (N, directions) [length]."""
     found = []
     for polygon, center, kind in zip(
@@ -589,12 +587,12 @@ def matching(packing: Packing, model: DeformablePolygon) -> Packing:
     return packing.replace(radii=radii[packing.species])
 
 
-def is_unjammed(own: State | PolygonState, exact: PolygonState) -> bool:
+def is_unjammed(own: State, exact: State) -> bool:
     """Whether a packing has lost its rigidity: it has less than 1e-6 of the polygons' pressure."""
     return own.pressure <= _UNJAMMED * exact.pressure
 
 
-def centers_rms(exact: PolygonState, own: State | PolygonState) -> float | None:
+def centers_rms(exact: State, own: State) -> float | None:
     """Root mean square distance of the centers over the mean radius; None if one is unjammed.
 
     Particles that are rattlers in one of the two do not count. A common drift is subtracted.
@@ -604,14 +602,9 @@ def centers_rms(exact: PolygonState, own: State | PolygonState) -> float | None:
     return _rms(exact.packing, own.packing, _held(exact) & _held(own))
 
 
-def _held(state: State | PolygonState) -> NDArray[np.bool_]:
+def _held(state: State) -> NDArray[np.bool_]:
     """Particles that are no rattlers."""
-    if isinstance(state, State):
-        return ~state.rattlers
-    i, j = state.contact_table.i, state.contact_table.j
-    i, j = np.concatenate([i, j]), np.concatenate([j, i])
-    count = len(state.packing)
-    return np.bincount(i[without_rattlers(i, j, count)], minlength=count) > 0
+    return ~state.rattlers
 
 
 def _rms(a: Packing, b: Packing, held: NDArray[np.bool_]) -> float | None:
@@ -624,7 +617,7 @@ def _rms(a: Packing, b: Packing, held: NDArray[np.bool_]) -> float | None:
     return float(np.sqrt(np.mean(np.sum(apart**2, axis=1))) / b.radii.mean())
 
 
-def predict(reference: PolygonState, law: Law | None = None, comm: MPI.Comm | None = None) -> State:
+def predict(reference: State, law: Law | None = None, comm: MPI.Comm | None = None) -> State:
     """The state of a contact law for particles at the centers of bead polygons, not relaxed.
 
     Their radii are the effective ones of the polygons, `Polygons.effective_radius`.
@@ -639,24 +632,25 @@ def predict(reference: PolygonState, law: Law | None = None, comm: MPI.Comm | No
         ParameterError: an argument is of another kind, or particles stick.
         LammpsError: see `Simulation.relax`.
     """
-    expect("reference", reference, PolygonState)
+    expect("reference", reference, State)
+    expect("the law of reference", reference.law, DeformablePolygon)
     if law is None:
-        law = matching_laws(reference.model, reference.polygons)["balanced"]
+        law = matching_laws(reference.law, reference.polygons)["balanced"]
     expect("law", law, Ring, Sector)
     refuse_adhesion(law, (), ", and polygons have none")
     radii = reference.polygons.effective_radius[reference.packing.species]
     packing = reference.packing.replace(radii=radii)
-    with Simulation(packing, law, comm) as sim:
+    with Simulation(packing, law, comm=comm) as sim:
         return sim.state()
 
 
-def polygon_outlines(reference: PolygonState, state: State) -> list[NDArray[np.float64]]:
+def polygon_outlines(reference: State, state: State) -> list[NDArray[np.float64]]:
     """Lines of bead centers in a law, about each particle's own center, arrays (m, 2) [length]."""
     polygons = reference.polygons.radius[reference.packing.species]
     return state.parallels(state.packing.radii - polygons, _POINTS)
 
 
-def shape_errors(reference: PolygonState, state: State) -> NDArray[np.float64]:
+def shape_errors(reference: State, state: State) -> NDArray[np.float64]:
     """I of each particle, shape (N,): the outlines of a state against the beads.
 
     Raises:

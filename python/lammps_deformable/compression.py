@@ -16,11 +16,10 @@ import numpy as np
 from ._checks import count, expect, finite, positive
 from .errors import ParameterError, UnjammedWarning
 from .free_box import REACHED, UnreachedError, reach, told_at_the_end
-from .polygon_simulation import PolygonSimulation
+from .laws import Droplet, Ring, Sector, SoftContact
+from .polygons import DeformablePolygon
 from .ranks import world
 from .recording import Protocol, check_tolerance, play
-from .simulation import Deforming
-from .soft_disks import SoftParticles
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
@@ -39,16 +38,16 @@ def compress(
     **recording: Any,
 ) -> Run:
     """See `Simulation.compress`."""
-    name, target = check_target(sim, steps, strain=strain, phi=phi, pressure=pressure)
+    name, target = check_target(sim.law, steps, strain=strain, phi=phi, pressure=pressure)
     settings = {name: target, "steps": int(steps), "tolerance": check_tolerance(tolerance)}
     return play(sim, "compress", settings, **recording)
 
 
-def check_target(sim: object, steps: int, **targets: float | None) -> tuple[str, float]:
+def check_target(law: object, steps: int, **targets: float | None) -> tuple[str, float]:
     """The one target that is given, and its name.
 
     Args:
-        sim: that is compressed; a `Simulation` if None.
+        law: of the particles.
         steps: number of steps.
         targets: by name; those that are not given are None.
 
@@ -63,9 +62,9 @@ def check_target(sim: object, steps: int, **targets: float | None) -> tuple[str,
         if target == 0.0:
             raise ParameterError("strain must not be 0: relax the simulation instead")
         return name, float(target)
-    if name == "pressure" and isinstance(sim, PolygonSimulation):
+    if name == "pressure" and isinstance(law, DeformablePolygon):
         raise ParameterError("polygons have no target pressure: give strain or phi")
-    if positive(name, target) >= 1.0 and name == "phi" and not isinstance(sim, SoftParticles):
+    if positive(name, target) >= 1.0 and name == "phi" and not isinstance(law, SoftContact):
         raise ParameterError(
             f"phi must be below 1, where particles that deform fill the whole box, not {target}"
         )
@@ -186,11 +185,11 @@ def grow(
     **recording: Any,
 ) -> Run:
     """See `Simulation.grow`."""
-    expect("sim", sim, Deforming)
+    expect("the law of a simulation that grows", sim.law, Ring, Sector, Droplet)
     count("steps", steps)
     name, target = _one_of({"factor": factor, "phi": phi})
     if name == "phi":
-        check_target(sim, steps, phi=phi)
+        check_target(sim.law, steps, phi=phi)
     elif positive("factor", target) == 1.0:
         raise ParameterError("factor must not be 1: relax the simulation instead")
     settings = {name: float(target), "steps": int(steps), "tolerance": check_tolerance(tolerance)}
@@ -210,7 +209,7 @@ def _grown(
 
         return _told_if_apart(sim, step, steps, done, before, expands=target < 1.0)
     # in a box of the size 1 / factor of the radii
-    growing = SimpleNamespace(box=1.0, deform=lambda size: scale_radii(sim, 1.0 / size))
+    growing: Any = SimpleNamespace(box=1.0, deform=lambda size: scale_radii(sim, 1.0 / size))
 
     def reached(goal: float) -> Any:
         return told_at_the_end(lambda each: reach(growing, name, goal, each), relax, stacklevel=6)
@@ -222,7 +221,7 @@ def scale_radii(sim: Any, factor: float) -> None:
     """Multiply the radii of all particles, which stay where they are."""
     state = sim.state()
     grown = state.packing.replace(radii=state.packing.radii * factor)
-    sim.restart(replace(state, packing=grown))
+    sim.reset(replace(state, packing=grown))
 
 
 GROW = Protocol(_begin, _grown)

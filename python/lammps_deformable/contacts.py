@@ -1,22 +1,13 @@
-"""Motions of all particles together that no wall resists: translations and rotations.
+"""Contacts of a state: tables by law, forces, and the network without rattlers.
 
-Vectors from particles to their neighbors and walls, and how they follow from the centers.
-
-The table of active contacts of a state, from compute deformable/contact.
-
-The table of contacts of droplets, from compute deformable/contact in three dimensions.
-
-Forces of all contacts of a state: the stress of each particle, and a graph of networkx.
-
-Contacts of soft disks, as pictures show them.
-
-The contact network of a packing: its active contacts without those of rattlers.
+Tables of rings and droplets come from compute deformable/contact, those of soft contacts from the
+centers. Second derivatives know contacts by their sides: vectors from particles to their neighbors
+and walls, and how these follow from the centers. The isostatic number of contacts also depends on
+the motions of all particles together that no wall resists.
 """
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
-from functools import cached_property
 from itertools import combinations
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -27,7 +18,7 @@ from ._checks import zero_or_more
 from .box import fractional, lengths
 from .core import unit_vectors
 from .errors import ParameterError
-from .neighbors import forward
+from .neighbors import forward, near_pairs
 from .room import Distances, closed
 from .versions import optional
 from .walls import Cone, Cylinder, Plane, Sphere, Wall
@@ -35,7 +26,6 @@ from .walls import Cone, Cylinder, Plane, Sphere, Wall
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from .laws import AnyLaw
     from .packing import Packing
 
 Floats = NDArray[np.float64]
@@ -121,7 +111,7 @@ class Sides(NamedTuple):
 
     Attributes:
         i: the particle, shape (S,).
-        j: its neighbor, -1 for a wall, shape (S,).
+        j: its neighbor, -1 - k for wall k, shape (S,).
         vector: from its center to that of the neighbor, or to the nearest point of the wall, shape
             (S, d) in d dimensions [length].
         turn: angle by which the direction of the vector turns for a step of it sideways, shape (S,)
@@ -168,12 +158,25 @@ def with_walls(packing: Packing, reach: float) -> Sides:
             f"particle {k} is at the center of {packing.walls[m].kind} {m + 1} and reaches it in "
             "all directions: its energy has no second derivatives there"
         )
-    return Sides(i, np.full_like(i, -1), vector, turn)
+    return Sides(i, -1 - wall, vector, turn)
 
 
 def joined(*parts: Sides) -> Sides:
     """All sides, one part after the other."""
     return Sides(*map(np.concatenate, zip(*parts, strict=True)))
+
+
+def soft_sides(packing: Packing) -> tuple[Sides, Floats]:
+    """Soft particles and walls that overlap, each contact once, first those of pairs.
+
+    Returns:
+        Sides, and the distances at which they open, shape (S,) [length].
+    """
+    radius = packing.radii
+    i, j, shift = near_pairs(packing, 0.0)
+    pairs = between(i, j, packing.positions[j] + shift - packing.positions[i])
+    sides = joined(pairs, with_walls(packing, 0.0))
+    return sides, radius[sides.i] + np.where(sides.j < 0, 0.0, radius[sides.j])
 
 
 def bearing(
@@ -455,6 +458,57 @@ def forces_of_droplets(packing: Packing, table: DropletTable) -> ContactForces:
     )
 
 
+def soft_columns(dimension: int) -> np.dtype[np.void]:
+    """Columns of the table of soft contacts, with both sides of each; wall k has j = -1 - k."""
+    return np.dtype(
+        [
+            ("i", np.int64),
+            ("j", np.int64),
+            ("image", np.int64, dimension),  # periodic image of j, in lattice vectors
+            ("distance", float),  # of the centers, or of i from the wall [length]
+            ("indentation", float),  # of i, half of the overlap with a particle [length]
+            ("force", float),  # k times the overlap [energy/length]
+            ("position", float, dimension),  # the middle of the overlap [length]
+            ("normal", float, dimension),  # from i to j
+            ("force_vector", float, dimension),  # on i by the contact
+        ]
+    )
+
+
+# Both sides of each contact of two polygons.
+POLYGON_COLUMNS = np.dtype(
+    [
+        ("i", np.int64),
+        ("j", np.int64),
+        ("image", np.int64, 2),  # periodic image of j in the contact, in lattice vectors
+        ("force", float),  # [energy/length]
+        ("force_vector", float, 2),  # on i by the contact; their sum is the force on i
+    ]
+)
+
+
+def soft_table(packing: Packing, k: float) -> ContactTable:
+    """Overlaps of soft particles of this stiffness with each other and walls."""
+    sides, contact = soft_sides(packing)
+    pair = sides.j >= 0
+    i = np.append(sides.i, sides.j[pair])
+    table = np.zeros(len(i), soft_columns(packing.dimension))
+    table["i"], table["j"] = i, np.append(sides.j, sides.i[pair])
+    vector = np.concatenate([sides.vector, -sides.vector[pair]])
+    table["distance"] = distance = lengths(vector)
+    overlap = np.append(contact, contact[pair]) - distance
+    table["indentation"] = np.where(table["j"] < 0, overlap, 0.5 * overlap)
+    table["force"] = k * overlap
+    table["normal"] = vector / distance[:, None]
+    within = packing.radii[i] - table["indentation"]
+    table["position"] = packing.positions[i] + within[:, None] * table["normal"]
+    table["force_vector"] = -table["force"][:, None] * table["normal"]
+    both = table["j"] >= 0
+    apart = packing.positions[i[both]] + vector[both] - packing.positions[table["j"][both]]
+    table["image"][both] = np.rint(fractional(apart, packing.box)).astype(np.int64)
+    return table[np.lexsort((*table["image"].T[::-1], table["j"], table["i"]))]
+
+
 # Columns of the table where contacts rub, which edges of the graph have too.
 _OF_EDGES = ("friction", "sliding")
 
@@ -491,6 +545,24 @@ class ContactForces(NamedTuple):
         return -np.sum(self.force * self.vector, axis=1) / self.distance
 
 
+def soft_forces(packing: Packing, k: float) -> ContactForces:
+    """Those of soft contacts of this stiffness."""
+    sides, contact = soft_sides(packing)
+    distance = sides.distance
+    overlap, wall = contact - distance, sides.j < 0
+    part = np.where(wall, 1.0, (packing.radii[sides.i] - 0.5 * overlap) / distance)
+    force = -k * (overlap / distance)[:, None] * sides.vector
+    return ContactForces(sides.i, np.maximum(sides.j, -1), sides.vector, part, force)
+
+
+def polygon_forces(packing: Packing, table: ContactTable) -> ContactForces:
+    """Those of polygons: between the centers, half of the distance within each."""
+    rows = table[table["i"] < table["j"]]
+    i, j = rows["i"], rows["j"]
+    vector = packing.positions[j] + rows["image"] @ packing.box - packing.positions[i]
+    return ContactForces(i, j, vector, np.full(len(i), 0.5), rows["force_vector"])
+
+
 def forces_of_table(packing: Packing, table: ContactTable) -> ContactForces:
     """Those of a `State`."""
     image = table["image"]
@@ -509,7 +581,7 @@ def forces_of_table(packing: Packing, table: ContactTable) -> ContactForces:
 
 
 def particle_stress(contacts: ContactForces, area: Floats) -> Floats:
-    """See `Analysis.particle_stress`.
+    """See `State.particle_stress`.
 
     Args:
         contacts: of the state.
@@ -525,7 +597,7 @@ def particle_stress(contacts: ContactForces, area: Floats) -> Floats:
 
 
 def graph(packing: Packing, contacts: ContactForces, rattlers: NDArray[np.bool_]) -> Any:
-    """See `Analysis.graph`."""
+    """See `State.graph`."""
     networkx = optional("networkx", "networkx")
     found = networkx.MultiGraph()
     axes = "xyz"[: packing.dimension]
@@ -567,6 +639,31 @@ def chords(packing: Packing, contacts: ContactForces) -> list[list[Floats]]:
     return [list(each) for each in _of_each(disk, len(packing), lines)]
 
 
+# Points of an outline closer to the chord of a contact than this, over R, are its ends: forces are
+# balanced to 1e-8, and an arc has left the line within 1e-4 R.
+_ON_LINE = 1e-7
+
+
+def flats_of(
+    outlines: Sequence[Floats], radii: Floats, contacts: Sequence[ContactTable]
+) -> list[list[Floats]]:
+    """The part of each outline at its contacts, a straight line or an arc, arrays (m, 2)."""
+    flats: list[list[Floats]] = []
+    for outline, radius, table in zip(outlines, radii, contacts, strict=True):
+        table = table[table["length"] > 0.0]
+        out = np.column_stack([np.cos(table["angle"]), np.sin(table["angle"])])
+        half = 0.5 * table["length"] * np.sinc(table["half_angle"] / np.pi)  # of the chord
+        height = np.sum(table["position"] * out, axis=1) - half * np.tan(0.5 * table["half_angle"])
+        inward = height - outline @ out.T
+        along = outline @ (out[:, ::-1] * [-1.0, 1.0]).T
+        flats.append([])
+        for off, place in zip(np.abs(inward).T, along.T, strict=True):
+            if (on := np.flatnonzero(off <= _ON_LINE * radius)).size:
+                begin, end = on[place[on].argmin()], on[place[on].argmax()]
+                flats[-1].append(np.roll(outline, -begin, 0)[: (end - begin) % len(outline) + 1])
+    return flats
+
+
 def _sides(contacts: ContactForces) -> tuple[NDArray[np.int64], NDArray[np.int64], Floats, Floats]:
     """Disk, other one, vector and part of both sides of contacts, see `ContactForces`."""
     i, j, vector, part, *_ = contacts
@@ -592,150 +689,44 @@ def without_rattlers(
 
     Args:
         i: particle of each side of a contact, shape (M,).
-        j: its partner, -1 for a wall, shape (M,).
+        j: its partner, negative for a wall, shape (M,).
         number: of particles.
         at_most: contacts of a rattler.
     """
     remaining = np.ones(len(i), dtype=bool)
     while True:
         z = np.bincount(i[remaining], minlength=number)
-        rigid = np.append(z > at_most, True)  # the last one is for walls, j = -1
-        kept = remaining & rigid[i] & rigid[j]
+        rigid = np.append(z > at_most, True)  # the last one is for walls
+        kept = remaining & rigid[i] & rigid[np.maximum(j, -1)]
         if (kept == remaining).all():
             return kept
         remaining = kept
 
 
-class ContactNetwork(ABC):
-    """Numbers of a state's contacts after rattlers are removed one after another.
+def isostatic(rigid: int, walls: Sequence[Wall], dimension: int, rubs: bool) -> int:
+    """See `State.isostatic_contacts`, of so many particles that are no rattlers."""
+    if rubs:
+        free = 0 if walls else dimension
+        return (3 * rigid + 2 - free) // 2 if rigid else 0
+    return max(dimension * rigid + 1 - free_motions(walls, dimension), 0) if rigid else 0
 
-    A rattler is a particle with fewer than three active contacts with other particles that are no
-    rattlers, or with walls; in three dimensions with fewer than four. Where contacts rub, two hold
-    a particle, and a rattler has fewer than two.
-    """
 
-    packing: Packing
-    law: AnyLaw | None
-
-    @property
-    @abstractmethod
-    def phi(self) -> float:
-        """Packing fraction."""
-
-    @property
-    @abstractmethod
-    def pressure(self) -> float:
-        """Pressure of the packing."""
-
-    def __repr__(self) -> str:
-        soft = "soft disks" if self.packing.dimension == 2 else "soft spheres"
-        law = soft if self.law is None else f"law {self.law!r}"
-        numbers = f"phi = {self.phi:.4f}, pressure = {self.pressure:.3g}"
-        return (
-            f"<{type(self).__name__}: {len(self.packing)} particles, {law}, {numbers}, "
-            f"z = {self.coordination:.2f}>"
-        )
-
-    @property
-    @abstractmethod
-    def _contact_sides(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        """Particle and partner of each side of an active contact, shape (M,); -1 is a wall."""
-
-    @property
-    @abstractmethod
-    def _contact_forces(self) -> ContactForces:
-        """All active contacts, each once."""
-
-    @property
-    def _rubs(self) -> bool:
-        """Whether contacts have friction."""
-        return False
-
-    @property
-    def _of_rattlers(self) -> int:
-        """Contacts of a rattler at most."""
-        return 1 if self._rubs else self.packing.dimension
-
-    @cached_property
-    def _in_network(self) -> NDArray[np.bool_]:
-        """Whether each of `_contact_sides` belongs to a contact without a rattler."""
-        return without_rattlers(*self._contact_sides, len(self.packing), self._of_rattlers)
-
-    @property
-    def network_degree(self) -> NDArray[np.int64]:
-        """Number of network contacts of each particle, 0 of rattlers, shape (N,)."""
-        particles = self._contact_sides[0][self._in_network]
-        return np.bincount(particles, minlength=len(self.packing))
-
-    @property
-    def rattlers(self) -> NDArray[np.bool_]:
-        """Particles with fewer than three active contacts with non-rattlers, shape (N,).
-
-        In three dimensions with fewer than four, with friction with fewer than two.
-        """
-        return self.network_degree == 0
-
-    @property
-    def coordination(self) -> float:
-        """Mean number z of network contacts of a particle that is no rattler; 0 without any."""
-        rigid = int(np.sum(~self.rattlers))
-        return float(np.sum(self._in_network) / rigid) if rigid else 0.0
-
-    @property
-    def network_contacts(self) -> int:
-        """Number of active contacts without those of rattlers, each counted once."""
-        wall = self._contact_sides[1][self._in_network] < 0
-        return int(np.sum(wall) + np.sum(~wall) // 2)
-
-    @property
-    def isostatic_contacts(self) -> int:
-        """Smallest number of contacts that supports a pressure, d N' - d + 1 in a periodic box.
-
-        That is 2 N' - 1 in the plane, 3 N' - 2 in three dimensions. The N' particles that are not
-        rattlers have d N' - m degrees of freedom; one more contact makes a state of self stress
-        possible. m is the number of motions of all together that no
-        wall resists: d without walls, 1 in a channel or a round container, else 0. The result is 0
-        if all are rattlers.
-
-        With friction particles turn, and a contact has two forces, f and f_t: it is the half of 3
-        N' - 1 in a periodic box, and of 3 N' + 1 between walls, rounded up. Contacts that use all
-        of their friction have one force only, so that each adds a half.
-        """
-        return self._isostatic(int(np.sum(~self.rattlers)))
-
-    def _isostatic(self, rigid: int) -> int:
-        dimension = self.packing.dimension
-        if self._rubs:
-            free = 0 if self.packing.walls else dimension
-            return (3 * rigid + 2 - free) // 2 if rigid else 0
-        free = free_motions(self.packing.walls, dimension)
-        return max(dimension * rigid + 1 - free, 0) if rigid else 0
-
-    def excess_coordination(self, threshold: float = 0.0) -> float:
-        """z - z_iso: how many more contacts than an isostatic network a particle has.
-
-            z - z_iso = 2 (network_contacts - isostatic_contacts) / N'
-
-        for the N' particles that are no rattlers; 0 if all are. At the onset of jamming it is 0,
-        up to a few contacts.
-
-        Args:
-            threshold: contacts count from this part of the mean contact force of the network on.
-                Rattlers are then particles with too few contacts that count, and so on.
-
-        Raises:
-            ParameterError: the threshold is negative or no number.
-        """
-        contacts, size = self._contact_forces, (len(self.packing), self._of_rattlers)
-        i, j, strength = contacts.i, contacts.j, lengths(contacts.force)
+def excess_coordination(
+    packing: Packing, contacts: ContactForces, of_rattlers: int, rubs: bool, threshold: float
+) -> float:
+    """See `State.excess_coordination`."""
+    size = len(packing), of_rattlers
+    i, j, strength = contacts.i, contacts.j, lengths(contacts.force)
+    kept = _network(i, j, *size)
+    if zero_or_more("threshold", threshold) > 0.0 and kept.any():
+        counts = strength >= threshold * strength[kept].mean()
+        i, j = i[counts], j[counts]
         kept = _network(i, j, *size)
-        if zero_or_more("threshold", threshold) > 0.0 and kept.any():
-            counts = strength >= threshold * strength[kept].mean()
-            i, j = i[counts], j[counts]
-            kept = _network(i, j, *size)
-        i, j = i[kept], j[kept]
-        rigid = len(np.unique(np.append(i, j[j >= 0])))
-        return 2.0 * (len(i) - self._isostatic(rigid)) / rigid if rigid else 0.0
+    i, j = i[kept], j[kept]
+    rigid = len(np.unique(np.append(i, j[j >= 0])))
+    if not rigid:
+        return 0.0
+    return 2.0 * (len(i) - isostatic(rigid, packing.walls, packing.dimension, rubs)) / rigid
 
 
 def _network(

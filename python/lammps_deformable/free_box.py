@@ -6,7 +6,7 @@ Relaxation at a pressure: the box may change its size, its sides, or its shape t
 from __future__ import annotations
 
 import warnings
-from typing import TYPE_CHECKING, Any, Protocol, TypeVar
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from .friction import Friction
-    from .packing import Packing
+    from .simulation import Simulation
+    from .state import State
     from .walls import Wall
 
 # A target is reached when the value differs by at most this part.
@@ -41,33 +42,7 @@ class UnreachedError(ParameterError):
     """A target for which no box was found."""
 
 
-class Relaxed(Protocol):
-    """A relaxed state."""
-
-    @property
-    def packing(self) -> Packing: ...
-    @property
-    def stalled(self) -> bool: ...
-    @property
-    def phi(self) -> float: ...
-    @property
-    def pressure(self) -> float: ...
-    @property
-    def coordination(self) -> float: ...
-
-
-class Scalable(Protocol):
-    """A simulation whose box can be changed."""
-
-    @property
-    def box(self) -> NDArray[np.float64]: ...
-    def deform(self, box: NDArray[np.float64]) -> None: ...
-
-
-S = TypeVar("S", bound=Relaxed)
-
-
-def reach(sim: Scalable, name: str, target: float, relax: Callable[[], S]) -> S:
+def reach(sim: Simulation, name: str, target: float, relax: Callable[[], State]) -> State:
     """Scale box, walls and centers until the relaxed state has this phi or pressure.
 
     The secant method on y(c), where c is the packing fraction of the undeformed particles and y is
@@ -112,7 +87,7 @@ def reach(sim: Scalable, name: str, target: float, relax: Callable[[], S]) -> S:
     raise _unreached(name, target, state, f"{_RELAXATIONS} relaxations were not enough")
 
 
-def _ordinate(name: str, value: float, state: Any) -> float:
+def _ordinate(name: str, value: float, state: State) -> float:
     """y of this value."""
     if name == "phi":
         return value
@@ -120,7 +95,7 @@ def _ordinate(name: str, value: float, state: Any) -> float:
     return excess_phi(value / natural_pressure(packing, law), packing, law)
 
 
-def _unreached(name: str, target: float, state: Relaxed, why: str) -> UnreachedError:
+def _unreached(name: str, target: float, state: State, why: str) -> UnreachedError:
     return UnreachedError(
         f"{name} = {target:.10g} was not reached, but {getattr(state, name):.10g} at phi = "
         f"{state.phi:.6f}: {why}"
@@ -128,15 +103,15 @@ def _unreached(name: str, target: float, state: Relaxed, why: str) -> UnreachedE
 
 
 def told_at_the_end(
-    search: Callable[[Callable[[], S]], S], relax: Callable[[], S], stacklevel: int
-) -> S:
+    search: Callable[[Callable[[], State]], State], relax: Callable[[], State], stacklevel: int
+) -> State:
     """Search with many relaxations, and give the warnings of the last one alone.
 
     That a packing has lost its rigidity on the way is told if the last state is loose.
     """
     told: list[warnings.WarningMessage] = []
 
-    def quiet() -> S:
+    def quiet() -> State:
         nonlocal told
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
@@ -155,7 +130,7 @@ Floats = NDArray[np.float64]
 
 # What is free: all strains along the sides together, each by itself, and with the shears that tilt
 # the box, e_xy, in space e_xz and e_yz too.
-FREE = ("size", "sides", "shape")
+FREE = ("iso", "aniso", "tri")
 
 # Relaxations of one search. Ten to twenty are usual, more where a packing rearranges.
 _BOX_RELAXATIONS = 400
@@ -171,20 +146,8 @@ _LOST = 0.5
 _CURVED = 1e-3
 
 
-class Stressed(Relaxed, Protocol):
-    """A relaxed state with its stress."""
-
-    @property
-    def stress(self) -> Floats: ...
-    @property
-    def residual(self) -> float: ...
-
-
-T = TypeVar("T", bound=Stressed)
-
-
 def check_free(
-    box: str,
+    free: str,
     walls: tuple[Wall, ...],
     pressure: float | None,
     friction: Friction | None = None,
@@ -192,7 +155,7 @@ def check_free(
     """Refuse what cannot be free, and a pressure that cannot be.
 
     Raises:
-        ParameterError: there is no such name, or walls cannot follow; or the pressure is missing or
+        ParameterError: there is no such word, or walls cannot follow; or the pressure is missing or
             not above 0.
     """
     if pressure is not None:
@@ -202,18 +165,20 @@ def check_free(
                 "with friction a packing depends on its way to a pressure, and relax goes to and "
                 "fro: take run(steps, pressure=)"
             )
-    if not isinstance(box, str) or box not in FREE:
-        raise ParameterError(f"box must be size, sides or shape, not {shown(box)}")
-    if pressure is None and box != "size":
-        raise ParameterError(f"box='{box}' needs a pressure to relax at: give pressure too")
-    if walls and box != "size":
+    if not isinstance(free, str) or free not in FREE:
+        raise ParameterError(f"free must be iso, aniso or tri, not {shown(free)}")
+    if pressure is None and free != "iso":
+        raise ParameterError(f"free='{free}' needs a pressure to relax at: give pressure too")
+    if walls and free != "iso":
         raise ParameterError(
-            f"box='{box}' is not for walls, and there are {len(walls)}, the first a "
-            f"{walls[0].kind}: take box='size', which scales them with the box"
+            f"free='{free}' is not for walls, and there are {len(walls)}, the first a "
+            f"{walls[0].kind}: take free='iso', which scales them with the box"
         )
 
 
-def relax_free_box(sim: Scalable, pressure: float, box: str, relax: Callable[[], T]) -> T:
+def relax_free_box(
+    sim: Simulation, pressure: float, free: str, relax: Callable[[], State]
+) -> State:
     """Relax centers and box at a pressure p: the enthalpy E + p A is least, with the
     volume in the place of the area A in space.
 
@@ -224,7 +189,7 @@ def relax_free_box(sim: Scalable, pressure: float, box: str, relax: Callable[[],
     Args:
         sim: ends in the state that is returned.
         pressure: p, above 0 [energy/length^d].
-        box: what is free, see `check_free`.
+        free: what is free, see `FREE`.
         relax: relaxes `sim` in its box.
 
     Raises:
@@ -233,20 +198,22 @@ def relax_free_box(sim: Scalable, pressure: float, box: str, relax: Callable[[],
     Source: BFGS: Nocedal, Wright, Numerical Optimization (2006), chapter 6.
     """
 
-    def search(relax: Callable[[], T]) -> T:
+    def search(relax: Callable[[], State]) -> State:
         state = reach(sim, "pressure", pressure, relax)
-        return state if box == "size" else _stress_free(sim, pressure, box, relax, state)
+        return state if free == "iso" else _stress_free(sim, pressure, free, relax, state)
 
-    return told_at_the_end(search, relax, stacklevel=4)
+    return told_at_the_end(search, relax, stacklevel=6)
 
 
-def _stress_free(sim: Scalable, pressure: float, box: str, relax: Callable[[], T], state: T) -> T:
+def _stress_free(
+    sim: Simulation, pressure: float, words: str, relax: Callable[[], State], state: State
+) -> State:
     """A state whose stress is the pressure in all free directions, from one at this pressure."""
     relaxations, stalls = 0, 0
     dimension = state.packing.dimension
-    free = dimension if box == "sides" else dimension * (dimension + 1) // 2
+    free = dimension if words == "aniso" else dimension * (dimension + 1) // 2
 
-    def strained(strain: Floats) -> T:
+    def strained(strain: Floats) -> State:
         nonlocal relaxations, stalls
         try:
             sim.deform(_strained(sim.box, strain))
@@ -261,7 +228,7 @@ def _stress_free(sim: Scalable, pressure: float, box: str, relax: Callable[[], T
             raise _pressure_unreached(found, pressure, free, why)
         return found
 
-    def slopes_of(state: T) -> Floats:
+    def slopes_of(state: State) -> Floats:
         return _slopes(state, pressure, free)
 
     inverse, longest = _first_inverse(state, pressure, free)
@@ -279,11 +246,11 @@ def _stress_free(sim: Scalable, pressure: float, box: str, relax: Callable[[], T
 
 
 def _downhill(
-    strained: Callable[[Floats], T],
-    slopes_of: Callable[[T], Floats],
+    strained: Callable[[Floats], State],
+    slopes_of: Callable[[State], Floats],
     step: Floats,
     slope: float,
-) -> tuple[T, float]:
+) -> tuple[State, float]:
     """Go a step, or a part of it where the enthalpy rises again; returns the state and the part.
 
     Args:
@@ -302,7 +269,7 @@ def _downhill(
     return state, done
 
 
-def _slopes(state: Stressed, pressure: float, free: int) -> Floats:
+def _slopes(state: State, pressure: float, free: int) -> Floats:
     """Derivatives of the enthalpy by the free strains, over p A, shape (free,)."""
     dimension = len(state.stress)
     excess = state.stress / pressure - np.eye(dimension)
@@ -323,7 +290,7 @@ def _strained(box: Floats, strain: Floats) -> Floats:
     return strained
 
 
-def _first_inverse(state: Any, pressure: float, free: int) -> tuple[Floats, float]:
+def _first_inverse(state: State, pressure: float, free: int) -> tuple[Floats, float]:
     """A first inverse of the second derivatives of the enthalpy over p A, and a first step.
 
     At x = phi - phi_J a packing has about K = p phi/x and G = K sqrt(x). Contacts change at strains
@@ -364,7 +331,7 @@ def _length(vector: Floats) -> float:
     return float(np.sqrt(np.sum(vector * vector)))
 
 
-def _pressure_unreached(state: Stressed, pressure: float, free: int, why: str) -> ParameterError:
+def _pressure_unreached(state: State, pressure: float, free: int, why: str) -> ParameterError:
     excess = float(np.abs(_slopes(state, pressure, free)).max())
     return ParameterError(
         f"pressure = {pressure:.10g} was not reached in all free directions of the box, the "

@@ -19,12 +19,11 @@ from scipy.spatial import cKDTree
 from . import core
 from ._checks import expect
 from ._files import comment_lines, rows_in_comments
-from .contacts import COLUMNS, ContactTable, other_sides, react, sides_of
+from .contacts import COLUMNS, ContactTable, flats_of, other_sides, react, sides_of
 from .core import unit_vectors
 from .drawing import Mark
 from .errors import ParameterError
 from .laws import AnyLaw, ByPair, Droplet, Sector, by_pair, pair_matrix
-from .plot import flats_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

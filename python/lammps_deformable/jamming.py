@@ -1,11 +1,13 @@
-"""What is seen of `jam` while it works: a bar of progress, and a function of the user.
+"""Jamming: the packing at the onset of rigidity, of soft particles or of deformable ones.
 
-Jamming: the packing at the onset of rigidity, of soft disks or of deformable particles.
+Forces of soft particles are computed by kernels of this package, without LAMMPS; with a
+communicator, and those of deformable particles, in LAMMPS.
 """
 
 from __future__ import annotations
 
 import warnings
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,13 +15,16 @@ from mpi4py import MPI
 from tqdm import tqdm
 
 from ._checks import expect, positive
+from .engines import separated
 from .errors import ParameterError, StalledWarning, UnjammedWarning
-from .free_box import Stressed, check_free
+from .free_box import check_free
 from .laws import (
     AnyLaw,
     Droplet,
+    Jamming,
     Ring,
     Sector,
+    SoftContact,
     check_dimension,
     excess_phi,
     natural_pressure,
@@ -30,6 +35,7 @@ from .packing import Packing
 from .progress import progress
 from .ranks import world
 from .relax import Callback, Iteration, check_callback, tell
+from .simulation import Simulation
 from .soft_disks import (
     HUGE,
     RelaxedDisks,
@@ -37,10 +43,10 @@ from .soft_disks import (
     relax_at_pressure,
     relax_in_box,
     relax_on_ranks,
-    separated,
     settle_at_pressure,
 )
-from .starts import simulate, stabilized
+from .starts import stabilized
+from .state import State, soft_state
 
 
 class Watch:
@@ -114,15 +120,16 @@ _SMALLEST_STEP = 1e-10
 
 def jam(
     packing: Packing,
-    law: AnyLaw | None = None,
+    law: Jamming | None = None,
+    *,
     pressure: float = 1e-6,
-    step: float = 0.02,
-    tolerance: float = 1e-3,
-    comm: MPI.Comm | None = None,
-    box: str = "size",
+    free: str = "iso",
     grow: bool = False,
+    tolerance: float = 1e-3,
+    step: float = 0.02,
+    comm: MPI.Comm | None = None,
     callback: Callback | None = None,
-) -> Packing:
+) -> State:
     """Compress particles from a loose start to the onset of rigidity.
 
     Soft disks are compressed isotropically in steps of packing fraction and relaxed after each one.
@@ -132,37 +139,39 @@ def jam(
     particles start from disks at their phi - phi_J, and phi follows their pressure until it is
     above the threshold by at most a factor two.
 
-    The same packing leads to the same result, to the last bit, on any x86-64 processor and any
-    number of ranks, each of which does the same work. With a communicator its ranks share the
-    compression of soft disks and the relaxation of deformable particles. That pays from some 1e4
-    particles on. The result then depends on the number of ranks, and on nothing else.
+    Soft disks have their forces from kernels of this package, by L-BFGS with a factored Hessian; no
+    LAMMPS is opened for them. Deformable particles relax in LAMMPS. The same packing leads to the
+    same result, to the last bit, on any x86-64 processor and any number of ranks, each of which
+    does the same work. With a communicator its ranks share the compression of soft disks, then in
+    LAMMPS by conjugate gradients, and the relaxation of deformable particles. That pays from some
+    1e4 particles on. The result then depends on the number of ranks, and on nothing else.
 
     Args:
         packing: a packing below jamming, e.g. from `bidisperse`, or from `Packing.between` with
             walls, which are scaled with the box; particles may overlap.
-        law: contact law, in three dimensions `Droplet`; soft disks or spheres of the energy
-            k/2 (R_i + R_j - d)^2 if not given.
+        law: contact law, in three dimensions `Droplet`; if not given soft disks or spheres,
+            `SoftContact()`.
         pressure: threshold of rigidity, in units of `natural_pressure`. The distance to the onset
             depends on the law: p ~ phi - phi_J for disks, p ~ (phi - phi_J)^3 for rings.
-        step: first step of packing fraction.
-        tolerance: largest force on a particle over that of a contact at the threshold. Take 1e-6 to
-            count contacts, because the weakest ones have small forces. Take 0.1 for 30 000 disks
-            and more: below 0.01 they may take hours.
-        comm: ranks that share the work; all of them call `jam` with the same packing.
-        box: what is free beside the centers. By its `size` alone a box keeps a shear stress, and
-            many packings would yield if its shape were free. With `shape`, or `sides` for both
-            lengths, the stress is `pressure` in all free directions, to 1e-6, and the shear stress
-            is zero: the packing is stable against shear. The forces are then relaxed to 1e-6, which
-            takes about a hundred relaxations: for some thousand particles at most.
+        free: what is free beside the centers. With its size alone, `iso`, a box keeps a shear
+            stress, and many packings would yield if its shape were free. With the shape, `tri`, or
+            both lengths, `aniso`, the stress is `pressure` in all free directions, to 1e-6, and the
+            shear stress is zero: the packing is stable against shear. The forces are then relaxed
+            to 1e-6, which takes about a hundred relaxations: for some thousand particles at most.
         grow: all radii grow by one factor, in the box and between the walls of the start, which
             stay. Of soft disks, and of laws without a length of their own, the packing is that of
             the shrinking box at another scale.
+        tolerance: largest force on a particle over that of a contact at the threshold. Take 1e-6 to
+            count contacts, because the weakest ones have small forces. Take 0.1 for 30 000 disks
+            and more: below 0.01 they may take hours.
+        step: first step of packing fraction.
+        comm: ranks that share the work; all of them call `jam` with the same packing.
         callback: called with an `Iteration` after each relaxation, and each 20 iterations within
             those of soft disks. Its exception ends `jam`.
 
     Returns:
-        The jammed packing; phi is about 0.84 for an equal mixture of disks of sizes 1 : 1.4, and
-        about 0.64 for spheres.
+        The jammed state, whose `packing` starts simulations of any law; phi is about 0.84 for an
+        equal mixture of disks of sizes 1 : 1.4, and about 0.64 for spheres.
 
     Warns:
         StalledWarning: relaxations stalled, as with the sector law.
@@ -175,47 +184,51 @@ def jam(
     Dagois-Bohy et al., Phys. Rev. Lett. 109, 095703 (2012).
     """
     expect("packing", packing, Packing)
-    if law is not None:
-        expect("law", law, Ring, Sector, Droplet)
+    law = SoftContact() if law is None else law
+    expect("law", law, Ring, Sector, Droplet, SoftContact)
+    if not isinstance(law, SoftContact):
         check_dimension(law, packing.dimension)
         if not isinstance(law, Droplet):
             refuse_adhesion(law, packing.walls, ", whose packings have no pressure at an onset")
     positive("pressure", pressure)
     positive("step", step)
     positive("tolerance", tolerance)
-    check_free(box, packing.walls, pressure)
-    if grow and box != "size":
-        raise ParameterError(f"grow=True keeps the box, and box='{box}' changes it: leave out one")
+    check_free(free, packing.walls, pressure)
+    if grow and free != "iso":
+        raise ParameterError(
+            f"grow=True keeps the box, and free='{free}' changes it: leave out one"
+        )
     check_callback(callback)
     with progress("jamming", unit="iteration") as bar:
         watch = Watch(bar, callback, comm)
-        if box != "size":
+        if free != "iso":
             start = _jammed_disks(packing, _STABILIZED, step, _PART, watch, comm).packing
-            watch.begin(f"free {box} at {pressure:.1e}")
-            free = stabilized(start, law, pressure, tolerance, box, comm, watch.tell)
-            jammed, stalled, residual = free.packing, free.stalled, free.residual
-        elif law is None:
-            threshold = _ABOVE * pressure * natural_pressure(packing, None)
+            watch.begin(f"free shape at {pressure:.1e}")
+            state = stabilized(start, law, pressure, tolerance, free, comm, watch.tell)
+        elif isinstance(law, SoftContact):
+            threshold = _ABOVE * pressure * natural_pressure(packing, SoftContact())
             disks = _jammed_disks(packing, threshold, step, tolerance / _ABOVE, watch, comm)
-            jammed, stalled, residual = disks.packing, disks.stalled, disks.residual
-            jammed = _grown(jammed, packing) if grow else jammed
+            jammed = _grown(disks.packing, packing) if grow else disks.packing
+            state = soft_state(jammed, law, disks.residual, disks.stalled)
         else:
             excess = excess_phi(_ABOVE * pressure, packing, law)
-            near = pressure_above_onset(excess, packing, None) * natural_pressure(packing, None)
+            soft = SoftContact()
+            near = pressure_above_onset(excess, packing, soft) * natural_pressure(packing, soft)
             start = _jammed_disks(packing, near, step, _PART, watch, comm).packing
             start = _grown(start, packing) if grow else start
             ranks = comm or MPI.COMM_SELF
             state = _jammed_particles(start, law, pressure, tolerance, watch, ranks, grow)
-            jammed, stalled, residual = state.packing, state.stalled, state.residual
-    if stalled:
+    if state.stalled:
         warnings.warn(
-            f"relaxations stalled on the way to phi = {jammed.phi:.6f}, the last one with a "
-            f"largest force of {residual:.2g} of the mean contact force: the onset of jamming is "
-            "uncertain",
+            f"relaxations stalled on the way to phi = {state.packing.phi:.6f}, the last one with a "
+            f"largest force of {state.residual:.2g} of the mean contact force: the onset of "
+            "jamming is uncertain",
             StalledWarning,
-            stacklevel=3,
+            stacklevel=2,
         )
-    return comm.bcast(jammed) if comm else jammed  # machines may differ in rounding
+    ranks = comm or world()
+    state = comm.bcast(state) if comm else state  # machines may differ in rounding
+    return replace(state, root=ranks.rank == 0)
 
 
 def _grown(jammed: Packing, start: Packing) -> Packing:
@@ -241,7 +254,7 @@ def _jammed_disks(
     comm: MPI.Comm | None,
 ) -> RelaxedDisks:
     """Soft disks at this pressure [k]; for the other arguments see `jam`."""
-    unit = natural_pressure(packing, None)
+    unit = natural_pressure(packing, SoftContact())
     loosest = _LOOSE * unit
 
     def relax(packing: Packing, rigid: tuple[float, float] | None = None) -> RelaxedDisks:
@@ -308,7 +321,7 @@ def _jammed_particles(
     watch: Watch,
     comm: MPI.Comm,
     grow: bool,
-) -> Stressed:
+) -> State:
     """Deformable particles with a pressure in the window of `jam`, from a packing near by.
 
     phi follows the pressure as `excess_phi` has it. A packing that rearranges has another phi_J:
@@ -339,15 +352,15 @@ def _jammed_particles(
 
 def _relaxed(
     packing: Packing, law: AnyLaw, pressure: float, tolerance: float, comm: MPI.Comm
-) -> Stressed:
+) -> State:
     """The packing, relaxed until its pressure is below the given one, or else to the tolerance."""
     # about the contact force at this pressure
-    minimum_contact_force = pressure * float(packing.radii.min()) ** (packing.dimension - 1)
-    with simulate(packing, law, comm) as sim, warnings.catch_warnings():
+    least = pressure * float(packing.radii.min()) ** (packing.dimension - 1)
+    with Simulation(packing, law, comm=comm) as sim, warnings.catch_warnings():
         warnings.simplefilter("ignore", StalledWarning)  # `jam` warns once for all
         warnings.simplefilter("ignore", UnjammedWarning)  # expected below the onset
         for part in _STAGES:
-            state = sim.relax(part * tolerance, minimum_contact_force)
+            state = sim._relax(part * tolerance, least)
             if state.pressure <= pressure or state.stalled:
                 break
     return state

@@ -515,6 +515,9 @@ class SoftContact:
 
         U = k/2 sum_pairs (R_i + R_j - d)^2 over pairs with d < R_i + R_j
 
+    A wall at the distance h adds k/2 (R - h)^2, and does not stop a particle whose center has
+    passed it.
+
     Args:
         k: stiffness of a contact [energy/length^2].
 
@@ -544,6 +547,10 @@ AnyLaw = Law | Droplet
 
 # By the names that files have.
 ALL_LAWS: dict[str, AnyLaw] = {**LAWS, "droplet": Droplet()}
+
+
+# Of a packing that jams.
+Jamming = AnyLaw | SoftContact
 
 
 def check_dimension(law: AnyLaw, dimension: int) -> None:
@@ -721,40 +728,40 @@ _DISKS, _DROPLETS, _RINGS, _IN_SPACE = 0.4, 1.0, 5.0, 0.8
 _INVERTED = 100
 
 
-def natural_pressure(packing: Packing, law: AnyLaw | None) -> float:
+def natural_pressure(packing: Packing, law: Jamming) -> float:
     """The unit of pressure of a contact law [energy/length^2].
 
         <kA R0^2 kP / (kA R0^2 + kP) + tension/R0>
 
     is the mean over deformable particles, with their mean radius R0: kA R0^2 if the perimeter is
-    conserved, kP if the area is, tension/R0 of droplets. For soft disks it is their stiffness, 1,
-    for soft spheres 1/(2 R0).
+    conserved, kP if the area is, tension/R0 of droplets. For soft disks it is their stiffness k,
+    for soft spheres k/(2 R0).
     """
     r0 = float(packing.radii.mean())
-    if law is None:
-        return 1.0 if packing.dimension == 2 else 0.5 / r0
-    kA, kP, _, tension = law.species_parameters(packing._species_radii).of(packing.species)
+    if isinstance(law, SoftContact):
+        return law.k if packing.dimension == 2 else 0.5 * law.k / r0
+    kA, kP, _, tension = law.species_parameters(packing.radii).of(packing.species)
     compliance = 1.0 / (kA * r0**2) + 1.0 / np.where(kP > 0.0, kP, np.inf)
     stiffness = np.where(kP > 0.0, 1.0 / np.where(compliance > 0.0, compliance, 1.0), 0.0)
     return float(np.mean(stiffness + tension / r0))
 
 
-def excess_phi(p: float, packing: Packing, law: AnyLaw | None) -> float:
+def excess_phi(p: float, packing: Packing, law: Jamming) -> float:
     """phi - phi_J at a pressure p in natural units.
 
     p = 5 x^3 of rings, p = x of droplets, p = 0.4 x of disks; x = 0.8 p ln(1 + 1/p) of
     droplets in three dimensions.
     """
-    if law is None:
+    if isinstance(law, SoftContact):
         return p / _DISKS
     if isinstance(law, Droplet):
         return float(_IN_SPACE * p * np.log1p(1.0 / p)) if p > 0.0 else 0.0
     return p / _DROPLETS if _droplets(packing, law) else (max(p, 0.0) / _RINGS) ** (1.0 / 3.0)
 
 
-def pressure_above_onset(excess: float, packing: Packing, law: AnyLaw | None) -> float:
+def pressure_above_onset(excess: float, packing: Packing, law: Jamming) -> float:
     """The pressure in natural units at this phi - phi_J, the inverse of `excess_phi`."""
-    if law is None:
+    if isinstance(law, SoftContact):
         return _DISKS * excess
     if isinstance(law, Droplet):
         pressure = excess

@@ -19,11 +19,19 @@ from .core import unit_vectors
 from .errors import LammpsError, ParameterError, StalledWarning
 from .friction import Friction, damped_commands
 from .lammps import gather, place, rub_and_spin, run
-from .laws import ACCURATE, Sector, longest_overdamped_step, longest_step, squeeze_under
+from .laws import (
+    ACCURATE,
+    Droplet,
+    Ring,
+    Sector,
+    longest_overdamped_step,
+    longest_step,
+    squeeze_under,
+)
+from .polishing import balanced_to
 from .recording import Protocol, play
-from .simulation import Deforming, DropletSimulation, Simulation
-from .small_strains import balanced_to
-from .state import DeformedState
+from .simulation import Simulation
+from .state import State
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
@@ -79,11 +87,11 @@ class Dynamics:
     timestep: float | None = None
     rubbing: Friction | None = None
 
-    def longest_step(self, state: DeformedState) -> float:
+    def longest_step(self, state: State) -> float:
         """The longest stable time step where the drive pushes particles together [time]."""
         return self._longest(state, self.drive, self._hot(state))
 
-    def default_step(self, state: DeformedState) -> float:
+    def default_step(self, state: State) -> float:
         """The time step that a user gets who gives none [time]."""
         exact = not (self.inertia or self.temperature)  # steps change the energy of noise only
         part = self.part * (1.0 if exact else ACCURATE)
@@ -99,18 +107,18 @@ class Dynamics:
             steps.append(self.rubbing.accurate_step)
         return min(steps)
 
-    def _longest(self, state: DeformedState, drive: float, temperature: float) -> float:
+    def _longest(self, state: State, drive: float, temperature: float) -> float:
         packing, law, squeeze, _ = state.step_limits()
         squeeze = max(squeeze, squeeze_under(drive, packing, law))
         if self.inertia:
             return longest_step(packing, law, squeeze, temperature)
         return longest_overdamped_step(packing, law, squeeze, temperature, self.drag)
 
-    def _hot(self, state: DeformedState) -> float:
+    def _hot(self, state: State) -> float:
         """The temperature of the motion [energy]."""
         return state.temperature if self.inertia else self.temperature or 0.0
 
-    def check(self, state: DeformedState, timestep: float) -> None:
+    def check(self, state: State, timestep: float) -> None:
         """Refuse a time step at which contacts are unstable."""
         if self.persistence is not None and timestep > self.persistence:
             raise ParameterError(
@@ -158,7 +166,7 @@ class Dynamics:
 
 
 def dynamics_of(
-    sim: Deforming[Any],
+    sim: Simulation,
     temperature: float | None,
     drag: float | None,
     inertia: bool,
@@ -169,6 +177,8 @@ def dynamics_of(
     Raises:
         ParameterError: the law is `Sector`, or a value is out of range.
     """
+    if not isinstance(sim.law, Ring | Sector | Droplet):
+        raise ParameterError(f"a simulation of {sim.law!r} does not move: take Ring or Droplet")
     if isinstance(sim.law, Sector):
         raise ParameterError(
             "the energy of Sector jumps where contacts appear, so that it is not conserved in "
@@ -193,7 +203,7 @@ def dynamics_of(
 
 
 @contextmanager
-def moving(sim: Deforming[Any], dynamics: Dynamics, seed: int) -> Iterator[None]:
+def moving(sim: Simulation, dynamics: Dynamics, seed: int) -> Iterator[None]:
     """The fixes of a motion, in LAMMPS until its end.
 
     Raises:
@@ -251,7 +261,7 @@ def seeds(seed: int, *places: int) -> list[int]:
     return [1 + int(word) % _SEEDS for word in words.generate_state(2)]
 
 
-def advance(sim: Deforming[Any], dynamics: Dynamics, steps: int, timestep: float) -> None:
+def advance(sim: Simulation, dynamics: Dynamics, steps: int, timestep: float) -> None:
     """Let the particles move, and count the time.
 
     Raises:
@@ -276,7 +286,7 @@ def advance(sim: Deforming[Any], dynamics: Dynamics, steps: int, timestep: float
         run(lmp, "velocity all set 0 0 0")  # fix brownian leaves those of its last step
 
 
-def refuse_restarted(sim: Deforming[Any], begun: int) -> None:
+def refuse_restarted(sim: Simulation, begun: int) -> None:
     """Refuse to go on in another LAMMPS than before the last state.
 
     Raises:
@@ -341,7 +351,7 @@ def run_motion(
     **recording: Any,
 ) -> Run:
     """See `Simulation.run`."""
-    expect("sim", sim, Simulation, DropletSimulation)
+    expect("sim", sim, Simulation)
     steps = count("steps", steps)
     settings: dict[str, Any] = {
         "steps": steps,

@@ -13,7 +13,7 @@ from ._files import writing
 from .drawing import limited, scale
 from .errors import ParameterError
 from .progress import progress
-from .state import DropletState, State
+from .state import State
 
 # Pictures of a square box have 461 x 403 dots, so that a few dozen take less than a megabyte.
 _DOTS_PER_INCH = 72
@@ -29,7 +29,7 @@ _WRITERS = {".gif": "pillow", ".mp4": "ffmpeg"}
 
 
 def movie(
-    states: Iterable[State | DropletState],
+    states: Iterable[State],
     path: str | Path,
     color_by: str | ArrayLike = "particle_pressure",
     contacts: bool = False,
@@ -57,8 +57,8 @@ def movie(
         vmax: value of the last color; that of the scale of all states if not given.
         label: see `State.plot`.
         spins: see `State.plot`.
-        view: see `DropletState.plot`.
-        slice: see `DropletState.plot`.
+        view: see `State.plot`.
+        slice: see `State.plot`.
 
     Raises:
         ParameterError: the format is another, ffmpeg is missing, or there are no states or no such
@@ -83,7 +83,7 @@ def movie(
     if not frames:
         raise ParameterError("a movie needs at least one state")
     for state in frames:
-        expect("a state of a movie", state, State, DropletState)
+        expect("a state of a movie", state, State)
     own = of_dimension(frames[0].packing.dimension, spins=spins, view=view, slice=slice)
     values = [state.values(color_by) for state in frames]
     shared = scale(values, [state.contact_table["force"] for state in frames], color_by)
@@ -92,7 +92,7 @@ def movie(
         return
     figure: Any = frames[0]._new_axes().figure
 
-    def draw(state: State | DropletState) -> None:
+    def draw(state: State) -> None:
         figure.clear()
         state.plot(figure.subplots(), color_by, contacts, forces, on, cmap, label=label, **own)
 

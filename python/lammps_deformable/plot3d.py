@@ -1,17 +1,11 @@
-"""Balls that the planes of their contacts cut, and their surfaces as polygons.
+"""Pictures of a state in space: balls that the planes of their contacts cut, seen from far away.
 
-What a horizontal plane cuts of a packing in space: a picture in the plane.
-
-The picture of a packing in three dimensions: bodies that facets cut, box, and forces.
-
-Rays along the view meet balls and planes: no library draws more than that here.
-
-Pictures of states in three dimensions.
+Rays along the view meet balls and planes: no library draws more than that here. A slice is what a
+horizontal plane cuts, a picture in the plane. The surfaces of the balls are polygons for VTK.
 """
 
 from __future__ import annotations
 
-from abc import abstractmethod
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
@@ -25,13 +19,12 @@ from ._checks import expect, finite, numbers, shown
 from .box import cartesian, fractional, lengths
 from .drawing import Picture, Scale, color_map, limited
 from .errors import ParameterError
-from .plot import Colored, label_of
+from .plot import label_of, scale_of, title_of, values_of
 from .room import bounds, closed, lines_around, section_between
-from .versions import optional
 from .walls import Sphere, Wall
 
 if TYPE_CHECKING:
-    from .contacts import ContactForces
+    from .state import State
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -483,104 +476,64 @@ def _draw_chains(ax: Axes, centers: Floats, colors: Floats, chains: Chains, on: 
     ax.scatter(x, y, 14.0, colors[near], edgecolors="0.3", linewidths=0.4, zorder=2)
 
 
-class SpacePictures(Colored):
-    """A state in three dimensions that can be drawn."""
+def facets_of(state: State) -> Facets:
+    """Where particles are cut by their contacts."""
+    table = state.contact_table
+    height = state.packing.radii[table["i"]] - table["indentation"]
+    return Facets(table["i"], table["normal"], height)
 
-    @property
-    @abstractmethod
-    def _contact_forces(self) -> ContactForces:
-        """All contacts, each once."""
 
-    @abstractmethod
-    def _facets(self) -> Facets:
-        """Where particles are cut by their contacts."""
+def plot(
+    state: State,
+    ax: Axes | None,
+    color_by: str | ArrayLike,
+    contacts: bool,
+    forces: bool,
+    scale: Scale | None,
+    cmap: str | None,
+    vmin: float | None,
+    vmax: float | None,
+    title: str | None,
+    colorbar: bool,
+    label: str | None,
+    view: tuple[float, float],
+    slice: float | None,
+) -> Axes:
+    """See `State.plot`, of a state in space."""
+    from . import drawing
 
-    def plot(  # type: ignore[override]
-        self,
-        ax: Axes | None = None,
-        color_by: str | ArrayLike = "particle_pressure",
-        contacts: bool = False,
-        forces: bool = False,
-        scale: Scale | None = None,
-        cmap: str | None = None,
-        vmin: float | None = None,
-        vmax: float | None = None,
-        title: str | None = None,
-        colorbar: bool = True,
-        label: str | None = None,
-        view: tuple[float, float] = (20.0, 30.0),
-        slice: float | None = None,
-    ) -> Axes:
-        """Draw the particles with their facets, colored by a value of each; returns the axes.
-
-            state.plot(color_by="load", view=(30, 60)).figure.savefig("picture.png")
-            state.plot(slice=2.5, contacts=True)
-
-        Particles are spheres that the planes of their contacts cut. Those are drawn whose centers
-        are in the box, seen from far away. Of droplets, which bulge, this is a little less than
-        their volume.
-
-        Args:
-            ax: axes to draw into; if not given those of a new figure, which pyplot does not know.
-            color_by: name of an attribute with one number for each particle, e.g. `load`, or of
-                one of `particle_values`; or these numbers, shape (N,). A particle whose number is
-                nan is gray.
-            contacts: of a slice: draw the lines of contacts. Facets are always drawn.
-            forces: draw the force network in place of the particles: lines between centers, with
-                widths proportional to the forces, those behind paler.
-            scale: of colors and forces, to use one for several pictures.
-            cmap: name of one of matplotlib's color maps.
-            vmin: value of the first color.
-            vmax: value of the last color.
-            title: of the picture; phi and pressure if not given.
-            colorbar: draw a bar of the colors.
-            label: of the bar; that of the name if not given.
-            view: elevation of the viewer above the plane of x and y, and azimuth in it [degree].
-            slice: draw what the plane at this z cuts, seen from above [length].
-
-        Raises:
-            ParameterError: as `State.plot`, the view is no two numbers, or contacts are for
-                slices only, and forces for views.
-            ImportError: matplotlib is missing (`pip install lammps-deformable[plot]`).
-        """
-        optional("matplotlib", "plot")
-        from . import drawing
-
-        if contacts and slice is None:
-            raise ParameterError("contacts are drawn in a slice: give a slice, or leave it out")
-        if forces and slice is not None:
-            raise ParameterError("forces are those of the whole network: leave it out of a slice")
-        network = self._contact_forces
-        chains = chains_of(network.i, network.vector, network.force)
-        on = limited(self._scale(scale, [chains.force], color_by), vmin, vmax)
-        values, label, title = self.values(color_by), label_of(color_by, label), self._title(title)
-        named: dict[str, Any] = {"cmap": cmap, "colorbar": colorbar}
-        if slice is not None:
-            cut = section_of(self.packing, self._facets(), finite("slice", slice))
-            return drawing.draw(
-                cut,
-                cut.outlines,
-                values[cut.particle],
-                label,
-                title,
-                on,
-                ax,
-                cut.contacts if contacts else None,
-                **named,
-            )
-        return draw(
-            self.packing,
-            values,
+    if contacts and slice is None:
+        raise ParameterError("contacts are drawn in a slice: give a slice, or leave it out")
+    if forces and slice is not None:
+        raise ParameterError("forces are those of the whole network: leave it out of a slice")
+    network = state._contact_forces
+    chains = chains_of(network.i, network.vector, network.force)
+    on = limited(scale_of(state, scale, [chains.force], color_by), vmin, vmax)
+    values, label = values_of(state, color_by), label_of(color_by, label)
+    title = title_of(state, title)
+    named: dict[str, Any] = {"cmap": cmap, "colorbar": colorbar}
+    if slice is not None:
+        cut = section_of(state.packing, facets_of(state), finite("slice", slice))
+        return drawing.draw(
+            cut,
+            cut.outlines,
+            values[cut.particle],
             label,
             title,
             on,
             ax,
-            self._facets(),
-            chains if forces else None,
-            view=view,
+            cut.contacts if contacts else None,
             **named,
         )
-
-    def _new_axes(self) -> Axes:
-
-        return new_axes()
+    return draw(
+        state.packing,
+        values,
+        label,
+        title,
+        on,
+        ax,
+        facets_of(state),
+        chains if forces else None,
+        view=view,
+        **named,
+    )

@@ -1,28 +1,35 @@
-"""The last digits of a relaxation, by Newton's method."""
+"""The last digits of a relaxation, by Newton's method; and how closely contacts are balanced."""
 
 from __future__ import annotations
 
-import warnings
+from contextlib import contextmanager
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ._checks import expect, positive
-from .box import refuse_space
-from .errors import ParameterError, StalledWarning
-from .lammps import place_particles
-from .ranks import world
-from .relax import Callback, Iteration, check_callback, tell
-from .small_strains import closely_balanced
-from .state import DiskState, DropletState, SphereState, State
+from .commands import balance_command
+from .errors import ParameterError
+from .lammps import has_other_fixes, place_particles, run, setup
+from .laws import Droplet, Ring, Sector, SoftContact
+from .relax import Iteration, tell
+from .response import hessian_of, open_contacts
 
 if TYPE_CHECKING:
-    from .simulation import Simulation
-    from .soft_disks import Disks
+    from collections.abc import Iterator
 
-S = TypeVar("S", State, DiskState)
+    from .packing import Packing
+    from .simulation import Simulation
+    from .state import State
+
+# Imbalance of contact lines over the largest force: the default of the pair style, and what
+# rounding leaves.
+USUAL, CLOSE = 1e-8, 1e-13
+
+# With the usual balance FIRE is not asked for less than this. A relaxation that has stalled below
+# the other residual goes on by Newton's method: dense packings amplify the imbalance that far.
+_AIM, _STALLED = 1e-7, 1e-6
 
 # Steps at most. A packing is the same one as long as no particle moves farther than this part of
 # the smallest radius.
@@ -32,95 +39,97 @@ _STEPS, _FARTHEST = 8, 0.01
 _FURTHER = 1.1
 
 
-def polish(state: S, tolerance: float = 1e-10, callback: Callback | None = None) -> S:
-    """Relax a relaxed state further, in the same packing: Newton's method, a few steps.
+@contextmanager
+def balanced_to(sim: Simulation, packing: Packing, imbalance: float | None) -> Iterator[None]:
+    """Leave this imbalance to the contacts of a simulation meanwhile; None: the present one."""
+    begun, before = sim._begun, sim._imbalance
+    other = imbalance not in (None, before) and isinstance(sim.law, Ring | Sector | Droplet)
+    if imbalance is not None and other:
+        balance(sim, packing, imbalance)
+    try:
+        yield
+    finally:
+        if other and not sim.closed and sim._begun == begun:
+            balance(sim, packing, before)
+
+
+def balance(sim: Simulation, packing: Packing, imbalance: float) -> None:
+    """Leave this imbalance to the contacts from now on."""
+    run(sim.lmp, balance_command(packing, sim.law, imbalance))
+    sim._imbalance = imbalance
+    # which knows the former command
+    sim._setup = replace(sim._setup, definition=setup(sim.lmp).definition)
+
+
+def fire_reaches(sim: Simulation, tolerance: float) -> float:
+    """The residual that FIRE is asked for at least, where Newton's method does the rest."""
+    law = sim.law
+    lines = isinstance(law, Ring) and law.contact != "radical" and sim._imbalance >= USUAL
+    return _AIM if lines and not sim.friction and not law.sticks and tolerance < USUAL else 0.0
+
+
+def can_polish(sim: Simulation, state: State) -> bool:
+    """Whether Newton's method may go on from a state: in the plane, with a Hessian, near rest."""
+    plane = state.packing.dimension == 2 and isinstance(state.law, Ring | SoftContact)
+    if not plane or state.residual >= _STALLED or has_other_fixes(sim.lmp, sim._setup):
+        return False
+    try:
+        hessian_of(state)
+    except ParameterError:
+        return False
+    return True
+
+
+def polish(sim: Simulation, state: State, tolerance: float) -> State:
+    """Relax further, in the same packing: Newton's method, a few steps.
 
     A step solves H u = f with the Hessian of the contact network. Rattlers are moved away from what
     they touch. Contacts that hardly bear may open or close. `balanced` and `curved` contacts are
     balanced to rounding meanwhile.
 
-        fine = ld.polish(sim.relax())
-        sim.restart(fine)
-
     Args:
-        state: of a `Simulation` or of `Disks`, relaxed, e.g. to the default tolerance; it does not
-            change.
-        tolerance: largest force on a particle over the mean contact force. Close to the onset
-            of jamming rounding may keep forces of rings at 1e-9, as they are cubes of tiny
-            indentations.
-        callback: called with an `Iteration` after each step. Its exception ends `polish`.
+        sim: ends in the state that is returned.
+        state: of the simulation, nearly relaxed.
+        tolerance: largest force on a particle over the mean contact force.
 
     Returns:
-        The polished state. If a particle would move by more than a hundredth of the smallest
-        radius, or the forces do not fall to the tolerance, it is the state of the smallest forces
-        on the way, and `stalled` is true.
-
-    Raises:
-        ParameterError: a value is out of range, or the state has no Hessian, see `State.hessian`.
-
-    Warns:
-        StalledWarning: the tolerance was not reached.
+        If a particle would move by more than a hundredth of the smallest radius, or the forces do
+        not fall to the tolerance, the state of the smallest forces on the way, and `stalled`.
     """
-    expect("state", state, State, DiskState, DropletState, SphereState)
-    refuse_space("polish", state.packing.dimension, "relax with a small tolerance, such as 1e-8")
-    positive("tolerance", tolerance)
-    check_callback(callback)
-    root = getattr(state, "root", world().rank == 0)
-    state.hessian()  # or refuse the state
-    with closely_balanced(state.packing, state.law) as sim:
-        best: Any = _newton(sim, sim.state(), tolerance, callback, root)
-    best = replace(best, strain=state.strain)
-    if isinstance(best, State) and isinstance(state, State):
-        best = replace(best, root=root, velocities=state.velocities, time=state.time)
-    if best.residual <= tolerance:
-        return best  # type: ignore[no-any-return]
-    if root:
-        warnings.warn(
-            f"Newton's method ended at {best.residual:.2g} of the mean contact force, not "
-            f"{tolerance:.2g}: relax to a smaller tolerance first",
-            StalledWarning,
-            stacklevel=2,
-        )
-    return replace(best, stalled=True)  # type: ignore[no-any-return]
+    farthest = _FARTHEST * float(state.packing.radii.min())
+    with balanced_to(sim, state.packing, CLOSE):
+        best = now = sim.state()
+        moved = np.zeros((len(now.packing), 2))
+        for number in range(1, _STEPS + 1):
+            step = None if best.residual <= tolerance else _step(now)
+            if step is None:
+                break
+            moved += step
+            if np.hypot(*moved.T).max() > farthest:
+                break
+            place_particles(sim.lmp, now.packing.positions + step)
+            now = sim.state()
+            if sim.callback:
+                numbers = now.phi, now.pressure, now.residual, now.root
+                tell(sim.callback, Iteration("relax", number, *numbers), sim.comm)
+            best = min(best, now, key=lambda each: each.residual)
+        if best is not now:
+            place_particles(sim.lmp, best.packing.positions)
+            best = sim.state()
+    return replace(best, stalled=best.residual > tolerance)
 
 
-def _newton(
-    sim: Simulation | Disks,
-    start: State | DiskState,
-    tolerance: float,
-    callback: Callback | None,
-    root: bool,
-) -> Any:
-    """The state of the smallest forces."""
-    farthest = _FARTHEST * float(start.packing.radii.min())
-    best, state, moved = start, start, np.zeros((len(start.packing), 2))
-    for number in range(1, _STEPS + 1):
-        step = None if best.residual <= tolerance else _step(state)
-        if step is None:
-            break
-        moved += step
-        if np.hypot(*moved.T).max() > farthest:
-            break
-        place_particles(sim.lmp, state.packing.positions + step)
-        state = sim.state()
-        best = min(best, state, key=lambda each: each.residual)
-        if callback:
-            now = (state.phi, state.pressure, state.residual)
-            tell(callback, Iteration("polish", number, *now, root), None)
-    return best
-
-
-def _step(state: State | DiskState) -> NDArray[np.float64] | None:
+def _step(state: State) -> NDArray[np.float64] | None:
     """Displacements, shape (N, 2) [length]; None if there is no resistance to the forces."""
     from scipy.sparse import csr_matrix
     from scipy.sparse.linalg import lsqr
 
-    hessian = state.hessian(rattlers=False)
+    hessian = hessian_of(state, rattlers=False)
     try:
         step = -hessian.response(hessian.gradient)[: hessian.size]
     except ParameterError:
         return None
-    sides, needed = state.rattler_contacts()
+    sides, needed = open_contacts(state)
     direction = sides.vector / sides.distance[:, None]
     entries = [
         (sign * direction[kept, axis], np.flatnonzero(kept), 2 * particle[kept] + axis)

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Walls:
-    """A convex polygon around the origin, for `PolygonSimulation` and `squeeze`.
+    """A convex polygon around the origin, for `Simulation` and `squeeze`.
 
     `planes` are the same sides for a `Packing`.
 

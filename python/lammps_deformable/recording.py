@@ -21,9 +21,10 @@ from mpi4py import MPI
 from . import store
 from ._checks import expect, positive, shown
 from ._files import check_parameters, make_folder
+from .engines import go_on
 from .errors import FileError, ParameterError
 from .lammps import has_commands_of_a_user
-from .opening import go_on
+from .laws import Droplet, Ring, Sector
 from .progress import progress
 
 if TYPE_CHECKING:
@@ -165,7 +166,7 @@ def resume(run: Run, sim: Any, callback: Callback | None = None) -> None:
     if done and "seed" not in told:
         sim.relax(np.finfo(float).max)  # relaxed already: this only finds whether it is rigid
         packing, *_ = store.read(run.folder)
-        sim.restart(packing)
+        sim.reset(packing)
         go_on(sim, store.read_motion(run.folder, packing))
     _steps(sim, told, start, done, start["frame"], None, run.folder, callback, [], False)
 
@@ -186,10 +187,10 @@ def _taken(
     if record is None:
         return None, 0, {}
     expect("record", record, str, Path)
-    if not hasattr(sim, "restart"):
+    if not isinstance(sim.law, Ring | Sector | Droplet):
         raise ParameterError(
-            f"states of {type(sim).__name__} cannot be written yet: leave out record, or take a "
-            "Simulation"
+            f"states of {type(sim.law).__name__} cannot be written yet: leave out record, or take "
+            "another law"
         )
     sim.comm.barrier()  # rank 0 may still be writing
     call = f"{name}(..., record={str(record)!r}, mode="
@@ -274,7 +275,7 @@ def _each_anew(
     for n in range(done, start["states"]):
         if state is not None:
             so_far = sim._steps_before + sim.lmp.extract_global("ntimestep")
-            sim.restart(state)
+            sim.reset(state)
             sim._steps_before = so_far  # a later call draws other noise
         steps: Any = go(sim, told, start, n, None)
         with closing(steps):
@@ -321,7 +322,7 @@ def recorded_numbers(state: Any) -> dict[str, Any]:
     for k, a in enumerate(axes):
         for n, b in enumerate(axes[k:], start=k):
             numbers[f"p{a}{b}"] = float(state.stress[k, n])
-    if hasattr(state, "lost_energy"):
+    if isinstance(state.law, Ring | Sector):
         numbers["lost_energy"] = state.lost_energy
     return numbers
 

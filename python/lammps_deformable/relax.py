@@ -11,6 +11,7 @@ Rest and deformation of particles whose contacts rub: minimizers pass over frict
 
 from __future__ import annotations
 
+import sys
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -24,8 +25,8 @@ from ._checks import shown
 from .errors import BeyondModelWarning, ParameterError, StalledWarning, UnjammedWarning
 from .friction import FRICTION, Friction, damped_commands, spring_commands, undamped_commands
 from .lammps import gather, run, run_forces
-from .laws import LARGEST_FACET, LARGEST_LOAD, Ring, sticks
-from .state import DeformedState, DropletState, State
+from .laws import LARGEST_FACET, LARGEST_LOAD, Droplet, Ring
+from .state import State
 
 if TYPE_CHECKING:
     from lammps import lammps
@@ -72,13 +73,19 @@ class Forces:
         return self.largest / self.scale
 
 
+# Calls a minimizer once, from given forces, with so many iterations left of the patience, and so
+# many at most; returns how many it has taken.
+Minimizer = Callable[[Forces, int, int], int]
+
+
 def minimize_until_relaxed(
     forces: Forces,
     tolerance: float,
     patience: int,
-    minimize: Callable[[Forces, int], int],
+    minimize: Minimizer,
     evaluate: Callable[[], Forces],
     indicator: Callable[[Forces], float] | None = None,
+    max_steps: int | None = None,
 ) -> Forces:
     """Call the minimizer until the residual is below the tolerance or stops falling.
 
@@ -88,17 +95,19 @@ def minimize_until_relaxed(
         forces: of the start.
         tolerance: of the residual.
         patience: number of iterations in which the indicator must halve.
-        minimize: runs the minimizer once, from given forces and with so many iterations left of the
-            patience; returns how many it has taken.
+        minimize: see `Minimizer`.
         evaluate: returns the present forces.
         indicator: of progress; if not given, the patience is for the whole relaxation.
+        max_steps: iterations at most, if given.
 
     Returns:
         The last forces; their residual is above the tolerance if the relaxation stalled.
     """
     best, left = indicator(forces) if indicator else 0.0, patience
-    while forces.residual > tolerance and left > 0:
-        left -= minimize(forces, left)
+    most = sys.maxsize if max_steps is None else max_steps
+    while forces.residual > tolerance and left > 0 and most > 0:
+        taken = minimize(forces, left, most)
+        left, most = left - taken, most - taken
         forces = evaluate()
         if indicator and indicator(forces) < 0.5 * best:
             best, left = indicator(forces), patience
@@ -213,27 +222,29 @@ class Fire:
     def __init__(self) -> None:
         self._highest, self.iterations = np.inf, _ITERATIONS
 
-    def call(self, highest: float, stiffest: float, force: float) -> str:
+    def call(self, highest: float, stiffest: float, force: float, most: int) -> str:
         """The commands of a call, of at most so many `iterations`.
 
         Args:
             highest: pressure in a particle [energy/length^2].
             stiffest: the same, or what replaces it in the time step.
             force: it stops once no component of a force is above this one [energy/length].
+            most: iterations at most.
         """
         before, self._highest = self._highest, highest
         self.iterations = _ITERATIONS if highest < 0.5 * before else 2 * self.iterations
+        self.iterations = min(self.iterations, most)
         timestep = float(_TIMESTEP / np.sqrt(stiffest))
         return f"timestep {timestep!r}\n{minimize_command(float(force), self.iterations)}"
 
 
 class Iteration(NamedTuple):
-    """A moment of `Simulation.relax`, `jam` or `polish`.
+    """A moment of `Simulation.relax` or `jam`.
 
     Attributes:
-        protocol: its name, `relax`, `jam` or `polish`.
+        protocol: its name, `relax` or `jam`.
         iterations: of the minimizer so far in this call; `jam` counts those of soft disks by
-            twenties, and relaxations of particles, `polish` its steps.
+            twenties, and relaxations of particles.
         phi: packing fraction.
         pressure: of the packing [energy/length^2]; in `jam` in units of its `pressure`, those of
             soft disks while it compresses these.
@@ -285,44 +296,14 @@ def tell(callback: Callback, seen: Iteration, comm: MPI.Comm | None) -> None:
         raise error
 
 
-class Watched:
-    """A simulation whose relaxations may be watched."""
-
-    _callback: Callback | None = None
-
-    @property
-    def callback(self) -> Callback | None:
-        """Called with an `Iteration` where a relaxation begins, and after each call of FIRE.
-
-        The last one is that of the relaxed state. Calls of FIRE take 2000 iterations or
-        more, unless forces are small enough before. The function must leave the simulation as it
-        is. Its exception ends the relaxation where it is, at rest. None calls nothing.
-
-            sim.callback = lambda seen: print(seen.iterations, seen.residual)
-
-        Raises:
-            ParameterError: it cannot be called.
-        """
-        return self._callback
-
-    @callback.setter
-    def callback(self, callback: Callback | None) -> None:
-        check_callback(callback)
-        self._callback = callback
-
-
-# Below this part of the mean contact force what stalls may be the balance of contacts, to 1e-8 of
-# the largest force: dense packings amplify that in the forces on particles.
-_FINE = 1e-6
-
-
-def warn_of(state: DeformedState, tolerance: float, unjammed: bool) -> None:
+def warn_of(state: State, tolerance: float, unjammed: bool, scale: str) -> None:
     """Warn the caller of `relax` if its state is loose, has stalled, or is beyond the model.
 
     Args:
         state: relaxed.
         tolerance: of the relaxation.
         unjammed: whether the packing was rigid before, and no longer is.
+        scale: of the forces, in words.
     """
     if not state.root:
         return
@@ -331,31 +312,28 @@ def warn_of(state: DeformedState, tolerance: float, unjammed: bool) -> None:
             f"the packing lost its rigidity at phi = {state.packing.phi:.5f}: it rearranged into a "
             "loose one",
             UnjammedWarning,
-            stacklevel=4,
+            stacklevel=6,
         )
     if state.stalled:
         why = "the contacts do not balance, so that forces are not known"
         if state.residual > tolerance:
-            why = largest_force_told(state.residual, "the mean contact force", tolerance)
-            slides = isinstance(state.law, Ring) and not sticks(state.law, state.packing.walls)
-            if state.residual < _FINE and slides:
-                why += ": contacts are balanced to 1e-8, `polish` goes further"
+            why = largest_force_told(state.residual, scale, tolerance)
         warnings.warn(
             f"relaxation stalled at phi = {state.phi:.5f}: {why}",
             StalledWarning,
-            stacklevel=4,
+            stacklevel=6,
         )
     if state.beyond:
         warnings.warn(
             f"{state.beyond} of {len(state.packing)} {_beyond(state)}",
             BeyondModelWarning,
-            stacklevel=4,
+            stacklevel=6,
         )
 
 
-def _beyond(state: DeformedState) -> str:
+def _beyond(state: State) -> str:
     """What is beyond the model, and what that means."""
-    if isinstance(state, DropletState):
+    if isinstance(state.law, Droplet):
         return (
             f"droplets are beyond the model at phi = {state.phi:.5f}: their load is above "
             f"{LARGEST_LOAD:g}, or that of few strong contacts above {LARGEST_FACET:g} each, the "

@@ -34,19 +34,19 @@ from numpy.typing import NDArray
 from . import movies, potentials, recording, store
 from ._checks import expect, shown
 from ._files import from_json, reading, refuse_present, write_whole
+from .engines import go_on
 from .errors import FileError, ParameterError, StalledWarning
 from .files import UNTYPED, box_in_space, in_space, read_particles
 from .lammps import communicator
 from .laws import ALL_LAWS, AnyLaw, Droplet, Ring
-from .opening import go_on, read_species, species_names
 from .packing import Packing
 from .ranks import world
 from .recording import recorded_numbers
-from .shapes import Exports, collection
+from .shapes import collection
 from .shearing import DynamicModulus, harmonic
 from .simulation import Simulation
-from .starts import simulate
-from .state import DeformedState, DropletState, State
+from .species import read_species, species_names
+from .state import State
 from .store import (
     SERIES,
     SUMMARY,
@@ -175,7 +175,7 @@ def export(run: Run, path: str | Path, forces: bool = False, overwrite: bool = F
         raise ParameterError(f"a series of shapes is a .pvd, not '{path}'")
     names, times = [], []
     for number, state in enumerate(run):
-        expect("a state that is exported", state, Exports)
+        expect("a state that is exported", state, State)
         names.append(f"{path.stem}_{number:04d}.vtp")
         times.append(state.time)
         if state.root and number == 0:
@@ -198,7 +198,7 @@ def state_in_file(
     types: Sequence[str] | None = None,
     frame: int = -1,
     radii: str | None = None,
-) -> DeformedState:
+) -> State:
     """The state of particles whose centers are in a file: outlines, energy, stress, contacts.
 
         ld.state_in_file("shapes.dump", "mixture.deformable").export("shapes.vtp")
@@ -254,7 +254,7 @@ def state_in_file(
         chosen = replace(chosen, **reach)
     if radii is None:
         packing = Packing._of_species(packing.positions, packing.species, sizes, packing.box)
-    with Simulation(packing, chosen, MPI.COMM_SELF) as sim:
+    with Simulation(packing, chosen, comm=MPI.COMM_SELF) as sim:
         return sim.state()
 
 
@@ -305,23 +305,9 @@ def _numbers(words: Sequence[str | None]) -> NDArray[Any]:
         return np.array([float(word) if word else np.nan for word in words], dtype=np.float64)
 
 
-# Fields of a state by the names of columns in a trajectory.
-_COLUMNS: dict[type, dict[str, str]] = {
-    State: {
-        "area": "area",
-        "perimeter": "perimeter",
-        "contacts": "contacts",
-        "pressure": "particle_pressure",
-        "arc_radius": "arc_radius",
-    },
-    DropletState: {
-        "surface_area": "surface_area",
-        "contacts": "contacts",
-        "pressure": "particle_pressure",
-        "load": "load",
-        "contact_area": "contact_area",
-    },
-}
+# Results of a law by the names of columns in a trajectory, in the order of states.
+_RINGS = ("area", "perimeter", "pressure", "contacts", "arc_radius")
+_DROPLETS = ("surface_area", "pressure", "load", "contact_area", "contacts")
 
 
 def _recorded_state(
@@ -331,16 +317,19 @@ def _recorded_state(
     motion: Motion,
     columns: Mapping[str, NDArray[Any]],
     row: Mapping[str, str],
-) -> DeformedState:
+) -> State:
     """A state as it was recorded; what was not is evaluated when it is asked for."""
-    kind = DropletState if packing.dimension == 3 else State
+    results = {
+        "particle_pressure" if name == "pressure" else name: columns[name].astype(
+            np.int64 if name == "contacts" else np.float64
+        )
+        for name in (_DROPLETS if isinstance(law, Droplet) else _RINGS)
+    }
     known: dict[str, Any] = {
-        "packing": packing,
-        "law": law,
+        "results": results,
         "velocities": motion.velocities,
         "time": motion.time,
         "strain": motion.strain,
-        "unsaved": "",
         "root": world().rank == 0,
         "images": motion.images,
         "energy": float(row["energy"]),
@@ -348,24 +337,14 @@ def _recorded_state(
         "stalled": row["stalled"] == str(True),
         "beyond": int(row["beyond"]),
         "stress": _stress_in(row, packing.dimension),
+        "lost_energy": float(row.get("lost_energy") or 0.0),
+        "films": motion.films,
+        "directions": motion.directions,
     }
-    for name, field in _COLUMNS[kind].items():
-        whole = np.int64 if field == "contacts" else np.float64
-        known[field] = columns[name].astype(whole)
-    if kind is State:
-        known |= {"films": motion.films, "directions": motion.directions, "friction": friction}
-        known |= {"lost_energy": float(row["lost_energy"])}
+    evaluate = partial(_evaluated, packing, law, friction, motion)
     if friction is None:
-        known |= {"rubbing": None} if kind is State else {}
-        known["_missing"] = partial(_evaluated, packing, law, friction, motion)
-    else:  # forces along contacts are not in the frame
-        known = vars(_evaluated(packing, law, friction, motion)) | known
-    for array in known.values():
-        if isinstance(array, np.ndarray):
-            array.setflags(write=False)
-    state: Any = object.__new__(kind)
-    vars(state).update(known)
-    return state  # type: ignore[no-any-return]
+        return State(packing, law, **known, evaluate=evaluate)
+    return replace(evaluate(), **known)  # forces along contacts are not in the frame
 
 
 def _stress_in(row: Mapping[str, str], dimension: int) -> NDArray[np.float64]:
@@ -376,11 +355,9 @@ def _stress_in(row: Mapping[str, str], dimension: int) -> NDArray[np.float64]:
     return stress
 
 
-def _evaluated(
-    packing: Packing, law: AnyLaw, friction: Friction | None, motion: Motion
-) -> DeformedState:
+def _evaluated(packing: Packing, law: AnyLaw, friction: Friction | None, motion: Motion) -> State:
     """The state of recorded particles, on this rank alone."""
-    with Simulation(packing, law, MPI.COMM_SELF, friction=friction) as sim:
+    with Simulation(packing, law, comm=MPI.COMM_SELF, friction=friction) as sim:
         go_on(sim, motion)
         return sim.state()
 
@@ -538,7 +515,7 @@ class Run(Sequence[Any]):
         """
         if self.folder is None or self._range is not None:
             state = self[-1]
-            return simulate(state, state.law, communicator(comm))
+            return Simulation(state, state.law, comm=communicator(comm))
         communicator(comm).barrier()  # rank 0 may still be writing
         last = summary_in(self.folder).get("state")
         if isinstance(last, dict) and last.get("stalled"):
@@ -553,7 +530,7 @@ class Run(Sequence[Any]):
     def _simulation(self, folder: Path, comm: MPI.Comm | None) -> Any:
         packing, law, friction = read(folder)
         motion = read_motion(folder, packing)
-        sim = Simulation(packing, law, comm, friction=friction)
+        sim = Simulation(packing, law, comm=comm, friction=friction)
         go_on(sim, motion)
         return sim
 

@@ -16,15 +16,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import core
-from ._checks import expect, whole
+from ._checks import whole
 from .errors import ParameterError
 from .laws import Sector
-from .state import State
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from .packing import Packing
+    from .state import State
 
 _Array = NDArray[np.float64]
 _Contact = tuple[float, float]  # direction and indentation
@@ -57,31 +57,8 @@ class SecondaryOutlines:
     beyond: int
 
 
-def resolve_secondary(state: State, iterations: int = 3) -> SecondaryOutlines:
-    """Press overlapping outlines flat against each other, as the sector law does with circles.
-
-    Two arcs overlap if the distance of their centers is less than the sum q_i + q_j of their radii,
-    and its direction is normal to both arcs. Their contact is on the radical axis of their circles.
-    A contact of indentation a divides its arc into two sectors of a circle of radius q, with the
-    indentations 0 at the arc's ends and a in between. So the perimeter is conserved, and the
-    tangents at both ends do not change. Each iteration does so for all overlaps at once.
-
-    Some overlaps remain, as a part of the residual: the only contact of a particle, because the law
-    leaves it a circle; and a contact so close in direction to a deeper one, or to the end of its
-    arc, that no arc of positive radius would remain. Primary contacts are not changed: the law
-    separates these outlines already, except if a particle has no other contact.
-
-    Args:
-        state: of the sector law at constant perimeter; `Simulation(packing, Sector()).state()` has
-            the centers of any packing.
-        iterations: largest number of iterations; nothing changes once nothing overlaps.
-
-    Raises:
-        ParameterError: another law, or a negative number of iterations.
-
-    Source: R. Maharana, "Efficient Simulation of Deformable Particles"; docs/theory.md.
-    """
-    expect("state", state, State)
+def resolve_secondary(state: State, iterations: int) -> SecondaryOutlines:
+    """See `State.resolve_secondary`."""
     if not (isinstance(state.law, Sector) and state.law.kernel == "sector"):
         raise ParameterError(
             "secondary contacts need the sector law at constant perimeter, Sector(kA=...), not "

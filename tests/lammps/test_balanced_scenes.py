@@ -230,7 +230,7 @@ def test_stiff_beside_soft(draw, seed, tmp_path):
 @pytest.mark.parametrize("unit", [2.0**-132, 2.0**132])
 def test_any_unit_of_stiffness(unit):
     """Corrections are in single precision, whose numbers end at 1e-38 and 3e38."""
-    packing = ld.jam(ld.bidisperse(64, seed=1)).at(0.9)
+    packing = ld.jam(ld.bidisperse(64, seed=1)).packing.at(0.9)
     forces = []
     for kA in (1.0, unit):
         with ld.Simulation(packing, ld.Ring(kA=kA, kP=0.1 * kA)) as sim:

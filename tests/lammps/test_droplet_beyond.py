@@ -21,7 +21,7 @@ def test_between_two_plates(half, beyond, tmp_path):
 def test_dense_packings_are_within_both_measures():
     """Loads of up to a third, in a random packing, with a mean facet below 0.045."""
     spheres = ld.bidisperse(64, sizes=(0.5, 0.7), dimension=3, seed=1)
-    sim = ld.Simulation(ld.jam(spheres).at(0.78), ld.Droplet())
+    sim = ld.Simulation(ld.jam(spheres).packing.at(0.78), ld.Droplet())
     sim.compress(phi=0.88, steps=2)
     state = sim.relax(1e-4)
     sides, count = state.contact_table, len(spheres)

@@ -14,7 +14,7 @@ CONTRASTS = [(1.0, (1, 1)), (5.0, (1, 1)), (1.4, (1, 100)), (1.4, (100, 1)), (5.
 def packings():
     ratios = {ratio for ratio, _ in CONTRASTS}
     return {
-        r: jam(bidisperse(24, sizes=(0.5, 0.5 * r), dimension=3, seed=1), tolerance=1e-2)
+        r: jam(bidisperse(24, sizes=(0.5, 0.5 * r), dimension=3, seed=1), tolerance=1e-2).packing
         for r in ratios
     }
 

@@ -17,7 +17,7 @@ import sector_stall
 
 @pytest.fixture(scope="module")
 def jammed():
-    return {n: ld.jam(ld.bidisperse(n, seed=1)) for n in (16, 64)}
+    return {n: ld.jam(ld.bidisperse(n, seed=1)).packing for n in (16, 64)}
 
 
 def test_energy_error_falls_with_the_square_of_the_time_step(jammed):

@@ -59,7 +59,7 @@ def test_forces_in_motion(contact, number, accuracy, kP):
     contact that changes alone. Contacts are up to 7 times as soft together (the least eigenvalue is
     0.15), and a particle has 6 of them.
     """
-    packing = ld.jam(ld.bidisperse(number, seed=1)).at(0.9)
+    packing = ld.jam(ld.bidisperse(number, seed=1)).packing.at(0.9)
     law = ld.Ring(contact=contact, kP=kP)
     with (
         ld.Simulation(packing, law) as moving,

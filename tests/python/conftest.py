@@ -9,7 +9,7 @@ from exact_balance import exactly_balanced
 
 @pytest.fixture(scope="session")
 def jammed() -> ld.Packing:
-    return ld.jam(ld.bidisperse(32, seed=3))
+    return ld.jam(ld.bidisperse(32, seed=3)).packing
 
 
 @pytest.fixture(scope="session")

@@ -5,9 +5,9 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
+from contact_laws import simulate
 from lammps_deformable import store
 from lammps_deformable.recording import _write
-from lammps_deformable.starts import simulate
 
 
 class Stop(Exception):

@@ -22,9 +22,10 @@ PHI, TOUCH = 0.94, math.pi / math.sqrt(12.0)
 HEXAGON = 2.0 * math.sqrt(3.0)  # its area over the square of its inradius
 
 
-def fine(law: str, u: np.ndarray, eta: float) -> ld.State | ld.DiskState:
+def fine(law: str, u: np.ndarray, eta: float) -> ld.State:
     packing = crystals.spread(crystals.crystal(len(u), PHI), u, eta)
-    return ld.polish(crystals.relaxed(packing, crystals.LAWS[law]), 1e-9)
+    state = crystals.relaxed(packing, crystals.LAWS[law])
+    return ld.Simulation(state, state.law).relax(1e-9)
 
 
 def pressure(law: str, phi: float) -> float:

@@ -62,8 +62,8 @@ def test_shear_modulus_is_the_mean_over_directions() -> None:
     """Of simple and of pure shear; a small packing is far from isotropic."""
     number, seed, delta = 12, 2, 4e-4
     _, (row,) = measure("disk", 1e-7, number, seed, (delta,))
-    jammed = ld.jam(ld.bidisperse(number, seed=seed), None, tolerance=1e-6)
-    with ld.Disks(jammed) as disks:
+    jammed = ld.jam(ld.bidisperse(number, seed=seed), None, tolerance=1e-6).packing
+    with ld.Simulation(jammed, ld.SoftContact()) as disks:
         onset = disks.relax()
         disks.deform(jammed.at(onset.phi + delta).box)
         state = disks.relax(1e-8)

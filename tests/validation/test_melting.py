@@ -231,7 +231,7 @@ def test_a_leg_ends_where_a_droplet_finds_no_shape(monkeypatch: pytest.MonkeyPat
     def no_shape(*_: object, **__: object) -> None:
         raise ld.LammpsError("no shape")
 
-    monkeypatch.setattr(ld, "move", no_shape)
+    monkeypatch.setattr(ld.Simulation, "run", no_shape)
     start = measure.crystal(16, measure.PHI).positions
     assert measure.leg(16, measure.PHI, 0.01, 1, start)["ended"] == "no shape"
 

@@ -73,7 +73,7 @@ def test_the_ring_law_has_the_stiffness_of_the_springs(kL: float) -> None:
 
 @pytest.mark.slow
 def test_sweep_keeps_the_order_of_its_arguments(sweep: list[Squeezed]) -> None:
-    assert [r.reference.model.kL for r in sweep[::3]] == [1.0, 1e2, 1e4]
+    assert [r.reference.law.kL for r in sweep[::3]] == [1.0, 1e2, 1e4]
     assert [r.indentation for r in sweep[:3]] == [0.01, 0.02, 0.03]
 
 

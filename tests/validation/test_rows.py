@@ -28,10 +28,9 @@ def test_rows_of_a_packing():
         np.sqrt(np.mean((again.area_deficit - exact) ** 2) / np.mean(exact**2)), rel=1e-12
     )
     assert row["energy_ratio"] == pytest.approx(again.energy / reference.energy, rel=1e-12)
-    start = jam(bidisperse(8, seed=1))
-    start = type(start)(
-        start.positions, start.species, reference.polygons.effective_radius, start.box
-    )
+    start = jam(bidisperse(8, seed=1)).packing
+    radii = reference.polygons.effective_radius[start.species]
+    start = replace(start, radii=radii)
     with Simulation(start, Ring(model.kA, contact="radical")) as sim:
         sim.deform(sim.box * (1 - strain))
         own = sim.relax()

@@ -82,7 +82,7 @@ def test_exponent_of_a_power_law() -> None:
 @contacts
 def test_the_unit_of_frequencies_is_that_of_all_modes(contact: str) -> None:
     """The trace of the Hessian is the sum of all stiffnesses, without variables of lines."""
-    jammed = ld.jam(ld.bidisperse(24, seed=1))
+    jammed = ld.jam(ld.bidisperse(24, seed=1)).packing
     law = ld.Ring(contact=contact)
     with ld.Simulation(jammed.at(jammed.phi + 0.02), law) as sim:
         state = sim.relax()

@@ -134,7 +134,7 @@ def silo(case, opening, rows, seed):
     """A simulation of the filled silo."""
     friction = ld.Friction(case.mu, **CONTACT)
     packing = filled(opening, rows, seed)
-    return ld.Simulation(packing, DROPLET, MPI.COMM_SELF, friction=friction)
+    return ld.Simulation(packing, DROPLET, comm=MPI.COMM_SELF, friction=friction)
 
 
 def flow(case, opening, rows, seed, grains=GRAINS):

@@ -88,7 +88,7 @@ def spread(packing, u, eta):
 
 
 def simulation(packing, law):
-    return ld.Disks(packing) if law is None else ld.Simulation(packing, law)
+    return ld.Simulation(packing, law or ld.SoftContact())
 
 
 def relaxed(packing, law):

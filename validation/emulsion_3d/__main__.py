@@ -39,7 +39,7 @@ def measure(kind, number, seed):
         start = ld.polydisperse(number, lognorm(WIDTH), dimension=3, seed=seed)
     else:
         start = ld.bidisperse(number, sizes=RADII, dimension=3, seed=seed)
-    jammed = ld.jam(start)
+    jammed = ld.jam(start).packing
     unit = np.sum(jammed.radii**2) / np.sum(jammed.radii**3)
     rows = []
     with ld.Simulation(jammed, ld.Droplet(tension=1.0)) as sim:

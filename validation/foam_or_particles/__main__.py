@@ -52,9 +52,9 @@ def measure(law, number, seed):
     warnings.simplefilter("ignore", ld.UnjammedWarning)  # near the onset some rearrange
     began = time.process_time()
     loose = ld.bidisperse(number, sizes=RADII, seed=seed)
-    onset = ld.jam(loose, pressure=ONSET, tolerance=1e-6)
+    onset = ld.jam(loose, pressure=ONSET, tolerance=1e-6).packing
     particles, unit = LAWS[law]
-    sim = ld.Simulation(onset, particles) if particles else ld.Disks(onset)
+    sim = ld.Simulation(onset, particles) if particles else ld.Simulation(onset, ld.SoftContact())
     key = {"number": number, "seed": seed}
     with sim:
         states = [row(state, unit) for state in compressed(sim, onset.phi)]

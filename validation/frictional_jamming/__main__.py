@@ -199,7 +199,7 @@ def loose(seed):
 def of_beads(beads, seed):
     """Polygons at rest, with the packing fraction of their effective radii."""
     begun, start = time.process_time(), loose(seed)
-    with ld.PolygonSimulation(matching(start, model(beads)), model(beads)) as sim:
+    with ld.Simulation(matching(start, model(beads)), model(beads)) as sim:
         polygons = sim.polygons
         mass = float(polygons.number[start.species].mean())
         rate = math.sqrt(PRESSURE / mass)

@@ -13,11 +13,12 @@ import numpy as np
 from lammps_deformable._checks import zero_or_more
 from lammps_deformable.errors import ParameterError, StalledWarning, UnjammedWarning
 from lammps_deformable.jamming import jam, natural_pressure
-from lammps_deformable.laws import ALL_LAWS, AnyLaw, Droplet, Ring
+from lammps_deformable.laws import ALL_LAWS, Droplet, Ring, SoftContact
 from lammps_deformable.random import bidisperse
 from lammps_deformable.relax import TOLERANCE
-from lammps_deformable.starts import simulate
-from lammps_deformable.state import DiskState, DropletState, SphereState, State
+from lammps_deformable.simulation import Simulation
+from lammps_deformable.state import State
+from mpi4py import MPI
 from numpy.typing import NDArray
 
 from validation.ensembles import power_law
@@ -70,10 +71,10 @@ def is_of_droplets(law: str) -> bool:
     return _TENSION in law or law == Droplet().name
 
 
-def contact_law(law: str) -> AnyLaw | None:
-    """The law of a name of `with_tension`; None for soft disks and soft spheres."""
+def contact_law(law: str) -> Any:
+    """The law of a name of `with_tension`."""
     name, _, tension = law.partition(_TENSION)
-    found = None if name in SOFT else ALL_LAWS[name]
+    found = SoftContact() if name in SOFT else ALL_LAWS[name]
     if tension and isinstance(found, Ring):
         return replace(found, kA=math.inf, kP=0.0, tension=float(tension))
     return Droplet(float(tension)) if tension and isinstance(found, Droplet) else found
@@ -82,7 +83,7 @@ def contact_law(law: str) -> AnyLaw | None:
 def dimension_of(law: str) -> int:
     """Dimension of the packings of a law of this name."""
     settings = contact_law(law)
-    return SOFT[law] if settings is None else settings.dimension
+    return SOFT.get(law) or settings.dimension
 
 
 def measure(
@@ -117,11 +118,13 @@ def measure(
         warnings.simplefilter("ignore", UnjammedWarning)
         warnings.simplefilter("always", StalledWarning)
         start = bidisperse(number, dimension=dimension_of(law), seed=seed)
-        packing = jam(start, settings, onset_pressure, tolerance=TOLERANCE)  # counts contacts
+        packing = jam(
+            start, settings, pressure=onset_pressure, tolerance=TOLERANCE
+        ).packing  # counts contacts
         stalled = any(issubclass(warning.category, StalledWarning) for warning in caught)
-        with simulate(packing, settings) as sim:
+        with Simulation(packing, settings, comm=MPI.COMM_SELF) as sim:
             onset = sim.relax()
-            if folder is not None and isinstance(onset, State | DropletState):
+            if folder is not None and law not in SOFT:
                 name = packing_name(law, onset_pressure, number, seed)
                 onset.save(folder / name, overwrite=True)  # of an interrupted measurement
             unit = natural_pressure(onset.packing, settings)
@@ -144,7 +147,7 @@ def packing_name(law: str, onset_pressure: float, number: int, seed: int) -> str
     return f"{law.replace(_TENSION, '_')}_{onset_pressure:g}_{number}_{seed}"
 
 
-def _numbers(state: State | DropletState | DiskState | SphereState, unit: float) -> Row:
+def _numbers(state: State, unit: float) -> Row:
     return {
         "phi": state.phi,
         "pressure": state.pressure / unit,
@@ -157,9 +160,7 @@ def _numbers(state: State | DropletState | DiskState | SphereState, unit: float)
     }
 
 
-def _moduli(
-    state: State | DropletState | DiskState | SphereState, excess_phi: float, unit: float
-) -> Row:
+def _moduli(state: State, excess_phi: float, unit: float) -> Row:
     strain = _STRAIN * excess_phi
     ways = (False, True) if state.packing.dimension == 2 else (False,)
     found = {

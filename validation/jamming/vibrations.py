@@ -19,12 +19,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from lammps_deformable._files import make_folder, write_whole
 from lammps_deformable.jamming import jam, natural_pressure
+from lammps_deformable.laws import SoftContact
 from lammps_deformable.packing import Packing
 from lammps_deformable.parallel import jackknife
 from lammps_deformable.random import bidisperse
 from lammps_deformable.simulation import Simulation
-from lammps_deformable.soft_disks import Disks, relax_at_pressure
-from lammps_deformable.state import DiskState, State
+from lammps_deformable.soft_disks import relax_at_pressure
+from lammps_deformable.state import State
 from mpi4py import MPI
 from numpy.typing import NDArray
 
@@ -85,8 +86,8 @@ def measure(
         and N_c contacts; `counts` are modes between the `EDGES`, complete up to the frequency
         `complete`, of `modes` in all.
     """
-    disks = jam(bidisperse(number, seed=seed), pressure=_ONSET, tolerance=_TOLERANCE)
-    with Disks(disks) as soft:
+    disks = jam(bidisperse(number, seed=seed), pressure=_ONSET, tolerance=_TOLERANCE).packing
+    with Simulation(disks, SoftContact()) as soft:
         state = soft.state()
     # dp/dphi = K/phi
     onset = state.phi * (1.0 - state.pressure / state.elastic_moduli().bulk_modulus)
@@ -101,27 +102,25 @@ def measure(
     return rows
 
 
-def _states(
-    law: str, disks: Packing, onset: float, excess_phi: Sequence[float]
-) -> Iterator[State | DiskState]:
+def _states(law: str, disks: Packing, onset: float, excess_phi: Sequence[float]) -> Iterator[State]:
     """The packing, relaxed near each phi - phi_J."""
     settings = contact_law(law)
-    if settings is None:
+    if isinstance(settings, SoftContact):
         for excess in excess_phi:
             relaxed = relax_at_pressure(
                 disks, _SLOPE * excess, _TOLERANCE, _PATIENCE, lambda *values: None
             )
             disks = relaxed.packing
-            with Disks(disks) as soft:
+            with Simulation(disks, SoftContact()) as soft:
                 yield soft.state()
         return
-    with Simulation(disks, settings, MPI.COMM_SELF) as sim:
+    with Simulation(disks, settings, comm=MPI.COMM_SELF) as sim:
         for excess in excess_phi:
             sim.deform(disks.at(onset + excess).box)
             yield sim.relax(_TOLERANCE)
 
 
-def _response(state: State | DiskState, unit: float) -> Row:
+def _response(state: State, unit: float) -> Row:
     moduli = state.elastic_moduli()
     free = int(np.sum(~state.rattlers))
     return {
@@ -134,7 +133,7 @@ def _response(state: State | DiskState, unit: float) -> Row:
     }
 
 
-def _spectrum(state: State | DiskState, modes: int | None) -> Row:
+def _spectrum(state: State, modes: int | None) -> Row:
     hessian = state.hessian(rattlers=False)
     # lines of balanced and curved contacts are variables of the sparse matrix
     has_lines = hessian.matrix.shape[0] > hessian.size

@@ -19,7 +19,7 @@ from validation.ensembles import once
 # Droplets have the radius 1, the line tension 1 and the mass 1, and hardly change their area: hot
 # ones that may not change it at all find no shape now and then, which ends a run.
 LAW = ld.Ring(kA=30.0, kP=0.0, tension=1.0, contact="curved")
-BATH = {"friction": 0.1, "timestep": 0.06, "tolerance": 1e-4}
+BATH = {"drag": 0.1, "timestep": 0.06, "balance": 1e-4}
 STEPS, SAMPLES = 4000, 25  # of a leg
 PHI = 0.92
 
@@ -297,7 +297,7 @@ def dilute(phi, temperature=0.02, number=64, steps=20_000):
 
 # Comparisons: other time steps and laws, energies at rest, and polygons.
 
-EXACT = BATH | {"timestep": 0.03, "tolerance": 1e-8}
+EXACT = BATH | {"timestep": 0.03, "balance": 1e-8}
 SETTINGS = {
     "curved, 0.06, 1e-4": (LAW, BATH, STEPS),
     "curved, 0.03, 1e-8": (LAW, EXACT, 2 * STEPS),
@@ -366,7 +366,7 @@ def polygons(number=16, vertices=76, steps=2000):
     the fastest vertex would turn by a radian; twice as long ones are unstable.
     """
     model = ld.DeformablePolygon(vertices, radius=0.02, kL=float(vertices), kA=30.0, kr=300.0)
-    with ld.PolygonSimulation(crystal(number, 0.88), model) as sim:
+    with ld.Simulation(crystal(number, 0.88), model) as sim:
         fastest = sim.polygons.fastest_frequency(model.kr) * math.sqrt(vertices)
         step = 0.5 / fastest
         sim.lmp.commands_string(

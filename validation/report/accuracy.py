@@ -71,7 +71,7 @@ def smooth_rows(
         rivals: other polygons.
         model: of the reference, with `count` vertices; `standard_polygons` if not given.
     """
-    start = jam(bidisperse(number, seed=seed))
+    start = jam(bidisperse(number, seed=seed)).packing
     model = model or standard_polygons(count)
     rows = compression_rows(start, model, strain, steps, rivals, workers=1)
     return [{"n": number, "seed": seed} | row for row in rows]
@@ -97,7 +97,7 @@ def pareto_rows(
         smooth: N_v of other smooth polygons, which take part like a law.
         bead: N_v of bead polygons.
     """
-    start = jam(bidisperse(number, seed=seed))
+    start = jam(bidisperse(number, seed=seed)).packing
     counts = (*smooth, reference)
     found = compare(start, vertices=counts, beads=bead, strain=strain, steps=steps, workers=1)
     return [{"n": number, "seed": seed, "reference": reference} | row for row in found.rows]

@@ -79,7 +79,7 @@ def cost_rows(number: int = 1000, steps: int = 100, repeats: int = 15) -> list[R
         "balanced": Ring(kP=6.0, contact="balanced"),
     }
     for name, law in laws.items():
-        with Simulation(packing, law, MPI.COMM_SELF) as sim:
+        with Simulation(packing, law, comm=MPI.COMM_SELF) as sim:
             run(sim.lmp, f"{room}\n{_RUN}")
             found.append({"law": name, "option": "none"})
             plain = []
@@ -107,8 +107,8 @@ def cost_rows(number: int = 1000, steps: int = 100, repeats: int = 15) -> list[R
 
 def _free_packing(number: int) -> tuple[Packing, str]:
     """A relaxed packing in a box too large for it, and a region whose sides just touch it."""
-    start = jam(bidisperse(number, seed=1), pressure=1e-4)
-    with Simulation(start.at(0.90), Ring(contact="radical"), MPI.COMM_SELF) as sim:
+    start = jam(bidisperse(number, seed=1), pressure=1e-4).packing
+    with Simulation(start.at(0.90), Ring(contact="radical"), comm=MPI.COMM_SELF) as sim:
         relaxed = sim.relax(1e-2).packing
     margin = 3.0 * float(start.radii.max())
     place = cartesian(fractional(relaxed.positions, relaxed.box) % 1.0, relaxed.box)

@@ -26,18 +26,18 @@ from lammps_deformable.comparison import (
     shape_error,
     shape_errors,
     stiff_polygons,
+    timed,
 )
 from lammps_deformable.jamming import jam
 from lammps_deformable.lammps import run
 from lammps_deformable.laws import Law, Ring, Sector, per_species
 from lammps_deformable.packing import Packing
-from lammps_deformable.polygon_simulation import PolygonSimulation
 from lammps_deformable.polygons import DeformablePolygon
 from lammps_deformable.random import bidisperse
 from lammps_deformable.relax import TOLERANCE, minimize_command
 from lammps_deformable.simulation import Simulation
 from lammps_deformable.soft_disks import open_disks
-from lammps_deformable.state import PolygonState, State
+from lammps_deformable.state import State
 from mpi4py import MPI
 from numpy.typing import NDArray
 
@@ -70,7 +70,7 @@ _MOST = 0.97
 class AtCenters:
     """A law's particles at the centers of polygons, with their effective radii; not relaxed."""
 
-    reference: PolygonState
+    reference: State
     state: State
 
     @property
@@ -79,11 +79,9 @@ class AtCenters:
         return shape_errors(self.reference, self.state)
 
 
-def strain_polygons(
-    start: Packing, model: DeformablePolygon, strain: float
-) -> tuple[PolygonState, float]:
+def strain_polygons(start: Packing, model: DeformablePolygon, strain: float) -> tuple[State, float]:
     """Polygons after one strain step from jamming, and the seconds of processor time."""
-    with PolygonSimulation(start, model, comm=MPI.COMM_SELF) as polygons:
+    with Simulation(start, model, comm=MPI.COMM_SELF) as polygons:
         polygons.deform(polygons.box * (1.0 - strain))
         began = time.process_time()
         state = polygons.relax()
@@ -94,7 +92,7 @@ def strain_law(start: Packing, law: Law, strain: float) -> tuple[State, float]:
     """Particles after one strain step from jamming, and the seconds of processor time."""
     seconds = []
     for _ in range(_REPEATS):
-        with Simulation(start, law, MPI.COMM_SELF) as sim, warnings.catch_warnings():
+        with Simulation(start, law, comm=MPI.COMM_SELF) as sim, warnings.catch_warnings():
             warnings.simplefilter("ignore")  # the row has the residual
             sim.deform(sim.box * (1.0 - strain))
             began = time.process_time()
@@ -159,7 +157,7 @@ def packing_rows(
         centers. Its `own_` energy and pressure are those of the packing that the law itself
         relaxes to from the same start, None if that is `unjammed`.
     """
-    start = jam(bidisperse(number, seed=seed))
+    start = jam(bidisperse(number, seed=seed)).packing
     polygons, seconds_polygons = strain_polygons(start, model, strain)
     common: dict[str, Any] = {
         "n": number,
@@ -214,7 +212,7 @@ def packing_rows(
     return rows, comparisons
 
 
-def _error_of_disks(reference: PolygonState) -> float:
+def _error_of_disks(reference: State) -> float:
     """Mean shape error of the circles through the beads at rest."""
     errors = []
     packing = reference.packing
@@ -247,9 +245,9 @@ def paper_packing(
         model: of the polygons; by default the paper's, 50 and 72 beads of radius 0.05.
         seed: of the positions at the start.
     """
-    jammed = jam(bidisperse(number, seed=seed))
-    with PolygonSimulation(jammed, model) as polygons:
-        state = polygons.compress(strain=strain, steps=steps)[-1]
+    jammed = jam(bidisperse(number, seed=seed)).packing
+    with Simulation(jammed, model or DeformablePolygon(50, smooth=False)) as polygons:
+        state, _ = timed(polygons, strain, steps)[-1]
     laws: dict[str, Law] = {"sector": Sector(), "radical": Ring(contact="radical")}
     return {name: AtCenters(state, predict(state, law)) for name, law in laws.items()}
 

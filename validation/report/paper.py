@@ -21,9 +21,9 @@ from lammps_deformable.comparison import BEAD, STYLES, deviation, shape_error
 from lammps_deformable.errors import ParameterError
 from lammps_deformable.laws import Ring
 from lammps_deformable.packing import Packing
-from lammps_deformable.polygon_simulation import PolygonSimulation
+from lammps_deformable.polygon_engine import Simulation, steiner_point
 from lammps_deformable.polygons import DeformablePolygon, Walls
-from lammps_deformable.state import PolygonState, steiner_point
+from lammps_deformable.state import State
 from matplotlib import colormaps
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, NullFormatter, NullLocator
@@ -68,7 +68,7 @@ class Squeezed:
     `ring, kP inf` keep the perimeter.
 
     The center that the laws get depends on the walls: the origin, where the particle began, if
-    walls stick, and the center of the beads if they slip, see `PolygonState.packing`.
+    walls stick, and the center of the beads if they slip, see `State.packing`.
 
     Attributes:
         walls: around the particle.
@@ -86,7 +86,7 @@ class Squeezed:
 
     walls: Walls
     indentation: float
-    reference: PolygonState
+    reference: State
     seconds: float
     center: NDArray[np.float64]
     outlines: dict[str, NDArray[np.float64]]
@@ -124,7 +124,7 @@ def squeeze(
         indentations: a/R0 of the results, in rising order.
         model: of the polygon, N_v its number of beads.
         stick: walls that beads stick to, else walls along which they slip.
-        tolerance: of each relaxation, see `PolygonSimulation.relax`.
+        tolerance: of each relaxation, see `Simulation.relax`.
         step: largest step of walls that stick between two relaxations, in R0. Results of walls
             that slip do not depend on the way; they move by up to half the radius of a bead.
 
@@ -151,7 +151,7 @@ def squeeze(
     packing = Packing(np.zeros((1, 2)), np.array([outer]), 4.0 * outer * np.eye(2))
     results: list[Squeezed] = []
     walls = Walls(angle, np.full(len(angle), outer), stick)
-    with PolygonSimulation(packing, model, walls, MPI.COMM_SELF) as ring:
+    with Simulation._within(packing, model, walls, comm=MPI.COMM_SELF) as ring:
         for before, a in pairwise([0.0, *indentations]):
             began = time.process_time()
             count = max(math.ceil((a - before) / step - 1e-9), 1)  # often an integer up to rounding
@@ -163,12 +163,12 @@ def squeeze(
     return results
 
 
-def _measure(walls: Walls, a: float, reference: PolygonState, seconds: float) -> Squeezed:
+def _measure(walls: Walls, a: float, reference: State, seconds: float) -> Squeezed:
     center = np.zeros(2) if walls.stick else reference.packing.positions[0]
-    pressed = 1.0 + reference.model.radius - walls.distances_from(center)
+    pressed = 1.0 + reference.law.radius - walls.distances_from(center)
     touching = pressed >= 0.0  # contacts of the sector law; the ring law finds its own
     stuck, slipping = (walls.angle[touching], pressed[touching]), (walls.angle, pressed)
-    rest, skin = reference.polygons, reference.model.radius
+    rest, skin = reference.polygons, reference.law.radius
     beyond = rest.radius[0] - 1.0  # corners of a smooth polygon, which has the circle's length
     kA, kP, outer = float(rest.kA[0]), float(rest.kP[0]), 1.0 + skin
     ring = Ring(kA, kP=kP, skin=skin)
@@ -298,7 +298,7 @@ def steiner_error(result: Squeezed) -> float:
     """
     beads = result.reference.outlines[0]
     point = steiner_point(beads)
-    pressed = 1.0 + result.reference.model.radius - result.walls.distances_from(point)
+    pressed = 1.0 + result.reference.law.radius - result.walls.distances_from(point)
     points = len(result.outlines["ring, kP inf"])
     outline = core.outline("ring", 1.0, result.walls.angle, pressed, points)
     return shape_error(beads - point, outline, float(result.reference.polygons.radius[0]))

@@ -14,16 +14,17 @@ from lammps_deformable.comparison import (
     matching_laws,
     polygon_path,
     predict,
+    timed,
 )
 from lammps_deformable.errors import ParameterError
 from lammps_deformable.jamming import jam
 from lammps_deformable.lammps import run
 from lammps_deformable.packing import Packing
-from lammps_deformable.polygon_simulation import PolygonSimulation
 from lammps_deformable.polygons import DeformablePolygon
 from lammps_deformable.random import bidisperse
 from lammps_deformable.relax import minimize_command
-from lammps_deformable.state import PolygonState
+from lammps_deformable.simulation import Simulation
+from lammps_deformable.state import State
 from matplotlib.figure import Figure
 from mpi4py import MPI
 
@@ -63,7 +64,7 @@ def sliding(
         model: of the polygons, N_v a multiple of 4; its radii are 0.5.
         indentation: a/R of the effective radius R.
         turns: number of steps.
-        tolerance: of each relaxation, see `PolygonState.residual`.
+        tolerance: of each relaxation, see `State.residual`.
 
     Returns:
         `n_v` and `smooth`; `slide`, in spacings; `normal` and `tangential`, the forces of a contact
@@ -84,7 +85,7 @@ def sliding(
     centers = np.array([[0.0, 2.0], [2.0 * touch, 2.0]])
     box = np.diag([4.0 * touch, 4.0])
     packing = Packing(centers, np.full(2, _RADIUS), box)
-    with PolygonSimulation(packing, model, comm=MPI.COMM_SELF) as pair:
+    with Simulation(packing, model, comm=MPI.COMM_SELF) as pair:
         lmp = pair.lmp
         top, bottom = 1 + count // 4, 1 + 3 * count // 4  # of the first polygon, by atom ID
         for n in range(1, _STEPS + 1):
@@ -112,7 +113,7 @@ def sliding(
     }
 
 
-def _rest(pair: PolygonSimulation, tolerance: float) -> PolygonState:
+def _rest(pair: Simulation, tolerance: float) -> State:
     """Let vertices that are not held come to rest by FIRE."""
     state = pair.state()
     for _ in range(_CALLS):
@@ -125,16 +126,15 @@ def _rest(pair: PolygonSimulation, tolerance: float) -> PolygonState:
     return state
 
 
-def _forces(state: PolygonState) -> tuple[float, float]:
+def _forces(state: State) -> tuple[float, float]:
     """Mean normal and tangential forces of both contacts on the first polygon.
 
     The second one turns counterclockwise: its left side goes down and its right side up.
     """
-    to_left = np.sign(
-        state.contact_table.force[:, 0]
-    )  # from the second polygon, at the right of the first
-    normal = np.abs(state.contact_table.force[:, 0]).mean()
-    return float(normal), float(np.mean(to_left * state.contact_table.force[:, 1]))
+    table = state.contact_table
+    force = table["force_vector"][table["i"] == 0]
+    to_left = np.sign(force[:, 0])  # from the second polygon, at the right of the first
+    return float(np.abs(force[:, 0]).mean()), float(np.mean(to_left * force[:, 1]))
 
 
 def hysteresis(
@@ -154,10 +154,10 @@ def hysteresis(
         `energy_back`, their `ratio` back over forth, and the residuals, `residual_forth` and
         `residual_back`.
     """
-    start = jam(bidisperse(number, seed=seed))
-    with PolygonSimulation(start, model, comm=MPI.COMM_SELF) as polygons, warnings.catch_warnings():
+    start = jam(bidisperse(number, seed=seed)).packing
+    with Simulation(start, model, comm=MPI.COMM_SELF) as polygons, warnings.catch_warnings():
         warnings.simplefilter("ignore")  # the rows have the residuals
-        forth = polygons.compress(strain=strain, steps=steps)[1:]
+        forth = [state for state, _ in timed(polygons, strain, steps)]
         back = []
         for n in range(steps - 1, 0, -1):
             polygons.deform(start.box * (1.0 - strain * n / steps))
@@ -165,7 +165,7 @@ def hysteresis(
     return [
         {
             "seed": seed,
-            "n_v": int(polygons.polygons.number.min()),
+            "n_v": int(forth[0].polygons.number.min()),
             "smooth": model.smooth,
             "strain": strain * (n + 1) / steps,
             "energy_forth": there.energy,

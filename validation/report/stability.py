@@ -73,7 +73,7 @@ def stability_rows(packings: int = 100, steps: int = 1_000_000, densest: float =
         steps: of the longest run at constant energy.
         densest: largest packing fraction; past confluence curved contacts take minutes.
     """
-    jammed = jam(bidisperse(16, seed=1))
+    jammed = jam(bidisperse(16, seed=1)).packing
     return [
         *energy_rows(jammed.at(0.88), steps),
         *long_step_rows(jammed.at(0.88)),
@@ -109,14 +109,14 @@ def row(
 
 def strained(packing: Packing, law: Law, strain: float = 0.01) -> State:
     """Relaxed after one step of strain, without warnings: the rows have the residual."""
-    with Simulation(packing, law, MPI.COMM_SELF) as sim, warnings.catch_warnings():
+    with Simulation(packing, law, comm=MPI.COMM_SELF) as sim, warnings.catch_warnings():
         warnings.simplefilter("ignore")
         sim.deform(sim.box * (1.0 - strain))
         return sim.relax(TOLERANCE)
 
 
 def at_rest(packing: Packing, law: Law) -> State:
-    with Simulation(packing, law, MPI.COMM_SELF) as sim:
+    with Simulation(packing, law, comm=MPI.COMM_SELF) as sim:
         return sim.state()
 
 
@@ -124,7 +124,7 @@ def energies(
     packing: Packing, law: Law, dt: float, steps: int, samples: int
 ) -> tuple[NDArray[np.float64], float]:
     """Total energy at samples + 1 times of a run, and its last kinetic energy."""
-    with Simulation(packing, law, MPI.COMM_SELF) as sim:
+    with Simulation(packing, law, comm=MPI.COMM_SELF) as sim:
         run(sim.lmp, f"velocity all create {TEMPERATURE} 4711 loop all{_RUN.format(dt=dt)}")
         run(sim.lmp, "run 0 post no")
         recorded = [sim.lmp.get_thermo("etotal")]
@@ -239,7 +239,7 @@ def density_rows(jammed: Packing, densest: float) -> Iterator[Row]:
     for name, law in LAWS.items():
         infinite, silent = 0, 0
         try:
-            with Simulation(jammed.at(fractions[0]), law, MPI.COMM_SELF) as sim:
+            with Simulation(jammed.at(fractions[0]), law, comm=MPI.COMM_SELF) as sim:
                 for fraction in fractions:
                     with warnings.catch_warnings(record=True) as caught:
                         warnings.simplefilter("always")
@@ -266,7 +266,7 @@ def size_rows() -> Iterator[Row]:
     for ratio, reach in ((1.4, 0.3), (3.0, 0.5), (10.0, 3.0)):
         case, jammed = (
             f"sizes 1 to {ratio:g}",
-            jam(bidisperse(16, sizes=(0.5, 0.5 * ratio), seed=1)),
+            jam(bidisperse(16, sizes=(0.5, 0.5 * ratio), seed=1)).packing,
         )
         for contact in ("radical", "balanced", "curved"):
             state = strained(jammed, Ring(contact=contact, reach=reach))
@@ -318,7 +318,7 @@ def convergence_rows(packings: int) -> Iterator[Row]:
 
 
 def _failures(seed: int) -> dict[str, bool]:
-    jammed = jam(bidisperse(16, seed=seed))
+    jammed = jam(bidisperse(16, seed=seed)).packing
     return {name: strained(jammed, law).stalled for name, law in LAWS.items()}
 
 

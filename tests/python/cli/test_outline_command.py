@@ -87,7 +87,7 @@ def form(law: ld.Ring | ld.Sector) -> tuple[str, object]:
 
 def test_files_of_a_run_tell_its_law(tmp_path: Path) -> None:
     """Of each frame, with its reach: energies are those of the run."""
-    start = ld.jam(ld.bidisperse(16, seed=1)).at(0.88)
+    start = ld.jam(ld.bidisperse(16, seed=1)).packing.at(0.88)
     states = []
     for law in (ld.Ring(contact="curved", reach=0.4), ld.Sector()):
         with ld.Simulation(start, law) as sim:

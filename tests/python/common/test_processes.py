@@ -108,10 +108,10 @@ def test_errors_note_the_call(workers: int) -> None:
 LONG = """
 import os, lammps_deformable as ld
 def run(seed):
-    packing = ld.jam(ld.bidisperse(24, seed=seed))
+    packing = ld.jam(ld.bidisperse(24, seed=seed)).packing
     with ld.Simulation(packing, ld.Ring()) as sim:
         open(f"pid-{os.getpid()}", "w").close()
-        sim.run(10**9, temperature=1e-7)
+        sim.run(10**9, every=100, temperature=1e-7, keep=False)
 ld.parallel_map(run, [1, 2, 3], workers=2)
 """
 

@@ -17,7 +17,7 @@ import lammps_deformable as ld
 from mpi4py import MPI
 
 def strained(seed):
-    jammed = ld.jam(ld.bidisperse(8, seed=seed))
+    jammed = ld.jam(ld.bidisperse(8, seed=seed)).packing
     with ld.Simulation(jammed, ld.Ring()) as sim:
         state = sim.compress(strain=0.02, steps=2)[-1]
     here = ld.parallel_map(lambda _: os.getpid(), [1, 2]) == [os.getpid()] * 2
@@ -37,7 +37,7 @@ if __name__ == "__main__":
 @cache
 def strained(seed: int) -> list[object]:
     """As in the script, in this process."""
-    jammed = ld.jam(ld.bidisperse(8, seed=seed))
+    jammed = ld.jam(ld.bidisperse(8, seed=seed)).packing
     with ld.Simulation(jammed, ld.Ring()) as sim:
         state = sim.compress(strain=0.02, steps=2)[-1]
     return [state.energy, state.packing.positions.tolist()]

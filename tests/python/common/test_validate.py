@@ -18,9 +18,9 @@ CASES: list[tuple[Callable[[], Any], str, str]] = [
     (lambda: ld.Simulation(P, "ring"), "law", "'ring'"),
     (lambda: ld.Simulation(P, Ring), "law", "call it, Ring(...)"),
     (lambda: ld.Simulation("base", Ring()), "packing", "'base'"),
-    (lambda: ld.Disks(3), "packing", "3"),
-    (lambda: ld.jam("x"), "packing", "'x'"),
-    (lambda: ld.jam(P, "ring"), "law", "'ring'"),
+    (lambda: ld.Simulation(3, ld.SoftContact()), "packing", "3"),
+    (lambda: ld.jam("x").packing, "packing", "'x'"),
+    (lambda: ld.jam(P, "ring").packing, "law", "'ring'"),
     (lambda: shear_modulus(P, 0.01), "state", "a Packing"),
     (lambda: bulk_modulus(P, 0.01), "state", "a Packing"),
     (lambda: ld.Run(3), "source", "3"),
@@ -33,10 +33,10 @@ CASES: list[tuple[Callable[[], Any], str, str]] = [
     (lambda: Ring(contact=2), "contact", "2"),
     (lambda: P.at(np.float64(-0.5)), "phi", "-0.5"),
     (lambda: ld.Simulation(P, Ring(), comm=1), "comm", "1"),
-    (lambda: ld.PolygonSimulation("x", ld.DeformablePolygon(50, smooth=False)), "packing", "'x'"),
-    (lambda: ld.PolygonSimulation(P, 0.05), "model", "0.05"),
+    (lambda: ld.Simulation("x", ld.DeformablePolygon(50, smooth=False)), "packing", "'x'"),
+    (lambda: ld.Simulation(P, 0.05), "model", "0.05"),
     (
-        lambda: ld.PolygonSimulation(P, ld.DeformablePolygon(50, smooth=False), walls=3),
+        lambda: ld.Simulation._within(P, ld.DeformablePolygon(50, smooth=False), 3),
         "walls",
         "3",
     ),
@@ -44,11 +44,14 @@ CASES: list[tuple[Callable[[], Any], str, str]] = [
     (lambda: ld.Run([]).movie(3), "path", "3"),
     (lambda: ld.compare(None), "start", "None"),
     (lambda: ld.compare(P, law=3), "law", "3"),
-    (lambda: ld.resolve_secondary(P), "state", "a Packing"),
-    (lambda: ld.Disks(P).relax(1e-3, None), "minimum_contact_force", "None"),
-    (lambda: ld.Disks(P).relax(1e-3, -1.0), "minimum_contact_force", "-1.0"),
-    (lambda: ld.Simulation(P, Ring()).restart(None), "packing", "None"),
-    (lambda: ld.Disks(P).compress(strain=0.1, steps=10**400)[1], "steps", "..."),
+    (lambda: ld.Simulation(P, ld.SoftContact()).relax(1e-3, max_steps=0), "max_steps", "0"),
+    (lambda: ld.SoftContact(k=-1.0), "k", "-1.0"),
+    (lambda: ld.Simulation(P, Ring()).reset(None), "packing", "None"),
+    (
+        lambda: ld.Simulation(P, ld.SoftContact()).compress(strain=0.1, steps=10**400)[1],
+        "steps",
+        "...",
+    ),
 ]
 
 
@@ -73,13 +76,15 @@ def test_a_run_needs_its_folder_and_a_communicator(state: ld.State, tmp_path: Pa
 
 def test_shear_strain_in_quotes() -> None:
     with (
-        ld.Disks(P) as sim,
+        ld.Simulation(P, ld.SoftContact()) as sim,
         pytest.raises(ld.ParameterError, match="strain must be a finite number, not 'a'"),
     ):
         sim.shear("a", steps=2)  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize("kind", [lambda: ld.Simulation(P, Ring()), lambda: ld.Disks(P)])
+@pytest.mark.parametrize(
+    "kind", [lambda: ld.Simulation(P, Ring()), lambda: ld.Simulation(P, ld.SoftContact())]
+)
 def test_a_closed_simulation_refuses_calls(kind: Callable[[], Any], tmp_path: Path) -> None:
     sim = kind()
     calls: list[Callable[[], Any]] = [
@@ -88,11 +93,11 @@ def test_a_closed_simulation_refuses_calls(kind: Callable[[], Any], tmp_path: Pa
         lambda: sim.box,
         lambda: sim.lmp,
         lambda: sim.deform(P.box),
-        lambda: sim.compress(strain=0.01)[1:],
-        lambda: sim.shear(0.01)[1],
+        lambda: sim.compress(strain=0.01),
+        lambda: sim.shear(0.01),
     ]
-    if isinstance(sim, ld.Simulation):
-        calls += [lambda: sim.run(1, temperature=1.0)[1:], lambda: sim.restart(P)]
+    if isinstance(sim.law, Ring):
+        calls += [lambda: sim.run(1, temperature=1.0)[1:], lambda: sim.reset(P)]
         calls += [lambda: sim.compress(record=tmp_path, strain=0.01)[1:]]
     assert not sim.closed
     sim.close()
@@ -107,7 +112,7 @@ def test_a_closed_simulation_refuses_calls(kind: Callable[[], Any], tmp_path: Pa
 def test_folders_that_cannot_be_written(folder: str, state: ld.State) -> None:
     for call in (
         lambda: state.save(folder),
-        lambda: ld.Simulation(state.packing, state.law).compress(strain=0.01, record=folder),
+        lambda: ld.Simulation(state, state.law).compress(strain=0.01, record=folder),
         lambda: ld.Run([state]).movie(f"{folder}/movie.gif"),
     ):
         told = rf"\A'{folder}[^\n]* cannot be written: |\A'/dev/null' is a file, not a folder: "
@@ -119,7 +124,7 @@ def test_a_simulation_outlives_a_restart_that_is_refused(jammed: ld.Packing) -> 
     with ld.Simulation(jammed, Ring(kA=[1.0, 2.0])) as sim:
         for wrong in (None, ld.bidisperse(4, fraction_large=0.0, seed=1).replace(species=[0] * 4)):
             with pytest.raises(ld.ParameterError):
-                sim.restart(wrong)
+                sim.reset(wrong)
         assert sim.state().packing.phi == pytest.approx(jammed.phi)
 
 

@@ -22,9 +22,9 @@ class Naive:
     contacts: dict[tuple[int, int, int, int], np.ndarray]
 
 
-def naive(state: ld.PolygonState, outlines: list[np.ndarray], box: np.ndarray) -> Naive:
+def naive(state: ld.State, outlines: list[np.ndarray], box: np.ndarray) -> Naive:
     """Energy, forces on beads and forces of ring j's image on ring i, for these beads."""
-    model, rest, kinds = state.model, state.polygons, state.packing.species
+    model, rest, kinds = state.law, state.polygons, state.packing.species
     energy, force, contacts = 0.0, [np.zeros_like(outline) for outline in outlines], {}
     particles = zip(outlines, force, kinds, state.packing.radii, strict=True)
     for outline, f, kind, whole in particles:

@@ -9,7 +9,7 @@ CROWDED = [(8, 4, 1.0), (8, 11, 1.05), (8, 22, 1.05), (12, 8, 1.05), (16, 5, 1.0
 
 
 def crowded(number, seed, phi):
-    packing = ld.jam(ld.bidisperse(number, seed=seed)).at(phi)
+    packing = ld.jam(ld.bidisperse(number, seed=seed)).packing.at(phi)
     moved = np.random.default_rng(seed).normal(0.0, 0.08, packing.positions.shape)
     return ld.Packing(
         packing.positions + moved, packing.radii, packing.box, species=packing.species

@@ -99,7 +99,7 @@ def test_threads_with_simulations_of_their_own(jammed: ld.Packing) -> None:
 
     def relax() -> None:
         with Simulation(jammed, Ring()) as sim:
-            sim.restart(jammed.at(0.87))
+            sim.reset(jammed.at(0.87))
             found.append(sim.relax().energy)
 
     threads = [threading.Thread(target=relax) for _ in range(3)]
@@ -141,8 +141,8 @@ MISTAKES = {
     ),
     "a rank that fails": (
         "True",
-        "if rank == 1: raise ValueError('mine')\nlist(ld.compress(sim, 0.01, 2))",
-        "rank 1 has ended without the call Simulation.deform",
+        "if rank == 1: raise ValueError('mine')\nsim.compress(strain=0.01, steps=2)",
+        "rank 1 has ended without the call Simulation.compress",
     ),
 }
 

@@ -13,10 +13,10 @@ from mpi4py import MPI
 @pytest.fixture(scope="module")
 def states() -> dict[str, ld.State]:
     """A packing strained by 3 % beyond jamming, with each ring law."""
-    jammed = ld.jam(ld.bidisperse(16, seed=1))
+    jammed = ld.jam(ld.bidisperse(16, seed=1)).packing
     found = {}
     for law in ("balanced", "curved", "radical"):
-        with ld.Simulation(jammed, ld.Ring(contact=law), MPI.COMM_SELF) as sim:
+        with ld.Simulation(jammed, ld.Ring(contact=law), comm=MPI.COMM_SELF) as sim:
             sim.deform(sim.box * 0.97)
             found[law] = sim.relax()
     return found
@@ -74,9 +74,9 @@ def test_outlines(states: dict[str, ld.State]) -> None:
 
 def test_runs(tmp_path: Path) -> None:
     """The law comes back."""
-    jammed = ld.jam(ld.bidisperse(16, seed=1))
+    jammed = ld.jam(ld.bidisperse(16, seed=1)).packing
     law, folder = ld.Ring(contact="curved"), tmp_path / "run"
-    with ld.Simulation(jammed, law, MPI.COMM_SELF) as sim:
+    with ld.Simulation(jammed, law, comm=MPI.COMM_SELF) as sim:
         last = sim.compress(record=folder, strain=0.02, steps=2)[-1]
     with ld.Run(folder).simulation(MPI.COMM_SELF) as again:
         assert again.law == law
@@ -99,7 +99,7 @@ def test_series_of_an_older_version(states: dict[str, ld.State], tmp_path: Path)
 
 def test_confluence() -> None:
     """Free arcs vanish near it; beyond, the undeformed disks overlap by a tenth of the box."""
-    jammed = ld.jam(ld.bidisperse(8, seed=1))
+    jammed = ld.jam(ld.bidisperse(8, seed=1)).packing
     law = ld.Ring(contact="curved", reach=1.0)
     for phi in (1.0, 1.1):
         with ld.Simulation(jammed.at(phi), law) as sim:

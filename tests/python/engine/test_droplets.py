@@ -14,7 +14,7 @@ DROPLETS = ld.Ring(kA=math.inf, kP=0.0, tension=1.0)
 @pytest.fixture(scope="module")
 def squeezed() -> ld.Packing:
     """24 particles 3 % beyond the onset of jamming."""
-    jammed = ld.jam(ld.bidisperse(24, seed=3))
+    jammed = ld.jam(ld.bidisperse(24, seed=3)).packing
     return jammed.at(jammed.phi + 0.03)
 
 
@@ -55,8 +55,8 @@ def test_motion(squeezed: ld.Packing) -> None:
 
 def test_droplets_jam_where_disks_do() -> None:
     packing = ld.bidisperse(16, seed=1)
-    disks = ld.jam(packing, pressure=1e-5)
-    droplets = ld.jam(disks.at(disks.phi - 1e-3), DROPLETS, pressure=1e-5, step=1e-3)
+    disks = ld.jam(packing, pressure=1e-5).packing
+    droplets = ld.jam(disks.at(disks.phi - 1e-3), DROPLETS, pressure=1e-5, step=1e-3).packing
     # the search may rearrange the packing, which moves its onset
     assert droplets.phi == pytest.approx(disks.phi, abs=1e-3)
     with ld.Simulation(droplets, DROPLETS) as sim:

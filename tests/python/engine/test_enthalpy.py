@@ -5,9 +5,9 @@ from itertools import product
 import lammps_deformable as ld
 import numpy as np
 import pytest
+from contact_laws import simulate
 from lammps_deformable.neighbors import near_pairs
 from lammps_deformable.soft_disks import Enthalpy, relax_at_pressure
-from lammps_deformable.starts import soft
 
 SCENE = (ld.Sphere(4, (0, 0)), ld.Sphere(0.6, (1, 0.5), inside=False))
 BELOW = (ld.Plane((0, -9), (0, 1)), ld.Plane((0, -4), (0, -1)))
@@ -72,7 +72,7 @@ def test_near_pairs_are_all_pairs(packing: ld.Packing) -> None:
 def test_energy_and_pressure_are_those_of_disks_in_lammps(packing: ld.Packing) -> None:
     enthalpy = Enthalpy(strayed(packing), None)
     energy, gradient = enthalpy(enthalpy.start)
-    with soft(packing) as disks:
+    with simulate(packing) as disks:
         state = disks.state()
         forces = np.array(disks.lmp.gather("f", 1, 3)).reshape(-1, 3)[:, : packing.dimension]
     assert energy == pytest.approx(state.energy, rel=1e-12)
@@ -118,7 +118,7 @@ def test_list_of_pairs_follows_large_steps(name: str) -> None:
         fresh = Enthalpy(packing, 0.1)
         assert enthalpy(z)[0] == pytest.approx(fresh(z)[0], rel=1e-12)
         there = enthalpy.packing(z)
-        with soft(there) as disks:
+        with simulate(there) as disks:
             assert disks.state().pressure == pytest.approx(enthalpy.pressure, rel=1e-9)
 
 
@@ -128,7 +128,7 @@ def test_relaxation_at_a_pressure(name: str) -> None:
     packing = PACKINGS[name]
     found = relax_at_pressure(packing, 0.01, 1e-8, 1000, lambda *values: None)
     assert not found.stalled
-    with soft(found.packing) as disks:
+    with simulate(found.packing) as disks:
         state = disks.state()
     assert [state.pressure, found.pressure] == pytest.approx([0.01, 0.01], rel=1e-6)
     assert state.residual < 1e-6

@@ -63,7 +63,7 @@ def sim(jammed: ld.Packing) -> Iterator[ld.Simulation]:
         yield sim
 
 
-def tell(sim: ld.Simulation | ld.Disks | ld.PolygonSimulation, commands: str) -> None:
+def tell(sim: ld.Simulation, commands: str) -> None:
     for command in commands.splitlines():
         sim.lmp.command(command)
 
@@ -97,7 +97,7 @@ def test_the_rest_is_refused(commands: str, named: str, sim: ld.Simulation, tmp_
     for call in (sim.state, sim.relax, sim.state):
         with pytest.raises(ld.LammpsError, match=rf"\A[^\n]*({named})[^\n]*\Z"):
             call()
-    sim.restart(packing)
+    sim.reset(packing)
     assert_saved_as_it_is(sim.state(), tmp_path)
 
 
@@ -136,12 +136,12 @@ def test_disks_follow_as_well(jammed: ld.Packing) -> None:
         "set atom 1 type 2\ngroup one id 3\ndelete_atoms group one\n"
         "change_box all xy delta 0.1 remap"
     )
-    with ld.Disks(jammed.at(0.87)) as disks:
+    with ld.Simulation(jammed.at(0.87), ld.SoftContact()) as disks:
         tell(disks, commands)
         state = disks.relax()
     assert state.packing.species[0] == 1
     assert len(state.packing) == len(jammed) - 1
-    with ld.Disks(state.packing) as fresh:
+    with ld.Simulation(state.packing, ld.SoftContact()) as fresh:
         assert fresh.state().energy == pytest.approx(state.energy, rel=1e-9)
 
 
@@ -158,8 +158,8 @@ def test_disks_follow_as_well(jammed: ld.Packing) -> None:
 def test_disks_and_beads_refuse_the_rest(commands: str, named: str) -> None:
     start = ld.Packing([[1, 1], [2.2, 1]], [0.5, 0.6], [[5.0, 0.0], [0.0, 5.0]], species=[0, 1])
     for sim in (
-        ld.Disks(start),
-        ld.PolygonSimulation(start, ld.DeformablePolygon(20, smooth=False)),
+        ld.Simulation(start, ld.SoftContact()),
+        ld.Simulation(start, ld.DeformablePolygon(20, smooth=False)),
     ):
         with sim:
             tell(sim, commands)
@@ -171,7 +171,7 @@ def test_disks_and_beads_refuse_the_rest(commands: str, named: str) -> None:
 @pytest.mark.parametrize("commands", ["set atom 1 type 2", "replicate 2 1 1", "unfix area0"])
 def test_beads_stay(commands: str) -> None:
     start = ld.Packing([[1, 1], [2.2, 1]], [0.5, 0.6], [[5.0, 0.0], [0.0, 5.0]], species=[0, 1])
-    with ld.PolygonSimulation(start, ld.DeformablePolygon(20, smooth=False)) as sim:
+    with ld.Simulation(start, ld.DeformablePolygon(20, smooth=False)) as sim:
         tell(sim, commands)
         with pytest.raises(ld.LammpsError, match=r"beads|area0"):
             sim.state()

@@ -34,7 +34,7 @@ def interrupted(work: Callable[[], object]) -> float:
 
 def test_a_block_of_a_motion_ends_at_once() -> None:
     packing = ld.bidisperse(20, phi=0.7, seed=1).push_off()
-    with ld.Simulation(packing, ld.Ring(), MPI.COMM_SELF) as sim:
+    with ld.Simulation(packing, ld.Ring(), comm=MPI.COMM_SELF) as sim:
         motion = sim.run(10**8, timestep=0.01, temperature=1e-6, seed=1)[1:]
         assert interrupted(lambda: next(motion)) < 2.0  # the block takes 20 minutes
         steps = sim.lmp.extract_global("ntimestep")
@@ -46,10 +46,10 @@ def test_a_block_of_a_motion_ends_at_once() -> None:
 
 
 def test_a_minimization_ends_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    for limit in ("deforming._PATIENCE", "fire._ITERATIONS"):
-        monkeypatch.setattr(f"lammps_deformable.engine.{limit}", 10**8)
+    monkeypatch.setattr("lammps_deformable.engines.Deformables.patience", 10**8)
+    monkeypatch.setattr("lammps_deformable.relax._ITERATIONS", 10**8)
     packing = ld.bidisperse(20, phi=0.7, seed=1).push_off()
-    with ld.Simulation(packing, ld.Ring(), MPI.COMM_SELF) as sim:
+    with ld.Simulation(packing, ld.Ring(), comm=MPI.COMM_SELF) as sim:
         sim.lmp.command("fix down all addforce 0 1e-6 0")  # a fall without end
         assert interrupted(sim.relax) < 2.0
         monkeypatch.undo()

@@ -9,12 +9,12 @@ def test_a_larger_diameter() -> None:
     packing = ld.polydisperse(3, [0.5, 0.6, 0.7], phi=0.4, seed=1).push_off()
     with ld.Simulation(packing, ld.Ring()) as sim:
         sim.lmp.command("set atom 1 diameter 3")
-        with pytest.raises(ld.LammpsError, match="in Python: restart from a packing with"):
+        with pytest.raises(ld.LammpsError, match="in Python: reset to a packing with"):
             sim.state()
 
 
 def test_beyond_the_model_says_how_many_and_what() -> None:
-    packing = ld.jam(ld.bidisperse(12, seed=2)).at(1.15)
+    packing = ld.jam(ld.bidisperse(12, seed=2)).packing.at(1.15)
     with (
         ld.Simulation(packing, ld.Ring()) as sim,
         pytest.warns(

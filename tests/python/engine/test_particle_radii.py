@@ -21,7 +21,7 @@ def start() -> ld.Packing:
 
 @pytest.fixture(scope="module")
 def jammed(start: ld.Packing) -> ld.Packing:
-    return ld.jam(start)
+    return ld.jam(start).packing
 
 
 @pytest.fixture(scope="module")
@@ -35,7 +35,7 @@ def test_two_sizes_jam_as_two_species_do() -> None:
     """The same onset, in another style of LAMMPS."""
     two = ld.bidisperse(32, seed=3)
     many = ld.polydisperse(32, two.radii, seed=3)
-    expected, found = ld.jam(two), ld.jam(many)
+    expected, found = ld.jam(two).packing, ld.jam(many).packing
     # the pressure is 1 to 2e-6 there and rises by 0.3 or so per phi
     assert found.phi == pytest.approx(expected.phi, abs=1e-5)
 
@@ -58,7 +58,7 @@ def test_disks_are_the_same_in_both_styles() -> None:
 
 def test_two_sizes_are_two_species() -> None:
     """Energy, stress, shapes and contacts of the same packing, defined in both ways."""
-    two = ld.jam(ld.bidisperse(24, seed=2))
+    two = ld.jam(ld.bidisperse(24, seed=2)).packing
     two = two.at(1.02 * two.phi)
     many = two._with_own_radii()
     for law in (RADICAL, ld.Ring(kP=5.0, skin=0.02), ld.Sector()):
@@ -102,7 +102,7 @@ def test_particles_may_grow_up_to_their_species(state: ld.State) -> None:
 def test_wide_distributions_reach_the_tolerance(width: float, seed: int, contact: str) -> None:
     """Radii up to 12 times as large as others."""
     start = ld.polydisperse(64, stats.lognorm(width, scale=0.5), seed=seed)
-    with ld.Simulation(ld.jam(start), ld.Ring(contact=contact)) as sim:
+    with ld.Simulation(ld.jam(start).packing, ld.Ring(contact=contact)) as sim:
         for state in sim.compress(strain=0.02, steps=2)[1:]:
             assert not state.stalled
             assert state.residual <= 1e-6
@@ -151,7 +151,7 @@ def test_picture(state: ld.State) -> None:
 
 def test_rings_of_beads_refuse_particle_radii(jammed: ld.Packing) -> None:
     with pytest.raises(ld.ParameterError, match="a species of its own"):
-        ld.PolygonSimulation(jammed, ld.DeformablePolygon(50, smooth=False))
+        ld.Simulation(jammed, ld.DeformablePolygon(50, smooth=False))
 
 
 def test_outline_is_of_the_radius_of_its_own(state: ld.State) -> None:

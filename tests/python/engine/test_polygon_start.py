@@ -19,30 +19,30 @@ pytestmark = pytest.mark.filterwarnings("error")
 )
 def test_walls_are_around_one_particle(packing: ld.Packing, height: float, message: str) -> None:
     with pytest.raises(ld.ParameterError, match=message):
-        ld.PolygonSimulation(packing, LONE_BEADS, square(height))
+        ld.Simulation._within(packing, LONE_BEADS, square(height))
 
 
 def test_polygons_do_not_start_in_each_other() -> None:
-    ld.PolygonSimulation(pair(1.4), ld.DeformablePolygon(20, smooth=False)).close()  # by 0.01
+    ld.Simulation(pair(1.4), ld.DeformablePolygon(20, smooth=False)).close()  # by 0.01
     with pytest.raises(
         ld.ParameterError, match=r"particles 0 and 1 overlap by 0\.0808.*at jamming"
     ):
-        ld.PolygonSimulation(pair(1.3), ld.DeformablePolygon(20, smooth=False))
+        ld.Simulation(pair(1.3), ld.DeformablePolygon(20, smooth=False))
 
 
 def test_overlaps_are_found_in_any_cell_of_the_lattice() -> None:
     for shear in (2.0, 42.0, -38.0):  # one lattice
         packing = ld.Packing([[0.0, 0.0], [0.0, 0.65]], 0.5, [[4.0, 0.0], [shear, 1.2]])
         with pytest.raises(ld.ParameterError, match=r"0 and 1 overlap by 0\.35"):
-            ld.PolygonSimulation(packing, ld.DeformablePolygon(20, smooth=False))
+            ld.Simulation(packing, ld.DeformablePolygon(20, smooth=False))
 
 
 def test_a_ring_does_not_meet_itself() -> None:
     message = r"particle 0 reaches its own image, 0\.98 away.*repeat the packing"
     lone = ld.Packing([[0.0, 0.0]], 0.5, [[0.98, 0.0], [0.0, 2.0]])
     with pytest.raises(ld.ParameterError, match=message):
-        ld.PolygonSimulation(lone, ld.DeformablePolygon(20, smooth=False))
-    with ld.PolygonSimulation(pair(1.5), ld.DeformablePolygon(20, smooth=False)) as sim:
+        ld.Simulation(lone, ld.DeformablePolygon(20, smooth=False))
+    with ld.Simulation(pair(1.5), ld.DeformablePolygon(20, smooth=False)) as sim:
         sim.deform(np.diag([0.9, 2.5]))
         with pytest.raises(ld.ParameterError, match=r"reaches its own image, 0\.9 away"):
             sim.relax(0.01)

@@ -14,7 +14,7 @@ pytestmark = pytest.mark.filterwarnings("error")
 
 
 def test_walls_press_like_beads() -> None:
-    with ld.PolygonSimulation(ALONE, LONE_BEADS, square(0.5)) as sim:
+    with ld.Simulation._within(ALONE, LONE_BEADS, square(0.5)) as sim:
         assert sim.state().residual == 0.0
         sim.confine(square(0.49))
         state = sim.relax(0.01)
@@ -29,14 +29,14 @@ def test_walls_press_like_beads() -> None:
     pushed = exact.force[0] - LONE_BEADS.kr * overlap @ walls.normal
     assert force == pytest.approx(pushed, abs=1e-12)
     assert state.residual <= 0.01
-    assert state.contact_table.i.size == 0
+    assert state.contact_table["i"].size == 0
 
 
 def test_beads_keep_their_place_on_walls_that_stick() -> None:
     slides = {}
     for stick in (True, False):
         angle = np.array([0.0, 1.8, 3.9])
-        with ld.PolygonSimulation(ALONE, LONE_BEADS, Walls(angle, np.full(3, 0.5), stick)) as sim:
+        with ld.Simulation._within(ALONE, LONE_BEADS, Walls(angle, np.full(3, 0.5), stick)) as sim:
             for height in (0.49, 0.48):
                 sim.confine(Walls(angle, np.full(3, height), stick))
                 before = sim.state().outlines[0]
@@ -51,7 +51,7 @@ def test_beads_keep_their_place_on_walls_that_stick() -> None:
 
 
 def test_walls_do_not_jump_over_beads() -> None:
-    with ld.PolygonSimulation(ALONE, LONE_BEADS, square(0.5)) as sim:
+    with ld.Simulation._within(ALONE, LONE_BEADS, square(0.5)) as sim:
         with pytest.raises(
             ld.ParameterError, match=r"a step of 0\.04 puts beads .* wall .* a bead, 0\.03"
         ):
@@ -72,14 +72,14 @@ def test_walls_do_not_jump_over_beads() -> None:
 )
 def test_confine_moves_the_walls_that_are_there(there: Walls | None, walls: Walls) -> None:
     with (
-        ld.PolygonSimulation(ALONE, LONE_BEADS, there) as sim,
+        ld.Simulation._within(ALONE, LONE_BEADS, there) as sim,
         pytest.raises(ld.ParameterError, match=r"number.*stick"),
     ):
         sim.confine(walls)
 
 
 def test_walls_do_not_follow_the_box() -> None:
-    with ld.PolygonSimulation(ALONE, LONE_BEADS, square(0.5)) as sim:
+    with ld.Simulation._within(ALONE, LONE_BEADS, square(0.5)) as sim:
         with pytest.raises(ld.ParameterError, match="confine"):
             sim.deform(2.0 * np.eye(2))
         assert sim.box == pytest.approx(3.0 * np.eye(2))
@@ -88,7 +88,7 @@ def test_walls_do_not_follow_the_box() -> None:
 def test_walls_press_smooth_polygons_at_their_skin() -> None:
     """The ring law with the skin c/2 has the same area deficit: both touch R + c/2 outside."""
     model = replace(LONE_BEADS, vertices=160, kL=160.0, kr=300.0, smooth=True)
-    with ld.PolygonSimulation(ALONE, model, square(0.5)) as sim:
+    with ld.Simulation._within(ALONE, model, square(0.5)) as sim:
         for height in (0.49, 0.48):
             sim.confine(square(height))
             state = sim.relax(1e-3)

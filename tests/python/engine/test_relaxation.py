@@ -9,8 +9,8 @@ from lammps_deformable.relax import Forces, largest_force_told
 
 SIMULATIONS = [
     lambda packing: ld.Simulation(packing, ld.Ring()),
-    ld.Disks,
-    lambda packing: ld.PolygonSimulation(packing, ld.DeformablePolygon(20, smooth=False)),
+    lambda packing: ld.Simulation(packing, ld.SoftContact()),
+    lambda packing: ld.Simulation(packing, ld.DeformablePolygon(20, smooth=False)),
 ]
 
 

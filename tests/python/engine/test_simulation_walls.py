@@ -241,4 +241,4 @@ def test_errors_name_the_wall(packing) -> None:
     with close as sim, pytest.raises(LammpsError, match="disk 2"):
         sim.state()
     with pytest.raises(ParameterError, match="polygons have no walls"):
-        ld.PolygonSimulation(packing, ld.DeformablePolygon(50, smooth=False))
+        ld.Simulation(packing, ld.DeformablePolygon(50, smooth=False))

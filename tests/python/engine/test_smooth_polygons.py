@@ -11,7 +11,7 @@ import pytest
 from crystal import crystal
 from lammps_deformable import core
 from lammps_deformable.lammps import gather
-from lammps_deformable.smooth_polygons import SmoothPolygons, have_crossed, relax_smooth
+from lammps_deformable.polygon_engine import SmoothPolygons, have_crossed, relax_smooth
 from naive_polygons import pair
 
 pytestmark = pytest.mark.filterwarnings("error")
@@ -43,7 +43,7 @@ def expected(request: pytest.FixtureRequest) -> dict[str, Any]:
 
 
 @pytest.fixture
-def in_lammps(expected: dict[str, Any]) -> Iterator[ld.PolygonSimulation]:
+def in_lammps(expected: dict[str, Any]) -> Iterator[ld.Simulation]:
     """The polygons of the independent code in LAMMPS."""
     packing = ld.Packing(
         expected["centres_mean"],
@@ -52,13 +52,13 @@ def in_lammps(expected: dict[str, Any]) -> Iterator[ld.PolygonSimulation]:
         species=DATA["species"],
     )
     loose = packing.at(0.6)  # polygons must not overlap at the start
-    with ld.PolygonSimulation(loose, EXACT) as sim:
+    with ld.Simulation(loose, EXACT) as sim:
         sim.deform(packing.box)
         place(sim, vertices(expected))
         yield sim
 
 
-def place(sim: ld.PolygonSimulation, x: np.ndarray) -> None:
+def place(sim: ld.Simulation, x: np.ndarray) -> None:
     placed = np.zeros((len(x), 3))
     image = np.array(sim.lmp.gather("image", 0, 3)).reshape(-1, 3)
     placed[:, :2] = x - image[:, :2] @ sim.box
@@ -85,7 +85,7 @@ def test_energies_and_forces_of_the_kernel(expected: dict[str, Any]) -> None:
     assert at.pressure == pytest.approx(np.array(expected["area_deficits"]), abs=1e-14)
 
 
-def test_state_in_lammps(expected: dict[str, Any], in_lammps: ld.PolygonSimulation) -> None:
+def test_state_in_lammps(expected: dict[str, Any], in_lammps: ld.Simulation) -> None:
     state = in_lammps.state()
     force = gather(in_lammps.lmp, "f", 3)[:, :2]
     assert state.energy == pytest.approx(expected["energy"], rel=1e-9)
@@ -146,11 +146,11 @@ def test_second_derivatives(name: str) -> None:
 
 
 @pytest.fixture(scope="module")
-def relaxed() -> ld.PolygonState:
+def relaxed() -> ld.State:
     """Six particles, compressed by 2 %."""
-    jammed = ld.jam(ld.bidisperse(6, tilt=0.3, seed=1))
+    jammed = ld.jam(ld.bidisperse(6, tilt=0.3, seed=1)).packing
     model = ld.DeformablePolygon(40, radius=0.025, kL=240.0, kr=10.0)
-    with ld.PolygonSimulation(jammed, model) as sim:
+    with ld.Simulation(jammed, model) as sim:
         sim.deform(0.98 * sim.box)
         state = sim.relax()
         again = sim.relax()  # it is at rest, and stays there
@@ -159,20 +159,19 @@ def relaxed() -> ld.PolygonState:
     return state
 
 
-def test_newton_relaxes_to_rounding(relaxed: ld.PolygonState) -> None:
+def test_newton_relaxes_to_rounding(relaxed: ld.State) -> None:
     assert relaxed.residual <= 1e-6
     assert not relaxed.stalled
     total = np.zeros((6, 2))
-    np.add.at(total, relaxed.contact_table.i, relaxed.contact_table.force)
-    np.add.at(total, relaxed.contact_table.j, -relaxed.contact_table.force)
+    np.add.at(total, relaxed.contact_table["i"], relaxed.contact_table["force_vector"])
     # N_v residuals of the force on a vertex
     scale = np.mean(relaxed.area_deficit * relaxed.polygons.spacing[relaxed.packing.species])
     assert np.abs(total).max() <= 57 * 1e-6 * scale
 
 
-def test_energy_is_stationary_and_least(relaxed: ld.PolygonState) -> None:
+def test_energy_is_stationary_and_least(relaxed: ld.State) -> None:
     polygons = SmoothPolygons(
-        relaxed.model, relaxed.polygons, relaxed.packing.species, relaxed.packing.box
+        relaxed.law, relaxed.polygons, relaxed.packing.species, relaxed.packing.box
     )
     x = np.vstack(relaxed.outlines)
     rng = np.random.default_rng(0)
@@ -188,7 +187,7 @@ def test_energy_is_stationary_and_least(relaxed: ld.PolygonState) -> None:
 def test_crystal_against_the_exact_polygon(indentation: float, number: int, ratio: float) -> None:
     """With more vertices the energy comes to that of a hexagon; ratios of another code."""
     model = ld.DeformablePolygon(number, radius=0.025, kL=6.0 * number, kr=10.0)
-    with ld.PolygonSimulation(crystal(0.0, 2, 2), model) as sim:
+    with ld.Simulation(crystal(0.0, 2, 2), model) as sim:
         for part in (0.5, 1.0):
             sim.deform(crystal(part * indentation, 2, 2).box)
             state = sim.relax()
@@ -206,7 +205,7 @@ def test_soft_contacts_that_let_polygons_cross_are_given_up() -> None:
     model = ld.DeformablePolygon(57, radius=0.025, kL=6.0 * 57, kr=10.0)
     energies = []
     for steps in (1, 3):
-        with ld.PolygonSimulation(jammed, model) as sim:
+        with ld.Simulation(jammed, model) as sim:
             state = sim.compress(strain=0.03, steps=steps)[-1]
         assert state.residual <= 1e-6
         settings = SmoothPolygons(model, state.polygons, state.packing.species, state.packing.box)
@@ -232,9 +231,9 @@ def test_polygons_that_have_crossed(
 
 def test_soft_contacts_do_not_let_polygons_pass() -> None:
     """Areas so stiff that polygons would cross if contacts began at 0.002 kr."""
-    jammed = ld.jam(ld.bidisperse(6, seed=1))
+    jammed = ld.jam(ld.bidisperse(6, seed=1)).packing
     model = ld.DeformablePolygon(40, radius=0.025, kL=2400.0, kA=1000.0, kr=100.0)
-    with ld.PolygonSimulation(jammed, model) as sim:
+    with ld.Simulation(jammed, model) as sim:
         sim.deform(0.96 * sim.box)
         state = sim.relax()
     assert state.residual <= 1e-6
@@ -245,7 +244,7 @@ def test_edges_that_meet_their_images_are_refused() -> None:
     packing = pair(1.42)
     model = ld.DeformablePolygon(5, radius=0.1)  # edges of 0.5 at rest
     with (
-        ld.PolygonSimulation(packing, model) as sim,
+        ld.Simulation(packing, model) as sim,
         pytest.raises(ld.LammpsError, match="more than half of the box"),
     ):
         sim.state()
@@ -286,7 +285,7 @@ def test_relax_smooth_reports_each_step() -> None:
         model, model.polygons(packing._species_radii), packing.species, packing.box
     )
     seen: list[float] = []
-    with ld.PolygonSimulation(packing, model) as start:
+    with ld.Simulation(packing, model) as start:
         x = np.vstack(start.state().outlines)
     relax_smooth(polygons, x, 1e-6, seen.append)
     assert seen[-1] <= 1e-6 < seen[0]

@@ -9,13 +9,12 @@ import numpy as np
 import pytest
 from lammps_deformable import (
     Droplet,
-    DropletSimulation,
-    DropletState,
     Packing,
     ParameterError,
+    Simulation,
+    State,
     simulation,
 )
-from lammps_deformable.state import State
 from numpy.typing import NDArray
 
 from validation.finite_strain import bulk_modulus, shear_modulus
@@ -26,14 +25,14 @@ CONTACTS = {"fcc": 12, "bcc": 8, "sc": 6}
 @pytest.fixture(scope="module")
 def jammed() -> Packing:
     start = ld.bidisperse(32, sizes=(1.0, 1.2), dimension=3, seed=1)
-    return ld.jam(start, tolerance=1e-2)
+    return ld.jam(start, tolerance=1e-2).packing
 
 
 @pytest.fixture(scope="module")
-def emulsion(jammed: Packing) -> DropletState:
+def emulsion(jammed: Packing) -> State:
     """Of two tensions."""
     with ld.Simulation(jammed.at(0.72), Droplet([1.0, 1.5])) as sim:
-        assert isinstance(sim, DropletSimulation)
+        assert isinstance(sim, Simulation)
         return sim.relax(1e-8)
 
 
@@ -112,7 +111,7 @@ def test_shear_modulus_is_that_of_small_strains(jammed: Packing) -> None:
     assert bulk.value == pytest.approx((denser[0] - denser[1]) / 2e-4, rel=1e-3)
 
 
-def test_a_state_at_rest(emulsion: DropletState) -> None:
+def test_a_state_at_rest(emulsion: State) -> None:
     """Balanced forces, stress from contacts and from droplets, and facets on both sides."""
     table, packing = emulsion.contact_table, emulsion.packing
     assert not emulsion.stalled
@@ -155,7 +154,7 @@ def test_a_state_at_rest(emulsion: DropletState) -> None:
     assert all(values.shape == (32,) for values in emulsion.particle_values().values())
 
 
-def test_stress_is_the_derivative_of_the_energy(emulsion: DropletState) -> None:
+def test_stress_is_the_derivative_of_the_energy(emulsion: State) -> None:
     """All six components, by strains that all centers follow."""
     step, found = 1e-4, np.zeros((3, 3))
     with ld.Simulation(emulsion.packing, emulsion.law) as sim:
@@ -164,7 +163,7 @@ def test_stress_is_the_derivative_of_the_energy(emulsion: DropletState) -> None:
             for sign in (1.0, -1.0):
                 strain = np.eye(3)
                 strain[a, b] += sign * step
-                sim.restart(emulsion.packing)
+                sim.reset(emulsion.packing)
                 sim.deform(emulsion.packing.box @ strain)
                 energies.append(sim.state().energy)
             found[a, b] = found[b, a] = -(energies[0] - energies[1]) / (2.0 * step)
@@ -175,7 +174,7 @@ def test_stress_is_the_derivative_of_the_energy(emulsion: DropletState) -> None:
 def test_droplets_jam_where_spheres_do(jammed: Packing) -> None:
     """They touch at the same phi, and are isostatic there."""
     start = ld.bidisperse(32, sizes=(1.0, 1.2), dimension=3, seed=1)
-    with ld.Simulation(ld.jam(start, Droplet()), Droplet()) as sim:
+    with ld.Simulation(ld.jam(start, Droplet()).packing, Droplet()) as sim:
         onset = sim.relax(1e-6)
     assert 1e-6 < onset.pressure * onset.packing.radii.mean() <= 2.1e-6
     assert onset.phi == pytest.approx(jammed.phi, abs=3e-4)
@@ -199,14 +198,14 @@ def test_compression_and_shear(jammed: Packing) -> None:
         assert change == pytest.approx(1e-4 * modulus, rel=0.03)
         assert small.strain == 1e-4
         assert small.displacements(again).shape == (32, 3)
-        sim.restart(small)
+        sim.reset(small)
         assert sim.strain == 1e-4
         assert sim.state().energy == pytest.approx(small.energy, rel=1e-8)
 
 
 def test_any_radii() -> None:
     """One species with radii of its own, as of two species."""
-    packing = ld.jam(ld.bidisperse(16, sizes=(0.5, 0.7), dimension=3, seed=2)).at(0.72)
+    packing = ld.jam(ld.bidisperse(16, sizes=(0.5, 0.7), dimension=3, seed=2)).packing.at(0.72)
     own = Packing(packing.positions, packing.radii, packing.box)
     energies = []
     for each in (packing, own):
@@ -240,7 +239,7 @@ def test_no_number_is_lost_far_beyond_the_model(monkeypatch: pytest.MonkeyPatch)
             sim._evaluate()
 
 
-def test_nothing_of_the_plane_is_in_a_state(emulsion: DropletState) -> None:
+def test_nothing_of_the_plane_is_in_a_state(emulsion: State) -> None:
     for name in {*dir(State), *inspect.get_annotations(State)}:
         if name.startswith("_") or hasattr(type(emulsion), name) or name in vars(emulsion):
             continue
@@ -255,7 +254,7 @@ SPHERES = ld.bidisperse(8, dimension=3, seed=1)
     ("make", "told"),
     [
         (lambda: ld.Simulation(ld.bidisperse(4, seed=1), Droplet()), r"two: .* Ring\(kA="),
-        (lambda: ld.jam(ld.bidisperse(4, seed=1), Droplet()), "Droplet is for three dim"),
+        (lambda: ld.jam(ld.bidisperse(4, seed=1), Droplet()).packing, "Droplet is for three dim"),
         (lambda: ld.Simulation(SPHERES, ld.Ring()), "Ring is .* take `Droplet`"),
         (lambda: ld.Simulation(SPHERES, Droplet([1, 2, 3])), "there are 2 species"),
         (lambda: ld.Simulation(None, Droplet()), "packing must be of the kind Packing"),
@@ -287,6 +286,6 @@ def test_law_shows_its_call() -> None:
     assert repr(Droplet()) == "Droplet()"
     assert repr(Droplet([1, 2])) == "Droplet(tension=(1.0, 2.0))"
     with ld.Simulation(SPHERES, Droplet()) as sim:
-        assert repr(sim).startswith("<DropletSimulation: 8 particles, law Droplet(), box ")
-        assert repr(sim.state()).startswith("<DropletState: 8 particles, law Droplet(), phi = 0.3")
-    assert repr(sim) == "<DropletSimulation: closed>"
+        assert repr(sim).startswith("<Simulation: 8 particles, law Droplet(), box ")
+        assert repr(sim.state()).startswith("<State: 8 particles, law Droplet(), phi = 0.3")
+    assert repr(sim) == "<Simulation: closed>"

@@ -142,19 +142,20 @@ def test_pressure_in_a_cuboid_is_force_per_area() -> None:
 def test_soft_spheres_jam_between_walls(name: str) -> None:
     """Their pressure is the slope of the energy, and contacts are as many as hold them."""
     start = ld.bidisperse(40, sizes=(0.5, 0.6), dimension=3, seed=3).between(SCENES[name])
-    jammed = ld.jam(start)
+    jammed = ld.jam(start).packing
     assert 0.4 < jammed.phi < 0.6  # walls take room from small packings
-    with ld.Spheres(jammed) as soft:
+    with ld.Simulation(jammed, ld.SoftContact()) as soft:
         state = soft.relax(1e-6)
-    assert set(state.wall_pairs[:, 1].tolist()) >= {0}
+    touching = state.contact_table[state.contact_table["j"] < 0]
+    assert set((-1 - touching["j"]).tolist()) >= {0}
     assert 1e-6 < state.pressure < 2.1e-6
     assert abs(state.network_contacts - state.isostatic_contacts) <= 3
     assert state.stress.trace() / 3 == pytest.approx(state.pressure)
-    contacts = np.bincount(state.wall_pairs[:, 0], minlength=40)
+    contacts = np.bincount(touching["i"], minlength=40)
     assert (state.particle_values()["contacts"] >= contacts).all()
     energies, volumes = [], []
     for factor in (1 - 1e-8, 1 + 1e-8):
-        with ld.Spheres(jammed.at(jammed.phi / factor**3)) as soft:
+        with ld.Simulation(jammed.at(jammed.phi / factor**3), ld.SoftContact()) as soft:
             energies.append(soft.state().energy)
             volumes.append(soft.state().packing.volume)
     slope = -np.diff(energies) / np.diff(volumes)
@@ -300,7 +301,7 @@ def test_refusals(drum) -> None:
             next(iter(sim.shear(0.1)[1:]))
         for refused, told in (
             (lambda: state.hessian(), "do not know walls: take a state of a periodic box"),
-            (lambda: sim.relax(pressure=0.1, box="sides"), "box='sides' is not for walls"),
+            (lambda: sim.relax(pressure=0.1, free="aniso"), "free='aniso' is not for walls"),
             (lambda: state.structure_factor(3.0), "a container has no wave vectors"),
         ):
             with pytest.raises(ParameterError, match=told):
@@ -310,19 +311,19 @@ def test_refusals(drum) -> None:
 def test_second_derivatives_of_soft_spheres() -> None:
     """In a sphere with balls as those of disks in the plane; in a tube they are refused."""
     packing = packed("sphere and balls", 0.6)
-    with ld.Spheres(packing) as soft:
+    with ld.Simulation(packing, ld.SoftContact()) as soft:
         hessian = soft.state().hessian()
     along = np.random.default_rng(1).normal(size=3 * len(packing))
     gradients = []
     for step in (-1e-7, 1e-7):
         x = packing.positions + step * along.reshape(-1, 3)
-        with ld.Spheres(packing.replace(positions=x)) as soft:
+        with ld.Simulation(packing.replace(positions=x), ld.SoftContact()) as soft:
             gradients.append(-np.array(soft.lmp.gather("f", 1, 3)) if soft.state() else 0.0)
     slope = (gradients[1] - gradients[0]) / 2e-7
     assert hessian.matrix @ along == pytest.approx(slope, abs=1e-5)
     told = "do not know cylinders, cones and posts: take other walls"
     with (
-        ld.Spheres(packed("drum", 0.6)) as soft,
+        ld.Simulation(packed("drum", 0.6), ld.SoftContact()) as soft,
         pytest.raises(ParameterError, match=told),
     ):
         soft.state().hessian()

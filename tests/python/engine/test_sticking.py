@@ -35,7 +35,7 @@ def place(sim: ld.Simulation, distance: float) -> ld.State:
 
 @pytest.fixture(scope="module")
 def stretched() -> ld.State:
-    with ld.Simulation(pair(1.99), droplets(), MPI.COMM_SELF) as sim:
+    with ld.Simulation(pair(1.99), droplets(), comm=MPI.COMM_SELF) as sim:
         sim.state()
         return place(sim, STRETCHED)
 
@@ -79,8 +79,8 @@ def test_outlines_away_from_rest(stretched: ld.State) -> None:
 @pytest.mark.parametrize("law", [droplets(0.2), droplets([[0.2, 0.1], [0.1, 0.15]], kP=0.3)])
 def test_packing(law: ld.Ring) -> None:
     """A floc of unequal droplets: areas of outlines, and forces that pull."""
-    jammed = ld.jam(ld.bidisperse(12, seed=2))
-    with ld.Simulation(jammed, law, MPI.COMM_SELF) as sim:
+    jammed = ld.jam(ld.bidisperse(12, seed=2)).packing
+    with ld.Simulation(jammed, law, comm=MPI.COMM_SELF) as sim:
         sim.deform(sim.box * 0.99)
         state = sim.relax()
     assert state.residual <= 1e-6
@@ -127,18 +127,18 @@ def test_memory(stretched: ld.State, tmp_path: Path) -> None:
 
 def test_free_circles_that_overlap(tmp_path: Path) -> None:
     """None attached is a memory too: without one, they would attach."""
-    with ld.Simulation(pair(1.99), droplets(0.0), MPI.COMM_SELF) as sim:
+    with ld.Simulation(pair(1.99), droplets(0.0), comm=MPI.COMM_SELF) as sim:
         free = sim.state()
     assert free.films is None
     assert "attached" not in (free.save(tmp_path), (tmp_path / "packing.data").read_text())[1]
 
 
 def test_a_simulation_of_a_state(stretched: ld.State) -> None:
-    with ld.Simulation(stretched, stretched.law, MPI.COMM_SELF) as sim:
+    with ld.Simulation(stretched, stretched.law, comm=MPI.COMM_SELF) as sim:
         assert sim.state().energy == pytest.approx(stretched.energy, rel=1e-12)
-        sim.restart(stretched.packing)
+        sim.reset(stretched.packing)
         assert sim.state().energy == 0.0
-        sim.restart(stretched)
+        sim.reset(stretched)
         assert sim.state().energy == pytest.approx(stretched.energy, rel=1e-12)
 
 
@@ -157,7 +157,7 @@ def test_walls(adhesion: float, tmp_path: Path) -> None:
     walls = ld.BoxWall((8, 4), adhesion=0.4).parts
     start = pair(4.0, walls=walls)
     law = droplets(adhesion)
-    with ld.Simulation(start, law, MPI.COMM_SELF) as sim:
+    with ld.Simulation(start, law, comm=MPI.COMM_SELF) as sim:
         sim.lmp.command("set atom 1 x 0.99")
         state = sim.relax()
         (row,) = state.contact_table
@@ -173,7 +173,7 @@ def test_walls(adhesion: float, tmp_path: Path) -> None:
         assert Polygon(state.outlines[0]).area == pytest.approx(np.pi, rel=1e-5)
         sim.lmp.command("set atom 1 x 1.005")
         off = sim.state()
-        sim.restart(off.packing)
+        sim.reset(off.packing)
         assert sim.state().energy == 0.0  # the circle does not reach the wall
     assert off.contact_table["force"] < 0
     off.save(tmp_path)
@@ -185,16 +185,15 @@ def test_walls(adhesion: float, tmp_path: Path) -> None:
 
 def test_what_refuses() -> None:
     """One line each."""
-    with ld.Simulation(pair(1.8), droplets(), MPI.COMM_SELF) as sim:
+    with ld.Simulation(pair(1.8), droplets(), comm=MPI.COMM_SELF) as sim:
         state = sim.relax()
     sticky = ld.BoxWall((8, 4), adhesion=0.1).parts
     for call in (
-        lambda: ld.jam(pair(3.0), droplets()),
-        lambda: ld.jam(pair(3.0, walls=sticky), droplets(0.0)),
+        lambda: ld.jam(pair(3.0), droplets()).packing,
+        lambda: ld.jam(pair(3.0, walls=sticky), droplets(0.0)).packing,
         state.hessian,
         state.elastic_moduli,
         state.modes,
-        lambda: ld.polish(state),
         lambda: state.parallels(np.full(2, 0.1)),
     ):
         with pytest.raises(ld.ParameterError, match="particles have an adhesion") as error:
@@ -204,7 +203,7 @@ def test_what_refuses() -> None:
 
 def test_lost_energy() -> None:
     """Two droplets meet: what they lose as they attach completes the balance of energy."""
-    with ld.Simulation(pair(2.02), droplets(), MPI.COMM_SELF) as sim:
+    with ld.Simulation(pair(2.02), droplets(), comm=MPI.COMM_SELF) as sim:
         sim.lmp.command("set atom 2 vx -0.1")
         start = sim.state()
         end = sim.run(400, every=100, timestep=0.01)[-1]

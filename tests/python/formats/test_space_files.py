@@ -68,7 +68,7 @@ def test_lammps_reads_and_writes_the_same(tmp_path: Path) -> None:
     box = [[4.0, 0.0, 0.0], [1.1, 3.5, 0.0], [-0.9, 0.6, 4.2]]
     places = np.random.default_rng(1).random((9, 3)) @ box
     packing = Packing(places, np.linspace(0.3, 0.5, 9), box)
-    with ld.Spheres(packing) as spheres:
+    with ld.Simulation(packing, ld.SoftContact()) as spheres:
         columns = "id type xs ys zs radius"
         dump = tmp_path / "lammps.dump"
         spheres.lmp.command(f"write_data {tmp_path / 'lammps.data'}")

@@ -51,7 +51,7 @@ def test_lammps_has_the_saved_energy(law: str, jammed: ld.Packing, tmp_path: Pat
 def test_lammps_has_the_energy_of_sizes_and_small_units(law: str, tmp_path: Path) -> None:
     """Radii of a thousandth: settings that suit radii near 1 would find too many neighbors."""
     start = ld.polydisperse(24, np.linspace(0.4, 0.6, 24), tilt=0.3, seed=4)
-    jammed = ld.jam(start).at(0.87)
+    jammed = ld.jam(start).packing.at(0.87)
     small = jammed.replace(
         positions=1e-3 * jammed.positions,
         box=1e-3 * jammed.box,
@@ -115,7 +115,7 @@ def test_droplets_in_lammps(radii: str, tmp_path: Path) -> None:
     """The saved energy and pressure, motion that keeps it, and the packing it has moved to."""
     packing = ld.jam(
         ld.bidisperse(24, sizes=(1.0, 1.2), dimension=3, tilt=0.2, seed=1), tolerance=1e-2
-    ).at(0.68)
+    ).packing.at(0.68)
     if radii == "of particles":
         packing = packing.replace(radii=packing.radii * np.linspace(0.97, 1.0, 24))
     with ld.Simulation(packing, ld.Droplet([1.0, 1.5])) as sim:

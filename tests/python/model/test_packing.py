@@ -130,7 +130,7 @@ def test_packing_refuses_nonsense(wrong: dict[str, Any], message: str) -> None:
 
 
 def test_radii_far_from_one_need_another_unit() -> None:
-    small, large = (ld.jam(ld.bidisperse(8, sizes=(r, r), seed=1)) for r in (1e-3, 50.0))
+    small, large = (ld.jam(ld.bidisperse(8, sizes=(r, r), seed=1)).packing for r in (1e-3, 50.0))
     assert small.phi == pytest.approx(large.phi, rel=0.05)
     with pytest.raises(ld.ParameterError, match=r"radius of 700 is too large.*unit"):
         ld.bidisperse(8, sizes=(500.0, 700.0), seed=1).push_off()
@@ -230,7 +230,7 @@ def test_each_particle_has_its_radius(species: list[int] | None) -> None:
     assert packing.radii.tolist() == radii
     assert packing.species.tolist() == (species or [0, 0, 0])
     assert ld.Packing(places, 0.5, box).radii.tolist() == [0.5] * 3
-    with ld.Disks(packing) as disks:
+    with ld.Simulation(packing, ld.SoftContact()) as disks:
         again = disks.state().packing
     assert again.radii.tolist() == radii
     assert again.replace(radii=[0.6] * 3).radii.tolist() == [0.6] * 3

@@ -127,7 +127,7 @@ def test_settings_may_be_numpy_numbers() -> None:
     model = ld.DeformablePolygon(
         np.int64(12), radius=np.float64(0.1), kL=np.float32(8), kA=2, smooth=False
     )
-    with ld.PolygonSimulation(ld.bidisperse(2, phi=0.1, seed=1), model) as polygons:
+    with ld.Simulation(ld.bidisperse(2, phi=0.1, seed=1), model) as polygons:
         assert polygons.state().residual == 0.0
 
 
@@ -169,9 +169,9 @@ def test_the_number_that_is_asked_for_suffices(
 def test_lammps_lists_the_neighbors_of_the_closest_beads() -> None:
     with pytest.raises(ld.ParameterError, match=r"5000 .* radius 0\.7, .* take 1361 or fewer"):
         ld.DeformablePolygon([50, 5000], smooth=False).polygons(RADII)
-    jammed = ld.jam(ld.bidisperse(8, seed=1))
+    jammed = ld.jam(ld.bidisperse(8, seed=1)).packing
     model = ld.DeformablePolygon(244, radius=0.15, smooth=False)
-    with ld.PolygonSimulation(jammed, model) as polygons:
+    with ld.Simulation(jammed, model) as polygons:
         assert polygons.polygons.spacing == pytest.approx(0.06 * 0.15, rel=1e-2)
         polygons.deform(polygons.box * 0.97)
         assert polygons.state().energy > 0.0

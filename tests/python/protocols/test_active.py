@@ -60,7 +60,7 @@ def test_directions_go_on(free: ld.Packing, tmp_path: Path) -> None:
     np.testing.assert_allclose(read.directions, first.directions, rtol=0, atol=1e-15)
     with ld.Simulation(read, ld.Ring()) as sim:
         third = sim.run(1, timestep=0.5, seed=2, inertia=False, **ACTIVE)[1]
-        sim.restart(free)
+        sim.reset(free)
         other = sim.run(1, timestep=0.5, seed=2, inertia=False, **ACTIVE)[1]
     assert turned(third, first).std() == pytest.approx(deviation, rel=5.0 / np.sqrt(2 * NUMBER))
     assert abs(np.cos(turned(other, first)).mean()) < 5.0 / np.sqrt(2 * NUMBER)

@@ -12,7 +12,7 @@ pytestmark = pytest.mark.filterwarnings("error")
 
 def test_ten_line_script() -> None:
     packing = ld.bidisperse(128, sizes=(0.5, 0.7), seed=5)
-    jammed = ld.jam(packing)
+    jammed = ld.jam(packing).packing
     sim = ld.Simulation(jammed, ld.Ring(kA=1.0))
     seen = []
     for state in sim.compress(strain=0.01, steps=10)[1:]:
@@ -48,8 +48,8 @@ def test_a_packing_that_comes_apart_says_so_once(jammed: ld.Packing, kind: str) 
     """Compressed by 1 %, then expanded by 1 % a step: the first step leaves 1e-4."""
     sim: Any = {
         "law": lambda: ld.Simulation(jammed, ld.Ring()),
-        "disks": lambda: ld.Disks(jammed),
-        "polygons": lambda: ld.PolygonSimulation(
+        "disks": lambda: ld.Simulation(jammed, ld.SoftContact()),
+        "polygons": lambda: ld.Simulation(
             jammed, ld.DeformablePolygon(40, radius=0.025, kL=240.0, kr=10.0)
         ),
     }[kind]()

@@ -84,7 +84,7 @@ def test_particles_that_keep_their_area_need_room(
 
 def test_mixtures_of_droplets_need_room() -> None:
     law = ld.Ring(kA=np.inf, kP=0.0, tension=1.0)
-    jammed = ld.jam(ld.bidisperse(16, seed=1))
+    jammed = ld.jam(ld.bidisperse(16, seed=1)).packing
     with ld.Simulation(jammed, law) as sim:
         for phi in (0.95, 0.99, 0.999):
             sim.deform(jammed.at(phi).box)

@@ -7,9 +7,9 @@ import pytest
 
 @pytest.fixture(scope="module")
 def rest() -> ld.State:
-    packing = ld.jam(ld.bidisperse(16, seed=2))
+    packing = ld.jam(ld.bidisperse(16, seed=2)).packing
     with ld.Simulation(packing.at(packing.phi + 0.08), ld.Ring()) as sim:
-        return ld.polish(sim.relax())
+        return sim.relax(1e-10)
 
 
 @pytest.mark.parametrize(("sign", "viscosity"), [(1.0, None), (-1.0, 2.0)])
@@ -80,7 +80,7 @@ def test_refusals(rest: ld.State, values: dict[str, float], message: str) -> Non
 
 def test_refused_simulations(rest: ld.State) -> None:
     with (
-        ld.Disks(rest.packing) as disks,
+        ld.Simulation(rest.packing, ld.SoftContact()) as disks,
         pytest.raises(ld.ParameterError, match="sim must be of the kind Simulation"),
     ):
         disks.creep(1e-6, time=1.0, steps=1, drag=1.0)

@@ -9,7 +9,7 @@ RATE, FRICTION = 1e-3, 1.0
 
 @pytest.fixture(scope="module")
 def rest() -> ld.State:
-    packing = ld.jam(ld.bidisperse(16, seed=2))
+    packing = ld.jam(ld.bidisperse(16, seed=2)).packing
     with ld.Simulation(packing.at(packing.phi + 0.08), ld.Ring()) as sim:
         return sim.relax(1e-9)
 
@@ -122,8 +122,8 @@ def test_refusals(rest: ld.State, values: dict[str, float], message: str) -> Non
 def test_refused_simulations(rest: ld.State) -> None:
     flow = {"rate": 1e-3, "drag": 1.0}
     with (
-        ld.Disks(rest.packing) as disks,
-        pytest.raises(ld.ParameterError, match="Disks are sheared without a rate only"),
+        ld.Simulation(rest.packing, ld.SoftContact()) as disks,
+        pytest.raises(ld.ParameterError, match=r"SoftContact.* is sheared without a rate only"),
     ):
         disks.shear(0.1, **flow)
     with (

@@ -98,8 +98,8 @@ def test_motion_goes_on_where_it_was(loose: ld.Packing) -> None:
 def test_a_restart_within_a_motion_is_refused(loose: ld.Packing) -> None:
     with ld.Simulation(loose, SOFT) as sim:
         motion = {"every": 100, "temperature": 1e-6, "seed": 1}
-        with pytest.raises(ld.LammpsError, match="restarted while its particles move"):
-            sim.run(300, **motion, callback=lambda state: sim.restart(state.packing))
+        with pytest.raises(ld.LammpsError, match="reset while its particles move"):
+            sim.run(300, **motion, callback=lambda state: sim.reset(state.packing))
         assert sim.run(100, temperature=1e-6, seed=1)[1].temperature > 0.0
 
 

@@ -50,8 +50,8 @@ def test_the_fix_of_a_user_without_spins() -> None:
 def test_restart_rubs_again() -> None:
     with ld.Simulation(fluid(), ld.Ring(), friction=FRICTION) as sim:
         with pytest.raises(ld.ParameterError, match="radii"):
-            sim.restart(ld.Packing([[1.0, 1.0]], -0.5, [3.0, 3.0]))
-        sim.restart(fluid())
+            sim.reset(ld.Packing([[1.0, 1.0]], -0.5, [3.0, 3.0]))
+        sim.reset(fluid())
         assert "deformable_friction" in sim.lmp.available_ids("fix")
 
 

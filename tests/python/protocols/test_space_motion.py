@@ -3,7 +3,7 @@
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable import Droplet, DropletState, Packing
+from lammps_deformable import Droplet, Packing, State
 from lammps_deformable.lammps import gather, place_particles, run
 from lammps_deformable.laws import longest_overdamped_step, longest_step
 
@@ -11,7 +11,7 @@ from lammps_deformable.laws import longest_overdamped_step, longest_step
 @pytest.fixture(scope="module")
 def jammed() -> Packing:
     start = ld.bidisperse(32, sizes=(1.0, 1.2), dimension=3, seed=1)
-    return ld.jam(start, tolerance=1e-2)
+    return ld.jam(start, tolerance=1e-2).packing
 
 
 @pytest.fixture(scope="module")
@@ -19,7 +19,7 @@ def loose() -> Packing:
     return ld.bidisperse(32, phi=0.3, dimension=3, seed=3).push_off()
 
 
-def stiffest(sim: ld.DropletSimulation, state: DropletState) -> float:
+def stiffest(sim: ld.Simulation, state: State) -> float:
     """The largest eigenvalue of the Hessian, by the power method on differences of forces."""
     x, small = state.packing.positions, 1e-5
     v = np.random.default_rng(1).normal(size=x.shape)
@@ -139,7 +139,7 @@ def test_a_tolerance_of_the_balance(jammed: Packing) -> None:
     with ld.Simulation(jammed.at(0.66), Droplet()) as sim:
         ends = []
         for tolerance in (None, 1e-3):
-            sim.restart(jammed.at(0.66))
+            sim.reset(jammed.at(0.66))
             (last,) = sim.run(20, timestep=0.05, temperature=1e-2, seed=1, balance=tolerance)[1:]
             ends.append(last.packing.positions)
         difference = np.abs(ends[1] - ends[0]).max()

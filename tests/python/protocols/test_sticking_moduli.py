@@ -19,8 +19,8 @@ Box = NDArray[np.float64]
 def expanded() -> ld.State:
     """A jammed packing that sticks, expanded until films hold droplets beyond their touch."""
     law = ld.Ring(kA=math.inf, kP=0.0, tension=1.0, contact="curved", adhesion=0.1)
-    jammed = ld.jam(ld.bidisperse(12, seed=1))
-    with ld.Simulation(jammed, law, MPI.COMM_SELF) as sim:
+    jammed = ld.jam(ld.bidisperse(12, seed=1)).packing
+    with ld.Simulation(jammed, law, comm=MPI.COMM_SELF) as sim:
         phi = sim.relax().packing.phi
         sim.deform(sim.box * math.sqrt(phi / 0.75))
         state = sim.relax(1e-8)
@@ -57,7 +57,7 @@ def test_modulus_is_the_second_derivative_of_the_energy(
     assert found.linear
     energies = []
     for strain in (-found.strain, found.strain):
-        with ld.Simulation(expanded, expanded.law, MPI.COMM_SELF) as sim:
+        with ld.Simulation(expanded, expanded.law, comm=MPI.COMM_SELF) as sim:
             sim.deform(deformed(sim.box, strain))
             state = sim.relax(1e-8)
         assert state.films is not None

@@ -14,7 +14,7 @@ every_kind = pytest.mark.parametrize("law", KINDS.values(), ids=KINDS)
 
 
 def simulation(start: ld.Packing, law: ld.Ring | None) -> Any:
-    return ld.Disks(start) if law is None else ld.Simulation(start, law)
+    return ld.Simulation(start, law or ld.SoftContact())
 
 
 @every_kind
@@ -69,8 +69,8 @@ def test_a_loose_packing_is_compressed_until_it_has_a_pressure(
 
 def test_polygons_have_a_target_phi() -> None:
     model = ld.DeformablePolygon(40, radius=0.025, kL=240.0, kr=10.0)
-    few = ld.jam(ld.bidisperse(8, seed=1))
-    with ld.PolygonSimulation(few, model) as polygons:
+    few = ld.jam(ld.bidisperse(8, seed=1)).packing
+    with ld.Simulation(few, model) as polygons:
         (state,) = polygons.compress(phi=0.88)[1:]
         assert state.phi == pytest.approx(0.88, rel=1e-9)
         with pytest.raises(ld.ParameterError, match="polygons have no target pressure"):
@@ -149,7 +149,7 @@ def test_a_pressure_beyond_the_law_is_told_as_it_was_given(jammed: ld.Packing) -
 @pytest.mark.filterwarnings("ignore::lammps_deformable.StalledWarning")
 def test_sectors_that_conserve_their_area_have_a_target_phi() -> None:
     """Their relaxations stall, but that phi is the one of undeformed disks."""
-    few = ld.jam(ld.bidisperse(8, seed=1))
+    few = ld.jam(ld.bidisperse(8, seed=1)).packing
     with ld.Simulation(few, ld.Sector(kP=1.0)) as sim:
         (state,) = sim.compress(phi=few.phi + 0.005)[1:]
     assert state.phi == pytest.approx(few.phi + 0.005, rel=1e-9)

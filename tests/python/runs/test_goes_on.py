@@ -17,8 +17,8 @@ pytestmark = pytest.mark.filterwarnings("error")
 def packing(request: pytest.FixtureRequest) -> ld.Packing:
     """Dense, with the radii of species or of its own (other files of LAMMPS)."""
     if request.param == "species":
-        return ld.jam(ld.bidisperse(12, seed=2)).at(0.9)
-    return ld.jam(ld.polydisperse(12, np.linspace(0.4, 0.7, 12), seed=2)).at(0.9)
+        return ld.jam(ld.bidisperse(12, seed=2)).packing.at(0.9)
+    return ld.jam(ld.polydisperse(12, np.linspace(0.4, 0.7, 12), seed=2)).packing.at(0.9)
 
 
 def moved(sim: ld.Simulation, seed: int | None = None) -> State:
@@ -67,12 +67,12 @@ def test_lammps_reads_the_velocities(packing: ld.Packing, tmp_path: Path) -> Non
 def test_restart_from_a_state(packing: ld.Packing) -> None:
     with ld.Simulation(packing, ld.Ring()) as sim:
         last = moved(sim, seed=3)
-        sim.restart(last)
+        sim.reset(last)
         again = sim.state()
         assert np.array_equal(again.velocities, last.velocities)
         assert again.time == last.time
         assert moved(sim).time == pytest.approx(4.0)
-        sim.restart(last.packing)
+        sim.reset(last.packing)
         rest = sim.state()
         assert not rest.velocities.any()
         assert (rest.time, rest.strain) == (0.0, None)
@@ -97,7 +97,7 @@ def test_time_goes_on_in_a_recorded_run(packing: ld.Packing, tmp_path: Path) -> 
 
 
 def test_strain_goes_on(tmp_path: Path) -> None:
-    packing = ld.jam(ld.bidisperse(12, seed=2)).at(0.9)
+    packing = ld.jam(ld.bidisperse(12, seed=2)).packing.at(0.9)
     law = ld.Ring()
     with ld.Simulation(packing, law) as sim:
         sim.shear(0.02, steps=2, record=tmp_path)
@@ -114,7 +114,7 @@ def test_strain_goes_on(tmp_path: Path) -> None:
 
 
 def test_interrupted_shear_goes_on_with_its_strain(tmp_path: Path) -> None:
-    packing = ld.jam(ld.bidisperse(12, seed=2)).at(0.9)
+    packing = ld.jam(ld.bidisperse(12, seed=2)).packing.at(0.9)
     whole, cut, ended = tmp_path / "whole", tmp_path / "cut", pytest.raises(Stop)
     for folder in (whole, cut):
         with ld.Simulation(packing, ld.Ring()) as sim:

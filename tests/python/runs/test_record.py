@@ -34,7 +34,7 @@ def test_saved_state_goes_on_as_it_was(state: ld.State, tmp_path: Path) -> None:
     ],
 )
 def test_tilted_packings_and_species_go_on(law: ld.Sector | ld.Ring, tmp_path: Path) -> None:
-    jammed = ld.jam(ld.bidisperse(12, aspect=1.3, tilt=-0.4, seed=2))
+    jammed = ld.jam(ld.bidisperse(12, aspect=1.3, tilt=-0.4, seed=2)).packing
     with ld.Simulation(jammed.at(0.86), law) as sim:
         state = sim.state()
     state.save(tmp_path)
@@ -90,7 +90,7 @@ def test_states_have_what_was_recorded(jammed: ld.Packing, tmp_path: Path) -> No
 @pytest.mark.filterwarnings("ignore::DeprecationWarning")
 def test_mdanalysis_reads_the_trajectory(tilt: float, tmp_path: Path) -> None:
     mdanalysis = pytest.importorskip("MDAnalysis")
-    jammed = ld.jam(ld.bidisperse(16, tilt=tilt, seed=4))
+    jammed = ld.jam(ld.bidisperse(16, tilt=tilt, seed=4)).packing
     with ld.Simulation(jammed, ld.Ring()) as sim:
         states = sim.compress(strain=0.02, steps=2, record=tmp_path)
     universe = mdanalysis.Universe(
@@ -110,7 +110,7 @@ def test_mdanalysis_reads_the_trajectory(tilt: float, tmp_path: Path) -> None:
 
 def test_shear_stress_of_a_series_resists(tmp_path: Path) -> None:
     """It is positive after the upper side has moved along x."""
-    jammed = ld.jam(ld.bidisperse(16, seed=1))
+    jammed = ld.jam(ld.bidisperse(16, seed=1)).packing
     with ld.Simulation(jammed.at(jammed.phi + 0.03), ld.Ring()) as sim:
         start = sim.relax()
         states = [start, *sim.shear(1e-3, steps=2, record=tmp_path / "run")[1:]]

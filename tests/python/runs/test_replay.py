@@ -34,7 +34,7 @@ def test_growth_and_death(start: Packing, tmp_path: Path) -> None:
         for _ in range(2):
             packing = states[-1].packing
             radius = 1.02 * packing.radii[:-3]
-            sim.restart(
+            sim.reset(
                 packing.replace(
                     positions=packing.positions[:-3],
                     species=packing.species[:-3],

@@ -227,7 +227,7 @@ def test_missing_frames_are_refused(
 
 def test_numbers_of_numpy_can_be_resumed(tmp_path: Path) -> None:
     """JSON does not know them."""
-    packing = ld.jam(ld.bidisperse(8, seed=1))
+    packing = ld.jam(ld.bidisperse(8, seed=1)).packing
     given = {"strain": np.float32(0.02), "steps": np.int64(3), "tolerance": np.float32(1e-6)}
     with ld.Simulation(packing, ld.Ring()) as sim, pytest.raises(Stop):
         sim.compress(record=tmp_path, callback=stop_after(1), **given)
@@ -254,7 +254,7 @@ def test_killed_from_outside(uninterrupted: dict[str, bytes], tmp_path: Path) ->
 
 def test_python_resumes_what_it_began(jammed: ld.Packing, tmp_path: Path) -> None:
     """Also in a tilted box, where LAMMPS rounds centers as it wraps them, and behind a run."""
-    tilted = ld.jam(ld.bidisperse(12, aspect=1.2, tilt=0.3, seed=2))
+    tilted = ld.jam(ld.bidisperse(12, aspect=1.2, tilt=0.3, seed=2)).packing
     for name, stop in (("whole", None), ("broken", 1)):
         folder = tmp_path / name
         for packing in (jammed, tilted):

@@ -8,7 +8,7 @@ from pathlib import Path
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable import Droplet, DropletSimulation, DropletState, Packing
+from lammps_deformable import Droplet, Packing, Simulation, State
 from lammps_deformable.cli import app
 from protocol_helpers import Stop, stop_after
 
@@ -19,7 +19,7 @@ LAW = Droplet([1.0, 1.5])
 def start() -> Packing:
     """In a tilted box, where LAMMPS rounds centers as it wraps them."""
     loose = ld.bidisperse(16, sizes=(1.0, 1.2), dimension=3, tilt=0.3, seed=1)
-    return ld.jam(loose, tolerance=1e-2).at(0.68)
+    return ld.jam(loose, tolerance=1e-2).packing.at(0.68)
 
 
 @pytest.fixture(scope="module")
@@ -90,7 +90,7 @@ def test_replayed_states(moved: tuple[Path, list]) -> None:
     run = ld.Run(folder)
     assert len(run) == len(states) == 5
     for again, state in zip(run, states, strict=True):
-        assert isinstance(again, DropletState)
+        assert isinstance(again, State)
         assert again.law == LAW
         # LAMMPS rounds centers as it wraps them
         assert again.packing.positions == pytest.approx(state.packing.positions, abs=1e-14)
@@ -108,7 +108,7 @@ def test_replayed_states(moved: tuple[Path, list]) -> None:
 def test_a_simulation_of_the_last_state(moved: tuple[Path, list]) -> None:
     folder, states = moved
     with ld.Run(folder).simulation() as sim:
-        assert isinstance(sim, DropletSimulation)
+        assert isinstance(sim, Simulation)
         assert (sim.time, sim.strain) == (states[-1].time, states[-1].strain)
         assert np.array_equal(sim.state().velocities, states[-1].velocities)
 
@@ -177,7 +177,7 @@ def test_runs_keep_their_walls(tmp_path: Path) -> None:
     loose = ld.bidisperse(12, sizes=(1.0, 1.2), dimension=3, seed=2)
     packing = loose.between(walls).at(0.6).push_off()
     for name, stop in (("whole", None), ("broken", stop_after(1))):
-        states: list[DropletState] = []
+        states: list[State] = []
         with ld.Simulation(packing, LAW) as sim, pytest.raises(Stop) if stop else nullcontext():
             how = {"record": tmp_path / name, "callback": stop or states.append}
             sim.compress(strain=0.02, steps=2, tolerance=1e-4, **how)

@@ -14,8 +14,8 @@ LAW = ld.Ring(kA=math.inf, kP=0.0, tension=1.0, contact="curved", adhesion=[[0.3
 
 @pytest.fixture(scope="module")
 def start() -> ld.State:
-    jammed = ld.jam(ld.bidisperse(12, seed=2))
-    with ld.Simulation(jammed.at(0.85), LAW, MPI.COMM_SELF) as sim:
+    jammed = ld.jam(ld.bidisperse(12, seed=2)).packing
+    with ld.Simulation(jammed.at(0.85), LAW, comm=MPI.COMM_SELF) as sim:
         return sim.relax()
 
 
@@ -31,7 +31,7 @@ def assert_same(states: list[ld.State], others: list[ld.State]) -> None:
 
 def test_replay(start: ld.State, tmp_path: Path) -> None:
     """Of a hot motion, in which droplets attach, stretch and let go."""
-    with ld.Simulation(start, LAW, MPI.COMM_SELF) as sim:
+    with ld.Simulation(start, LAW, comm=MPI.COMM_SELF) as sim:
         states: list[ld.State] = []
         how = {"record": tmp_path, "callback": states.append}
         run = sim.run(400, temperature=0.05, every=100, seed=1, **how)
@@ -58,11 +58,11 @@ def stretched(state: ld.State) -> bool:
 def test_resume(start: ld.State, tmp_path: Path) -> None:
     """An interrupted shear goes on with the numbers of a whole one."""
     whole, part = tmp_path / "whole", tmp_path / "part"
-    with ld.Simulation(start, LAW, MPI.COMM_SELF) as sim:
+    with ld.Simulation(start, LAW, comm=MPI.COMM_SELF) as sim:
         states: list[ld.State] = []
         how = {"record": whole, "callback": states.append}
         sim.shear(0.1, steps=3, tolerance=1e-3, **how)
-    with ld.Simulation(start, LAW, MPI.COMM_SELF) as sim, pytest.raises(Stop):
+    with ld.Simulation(start, LAW, comm=MPI.COMM_SELF) as sim, pytest.raises(Stop):
         sim.shear(0.1, record=part, steps=3, tolerance=1e-3, callback=stop_after(1))
     resumed = ld.Run(part).resume(comm=MPI.COMM_SELF)
     assert [state.energy for state in resumed[1:]] == [state.energy for state in states]
@@ -70,7 +70,7 @@ def test_resume(start: ld.State, tmp_path: Path) -> None:
 
 
 def test_compression(start: ld.State) -> None:
-    with ld.Simulation(start, LAW, MPI.COMM_SELF) as sim:
+    with ld.Simulation(start, LAW, comm=MPI.COMM_SELF) as sim:
         pressures = [state.pressure for state in sim.compress(strain=0.03, steps=2)[1:]]
     assert np.isfinite(pressures).all()
     assert pressures[1] > pressures[0]

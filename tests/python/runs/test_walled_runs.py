@@ -36,7 +36,7 @@ def exact_states() -> Iterator[None]:
 
 @pytest.fixture(scope="module")
 def jammed() -> ld.Packing:
-    return ld.jam(ld.bidisperse(40, seed=2).between(SCENE))
+    return ld.jam(ld.bidisperse(40, seed=2).between(SCENE)).packing
 
 
 @pytest.fixture(scope="module")
@@ -51,16 +51,16 @@ def run(jammed, tmp_path_factory) -> tuple[Path, list[ld.State]]:
 
 def test_jammed_disks_touch_walls(jammed) -> None:
     assert 0.6 < jammed.phi < 0.9
-    with ld.Disks(jammed) as soft:
+    with ld.Simulation(jammed, ld.SoftContact()) as soft:
         state = soft.state()
     assert 1e-6 < state.pressure < 2.1e-6
-    touched = set(state.wall_pairs[:, 1].tolist())
+    touched = {-1 - j for j in state.contact_table["j"].tolist() if j < 0}
     assert {0, 2} <= touched
     assert state.rattlers.sum() < 8
     # the pressure is the derivative of the energy by the free area
     energies, areas = [], []
     for factor in (1 - 1e-9, 1 + 1e-9):
-        with ld.Disks(jammed.at(jammed.phi / factor**2)) as soft:
+        with ld.Simulation(jammed.at(jammed.phi / factor**2), ld.SoftContact()) as soft:
             energies.append(soft.state().energy)
             areas.append(soft.state().packing.volume)
     slope = -np.diff(energies) / np.diff(areas)
@@ -179,7 +179,7 @@ def test_protocols_that_walls_allow_and_refuse() -> None:
         total = [each.energy + each.kinetic_energy for each in moved]
         assert total[-1] == pytest.approx(total[0], rel=1e-3)
     pillar = start.between((*sides, Sphere(0.1, (4, 4), inside=False)))
-    with ld.Disks(pillar) as soft:
+    with ld.Simulation(pillar, ld.SoftContact()) as soft:
         with pytest.raises(ParameterError, match="disk 3 must stay round"):
             soft.deform(soft.box * [[1, 1], [1, 0.9]])
         assert soft.walls == pillar.walls

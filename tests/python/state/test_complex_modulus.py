@@ -6,29 +6,29 @@ from collections.abc import Callable
 import lammps_deformable as ld
 import numpy as np
 import pytest
+from protocol_helpers import dynamic_modulus
 
 from validation.finite_strain import bulk_modulus, shear_modulus
 
-Snapshot = ld.State | ld.DropletState | ld.DiskState
+Snapshot = ld.State
 
 
 def ring(contact: str) -> ld.State:
     """16 particles at rest, rattlers among them."""
-    jammed = ld.jam(ld.bidisperse(16, seed=2))
+    jammed = ld.jam(ld.bidisperse(16, seed=2)).packing
     law = ld.Ring(kA=2.0, kP=0.7, contact=contact)
     with ld.Simulation(jammed.at(jammed.phi + 0.05), law) as sim:
-        return ld.polish(sim.relax())
+        return sim.relax(1e-10)
 
 
-def soft(dimension: int) -> ld.DiskState:
-    kind = ld.Disks if dimension == 2 else ld.Spheres
-    jammed = ld.jam(ld.bidisperse(24, dimension=dimension, seed=2))
-    with kind(jammed.at(jammed.phi + 0.05)) as sim:
+def soft(dimension: int) -> ld.State:
+    jammed = ld.jam(ld.bidisperse(24, dimension=dimension, seed=2)).packing
+    with ld.Simulation(jammed.at(jammed.phi + 0.05), ld.SoftContact()) as sim:
         return sim.relax(1e-11)
 
 
-def droplets() -> ld.DropletState:
-    jammed = ld.jam(ld.bidisperse(16, sizes=(0.5, 0.6), dimension=3, seed=1))
+def droplets() -> ld.State:
+    jammed = ld.jam(ld.bidisperse(16, sizes=(0.5, 0.6), dimension=3, seed=1)).packing
     with ld.Simulation(jammed.at(jammed.phi + 0.06), ld.Droplet(2.0)) as sim:
         return sim.relax(1e-10)
 
@@ -87,27 +87,20 @@ def test_a_flow_at_small_strains_has_it(rest: Snapshot, part: float) -> None:
     """Where the softest mode and where most centers begin to follow, within the time step."""
     if rest.law is None:
         with pytest.raises(ld.ParameterError, match="are sheared without a rate"):
-            ld.dynamic_modulus(rest, 1e-7, 1.0, friction=0.5)
+            dynamic_modulus(rest, 1e-7, 1.0, drag=0.5)
         return
     omega = part * rest.modes(1, vectors=False).stiffness[0] / 0.5
     expected = rest.complex_modulus(omega, friction=0.5)
     affine = rest.elastic_moduli().affine[0, 1, 0, 1]
-    found = ld.dynamic_modulus(
-        rest,
-        1e-7,
-        2.0 * math.pi / omega,
-        cycles=2,
-        discarded=3,
-        steps=8,
-        friction=0.5,
-    )
+    period = 2.0 * math.pi / omega
+    found = dynamic_modulus(rest, 1e-7, period, cycles=2, skip=3, steps=8, drag=0.5)
     assert abs(found.storage + 1j * found.loss - expected) < 4e-3 * affine
     assert abs(expected - affine) > 0.03 * affine
 
 
 def test_refusals() -> None:
-    packing = ld.jam(ld.bidisperse(12, seed=1)).at(0.9)
-    with ld.Disks(packing) as disks:
+    packing = ld.jam(ld.bidisperse(12, seed=1)).packing.at(0.9)
+    with ld.Simulation(packing, ld.SoftContact()) as disks:
         moving, rest = disks.state(), disks.relax(1e-8)
     for state, arguments, message in (
         (rest, (-1.0,), "frequencies must not be negative, not -1"),
@@ -119,8 +112,8 @@ def test_refusals() -> None:
         with pytest.raises(ld.ParameterError, match=message) as error:
             state.complex_modulus(*arguments)
         assert "\n" not in str(error.value)
-    walled = ld.jam(ld.bidisperse(12, seed=1).between(ld.BoxWall((6, 6))))
-    with ld.Disks(walled.at(walled.phi + 0.01)) as disks:
+    walled = ld.jam(ld.bidisperse(12, seed=1).between(ld.BoxWall((6, 6)))).packing
+    with ld.Simulation(walled.at(walled.phi + 0.01), ld.SoftContact()) as disks:
         held = disks.relax(1e-8)
     with pytest.raises(ld.ParameterError, match="a periodic box without walls"):
         held.complex_modulus(1.0)
@@ -132,7 +125,7 @@ def test_a_state_that_is_not_at_rest_has_no_modes_and_no_moduli(
 ) -> None:
     """All of them say so; its second derivatives, and forces, are there."""
     packing = jammed.at(jammed.phi + 0.05)
-    sim = ld.Disks(packing) if law is None else ld.Simulation(packing, law)
+    sim = ld.Simulation(packing, law or ld.SoftContact())
     with sim:
         state, rest = sim.state(), sim.relax(5e-4)
     assert state.residual > 1e-3 > rest.residual

@@ -10,26 +10,29 @@ DROPLETS = Ring(kA=np.inf, kP=0.0, tension=1.0, contact="curved")
 
 
 @pytest.fixture(scope="module")
-def states() -> list[ld.State | ld.DiskState]:
+def states() -> list[ld.State]:
     """Droplets and disks above jamming, alone, in a rectangle and in a channel.
 
     The last ones are not at rest: there rattlers bear forces.
     """
-    found: list[ld.State | ld.DiskState] = []
+    found: list[ld.State] = []
     for walls in ((), ld.BoxWall((8, 7)), ld.BoxWall((8, 7)).parts[2:]):
         loose = ld.bidisperse(24, seed=5)
         loose = loose.between(walls) if walls else loose
         pressed = loose.at(0.87).push_off()
-        with ld.Simulation(pressed, DROPLETS) as sim, ld.Disks(pressed) as disks:
+        with (
+            ld.Simulation(pressed, DROPLETS) as sim,
+            ld.Simulation(pressed, ld.SoftContact()) as disks,
+        ):
             found += [sim.relax(), disks.relax()]
-    dense = ld.jam(ld.bidisperse(24, seed=1)).at(0.95)
+    dense = ld.jam(ld.bidisperse(24, seed=1)).packing.at(0.95)
     shaken = np.random.default_rng(1).normal(scale=0.03, size=dense.positions.shape)
     moved = dense.replace(positions=dense.positions + shaken)
-    with ld.Simulation(moved, DROPLETS) as sim, ld.Disks(moved) as disks:
+    with ld.Simulation(moved, DROPLETS) as sim, ld.Simulation(moved, ld.SoftContact()) as disks:
         return [*found, sim.state(), disks.state()]
 
 
-def by_loops(state: ld.State | ld.DiskState, threshold: float) -> tuple[int, np.ndarray]:
+def by_loops(state: ld.State, threshold: float) -> tuple[int, np.ndarray]:
     """Contacts and the degree of each particle, once rattlers are gone."""
     contacts = state._contact_forces
     all_of_them = [

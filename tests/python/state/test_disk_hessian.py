@@ -19,8 +19,8 @@ PACKINGS = {
 }
 
 
-def state_of(packing: ld.Packing) -> ld.DiskState:
-    with ld.Disks(packing) as disks:
+def state_of(packing: ld.Packing) -> ld.State:
+    with ld.Simulation(packing, ld.SoftContact()) as disks:
         return disks.state()
 
 
@@ -44,7 +44,7 @@ def packing(request: pytest.FixtureRequest) -> ld.Packing:
 
 
 def test_energy_gradient_and_stress_are_those_of_lammps(packing: ld.Packing) -> None:
-    with ld.Disks(packing) as disks:
+    with ld.Simulation(packing, ld.SoftContact()) as disks:
         state = disks.state()
         forces = np.array(disks.lmp.gather("f", 1, 3)).reshape(-1, 3)[:, :2]
     hessian = state.hessian()
@@ -72,8 +72,8 @@ def test_hessian_is_symmetric(packing: ld.Packing) -> None:
 
 def test_the_softest_modes_of_a_larger_packing() -> None:
     """By Lanczos' method as by the dense matrix."""
-    jammed = ld.jam(ld.bidisperse(256, seed=4))
-    with ld.Disks(jammed.at(jammed.phi + 0.02)) as disks:
+    jammed = ld.jam(ld.bidisperse(256, seed=4)).packing
+    with ld.Simulation(jammed.at(jammed.phi + 0.02), ld.SoftContact()) as disks:
         state = disks.relax(1e-10)
     few, every = state.modes(12), state.modes()
     assert few.stiffness == pytest.approx(every.stiffness[:12], rel=1e-9)
@@ -112,7 +112,7 @@ def test_all_modes_of_the_same_stiffness_are_found() -> None:
 def test_motions_between_walls(walls: tuple[ld.walls.Wall, ...], zero: int):
     """A rotation in a circle or annulus, a translation along a channel, none around others."""
     packing = ld.bidisperse(40, sizes=(0.4, 0.56), seed=5).between(walls)
-    with ld.Disks(packing.at(0.95)) as disks:
+    with ld.Simulation(packing.at(0.95), ld.SoftContact()) as disks:
         state = disks.relax(1e-10)
     hessian = state.hessian(rattlers=False)
     assert hessian.motions.shape == (80, zero)
@@ -145,8 +145,8 @@ def test_moduli_of_a_state_at_rest_are_those_of_its_packing() -> None:
     """A state relaxed to 1e-3 has them to a percent with the same contacts; 1e-2 is refused."""
     compared = 0
     for seed in range(1, 5):
-        jammed = ld.jam(ld.bidisperse(48, seed=seed))
-        with ld.Disks(jammed.at(jammed.phi + 0.005)) as disks:
+        jammed = ld.jam(ld.bidisperse(48, seed=seed)).packing
+        with ld.Simulation(jammed.at(jammed.phi + 0.005), ld.SoftContact()) as disks:
             rough, fair, fine = (disks.relax(tolerance) for tolerance in (1e-2, 1e-3, 1e-8))
         found, exact = fair.elastic_moduli(), fine.elastic_moduli()
         if fair.coordination == fine.coordination:  # the last digits of `jam` decide
@@ -184,7 +184,7 @@ def test_a_particle_at_the_center_of_a_circle() -> None:
         pytest.raises(ld.LammpsError, match="wider than circle 1"),
     ):
         sim.state()
-    with ld.Disks(packing) as sim:
+    with ld.Simulation(packing, ld.SoftContact()) as sim:
         state = sim.state()
     with pytest.raises(ld.ParameterError, match=r"particle 0 .* circle 1"):
         state.hessian()

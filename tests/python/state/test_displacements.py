@@ -10,8 +10,8 @@ import pytest
 Points = np.ndarray
 
 
-def state_of(packing: ld.Packing) -> ld.DiskState:
-    with ld.Disks(packing) as disks:
+def state_of(packing: ld.Packing) -> ld.State:
+    with ld.Simulation(packing, ld.SoftContact()) as disks:
         return disks.state()
 
 
@@ -47,8 +47,8 @@ def test_steps_come_back(tilt: float, flips: int) -> None:
 
 def test_a_shear_is_told_by_the_strain() -> None:
     """Twice around, so that the box at the end is that of the start: at once, and step by step."""
-    packing = ld.jam(ld.bidisperse(16, seed=1))
-    with ld.Disks(packing.at(packing.phi + 0.02)) as disks:
+    packing = ld.jam(ld.bidisperse(16, seed=1)).packing
+    with ld.Simulation(packing.at(packing.phi + 0.02), ld.SoftContact()) as disks:
         start = disks.relax(1e-2)
         sides = start.packing.box.diagonal()
         strain = float(2.0 * sides[0] / sides[1])

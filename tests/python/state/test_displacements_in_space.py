@@ -7,8 +7,8 @@ import pytest
 LEANING = [[4.0, 0.0, 0.0], [0.0, 4.0, 0.0], [2.4, 0.0, 4.0]]
 
 
-def state_of(packing: ld.Packing) -> ld.SphereState:
-    with ld.Spheres(packing) as spheres:
+def state_of(packing: ld.Packing) -> ld.State:
+    with ld.Simulation(packing, ld.SoftContact()) as spheres:
         return spheres.state()
 
 
@@ -44,7 +44,7 @@ def test_steps_come_back(tilts: tuple[float, ...], flips: tuple[int, ...]) -> No
 
 def test_a_small_shear_of_a_box_that_leans() -> None:
     """The box leans by more than half its width, so that `shear` replaces it."""
-    with ld.Spheres(spheres(20, LEANING)) as sim:
+    with ld.Simulation(spheres(20, LEANING), ld.SoftContact()) as sim:
         before = sim.relax(1e-9)
         (now,) = sim.shear(1e-6, tolerance=1e-9)[1:]
     assert now.packing.box[2, 0] == pytest.approx(2.4 - 4.0)
@@ -57,7 +57,7 @@ def test_a_small_shear_of_a_box_that_leans() -> None:
 def test_a_shear_is_told_by_the_strain(yz: float) -> None:
     """Twice around, at once and step by step, with yz along."""
     packing = spheres(12, [[4.0, 0.0, 0.0], [0.5, 4.0, 0.0], [-1.0, yz, 4.0]], radius=0.3)
-    with ld.Spheres(packing) as sim:
+    with ld.Simulation(packing, ld.SoftContact()) as sim:
         start = sim.relax(1e-6)
         states = [start, *sim.shear(2.0, steps=40, tolerance=1e-2)[1:]]
     first, *_, last = ld.Run(states).unwrapped()

@@ -43,7 +43,7 @@ def test_a_homogeneous_strain_comes_back(tilt: float) -> None:
     packing = ld.bidisperse(40, phi=0.8, tilt=tilt, seed=1)
     gradient = np.array([[0.03, 0.2], [0.0, -0.05]])
     box = packing.box @ (np.eye(2) + gradient).T
-    with ld.Disks(packing) as disks:
+    with ld.Simulation(packing, ld.SoftContact()) as disks:
         before = disks.state()
         disks.deform(box)
         now = disks.state()
@@ -59,7 +59,9 @@ def test_a_rotation_is_no_strain_and_leaves_nothing() -> None:
     packing = ld.bidisperse(40, seed=1).between(walls)
     angle = 0.3
     turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
-    with ld.Disks(packing.replace(positions=packing.positions @ turn.T)) as disks:
+    with ld.Simulation(
+        packing.replace(positions=packing.positions @ turn.T), ld.SoftContact()
+    ) as disks:
         found = disks.state().local_strain(packing, r_max=6.0)
     assert found.gradient == pytest.approx(np.broadcast_to(turn - np.eye(2), (40, 2, 2)), abs=1e-11)
     assert found.d2min.max() < 1e-22
@@ -68,7 +70,7 @@ def test_a_rotation_is_no_strain_and_leaves_nothing() -> None:
 def test_too_few_neighbors_tell_no_strain() -> None:
     places = [[1.0, 1.0], [2.0, 1.0], [3.0, 1.0], [5.0, 1.0]]
     row = ld.Packing(places, 0.5, np.diag([9.0, 9.0]))
-    with ld.Disks(row) as disks:
+    with ld.Simulation(row, ld.SoftContact()) as disks:
         found = disks.state().local_strain(row, r_max=1.5)
     assert found.neighbors.tolist() == [1, 2, 1, 0]
     assert np.isnan(found.gradient).all()

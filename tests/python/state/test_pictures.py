@@ -9,13 +9,13 @@ matplotlib.use("agg")
 
 
 @pytest.fixture(scope="module", params=[0.2, 4.0])
-def disks(request: pytest.FixtureRequest) -> ld.DiskState:
+def disks(request: pytest.FixtureRequest) -> ld.State:
     start = ld.bidisperse(30, phi=0.95, aspect=request.param, seed=1).push_off()
-    with ld.Disks(start) as disks:
+    with ld.Simulation(start, ld.SoftContact()) as disks:
         return disks.state()
 
 
-def test_long_boxes_fill_their_figures(disks: ld.DiskState) -> None:
+def test_long_boxes_fill_their_figures(disks: ld.State) -> None:
     """The box takes more than half of the figure, which is not larger than a page."""
     figure = disks.plot().figure
     figure.draw_without_rendering()
@@ -29,7 +29,7 @@ def test_long_boxes_fill_their_figures(disks: ld.DiskState) -> None:
     assert area.width > 0.0
 
 
-def test_no_figure_stays_open(state: ld.State, disks: ld.DiskState) -> None:
+def test_no_figure_stays_open(state: ld.State, disks: ld.State) -> None:
     from matplotlib import pyplot
 
     before = pyplot.get_fignums()
@@ -37,11 +37,11 @@ def test_no_figure_stays_open(state: ld.State, disks: ld.DiskState) -> None:
         state.plot()
         disks.plot()
         assert state._repr_html_().startswith("<img")
-        assert "DiskState" in disks._repr_html_()
+        assert "State" in disks._repr_html_()
     assert pyplot.get_fignums() == before
 
 
-def test_disks_have_the_words_of_states(disks: ld.DiskState) -> None:
+def test_disks_have_the_words_of_states(disks: ld.State) -> None:
     """Contacts are chords: both ends on both circles; force chains bear the overlaps."""
     ax = disks.plot(contacts=True, forces=True, color_by="contacts", cmap="magma", title="disks")
     circles, chords, chains = ax.collections
@@ -71,13 +71,13 @@ def test_disks_have_the_words_of_states(disks: ld.DiskState) -> None:
 def test_disks_at_walls_are_drawn() -> None:
     """The chord of a wall is on the wall."""
     room = ld.bidisperse(12, phi=0.95, seed=1).between(ld.BoxWall((4, 4)))
-    with ld.Disks(room.push_off()) as disks:
+    with ld.Simulation(room.push_off(), ld.SoftContact()) as disks:
         state = disks.state()
-    assert len(state.wall_pairs) > 0
+    assert np.sum(state.contact_table["j"] < 0) > 0
     ends = np.array(state.plot(contacts=True).collections[-1].get_segments())
     (x, _), (_, y) = state.packing.box
     on_wall = (np.abs(ends) < 1e-9) | (np.abs(ends - (x, y)) < 1e-9)
-    assert on_wall.all(axis=1).any(axis=1).sum() == len(state.wall_pairs)
+    assert on_wall.all(axis=1).any(axis=1).sum() == np.sum(state.contact_table["j"] < 0)
 
 
 def test_signed_values_are_centered(state: ld.State) -> None:

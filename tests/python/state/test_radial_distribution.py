@@ -34,8 +34,8 @@ def test_points_at_random_places(walls: tuple) -> None:
     assert np.abs(g - 1.0).max() < 5.0 / np.sqrt(pairs.min()) + 0.01
 
 
-def state_of(packing: ld.Packing) -> ld.DiskState:
-    with ld.Disks(packing) as disks:
+def state_of(packing: ld.Packing) -> ld.State:
+    with ld.Simulation(packing, ld.SoftContact()) as disks:
         return disks.state()
 
 

@@ -42,12 +42,15 @@ def test_simulation_and_its_states(jammed: ld.Packing) -> None:
 
 
 def test_other_states(jammed: ld.Packing) -> None:
-    with ld.Disks(jammed) as disks:
-        assert repr(disks.state()).startswith("<DiskState: 32 particles, soft disks, phi = 0.8")
-    with ld.Spheres(ld.crystal("fcc", 2, phi=0.8)) as spheres:
+    with ld.Simulation(jammed, ld.SoftContact()) as disks:
+        assert repr(disks.state()).startswith("<State: 32 particles, soft disks, phi = 0.8")
+    with ld.Simulation(ld.crystal("fcc", 2, phi=0.8), ld.SoftContact()) as spheres:
         side = f"{spheres.box[0, 0]:.4g}"
-        assert repr(spheres) == f"<Spheres: 32 particles, box {side} x {side} x {side}>"
-    assert repr(spheres) == "<Spheres: closed>"
-    few = ld.jam(ld.bidisperse(8, seed=1))
-    with ld.PolygonSimulation(few, ld.DeformablePolygon(20, smooth=False)) as sim:
-        assert repr(sim.state()).startswith("<PolygonState: 8 polygons, phi = 0.")
+        assert (
+            repr(spheres)
+            == f"<Simulation: 32 particles, law SoftContact(), box {side} x {side} x {side}>"
+        )
+    assert repr(spheres) == "<Simulation: closed>"
+    few = ld.jam(ld.bidisperse(8, seed=1)).packing
+    with ld.Simulation(few, ld.DeformablePolygon(20, smooth=False)) as sim:
+        assert repr(sim.state()).startswith("<State: 8 polygons, phi = 0.")

@@ -154,7 +154,7 @@ def test_pictures() -> None:
 
 def test_no_spins_to_draw() -> None:
     pytest.importorskip("matplotlib").use("agg")
-    with ld.Disks(ld.bidisperse(4, seed=1)) as disks:
+    with ld.Simulation(ld.bidisperse(4, seed=1), ld.SoftContact()) as disks:
         state = disks.state()
     with pytest.raises(ld.ParameterError, match="no spins: give the simulation"):
         state.plot(spins=True)

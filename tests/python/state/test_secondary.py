@@ -25,7 +25,7 @@ def dense(request: pytest.FixtureRequest) -> ld.State:
     """Centers of relaxed packings; the last one is in a sheared box."""
     number, seed, phi = request.param
     tilt = 0.3 if number == 40 else 0.0
-    jammed = ld.jam(ld.bidisperse(number, tilt=tilt, seed=seed))
+    jammed = ld.jam(ld.bidisperse(number, tilt=tilt, seed=seed)).packing
     with ld.Simulation(jammed.at(phi), ld.Ring()) as sim:
         return sector_state(sim.relax(1e-3).packing)
 
@@ -87,7 +87,7 @@ def deepest(state: ld.State, secondary: SecondaryOutlines) -> float:
 
 
 def test_overlaps_vanish(dense: ld.State) -> None:
-    steps = [ld.resolve_secondary(dense, n) for n in range(4)]
+    steps = [dense.resolve_secondary(n) for n in range(4)]
     area = [overlap_area(dense, step) for step in steps]
     residual = steps[3].residual
     assert residual[0] > 0.02
@@ -106,16 +106,16 @@ def test_overlaps_vanish(dense: ld.State) -> None:
 
 @pytest.mark.parametrize("iterations", [0, 1, 2])
 def test_residual_is_the_largest_penetration(dense: ld.State, iterations: int) -> None:
-    secondary = ld.resolve_secondary(dense, iterations)
-    found = secondary.residual[-1] * dense.packing.radii.mean()
+    secondary = dense.resolve_secondary(iterations)
+    found = secondary.residual[-1] * dense.packing.radius.mean()
     # polygons err by up to R (2 pi/1000)^2/8 = 3.5e-6 each
     assert found == pytest.approx(deepest(dense, secondary), rel=0, abs=7e-6)
 
 
 def test_perimeters_and_tangents_are_kept(dense: ld.State) -> None:
     for iterations in (0, 1, 3):
-        secondary = ld.resolve_secondary(dense, iterations)
-        for radius, arcs in zip(dense.packing.radii, secondary.arcs, strict=True):
+        secondary = dense.resolve_secondary(iterations)
+        for radius, arcs in zip(dense.packing.radius, secondary.arcs, strict=True):
             opening = arcs[:, 4] - arcs[:, 3]
             length, across = flats(arcs)
             perimeter = np.sum(arcs[:, 2] * opening) + length.sum()
@@ -128,7 +128,7 @@ def test_perimeters_and_tangents_are_kept(dense: ld.State) -> None:
 
 
 def test_outlines_are_those_of_the_arcs(dense: ld.State) -> None:
-    secondary = ld.resolve_secondary(dense)
+    secondary = dense.resolve_secondary()
     changed = 0
     for n, outline in enumerate(secondary.outlines):
         arcs = secondary.arcs[n]
@@ -151,7 +151,7 @@ def test_nothing_to_do() -> None:
         0.98 * np.array([[1.0, 0.0], [0.0, 2 * height]]),
     )
     state = sector_state(crystal)
-    secondary = ld.resolve_secondary(state)
+    secondary = state.resolve_secondary()
     for outline, expected in zip(secondary.outlines, state.outlines, strict=True):
         np.testing.assert_array_equal(outline, expected)
     assert secondary.residual.tolist() == [0.0] * 4
@@ -162,7 +162,7 @@ def test_particle_that_meets_itself() -> None:
     """Contacts with two images let it bulge into others: a rectangle with round corners."""
     radius, h, half = 1.0, 0.95, 1.01
     state = column(2 * h, [radius], [2 * half])
-    secondary = ld.resolve_secondary(state)
+    secondary = state.resolve_secondary()
     bulge = (radius - h) * np.pi / 2 + h - half
     assert secondary.residual == pytest.approx([2 * bulge, 0.0, 0.0, 0.0], abs=1e-14)
     assert secondary.overlaps.tolist() == [1, 0, 0, 0]
@@ -178,7 +178,7 @@ def test_particle_that_meets_itself() -> None:
 def test_two_arcs() -> None:
     """Two particles of unequal radius, whose arcs both have the radius h and share the overlap."""
     h, spacing, radii = 0.95, 2.13, [1.0, 1.1]
-    secondary = ld.resolve_secondary(column(2 * h, radii, [spacing, spacing]))
+    secondary = column(2 * h, radii, [spacing, spacing]).resolve_secondary()
     center = [(radius - h) * np.pi / 2 for radius in radii]  # of the arc above the particle's
     apart = spacing - sum(center)
     mean = np.mean(radii)
@@ -195,7 +195,7 @@ def test_circle_with_one_contact_stays() -> None:
     h, large, small = 0.95, 1.1, 0.8
     top = (large - h) * np.pi / 2 + h
     state = column(2 * h, [large, small], [top + small - 0.02, top + small + 0.01])
-    secondary = ld.resolve_secondary(state, 2)
+    secondary = state.resolve_secondary(2)
     np.testing.assert_array_equal(secondary.outlines[1], state.outlines[1])
     rest = core.contact_line(small + h - 0.02, small, h)
     mean = np.mean([large, small])
@@ -208,7 +208,7 @@ def test_circle_with_two_contacts_takes_the_shape_of_the_law() -> None:
     h, large, small = 0.95, 1.1, 0.8
     top = (large - h) * np.pi / 2 + h
     state = column(2 * h, [large, small], [top + small - 0.02, top + small - 0.01])
-    secondary = ld.resolve_secondary(state)
+    secondary = state.resolve_secondary()
     below, above = (core.contact_line(small + h - o, small, h) for o in (0.02, 0.01))
     expected = core.sector_arcs(small, [np.pi / 2, 3 * np.pi / 2], [above, below])
     np.testing.assert_allclose(secondary.arcs[1][:, :3], expected[:, :3], rtol=0, atol=1e-14)
@@ -229,20 +229,20 @@ def test_circle_keeps_its_contact_until_it_has_two() -> None:
         species=[0, 0, 1, 2],
     )
     state = sector_state(packing)
-    arcs = [len(ld.resolve_secondary(state, n).arcs[2]) for n in range(3)]
+    arcs = [len(state.resolve_secondary(n).arcs[2]) for n in range(3)]
     assert arcs == [1, 1, 2]
 
 
 def test_a_primary_contact_is_no_secondary_one() -> None:
     """By the law, a circle with a single contact overlaps its partner."""
-    secondary = ld.resolve_secondary(column(1.9, [1.1, 0.8], [1.88, 2.2]))
+    secondary = column(1.9, [1.1, 0.8], [1.88, 2.2]).resolve_secondary()
     assert secondary.overlaps.tolist() == [0] * 4
     assert secondary.residual.tolist() == [0.0] * 4
 
 
 def test_beyond_the_model() -> None:
-    state = sector_state(ld.jam(ld.bidisperse(32, seed=3)).at(1.2))
-    secondary = ld.resolve_secondary(state)
+    state = sector_state(ld.jam(ld.bidisperse(32, seed=3)).packing.at(1.2))
+    secondary = state.resolve_secondary()
     assert secondary.beyond == sum(np.sum(arcs[:, 2] <= 0.0) for arcs in secondary.arcs) > 0
     assert 0 < secondary.overlaps[-1] < secondary.overlaps[0]
     assert all(np.isfinite(arcs).all() for arcs in secondary.arcs)
@@ -268,7 +268,7 @@ def test_images_in_a_small_box() -> None:
         4 * small.box,
         species=np.tile(small.species, len(copies)),
     )
-    one, many = (ld.resolve_secondary(sector_state(p)) for p in (small, large))
+    one, many = (sector_state(p).resolve_secondary() for p in (small, large))
     assert one.residual[0] > 0.0
     # coordinates of up to 10 are rounded to 1e-15
     np.testing.assert_allclose(one.residual, many.residual, rtol=0, atol=1e-14)
@@ -299,10 +299,10 @@ def test_other_laws_are_refused(law: ld.Ring | ld.Sector) -> None:
     with ld.Simulation(ld.bidisperse(4, seed=1), law) as sim:
         state = sim.state()
     with pytest.raises(ld.ParameterError, match=f"not {type(law).__name__}"):
-        ld.resolve_secondary(state)
+        state.resolve_secondary()
 
 
 def test_negative_iterations_are_refused() -> None:
     state = sector_state(ld.bidisperse(4, seed=1))
     with pytest.raises(ld.ParameterError, match="iterations must not be negative, not -1"):
-        ld.resolve_secondary(state, -1)
+        state.resolve_secondary(-1)

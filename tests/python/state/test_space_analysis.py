@@ -5,13 +5,13 @@ from itertools import product
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable import Packing, SphereState
+from lammps_deformable import Packing, State
 from scipy.spatial import ConvexHull, Voronoi
 from scipy.special import factorial, lpmv
 
 
-def state_of(packing: Packing) -> SphereState:
-    with ld.Spheres(packing) as spheres:
+def state_of(packing: Packing) -> State:
+    with ld.Simulation(packing, ld.SoftContact()) as spheres:
         return spheres.state()
 
 
@@ -26,7 +26,7 @@ def leaning(number: int, radii: tuple[float, float]) -> Packing:
 
 
 @pytest.fixture(scope="module")
-def mixture() -> SphereState:
+def mixture() -> State:
     return state_of(leaning(30, (0.4, 0.7)))
 
 
@@ -68,7 +68,7 @@ def by_harmonics(normal: np.ndarray, area: np.ndarray, degree: int) -> float:
     return float(np.sqrt(total * 4.0 * np.pi / (2 * degree + 1)) / area.sum())
 
 
-def test_cells_fill_the_box(mixture: SphereState) -> None:
+def test_cells_fill_the_box(mixture: State) -> None:
     """Each point of space is in the cell of the sphere with the least d^2 - R^2."""
     packing, volume = mixture.packing, mixture.filled_volume / mixture.local_phi
     assert volume.sum() == pytest.approx(packing.volume, rel=1e-9)
@@ -99,7 +99,7 @@ def test_equal_spheres_as_in_scipy() -> None:
     assert np.array_equal(state.cell_sides, sides)
 
 
-def test_order_by_harmonics(mixture: SphereState) -> None:
+def test_order_by_harmonics(mixture: State) -> None:
     cells = mixture._cells
     for degree in (4, 6, 7):
         parts = [(cells.direction[cells.i == n], cells.side[cells.i == n]) for n in range(30)]
@@ -164,7 +164,7 @@ def test_shells_of_a_crystal() -> None:
     assert shells.sum() == pytest.approx(42.0, rel=1e-3)
 
 
-def test_affine_strain_is_told(mixture: SphereState) -> None:
+def test_affine_strain_is_told(mixture: State) -> None:
     """Also where tilts have been replaced by those of an equivalent box."""
     before = mixture.packing
     strain = np.eye(3) + np.array([[0.01, 0.0, 0.0], [0.03, -0.02, 0.0], [0.01, -0.02, 0.015]])
@@ -190,7 +190,7 @@ def test_affine_strain_is_told(mixture: SphereState) -> None:
     assert paths[2] == pytest.approx(paths[1], abs=1e-9)
 
 
-def test_refusals(mixture: SphereState) -> None:
+def test_refusals(mixture: State) -> None:
     for call, told in (
         (lambda: mixture.steinhardt(0), "l must be at least 1, not 0"),
         (lambda: mixture.steinhardt(2.5), "l must be a whole number"),  # type: ignore[arg-type]

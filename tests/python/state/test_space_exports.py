@@ -7,12 +7,12 @@ from pathlib import Path
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable import DropletState
+from lammps_deformable import State
 from lammps_deformable.plot3d import WHOLE, Facets, Surfaces, surfaces_of
 
 
 @pytest.fixture(scope="module")
-def state() -> DropletState:
+def state() -> State:
     """Of two species, in a box that leans all ways."""
     start = ld.bidisperse(24, sizes=(0.5, 0.6), dimension=3, aspect=1.4, tilt=0.3, seed=2)
     box = start.box + np.array([[0.0] * 3, [0.0] * 3, [0.7, -0.4, 0.0]])
@@ -98,7 +98,7 @@ def test_facets_that_meet_leave_a_polyhedron() -> None:
     )
 
 
-def test_surfaces_are_closed(state: DropletState) -> None:
+def test_surfaces_are_closed(state: State) -> None:
     """Each edge of a polygon is that of another one the other way round."""
     found = surfaces_of(state.packing.positions, state.packing.radii, state._facets())
     _, point = np.unique(found.points.round(9), axis=0, return_inverse=True)
@@ -122,7 +122,7 @@ def read_vtp(path: Path) -> tuple[object, dict[str, np.ndarray]]:
     return data, {name: vtk_to_numpy(cells.GetArray(name)) for name in names}
 
 
-def test_vtk_has_droplets_with_facets(state: DropletState, tmp_path: Path) -> None:
+def test_vtk_has_droplets_with_facets(state: State, tmp_path: Path) -> None:
     state.export(tmp_path / "droplets.vtp")
     data, values = read_vtp(tmp_path / "droplets.vtp")
     owner = values["id"] - 1
@@ -138,7 +138,7 @@ def test_vtk_has_droplets_with_facets(state: DropletState, tmp_path: Path) -> No
     assert data.GetPointData().GetNormals() is not None
 
 
-def test_vtk_has_the_network(state: DropletState, tmp_path: Path) -> None:
+def test_vtk_has_the_network(state: State, tmp_path: Path) -> None:
     state.export(tmp_path / "network.vtp", forces=True)
     data, values = read_vtp(tmp_path / "network.vtp")
     half = len(state.contact_table) // 2
@@ -171,7 +171,7 @@ def test_networks_in_the_plane(tmp_path: Path) -> None:
     )
 
 
-def test_tables(state: DropletState) -> None:
+def test_tables(state: State) -> None:
     pytest.importorskip("pandas")
     particles, contacts = state.to_pandas(), state.to_pandas("contacts")
     assert np.array_equal(particles[["x", "y", "z"]], state.packing.positions)
@@ -186,7 +186,7 @@ def test_tables(state: DropletState) -> None:
     assert {"fx", "fy", "fz", "facet_radius", "indentation"} <= set(contacts.columns)
 
 
-def test_mdanalysis(state: DropletState) -> None:
+def test_mdanalysis(state: State) -> None:
     universe = state.to_mdanalysis()
     frame = universe.trajectory.ts
     assert universe.atoms.positions == pytest.approx(state.packing.positions, abs=1e-5)
@@ -195,7 +195,7 @@ def test_mdanalysis(state: DropletState) -> None:
     assert universe.atoms.velocities == pytest.approx(state.velocities)
 
 
-def test_freud(state: DropletState) -> None:
+def test_freud(state: State) -> None:
     freud = pytest.importorskip("freud")
     box, points = state.to_freud()
     assert box.to_matrix() == pytest.approx(state.packing.box.T, rel=1e-6)
@@ -209,7 +209,7 @@ def test_freud(state: DropletState) -> None:
     assert order.particle_order.shape == (24,)
 
 
-def test_refusals(state: DropletState, tmp_path: Path) -> None:
+def test_refusals(state: State, tmp_path: Path) -> None:
     with pytest.raises(ld.ParameterError, match=r"in space are written as \.vtp, not"):
         state.export(tmp_path / "droplets.geojson")
     with pytest.raises(ld.ParameterError, match="forces must be of the kind bool"):

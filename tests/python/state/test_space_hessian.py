@@ -7,7 +7,7 @@ from pathlib import Path
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable import Droplet, DropletState, Packing, SphereState
+from lammps_deformable import Droplet, Packing, State
 from ranks import python
 
 from validation.finite_strain import bulk_modulus, shear_modulus
@@ -22,7 +22,7 @@ CLOSE = {"sc": np.pi / 6, "bcc": np.pi * np.sqrt(3) / 8, "fcc": np.pi * np.sqrt(
 
 def evaluated(packing: Packing, law: Droplet | None):
     """State of a packing as it is, and the gradient of the energy that LAMMPS finds, (3N,)."""
-    with ld.Simulation(packing, law) if law else ld.Spheres(packing) as sim:
+    with ld.Simulation(packing, law or ld.SoftContact()) as sim:
         state = sim.state()
         forces = np.array(sim.lmp.gather("f", 1, 3))
     return state, -forces
@@ -70,7 +70,7 @@ def test_loads_at_which_single_droplets_are_not_convex() -> None:
     assert convex(evaluated(packing, Droplet())[0]) < len(packing)
 
 
-def convex(state: DropletState) -> int:
+def convex(state: State) -> int:
     """Number of droplets whose compliance is positive definite."""
     found, radius = 0, state.packing.radii
     for i in range(len(radius)):
@@ -121,19 +121,19 @@ def test_moduli_of_crystals(lattice: str, shear: float | None, extension: float 
         assert found / unit == pytest.approx(extension, abs=1e-4)
 
 
-def relaxed(law: Droplet | None, phi: float) -> DropletState | SphereState:
-    jammed = ld.jam(ld.bidisperse(48, sizes=(1.0, 1.2), dimension=3, seed=1))
+def relaxed(law: Droplet | None, phi: float) -> State:
+    jammed = ld.jam(ld.bidisperse(48, sizes=(1.0, 1.2), dimension=3, seed=1)).packing
     start = jammed.at(phi)
-    with ld.Simulation(start, law) if law else ld.Spheres(start) as sim:
+    with ld.Simulation(start, law or ld.SoftContact()) as sim:
         return sim.relax(1e-10)
 
 
 @pytest.fixture(scope="module", params=["spheres", "droplets"])
-def rest(request: pytest.FixtureRequest) -> DropletState | SphereState:
+def rest(request: pytest.FixtureRequest) -> State:
     return relaxed(LAWS[request.param], 0.68)
 
 
-def test_moduli_are_those_of_finite_strains(rest: DropletState | SphereState) -> None:
+def test_moduli_are_those_of_finite_strains(rest: State) -> None:
     """Of second order in the strain; contacts change from some 1e-4 on."""
     moduli, strain = rest.elastic_moduli(), 1e-5
     for modulus, found in (
@@ -145,7 +145,7 @@ def test_moduli_are_those_of_finite_strains(rest: DropletState | SphereState) ->
     assert moduli.relaxing[0, 1, 0, 1] > 0.1 * moduli.affine[0, 1, 0, 1]
 
 
-def test_modes_and_zero_modes(rest: DropletState | SphereState) -> None:
+def test_modes_and_zero_modes(rest: State) -> None:
     """Three translations, and three motions of each rattler; Lanczos' method as the dense one."""
     number = 3 + 3 * int(rest.rattlers.sum())
     every, few = rest.modes(), rest.modes(5)

@@ -7,7 +7,8 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 from lammps_deformable import plot3d
-from lammps_deformable.plot3d import WHOLE, Facets, section_of
+from lammps_deformable.contacts import other_side
+from lammps_deformable.plot3d import WHOLE, Facets, facets_of, section_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -69,16 +70,16 @@ def test_a_plane_cuts_off_a_cap(tilt: float) -> None:
 
 
 @pytest.fixture(scope="module")
-def states() -> tuple[ld.SphereState, ld.DropletState]:
+def states() -> tuple[ld.State, ld.State]:
     crystal = ld.crystal("fcc", 2, phi=0.8)
-    with ld.Spheres(crystal) as spheres:
+    with ld.Simulation(crystal, ld.SoftContact()) as spheres:
         soft = spheres.state()
     with ld.Simulation(crystal, ld.Droplet()) as sim:
         return soft, sim.state()
 
 
 def test_states_and_packings_are_drawn(
-    states: tuple[ld.SphereState, ld.DropletState],
+    states: tuple[ld.State, ld.State],
 ) -> None:
     for state in (*states, states[0].packing):
         colors = {"color" if isinstance(state, ld.Packing) else "color_by": "radius"}
@@ -93,10 +94,10 @@ def test_states_and_packings_are_drawn(
     assert len(network.collections[1].get_segments()) == len(droplets.contact_table) // 2
     for state in states:
         assert "<img" in (state._repr_html_() or "")
-    facets = soft._facets()
-    assert len(facets.i) == 2 * len(soft.pairs)
-    both = facets.height[: len(soft.pairs)] + facets.height[len(soft.pairs) :]
-    assert both == pytest.approx(np.linalg.norm(soft._contact_forces.vector, axis=1))
+    facets, table = facets_of(soft), soft.contact_table
+    assert len(facets.i) == len(table)
+    both = facets.height + facets.height[other_side(table)]
+    assert both == pytest.approx(table["distance"])
 
 
 def polygon_area(outline: np.ndarray) -> float:
@@ -139,7 +140,7 @@ def test_a_section_of_facets() -> None:
     assert state.plot(slice=h).collections  # on the facets
 
 
-def test_movies(states: tuple[ld.SphereState, ld.DropletState], tmp_path: Path) -> None:
+def test_movies(states: tuple[ld.State, ld.State], tmp_path: Path) -> None:
     from PIL import Image
 
     _, droplets = states
@@ -159,7 +160,7 @@ def test_movies(states: tuple[ld.SphereState, ld.DropletState], tmp_path: Path) 
         (state, {"view": (1, 2)}, "view is for states in three dimensions"),
         (droplets, {"spins": True}, "spins is for states in the plane"),
         (droplets, {"contacts": True}, "contacts are drawn in a slice"),
-        (states[0], {}, "a state of a movie must be of the kind State or DropletState"),
+        (states[0], {}, "a state of a movie must be of the kind State or State"),
     ):
         with pytest.raises(ld.ParameterError, match=told):
             ld.Run([one]).movie(tmp_path / "wrong.gif", **settings)
@@ -185,7 +186,7 @@ def test_movies(states: tuple[ld.SphereState, ld.DropletState], tmp_path: Path) 
 def test_refusals(
     settings: dict[str, object],
     told: str,
-    states: tuple[ld.SphereState, ld.DropletState],
+    states: tuple[ld.State, ld.State],
 ) -> None:
     draw: Callable[..., object] = states[1].plot
     with pytest.raises(ld.ParameterError, match=told):

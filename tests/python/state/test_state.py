@@ -14,7 +14,7 @@ pytestmark = pytest.mark.filterwarnings("error")
 def many() -> ld.Packing:
     """24 particles with radii of their own in a tilted box."""
     draw = np.random.default_rng(4).lognormal(-0.7, 0.15, 24)
-    return ld.jam(ld.polydisperse(24, draw, tilt=0.3, seed=4))
+    return ld.jam(ld.polydisperse(24, draw, tilt=0.3, seed=4)).packing
 
 
 def test_energy_and_areas_are_those_of_the_kernels(state: ld.State, many: ld.Packing) -> None:
@@ -81,7 +81,7 @@ def test_force_vectors_sum_to_the_forces(law: Law, jammed: ld.Packing) -> None:
     ],
 )
 def test_contacts_and_rattlers_against_brute_force(start: ld.Packing) -> None:
-    jammed = ld.jam(start)
+    jammed = ld.jam(start).packing
     law = ld.Ring(contact="radical")
     with ld.Simulation(jammed.at(jammed.phi * 1.01), law) as sim:
         state = sim.relax()

