@@ -205,10 +205,11 @@ def compare(
         raise ParameterError(f"strain must lie between 0 and 1, not {strain}")
     packing = first if isinstance(first, Packing) else first.packing
     expect("packing", packing, Packing)
-    for each in (law, None if isinstance(first, Packing) else first.law):
+    own = None if isinstance(first, Packing) or isinstance(first.law, SoftContact) else first.law
+    for each in (law, own):
         if each is not None:
             _refuse_law(each)
-    stiffness = law or (None if isinstance(first, Packing) else first.law)
+    stiffness = law or own
     model = partial(_polygons, packing, polygon, None if polygon else stiffness)
     *coarse, finest = sorted({count("vertices", each) for each in vertices})
     rivals = [model(each) for each in coarse]

@@ -740,7 +740,7 @@ def natural_pressure(packing: Packing, law: Jamming) -> float:
     r0 = float(packing.radii.mean())
     if isinstance(law, SoftContact):
         return law.k if packing.dimension == 2 else 0.5 * law.k / r0
-    kA, kP, _, tension = law.species_parameters(packing.radii).of(packing.species)
+    kA, kP, _, tension = law.species_parameters(packing._species_radii).of(packing.species)
     compliance = 1.0 / (kA * r0**2) + 1.0 / np.where(kP > 0.0, kP, np.inf)
     stiffness = np.where(kP > 0.0, 1.0 / np.where(compliance > 0.0, compliance, 1.0), 0.0)
     return float(np.mean(stiffness + tension / r0))

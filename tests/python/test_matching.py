@@ -59,16 +59,12 @@ def test_rattlers_do_not_count(pair):
     exact, own = pair
     loose = exact.contact_table["i"][0]
     there = (exact.contact_table["i"] != loose) & (exact.contact_table["j"] != loose)
-    contacts = replace(
-        exact.contact_table,
-        **{name: value[there] for name, value in vars(exact.contact_table).items()},
-    )
-    exact = replace(exact, contact_table=contacts)
+    contacts = exact.contact_table
+    exact = replace(exact, table=contacts[there])
     step = np.zeros((8, 2))
     step[loose] = 0.1
     assert centers_rms(exact, own) == centers_rms(moved(exact, step), own)
-    none = replace(contacts, **{name: value[:0] for name, value in vars(contacts).items()})
-    assert centers_rms(replace(exact, contact_table=none), own) is None
+    assert centers_rms(replace(exact, table=contacts[:0]), own) is None
     assert centers_rms(exact, replace(own, stress=1e-7 * own.stress)) is None
 
 
