@@ -39,9 +39,7 @@ def test_distance_of_centers(pair):
     """Neither drift nor periodic images nor rattlers count; a particle that moves does."""
     exact, own = pair
     same = replace(exact, packing=exact.packing.replace(positions=own.packing.positions))
-    touching = np.bincount(
-        np.concatenate([exact.contacts["i"], exact.contacts["j"]]), minlength=8
-    )
+    touching = np.bincount(np.concatenate([exact.contacts["i"], exact.contacts["j"]]), minlength=8)
     held = np.flatnonzero((touching >= 3) & ~own.rattlers)
     assert len(held) >= 3
     assert centers_rms(same, own) == pytest.approx(0.0, abs=1e-15)
