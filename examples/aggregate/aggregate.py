@@ -53,7 +53,7 @@ def round_up(seed):
     """The strip at rest, and the states of its motion in a heat bath."""
     with ld.Simulation(strip(), cell(ADHESION)) as sim:
         first = sim.relax()
-        bath = {"temperature": TEMPERATURE, "friction": FRICTION, "seed": seed}
+        bath = {"temperature": TEMPERATURE, "drag": FRICTION, "seed": seed}
         yield first
         yield from sim.run(ROUNDS * STEPS, timestep=TIMESTEP, every=STEPS, **bath)[1:]
 

@@ -15,8 +15,8 @@ jammed = ld.jam(loose).packing
 print(f"jammed at phi = {jammed.phi:.5f}")
 
 sim = ld.Simulation(jammed, ld.Ring(kA=1.0))
-steps = sim.compress(strain=0.03, steps=6, tolerance=1e-4)[1:]
-for state in ld.record(steps, "run", overwrite=True):
+run = sim.compress(strain=0.03, steps=6, tolerance=1e-4, record="run", mode="w")
+for state in run[1:]:
     on_disk = np.linalg.norm(state.wall_forces[1])
     print(f"phi {state.phi:.4f}  pressure {state.pressure:.3e}  on the disk {on_disk:.2e}")
 

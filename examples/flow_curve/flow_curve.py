@@ -36,7 +36,7 @@ def prepare(number):
 def flow(rate, strain):
     """Strain, stress and pressure of an emulsion that flows, or in relaxed steps at the rate 0."""
     with ld.Run("start").simulation() as sim:
-        how = {"rate": rate, "friction": DRAG} if rate else {"tolerance": 1e-4}
+        how = {"rate": rate, "drag": DRAG} if rate else {"tolerance": 1e-4}
         states = sim.shear(strain, steps=round(strain / STEP), **how)[1:]
         rows = [(state.shear_strain, state.shear_stress, state.pressure) for state in states]
     return np.transpose(rows)

@@ -171,12 +171,12 @@ def test_beads_on_the_outlines_have_no_error(
     outlines = polygon_outlines(small, state)
     centers = small.packing.positions
     exact = replace(
-        small, outlines=[line + center for line, center in zip(outlines, centers, strict=True)]
+        small, vertices=[line + center for line, center in zip(outlines, centers, strict=True)]
     )
     assert shape_errors(exact, state).max() < 1e-14
     pushed = [line * 1.001 for line in outlines]  # each bead 0.001 of its distance too far out
     beyond = replace(
-        small, outlines=[line + center for line, center in zip(pushed, centers, strict=True)]
+        small, vertices=[line + center for line, center in zip(pushed, centers, strict=True)]
     )
     distance = [np.hypot(*line.T).mean() for line in outlines]
     assert shape_errors(beyond, state) == pytest.approx(

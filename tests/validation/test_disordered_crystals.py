@@ -25,7 +25,7 @@ HEXAGON = 2.0 * math.sqrt(3.0)  # its area over the square of its inradius
 def fine(law: str, u: np.ndarray, eta: float) -> ld.State:
     packing = crystals.spread(crystals.crystal(len(u), PHI), u, eta)
     state = crystals.relaxed(packing, crystals.LAWS[law])
-    return ld.Simulation(state, state.law).relax(1e-9)
+    return ld.Simulation(state, state.law).relax(1e-10)
 
 
 def pressure(law: str, phi: float) -> float:

@@ -112,7 +112,7 @@ def test_rings_follow_a_cubic_law_and_disks_a_linear_one() -> None:
 
 
 def test_names_of_laws() -> None:
-    assert contact_law("disk") is None
+    assert contact_law("disk") == ld.SoftContact()
     assert contact_law("curved") == ld.Ring(contact="curved")
     with pytest.raises(KeyError):
         contact_law("disks")

@@ -107,7 +107,7 @@ def test_nonsense_is_told(run: Path, words: tuple[str, ...], message: str) -> No
 def test_names_of_laws_in_tables() -> None:
     assert contact_law("droplet") == ld.Droplet()
     assert contact_law("droplet, tension 2.0") == ld.Droplet(2.0)
-    assert contact_law("sphere") is None
+    assert contact_law("sphere") == ld.SoftContact()
     assert [dimension_of(name) for name in ("sphere", "disk", "droplet", "radical")] == [3, 2, 3, 2]
     # ten contacts more, of 20 particles that are no rattlers
     for law, least in (("disk", 39), ("sphere", 58)):

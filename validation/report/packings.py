@@ -26,6 +26,7 @@ from lammps_deformable.comparison import (
     shape_error,
     shape_errors,
     stiff_polygons,
+    timed,
 )
 from lammps_deformable.jamming import jam
 from lammps_deformable.lammps import run
@@ -246,7 +247,7 @@ def paper_packing(
     """
     jammed = jam(bidisperse(number, seed=seed)).packing
     with Simulation(jammed, model or DeformablePolygon(50, smooth=False)) as polygons:
-        state = polygons.compress(strain=strain, steps=steps)[-1]
+        state, _ = timed(polygons, strain, steps)[-1]
     laws: dict[str, Law] = {"sector": Sector(), "radical": Ring(contact="radical")}
     return {name: AtCenters(state, predict(state, law)) for name, law in laws.items()}
 

@@ -21,8 +21,9 @@ from lammps_deformable.comparison import BEAD, STYLES, deviation, shape_error
 from lammps_deformable.errors import ParameterError
 from lammps_deformable.laws import Ring
 from lammps_deformable.packing import Packing
-from lammps_deformable.polygon_engine import Simulation, steiner_point
+from lammps_deformable.polygon_engine import steiner_point
 from lammps_deformable.polygons import DeformablePolygon, Walls
+from lammps_deformable.simulation import Simulation
 from lammps_deformable.state import State
 from matplotlib import colormaps
 from matplotlib.figure import Figure

@@ -14,6 +14,7 @@ from lammps_deformable.comparison import (
     matching_laws,
     polygon_path,
     predict,
+    timed,
 )
 from lammps_deformable.errors import ParameterError
 from lammps_deformable.jamming import jam
@@ -156,7 +157,7 @@ def hysteresis(
     start = jam(bidisperse(number, seed=seed)).packing
     with Simulation(start, model, comm=MPI.COMM_SELF) as polygons, warnings.catch_warnings():
         warnings.simplefilter("ignore")  # the rows have the residuals
-        forth = polygons.compress(strain=strain, steps=steps)[1:]
+        forth = [state for state, _ in timed(polygons, strain, steps)]
         back = []
         for n in range(steps - 1, 0, -1):
             polygons.deform(start.box * (1.0 - strain * n / steps))

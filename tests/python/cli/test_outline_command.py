@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from lammps_deformable.cli.main import app
 from programs import command, program
+from protocol_helpers import written
 
 SCRIPT = '''
 units lj
@@ -91,7 +92,7 @@ def test_files_of_a_run_tell_its_law(tmp_path: Path) -> None:
     for law in (ld.Ring(contact="curved", reach=0.4), ld.Sector()):
         with ld.Simulation(start, law) as sim:
             states.append(sim.state())
-    list(ld.record(states, tmp_path / "run"))
+    written(states, tmp_path / "run")
     states[0].save(tmp_path / "saved")
     dump, species = tmp_path / "run" / "trajectory.lammpstrj", tmp_path / "saved"
     types = ["s1", "s2"]

@@ -111,8 +111,7 @@ def run(seed):
     packing = ld.jam(ld.bidisperse(24, seed=seed)).packing
     with ld.Simulation(packing, ld.Ring()) as sim:
         open(f"pid-{os.getpid()}", "w").close()
-        for state in ld.move(sim, 1e9, temperature=1e-7):
-            pass
+        sim.run(10**9, every=100, temperature=1e-7, keep=False)
 ld.parallel_map(run, [1, 2, 3], workers=2)
 """
 

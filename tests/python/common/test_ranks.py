@@ -19,7 +19,7 @@ from mpi4py import MPI
 def strained(seed):
     jammed = ld.jam(ld.bidisperse(8, seed=seed)).packing
     with ld.Simulation(jammed, ld.Ring()) as sim:
-        *_, state = ld.compress(sim, 0.02, 2)
+        state = sim.compress(strain=0.02, steps=2)[-1]
     here = ld.parallel_map(lambda _: os.getpid(), [1, 2]) == [os.getpid()] * 2
     return MPI.COMM_WORLD.rank, here, state.energy, state.packing.positions.tolist()
 

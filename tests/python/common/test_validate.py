@@ -93,8 +93,8 @@ def test_a_closed_simulation_refuses_calls(kind: Callable[[], Any], tmp_path: Pa
         lambda: sim.box,
         lambda: sim.lmp,
         lambda: sim.deform(P.box),
-        lambda: sim.compress(strain=0.01)[1:],
-        lambda: sim.shear(0.01)[1],
+        lambda: sim.compress(strain=0.01),
+        lambda: sim.shear(0.01),
     ]
     if isinstance(sim.law, Ring):
         calls += [lambda: sim.run(1, temperature=1.0)[1:], lambda: sim.reset(P)]
@@ -112,7 +112,7 @@ def test_a_closed_simulation_refuses_calls(kind: Callable[[], Any], tmp_path: Pa
 def test_folders_that_cannot_be_written(folder: str, state: ld.State) -> None:
     for call in (
         lambda: state.save(folder),
-        lambda: next(ld.record([state], folder)),
+        lambda: ld.Simulation(state, state.law).compress(strain=0.01, record=folder),
         lambda: ld.Run([state]).movie(f"{folder}/movie.gif"),
     ):
         told = rf"\A'{folder}[^\n]* cannot be written: |\A'/dev/null' is a file, not a folder: "

@@ -141,8 +141,8 @@ MISTAKES = {
     ),
     "a rank that fails": (
         "True",
-        "if rank == 1: raise ValueError('mine')\nlist(ld.compress(sim, 0.01, 2))",
-        "rank 1 has ended without the call Simulation.deform",
+        "if rank == 1: raise ValueError('mine')\nsim.compress(strain=0.01, steps=2)",
+        "rank 1 has ended without the call Simulation.compress",
     ),
 }
 

@@ -20,8 +20,8 @@ if MPI.COMM_WORLD.rank == 0:
 """
 COMPRESSED = """
 sim = ld.Simulation(start, ld.Ring())
-for state in ld.record(ld.compress(sim, 0.02, 2, {tolerance}), "run"):
-    assert state.root == (MPI.COMM_WORLD.rank == 0)
+state = sim.compress(strain=0.02, steps=2, tolerance={tolerance}, record="run")[-1]
+assert state.root == (MPI.COMM_WORLD.rank == 0)
 with ld.Run("run").simulation() as again:
     assert abs(again.state().energy / state.energy - 1) < 1e-12
 table = state.contacts
@@ -53,22 +53,22 @@ scene = [ld.Cylinder(2, "z", (0, 0, 0)), *lids, ld.Sphere(0.4, (1, 0, 1), inside
 loose = ld.bidisperse(32, dimension=3, seed=3).between(scene, seed=1)
 start = loose.at(0.6).push_off()
 with ld.Simulation(start, ld.Droplet()) as sim:
-    *_, state = ld.compress(sim, 0.02, 2, 1e-8)
+    state = sim.compress(strain=0.02, steps=2, tolerance=1e-8)[-1]
 seen = [state.phi, state.pressure, state.energy, *state.wall_forces.ravel()]
 """
 MOTION = """
 packing = ld.bidisperse(32, phi=0.9, seed=3).push_off()
 with ld.Simulation(packing, ld.Ring()) as sim:
-    (free,) = ld.move(sim, 100, 0.2, temperature=1e-6, seed=1)
-    *_, bath = ld.move(sim, 100, 0.2, temperature=1e-6, friction=0.1, every=50, seed=1)
+    free = sim.run(100, timestep=0.2, temperature=1e-6, seed=1)[-1]
+    bath = sim.run(100, timestep=0.2, temperature=1e-6, drag=0.1, every=50, seed=1)[-1]
 alike = MPI.COMM_WORLD.allgather(bath.temperature)  # each rank has its own noise
 assert alike == alike[:1] * len(alike)
 seen = [free.energy, free.kinetic_energy]
 rough = ld.Friction(0.4, kt=0.01, gt=0.001, damping=0.01)
 with ld.Simulation(packing, ld.Ring(), friction=rough) as sim:
-    (rubbed,) = ld.move(sim, 50, 0.2, temperature=1e-4, seed=1)
+    rubbed = sim.run(50, timestep=0.2, temperature=1e-4, seed=1)[-1]
 with ld.Simulation(rubbed, ld.Ring()) as sim:  # springs reach their ranks
-    (further,) = ld.move(sim, 50, 0.2)
+    further = sim.run(50, timestep=0.2)[-1]
 assert further.contacts["sliding"].any()
 seen += [further.lost_energy, further.spring_energy, *further.spins]
 """
@@ -120,9 +120,8 @@ import lammps_deformable as ld
 rank = MPI.COMM_WORLD.rank
 jammed = ld.jam(ld.bidisperse(16, seed=rank + 1)).packing
 sim = ld.Simulation(jammed, ld.Ring(), comm=MPI.COMM_SELF)
-for state in ld.record(ld.compress(sim, 0.01, rank + 1), f"run{rank}"):
-    pass
-assert state.root
+run = sim.compress(strain=0.01, steps=rank + 1, record=f"run{rank}")
+assert len(run) == rank + 2
 """
 
 
@@ -131,8 +130,7 @@ import lammps_deformable as ld
 
 start = ld.jam(ld.bidisperse(32, seed=6)).packing.at(0.87)
 sim = ld.Simulation(start, ld.Ring(contact="radical"))
-for state in ld.compress_in(sim, "run", strain=0.005, steps=5, tolerance=1e-9):
-    pass
+sim.compress(strain=0.005, steps=5, tolerance=1e-9, record="run")
 """
 
 

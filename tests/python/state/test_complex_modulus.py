@@ -6,6 +6,7 @@ from collections.abc import Callable
 import lammps_deformable as ld
 import numpy as np
 import pytest
+from protocol_helpers import dynamic_modulus
 
 from validation.finite_strain import bulk_modulus, shear_modulus
 
@@ -86,20 +87,13 @@ def test_a_flow_at_small_strains_has_it(rest: Snapshot, part: float) -> None:
     """Where the softest mode and where most centers begin to follow, within the time step."""
     if rest.law is None:
         with pytest.raises(ld.ParameterError, match="are sheared without a rate"):
-            ld.dynamic_modulus(rest, 1e-7, 1.0, friction=0.5)
+            dynamic_modulus(rest, 1e-7, 1.0, drag=0.5)
         return
     omega = part * rest.modes(1, vectors=False).stiffness[0] / 0.5
     expected = rest.complex_modulus(omega, friction=0.5)
     affine = rest.moduli().affine[0, 1, 0, 1]
-    found = ld.dynamic_modulus(
-        rest,
-        1e-7,
-        2.0 * math.pi / omega,
-        cycles=2,
-        discarded=3,
-        steps=8,
-        friction=0.5,
-    )
+    period = 2.0 * math.pi / omega
+    found = dynamic_modulus(rest, 1e-7, period, cycles=2, skip=3, steps=8, drag=0.5)
     assert abs(found.storage + 1j * found.loss - expected) < 4e-3 * affine
     assert abs(expected - affine) > 0.03 * affine
 

@@ -23,10 +23,10 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[ld.State]]
         exactly_balanced(),
         ld.Simulation(jammed, ld.Ring(kP=2.0, skin=0.02)) as sim,
     ):
-        pressed = sim.compress(strain=0.03, steps=2)[1:]
-        states = [sim.state(), *ld.record(pressed, folder)]
-        motion = sim.run(60, temperature=1e-5, every=20, seed=1)[1:]
-        states += ld.Run(folder).append(motion)
+        states = [sim.state()]
+        sim.compress(strain=0.03, steps=2, record=folder, callback=states.append)
+        motion = {"temperature": 1e-5, "every": 20, "seed": 1, "callback": states.append}
+        sim.run(60, record=folder, mode="a", **motion)
     return folder, states
 
 
