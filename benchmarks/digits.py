@@ -82,13 +82,9 @@ def strained(law: ld.Ring, protocol: str) -> list[object]:
             states = sim.shear(STRAIN, steps=STEPS)[1:]
         else:
             states = sim.compress(strain=STRAIN, steps=STEPS)[1:]
-<<<<<<< state
-    return [[s.packing, s.energy, s.pressure_tensor, s.area, s.contacts["force"]] for s in states]
-=======
     return [
-        [s.packing, s.energy, s.pressure_tensor, s.volumes, s.n_contacts["force"]] for s in states
+        [s.packing, s.energy, s.pressure_tensor, s.volumes, s.contacts["force"]] for s in states
     ]
->>>>>>> main
 
 
 def rings() -> list[object]:

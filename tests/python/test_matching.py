@@ -63,11 +63,7 @@ def test_rattlers_do_not_count(pair):
     step[loose] = 0.1
     assert centers_rms(exact, own) == centers_rms(moved(exact, step), own)
     assert centers_rms(replace(exact, table=contacts[:0]), own) is None
-<<<<<<< state
-    assert centers_rms(exact, replace(own, stress=1e-7 * own.pressure_tensor)) is None
-=======
     assert centers_rms(exact, replace(own, pressure_tensor=1e-7 * own.pressure_tensor)) is None
->>>>>>> main
 
 
 @pytest.mark.parametrize("smooth", [True, False])

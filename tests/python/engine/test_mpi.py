@@ -69,11 +69,7 @@ with ld.Simulation(packing, ld.Ring(), friction=rough) as sim:
     rubbed = sim.run(50, timestep=0.2, temperature=1e-4, seed=1)[-1]
 with ld.Simulation(rubbed, ld.Ring()) as sim:  # springs reach their ranks
     further = sim.run(50, timestep=0.2)[-1]
-<<<<<<< state
 assert further.contacts["sliding"].any()
-=======
-assert further.n_contacts["sliding"].any()
->>>>>>> main
 seen += [further.lost_energy, further.spring_energy, *further.spins]
 """
 TIGHT, ROUGH = COMPRESSED.format(tolerance=1e-9), COMPRESSED.format(tolerance=1e-6)
