@@ -58,7 +58,7 @@ def measure(adhesion, seed):
     area = np.linalg.det(states[0].packing.box)
     films = [films_of(state) for state in states]
     return {
-        "modulus": states[0].elastic_moduli().shear_modulus,
+        "modulus": states[0].moduli().shear_modulus,
         "stress": stress,
         "energy": energy[1:] - energy[0],
         # of each step, by the mean of the stresses before and after it

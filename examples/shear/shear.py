@@ -9,7 +9,7 @@ PHI, STRAIN, STEPS = 0.90, 1.0, 200
 jammed = ld.jam(ld.bidisperse(64, seed=1)).packing
 with ld.Simulation(jammed.at(PHI), ld.Ring()) as sim:
     start = sim.relax(1e-4)
-    modulus = ld.polish(start).elastic_moduli().shear_modulus
+    modulus = ld.Simulation(start, sim.law).relax(1e-10).moduli().shear_modulus
     print(f"phi {start.phi:.3f}  pressure {start.pressure:.3e}  shear modulus {modulus:.2e}")
     states = sim.shear(STRAIN, steps=STEPS, tolerance=1e-4)[1:]
 

@@ -76,7 +76,7 @@ def test_states_have_what_was_recorded(jammed: ld.Packing, tmp_path: Path) -> No
             assert getattr(found, name) == getattr(state, name)
         for name in ("area", "perimeter", "pressures", "contacts", "arc_radius", "stress"):
             assert np.array_equal(getattr(found, name), getattr(state, name)), name
-        assert "contact_table" not in vars(found)
+        assert "contacts" not in vars(found)
         assert found.coordination == state.coordination
         force = state.contacts["force"]
         assert found.contacts["force"] == pytest.approx(force, abs=1e-7 * force.max())
