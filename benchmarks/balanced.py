@@ -69,7 +69,7 @@ def relaxation(seed: int, kP: float) -> dict[str, Any]:
             before = sim.lmp.extract_global("ntimestep")
             sim.deform(jammed.box * (1.0 - strain))
             began = time.process_time()
-            stalled += sim.relax(1e-6).stalled
+            stalled += not sim.relax(1e-6).converged
             seconds[n] += time.process_time() - began
             calls[n] += sim.lmp.extract_global("ntimestep") - before
     for sim in sims:

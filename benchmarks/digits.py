@@ -82,7 +82,9 @@ def strained(law: ld.Ring, protocol: str) -> list[object]:
             states = sim.shear(STRAIN, steps=STEPS)[1:]
         else:
             states = sim.compress(strain=STRAIN, steps=STEPS)[1:]
-    return [[s.packing, s.energy, s.stress, s.area, s.contact_table["force"]] for s in states]
+    return [
+        [s.packing, s.energy, s.pressure_tensor, s.volumes, s.contacts["force"]] for s in states
+    ]
 
 
 def rings() -> list[object]:
@@ -91,7 +93,7 @@ def rings() -> list[object]:
         ld.jam(ld.bidisperse(6, seed=1)).packing, ld.DeformablePolygon(vertices=30, smooth=True)
     ) as sim:
         states = sim.compress(strain=STRAIN, steps=STEPS)[1:]
-    return [[s.energy, s.stress, s.area_deficit, *s.outlines] for s in states]
+    return [[s.energy, s.pressure_tensor, s.area_deficit, *s.outlines] for s in states]
 
 
 def digest(found: object) -> str:

@@ -59,7 +59,7 @@ def relax(packing: ld.Packing, minimizer: str) -> dict[str, Any]:
             "N": len(packing),
             "phi": state.phi,
             "residual": state.residual,
-            "stalled": state.stalled,
+            "stalled": (not state.converged),
             "energy": state.energy,
             "beyond": state.beyond,
             "seconds": time.process_time() - began,

@@ -62,7 +62,7 @@ def measure(
                     "strain": strain,
                     "phi": state.phi,
                     "residual": state.residual,
-                    "stalled": state.stalled,
+                    "stalled": (not state.converged),
                     "seconds": seconds,
                     "steps": sim.lmp.extract_global("ntimestep") - before,
                 }

@@ -53,7 +53,7 @@ def measure(jammed: ld.Packing, law: str, phi: float) -> dict[str, object]:
         "law": law,
         "phi": phi,
         "N": len(jammed),
-        "stalled": state.stalled,
+        "stalled": (not state.converged),
         "largest_force": float(force.max()),
         "largest_force_over_mean_contact_force": state.residual,
         "energy": state.energy,

@@ -59,7 +59,7 @@ def shear_modulus(
 
     The packing is sheared by the strain and by its opposite, each time from the state, and relaxed:
     half the difference of the stresses does not contain the stress of the state. The strain is
-    halved until two values agree. `state.elastic_moduli` has the limit of small strains at once.
+    halved until two values agree. `state.moduli` has the limit of small strains at once.
 
     Args:
         state: relaxed, with a pressure above zero or
@@ -135,8 +135,8 @@ def _modulus(
             ):
                 sim.deform(deformed(sim.box, sign * strain))
                 relaxed = sim.relax(closely)
-            stresses.append(component(relaxed.stress))
-            stalled |= relaxed.stalled
+            stresses.append(component(relaxed.pressure_tensor))
+            stalled |= not relaxed.converged
             left = max(left, relaxed.residual)
         value = (stresses[0] - stresses[1]) / (2.0 * strain)
         unbalanced = unbalanced_modulus(state, left, strain)

@@ -36,7 +36,7 @@ def strip():
 
 def aggregate(state):
     """The cells of the largest piece that films hold together."""
-    films = state.contact_table[state.contact_table["attached"]]
+    films = state.contacts[state.contacts["attached"]]
     number = len(state.packing)
     joined = coo_array((np.ones(len(films)), (films["i"], films["j"])), shape=(number, number))
     piece = connected_components(joined, directed=False)[1]
@@ -64,8 +64,8 @@ def pull(adhesion):
     rows = []
     with ld.Simulation(two, droplet(adhesion)) as sim:
         state = sim.relax()
-        while state.contact_table["attached"].any():
-            one = state.contact_table[0]
+        while state.contacts["attached"].any():
+            one = state.contacts[0]
             rows.append((one["distance"], -one["force"]))
             apart = rows[0][0] + PULL * len(rows)
             for atom, x in ((1, 10 - apart / 2), (2, 10 + apart / 2)):

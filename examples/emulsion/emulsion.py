@@ -29,12 +29,12 @@ def measure(seed):
     with ld.Simulation(jammed, DROPLETS) as sim:
         for phi in PHI:
             (state,) = sim.compress(phi=phi)[1:]
-            moduli = state.elastic_moduli()
+            moduli = state.moduli()
             shear, bulk = moduli.mean_shear_modulus / UNIT, moduli.bulk_modulus / UNIT
             shape = float(state.shape_parameter.mean())
             rows.append((state.pressure / UNIT, state.coordination, shear, bulk, shape))
             if (seed, phi) == (SEEDS[0], SHOWN):
-                state.save("packing", overwrite=True)
+                state.save("packing", mode="w")
     return {"phi_J": jammed.phi, "rows": rows}
 
 

@@ -34,7 +34,7 @@ def free_droplets(seed):
 
 def films_of(state):
     """Of each film both sides, as rows of the contact table."""
-    return state.contact_table[state.contact_table["attached"]]
+    return state.contacts[state.contacts["attached"]]
 
 
 def floc_sizes(state):

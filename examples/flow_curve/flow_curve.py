@@ -30,7 +30,7 @@ def prepare(number):
     """A packing at rest, saved in a folder."""
     jammed = ld.jam(ld.bidisperse(number, sizes=RADII, seed=1), DROPLETS, pressure=1e-4).packing
     with ld.Simulation(jammed.at(PHI), DROPLETS) as sim:
-        sim.relax(1e-4).save("start", overwrite=True)
+        sim.relax(1e-4).save("start", mode="w")
 
 
 def flow(rate, strain):
@@ -38,7 +38,7 @@ def flow(rate, strain):
     with ld.Run("start").simulation() as sim:
         how = {"rate": rate, "drag": DRAG} if rate else {"tolerance": 1e-4}
         states = sim.shear(strain, steps=round(strain / STEP), **how)[1:]
-        rows = [(state.strain, state.shear_stress, state.pressure) for state in states]
+        rows = [(state.shear_strain, state.shear_stress, state.pressure) for state in states]
     return np.transpose(rows)
 
 

@@ -26,10 +26,10 @@ def growth(state):
     L_ij is the length of the film, the mean of its two sides, and p the pressure of the gas in the
     liquid, which takes up as much as it gives off.
     """
-    p, contacts = state.particle_pressure, state.contact_table
+    p, contacts = state.pressures, state.contacts
     i, j, length = contacts["i"], contacts["j"], contacts["length"]
     through_film = 0.5 * FILM * length * (p[i] - p[j])  # each film has two rows
-    free = state.perimeter - np.bincount(i, length, len(p))
+    free = state.perimeters - np.bincount(i, length, len(p))
     through_liquid = BORDER * free * (p - free @ p / free.sum())
     gained = np.bincount(j, through_film, len(p)) - np.bincount(i, through_film, len(p))
     return gained - through_liquid
@@ -58,7 +58,7 @@ def coarsen(sim, state):
 
 def rates(state):
     """Numbers of contacts from 3 on, and the mean growth of bubbles that have so many."""
-    rate, contacts = growth(state), state.contacts
+    rate, contacts = growth(state), state.n_contacts
     numbers = [n for n in range(3, contacts.max() + 1) if (contacts == n).sum() > 3]
     return np.array(numbers), np.array([rate[contacts == n].mean() for n in numbers])
 
@@ -90,8 +90,8 @@ print(f"square of the mean radius: {slope:.3f} t + {start:.3f}, to {left:.1%} of
 fractions, dry, steep = (0.90, 0.94, 0.97, 0.985), 2 * np.pi / 3, []
 foams = [relaxed(phi, 0.35, 200)[1] for phi in fractions]
 for foam in foams:
-    most = foam.contacts > 2
-    per_contact, at_zero = np.polyfit(foam.contacts[most], growth(foam)[most], 1)
+    most = foam.n_contacts > 2
+    per_contact, at_zero = np.polyfit(foam.n_contacts[most], growth(foam)[most], 1)
     steep.append(per_contact)
     print(f"phi {foam.phi:.4f}  growth {per_contact:.3f} (n - {-at_zero / per_contact:.2f})")
 liquid = np.array([1 - foam.phi for foam in foams])

@@ -36,7 +36,7 @@ def free_droplets(seed):
 
 def films_of(state):
     """The pairs of droplets that films join."""
-    films = state.contact_table[state.contact_table["attached"]]
+    films = state.contacts[state.contacts["attached"]]
     pairs = zip(films["i"].tolist(), films["j"].tolist(), strict=True)
     return {(i, j) for i, j in pairs if i < j}
 
@@ -126,7 +126,7 @@ def main():
 
     shown = gels[SHOWN, SEEDS[0]]
     for ax, state in zip(axes[0], shown["states"], strict=True):
-        title = f"w = {SHOWN}, strain {state.strain or 0.0:.2f}"
+        title = f"w = {SHOWN}, strain {state.shear_strain or 0.0:.2f}"
         state.plot(ax, forces=True, title=title, vmin=0.0, vmax=4.0, colorbar=False)
     for name in ("attach", "let go"):
         films.plot(strains()[1:], np.cumsum(shown[name]), label=name)

@@ -10,7 +10,7 @@ for state in sim.compress(strain=0.06, steps=15, record="run", mode="w")[1:]:
 
 figure, (left, right) = plt.subplots(1, 2, figsize=(11.0, 4.6), layout="constrained")
 state.plot(left, forces=True)
-state.plot(right, color_by="shape_parameter", contacts=True)
+state.plot(right, color="shape_parameter", contacts=True)
 figure.savefig("pictures.png", dpi=70)
 
-ld.Run("run").movie("compression.gif", color_by="shape_parameter", forces=True)
+ld.Run("run").movie("compression.gif", color="shape_parameter", forces=True)

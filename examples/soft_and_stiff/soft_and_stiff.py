@@ -12,12 +12,12 @@ mixture = jammed.replace(species=jammed.species + 2 * stiff)
 law = ld.Ring(kA=[1.0, 1.0, 10.0, 10.0], kP=[1.0, 1.0, 10.0, 10.0], contact="balanced")
 
 sim = ld.Simulation(mixture, law)
-sim.state().save("start", overwrite=True)  # in.soft_and_stiff starts here
+sim.state().save("start", mode="w")  # in.soft_and_stiff starts here
 for state in sim.compress(strain=0.05, steps=10)[1:]:
     print(f"phi {state.phi:.5f}  pressure {state.pressure:.4e}  z {state.coordination:.3f}")
 
 # Both sides of the contacts of soft with stiff particles, in the same order.
-table = state.contact_table
+table = state.contacts
 i, j = table["i"], table["j"]
 soft = table[~stiff[i] & stiff[j]]
 other = table[stiff[i] & ~stiff[j]]
@@ -33,7 +33,7 @@ print(f"on the radical axes {radical.sum() / overlap:.3f}")
 print(f"contacts longer on the soft side {soft['length'].sum() / other['length'].sum():.3f} times")
 for name, chosen in (("soft", ~stiff), ("stiff", stiff)):
     lost = (state.area_deficit / (np.pi * radius**2))[chosen].mean()
-    inside = state.particle_pressure[chosen].mean()
+    inside = state.pressures[chosen].mean()
     print(f"{name:5} particles: pressure {inside:.4f}, area lost {lost:.4f}")
 
 # The packing, and an enlarged contact with its radical axis (dashed).

@@ -31,7 +31,7 @@ def mixture(seed):
 
 def unlike(state):
     """Part of the films that are between cells of different kinds."""
-    films = state.contact_table[state.contact_table["attached"]]
+    films = state.contacts[state.contacts["attached"]]
     kinds = state.packing.species
     return np.mean(kinds[films["i"]] != kinds[films["j"]]) if len(films) else np.nan
 

@@ -13,4 +13,4 @@ for name, phi in (("fluid", 0.6), ("glass", 0.9)):
     run = sim.run(20_000, seed=2, **bath, record=name, mode="w")
     measured = np.mean(run.table()["temperature"][1:]) / TEMPERATURE
     print(f"phi {phi}  mean temperature over that of the bath {measured:.3f}")
-    sim.state().plot(color_by="shape_parameter").figure.savefig(f"{name}.png", dpi=60)
+    sim.state().plot(color="shape_parameter").figure.savefig(f"{name}.png", dpi=60)

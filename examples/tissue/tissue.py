@@ -83,7 +83,7 @@ def close(push, rate):
     for n in range(ROUNDS + 1):
         state = state_of(lmp)
         rows.append((n * STEPS * timestep, len(state.packing), uncovered(state), state))
-        free = state.area > CROWDED * np.pi * state.packing.radii**2
+        free = state.volumes > CROWDED * np.pi * state.packing.radii**2
         if rate > 0 and free.any():
             cells = " ".join(str(n + 1) for n in np.flatnonzero(free))
             lmp.commands_string(GROW.format(rate=rate, cells=cells, steps=STEPS))

@@ -35,6 +35,17 @@ def write_whole(path: Path, content: str | bytes) -> None:
         part.replace(path)
 
 
+def replaces(mode: object) -> bool:
+    """Whether a mode replaces what is there: `w`; `x` refuses to.
+
+    Raises:
+        ParameterError: it is another.
+    """
+    if mode not in ("x", "w"):
+        raise ParameterError(f"mode must be 'x' or 'w', not {shown(mode)}")
+    return mode == "w"
+
+
 def refuse_present(path: Path, overwrite: bool, *ways: str) -> None:
     """Raise an error rather than replace a file that nobody has asked to.
 
@@ -46,11 +57,10 @@ def refuse_present(path: Path, overwrite: bool, *ways: str) -> None:
     Raises:
         FileError: there is a file.
     """
-    expect("overwrite", overwrite, bool)
     with writing(path):  # names may be too long
         if overwrite or not path.exists():
             return
-    ways_out = ", ".join((*ways, "replace it with overwrite=True"))
+    ways_out = ", ".join((*ways, "replace it with mode='w'"))
     raise FileError(f"'{path}' is there already: {ways_out}, or give another name")
 
 

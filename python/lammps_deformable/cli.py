@@ -335,7 +335,7 @@ def jam_command(
     packing = jam(start, law, pressure=pressure, tolerance=1e-6).packing
     with Simulation(packing, law) as sim:
         state = sim.relax()
-        state.save(folder, overwrite=overwrite)
+        state.save(folder, mode="w" if overwrite else "x")
     print_once(
         f"phi_J = {state.phi:.6g}, pressure {state.pressure:.3g}, coordination "
         f"{state.coordination:.4g}, {int(state.rattlers.sum())} rattlers"
@@ -443,7 +443,7 @@ def plot_command(
         int | None,
         unset("Number of the frame, from 0; -1 is the last one. Without, the saved state."),
     ] = None,
-    color_by: ColorBy = "particle_pressure",
+    color_by: ColorBy = "pressures",
     cmap: ColorMap = None,
     vmin: FirstColor = None,
     vmax: LastColor = None,
@@ -465,7 +465,7 @@ def plot_command(
             state = Run(run)[frame]
         except IndexError as error:
             raise ParameterError(str(error)) from None
-    settings = {"color_by": color_by, "cmap": cmap, "vmin": vmin, "vmax": vmax, "title": title}
+    settings = {"color": color_by, "cmap": cmap, "vmin": vmin, "vmax": vmax, "title": title}
     own = of_dimension(state.packing.dimension, spins=spins, view=view, slice=slice)
     _draw(state, out, contacts=contacts, forces=forces, **settings, **own)
     print_once(f"wrote {out}")
@@ -475,7 +475,7 @@ def plot_command(
 def movie_command(
     run: Recorded,
     out: Annotated[Path, Option(metavar="PATH", help="Movie, .gif or .mp4.")] = Path("movie.gif"),
-    color_by: ColorBy = "particle_pressure",
+    color_by: ColorBy = "pressures",
     cmap: ColorMap = None,
     vmin: FirstColor = None,
     vmax: LastColor = None,
@@ -488,7 +488,7 @@ def movie_command(
 ) -> None:
     """Draw each state of a recorded run as a movie."""
     refuse_ranks("a movie is drawn by one process")
-    colors = {"color_by": color_by, "cmap": cmap, "vmin": vmin, "vmax": vmax}
+    colors = {"color": color_by, "cmap": cmap, "vmin": vmin, "vmax": vmax}
     drawn = {"contacts": contacts, "forces": forces, "spins": spins, "view": view, "slice": slice}
     Run(run).movie(out, rate=rate, **drawn, **colors)
     print_once(f"wrote {out}")
@@ -534,7 +534,7 @@ def outline_command(
             metavar="PATH",
         ),
     ] = None,
-    color_by: ColorBy = "particle_pressure",
+    color_by: ColorBy = "pressures",
     vmin: FirstColor = None,
     vmax: LastColor = None,
     contacts: Contacts = False,
@@ -557,11 +557,11 @@ def outline_command(
         print_once(f"contact law {state.law.name}: give --law for another")
     for path in paths:
         if path in pictures:
-            settings = {"color_by": color_by, "vmin": vmin, "vmax": vmax}
+            settings = {"color": color_by, "vmin": vmin, "vmax": vmax}
             own = of_dimension(state.packing.dimension, view=view, slice=slice)
             _draw(state, path, contacts=contacts, forces=forces, **settings, **own)
         else:
-            state.export(path, overwrite=True)
+            state.export(path, mode="w")
         print_once(f"wrote {path}")
 
 

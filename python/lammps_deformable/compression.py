@@ -94,7 +94,7 @@ def _target_of(settings: Mapping[str, Any]) -> tuple[str, float]:
 def _begin(sim: Any, settings: Mapping[str, Any]) -> tuple[Any, dict[str, Any]]:
     """The present state, or the relaxed one where a phi or a pressure is to be reached."""
     name, target = _target_of(settings)
-    start = {"box": sim.box.tolist(), "strain": sim.strain, "states": settings["steps"]}
+    start = {"box": sim.box.tolist(), "strain": sim.shear_strain, "states": settings["steps"]}
     if name in ("strain", "factor"):
         return sim.state(), start
     state = _relaxing(sim, settings)()

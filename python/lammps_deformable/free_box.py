@@ -67,7 +67,7 @@ def reach(sim: Simulation, name: str, target: float, relax: Callable[[], State])
         found = getattr(state, name)
         if abs(found - target) <= REACHED[name] * target:
             return state
-        stalls = stalls + 1 if state.stalled and abs(last) < _LONGEST else 0
+        stalls = stalls + 1 if not state.converged and abs(last) < _LONGEST else 0
         if stalls == STALLS:
             raise _unreached(name, target, state, STALLED)
         change = (goal - y) / slope
@@ -220,7 +220,7 @@ def _stress_free(
             found = relax()
         except LammpsError as error:
             raise _pressure_unreached(state, pressure, free, str(error)) from None
-        relaxations, stalls = relaxations + 1, stalls + 1 if found.stalled else 0
+        relaxations, stalls = relaxations + 1, stalls + 1 if (not found.converged) else 0
         if stalls == STALLS:
             raise _pressure_unreached(found, pressure, free, STALLED)
         if relaxations == _BOX_RELAXATIONS:
@@ -271,8 +271,8 @@ def _downhill(
 
 def _slopes(state: State, pressure: float, free: int) -> Floats:
     """Derivatives of the enthalpy by the free strains, over p A, shape (free,)."""
-    dimension = len(state.stress)
-    excess = state.stress / pressure - np.eye(dimension)
+    dimension = len(state.pressure_tensor)
+    excess = state.pressure_tensor / pressure - np.eye(dimension)
     return -excess[_components(dimension)][:free]
 
 

@@ -209,7 +209,7 @@ def jam(
             threshold = _ABOVE * pressure * natural_pressure(packing, SoftContact())
             disks = _jammed_disks(packing, threshold, step, tolerance / _ABOVE, watch, comm)
             jammed = _grown(disks.packing, packing) if grow else disks.packing
-            state = soft_state(jammed, law, disks.residual, disks.stalled)
+            state = soft_state(jammed, law, disks.residual, not disks.stalled)
         else:
             excess = excess_phi(_ABOVE * pressure, packing, law)
             soft = SoftContact()
@@ -218,7 +218,7 @@ def jam(
             start = _grown(start, packing) if grow else start
             ranks = comm or MPI.COMM_SELF
             state = _jammed_particles(start, law, pressure, tolerance, watch, ranks, grow)
-    if state.stalled:
+    if not state.converged:
         warnings.warn(
             f"relaxations stalled on the way to phi = {state.packing.phi:.6f}, the last one with a "
             f"largest force of {state.residual:.2g} of the mean contact force: the onset of "
@@ -337,8 +337,8 @@ def _jammed_particles(
         found = state.pressure / unit
         watch.tell(1, state.phi, found, state.residual)
         rigid = found > pressure
-        stalls = stalls + 1 if state.stalled else 0
-        at_rest = rigid and not state.stalled
+        stalls = stalls + 1 if (not state.converged) else 0
+        at_rest = rigid and state.converged
         if stalls == _STALLS or (at_rest and (found <= 2.0 * pressure or longest < _SMALLEST_STEP)):
             return state
         change = target - excess_phi(found, packing, law)
@@ -361,6 +361,6 @@ def _relaxed(
         warnings.simplefilter("ignore", UnjammedWarning)  # expected below the onset
         for part in _STAGES:
             state = sim._relax(part * tolerance, least)
-            if state.pressure <= pressure or state.stalled:
+            if state.pressure <= pressure or not state.converged:
                 break
     return state

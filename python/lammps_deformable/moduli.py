@@ -26,7 +26,8 @@ class ElasticModuli:
 
         C_abcd = d(stress_ab)/d(du_c/dx_d)
 
-    is the change of the stress (tension positive, minus `State.stress`) with the displacement
+    is the change of the stress (tension positive, minus the
+    `State.pressure_tensor`) with the displacement
     gradient, at rest: particles follow the strain affinely, and then relax.
 
     Attributes:
@@ -83,7 +84,7 @@ class ElasticModuli:
 
 
 def moduli_of(hessian: Hessian) -> ElasticModuli:
-    """See `LinearResponse.elastic_moduli`.
+    """See `LinearResponse.moduli`.
 
     With E'' = d^2E/de de at fixed centers and lines, its coupling B to them, and M of `Hessian`,
     the second derivatives of the relaxed energy are E'' - B^T M^-1 B. Per area or volume V,

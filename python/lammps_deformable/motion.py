@@ -552,7 +552,7 @@ def _settled(
                         stacklevel=2,
                     )
                 if taken is not None or rests:
-                    yield replace(state, stalled=ends and not rests)
+                    yield replace(state, converged=rests or not ends)
                     refuse_restarted(sim, begun)
                 if rests:
                     return
@@ -566,13 +566,13 @@ def _error_at_rest(sim: Any, state: Any, pressure: float) -> float:
 
     The largest of them.
     """
-    if not state.contacts.any():
+    if not state.n_contacts.any():
         return math.inf
     largest = float(np.linalg.norm(gather(sim.lmp, "f", 3), axis=1).max())
     if rub_and_spin(sim.lmp):
         torque = gather(sim.lmp, "torque", 3)[:, 2] / state.packing.radii
         largest = max(largest, float(np.abs(torque).max()))
-    residual = largest / float(state.contact_table["force"].mean())
+    residual = largest / float(state.contacts["force"].mean())
     return max(abs(state.pressure / pressure - 1.0), residual)
 
 

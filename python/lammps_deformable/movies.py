@@ -31,7 +31,7 @@ _WRITERS = {".gif": "pillow", ".mp4": "ffmpeg"}
 def movie(
     states: Iterable[State],
     path: str | Path,
-    color_by: str | ArrayLike = "particle_pressure",
+    color: str | ArrayLike = "pressures",
     contacts: bool = False,
     forces: bool = False,
     rate: int = 10,
@@ -48,7 +48,7 @@ def movie(
     Args:
         states: e.g. from `compress`, or a `Run`.
         path: of the movie, .gif, or .mp4 if ffmpeg is installed.
-        color_by: see `State.plot`.
+        color: see `State.plot`.
         contacts: see `State.plot`.
         forces: see `State.plot`.
         rate: pictures per second.
@@ -85,8 +85,8 @@ def movie(
     for state in frames:
         expect("a state of a movie", state, State)
     own = of_dimension(frames[0].packing.dimension, spins=spins, view=view, slice=slice)
-    values = [state.values(color_by) for state in frames]
-    shared = scale(values, [state.contact_table["force"] for state in frames], color_by)
+    values = [state.values(color) for state in frames]
+    shared = scale(values, [state.contacts["force"] for state in frames], color)
     on = limited(shared, vmin, vmax)
     if not frames[0].root:
         return
@@ -94,7 +94,7 @@ def movie(
 
     def draw(state: State) -> None:
         figure.clear()
-        state.plot(figure.subplots(), color_by, contacts, forces, on, cmap, label=label, **own)
+        state.plot(figure.subplots(), color, contacts, forces, on, cmap, label=label, **own)
 
     draw(frames[0])  # or fail before the file is there
     writer = writers[name](fps=rate)

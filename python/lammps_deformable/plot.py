@@ -55,16 +55,17 @@ def parallels(state: State, inset: Floats | None, points: int, same_area: bool) 
             **{name: rows[name] for name in lines},
         )
         for kind, radius, distance, rows in zip(
-            packing.species, packing.radii, inset, state.contact_tables, strict=True
+            packing.species, packing.radii, inset, state._contacts_of_each, strict=True
         )
     ]
 
 
 # Names at the bar of the colors.
 _LABELS = {
-    "particle_pressure": "pressure in the particle",
+    "pressures": "pressure in the particle",
     "pressure": "pressure in the particle",
     "area_deficit": "area deficit $A_0 - A$",
+    "arc_radii": "smallest radius of curvature",
     "arc_radius": "smallest radius of curvature",
     "spin": "spin [1/time]",
     "direction": "direction of propulsion [rad]",
@@ -81,7 +82,7 @@ def label_of(color_by: str | ArrayLike, label: str | None) -> str:
 
 
 # Names for colors that a message lists, beside those of `particle_values`.
-_NAMES = ("area_deficit", "filled_area", "particle_pressure", "rattlers", "shape_parameter")
+_NAMES = ("area_deficit", "volumes", "pressures", "rattlers", "shape_parameter")
 
 
 def values_of(state: State, color_by: str | ArrayLike) -> Floats:
@@ -126,7 +127,7 @@ def in_notebook(state: State) -> str | None:
 def halves_of(state: State) -> list[Halves]:
     """Where the contacts of each particle are, (m, 2), and their forces, (m,)."""
     if isinstance(state.law, Ring | Sector):
-        return [(table["position"], table["force"]) for table in state.contact_tables]
+        return [(table["position"], table["force"]) for table in state._contacts_of_each]
     return halves(state.packing, state._contact_forces)
 
 
@@ -136,7 +137,7 @@ def _flats(state: State) -> list[list[Floats]]:
         return chords(state.packing, state._contact_forces)
     if not isinstance(state.law, Ring | Sector):
         raise ParameterError("contacts of polygons have no lines to draw: draw their forces")
-    return flats_of(state.outlines, state.packing.radii, state.contact_tables)
+    return flats_of(state.outlines, state.packing.radii, state._contacts_of_each)
 
 
 def _marks(state: State, contacts: bool, forces: bool, spins: bool) -> list[Mark]:
@@ -151,7 +152,7 @@ def _marks(state: State, contacts: bool, forces: bool, spins: bool) -> list[Mark
         return []
     from .friction import friction_bars, sliding_contacts, spin_arrows
 
-    packing, tables = state.packing, state.contact_tables
+    packing, tables = state.packing, state._contacts_of_each
     marks = [sliding_contacts(state.outlines, packing, tables)] if contacts else []
     marks += friction_bars(packing, tables) if forces else []
     return marks + (spin_arrows(packing, state.rubbing.spins) if spins else [])

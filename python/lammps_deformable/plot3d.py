@@ -478,7 +478,7 @@ def _draw_chains(ax: Axes, centers: Floats, colors: Floats, chains: Chains, on: 
 
 def facets_of(state: State) -> Facets:
     """Where particles are cut by their contacts."""
-    table = state.contact_table
+    table = state.contacts
     height = state.packing.radii[table["i"]] - table["indentation"]
     return Facets(table["i"], table["normal"], height)
 

@@ -94,7 +94,7 @@ def polish(sim: Simulation, state: State, tolerance: float) -> State:
 
     Returns:
         If a particle would move by more than a hundredth of the smallest radius, or the forces do
-        not fall to the tolerance, the state of the smallest forces on the way, and `stalled`.
+        not fall to the tolerance, the state of the smallest forces on the way, not `converged`.
     """
     farthest = _FARTHEST * float(state.packing.radii.min())
     with balanced_to(sim, state.packing, CLOSE):
@@ -116,7 +116,7 @@ def polish(sim: Simulation, state: State, tolerance: float) -> State:
         if best is not now:
             place_particles(sim.lmp, best.packing.positions)
             best = sim.state()
-    return replace(best, stalled=best.residual > tolerance)
+    return replace(best, converged=best.residual <= tolerance)
 
 
 def _step(state: State) -> NDArray[np.float64] | None:

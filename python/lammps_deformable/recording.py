@@ -318,10 +318,10 @@ def _ends(callback: Callback | None, state: Any, comm: MPI.Comm) -> bool:
 def recorded_numbers(state: Any) -> dict[str, Any]:
     """The numbers of a state that are recorded, by name: a row of the series."""
     numbers: dict[str, Any] = dict(state.numbers())
-    axes = "xyz"[: len(state.stress)]
+    axes = "xyz"[: len(state.pressure_tensor)]
     for k, a in enumerate(axes):
         for n, b in enumerate(axes[k:], start=k):
-            numbers[f"p{a}{b}"] = float(state.stress[k, n])
+            numbers[f"p{a}{b}"] = float(state.pressure_tensor[k, n])
     if isinstance(state.law, Ring | Sector):
         numbers["lost_energy"] = state.lost_energy
     return numbers

@@ -314,7 +314,7 @@ def warn_of(state: State, tolerance: float, unjammed: bool, scale: str) -> None:
             UnjammedWarning,
             stacklevel=6,
         )
-    if state.stalled:
+    if not state.converged:
         why = "the contacts do not balance, so that forces are not known"
         if state.residual > tolerance:
             why = largest_force_told(state.residual, scale, tolerance)
@@ -337,7 +337,7 @@ def _beyond(state: State) -> str:
         return (
             f"droplets are beyond the model at phi = {state.phi:.5f}: their load is above "
             f"{LARGEST_LOAD:g}, or that of few strong contacts above {LARGEST_FACET:g} each, the "
-            f"largest {state.load.max():.2g}, so that pressures are off by more than ten per cent"
+            f"largest {state.loads.max():.2g}, so that pressures are off by more than ten per cent"
         )
     return (
         f"particles are beyond the model at phi = {state.phi:.5f}: their outlines have a negative "

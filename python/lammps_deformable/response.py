@@ -62,7 +62,7 @@ def hessian_of(state: State, rattlers: bool = True) -> Hessian:
         )
     if state.friction:
         raise ParameterError("friction has no energy, and so no second derivatives of one")
-    return balanced(lines_of(state.packing, state.law, state.contact_table, rattlers)).hessian()
+    return balanced(lines_of(state.packing, state.law, state.contacts, rattlers)).hessian()
 
 
 def at_rest(state: State) -> Hessian:
@@ -79,7 +79,7 @@ def open_contacts(state: State) -> tuple[Sides, Floats]:
         Sides of S contacts, and distances (S,) by which they are to become longer [length].
     """
     if not isinstance(state.law, SoftContact):
-        return rattler_contacts(state.packing, state.contact_table)
+        return rattler_contacts(state.packing, state.contacts)
     sides, contact, kept = _bearing(state.packing)
     return sides.part(~kept), (contact - sides.distance)[~kept]
 
@@ -126,7 +126,7 @@ _VARIABLES, _OTHER_SIDE, _SHARE = 4, (-1.0,), 0.5
 
 
 def _of_droplets(state: State, law: Droplet, rattlers: bool) -> Hessian:
-    packing, table = state.packing, state.contact_table
+    packing, table = state.packing, state.contacts
     if (table["j"] < 0).any():
         raise ParameterError(
             "second derivatives of droplets do not know walls: take a state of a periodic box "

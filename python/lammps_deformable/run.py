@@ -33,7 +33,7 @@ from numpy.typing import NDArray
 
 from . import movies, potentials, recording, store
 from ._checks import expect, shown
-from ._files import from_json, reading, refuse_present, write_whole
+from ._files import from_json, reading, refuse_present, replaces, write_whole
 from .engines import go_on
 from .errors import FileError, ParameterError, StalledWarning
 from .files import UNTYPED, box_in_space, in_space, read_particles
@@ -46,7 +46,7 @@ from .shapes import collection
 from .shearing import DynamicModulus, harmonic
 from .simulation import Simulation
 from .species import read_species, species_names
-from .state import State
+from .state import COLUMNS, State
 from .store import (
     SERIES,
     SUMMARY,
@@ -83,7 +83,7 @@ def check_columns(columns: Mapping[str, Column], others: Iterable[str]) -> None:
         if not callable(column):
             raise ParameterError(
                 f"column {name} must be a function of a state, such as "
-                f"lambda state: state.arc_radius.min(), not {shown(column)}"
+                f"lambda state: state.arc_radii.min(), not {shown(column)}"
             )
     for name in columns.keys() & {"frame", *others}:
         raise ParameterError(f"each table has a column {name}: give yours another name")
@@ -167,7 +167,7 @@ def _clock(times: list[float]) -> tuple[float, float]:
     return 0.0, 1.0
 
 
-def export(run: Run, path: str | Path, forces: bool = False, overwrite: bool = False) -> None:
+def export(run: Run, path: str | Path, forces: bool = False, mode: str = "x") -> None:
     """See `Run.export`."""
     expect("path", path, str, Path)
     path = Path(path)
@@ -179,8 +179,8 @@ def export(run: Run, path: str | Path, forces: bool = False, overwrite: bool = F
         names.append(f"{path.stem}_{number:04d}.vtp")
         times.append(state.time)
         if state.root and number == 0:
-            refuse_present(path, overwrite)
-        state.export(path.with_name(names[-1]), forces, overwrite)
+            refuse_present(path, replaces(mode))
+        state.export(path.with_name(names[-1]), forces, mode)
         if state.root:
             write_whole(path, collection(names, times))
     if not names:
@@ -305,9 +305,9 @@ def _numbers(words: Sequence[str | None]) -> NDArray[Any]:
         return np.array([float(word) if word else np.nan for word in words], dtype=np.float64)
 
 
-# Results of a law by the names of columns in a trajectory, in the order of states.
-_RINGS = ("area", "perimeter", "pressure", "contacts", "arc_radius")
-_DROPLETS = ("surface_area", "pressure", "load", "contact_area", "contacts")
+# Results of a law, in the order of columns.
+_RINGS = ("area", "perimeters", "pressures", "n_contacts", "arc_radii")
+_DROPLETS = ("surface_areas", "pressures", "loads", "contact_areas", "n_contacts")
 
 
 def _recorded_state(
@@ -320,8 +320,8 @@ def _recorded_state(
 ) -> State:
     """A state as it was recorded; what was not is evaluated when it is asked for."""
     results = {
-        "particle_pressure" if name == "pressure" else name: columns[name].astype(
-            np.int64 if name == "contacts" else np.float64
+        name: columns[COLUMNS.get(name, name)].astype(
+            np.int64 if name == "n_contacts" else np.float64
         )
         for name in (_DROPLETS if isinstance(law, Droplet) else _RINGS)
     }
@@ -329,14 +329,14 @@ def _recorded_state(
         "results": results,
         "velocities": motion.velocities,
         "time": motion.time,
-        "strain": motion.strain,
+        "shear_strain": motion.strain,
         "root": world().rank == 0,
         "images": motion.images,
         "energy": float(row["energy"]),
         "residual": float(row["residual"]),
-        "stalled": row["stalled"] == str(True),
+        "converged": row["stalled"] != str(True),
         "beyond": int(row["beyond"]),
-        "stress": _stress_in(row, packing.dimension),
+        "pressure_tensor": _stress_in(row, packing.dimension),
         "lost_energy": float(row.get("lost_energy") or 0.0),
         "films": motion.films,
         "directions": motion.directions,
@@ -681,20 +681,20 @@ class Run(Sequence[Any]):
         """
         movies.movie(self, path, **settings)
 
-    def export(self, path: str | Path, forces: bool = False, overwrite: bool = False) -> None:
+    def export(self, path: str | Path, forces: bool = False, mode: str = "x") -> None:
         """Write the shapes of the states for ParaView and OVITO, see `State.export`.
 
         Args:
             path: `NAME.pvd`, which lists the files NAME_0000.vtp, NAME_0001.vtp, ... beside it,
                 with the times of a motion, or with their numbers.
             forces: write the networks of forces in the place of shapes.
-            overwrite: replace files that are there.
+            mode: `w` replaces files that are there, `x` refuses to.
 
         Raises:
             ParameterError: the suffix is another, or there are no states.
-            FileError: there is a file and `overwrite` is not given, or it cannot be written.
+            FileError: there is a file, see `mode`, or it cannot be written.
         """
-        export(self, path, forces, overwrite)
+        export(self, path, forces, mode)
 
     def to_mdanalysis(self) -> Universe:
         """A Universe of MDAnalysis of a run in a folder.

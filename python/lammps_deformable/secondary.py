@@ -68,7 +68,7 @@ def resolve_secondary(state: State, iterations: int) -> SecondaryOutlines:
         raise ParameterError(f"iterations must not be negative, not {iterations}")
     radius = state.packing.radii
     contacts = [
-        np.column_stack([rows["angle"], rows["indentation"]]) for rows in state.contact_tables
+        np.column_stack([rows["angle"], rows["indentation"]]) for rows in state._contacts_of_each
     ]
     arcs = [core.sector_arcs(r, *pressed.T) for r, pressed in zip(radius, contacts, strict=True)]
     outlines = list(state.outlines)

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._checks import expect, shown
-from ._files import refuse_present, write_whole
+from ._files import refuse_present, replaces, write_whole
 from .errors import ParameterError
 from .files import in_space
 from .versions import optional
@@ -194,7 +194,7 @@ def to_pandas(state: State, table: str) -> Any:
         index = pandas.RangeIndex(len(state.packing), name="particle")
         columns = places | {"species": state.packing.species} | _values(state)
         return pandas.DataFrame(columns, index=index)
-    columns, contacts = {}, state.contact_table
+    columns, contacts = {}, state.contacts
     for name in contacts.dtype.names or ():
         column, each = contacts[name], _VECTORS.get(name, name)
         names = [each.format(word) for word in ("abc" if name == "image" else axes)]
@@ -210,13 +210,13 @@ def _values(state: State) -> dict[str, NDArray[Any]]:
     }
 
 
-def export(state: State, path: str | Path, forces: bool, overwrite: bool) -> None:
+def export(state: State, path: str | Path, forces: bool, mode: str) -> None:
     """See `State.export`."""
     expect("path", path, str, Path)
     expect("forces", forces, bool)
     if not state.root:
         return
-    refuse_present(Path(path), overwrite)
+    refuse_present(Path(path), replaces(mode))
     packing = state.packing
     numbers = {"box": packing.box, "phi": state.phi, "pressure": state.pressure}
     if forces:
@@ -238,7 +238,7 @@ def _bodies(state: State) -> tuple[Shapes, NDArray[np.int64], dict[str, NDArray[
 
     found = surfaces_of(packing.positions, packing.radii, facets_of(state))
     shapes = Shapes(found.points, found.corners, found.ends, normals=found.normals)
-    j, force = state.contact_table["j"], state.contact_table["force"]
+    j, force = state.contacts["j"], state.contacts["force"]
     # of what is no facet, -1, both are 0
     partners = np.where(j < 0, -1, j + 1)
     values = {"neighbor": np.append(partners, 0), "force": np.append(force, 0.0)}

@@ -163,8 +163,8 @@ def _flow(
                 state = _piece(sim, dynamics, duration / pieces, course(begin), state)
             strain = strains[n]
             if strain is not None:
-                sim.strain = strain
-            state = replace(state, strain=sim.strain)
+                sim.shear_strain = strain
+            state = replace(state, shear_strain=sim.shear_strain)
             yield state
             refuse_restarted(sim, begun)
 
@@ -202,7 +202,7 @@ def _piece(sim: Any, dynamics: Dynamics, duration: float, course: str, state: An
         advance(sim, dynamics, steps, duration / steps)
     finally:
         run(sim.lmp, "unfix deformable_flow")
-        sim.strain = (sim.strain or 0.0) + _strain_since(sim, tilt)
+        sim.shear_strain = (sim.shear_strain or 0.0) + _strain_since(sim, tilt)
     return sim.state()
 
 
@@ -242,8 +242,8 @@ def shear(
 
 def _begin(sim: Any, states: int) -> tuple[Any, dict[str, Any]]:
     """The present state, whose strain is counted from now on."""
-    sim.strain = sim.strain or 0.0
-    return sim.state(), {"strain": sim.strain, "step": steps_so_far(sim), "states": states}
+    sim.shear_strain = sim.shear_strain or 0.0
+    return sim.state(), {"strain": sim.shear_strain, "step": steps_so_far(sim), "states": states}
 
 
 def _sheared_states(
@@ -293,7 +293,7 @@ def sheared_state(sim: Any, by: float, strain: float, tolerance: float | None) -
     """The relaxed state after a further strain, which leads to this one in all."""
     straighten(sim)
     sim.deform(sheared(sim.box, by))
-    sim.strain = strain
+    sim.shear_strain = strain
     return sim.relax() if tolerance is None else sim.relax(tolerance)
 
 

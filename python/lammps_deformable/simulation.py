@@ -88,7 +88,7 @@ class Simulation(OneCall):
         comm: the communicator.
         callback: a function that is told how relaxations go on; None if not set.
         time: of all motion and flows so far [time]; relaxations take none.
-        strain: shear strain of all calls of `shear` so far; None before the first one.
+        shear_strain: of all calls of `shear` so far; None before the first one.
         directions: in which particles propel themselves, shape (N, 2); None before.
         seed: of the last motion, given or drawn; None before.
 
@@ -101,7 +101,7 @@ class Simulation(OneCall):
     """
 
     time: float = 0.0
-    strain: float | None = None
+    shear_strain: float | None = None
     directions: NDArray[np.float64] | None = None
     seed: int | None = None
     _lost: float = 0.0  # energy that films had lost before LAMMPS began to count it
@@ -241,6 +241,11 @@ class Simulation(OneCall):
         box = np.array([[lx, 0.0, 0.0], [xy, ly, 0.0], [xz, yz, lz]])
         dimension = self.dimension
         return room.box_between(self._walls, box[:dimension, :dimension])
+
+    @property
+    def packing(self) -> Packing:
+        """The present packing, that of `state()`."""
+        return self.state().packing
 
     @property
     def walls(self) -> tuple[Wall, ...]:
@@ -405,9 +410,9 @@ class Simulation(OneCall):
         """Shear in equal steps, relaxing after each one, or at a rate; the size of the box stays.
 
         After step n the upper side of the box has moved along x by strain n / steps times its
-        height. A state has the `shear_stress` that resists, and the `strain` of all calls for one
-        simulation. A box whose tilt exceeds half its width is replaced by the equivalent box with
-        the smallest tilt, so that strains may be large.
+        height. A state has the `shear_stress` that resists, and the `shear_strain` of all calls for
+        one simulation. A box whose tilt exceeds half its width is replaced by the equivalent box
+        with the smallest tilt, so that strains may be large.
 
         With a rate particles are overdamped, with a drag against the mean flow u = rate y along x,
 
@@ -434,8 +439,8 @@ class Simulation(OneCall):
             parameters: for the summary.
 
         Returns:
-            The states: that before the first step, then that after each step, with its `strain`;
-            without a rate it is relaxed, with a rate it has a `time`.
+            The states: that before the first step, then that after each step, with its
+            `shear_strain`; without a rate it is relaxed, with a rate it has a `time`.
 
         Raises:
             ParameterError: a value is out of range, or the simulation has walls; or see `run`.
@@ -561,7 +566,7 @@ class Simulation(OneCall):
             parameters: for the summary.
 
         Returns:
-            The states, that before first, with their `strain` and `time`.
+            The states, that before first, with their `shear_strain` and `time`.
 
         Raises:
             ParameterError: see `shear`; or the box has a tilt yz.
@@ -673,7 +678,7 @@ class Simulation(OneCall):
             The states: that before the first step, with the velocities that were drawn, then that
             after each `every` steps, with its `velocities`, the `time` of all calls for this
             simulation and, with a propulsion, the `directions`, which go on in further calls. With
-            a pressure the last one is `stalled` if it does not rest.
+            a pressure the last one is not `converged` if it does not rest.
 
         Raises:
             ParameterError: a value is out of range, the time step is too long for the contacts, or
@@ -715,7 +720,7 @@ class Simulation(OneCall):
 
     def state(self) -> State:
         """The present state, not relaxed."""
-        return self._engine.state(self, self._engine.forces(self), stalled=False)
+        return self._engine.state(self, self._engine.forces(self), converged=True)
 
     @property
     def callback(self) -> Callback | None:
@@ -769,7 +774,7 @@ class Simulation(OneCall):
                 forces do not fall any more.
 
         Returns:
-            The relaxed state; its `stalled` is true if the tolerance was not reached.
+            The relaxed state; its `converged` is false if the tolerance was not reached.
 
         Raises:
             ParameterError: a value is out of range, or the pressure cannot be reached, or it is
@@ -836,8 +841,8 @@ class Simulation(OneCall):
         )
         rest(self.lmp)  # FIRE leaves velocities
         unbalanced = engine.unbalanced(self, tolerance)
-        state = engine.state(self, forces, stalled=forces.residual > tolerance or unbalanced)
-        if state.stalled and max_steps is None and not unbalanced and can_polish(self, state):
+        state = engine.state(self, forces, forces.residual <= tolerance and not unbalanced)
+        if not state.converged and max_steps is None and not unbalanced and can_polish(self, state):
             state = polish(self, state, tolerance)
         unjammed = engine.loose is not None and self._rigidity.lost(
             state.packing.phi, engine.loose, self._balanced

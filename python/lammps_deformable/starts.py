@@ -45,7 +45,7 @@ def push_off(packing: Packing) -> Packing:
         warnings.simplefilter("ignore", StalledWarning)  # with another text
         facet = float(packing.radii.min()) ** (packing.dimension - 1)  # about that of a contact
         pushed = sim._relax(1e-3, _PUSHED_OFF * natural_pressure(packing, SoftContact()) * facet)
-    if pushed.stalled:
+    if not pushed.converged:
         warnings.warn(
             f"separating the particles stalled: the largest force is {pushed.residual:.2g} of the "
             "mean contact force",

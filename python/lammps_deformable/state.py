@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import analysis, contacts, shapes, tracking
 from ._checks import count, numbers, positive, shown
-from ._files import check_parameters
+from ._files import check_parameters, replaces
 from .contacts import ContactForces, ContactTable
 from .errors import ParameterError, UndefinedError, UnsavedWarning
 from .friction import Friction, Rubbing, spin_column
@@ -68,17 +68,25 @@ _WAYS_OUT = {
     "hexatic": "take steinhardt",
     "hexatic_correlation": "take steinhardt",
     "steinhardt": "take hexatic",
-    "filled_area": "take filled_volume",
-    "filled_volume": "take filled_area",
-    "area": "take filled_volume",
     "outlines": "take packing.positions and packing.radii",
 }
 
 # Results of single laws.
 _RESULTS = {
-    **dict.fromkeys(("area", "perimeter"), "particles of the plane that deform"),
-    "arc_radius": "Ring and Sector",
-    **dict.fromkeys(("surface_area", "contact_area", "load"), "Droplet"),
+    "perimeters": "particles of the plane that deform",
+    "arc_radii": "Ring and Sector",
+    **dict.fromkeys(("surface_areas", "contact_areas", "loads"), "Droplet"),
+}
+
+# Columns of a trajectory by the names of results, where they differ.
+COLUMNS = {
+    "perimeters": "perimeter",
+    "pressures": "pressure",
+    "n_contacts": "contacts",
+    "arc_radii": "arc_radius",
+    "surface_areas": "surface_area",
+    "contact_areas": "contact_area",
+    "loads": "load",
 }
 
 
@@ -119,24 +127,26 @@ class State:
             the ring laws.
         law: of the particles.
         energy: of the deformation of all particles [energy].
-        stress: pressure tensor of the contacts, compression positive, shape (d, d)
+        pressure_tensor: of the contacts, compression positive, shape (d, d)
             [energy/length^d]; motion adds N T / V to its diagonal. Of droplets its `pressure` is
             the osmotic one. With walls it is the derivative of the energy by a strain of particles
             and walls.
         residual: largest force on a particle over the mean contact force, 0 without contacts; of
             polygons that on a bead over the mean of kA max(A0 - A, 0) L0.
-        stalled: the relaxation stopped before the tolerance.
-        results: what the law computes for each particle, by name, arrays of shape (N,); each is an
-            attribute too:
-            `area`, `perimeter` of rings and polygons, within their skin [length^2, length];
-            `contacts`, their number; `particle_pressure`, inside each particle [energy/length^d];
-            `arc_radius` of rings, the smallest radius of curvature of the free outline [length];
-            `surface_area` of droplets, `contact_area` of their facets [length^2], and `load`, about
-            the part of the surface that facets cover.
+        converged: a relaxation has reached its tolerance; True if there was none.
+        results: what the law computes for each particle, by name, arrays of shape (N,); all but the
+            first are attributes too:
+            `area` of rings and polygons within their skin, see `volumes` [length^2];
+            `perimeters` of these, within their skin too [length];
+            `pressures`, inside each particle [energy/length^d];
+            `n_contacts`, the number of contacts;
+            `arc_radii` of rings, the smallest radius of curvature of the free outline [length];
+            `surface_areas` of droplets, `contact_areas` of their facets [length^2], and `loads`,
+            about the part of the surface that facets cover.
         velocities: of the centers, zero after a relaxation, shape (N, d) [length/time].
         root: whether this process writes files (rank 0 of the run).
         time: of all motion and flows so far, 0 without [time].
-        strain: shear strain of all calls of `shear` so far; None before the first one.
+        shear_strain: of all calls of `shear` so far; None before the first one.
         beyond: number of particles that the model does not describe: rings with a negative radius
             of curvature, droplets with a load above 0.4, or above 0.05 in the mean facet.
         wall_forces: force of the particles on each of `packing.walls`, shape (number of walls, d)
@@ -153,24 +163,25 @@ class State:
             friction.
         unsaved: what acts on the contacts by commands to `lmp`, and is not saved: walls, excluded
             pairs; empty without.
-        table: the contacts where the law has them, see `contact_table`.
+        table: the contacts where the law has them, see `contacts`.
         polygons: the undeformed `Polygons`; None of other laws.
         vertices: of each polygon, unwrapped around its center, arrays (N_v, 2) [length].
-        images: how often each particle has left the box through each side, shape (N, d).
+        images: how often each particle has left the box through each side, shape (N, d); None of
+            soft particles and polygons.
         evaluate: evaluates the same particles again, for what was not recorded; else None.
     """
 
     packing: Packing
     law: Any
     energy: float
-    stress: Floats
+    pressure_tensor: Floats
     residual: float
-    stalled: bool
+    converged: bool
     results: Mapping[str, NDArray[Any]] = field(default_factory=dict)
     velocities: Floats = field(default_factory=_unknown)
     root: bool = True
     time: float = 0.0
-    strain: float | None = None
+    shear_strain: float | None = None
     beyond: int = 0
     wall_forces: Floats = field(default_factory=_unknown)
     films: Films | None = None
@@ -182,15 +193,13 @@ class State:
     table: ContactTable | None = None
     polygons: Any = None
     vertices: tuple[Floats, ...] = ()
-    images: NDArray[np.int64] = field(default_factory=_unknown)
+    images: NDArray[np.int64] | None = None
     evaluate: Callable[[], State] | None = None
 
     def __post_init__(self) -> None:
         packing = self.packing
         if self.velocities is None:
             object.__setattr__(self, "velocities", np.zeros_like(packing.positions))
-        if self.images is None:
-            object.__setattr__(self, "images", np.zeros(packing.positions.shape, np.int64))
         if self.wall_forces is None and self.evaluate and packing.walls:
             object.__delattr__(self, "wall_forces")  # evaluated when it is asked for
         elif self.wall_forces is None:
@@ -209,13 +218,13 @@ class State:
 
     def __getattr__(self, name: str) -> Any:
         results = self.__dict__.get("results", {})
-        if name in results:
+        if name in results and name != "area":
             return results[name]
         if name == "wall_forces" and self.__dict__.get("evaluate"):
             return self._again.wall_forces
         if name not in _RESULTS:
             raise AttributeError(f"'State' object has no attribute {name!r}")
-        if name in ("area", "perimeter") and self.packing.dimension == 3:
+        if name == "perimeters":
             self._check_has(name, "plane")
         raise UndefinedError(
             f"{name} is a result of {_RESULTS[name]}, and the law of this state is {self.law!r}"
@@ -248,13 +257,13 @@ class State:
 
     @property
     def pressure(self) -> float:
-        """Pressure of the packing, trace of `stress` over the dimension d [energy/length^d]."""
-        return float(np.trace(self.stress) / len(self.stress))
+        """Trace of `pressure_tensor` over the dimension d [energy/length^d]."""
+        return float(np.trace(self.pressure_tensor) / len(self.pressure_tensor))
 
     @property
     def shear_stress(self) -> float:
-        """Shear stress that resists a shear along x, -`stress[0, 1]` [energy/length^d]."""
-        return -float(self.stress[0, 1])
+        """Shear stress that resists a shear along x, -`pressure_tensor[0, 1]` [energy/length^d]."""
+        return -float(self.pressure_tensor[0, 1])
 
     @property
     def kinetic_energy(self) -> float:
@@ -285,7 +294,7 @@ class State:
     @property
     def motion(self) -> Motion:
         """What goes on with a simulation from this state, beside the packing."""
-        history = self.velocities, self.time, self.strain, self.films, self.directions
+        history = self.velocities, self.time, self.shear_strain, self.films, self.directions
         lost = self.lost_energy - sum(self.rubbing.lost if self.rubbing else ())
         return Motion(*history, self.rubbing, self.images, lost)
 
@@ -294,7 +303,7 @@ class State:
         """What limits time steps: its name, the pressure in each particle or the load."""
         self._check_has("squeezed", "moving")
         name = "load" if isinstance(self.law, Droplet) else "pressure"
-        return name, self.results["load" if name == "load" else "particle_pressure"]
+        return name, self.results["loads" if name == "load" else "pressures"]
 
     @_only("moving")
     def step_limits(self) -> tuple[Packing, AnyLaw, float, float]:
@@ -311,10 +320,10 @@ class State:
         """
         if isinstance(self.law, SoftContact | Droplet):
             return self.packing.phi
-        return float(np.sum(self.filled_area) / self.packing.volume)
+        return float(np.sum(self.volumes) / self.packing.volume)
 
     @property
-    def particle_pressure(self) -> Floats:
+    def pressures(self) -> Floats:
         """Pressure in each particle, (N,) [energy/length^d].
 
         Of soft ones the trace of `particle_stress` over the dimension; of droplets 2 tension/R
@@ -323,38 +332,29 @@ class State:
         if isinstance(self.law, SoftContact):
             trace: Floats = np.trace(self.particle_stress, axis1=1, axis2=2)
             return trace / self.packing.dimension
-        return self.results["particle_pressure"]
+        return self.results["pressures"]
 
     @property
-    def contacts(self) -> NDArray[np.int64]:
+    def n_contacts(self) -> NDArray[np.int64]:
         """Number of active contacts of each particle, shape (N,)."""
-        found = self.results.get("contacts")
+        found = self.results.get("n_contacts")
         if found is None:
-            found = np.bincount(self.contact_table["i"], minlength=len(self.packing))
+            found = np.bincount(self.contacts["i"], minlength=len(self.packing))
         return found
 
     @property
-    def filled_area(self) -> Floats:
-        """Area of each particle with its skin, shape (N,) [length^2]; pi R^2 of a soft disk.
+    def volumes(self) -> Floats:
+        """Volume of each particle, in the plane its area, with its skin, shape (N,) [length^d].
 
-        Beads of other polygons interlock with those of a polygon of beads: it is filled up to its
-        `effective_radius`, see `Polygons`.
+        pi R^2 of soft disks, 4 pi R^3/3 of spheres and droplets. Beads of other polygons interlock
+        with those of a polygon of beads: it is filled up to its `effective_radius`, see `Polygons`.
         """
-        self._check_has("filled_area", "plane")
+        radii = self.packing.radii
+        if self.packing.dimension == 3:
+            return 4.0 / 3.0 * np.pi * radii**3
         if isinstance(self.law, SoftContact):
-            return np.pi * self.packing.radii**2
-        return filled_area(self.area, self.perimeter, self._skin)
-
-    @property
-    def filled_volume(self) -> Floats:
-        """4 pi R^3/3 of each particle, shape (N,) [length^3]."""
-        self._check_has("filled_volume", "space")
-        return 4.0 / 3.0 * np.pi * self.packing.radii**3
-
-    @property
-    def _filled(self) -> Floats:
-        filled: Floats = self.filled_area if self.packing.dimension == 2 else self.filled_volume
-        return filled
+            return np.pi * radii**2
+        return filled_area(self.results["area"], self.perimeters, self._skin)
 
     @property
     def _skin(self) -> Floats:
@@ -367,15 +367,23 @@ class State:
     @property
     def area_deficit(self) -> Floats:
         """S = A0 - A of each particle of the plane that deforms, shape (N,) [length^2]."""
-        area: Floats = self.area
+        area = self._area("area_deficit")
         if self.polygons is not None:
             return self.polygons.area[self.packing.species] - area
         return np.pi * (self.packing.radii - self._skin) ** 2 - area
 
+    def _area(self, name: str) -> Floats:
+        """Areas within skins, from which an attribute of this name follows."""
+        self._check_has(name, "plane")
+        if "area" not in self.results:
+            raise UndefinedError(f"{name} is of particles that deform, not of {self.law!r}")
+        return self.results["area"]
+
     @property
     def shape_parameter(self) -> Floats:
         """P^2 / (4 pi A) of each particle of the plane that deforms, 1 for a circle, (N,)."""
-        shape: Floats = self.perimeter**2 / (4.0 * np.pi * self.area)
+        area = self._area("shape_parameter")
+        shape: Floats = self.perimeters**2 / (4.0 * np.pi * area)
         return shape
 
     @cached_property
@@ -443,20 +451,20 @@ class State:
     # contacts
 
     @cached_property
-    def contact_table(self) -> ContactTable:
+    def contacts(self) -> ContactTable:
         """Active contacts, with a row for each side, sorted by (i, j, image): structured array.
 
         All laws have the fields i, j (-1 for a wall), image (d,), force and force_vector (d,), the
         force on i. But for polygons there are distance, indentation of i and position (d,), in
         space and of soft particles normal (d,); of rings angle, length, tilt, half_angle,
         contact_angle and attached, see `contacts.COLUMNS`; of droplets facet_radius, see
-        `contacts.DROPLET_COLUMNS`. With friction there are friction, damping, spring, sliding too,
+        `contacts.DROPLETCOLUMNS`. With friction there are friction, damping, spring, sliding too,
         see `friction.RUBBING`, and the forces have these parts.
         """
         if self.table is not None:
             return self.table
         if self.evaluate:
-            return self._again.contact_table
+            return self._again.contacts
         return contacts.soft_table(self.packing, self.law.k)
 
     @cached_property
@@ -466,10 +474,10 @@ class State:
         return self.evaluate()
 
     @cached_property
-    def contact_tables(self) -> list[ContactTable]:
-        """The rows of `contact_table` of each particle."""
-        first = np.searchsorted(self.contact_table["i"], np.arange(1, len(self.packing)))
-        return np.split(self.contact_table, first)
+    def _contacts_of_each(self) -> list[ContactTable]:
+        """The rows of `contacts` of each particle."""
+        first = np.searchsorted(self.contacts["i"], np.arange(1, len(self.packing)))
+        return np.split(self.contacts, first)
 
     @property
     def _contact_forces(self) -> ContactForces:
@@ -477,10 +485,10 @@ class State:
         if isinstance(self.law, SoftContact):
             return contacts.soft_forces(self.packing, self.law.k)
         if isinstance(self.law, Droplet):
-            return contacts.forces_of_droplets(self.packing, self.contact_table)
+            return contacts.forces_of_droplets(self.packing, self.contacts)
         if self.polygons is not None:
-            return contacts.polygon_forces(self.packing, self.contact_table)
-        return contacts.forces_of_table(self.packing, self.contact_table)
+            return contacts.polygon_forces(self.packing, self.contacts)
+        return contacts.forces_of_table(self.packing, self.contacts)
 
     @property
     def _rubs(self) -> bool:
@@ -494,14 +502,14 @@ class State:
     @cached_property
     def _in_network(self) -> NDArray[np.bool_]:
         """Whether each row of the table belongs to a contact without a rattler."""
-        table = self.contact_table
+        table = self.contacts
         number = len(self.packing)
         return contacts.without_rattlers(table["i"], table["j"], number, self._of_rattlers)
 
     @property
     def network_degree(self) -> NDArray[np.int64]:
         """Number of network contacts of each particle, 0 of rattlers, shape (N,)."""
-        particles = self.contact_table["i"][self._in_network]
+        particles = self.contacts["i"][self._in_network]
         return np.bincount(particles, minlength=len(self.packing))
 
     @property
@@ -522,7 +530,7 @@ class State:
     @property
     def network_contacts(self) -> int:
         """Number of active contacts without those of rattlers, each counted once."""
-        wall = self.contact_table["j"][self._in_network] < 0
+        wall = self.contacts["j"][self._in_network] < 0
         return int(np.sum(wall) + np.sum(~wall) // 2)
 
     @property
@@ -570,14 +578,14 @@ class State:
 
             stress = -sum x F / filled_area        (symmetric part)
 
-        The sum of stress times `filled_area` over the particles is `stress` times `packing.volume`;
+        The sum of stress times `volumes` over the particles is `stress` times `packing.volume`;
         in three dimensions these are volumes.
         Between walls that holds for the trace, the pressure. A wall also exerts a torque on a
         particle, which `stress` has in its other components, and this tensor does not.
 
         Source: mean stress by Love and Weber; Bagi, Mech. Mater. 22, 165 (1996).
         """
-        return contacts.particle_stress(self._contact_forces, self._filled)
+        return contacts.particle_stress(self._contact_forces, self.volumes)
 
     def graph(self) -> Any:
         """The contacts as a graph of networkx, a `MultiGraph` with particles as nodes.
@@ -588,7 +596,7 @@ class State:
         active contact is an edge, with the `force` along the line of centers, positive where it
         pushes [energy/length], the `distance` of the centers and the vector (`dx`, `dy`) from the
         lower to the higher number [length]; in three dimensions there are `z` and `dz` too, and
-        with friction `friction` and `sliding`, see `State.contact_table`. Two particles may touch
+        with friction `friction` and `sliding`, see `State.contacts`. Two particles may touch
         through several images. The node -1 stands for all walls, and is there if a particle touches
         one.
 
@@ -599,9 +607,18 @@ class State:
 
     # order
 
+    def voronoi(self) -> Cells:
+        """Voronoi cells of all particles, see `local_phi`.
+
+        Returns:
+            Tuple `size`, area or volume of each cell, shape (N,) [length^d], and of each side that
+            is common with a neighbor: its particle `i`, the `direction` to the neighbor and the
+            length or area `side`.
+        """
+        return self._cells
+
     @cached_property
     def _cells(self) -> Cells:
-        """Voronoi cells of all particles."""
         cells = cells_of if self.packing.dimension == 2 else space_cells_of
         return cells(self.packing)
 
@@ -611,12 +628,12 @@ class State:
 
         The sides of cells are the radical axes of the undeformed circles, in three dimensions the
         radical planes of spheres, so that particles of all sizes are within their cells. Cells end
-        at walls, and pass through a `Segment`. Weighted by the sizes of cells, `filled_area /
+        at walls, and pass through a `Segment`. Weighted by the sizes of cells, `volumes /
         local_phi`, the mean is `phi`. It is infinite of a particle within a larger one, which
         leaves it no cell.
         """
         with np.errstate(divide="ignore"):
-            return self._filled / self._cells.size
+            return self.volumes / self._cells.size
 
     @property
     def cell_sides(self) -> NDArray[np.int64]:
@@ -649,9 +666,7 @@ class State:
         return analysis.hexatic(self._cells, len(self.packing), k)
 
     @_only("plane")
-    def hexatic_correlation(
-        self, r_max: float, *, bins: int = 100, k: int = 6
-    ) -> tuple[Floats, Floats]:
+    def hexatic_correlation(self, bins: int, r_max: float, *, k: int = 6) -> tuple[Floats, Floats]:
         """Correlation of the bond-orientational order over the distance, by freud.
 
             g_k(r) = mean of Re conj(psi_k(i)) psi_k(j)
@@ -701,7 +716,7 @@ class State:
         """
         return analysis.steinhardt(self._cells, len(self.packing), l)
 
-    def radial_distribution(self, r_max: float, *, bins: int = 100) -> tuple[Floats, Floats]:
+    def radial_distribution(self, bins: int, r_max: float) -> tuple[Floats, Floats]:
         """The radial distribution function g(r) of the centers, by freud.
 
         Between walls the number of pairs is compared with that of centers at random places, no
@@ -710,7 +725,7 @@ class State:
         Args:
             r_max: largest distance, below half of the box; between walls below their distance
                 [length].
-            bins: number of intervals of the distance; by name, as freud has it first.
+            bins: number of intervals of the distance.
 
         Returns:
             Distances r, the middles of the intervals [length], and g, both of shape (bins,).
@@ -723,7 +738,7 @@ class State:
         optional("freud", "freud")
         return analysis.radial_distribution(self.packing, self.to_freud(), r_max, bins)
 
-    def structure_factor(self, k_max: float, *, bins: int = 100) -> tuple[Floats, Floats]:
+    def structure_factor(self, bins: int, k_max: float) -> tuple[Floats, Floats]:
         """The static structure factor S(k) of the centers.
 
         The mean of |sum exp(i k r)|^2 / N over the wave vectors k of the periodic box with a length
@@ -732,7 +747,7 @@ class State:
 
         Args:
             k_max: largest wave number [1/length].
-            bins: number of intervals of the wave number; by name, as freud has it first.
+            bins: number of intervals of the wave number.
 
         Returns:
             Wave numbers k, the middles of the intervals [1/length], and S, both of shape (bins,);
@@ -855,7 +870,7 @@ class State:
         outlines = self.outlines if self.packing.dimension == 2 else ()
         return modes_of(at_rest(self), outlines, number, vectors)
 
-    def elastic_moduli(self) -> ElasticModuli:
+    def moduli(self) -> ElasticModuli:
         """Elastic tensor, shear and bulk modulus, by one linear system.
 
         `ld.shear_modulus` and `ld.bulk_modulus` measure the same by finite strains.
@@ -881,7 +896,7 @@ class State:
             zeta du/dt = - H u - xi gamma,
             G*(omega) = G_affine - xi^T (H + i omega zeta)^-1 xi / V
 
-        with the area or volume V. At omega = 0 it is the `shear_modulus` of `elastic_moduli`, far
+        with the area or volume V. At omega = 0 it is the `shear_modulus` of `moduli`, far
         above the rates of relaxation, eigenvalues of H over zeta, its affine part.
         `ld.dynamic_modulus` measures the same by finite strains.
 
@@ -894,7 +909,7 @@ class State:
             [energy/length^d].
 
         Raises:
-            ParameterError: a value is out of range; or see `elastic_moduli`.
+            ParameterError: a value is out of range; or see `moduli`.
 
         Source: Lemaitre and Maloney, J. Stat. Phys. 123, 415 (2006); Tighe, Phys. Rev. Lett. 107,
         158303 (2011).
@@ -922,7 +937,7 @@ class State:
     def plot(
         self,
         ax: Axes | None = None,
-        color_by: str | ArrayLike = "particle_pressure",
+        color: str | ArrayLike = "pressures",
         contacts: bool = False,
         forces: bool = False,
         scale: Scale | None = None,
@@ -938,9 +953,9 @@ class State:
     ) -> Axes:
         """Draw the particles, colored by a value of each; returns the axes.
 
-            state.plot(color_by="local_phi").figure.savefig("picture.png")
-            state.plot(color_by=state.local_strain(before).d2min, label="$D^2_{min}$")
-            state.plot(color_by="load", view=(30, 60))
+            state.plot(color="local_phi").figure.savefig("picture.png")
+            state.plot(color=state.local_strain(before).d2min, label="$D^2_{min}$")
+            state.plot(color="load", view=(30, 60))
             state.plot(slice=2.5, contacts=True)
 
         In the plane these are the outlines. In space they are spheres that the planes of their
@@ -952,7 +967,7 @@ class State:
             ax: axes to draw into; if not given those of a new figure, which is as long as the box.
                 matplotlib.pyplot does not know that figure, so that a loop leaves none open: save
                 it, or give `plt.gca()` for `plt.show()`.
-            color_by: name of an attribute with one number for each particle, e.g. `area_deficit`,
+            color: name of an attribute with one number for each particle, e.g. `area_deficit`,
                 or of a column of the trajectory, e.g. `pressure`; or these numbers, shape (N,).
                 A particle whose number is nan is gray.
             contacts: draw the contacts, the straight or curved parts that outlines share; of soft
@@ -979,7 +994,7 @@ class State:
             slice: in space, draw what the plane at this z cuts, seen from above [length].
 
         Raises:
-            ParameterError: `color_by` is no such attribute and no such numbers, there is no such
+            ParameterError: `color` is no such attribute and no such numbers, there is no such
                 color map, the `vmin` is not below `vmax`, or there are no spins; the view is no two
                 numbers; in space, contacts are for slices only, and forces for views.
             ImportError: matplotlib is missing (`pip install lammps-deformable[plot]`).
@@ -991,13 +1006,13 @@ class State:
                 raise ParameterError("view and slice are for packings in three dimensions")
             from .plot import plot
 
-            return plot(self, ax, color_by, *common, spins)
+            return plot(self, ax, color, *common, spins)
         if spins:
             raise ParameterError("spins are for packings in the plane")
         from .plot3d import plot as plot_in_space
 
         seen = (20.0, 30.0) if view is None else view
-        return plot_in_space(self, ax, color_by, *common, seen, slice)
+        return plot_in_space(self, ax, color, *common, seen, slice)
 
     def _repr_html_(self) -> str | None:
         """The picture and the line of `repr`, for notebooks; None without matplotlib."""
@@ -1018,7 +1033,7 @@ class State:
             "particles": len(self.packing),
             **sides,
             **tilts,
-            "strain": self.strain,
+            "strain": self.shear_strain,
             "phi": self.phi,
             "pressure": self.pressure,
             "shear_stress": self.shear_stress,
@@ -1026,7 +1041,7 @@ class State:
             "coordination": self.coordination,
             "rattlers": int(np.sum(self.rattlers)),
             "residual": self.residual,
-            "stalled": self.stalled,
+            "stalled": not self.converged,
         }
         if not isinstance(self.law, _MOVING):
             return found
@@ -1034,7 +1049,7 @@ class State:
         return found | {
             "temperature": self.temperature,
             "time": self.time,
-            name: float(np.mean(getattr(self, name))),
+            name: float(np.mean(self.loads if name == "load" else self.shape_parameter)),
             "beyond": self.beyond,
         }
 
@@ -1042,10 +1057,10 @@ class State:
         """Values of the particles by their names in a trajectory, arrays of shape (N,)."""
         found: dict[str, NDArray[Any]] = {"radius": self.packing.radii}
         if isinstance(self.law, SoftContact):
-            found["area" if self.packing.dimension == 2 else "volume"] = self._filled
-            found |= {"pressure": self.particle_pressure, "contacts": self.contacts}
+            found["area" if self.packing.dimension == 2 else "volume"] = self.volumes
+            found |= {"pressure": self.pressures, "contacts": self.n_contacts}
         for name, values in self.results.items():
-            found["pressure" if name == "particle_pressure" else name] = values
+            found[COLUMNS.get(name, name)] = values
         found["rattler"] = self.rattlers.astype(int)
         if isinstance(self.law, _MOVING):
             found |= dict(zip(("vx", "vy", "vz"), self.velocities.T, strict=False))
@@ -1099,7 +1114,7 @@ class State:
 
         Args:
             table: `particles`, a row for each, with position, species and all its values; or
-                `contacts`, the rows of `contact_table`. Particles are numbered from 0, and are the
+                `contacts`, the rows of `contacts`. Particles are numbered from 0, and are the
                 index of their table.
 
         Raises:
@@ -1108,7 +1123,7 @@ class State:
         """
         return shapes.to_pandas(self, table)
 
-    def export(self, path: str | Path, forces: bool = False, overwrite: bool = False) -> None:
+    def export(self, path: str | Path, forces: bool = False, mode: str = "x") -> None:
         """Write the shapes of the particles, with their values, or the network of forces.
 
             state.export("outlines.vtp")
@@ -1127,31 +1142,31 @@ class State:
             forces: write lines between centers in the place of shapes: the contacts, with their
                 `force` along the line, positive where it pushes, the `distance`, and the ids `i`
                 and `j`, of which -1 is a wall.
-            overwrite: replace a file that is there.
+            mode: `w` replaces a file that is there, `x` refuses to.
 
         Raises:
             ParameterError: the suffix is another.
-            FileError: there is a file and `overwrite` is not given, or it cannot be written.
+            FileError: there is a file, see `mode`, or it cannot be written.
         """
-        shapes.export(self, path, forces, overwrite)
+        shapes.export(self, path, forces, mode)
 
     @_only("moving")
     def save(
         self,
         folder: str | Path,
         parameters: Mapping[str, Any] | None = None,
-        overwrite: bool = False,
+        mode: str = "x",
     ) -> None:
         """Write the state for `ld.Run`, and for LAMMPS with the script `in.lammps`.
 
         Args:
             folder: made if missing.
             parameters: for the summary, e.g. seed and protocol: what JSON can hold.
-            overwrite: replace a state or a run that is there.
+            mode: `w` replaces a state or a run that is there, `x` refuses to.
 
         Raises:
             ParameterError: an argument is of another kind.
-            FileError: the folder has a state or a run and `overwrite` is not given, or it holds
+            FileError: the folder has a state or a run, see `mode`, or it holds
                 something else, or a file cannot be written.
 
         Warns:
@@ -1160,7 +1175,8 @@ class State:
         check_parameters(parameters)
         if not self.root:
             return
-        place = refuse_run(folder, overwrite)
+        ways = (f"replace it with save({str(folder)!r}, mode='w')",)
+        place = refuse_run(folder, replaces(mode), ways)
         if frames_in(place):
             drop_frames(place)
         if self.unsaved:
@@ -1186,11 +1202,11 @@ class State:
         save(folder, packing, law, steps, numbers, self.motion, parameters, frames, self.friction)
 
 
-def soft_state(packing: Packing, law: SoftContact, residual: float, stalled: bool) -> State:
+def soft_state(packing: Packing, law: SoftContact, residual: float, converged: bool) -> State:
     """The state of soft particles at these centers, without LAMMPS."""
     found = contacts.soft_forces(packing, law.k)
     moment = -np.einsum("ca,cb->ab", found.vector, found.force)
     energy = float(np.sum(found.force**2) / (2.0 * law.k))
     return State(
-        packing, law, energy, moment / free_room(packing.walls, packing.box), residual, stalled
+        packing, law, energy, moment / free_room(packing.walls, packing.box), residual, converged
     )

@@ -359,7 +359,7 @@ def refuse(folder: str | Path, but: Kind | None = None, ways: tuple[str, ...] = 
 
 
 def refuse_run(
-    folder: str | Path, replaces: bool, ways: tuple[str, ...] = ("replace it with overwrite=True",)
+    folder: str | Path, replaces: bool, ways: tuple[str, ...] = ("replace it with mode='w'",)
 ) -> Path:
     """Raise an error unless a folder is free for a new run.
 
@@ -374,7 +374,6 @@ def refuse_run(
     Raises:
         FileError: as `refuse`, or it has a file of the name of one of a run.
     """
-    expect("overwrite", replaces, bool)
     place = refuse(folder, "compression" if replaces else None, ways)
     for name in (SUMMARY, SPECIES, SCRIPT, SETUPS):
         refuse_present(place / name, replaces)

@@ -47,12 +47,12 @@ def affine(before: Snapshot | Packing, now: Snapshot, points: Floats) -> Floats:
     """Points that follow the box from a state to a later one, shape (n, d) [length].
 
     Boxes whose tilts differ by their widths have the same images. Of the boxes that are equivalent
-    to that of the later state it is the one that its `strain` leads to or, if that is None, the
-    one whose tilts are nearest.
+    to that of the later state it is the one that its `shear_strain` leads to or, if that is
+    None, the one whose tilts are nearest.
     """
     old, new = packing_of("before", before).box, packing_of("now", now).box
-    strain = getattr(now, "strain", None)
-    added = 0.0 if strain is None else strain - (getattr(before, "strain", None) or 0.0)
+    strain = getattr(now, "shear_strain", None)
+    added = 0.0 if strain is None else strain - (getattr(before, "shear_strain", None) or 0.0)
     return cartesian(fractional(points, old), _unflipped(old, np.array(new), added))
 
 

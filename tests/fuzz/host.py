@@ -68,14 +68,14 @@ def told(folder, commands):
         except Exception as error:
             return {"error": f"{type(error).__name__}: {error}"}
         lmp = sim.lmp.get_natoms()
-    state.save("again", overwrite=True)
+    state.save("again", mode="w")
     with ld.Run("again").simulation() as sim:
         again = sim.state()
     both = (state, again)
     return {
         "atoms": [lmp, *(len(each.packing) for each in both)],
         "energy": [each.energy for each in both],
-        "stress": [each.stress.ravel().tolist() for each in both],
+        "stress": [each.pressure_tensor.ravel().tolist() for each in both],
         "unsaved": state.unsaved,
     }
 

@@ -24,11 +24,11 @@ def test_dense_packings_are_within_both_measures():
     sim = ld.Simulation(ld.jam(spheres).packing.at(0.78), ld.Droplet())
     sim.compress(phi=0.88, steps=2)
     state = sim.relax(1e-4)
-    sides, count = state.contact_table, len(spheres)
+    sides, count = state.contacts, len(spheres)
     f = sides["force"] / state.packing.radii[sides["i"]]
     load = np.bincount(sides["i"], f, count) / (8 * np.pi)
     facet = np.bincount(sides["i"], f**2, count) / (8 * np.pi) ** 2 / load
-    assert load == pytest.approx(state.load, rel=1e-6)
+    assert load == pytest.approx(state.loads, rel=1e-6)
     assert state.beyond == 0
     assert 0.3 < load.max() < 0.36
     assert 0.03 < facet.max() < 0.045

@@ -76,5 +76,5 @@ def test_forces_in_motion(contact, number, accuracy, kP):
             still.lmp.scatter("x", 1, 3, np.ctypeslib.as_ctypes(x.ravel()))
             still.lmp.command("run 0 post no")
             found, expected = gather(moving.lmp, "f", 3), gather(still.lmp, "f", 3)
-            largest = still.state().contact_table["force"].max()
+            largest = still.state().contacts["force"].max()
             assert found == pytest.approx(expected, rel=0, abs=accuracy * largest)

@@ -10,7 +10,7 @@ def shapes(state: ld.State) -> list[core.Shape]:
     """What the kernel makes of each particle."""
     return [
         core.ring(radius, seen["angle"], seen["indentation"])
-        for radius, seen in zip(state.packing.radii, state.contact_tables, strict=True)
+        for radius, seen in zip(state.packing.radii, state._contacts_of_each, strict=True)
     ]
 
 

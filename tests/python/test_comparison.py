@@ -63,8 +63,8 @@ def place(sim: ld.Simulation, outlines: list[np.ndarray]) -> None:
 
 
 def test_the_independent_packing_is_at_rest_here(independent: ld.State) -> None:
-    area, perimeter = np.array(REFERENCE["area"]), independent.perimeter
-    assert np.abs(independent.area - area).max() < ROUNDING * perimeter.max()
+    area, perimeter = np.array(REFERENCE["area"]), independent.perimeters
+    assert np.abs(independent.results["area"] - area).max() < ROUNDING * perimeter.max()
     rest = independent.polygons.area[independent.packing.species]
     assert rest == pytest.approx(REFERENCE["rest_area"], rel=1e-10)
     assert independent.energy == pytest.approx(3.378e-6, rel=1e-3)
@@ -102,7 +102,7 @@ def test_balanced_law_on_the_independent_packing(independent: ld.State) -> None:
     assert found["area_error"] < 0.01
     assert found["energy_error"] < 0.01
     # the forces of both sides of every contact are equal, to 1e-8 of the largest force
-    table = predict(independent, law).contact_table
+    table = predict(independent, law).contacts
     force = {(r["i"], r["j"], *r["image"].tolist()): r["force"] for r in table}
     off = [abs(f - force[j, i, -a, -b]) for (i, j, a, b), f in force.items()]
     assert max(off) < 1e-8 * table["force"].max()
@@ -146,12 +146,17 @@ def test_predictions_are_for_the_centers_and_effective_radii(
 
 def test_measures_of_a_comparison(small: ld.State) -> None:
     state, (found,) = predict(small, ld.Ring()), ld.compare(small, law=ld.Ring()).rows
-    ours, exact = state.area_deficit, small.polygons.area[small.packing.species] - small.area
+    ours, exact = (
+        state.area_deficit,
+        small.polygons.area[small.packing.species] - small.results["area"],
+    )
     assert found["area_error"] == pytest.approx(
         np.sqrt(np.mean((ours - exact) ** 2) / np.mean(exact**2))
     )
     assert found["energy_ratio"] == pytest.approx(np.sum(ours**2) / 2.0 / small.energy)
-    assert found["pressure_ratio"] == pytest.approx(np.trace(state.stress) / np.trace(small.stress))
+    assert found["pressure_ratio"] == pytest.approx(
+        np.trace(state.pressure_tensor) / np.trace(small.pressure_tensor)
+    )
     assert found["energy_error"] == abs(found["energy_ratio"] - 1.0)
     assert found["shape_error"] == shape_errors(small, state).mean()
     assert 0.0 < found["shape_error"] < 0.01

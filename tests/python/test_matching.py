@@ -39,9 +39,7 @@ def test_distance_of_centers(pair):
     """Neither drift nor periodic images nor rattlers count; a particle that moves does."""
     exact, own = pair
     same = replace(exact, packing=exact.packing.replace(positions=own.packing.positions))
-    touching = np.bincount(
-        np.concatenate([exact.contact_table["i"], exact.contact_table["j"]]), minlength=8
-    )
+    touching = np.bincount(np.concatenate([exact.contacts["i"], exact.contacts["j"]]), minlength=8)
     held = np.flatnonzero((touching >= 3) & ~own.rattlers)
     assert len(held) >= 3
     assert centers_rms(same, own) == pytest.approx(0.0, abs=1e-15)
@@ -57,15 +55,15 @@ def test_distance_of_centers(pair):
 
 def test_rattlers_do_not_count(pair):
     exact, own = pair
-    loose = exact.contact_table["i"][0]
-    there = (exact.contact_table["i"] != loose) & (exact.contact_table["j"] != loose)
-    contacts = exact.contact_table
+    loose = exact.contacts["i"][0]
+    there = (exact.contacts["i"] != loose) & (exact.contacts["j"] != loose)
+    contacts = exact.contacts
     exact = replace(exact, table=contacts[there])
     step = np.zeros((8, 2))
     step[loose] = 0.1
     assert centers_rms(exact, own) == centers_rms(moved(exact, step), own)
     assert centers_rms(replace(exact, table=contacts[:0]), own) is None
-    assert centers_rms(exact, replace(own, stress=1e-7 * own.stress)) is None
+    assert centers_rms(exact, replace(own, pressure_tensor=1e-7 * own.pressure_tensor)) is None
 
 
 @pytest.mark.parametrize("smooth", [True, False])

@@ -66,7 +66,7 @@ def test_waves_of_a_harmonic_crystal_have_the_moduli_of_linear_response() -> Non
     """<u u> = T/H; lattices make short waves softer by (q a)^2/24, 6 % here at most."""
     packing, rest = resting(256)
     box, sites = packing.box.diagonal(), packing.positions
-    hessian, moduli = rest.hessian().operator, rest.elastic_moduli()
+    hessian, moduli = rest.hessian().operator, rest.moduli()
     softness = []
     for wave in measure.waves(box):
         phases = sites @ wave

@@ -104,7 +104,7 @@ def packed() -> dict[str, AtCenters]:
 def test_packing_is_nearer_to_the_laws_than_to_circles(packed: dict[str, AtCenters]) -> None:
     reference = packed["radical"].reference
     assert reference.polygons.number.tolist() == [50, 72]
-    assert not reference.stalled
+    assert reference.converged
     circle = np.mean(
         [
             shape_error(outline - center, core.outline("ring", radius, [], []), outer)

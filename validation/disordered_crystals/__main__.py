@@ -157,7 +157,7 @@ def measure(state, stiffness):
     }
     if stiffness:
         try:
-            moduli = state.elastic_moduli()
+            moduli = state.moduli()
             row |= {"G": moduli.mean_shear_modulus, "K": moduli.bulk_modulus}
         except ld.ParameterError:  # a motion has no stiffness
             pass
@@ -192,7 +192,7 @@ def ramp(law, number, phi, seed):
                 curve = columns([{"r": a, "g6": b} for a, b in zip(r, g6, strict=True)])
                 found["g6"].append({"eta": eta, **curve})
                 if (law, phi, seed) == ("droplets", 0.94, 1):
-                    state.save(f"packing_{number}_{eta:g}", overwrite=True)
+                    state.save(f"packing_{number}_{eta:g}", mode="w")
         found[way] = columns(rows)
     return found | {"seconds": round(time.process_time() - start, 1)}
 

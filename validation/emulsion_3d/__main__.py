@@ -57,15 +57,15 @@ def measure(kind, number, seed):
 
 def row_of(state, unit):
     """What is measured in a state."""
-    moduli = state.elastic_moduli()
+    moduli = state.moduli()
     row = {
         "phi": state.phi,
         "pressure": state.pressure / unit,
         "shear": moduli.mean_shear_modulus / unit,  # of all directions
         "bulk": moduli.bulk_modulus / unit,
         "excess": state.excess_coordination(),
-        "load": state.load.mean(),
-        "largest": state.load.max(),
+        "load": state.loads.mean(),
+        "largest": state.loads.max(),
         "order": state.steinhardt(6).mean(),
         "simple": moduli.shear_modulus / unit,  # along x alone
     }

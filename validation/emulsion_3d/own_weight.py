@@ -42,7 +42,7 @@ def column(number, seed):
             sim.lmp.command(f"group size{species} type {species}")
             sim.lmp.command(f"fix up{species} size{species} addforce 0 0 {up}")
         state = sim.relax(1e-5)
-    return {"seed": seed, "load": float(state.load.max()), "rows": slabs(state, r32, weight)}
+    return {"seed": seed, "load": float(state.loads.max()), "rows": slabs(state, r32, weight)}
 
 
 def slabs(state, r32, weight):
@@ -56,7 +56,7 @@ def slabs(state, r32, weight):
     area = box[0, 0] * box[1, 1]
     below = np.array([volume_below(edge, place, state.packing.radii) for edge in edges])
     inside = np.digitize(place, edges) - 1
-    stress = np.einsum("naa,n->na", state.particle_stress, state.filled_volume)
+    stress = np.einsum("naa,n->na", state.particle_stress, state.volumes)
     middle, room = 0.5 * (edges[1:] + edges[:-1]) - floor, area * np.diff(edges)
     along, across = (
         np.array([each[inside == n].sum() for n in range(SLABS)]) / room * r32

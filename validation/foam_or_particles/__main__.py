@@ -87,7 +87,7 @@ def decompressed(sim, unit):
 def row(state, unit):
     """What is measured of a state. One without a contact network has numbers that are nan."""
     try:
-        moduli = state.elastic_moduli()
+        moduli = state.moduli()
         shear, bulk = moduli.mean_shear_modulus / unit, moduli.bulk_modulus / unit
     except ld.ParameterError:  # it resists no strain
         shear = bulk = math.nan

@@ -40,7 +40,7 @@ MOBILIZED = 0.999
 
 def measure(sim, state, mu):
     """Numbers of a state at rest."""
-    contacts = state.contact_table[state.contact_table["i"] < state.contact_table["j"]]
+    contacts = state.contacts[state.contacts["i"] < state.contacts["j"]]
     normal, along = contacts["force"], np.abs(contacts["friction"])
     used = along / (mu * normal) if mu else np.zeros(len(contacts))
     free = state.rattlers[contacts["i"]] | state.rattlers[contacts["j"]]
@@ -57,7 +57,7 @@ def measure(sim, state, mu):
         "coulomb": np.max(along - mu * normal) / normal.mean(),
         "force": force.max() / normal.mean(),
         "torque": np.abs(torque).max() / normal.mean(),
-        "at_rest": not state.stalled,
+        "at_rest": state.converged,
     }
     return {name: n if isinstance(n, int) else float(f"{n:.6g}") for name, n in numbers.items()}
 
@@ -217,7 +217,7 @@ def of_beads(beads, seed):
             state = sim.state()
             if max(state.residual, abs(state.pressure / PRESSURE - 1.0)) < AT_REST:
                 break
-    table = state.contact_table
+    table = state.contacts
     sides = np.append(table.i, table.j), np.append(table.j, table.i)
     particle = sides[0][without_rattlers(*sides, NUMBER, at_most=1)]
     rigid = len(np.unique(particle))

@@ -126,19 +126,19 @@ def measure(
             onset = sim.relax()
             if folder is not None and law not in SOFT:
                 name = packing_name(law, onset_pressure, number, seed)
-                onset.save(folder / name, overwrite=True)  # of an interrupted measurement
+                onset.save(folder / name, mode="w")  # of an interrupted measurement
             unit = natural_pressure(onset.packing, settings)
             key = {"law": law, "onset_pressure": onset_pressure, "number": number, "seed": seed}
             compressed = []
             for excess in excess_phi:
                 sim.deform(onset.packing.at(onset.packing.phi + excess).box)
                 state = sim.relax(_TOLERANCE)
-                if state.pressure < onset_pressure * unit or state.stalled:
+                if state.pressure < onset_pressure * unit or not state.converged:
                     break  # it lost its rigidity
                 reached = key | {"excess_phi": state.phi - onset.phi} | _numbers(state, unit)
                 compressed.append(reached | _moduli(state, excess, unit))
     row = key | _numbers(onset, unit) | {"excess_phi": max(excess_phi, default=0.0)}
-    row["stalled"] = onset.stalled or stalled
+    row["stalled"] = (not onset.converged) or stalled
     return row | {"seconds": time.process_time() - began}, compressed
 
 
@@ -156,7 +156,7 @@ def _numbers(state: State, unit: float) -> Row:
         "isostatic": state.isostatic_contacts,
         "rattlers": int(np.sum(state.rattlers)),
         "residual": state.residual,
-        "stalled": state.stalled,
+        "stalled": (not state.converged),
     }
 
 

@@ -3,7 +3,7 @@
     python -m validation.jamming.vibrations LAW N [--seeds 4] [--modes M] [--excess-phi 1e-4 ...]
 
 Packings are jammed as soft disks and compressed to each phi - phi_J; there `State.modes` and
-`State.elastic_moduli` are computed. vibrations.json keeps the packings of earlier calls, which are
+`State.moduli` are computed. vibrations.json keeps the packings of earlier calls, which are
 not measured again, also with other options; vibrations.png shows all of them. Times are those of
 one thread if OMP_NUM_THREADS=1 is set.
 """
@@ -90,7 +90,7 @@ def measure(
     with Simulation(disks, SoftContact()) as soft:
         state = soft.state()
     # dp/dphi = K/phi
-    onset = state.phi * (1.0 - state.pressure / state.elastic_moduli().bulk_modulus)
+    onset = state.phi * (1.0 - state.pressure / state.moduli().bulk_modulus)
     unit = natural_pressure(disks, contact_law(law))
     key = {"law": law, "number": number, "seed": seed, "onset_phi": onset}
     rows = []
@@ -121,7 +121,7 @@ def _states(law: str, disks: Packing, onset: float, excess_phi: Sequence[float])
 
 
 def _response(state: State, unit: float) -> Row:
-    moduli = state.elastic_moduli()
+    moduli = state.moduli()
     free = int(np.sum(~state.rattlers))
     return {
         "phi": state.phi,

@@ -61,7 +61,7 @@ def leg(number, phi, temperature, seed, positions, law=LAW, bath=BATH, steps=STE
                     {
                         "energy": state.energy / number,
                         "pressure": state.pressure + number * temperature / packing.volume,
-                        "stress": state.stress.tolist(),
+                        "stress": state.pressure_tensor.tolist(),
                         "z": state.coordination,
                         "bath": state.temperature / temperature,
                         "beyond": state.beyond / number,
@@ -245,7 +245,7 @@ def harmonic(phi, law=LAW):
     """
     with ld.Simulation(crystal(64, phi), law) as sim:
         state = sim.relax(1e-8)
-        moduli = state.elastic_moduli()
+        moduli = state.moduli()
     shear, bulk = moduli.mean_shear_modulus, moduli.bulk_modulus
     young = 4.0 * shear * bulk / (shear + bulk)
     unbinding = young * spacing(state.packing) ** 2 / (16.0 * math.pi)

@@ -131,7 +131,7 @@ def _forces(state: State) -> tuple[float, float]:
 
     The second one turns counterclockwise: its left side goes down and its right side up.
     """
-    table = state.contact_table
+    table = state.contacts
     force = table["force_vector"][table["i"] == 0]
     to_left = np.sign(force[:, 0])  # from the second polygon, at the right of the first
     return float(np.abs(force[:, 0]).mean()), float(np.mean(to_left * force[:, 1]))

@@ -58,13 +58,13 @@ def test_state_is_that_of_lammps(dumped: Path) -> None:
         (dumped / "shapes.dump").read_text().split("ITEM: ATOMS")[-1].splitlines()[1:]
     )
     assert state.energy == pytest.approx(float((dumped / "energy").read_text()), rel=1e-9)
-    np.testing.assert_allclose(state.area, rows[:, 4], rtol=1e-9)
-    np.testing.assert_allclose(state.particle_pressure, rows[:, 5], rtol=1e-6)
+    np.testing.assert_allclose(state.results["area"], rows[:, 4], rtol=1e-9)
+    np.testing.assert_allclose(state.pressures, rows[:, 5], rtol=1e-6)
     assert set(state.packing.radii) == {0.5, 0.6}
     x, y = state.outlines[0].T
     enclosed = 0.5 * np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))
     # a polygon of n points within a circle lacks 2 pi^2/3 n^2 of its area
-    assert enclosed == pytest.approx(state.area[0], rel=2 * 6.6 / len(x) ** 2)
+    assert enclosed == pytest.approx(state.results["area"][0], rel=2 * 6.6 / len(x) ** 2)
 
 
 def test_files(dumped: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -125,7 +125,7 @@ def test_species_of_the_package_and_radii_of_atoms(tmp_path: Path) -> None:
     )
     state = ld.state_in_file(dump, "droplets.deformable")
     np.testing.assert_array_equal(state.packing.radii, [0.5, 0.7])
-    np.testing.assert_allclose(state.area, np.pi * np.array([0.5, 0.7]) ** 2, rtol=1e-12)
+    np.testing.assert_allclose(state.results["area"], np.pi * np.array([0.5, 0.7]) ** 2, rtol=1e-12)
     own = ld.state_in_file(dump, "droplets.deformable", radii="size")
     np.testing.assert_array_equal(own.packing.radii, [0.4, 0.6])
     assert own.energy > 0

@@ -37,9 +37,9 @@ def test_shear_starts_from_the_last_packing(folder: Path) -> None:
     assert [float(row["strain"]) for row in rows] == [0.0, 0.005, 0.01, 0.015, 0.02]
     with ld.Run(folder / "run").simulation() as sim:
         states = [sim.state(), *sim.shear(0.02, steps=4)[1:]]
-    assert [state.strain for state in states] == [None, 0.005, 0.01, 0.015, 0.02]
+    assert [state.shear_strain for state in states] == [None, 0.005, 0.01, 0.015, 0.02]
     for row, state in zip(rows, states, strict=True):
-        assert float(row["shear_stress"]) == pytest.approx(-state.stress[0, 1], abs=1e-5)
+        assert float(row["shear_stress"]) == pytest.approx(-state.pressure_tensor[0, 1], abs=1e-5)
         assert float(row["xy"]) == pytest.approx(state.packing.box[1, 0], rel=1e-9)
         assert float(row["lx"]) == pytest.approx(state.packing.box[0, 0], rel=1e-12)
     parameters = json.loads((folder / "shear" / "summary.json").read_text())["parameters"]

@@ -130,7 +130,7 @@ def test_a_simulation_outlives_a_restart_that_is_refused(jammed: ld.Packing) -> 
 
 def test_colors_have_names(state: ld.State) -> None:
     """Those of attributes, and those of a trajectory."""
-    assert state.values("pressure").tolist() == state.particle_pressure.tolist()
+    assert state.values("pressure").tolist() == state.pressures.tolist()
     assert state.values("vx").tolist() == state.velocities[:, 0].tolist()
     for wrong in ("energy", "beauty", 3, None):
         with pytest.raises(ld.ParameterError, match=r"area_deficit.*pressure.*not"):

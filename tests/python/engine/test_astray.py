@@ -26,10 +26,10 @@ def test_straight_where_curved_lines_lead_astray():
             with ld.Simulation(crowded(*case), law) as sim:
                 state = sim.state()
                 limited = sim.lmp.numpy.extract_compute("deformable_beyond", 0, 1)[4]
-            assert np.isfinite([state.energy, state.pressure, *state.stress.flat]).all()
+            assert np.isfinite([state.energy, state.pressure, *state.pressure_tensor.flat]).all()
             assert state.beyond > 0
             found[contact] = state
-        if limited == len(state.contact_table) / 2:
+        if limited == len(state.contacts) / 2:
             held += 1
             assert state.energy == pytest.approx(found["balanced"].energy, rel=1e-6)
     assert held > 0

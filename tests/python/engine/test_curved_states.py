@@ -32,7 +32,7 @@ def test_energy(states: dict[str, ld.State]) -> None:
 def test_contacts(states: dict[str, ld.State]) -> None:
     """Forces and tilts are equal from both sides, and partners stand where they are."""
     state = states["curved"]
-    table, centers = state.contact_table, state.packing.positions
+    table, centers = state.contacts, state.packing.positions
     rows = {(row["i"], row["j"], *row["image"]): row for row in table}
     for (i, j, a, b), row in rows.items():
         other = rows[j, i, -a, -b]
@@ -47,12 +47,12 @@ def test_contacts(states: dict[str, ld.State]) -> None:
         heights = state.packing.radii[[i, j]] - (row["indentation"], other["indentation"])
         assert sum(heights) == pytest.approx(row["distance"] * np.cos(row["tilt"]), rel=1e-9)
     assert 0.01 < np.abs(table["tilt"]).max() < 0.1
-    assert (states["balanced"].contact_table["tilt"] == 0).all()
+    assert (states["balanced"].contacts["tilt"] == 0).all()
 
 
 def test_force_is_along_normals(states: dict[str, ld.State]) -> None:
     """Nothing but p L n: they sum to zero at rest, to the tolerance of the relaxation."""
-    table = states["curved"].contact_table
+    table = states["curved"].contacts
     out = np.column_stack([np.cos(table["angle"]), np.sin(table["angle"])])
     force = np.zeros_like(states["curved"].packing.positions)
     np.add.at(force, table["i"], table["force"][:, None] * out)
@@ -62,12 +62,12 @@ def test_force_is_along_normals(states: dict[str, ld.State]) -> None:
 def test_outlines(states: dict[str, ld.State]) -> None:
     """They are drawn with the arcs: their areas and perimeters are those of the law."""
     state = states["curved"]
-    assert np.abs(state.contact_table["half_angle"]).max() > 0.01
-    for outline, area in zip(state.parallels(same_area=True), state.area, strict=True):
+    assert np.abs(state.contacts["half_angle"]).max() > 0.01
+    for outline, area in zip(state.parallels(same_area=True), state.results["area"], strict=True):
         x, y = outline.T
         found = 0.5 * (x @ np.roll(y, -1) - y @ np.roll(x, -1))
         assert found == pytest.approx(area, rel=1e-6)
-    for outline, perimeter in zip(state.parallels(points=2000), state.perimeter, strict=True):
+    for outline, perimeter in zip(state.parallels(points=2000), state.perimeters, strict=True):
         edges = np.roll(outline, -1, axis=0) - outline
         assert np.hypot(*edges.T).sum() == pytest.approx(perimeter, rel=2e-6)
 
@@ -105,6 +105,6 @@ def test_confluence() -> None:
         with ld.Simulation(jammed.at(phi), law) as sim:
             state = sim.relax()
             assert sim.lmp.extract_global("ntimestep") < 20_000  # not the patience of 60 000
-        assert state.stalled == (state.residual > 1e-6)
+        assert (not state.converged) == (state.residual > 1e-6)
         assert np.isfinite(state.energy)
-        assert (state.area > 0).all()
+        assert (state.results["area"] > 0).all()

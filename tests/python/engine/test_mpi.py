@@ -24,7 +24,7 @@ state = sim.compress(strain=0.02, steps=2, tolerance={tolerance}, record="run")[
 assert state.root == (MPI.COMM_WORLD.rank == 0)
 with ld.Run("run").simulation() as again:
     assert abs(again.state().energy / state.energy - 1) < 1e-12
-table = state.contact_table
+table = state.contacts
 seen = [state.phi, state.pressure, state.energy, state.coordination]
 """
 CONTACTS = "seen += [*table['i'].tolist(), *table['j'].tolist()]"
@@ -35,8 +35,8 @@ with ld.Simulation(jammed, ld.DeformablePolygon({beads})) as rings:
     rings.deform({stretch} * rings.box)
     {relax}
     state = rings.state()
-seen = [state.energy, *state.stress.ravel(), *state.area, *state.perimeter]
-table = state.contact_table
+seen = [state.energy, *state.pressure_tensor.ravel(), *state.results["area"], *state.perimeters]
+table = state.contacts
 for values in state.packing.positions, table.force, table.i, table.j, table.image:
     seen += values.ravel().tolist()
 """
@@ -69,7 +69,7 @@ with ld.Simulation(packing, ld.Ring(), friction=rough) as sim:
     rubbed = sim.run(50, timestep=0.2, temperature=1e-4, seed=1)[-1]
 with ld.Simulation(rubbed, ld.Ring()) as sim:  # springs reach their ranks
     further = sim.run(50, timestep=0.2)[-1]
-assert further.contact_table["sliding"].any()
+assert further.contacts["sliding"].any()
 seen += [further.lost_energy, further.spring_energy, *further.spins]
 """
 TIGHT, ROUGH = COMPRESSED.format(tolerance=1e-9), COMPRESSED.format(tolerance=1e-6)

@@ -29,7 +29,7 @@ def test_walls_press_like_beads() -> None:
     pushed = exact.force[0] - LONE_BEADS.kr * overlap @ walls.normal
     assert force == pytest.approx(pushed, abs=1e-12)
     assert state.residual <= 0.01
-    assert state.contact_table["i"].size == 0
+    assert state.contacts["i"].size == 0
 
 
 def test_beads_keep_their_place_on_walls_that_stick() -> None:

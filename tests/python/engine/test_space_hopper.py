@@ -76,7 +76,7 @@ def test_a_post_in_a_periodic_box(axis: str) -> None:
     volume = side**3 - np.pi * post.radius**2 * side
     assert [float(s.packing.volume) for s in found] == pytest.approx([volume] * 8, rel=1e-12)
     assert [s.energy for s in found] == pytest.approx([found[0].energy] * 8, rel=1e-9)
-    assert found[0].contact_table["j"].min() == -1
+    assert found[0].contacts["j"].min() == -1
     assert found[0].wall_forces[0, "xyz".index(axis)] == 0.0
 
 
@@ -95,8 +95,8 @@ def test_a_hopper_holds_its_filling(tmp_path: Path) -> None:
     assert tube[2] == 0.0
     assert floor[2] < 0.0
     assert not lid.any()
-    touching = state.contact_table["j"] < 0
-    slanted = np.abs(state.contact_table["normal"][touching][:, 2] + 0.6) < 1e-9
+    touching = state.contacts["j"] < 0
+    slanted = np.abs(state.contacts["normal"][touching][:, 2] + 0.6) < 1e-9
     assert slanted.sum() >= 3  # across the side of the cone
     lines = output("lmp", "-in", "in.lammps", "-log", "none", cwd=tmp_path).splitlines()
     head = next(n for n, line in enumerate(lines) if line.split()[:2] == ["Step", "PotEng"])

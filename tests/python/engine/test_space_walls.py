@@ -63,7 +63,7 @@ def test_one_droplet_in_its_faces(name: str) -> None:
         walls = [Plane(tuple(-(1 - indentation) * n), tuple(n)) for n in FACES[name]]
         with exactly_balanced(), ld.Simulation(alone.replace(walls=walls), Droplet(2.0)) as sim:
             state = sim.state()
-        table = state.contact_table
+        table = state.contacts
         assert (table["j"] == -1).all()
         error = precision(name, force)
         assert table["force"] == pytest.approx(2 * np.full(len(walls), force), rel=error)
@@ -91,7 +91,7 @@ def test_walls_bear_what_droplets_carry(name: str) -> None:
     with exactly_balanced(), ld.Simulation(packing, LAW) as sim:
         state = sim.state()
         forces = np.array(sim.lmp.gather("f", 1, 3)).reshape(-1, 3)
-    table = state.contact_table
+    table = state.contacts
     at_walls = table["j"] < 0
     assert at_walls.sum() > 4
     assert state.wall_forces.shape == (len(packing.walls), 3)
@@ -121,7 +121,7 @@ def test_forces_are_differences_of_the_energy(drum) -> None:
         moved = drum.replace(positions=drum.positions + step * along)
         with exactly_balanced(), ld.Simulation(moved, LAW) as sim:
             energies.append(sim.state().energy)
-    assert state.contacts.sum() > 100
+    assert state.n_contacts.sum() > 100
     assert np.diff(energies) / 2e-5 == pytest.approx(-np.sum(forces * along), rel=1e-6, abs=1e-6)
 
 
@@ -134,7 +134,7 @@ def test_pressure_in_a_cuboid_is_force_per_area() -> None:
     for axis in range(3):
         low, high = on_walls[axis, :, axis] / area[axis]
         assert -low == pytest.approx(high, rel=1e-6)
-        assert state.stress[axis, axis] == pytest.approx(high, rel=1e-6)
+        assert state.pressure_tensor[axis, axis] == pytest.approx(high, rel=1e-6)
     assert state.packing.volume == pytest.approx(np.prod(sides))
 
 
@@ -146,11 +146,11 @@ def test_soft_spheres_jam_between_walls(name: str) -> None:
     assert 0.4 < jammed.phi < 0.6  # walls take room from small packings
     with ld.Simulation(jammed, ld.SoftContact()) as soft:
         state = soft.relax(1e-6)
-    touching = state.contact_table[state.contact_table["j"] < 0]
+    touching = state.contacts[state.contacts["j"] < 0]
     assert set((-1 - touching["j"]).tolist()) >= {0}
     assert 1e-6 < state.pressure < 2.1e-6
     assert abs(state.network_contacts - state.isostatic_contacts) <= 3
-    assert state.stress.trace() / 3 == pytest.approx(state.pressure)
+    assert state.pressure_tensor.trace() / 3 == pytest.approx(state.pressure)
     contacts = np.bincount(touching["i"], minlength=40)
     assert (state.particle_values()["contacts"] >= contacts).all()
     energies, volumes = [], []
@@ -260,15 +260,15 @@ def test_walls_in_pictures_and_files(tmp_path: Path) -> None:
         assert len(cut.collections[1].get_paths()) == obstacles
         with pytest.raises(ParameterError, match=r"slice at .* outside of the walls: take"):
             state.plot(slice=low - 1)
-        state.export(tmp_path / "droplets.vtp", overwrite=True)
-        state.export(tmp_path / "forces.vtp", forces=True, overwrite=True)
+        state.export(tmp_path / "droplets.vtp", mode="w")
+        state.export(tmp_path / "forces.vtp", forces=True, mode="w")
 
 
 def test_cells_end_at_planes() -> None:
     """They fill the room; at round walls they are no polyhedra."""
     with ld.Simulation(packed("cuboid"), LAW) as sim:
         state = sim.state()
-    assert (state.filled_volume / state.local_phi).sum() == pytest.approx(state.packing.volume)
+    assert (state.volumes / state.local_phi).sum() == pytest.approx(state.packing.volume)
     with ld.Simulation(packed("drum"), LAW) as sim:
         state = sim.state()
         with pytest.raises(ParameterError, match="wall 1 is a cylinder: take a room between"):
@@ -302,7 +302,10 @@ def test_refusals(drum) -> None:
         for refused, told in (
             (lambda: state.hessian(), "do not know walls: take a state of a periodic box"),
             (lambda: sim.relax(pressure=0.1, free="aniso"), "free='aniso' is not for walls"),
-            (lambda: state.structure_factor(3.0), "a container has no wave vectors"),
+            (
+                lambda: state.structure_factor(bins=100, k_max=3.0),
+                "a container has no wave vectors",
+            ),
         ):
             with pytest.raises(ParameterError, match=told):
                 refused()

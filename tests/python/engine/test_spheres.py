@@ -56,14 +56,14 @@ def test_scale_does_not_matter(jammed: ld.Packing) -> None:
 
 
 def test_states_have_stress_contacts_and_motion(squeezed: ld.State) -> None:
-    volumes = squeezed.filled_volume[:, None, None]
+    volumes = squeezed.volumes[:, None, None]
     total = np.sum(squeezed.particle_stress * volumes, axis=0) / squeezed.packing.volume
-    assert total == pytest.approx(squeezed.stress, abs=1e-12 * squeezed.pressure)
-    assert squeezed.stress == pytest.approx(squeezed.stress.T)
-    assert squeezed.pressure == pytest.approx(np.trace(squeezed.stress) / 3.0)
-    assert squeezed.particle_pressure.min() >= 0.0
+    assert total == pytest.approx(squeezed.pressure_tensor, abs=1e-12 * squeezed.pressure)
+    assert squeezed.pressure_tensor == pytest.approx(squeezed.pressure_tensor.T)
+    assert squeezed.pressure == pytest.approx(np.trace(squeezed.pressure_tensor) / 3.0)
+    assert squeezed.pressures.min() >= 0.0
     graph = squeezed.graph()
-    assert graph.number_of_edges() == len(squeezed.contact_table) // 2
+    assert graph.number_of_edges() == len(squeezed.contacts) // 2
     energy = sum(edge["force"] ** 2 / 2.0 for *_, edge in graph.edges(data=True))
     assert energy == pytest.approx(squeezed.energy, rel=1e-12)
     assert {"x", "y", "z"} <= set(graph.nodes[0])
@@ -84,7 +84,7 @@ def test_pressure_is_the_derivative_of_the_energy(squeezed: ld.State) -> None:
                 spheres.deform(squeezed.packing.box @ strain)
                 energies.append(spheres.state().energy)
         found[a, b] = found[b, a] = -(energies[0] - energies[1]) / (2.0 * step)
-    expected = squeezed.stress * squeezed.packing.volume
+    expected = squeezed.pressure_tensor * squeezed.packing.volume
     assert found == pytest.approx(expected, abs=1e-4 * expected[0, 0])
 
 

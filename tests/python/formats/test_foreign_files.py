@@ -90,7 +90,7 @@ def test_a_recorded_run(tmp_path: Path, jammed: Packing) -> None:
         np.testing.assert_array_equal(found.positions, states[number].packing.positions)
         np.testing.assert_array_equal(found.radii, jammed.radii)
     by_column = Packing.from_file(path, radii="area")
-    np.testing.assert_array_equal(by_column.radii, states[-1].area)
+    np.testing.assert_array_equal(by_column.radii, states[-1].results["area"])
     with pytest.raises(ld.FileError, match=r"3 frames, and no frame 3: give 0 to 2, or -1"):
         Packing.from_file(path, frame=3)
 

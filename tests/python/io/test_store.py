@@ -27,7 +27,7 @@ def test_missing_and_broken_runs_are_named(state: ld.State, tmp_path: Path) -> N
     (tmp_path / "summary.json").write_text('{"law": {"name": "Foam"}}')
     with pytest.raises(ld.FileError, match=r"cannot be read.*Foam"):
         read(tmp_path)
-    state.save(tmp_path, overwrite=True)
+    state.save(tmp_path, mode="w")
     (tmp_path / "packing.data").unlink()
     with pytest.raises(ld.FileError, match=r"packing\.data"):
         read(tmp_path)

@@ -73,7 +73,7 @@ def test_directions_go_on(free: ld.Packing, tmp_path: Path) -> None:
     with pytest.raises(ld.FileError, match="it has directions of 1599 of 1600 atoms"):
         ld.Run(tmp_path / "run").simulation()
     assert first.values("direction") == pytest.approx(np.arctan2(*first.directions.T[::-1]))
-    ax = first.plot(color_by="direction")
+    ax = first.plot(color="direction")
     assert ax.collections[0].get_clim() == pytest.approx((-np.pi, np.pi))
     assert ax.collections[0].get_cmap().name == "twilight"
     assert ld.Simulation(free, ld.Ring()).run(1, timestep=0.5)[1].directions is None
@@ -92,7 +92,7 @@ def test_particles_that_push_each_other_keep_their_step() -> None:
         crowd = {"drag": 1.0, "propulsion": 1e-3, "persistence": 1e4}
         states = sim.run(2000, seed=1, inertia=False, every=500, **crowd)
     assert states[-1].energy > 0.0
-    assert max(state.particle_pressure.max() for state in states) < 0.1
+    assert max(state.pressures.max() for state in states) < 0.1
     assert states[-1].time > states[-2].time
 
 

@@ -36,7 +36,7 @@ def test_temperature_of_a_heat_bath(loose: ld.Packing, law: ld.Ring) -> None:
         energy[loose.species == 1],
     ):
         assert part.mean() == pytest.approx(temperature, rel=4.0 * np.sqrt(2.0) * error)
-    assert max(state.contacts.max() for state in states) > 1  # particles are in contact
+    assert max(state.n_contacts.max() for state in states) > 1  # particles are in contact
 
 
 def test_heat_bath_does_not_depend_on_ends_of_runs() -> None:

@@ -24,14 +24,14 @@ def test_confluence_is_where_the_arcs_vanish() -> None:
     for part in (-1e-6, 1e-6):
         state = lattice_state(CONFLUENCE + part)
         assert state.beyond == (16 if part > 0.0 else 0)
-        assert state.arc_radius == pytest.approx(-A6 / (A6 - np.pi) * part * RADIUS, rel=1e-6)
+        assert state.arc_radii == pytest.approx(-A6 / (A6 - np.pi) * part * RADIUS, rel=1e-6)
 
 
 def test_particles_are_hexagons_at_confluence() -> None:
     state = lattice_state(CONFLUENCE * (1.0 - 1e-12))
     h = np.pi * RADIUS / A6
-    assert state.area == pytest.approx(A6 * h**2, rel=1e-10)
-    shape = state.perimeter**2 / (4.0 * np.pi * state.area)
+    assert state.results["area"] == pytest.approx(A6 * h**2, rel=1e-10)
+    shape = state.perimeters**2 / (4.0 * np.pi * state.results["area"])
     assert shape == pytest.approx(A6 / np.pi, rel=1e-10)
     assert shape == pytest.approx(1.1027, abs=5e-5)
     assert state.phi == pytest.approx(1.0, rel=1e-10)
@@ -46,12 +46,10 @@ def test_energy_and_pressure_at_confluence_are_those_of_the_polygon() -> None:
     deficit = np.pi * RADIUS**2 - (np.pi * RADIUS) ** 2 / A6
     assert state.energy == pytest.approx(16 * deficit**2 / 2.0, rel=1e-9)
     assert state.pressure == pytest.approx(deficit, rel=1e-9)
-    minimum_contact_force = state.contact_table["force"] > 0.0
+    minimum_contact_force = state.contacts["force"] > 0.0
     assert np.sum(minimum_contact_force) == 16 * 6
     side = 2.0 * np.pi * RADIUS / A6 * np.tan(np.pi / 6.0)
-    assert state.contact_table["force"][minimum_contact_force] == pytest.approx(
-        deficit * side, rel=1e-9
-    )
+    assert state.contacts["force"][minimum_contact_force] == pytest.approx(deficit * side, rel=1e-9)
 
 
 @pytest.mark.parametrize("part", [1e-3, 0.1, 0.5, 0.9, 1.0 - 1e-9])
@@ -62,7 +60,9 @@ def test_pressure_up_to_confluence_is_the_closed_form(part: float) -> None:
     state = lattice_state(part * CONFLUENCE)
     assert state.energy == pytest.approx(16 * (stiffness * a**2) ** 2 / 2.0, rel=1e-9)
     pressure = 2.0 * stiffness**2 * a**3 / (2.0 * A6 * (RADIUS - a))
-    assert state.stress == pytest.approx(pressure * np.eye(2), rel=1e-9, abs=1e-9 * pressure)
+    assert state.pressure_tensor == pytest.approx(
+        pressure * np.eye(2), rel=1e-9, abs=1e-9 * pressure
+    )
     assert (state.coordination, state.network_contacts) == (6.0, 48)
 
 

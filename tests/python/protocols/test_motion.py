@@ -74,7 +74,7 @@ def test_velocities_decay_at_the_rate_of_friction() -> None:
     with ld.Simulation(gas, ld.Ring()) as sim:
         (_,) = sim.run(1, timestep=dt, temperature=1e-6, seed=1)[1:]
         first, *_, last = sim.run(40, timestep=dt, drag=friction, every=10)[1:]
-    assert not last.contacts.any()
+    assert not last.n_contacts.any()
     decay = np.exp(-friction * (last.time - first.time))
     third = (friction * dt) ** 2 / 12.0 * friction * last.time
     assert last.velocities == pytest.approx(decay * first.velocities, rel=third)

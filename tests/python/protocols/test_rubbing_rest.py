@@ -34,7 +34,7 @@ def test_a_sheared_crystal(contact: str) -> None:
             stress.append(state.shear_stress)
     assert stress[1] - stress[0] == pytest.approx(np.sqrt(3) / 4 * kt * strain, rel=2e-3)
     d = np.sqrt(crystal.box[0, 0] * crystal.box[1, 1] / 16 * 2 / np.sqrt(3))
-    longest = np.abs(state.contact_table["spring"]).max()
+    longest = np.abs(state.contacts["spring"]).max()
     # 2 theta of the directions: one contact lies along the shear
     assert longest == pytest.approx(d * strain / 2, rel=2e-2)
 
@@ -47,8 +47,8 @@ def test_rest_compression_and_shear() -> None:
         states += sim.shear(0.04, steps=2)[1:]
         back = sim.shear(-0.04, steps=2)[1:][-1]
     for state in states:
-        table = state.contact_table
-        assert not state.stalled
+        table = state.contacts
+        assert state.converged
         assert state.residual <= 1e-6
         bound = 0.3 * np.maximum(table["force"], 0.0)
         assert (np.abs(table["friction"]) <= bound * (1 + 1e-9)).all()
@@ -63,7 +63,7 @@ def test_rest_compression_and_shear() -> None:
         np.add.at(torques, table["i"], lever * table["friction"])
         assert np.abs(torques).max() < 2e-6 * scale
     assert states[2].phi > start.phi
-    assert max(np.abs(state.contact_table["friction"]).max() for state in states) > 1e-5
+    assert max(np.abs(state.contacts["friction"]).max() for state in states) > 1e-5
     assert abs(back.shear_stress - states[2].shear_stress) > 1e-2 * states[2].pressure
 
 
@@ -105,7 +105,7 @@ def test_a_run_is_resumed(tmp_path: Path) -> None:
             with pytest.raises(Stop) if stop else nullcontext():
                 sim.shear(0.03, record=folder, steps=3, tolerance=1e-4, callback=stop)
     end = ld.Run(torn).resume()[-1]
-    assert (end.contact_table["spring"] != 0).any()
+    assert (end.contacts["spring"] != 0).any()
     for name in ("packing.data", "setups.jsonl", "trajectory.lammpstrj", "series.csv"):
         assert (whole / name).read_bytes() == (torn / name).read_bytes(), name
 
@@ -113,7 +113,7 @@ def test_a_run_is_resumed(tmp_path: Path) -> None:
 def test_what_has_no_energy() -> None:
     with pressed(ROUGH) as sim:
         state = sim.relax(1e-3)
-        for of_energy in (state.hessian, state.modes, state.elastic_moduli):
+        for of_energy in (state.hessian, state.modes, state.moduli):
             with pytest.raises(ld.ParameterError, match=r"\Afriction has no energy"):
                 of_energy()
         with pytest.raises(ld.ParameterError, match=r"\A[^\n]*whose callback relaxes"):

@@ -106,10 +106,10 @@ def test_columns_of_a_table(run: tuple[Path, list[ld.State]], tmp_path: Path) ->
     states = list(recorded)
     (tmp_path / "series.csv").open("a").write(f"{len(states)},16,1.0\n")
     found = recorded.table(
-        smallest=lambda state: state.arc_radius.min(), name=lambda state: type(state).__name__
+        smallest=lambda state: state.arc_radii.min(), name=lambda state: type(state).__name__
     )
     assert len(recorded.table()["phi"]) == len(found["name"]) == len(states)
-    assert found["smallest"].tolist() == [state.arc_radius.min() for state in states]
+    assert found["smallest"].tolist() == [state.arc_radii.min() for state in states]
     assert set(found["name"]) == {"State"}
     told = "column low must be a function of a state, such as .*, not 'pressure'"
     with pytest.raises(ld.ParameterError, match=told):
@@ -134,7 +134,7 @@ def test_export_of_a_run(run: tuple[Path, list[ld.State]], tmp_path: Path) -> No
             reader.SetFileName(str(tmp_path / f"{name}_{n:04d}.vtp"))
             reader.Update()
             pressure = reader.GetOutput().GetCellData().GetArray("pressure")
-            assert pressure.GetValue(3) == pytest.approx(state.particle_pressure[3], rel=1e-6)
+            assert pressure.GetValue(3) == pytest.approx(state.pressures[3], rel=1e-6)
 
 
 def test_refusals(state: ld.State, tmp_path: Path) -> None:

@@ -35,7 +35,7 @@ def test_of_a_protocol(
     assert (len(seen), len(run)) == (2, 3)
     assert np.array_equal(run[0].packing.box, before.packing.box)
     assert np.array_equal(run[0].packing.positions, before.packing.positions)
-    assert run[0].strain == (0.0 if name == "shear" else None)
+    assert run[0].shear_strain == (0.0 if name == "shear" else None)
     assert (run[0].time, run[0].temperature > 0.0) == (0.0, name == "run")
     assert [state.energy for state in run[1:]] == [state.energy for state in seen]
     assert run.parameters["protocol"] == ("compress" if name in ("strain", "phi") else name)

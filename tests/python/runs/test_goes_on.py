@@ -38,7 +38,7 @@ def test_a_loaded_simulation_moves_on(packing: ld.Packing, tmp_path: Path) -> No
         start = again.state()
         assert np.array_equal(start.velocities, last.velocities)
         assert start.velocities.any()
-        assert (start.time, start.strain) == (last.time, None)
+        assert (start.time, start.shear_strain) == (last.time, None)
         found = again.run(200, every=100, timestep=0.01)[-1]
     assert found.time == pytest.approx(4.0, rel=1e-12)
     np.testing.assert_allclose(found.packing.positions, expected.packing.positions, atol=1e-9)
@@ -75,7 +75,7 @@ def test_restart_from_a_state(packing: ld.Packing) -> None:
         sim.reset(last.packing)
         rest = sim.state()
         assert not rest.velocities.any()
-        assert (rest.time, rest.strain) == (0.0, None)
+        assert (rest.time, rest.shear_strain) == (0.0, None)
 
 
 def test_time_goes_on_in_a_recorded_run(packing: ld.Packing, tmp_path: Path) -> None:
@@ -102,15 +102,15 @@ def test_strain_goes_on(tmp_path: Path) -> None:
     with ld.Simulation(packing, law) as sim:
         sim.shear(0.02, steps=2, record=tmp_path)
     with ld.Run(tmp_path).simulation() as sim:
-        assert sim.strain == 0.02
+        assert sim.shear_strain == 0.02
         sim.shear(-0.03, steps=3, record=tmp_path, mode="a")
     with ld.Run(tmp_path).simulation() as sim:
         last = sim.compress(strain=0.001)[-1]
-        assert last.strain == pytest.approx(-0.01)
+        assert last.shear_strain == pytest.approx(-0.01)
     expected = pytest.approx([0.0, 0.01, 0.02, 0.01, 0.0, -0.01], abs=1e-15)
     series = np.genfromtxt(tmp_path / "series.csv", delimiter=",", names=True)
     assert series["strain"] == expected
-    assert [state.strain for state in ld.Run(tmp_path)] == expected
+    assert [state.shear_strain for state in ld.Run(tmp_path)] == expected
 
 
 def test_interrupted_shear_goes_on_with_its_strain(tmp_path: Path) -> None:

@@ -12,15 +12,15 @@ Writer = Callable[..., Any]
 
 # In a folder of its own, whose name is also that of the run: what writes there.
 RUNS: dict[str, Callable[[S, Path], Writer]] = {
-    "save": lambda state, folder: lambda mode="x": state.save(folder, overwrite=mode == "w"),
+    "save": lambda state, folder: lambda mode="x": state.save(folder, mode=mode),
     "compress": lambda state, folder: (
         lambda mode="x": sim(state).compress(record=folder, strain=0.01, mode=mode)
     ),
 }
 FILES: dict[str, Callable[[S, Path], Writer]] = {
-    "a.vtp": lambda state, path: lambda mode="x": state.export(path, overwrite=mode == "w"),
-    "a.geojson": lambda state, path: lambda mode="x": state.export(path, True, mode == "w"),
-    "a.pvd": lambda state, path: lambda mode="x": ld.Run([state]).export(path, False, mode == "w"),
+    "a.vtp": lambda state, path: lambda mode="x": state.export(path, mode=mode),
+    "a.geojson": lambda state, path: lambda mode="x": state.export(path, True, mode),
+    "a.pvd": lambda state, path: lambda mode="x": ld.Run([state]).export(path, False, mode),
     "a.xyz": lambda state, path: lambda **how: state.packing.to_file(path, **how),
     "a.gsd": lambda state, path: lambda **how: state.packing.to_file(path, **how),
     "a.data": lambda state, path: lambda **how: state.packing.to_file(path, **how),

@@ -74,12 +74,12 @@ def test_states_have_what_was_recorded(jammed: ld.Packing, tmp_path: Path) -> No
     for found, state in zip(run[1:], seen, strict=True):
         for name in ("energy", "pressure", "shear_stress", "residual", "phi", "stalled", "beyond"):
             assert getattr(found, name) == getattr(state, name)
-        for name in ("area", "perimeter", "particle_pressure", "contacts", "arc_radius", "stress"):
+        for name in ("area", "perimeter", "pressures", "contacts", "arc_radius", "stress"):
             assert np.array_equal(getattr(found, name), getattr(state, name)), name
         assert "contact_table" not in vars(found)
         assert found.coordination == state.coordination
-        force = state.contact_table["force"]
-        assert found.contact_table["force"] == pytest.approx(force, abs=1e-7 * force.max())
+        force = state.contacts["force"]
+        assert found.contacts["force"] == pytest.approx(force, abs=1e-7 * force.max())
         assert found.energy == state.energy
         assert not hasattr(found, "load")
     copy = pickle.loads(pickle.dumps(run[1]))
@@ -98,9 +98,9 @@ def test_mdanalysis_reads_the_trajectory(tilt: float, tmp_path: Path) -> None:
     )
     assert len(universe.trajectory) == 3
     for frame, state in zip(universe.trajectory, states, strict=True):
-        assert frame.data["area"] == pytest.approx(state.area)
-        assert frame.data["pressure"] == pytest.approx(state.particle_pressure, rel=1e-5)
-        assert frame.data["contacts"] == pytest.approx(state.contacts)
+        assert frame.data["area"] == pytest.approx(state.results["area"])
+        assert frame.data["pressure"] == pytest.approx(state.pressures, rel=1e-5)
+        assert frame.data["contacts"] == pytest.approx(state.n_contacts)
         assert frame.data["radius"] == pytest.approx(state.packing.radii)
         assert frame.positions[:, :2] == pytest.approx(state.packing.positions, abs=1e-5)
         (lx, _), (xy, ly) = state.packing.box
@@ -116,8 +116,10 @@ def test_shear_stress_of_a_series_resists(tmp_path: Path) -> None:
         states = [start, *sim.shear(1e-3, steps=2, record=tmp_path / "run")[1:]]
     with (tmp_path / "run" / "series.csv").open(newline="") as file:
         stress = [float(row["shear_stress"]) for row in csv.DictReader(file)]
-    assert stress == pytest.approx([-state.stress[0, 1] for state in states], rel=1e-6)
-    assert [state.shear_stress for state in states] == [-state.stress[0, 1] for state in states]
+    assert stress == pytest.approx([-state.pressure_tensor[0, 1] for state in states], rel=1e-6)
+    assert [state.shear_stress for state in states] == [
+        -state.pressure_tensor[0, 1] for state in states
+    ]
     assert stress[2] > stress[1] > stress[0]
 
 
@@ -193,11 +195,11 @@ def test_a_foreign_series_is_not_overwritten(state: ld.State, tmp_path: Path) ->
 @pytest.mark.filterwarnings("ignore::lammps_deformable.StalledWarning")
 def test_a_stalled_state_comes_back_stalled(jammed: ld.Packing, tmp_path: Path) -> None:
     with ld.Simulation(jammed.at(0.87), ld.Ring()) as sim:
-        good, bad = sim.relax(), replace(sim.state(), stalled=True)
+        good, bad = sim.relax(), replace(sim.state(), converged=False)
         written([good, bad, good, bad], tmp_path / "run")
         bad.save(tmp_path / "saved")
-    assert [state.stalled for state in ld.Run(tmp_path / "run")] == [False, True] * 2
-    assert ld.Run(tmp_path / "run")[-1].stalled
+    assert [(not state.converged) for state in ld.Run(tmp_path / "run")] == [False, True] * 2
+    assert not ld.Run(tmp_path / "run")[-1].converged
     for name in ("run", "saved"):
         with pytest.warns(ld.StalledWarning, match=f"{name}' had stalled, at a residual"):
             ld.Run(tmp_path / name).simulation().close()

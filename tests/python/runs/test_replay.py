@@ -48,7 +48,7 @@ def test_growth_and_death(start: Packing, tmp_path: Path) -> None:
     for found, state in zip(again, states, strict=True):
         assert np.array_equal(found.packing.radii, state.packing.radii)
         assert found.energy == pytest.approx(state.energy, rel=1e-10)
-        assert found.area == pytest.approx(state.area, rel=1e-10)
+        assert found.results["area"] == pytest.approx(state.results["area"], rel=1e-10)
     with pytest.raises(FileError, match="14 to 20 particles"):
         ld.Run(tmp_path).to_mdanalysis()
 

@@ -82,14 +82,16 @@ def test_it_is_the_protocol_in_memory(name: str, start: ld.Packing, tmp_path: Pa
     assert len(memory) == len(recorded)
     assert recorded[1].energy == pytest.approx(memory[1].energy, rel=1e-6)
     assert recorded[1].time == memory[1].time
-    assert recorded[1].strain == memory[1].strain
+    assert recorded[1].shear_strain == memory[1].shear_strain
 
 
 def test_a_run_that_was_stopped_is_complete(start: ld.Packing, tmp_path: Path) -> None:
     """By its callback, which no one has when it is resumed."""
     with ld.Simulation(start, ld.Ring()) as sim:
-        run = sim.shear(0.02, steps=4, record=tmp_path, callback=lambda state: state.strain > 0.008)
-        assert [state.strain for state in run] == [0.0, 0.005, 0.01]
+        run = sim.shear(
+            0.02, steps=4, record=tmp_path, callback=lambda state: state.shear_strain > 0.008
+        )
+        assert [state.shear_strain for state in run] == [0.0, 0.005, 0.01]
         assert len(run.resume()) == 3
         assert len(sim.shear(0.02, record=tmp_path, mode="a")) == 2
     assert len(ld.Run(tmp_path)) == 4

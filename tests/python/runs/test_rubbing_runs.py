@@ -34,11 +34,11 @@ def same(a: ld.State, b: ld.State, part: float) -> None:
     for name in ("energy", "kinetic_energy", "spring_energy", "lost_energy", "pressure"):
         assert getattr(a, name) == pytest.approx(getattr(b, name), rel=part)
     pairs = [(a.packing.positions, b.packing.positions), (a.velocities, b.velocities)]
-    pairs += [(a.spins, b.spins), (a.contact_table["friction"], b.contact_table["friction"])]
-    pairs += [(a.contact_table["spring"], b.contact_table["spring"])]
+    pairs += [(a.spins, b.spins), (a.contacts["friction"], b.contacts["friction"])]
+    pairs += [(a.contacts["spring"], b.contacts["spring"])]
     for one, other in pairs:
         np.testing.assert_allclose(one, other, rtol=0, atol=part * np.abs(other).max())
-    np.testing.assert_array_equal(a.contact_table["sliding"], b.contact_table["sliding"])
+    np.testing.assert_array_equal(a.contacts["sliding"], b.contacts["sliding"])
 
 
 @contacts
@@ -46,7 +46,7 @@ def test_motion_goes_on(contact: str, tmp_path: Path) -> None:
     """From a state, a saved one and a recorded one as if it had never stopped, to rounding."""
     with begun(LAWS[contact]) as sim:
         _, before, state = sim.run(200, **STEP, record=tmp_path / "run")
-        assert 0 < before.contact_table["sliding"].sum() < len(before.contact_table)
+        assert 0 < before.contacts["sliding"].sum() < len(before.contacts)
         end = sim.run(200, **STEP)[-1]
     state.save(tmp_path / "saved")
     run = ld.Run(tmp_path / "run")

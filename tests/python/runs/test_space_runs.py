@@ -27,7 +27,7 @@ def moved(start: Packing, tmp_path_factory: pytest.TempPathFactory) -> tuple[Pat
     """A run of a bath behind a shear, and its states."""
     folder = tmp_path_factory.mktemp("moved") / "run"
     with ld.Simulation(start, LAW) as sim:
-        states = [replace(sim.state(), strain=0.0)]
+        states = [replace(sim.state(), shear_strain=0.0)]
         sim.shear(0.02, steps=2, tolerance=1e-4, record=folder, callback=states.append)
         bath = {"temperature": 1e-3, "drag": 0.5, "every": 20, "seed": 3}
         sim.run(40, **bath, record=folder, mode="a", callback=states.append)
@@ -96,20 +96,20 @@ def test_replayed_states(moved: tuple[Path, list]) -> None:
         assert again.packing.positions == pytest.approx(state.packing.positions, abs=1e-14)
         assert np.array_equal(again.packing.box, state.packing.box)
         assert np.array_equal(again.velocities, state.velocities)
-        assert (again.time, again.strain) == (state.time, state.strain)
+        assert (again.time, again.shear_strain) == (state.time, state.shear_strain)
         assert again.energy == pytest.approx(state.energy, rel=1e-9)
-        assert again.load == pytest.approx(state.load, rel=1e-6)
-        assert len(again.contact_table) == len(state.contact_table)
+        assert again.loads == pytest.approx(state.loads, rel=1e-6)
+        assert len(again.contacts) == len(state.contacts)
     assert run[-1].time > 0.0
     assert run[-1].temperature == states[-1].temperature > 0.0
-    assert [state.strain for state in run[1:3]] == [0.01, 0.02]
+    assert [state.shear_strain for state in run[1:3]] == [0.01, 0.02]
 
 
 def test_a_simulation_of_the_last_state(moved: tuple[Path, list]) -> None:
     folder, states = moved
     with ld.Run(folder).simulation() as sim:
         assert isinstance(sim, Simulation)
-        assert (sim.time, sim.strain) == (states[-1].time, states[-1].strain)
+        assert (sim.time, sim.shear_strain) == (states[-1].time, states[-1].shear_strain)
         assert np.array_equal(sim.state().velocities, states[-1].velocities)
 
 
@@ -117,11 +117,11 @@ def test_tables_and_shapes(moved: tuple[Path, list], tmp_path: Path) -> None:
     pytest.importorskip("pandas")
     folder, states = moved
     run = ld.Run(folder)
-    table = run.table(largest=lambda state: state.load.max())
+    table = run.table(largest=lambda state: state.loads.max())
     for name in ("lz", "yz", "phi", "pressure", "shear_stress", "load", "temperature", "time"):
         numbers = [state.numbers()[name] for state in states]
         assert table[name].tolist() == pytest.approx(numbers, rel=1e-6)
-    assert table["largest"].tolist() == pytest.approx([state.load.max() for state in states], 1e-6)
+    assert table["largest"].tolist() == pytest.approx([state.loads.max() for state in states], 1e-6)
     run.export(tmp_path / "run.pvd")
     run.export(tmp_path / "network.pvd", forces=True)
     assert len(list(tmp_path.glob("*.vtp"))) == 10
@@ -167,7 +167,7 @@ def test_the_shell_keeps_runs_of_droplets(tmp_path: Path, monkeypatch: pytest.Mo
     shell("movie whole --slice 1 --out movie.gif")
     shell("shear whole --strain 0.01 --steps 1 --tolerance 1e-4 --out sheared")
     (before, after) = ld.Run("sheared")
-    assert (before.strain, after.strain) == (0.0, 0.01)
+    assert (before.shear_strain, after.shear_strain) == (0.0, 0.01)
     assert {"frame.png", "movie.gif"} <= {path.name for path in tmp_path.iterdir()}
 
 

@@ -47,7 +47,7 @@ def test_replay(start: ld.State, tmp_path: Path) -> None:
 
 def stretched(state: ld.State) -> bool:
     """Whether any pair is attached beyond the touch of circles."""
-    table = state.contact_table[state.contact_table["attached"]]
+    table = state.contacts[state.contacts["attached"]]
     return bool(
         (
             table["distance"] > state.packing.radii[table["i"]] + state.packing.radii[table["j"]]

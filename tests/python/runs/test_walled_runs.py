@@ -54,7 +54,7 @@ def test_jammed_disks_touch_walls(jammed) -> None:
     with ld.Simulation(jammed, ld.SoftContact()) as soft:
         state = soft.state()
     assert 1e-6 < state.pressure < 2.1e-6
-    touched = {-1 - j for j in state.contact_table["j"].tolist() if j < 0}
+    touched = {-1 - j for j in state.contacts["j"].tolist() if j < 0}
     assert {0, 2} <= touched
     assert state.rattlers.sum() < 8
     # the pressure is the derivative of the energy by the free area
@@ -174,7 +174,7 @@ def test_protocols_that_walls_allow_and_refuse() -> None:
                 refused()
         # a channel may be stretched in one direction
         sim.deform(sim.box * [[1, 1], [1, 0.999]])
-        assert sim.state().stress[1, 1] > state.stress[1, 1]
+        assert sim.state().pressure_tensor[1, 1] > state.pressure_tensor[1, 1]
         moved = sim.run(200, every=100, temperature=1e-6, seed=1)[1:]
         total = [each.energy + each.kinetic_energy for each in moved]
         assert total[-1] == pytest.approx(total[0], rel=1e-3)

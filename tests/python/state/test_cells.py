@@ -41,7 +41,7 @@ def test_cells_fill_the_room(walls: tuple) -> None:
     away = packing.replace(positions=packing.positions + (0.0 if walls else 2.3))
     for each in (packing, away):
         state = state_of(each)
-        area = state.filled_area / state.local_phi
+        area = state.volumes / state.local_phi
         assert area.sum() == pytest.approx(packing.volume, rel=1e-9)
         assert area @ state.local_phi / packing.volume == pytest.approx(state.phi, rel=1e-9)
         assert 0.3 < state.local_phi.min() < state.local_phi.max() < 1.05
@@ -68,7 +68,7 @@ def test_cells_by_points_at_random_places(walls: tuple) -> None:
     power = np.min([np.sum(each**2, axis=-1) for each in images], axis=0) - packing.radii**2
     count = np.bincount(power.argmin(axis=1), minlength=12)
     state = state_of(packing)
-    share = state.filled_area / state.local_phi / packing.volume
+    share = state.volumes / state.local_phi / packing.volume
     assert np.abs(count - 20000 * share).max() < 5.0 * np.sqrt(20000 * share.max())
 
 
@@ -82,7 +82,7 @@ def test_equal_particles_as_in_scipy(tilt: float) -> None:
         ConvexHull(diagram.vertices[diagram.regions[diagram.point_region[n]]]).volume
         for n in range(40)
     ]
-    assert state.filled_area / state.local_phi == pytest.approx(np.array(area), rel=1e-9)
+    assert state.volumes / state.local_phi == pytest.approx(np.array(area), rel=1e-9)
     for k in (4, 6):
         psi, total = np.zeros(40, dtype=complex), np.zeros(40)
         for pair, ends in zip(diagram.ridge_points, diagram.ridge_vertices, strict=True):
@@ -108,7 +108,7 @@ def test_equal_particles_as_in_freud(tmp_path: Path) -> None:
         "    state = disks.state()\n"
         "cells = freud.locality.Voronoi().compute(state.to_freud())\n"
         "order = freud.order.Hexatic(6, weighted=True).compute(state.to_freud(), cells.nlist)\n"
-        "print(np.abs(cells.volumes * state.local_phi / state.filled_area - 1.0).max())\n"
+        "print(np.abs(cells.volumes * state.local_phi / state.volumes - 1.0).max())\n"
         "print(np.abs(order.particle_order - state.hexatic()).max())\n"
     )
     area, psi = map(float, output("python", script, cwd=tmp_path).split())

@@ -58,7 +58,7 @@ def test_as_a_sum_over_modes(rest: Snapshot) -> None:
     xi = coupled[:n] - m[:n, n:] @ lines[:, -1]
     stiffness, vectors = np.linalg.eigh(m[:n, :n] - m[:n, n:] @ lines[:, :-1])
     weight = (xi @ vectors) ** 2 / hessian.room
-    affine = rest.elastic_moduli().affine[0, 1, 0, 1]
+    affine = rest.moduli().affine[0, 1, 0, 1]
     expected = affine - np.sum(weight / (stiffness + 1j * zeta * omega[..., None]), axis=-1)
     found = rest.complex_modulus(omega, friction=zeta)
     assert found.shape == omega.shape
@@ -70,7 +70,7 @@ def test_as_a_sum_over_modes(rest: Snapshot) -> None:
 
 def test_limits_of_slow_and_of_fast_shear(rest: Snapshot) -> None:
     """Static and affine modulus; G'' rises with the frequency, and falls again."""
-    moduli = rest.elastic_moduli()
+    moduli = rest.moduli()
     affine = moduli.affine[0, 1, 0, 1]
     still, slow, fast = rest.complex_modulus([0.0, 1e-10, 1e10], friction=0.3)
     assert still == pytest.approx(moduli.shear_modulus, abs=1e-12 * affine)
@@ -91,7 +91,7 @@ def test_a_flow_at_small_strains_has_it(rest: Snapshot, part: float) -> None:
         return
     omega = part * rest.modes(1, vectors=False).stiffness[0] / 0.5
     expected = rest.complex_modulus(omega, friction=0.5)
-    affine = rest.elastic_moduli().affine[0, 1, 0, 1]
+    affine = rest.moduli().affine[0, 1, 0, 1]
     period = 2.0 * math.pi / omega
     found = dynamic_modulus(rest, 1e-7, period, cycles=2, skip=3, steps=8, drag=0.5)
     assert abs(found.storage + 1j * found.loss - expected) < 4e-3 * affine
@@ -132,7 +132,7 @@ def test_a_state_that_is_not_at_rest_has_no_modes_and_no_moduli(
     state.hessian()
     for measure in (
         lambda each: each.modes(1),
-        lambda each: each.elastic_moduli(),
+        lambda each: each.moduli(),
         lambda each: each.complex_modulus(1.0),
         lambda each: shear_modulus(each, 1e-4),
         lambda each: bulk_modulus(each, 1e-4),

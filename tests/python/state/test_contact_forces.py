@@ -38,21 +38,24 @@ def pressed(law: Ring | Sector, walls: tuple = ()) -> ld.State:
 
 
 def total(state: ld.State) -> np.ndarray:
-    return np.einsum("n,nab->ab", state.filled_area, state.particle_stress) / state.packing.volume
+    return np.einsum("n,nab->ab", state.volumes, state.particle_stress) / state.packing.volume
 
 
 @laws
 def test_stresses_sum_to_that_of_the_packing(law: Ring | Sector) -> None:
     state = pressed(law)
     assert np.array_equal(state.particle_stress, np.swapaxes(state.particle_stress, 1, 2))
-    assert np.abs(total(state) - state.stress).max() < 1e-12 * np.abs(state.stress).max()
+    assert (
+        np.abs(total(state) - state.pressure_tensor).max()
+        < 1e-12 * np.abs(state.pressure_tensor).max()
+    )
 
 
 @containers
 def test_pressures_sum_between_walls(walls: tuple) -> None:
     for law in (Ring(), Ring(contact="curved"), Sector()):
         state = pressed(law, walls)
-        assert -1 in state.contact_table["j"]
+        assert -1 in state.contacts["j"]
         assert np.trace(total(state)) == pytest.approx(2.0 * state.pressure, rel=1e-12)
 
 
@@ -63,14 +66,17 @@ def test_stresses_of_disks(walls: tuple) -> None:
     for here in (packing, ld.jam(ld.bidisperse(24, seed=3)).packing.at(0.9)):
         with ld.Simulation(here, ld.SoftContact()) as disks:
             state = disks.state()
-        assert np.abs(total(state) - state.stress).max() < 1e-12 * np.abs(state.stress).max()
+        assert (
+            np.abs(total(state) - state.pressure_tensor).max()
+            < 1e-12 * np.abs(state.pressure_tensor).max()
+        )
 
 
 @pytest.mark.parametrize("contact", ["balanced", "curved"])
 def test_each_particle_by_a_loop(contact: str) -> None:
     """Forces act where contact lines cross the lines of centers."""
     state = pressed(Ring(kA=[1.0, 0.3], contact=contact))
-    for n, rows in enumerate(state.contact_tables):
+    for n, rows in enumerate(state._contacts_of_each):
         center, moment = state.packing.positions[n], np.zeros((2, 2))
         for row in rows:
             across = np.array([np.cos(row["angle"]), np.sin(row["angle"])])
@@ -78,7 +84,7 @@ def test_each_particle_by_a_loop(contact: str) -> None:
             along = (other - center) / np.linalg.norm(other - center)
             part = (row["position"] - center) @ across / (along @ across)
             moment -= np.outer(part * along, row["force_vector"])
-        expected = 0.5 * (moment + moment.T) / state.area[n]
+        expected = 0.5 * (moment + moment.T) / state.results["area"][n]
         assert state.particle_stress[n] == pytest.approx(expected, rel=1e-8, abs=1e-13)
 
 
@@ -97,13 +103,13 @@ def test_particles_that_touch_their_own_images() -> None:
     with ld.Simulation(row, ld.SoftContact()) as disks, ld.Simulation(row, Ring()) as sim:
         for state in (disks.state(), sim.state()):
             assert state._contact_forces.i.tolist().count(0) == 5
-            assert total(state) == pytest.approx(state.stress, rel=1e-10, abs=1e-15)
+            assert total(state) == pytest.approx(state.pressure_tensor, rel=1e-10, abs=1e-15)
 
 
 def test_droplets_have_their_pressure_less_that_of_their_tension() -> None:
     """The mean stress in a droplet and its surface: p - T P / 2A."""
     state = pressed(LAWS["droplets"])
-    expected = state.particle_pressure - 1.0 * state.perimeter / (2.0 * state.area)
+    expected = state.pressures - 1.0 * state.perimeters / (2.0 * state.results["area"])
     pressure = np.trace(state.particle_stress, axis1=1, axis2=2) / 2.0
     assert pressure == pytest.approx(expected, rel=1e-7)
 
@@ -120,7 +126,7 @@ def test_equal_particles_as_in_lammps() -> None:
             "run 0 post no"
         )
         found = -np.array(sim.lmp.gather("c_s", 1, 6)).reshape(-1, 6)
-    moment = state.filled_area[:, None, None] * state.particle_stress
+    moment = state.volumes[:, None, None] * state.particle_stress
     assert moment[:, 0, 0] == pytest.approx(found[:, 0], rel=1e-9)
     assert moment[:, 1, 1] == pytest.approx(found[:, 1], rel=1e-9)
 
@@ -129,9 +135,9 @@ def test_the_graph_has_the_contacts() -> None:
     networkx = pytest.importorskip("networkx")
     with ld.Simulation(ld.jam(ld.bidisperse(32, seed=3)).packing, Ring()) as sim:
         state = sim.compress(strain=0.02, steps=2)[-1]
-    graph, table = state.graph(), state.contact_table
+    graph, table = state.graph(), state.contacts
     assert graph.number_of_edges() == len(table) // 2
-    assert [degree for _, degree in graph.degree()] == state.contacts.tolist()
+    assert [degree for _, degree in graph.degree()] == state.n_contacts.tolist()
     for i, j, values in graph.edges(data=True):
         assert i < j
         (row,) = table[(table["i"] == i) & (table["j"] == j)]
@@ -153,7 +159,7 @@ def test_forces_in_the_graph_of_disks_balance() -> None:
     packing = ld.bidisperse(24, seed=3).between(walls).at(0.9).push_off()
     with ld.Simulation(packing, ld.SoftContact()) as disks:
         state = disks.relax(1e-9)
-    graph, wall = state.graph(), state.contact_table["j"] < 0
+    graph, wall = state.graph(), state.contacts["j"] < 0
     assert graph.number_of_edges() == np.sum(~wall) // 2 + np.sum(wall)
     force = np.zeros((24, 2))
     for i, j, values in graph.edges(data=True):

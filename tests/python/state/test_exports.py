@@ -96,9 +96,9 @@ def test_pandas(moving: ld.State) -> None:
     assert np.array_equal(particles[["x", "y"]], packing.positions)
     assert np.array_equal(particles["area_deficit"], moving.area_deficit)
     assert particles.groupby("species")["radius"].max().tolist() == [0.5, 0.7]
-    assert len(contacts) == len(moving.contact_table)
+    assert len(contacts) == len(moving.contacts)
     assert contacts.groupby("i").size().to_dict() == {
-        n: count for n, count in enumerate(moving.contacts) if count
+        n: count for n, count in enumerate(moving.n_contacts) if count
     }
     # from a center to the contact line of its neighbor's center, in the image that it touches
     image = contacts[["image_a", "image_b"]].to_numpy() @ packing.box
@@ -130,7 +130,7 @@ def test_vtk_draws_shapes(moving: ld.State, tmp_path: Path) -> None:
     for name, expected in (
         ("id", np.arange(1, 25)),
         ("type", moving.packing.species + 1),
-        ("pressure", moving.particle_pressure),
+        ("pressure", moving.pressures),
         ("area_deficit", moving.area_deficit),
         ("shape_parameter", moving.shape_parameter),
     ):
@@ -161,12 +161,12 @@ def test_geojson(moving: ld.State, tmp_path: Path) -> None:
     assert all(polygon.is_valid and polygon.exterior.is_ccw for polygon in polygons)
     # areas of the outlines: chords of 180 points a turn lose 2e-4, skins are outside of `area`
     skin = moving.law.skin
-    filled = moving.area + skin * moving.perimeter + np.pi * skin**2
+    filled = moving.results["area"] + skin * moving.perimeters + np.pi * skin**2
     assert areas == pytest.approx(filled, rel=3e-4)
-    assert moving.filled_area == pytest.approx(filled, rel=1e-14)
+    assert moving.volumes == pytest.approx(filled, rel=1e-14)
     for n, feature in enumerate(found["features"]):
         assert feature["properties"]["id"] == n + 1
-        assert feature["properties"]["pressure"] == moving.particle_pressure[n]
+        assert feature["properties"]["pressure"] == moving.pressures[n]
 
 
 def test_other_suffixes_are_refused(state: ld.State, tmp_path: Path) -> None:

@@ -90,7 +90,7 @@ def test_response_to_forces(state: Snapshot) -> None:
 
 
 def test_moduli_are_those_of_finite_strains(state: Snapshot) -> None:
-    moduli = state.elastic_moduli()
+    moduli = state.moduli()
     found = [
         (moduli.shear_modulus, shear_modulus(state, 1e-5, 1e-10)),
         (moduli.pure_shear_modulus, shear_modulus(state, 1e-5, 1e-10, pure=True)),
@@ -112,7 +112,7 @@ def test_loose_particles_do_not_resist(law: ld.Ring | None) -> None:
         state = sim.relax(1e-6)
     assert state.hessian().matrix.nnz == 0
     assert (len(state.modes()), state.modes().zero_modes) == (0, 32)
-    assert not state.elastic_moduli().tensor.any()
+    assert not state.moduli().tensor.any()
 
 
 def test_picture(state: Snapshot) -> None:

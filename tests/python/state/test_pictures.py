@@ -43,7 +43,7 @@ def test_no_figure_stays_open(state: ld.State, disks: ld.State) -> None:
 
 def test_disks_have_the_words_of_states(disks: ld.State) -> None:
     """Contacts are chords: both ends on both circles; force chains bear the overlaps."""
-    ax = disks.plot(contacts=True, forces=True, color_by="contacts", cmap="magma", title="disks")
+    ax = disks.plot(contacts=True, forces=True, color="contacts", cmap="magma", title="disks")
     circles, chords, chains = ax.collections
     assert (circles.get_cmap().name, ax.get_title()) == ("magma", "disks")
     radius = np.unique(disks.packing.radii)
@@ -64,8 +64,8 @@ def test_disks_have_the_words_of_states(disks: ld.State) -> None:
     assert set((widths / widths.max()).round(9)) == set((largest / largest.max()).round(9))
     assert len(widths) >= 2 * len(largest)
     held = disks.particle_stress[:, [0, 1], [0, 1]].mean(axis=1)
-    assert disks.values("particle_pressure") == pytest.approx(held, rel=1e-12)
-    assert np.sum(held * disks.filled_area) / disks.packing.volume == pytest.approx(disks.pressure)
+    assert disks.values("pressures") == pytest.approx(held, rel=1e-12)
+    assert np.sum(held * disks.volumes) / disks.packing.volume == pytest.approx(disks.pressure)
 
 
 def test_disks_at_walls_are_drawn() -> None:
@@ -73,35 +73,35 @@ def test_disks_at_walls_are_drawn() -> None:
     room = ld.bidisperse(12, phi=0.95, seed=1).between(ld.BoxWall((4, 4)))
     with ld.Simulation(room.push_off(), ld.SoftContact()) as disks:
         state = disks.state()
-    assert np.sum(state.contact_table["j"] < 0) > 0
+    assert np.sum(state.contacts["j"] < 0) > 0
     ends = np.array(state.plot(contacts=True).collections[-1].get_segments())
     (x, _), (_, y) = state.packing.box
     on_wall = (np.abs(ends) < 1e-9) | (np.abs(ends - (x, y)) < 1e-9)
-    assert on_wall.all(axis=1).any(axis=1).sum() == np.sum(state.contact_table["j"] < 0)
+    assert on_wall.all(axis=1).any(axis=1).sum() == np.sum(state.contacts["j"] < 0)
 
 
 def test_signed_values_are_centered(state: ld.State) -> None:
     stress = -state.particle_stress[:, 0, 1]
-    particles = state.plot(color_by=stress, label="shear stress").collections[0]
+    particles = state.plot(color=stress, label="shear stress").collections[0]
     low, high = particles.get_clim()
     assert low == -high == -np.abs(stress).max()
     assert particles.get_cmap().name == "BrBG"
     assert particles.colorbar.ax.get_ylabel() == "shear stress"
-    one = state.plot(color_by=stress, vmin=-1.0, cmap="PRGn").collections[0]
+    one = state.plot(color=stress, vmin=-1.0, cmap="PRGn").collections[0]
     assert (one.get_clim(), one.get_cmap().name) == ((-1.0, 1.0), "PRGn")
-    two = state.plot(color_by=stress, vmin=-1.0, vmax=2.0).collections[0]
+    two = state.plot(color=stress, vmin=-1.0, vmax=2.0).collections[0]
     assert (two.get_clim(), two.get_cmap().name) == ((-1.0, 2.0), "YlGnBu")
-    below = state.plot(color_by=-1.0 - np.abs(stress)).collections[0]
+    below = state.plot(color=-1.0 - np.abs(stress)).collections[0]
     assert below.get_clim()[1] > 1.0
     # what rounding leaves below 0 has no sign
     rounded = np.where(stress == stress.min(), -1e-12, 1.0)
-    assert state.plot(color_by=rounded).collections[0].get_cmap().name == "YlGnBu"
+    assert state.plot(color=rounded).collections[0].get_cmap().name == "YlGnBu"
 
 
 def test_values_from_an_array(state: ld.State) -> None:
     values = np.arange(len(state.packing), dtype=float)
     values[2] = np.nan
-    particles = state.plot(color_by=values.tolist()).collections[0]
+    particles = state.plot(color=values.tolist()).collections[0]
     assert particles.get_clim() == (0.0, len(values) - 1.0)
     assert particles.colorbar.ax.get_ylabel() == ""
     shown = particles.to_rgba(np.array([np.nan]))
@@ -119,8 +119,8 @@ def test_values_from_an_array(state: ld.State) -> None:
 def test_other_values_are_refused(color_by: object, state: ld.State) -> None:
     assert len(state.packing) == 32
     with pytest.raises(ld.ParameterError, match=r"color_by must name .* or be 32 numbers"):
-        state.plot(color_by=color_by)
+        state.plot(color=color_by)
     with pytest.raises(ld.ParameterError, match=r"label .* not 3"):
-        state.plot(color_by="area", label=3)
+        state.plot(color="area", label=3)
     with pytest.raises(ld.ParameterError, match=r"scale .* not 2"):
         state.plot(scale=2)

@@ -39,7 +39,7 @@ def test_replay_gives_the_states_again(run: tuple[Path, list[ld.State]]) -> None
         assert one.phi == pytest.approx(other.phi, rel=1e-12)
         assert one.energy == pytest.approx(other.energy, rel=1e-9)
         assert np.array_equal(one.velocities, other.velocities)
-        assert len(one.contact_table) == len(other.contact_table)
+        assert len(one.contacts) == len(other.contacts)
     assert states[-1].temperature > 0.0
 
 
@@ -73,9 +73,9 @@ def test_shape_parameter(state: ld.State) -> None:
     # a circle has the least perimeter
     assert state.shape_parameter.min() >= 1.0 - 4 * np.finfo(float).eps
     # conserved perimeter: P^2 / (4 pi A) = A0 / A
-    expected = np.pi * state.packing.radii**2 / state.area
+    expected = np.pi * state.packing.radii**2 / state.results["area"]
     assert state.shape_parameter == pytest.approx(expected, rel=1e-12)
-    map_ = state.plot(color_by="shape_parameter").collections[0]
+    map_ = state.plot(color="shape_parameter").collections[0]
     assert map_.get_clim() == pytest.approx((1.0, expected.max()))
 
 
@@ -85,7 +85,7 @@ def test_force_chains_are_as_wide_as_their_forces(state: ld.State) -> None:
     halves = np.array(lines.get_segments())
     length = np.linalg.norm(halves[:, 1] - halves[:, 0], axis=1)
     width = np.array(lines.get_linewidths())
-    table = state.contact_table
+    table = state.contacts
     found = set(zip(length.round(9), (width / width.max()).round(9), strict=True))
     height = state.packing.radii[table["i"]] - table["indentation"]
     force = table["force"] / table["force"].max()
@@ -103,7 +103,7 @@ def test_force_chains_do_not_hide_the_particles(state: ld.State) -> None:
     assert state.plot(forces=True).collections[1].get_alpha() < 1.0
 
 
-@pytest.mark.parametrize(("color_by", "value"), [("particle_pressure", 0.0), ("contacts", 0.0)])
+@pytest.mark.parametrize(("color_by", "value"), [("pressures", 0.0), ("contacts", 0.0)])
 def test_unloaded_packings_have_one_color_and_one_tick(color_by: str, value: float) -> None:
     """Without load all values are equal: the color bar names that one, and no other."""
     grid = 2.5 * np.stack(np.meshgrid(np.arange(4.0), np.arange(2.0)), axis=-1)
@@ -115,7 +115,7 @@ def test_unloaded_packings_have_one_color_and_one_tick(color_by: str, value: flo
     )
     with ld.Simulation(loose, ld.Ring()) as sim:
         idle = sim.state()
-    ax = idle.plot(color_by=color_by, forces=True)
+    ax = idle.plot(color=color_by, forces=True)
     bar = ax.collections[0].colorbar
     assert bar.get_ticks().tolist() == [value]
     assert ax.collections[0].norm(value) == 0.0
@@ -131,7 +131,7 @@ def test_pictures_with_one_bar(state: ld.State) -> None:
     assert len(figure.axes) == 2
     bar = figure.colorbar(axes[0].collections[0], ax=axes)
     assert bar.mappable.get_clim() == (0.0, 1.0)
-    assert np.array_equal(np.unique(bar.mappable.get_array()), np.unique(state.particle_pressure))
+    assert np.array_equal(np.unique(bar.mappable.get_array()), np.unique(state.pressures))
 
 
 @pytest.mark.parametrize("source", ["folder", "states"])
@@ -173,8 +173,8 @@ def test_pictures_of_a_movie_share_one_scale(
     states = run[1]
     ld.Run(states).movie(tmp_path / "movie.gif", forces=True, cmap="magma", **limits)
     assert set(maps) == {"magma"}
-    pressure = max(state.particle_pressure.max() for state in states)
-    force = [state.contact_table["force"].max() for state in states]
+    pressure = max(state.pressures.max() for state in states)
+    force = [state.contacts["force"].max() for state in states]
     widest = drawn[int(np.argmax(force))][2]
     low, high = limits.get("vmin", 0.0), limits.get("vmax", pressure)
     expected = [(low, high, widest * one / max(force)) for one in force]
@@ -192,7 +192,7 @@ def test_movies_that_cannot_be(
 
     refused(r"\.gif or an \.mp4, not '.*a\.avi'", name="a.avi")
     refused("at least one state", states=())
-    refused("'beauty'", color_by="beauty")
+    refused("'beauty'", color="beauty")
     refused("cmap .*'beauty'", cmap="beauty")
     refused("vmin must be below vmax, not 2 and 1", vmin=2, vmax=1)
     refused("rate .* 0", rate=0)

@@ -8,9 +8,7 @@ matplotlib.use("agg")
 
 
 def test_settings_of_a_picture(state: ld.State) -> None:
-    axes = state.plot(
-        color_by="area", cmap="magma", vmin=0.5, vmax=2, title="a packing", forces=True
-    )
+    axes = state.plot(color="area", cmap="magma", vmin=0.5, vmax=2, title="a packing", forces=True)
     particles = axes.collections[0]
     assert particles.get_cmap().name == "magma"
     assert particles.get_clim() == (0.5, 2.0)
@@ -27,7 +25,7 @@ def test_settings_of_a_picture(state: ld.State) -> None:
         ({"cmap": "rainbows"}, "cmap .*'rainbows'"),
         ({"cmap": ["magma"]}, r"cmap .*\['magma'\]"),
         ({"vmin": 1.0, "vmax": 1.0}, "vmin must be below vmax, not 1 and 1"),
-        ({"color_by": "area", "vmax": -1.0}, "vmin must be below vmax, not .* and -1"),
+        ({"color": "area", "vmax": -1.0}, "vmin must be below vmax, not .* and -1"),
         ({"vmin": (1.0,)}, r"vmin .*\(1\.0,\)"),
         ({"vmax": float("nan")}, "vmax .*nan"),
     ],

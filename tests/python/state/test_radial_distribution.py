@@ -28,7 +28,7 @@ def test_points_at_random_places(walls: tuple) -> None:
     if walls:
         places = places.between(walls, seed=1)
     with ld.Simulation(places, ld.Ring()) as sim:
-        r, g = sim.state().radial_distribution(4.5, bins=15)
+        r, g = sim.state().radial_distribution(r_max=4.5, bins=15)
     pairs = number**2 / 2.0 * 2.0 * np.pi * r * 0.3 / places.volume
     # 1 % for the room around the places, by random directions
     assert np.abs(g - 1.0).max() < 5.0 / np.sqrt(pairs.min()) + 0.01
@@ -44,7 +44,7 @@ def state_of(packing: ld.Packing) -> ld.State:
 def test_hexatic_correlation_as_a_sum_over_pairs(walls: tuple, k: int) -> None:
     packing = ld.bidisperse(40, phi=0.8, tilt=0.0 if walls else 0.4, seed=3)
     state = state_of((packing.between(walls) if walls else packing).push_off())
-    r, g = state.hexatic_correlation(2.3, bins=10, k=k)
+    r, g = state.hexatic_correlation(r_max=2.3, bins=10, k=k)
     psi, box = state.hexatic(k), state.packing.box
     apart = (state.packing.positions[:, None] - state.packing.positions) @ np.linalg.inv(box)
     distance = np.linalg.norm((apart - (0.0 if walls else np.rint(apart))) @ box, axis=-1)
@@ -57,12 +57,12 @@ def test_hexatic_correlation_as_a_sum_over_pairs(walls: tuple, k: int) -> None:
 
 
 def test_hexatic_correlation_of_a_lattice() -> None:
-    _, g = state_of(crystal(0.01, 8, 8)).hexatic_correlation(3.3, bins=33)
+    _, g = state_of(crystal(0.01, 8, 8)).hexatic_correlation(r_max=3.3, bins=33)
     known = ~np.isnan(g)
     assert 3 < known.sum() < 33
     assert g[known] == pytest.approx(np.ones(known.sum()), abs=1e-6)
     alone = state_of(ld.Packing([[1.0, 1.0]], 0.5, 9.0 * np.eye(2)))
-    assert np.isnan(alone.hexatic_correlation(3.0, bins=3)[1]).all()
+    assert np.isnan(alone.hexatic_correlation(r_max=3.0, bins=3)[1]).all()
 
 
 def test_refusals() -> None:
@@ -75,5 +75,5 @@ def test_refusals() -> None:
     (lx, _), (xy, ly) = leaning.box
     most = min(ly, lx * ly / np.hypot(xy, ly)) / 2.0
     with pytest.raises(ld.ParameterError, match=f"r_max = 99 .* below {most:.4g}, half"):
-        state_of(leaning).radial_distribution(99.0)
-    assert len(state_of(leaning).radial_distribution(0.999 * most)[0])
+        state_of(leaning).radial_distribution(bins=100, r_max=99.0)
+    assert len(state_of(leaning).radial_distribution(bins=100, r_max=0.999 * most)[0])

@@ -32,7 +32,7 @@ def moved(contact: str, walls: tuple = ()) -> tuple[list[ld.State], np.ndarray]:
 def test_forces_stress_and_energies(contact: str, walls: tuple) -> None:
     states, forces = moved(contact, walls)
     *_, state = states
-    table = state.contact_table
+    table = state.contacts
     i, j, species = table["i"], table["j"], state.packing.species
     wall = j < 0
     # Coulomb's bound, with the coefficient of the species or of walls
@@ -53,14 +53,16 @@ def test_forces_stress_and_energies(contact: str, walls: tuple) -> None:
         assert np.abs(sums.sum(axis=0)).max() < 1e-12 * np.abs(forces).max()
     # the stress of the packing is that of its particles; friction of walls acts at the middle of a
     # contact, beside the point that is nearest to the particle by half of its length at most
-    total = np.einsum("n,nab->ab", state.filled_area, state.particle_stress) / state.packing.volume
+    total = np.einsum("n,nab->ab", state.volumes, state.particle_stress) / state.packing.volume
     if walls:
         beside = np.sum(np.abs(table["friction"] * table["length"])[wall]) / 2
         off = abs(np.trace(total) - 2.0 * state.pressure) * state.packing.volume
         assert off < beside + 1e-12 * state.pressure
         assert beside < 0.02 * state.pressure * state.packing.volume
     else:
-        np.testing.assert_allclose(total, state.stress, atol=1e-12 * np.abs(state.stress).max())
+        np.testing.assert_allclose(
+            total, state.pressure_tensor, atol=1e-12 * np.abs(state.pressure_tensor).max()
+        )
     # both sides of a line tell the same; radical sides have their own friction
     if contact != "radical":
         one, two = table[(i < j) & ~wall], table[(j < i) & ~wall]
@@ -85,7 +87,7 @@ def test_contacts_that_slip_have_no_such_columns() -> None:
         state = sim.state()
     assert state.spins is state.rubbing is state.friction is None
     assert state.spring_energy == 0.0
-    assert "friction" not in (state.contact_table.dtype.names or ())
+    assert "friction" not in (state.contacts.dtype.names or ())
     assert "spin" not in state.particle_values()
 
 
@@ -93,7 +95,7 @@ def test_no_contacts() -> None:
     alone = ld.Packing([[1.0, 1.0]], 0.5, [3.0, 3.0])
     with ld.Simulation(alone, ld.Ring(), friction=ld.Friction(1, kt=1)) as sim:
         state = sim.state()
-    assert len(state.contact_table) == len(state.rubbing.springs) == 0
+    assert len(state.contacts) == len(state.rubbing.springs) == 0
     assert state.spring_energy == 0.0
 
 
@@ -104,7 +106,7 @@ def test_two_contacts_of_one_pair() -> None:
     with ld.Simulation(two, ld.Ring(), friction=rough) as sim:
         sim.lmp.command("set atom 2 vy 0.01")
         state = sim.run(20, timestep=0.1)[-1]
-    table = state.contact_table
+    table = state.contacts
     assert len(table) == 4
     # the particle moves up past both sides of the other: to the left and right of it
     np.testing.assert_allclose(table["spring"][:2], [-0.02, 0.02], rtol=0.05)
@@ -123,7 +125,7 @@ def test_pictures() -> None:
     """Contacts that slide and bars of friction at their contacts, an arrow for each spin."""
     pytest.importorskip("matplotlib").use("agg")
     (*_, state), _ = moved("balanced")
-    table = state.contact_table
+    table = state.contacts
 
     def lines(color: tuple[float, ...], **parts: bool) -> list[np.ndarray]:
         drawn = state.plot(colorbar=False, **parts).collections[1:]
@@ -149,7 +151,7 @@ def test_pictures() -> None:
     x, y = (arc - center).T
     turn = np.unwrap(np.arctan2(y, x))
     assert turn[-1] - turn[0] == pytest.approx(1.6 * np.pi * np.sign(state.spins[one]))
-    state.plot(color_by="spin", colorbar=False)
+    state.plot(color="spin", colorbar=False)
 
 
 def test_no_spins_to_draw() -> None:

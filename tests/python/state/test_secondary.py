@@ -107,7 +107,7 @@ def test_overlaps_vanish(dense: ld.State) -> None:
 @pytest.mark.parametrize("iterations", [0, 1, 2])
 def test_residual_is_the_largest_penetration(dense: ld.State, iterations: int) -> None:
     secondary = dense.resolve_secondary(iterations)
-    found = secondary.residual[-1] * dense.packing.radius.mean()
+    found = secondary.residual[-1] * dense.packing.radii.mean()
     # polygons err by up to R (2 pi/1000)^2/8 = 3.5e-6 each
     assert found == pytest.approx(deepest(dense, secondary), rel=0, abs=7e-6)
 
@@ -115,7 +115,7 @@ def test_residual_is_the_largest_penetration(dense: ld.State, iterations: int) -
 def test_perimeters_and_tangents_are_kept(dense: ld.State) -> None:
     for iterations in (0, 1, 3):
         secondary = dense.resolve_secondary(iterations)
-        for radius, arcs in zip(dense.packing.radius, secondary.arcs, strict=True):
+        for radius, arcs in zip(dense.packing.radii, secondary.arcs, strict=True):
             opening = arcs[:, 4] - arcs[:, 3]
             length, across = flats(arcs)
             perimeter = np.sum(arcs[:, 2] * opening) + length.sum()

@@ -70,7 +70,7 @@ def by_harmonics(normal: np.ndarray, area: np.ndarray, degree: int) -> float:
 
 def test_cells_fill_the_box(mixture: State) -> None:
     """Each point of space is in the cell of the sphere with the least d^2 - R^2."""
-    packing, volume = mixture.packing, mixture.filled_volume / mixture.local_phi
+    packing, volume = mixture.packing, mixture.volumes / mixture.local_phi
     assert volume.sum() == pytest.approx(packing.volume, rel=1e-9)
     assert volume @ mixture.local_phi / packing.volume == pytest.approx(packing.phi)
     points = np.random.default_rng(2).random((20_000, 3)) @ packing.box
@@ -94,7 +94,7 @@ def test_equal_spheres_as_in_scipy() -> None:
     diagram = Voronoi(np.concatenate([(wrapped + step) @ packing.box for step in steps]))
     corners = [diagram.vertices[diagram.regions[diagram.point_region[n]]] for n in range(30)]
     volume = [ConvexHull(each).volume for each in corners]
-    assert state.filled_volume / state.local_phi == pytest.approx(volume, rel=1e-9)
+    assert state.volumes / state.local_phi == pytest.approx(volume, rel=1e-9)
     sides = np.bincount(diagram.ridge_points.ravel(), minlength=30)[:30]
     assert np.array_equal(state.cell_sides, sides)
 
@@ -117,7 +117,7 @@ def test_a_sphere_within_another_has_no_cell() -> None:
     # the center of the small one is not in its cell, beside the large one
     places[1] = [1.0, 1.0, 1.85]
     beside = state_of(Packing(places, [0.9, 0.2, 0.9], (4.0, 4.0, 4.0), species=[0, 1, 0]))
-    assert np.sum(beside.filled_volume / beside.local_phi) == pytest.approx(64.0, rel=1e-9)
+    assert np.sum(beside.volumes / beside.local_phi) == pytest.approx(64.0, rel=1e-9)
     alone = state_of(Packing([[0.3, 0.2, 0.1]], 0.5, (2.0, 3.0, 4.0)))
     assert alone.local_phi == pytest.approx(np.pi / 6.0 / 24.0)
     assert alone.cell_sides.tolist() == [6]
@@ -194,8 +194,8 @@ def test_refusals(mixture: State) -> None:
     for call, told in (
         (lambda: mixture.steinhardt(0), "l must be at least 1, not 0"),
         (lambda: mixture.steinhardt(2.5), "l must be a whole number"),  # type: ignore[arg-type]
-        (lambda: mixture.structure_factor(-1.0), "k_max must be"),
-        (lambda: mixture.radial_distribution(20.0), "is too large for the box"),
+        (lambda: mixture.structure_factor(bins=100, k_max=-1.0), "k_max must be"),
+        (lambda: mixture.radial_distribution(bins=100, r_max=20.0), "is too large for the box"),
         (lambda: mixture.density_waves([[1.0, 2.0]]), r"k must have shape \(M, 3\)"),
     ):
         with pytest.raises(ld.ParameterError, match=told):

@@ -129,11 +129,11 @@ def test_vtk_has_droplets_with_facets(state: State, tmp_path: Path) -> None:
     for name in ("load", "pressure", "contacts", "radius"):
         assert np.array_equal(values[name], state.particle_values()[name][owner])
     assert np.array_equal(values["type"], state.packing.species[owner] + 1)
-    table = state.contact_table[state.contact_table["indentation"] > 1e-3]
+    table = state.contacts[state.contacts["indentation"] > 1e-3]
     on = values["neighbor"] > 0
     pairs = set(zip(values["id"][on].tolist(), values["neighbor"][on].tolist(), strict=True))
     assert {(i + 1, j + 1) for i, j in table[["i", "j"]].tolist()} <= pairs
-    assert set(values["force"][on]) <= set(state.contact_table["force"])
+    assert set(values["force"][on]) <= set(state.contacts["force"])
     assert (values["force"][~on] == 0.0).all()
     assert data.GetPointData().GetNormals() is not None
 
@@ -141,10 +141,10 @@ def test_vtk_has_droplets_with_facets(state: State, tmp_path: Path) -> None:
 def test_vtk_has_the_network(state: State, tmp_path: Path) -> None:
     state.export(tmp_path / "network.vtp", forces=True)
     data, values = read_vtp(tmp_path / "network.vtp")
-    half = len(state.contact_table) // 2
+    half = len(state.contacts) // 2
     assert data.GetNumberOfLines() == data.GetNumberOfCells() == half
     assert np.sort(values["force"]) == pytest.approx(
-        np.sort(state.contact_table["force"])[::2], rel=1e-6
+        np.sort(state.contacts["force"])[::2], rel=1e-6
     )
     for n in (0, half - 1):
         points = data.GetCell(n).GetPoints()
@@ -175,9 +175,9 @@ def test_tables(state: State) -> None:
     pytest.importorskip("pandas")
     particles, contacts = state.to_pandas(), state.to_pandas("contacts")
     assert np.array_equal(particles[["x", "y", "z"]], state.packing.positions)
-    assert np.array_equal(particles["load"], state.load)
+    assert np.array_equal(particles["load"], state.loads)
     assert contacts.groupby("i")["force"].size().reindex(range(24), fill_value=0).tolist() == [
-        *state.contacts
+        *state.n_contacts
     ]
     image = contacts[["image_a", "image_b", "image_c"]].to_numpy() @ state.packing.box
     here, there = (particles.loc[contacts[side], ["x", "y", "z"]].to_numpy() for side in "ij")
@@ -191,7 +191,7 @@ def test_mdanalysis(state: State) -> None:
     frame = universe.trajectory.ts
     assert universe.atoms.positions == pytest.approx(state.packing.positions, abs=1e-5)
     assert frame.triclinic_dimensions == pytest.approx(state.packing.box, abs=1e-5)
-    assert np.array_equal(frame.data["load"], state.load)
+    assert np.array_equal(frame.data["load"], state.loads)
     assert universe.atoms.velocities == pytest.approx(state.velocities)
 
 
@@ -200,9 +200,9 @@ def test_freud(state: State) -> None:
     box, points = state.to_freud()
     assert box.to_matrix() == pytest.approx(state.packing.box.T, rel=1e-6)
     found = state.to_freud("contacts")
-    assert len(found) == len(state.contact_table)
-    assert np.array_equal(found.neighbor_counts, state.contacts)
-    assert found.weights.sum() == pytest.approx(state.contact_table["force"].sum(), rel=1e-6)
+    assert len(found) == len(state.contacts)
+    assert np.array_equal(found.neighbor_counts, state.n_contacts)
+    assert found.weights.sum() == pytest.approx(state.contacts["force"].sum(), rel=1e-6)
     between = box.wrap(points[found.point_indices] - points[found.query_point_indices])
     assert between == pytest.approx(box.wrap(found.vectors), abs=1e-4)
     order = freud.order.Steinhardt(6).compute(state.to_freud(), neighbors=found)

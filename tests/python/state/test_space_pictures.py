@@ -82,19 +82,18 @@ def test_states_and_packings_are_drawn(
     states: tuple[ld.State, ld.State],
 ) -> None:
     for state in (*states, states[0].packing):
-        colors = {"color" if isinstance(state, ld.Packing) else "color_by": "radius"}
-        axes = state.plot(**colors, title="equal", colorbar=False)
+        axes = state.plot(color="radius", title="equal", colorbar=False)
         assert axes.get_title() == "equal"
         assert axes.images[0].get_array().max() > 0.0
     soft, droplets = states
-    axes = droplets.plot(color_by=droplets.load, label="load", view=(40, 10))
+    axes = droplets.plot(color=droplets.loads, label="load", view=(40, 10))
     assert len(axes.figure.axes) == 2
     network = droplets.plot(forces=True)
     assert not network.images
-    assert len(network.collections[1].get_segments()) == len(droplets.contact_table) // 2
+    assert len(network.collections[1].get_segments()) == len(droplets.contacts) // 2
     for state in states:
         assert "<img" in (state._repr_html_() or "")
-    facets, table = facets_of(soft), soft.contact_table
+    facets, table = facets_of(soft), soft.contacts
     assert len(facets.i) == len(table)
     both = facets.height + facets.height[other_side(table)]
     assert both == pytest.approx(table["distance"])
@@ -133,7 +132,7 @@ def test_a_section_of_facets() -> None:
     assert np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1) == pytest.approx(chord, abs=6e-3)
     for middle, outline in zip(section.positions, section.outlines, strict=True):
         assert np.abs(outline - middle).max() == pytest.approx(h)
-    axes = state.plot(slice=0.1, contacts=True, color_by="load")
+    axes = state.plot(slice=0.1, contacts=True, color="load")
     assert len(axes.collections[1].get_segments()) == 36  # of nine images
     between = section_of(ld.crystal("sc", 2, phi=0.3), WHOLE, 0.62)
     assert between.outlines == []
@@ -149,7 +148,7 @@ def test_movies(states: tuple[ld.State, ld.State], tmp_path: Path) -> None:
         ("slice", {"slice": 0.0, "contacts": True}),
     ):
         path = tmp_path / f"{name}.gif"
-        ld.Run([droplets, droplets]).movie(path, color_by="load", **settings)
+        ld.Run([droplets, droplets]).movie(path, color="load", **settings)
         with Image.open(path) as movie:
             assert np.array(movie.convert("RGB")).std() > 10.0
     plane = ld.bidisperse(4, phi=0.1, seed=1)
@@ -177,7 +176,7 @@ def test_movies(states: tuple[ld.State, ld.State], tmp_path: Path) -> None:
         ({"view": 3}, "view must be elevation and azimuth, not 3"),
         ({"view": (1, 2, 3)}, "view must be elevation and azimuth"),
         ({"view": (np.nan, 0)}, "view must be finite numbers"),
-        ({"color_by": "hue"}, "color_by must name a value of each particle"),
+        ({"color": "hue"}, "color_by must name a value of each particle"),
         ({"cmap": "none"}, "cmap must be one of"),
         ({"ax": 3}, "ax must be of the kind Axes"),
         ({"vmin": 2.0, "vmax": 1.0}, "vmin must be below vmax"),

@@ -29,7 +29,7 @@ def check_energy_and_areas(state: ld.State) -> None:
     deficit = np.array([shape.area_deficit for shape in shapes(state)])
     # from the pressures, and from the indentations: they agree as far as forces are balanced
     assert state.area_deficit == pytest.approx(deficit, rel=1e-8, abs=1e-15)
-    assert state.particle_pressure == pytest.approx(2.0 * deficit, rel=1e-8, abs=1e-15)
+    assert state.pressures == pytest.approx(2.0 * deficit, rel=1e-8, abs=1e-15)
     assert state.energy == pytest.approx(np.sum(2.0 * deficit**2 / 2.0), rel=1e-9)
 
 
@@ -46,7 +46,7 @@ def test_outlines_have_the_areas(law: Law, name: str, request: pytest.FixtureReq
     with ld.Simulation(packing.at(packing.phi * 1.05), law) as sim:
         state = sim.relax(1e-4) if isinstance(law, ld.Ring) else sim.state()
     skin = law.species_parameters(state.packing._species_radii).skin[state.packing.species]
-    whole = state.area + skin * state.perimeter + np.pi * skin**2
+    whole = state.area + skin * state.perimeters + np.pi * skin**2
     for outline, area in zip(state.outlines, whole, strict=True):
         x, y = (outline - outline.mean(axis=0)).T
         polygon = 0.5 * np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y)
@@ -60,7 +60,7 @@ def test_force_vectors_sum_to_the_forces(law: Law, jammed: ld.Packing) -> None:
     with ld.Simulation(jammed.at(jammed.phi * 1.05), law) as sim:
         state = sim.state()
         force = np.array(sim.lmp.gather("f", 1, 3)).reshape(-1, 3)[:, :2]
-    table = state.contact_table
+    table = state.contacts
     net = np.zeros_like(force)
     np.add.at(net, table["i"], table["force_vector"])
     rounding = 1e-14 * table["force"].max()
@@ -86,7 +86,7 @@ def test_contacts_and_rattlers_against_brute_force(start: ld.Packing) -> None:
     with ld.Simulation(jammed.at(jammed.phi * 1.01), law) as sim:
         state = sim.relax()
     contacts = brute_force_contacts(state)
-    table = state.contact_table
+    table = state.contacts
     seen = zip(table["i"], table["j"], *table["image"].T, strict=True)
     assert {tuple(map(int, key)) for key in seen} == {key for key, c in contacts.items() if c}
     # both sides of every contact are on one line
@@ -115,13 +115,13 @@ def test_state_stays_while_the_simulation_goes_on(state: ld.State) -> None:
 def test_plot_draws_every_particle(state: ld.State) -> None:
     matplotlib = pytest.importorskip("matplotlib")
     matplotlib.use("agg")
-    axes = state.plot(color_by="area_deficit")
+    axes = state.plot(color="area_deficit")
     polygons = axes.collections[0]
     assert len(polygons.get_paths()) >= len(state.packing)
     assert set(state.area_deficit) == set(polygons.get_array())
     assert state.plot(ax=axes) is axes
     with pytest.raises(ld.ParameterError, match="'beauty'"):
-        state.plot(color_by="beauty")
+        state.plot(color="beauty")
 
 
 @pytest.mark.parametrize(
@@ -144,7 +144,7 @@ def test_plot_draws_every_contact(jammed: ld.Packing, law: ld.Ring | ld.Sector) 
     lines = state.plot(contacts=True).collections[1]
     ends = np.array(lines.get_segments())
     length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
-    expected = state.contact_table["length"]
+    expected = state.contacts["length"]
     expected = expected[expected > 0.0]
     assert len(expected) > len(jammed)
     # differences of rounded coordinates

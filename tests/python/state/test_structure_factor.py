@@ -53,10 +53,10 @@ def test_refusals() -> None:
     for each in (walls, walls[:2]):
         walled = state_of(ld.bidisperse(10, seed=1).between(each))
         with pytest.raises(ld.ParameterError, match="needs a periodic box"):
-            walled.structure_factor(5.0)
+            walled.structure_factor(bins=100, k_max=5.0)
     post = ld.Sphere(0.5, (3.0, 3.0), inside=False)
     around = state_of(ld.bidisperse(20, phi=0.2, seed=1).between(post))
-    assert np.isfinite(around.structure_factor(5.0, bins=2)[1]).all()
+    assert np.isfinite(around.structure_factor(k_max=5.0, bins=2)[1]).all()
 
 
 @pytest.mark.parametrize("tilt", [0.0, -1.3])
