@@ -90,7 +90,7 @@ def movie(
     on = limited(shared, vmin, vmax)
     if not frames[0].root:
         return
-    figure: Any = frames[0]._new_axes().figure
+    figure = _new_figure()
 
     def draw(state: State) -> None:
         figure.clear()
@@ -108,6 +108,13 @@ def movie(
                 draw(state)
             writer.grab_frame()
             bar.update()
+
+
+def _new_figure() -> Any:
+    """A figure of matplotlib for the whole movie."""
+    from .plot3d import new_axes
+
+    return new_axes().figure
 
 
 def of_dimension(dimension: int, **settings: Any) -> dict[str, Any]:
