@@ -49,7 +49,7 @@ class ElasticModuli:
 
     @property
     def shear_modulus(self) -> float:
-        """Of simple shear along x, C_xyxy, as `ld.shear_modulus` [energy/length^d]."""
+        """Of simple shear along x, C_xyxy [energy/length^d]."""
         return float(self.tensor[0, 1, 0, 1])
 
     @property
