@@ -2,7 +2,7 @@
 
 import pytest
 from each_simulation import MAKERS, PLANE, SPACE
-from lammps_deformable.lammps import Engine
+from lammps_deformable import Simulation
 
 EACH = {"plane": lambda: PLANE, "space": lambda: SPACE, **MAKERS}
 
@@ -11,7 +11,7 @@ EACH = {"plane": lambda: PLANE, "space": lambda: SPACE, **MAKERS}
 def test_hasattr_answers(name: str) -> None:
     made = EACH[name]()
     asked = [made]
-    if isinstance(made, Engine):
+    if isinstance(made, Simulation):
         asked.append(made.state())
     for each in asked:
         for attribute in dir(type(each)):
