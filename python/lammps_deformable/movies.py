@@ -90,7 +90,14 @@ def movie(
     on = limited(shared, vmin, vmax)
     if not frames[0].root:
         return
-    figure: Any = frames[0]._new_axes().figure
+    if frames[0].packing.dimension == 2:
+        from .drawing import new_figure
+
+        figure: Any = new_figure(frames[0].packing)
+    else:
+        from .plot3d import new_axes
+
+        figure = new_axes().figure
 
     def draw(state: State) -> None:
         figure.clear()
