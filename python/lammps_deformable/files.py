@@ -1,21 +1,9 @@
-"""Particles as a file has them, and what of it makes a packing.
+"""Particles in files: LAMMPS data files and dumps, extended XYZ, GSD, MDAnalysis for the rest.
 
-Extended XYZ: a line with the number of particles, one of `key=value`, and one a particle.
+LAMMPS' formats and extended XYZ are read and written here with every digit: MDAnalysis and LAMMPS
+round what they read. GSD has single precision, and what MDAnalysis reads mostly too.
 
-Source: https://github.com/libAtoms/extxyz, the specification.
-
-GSD, the files of HOOMD-blue, by its own package. They have single precision.
-
-A file without diameters has the diameter 1 by its schema, and gsd writes none if all of them are 1.
-So radii stand in the log of particles too, and what is read has diameters only if the file does.
-
-LAMMPS data files, with every digit: LAMMPS itself and MDAnalysis round what they read.
-
-LAMMPS dumps of atoms as text, with every digit.
-
-MDAnalysis, which reads the files of most other programs.
-
-Files of particles: which format they have, and their frames.
+Source: https://github.com/libAtoms/extxyz, the specification of extended XYZ.
 """
 
 from __future__ import annotations
@@ -24,17 +12,18 @@ import mmap
 import re
 import warnings
 from collections import deque
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from decimal import Context, Decimal
 from itertools import islice
-from typing import TYPE_CHECKING, Any, TextIO
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._checks import LARGEST_COUNT, positive, shown, whole
 from ._files import reading, write_whole, writing
+from .box import cartesian, fractional
 from .errors import FileError, ParameterError
 from .versions import optional
 
@@ -42,7 +31,6 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from MDAnalysis import Universe
-
 
 Floats = NDArray[np.float64]
 
@@ -56,9 +44,6 @@ RADII = ("radius", "diameter", "radii")
 # What is told where types are needed and the file has none.
 UNTYPED = "it has no types of particles: give a file that has them"
 
-# Digits of a sum of two numbers of a file: none is lost.
-_EXACT = Context(prec=60)
-
 
 @dataclass(frozen=True)
 class Particles:
@@ -67,14 +52,14 @@ class Particles:
     Attributes:
         positions: shape (N, 3) [length].
         box: lattice vectors as rows, shape (3, 3) [length]; None if the file has none.
-        origin: lower left corner of the box, shape (3,) [length].
-        periodic: whether the box is, along x, y and z.
         ids: as the file has them, shape (N,).
         types: numbers from 1, or names, shape (N,).
+        columns: other values by name, arrays of shape (N,).
+        origin: lower left corner of the box, shape (3,) [length].
+        periodic: whether the box is, along x, y and z.
         names: of all types; none if these are numbers.
         count: number of types, if the file has it.
         typed: whether the file tells the types; they are 1 if not.
-        columns: other values by name, arrays of shape (N,).
     """
 
     positions: Floats
@@ -98,17 +83,14 @@ class Particles:
         if len(wrong) > 0:
             n, axis = wrong[0]
             raise ValueError(f"{'xyz'[axis]} of atom {self.ids[n]} is {self.positions[n, axis]}")
-        if dimension == 3:
-            return self.positions
         low, high = self.positions.min(axis=0), self.positions.max(axis=0)
-        spread = high - low
-        if spread[2] > _PLANE * max(spread[0], spread[1]):
+        if dimension == 2 and high[2] - low[2] > _PLANE * (high - low)[:2].max():
             raise ValueError(
                 f"its atoms fill space, z goes from {low[2]:.6g} to {high[2]:.6g}, but a packing "
                 "in the plane has one z: read it with dimension=3 (in the shell --law droplet), or "
                 "write the atoms of one z to a file of their own"
             )
-        return self.positions[:, :2]
+        return self.positions[:, :dimension]
 
     def lattice(self, dimension: int = 2) -> Floats:
         """((lx, 0), (xy, ly)), or ((lx, 0, 0), (xy, ly, 0), (xz, yz, lz)), shape (d, d) [length].
@@ -119,28 +101,22 @@ class Particles:
         if self.box is None:
             form = "(lx, ly)" if dimension == 2 else "(lx, ly, lz)"
             raise ValueError(f"it has no box: give one, such as box={form}")
-        if dimension == 3:
-            return self._space_box(self.box)
-        wrong = ~np.isfinite(self.box).all() or (self.box.diagonal()[:2] <= 0.0).any()
-        sides = np.abs(self.box).max()
-        if wrong or np.abs(self.box[[0, 0, 1, 2, 2], [1, 2, 2, 0, 1]]).max() > _PLANE * sides:
+        box, zero = self.box, np.triu(np.ones((3, 3), bool), 1)
+        zero[2, :2] = dimension == 2
+        sides = box.diagonal()[:dimension]
+        off = np.abs(box[zero]).max() > _PLANE * np.abs(box).max()
+        if off or not (np.isfinite(box).all() and (sides > 0.0).all()):
             raise ValueError(
-                f"its box is {shown(self.box.tolist())}, but the plane of a packing has lattice "
-                "vectors (lx, 0, 0) and (xy, ly, 0), with the third one along z"
+                f"its box is {shown(box.tolist())}, but "
+                + (
+                    "the plane of a packing has lattice vectors (lx, 0, 0) and (xy, ly, 0), with "
+                    "the third one along z"
+                    if dimension == 2
+                    else "that of a packing has lattice vectors (lx, 0, 0), (xy, ly, 0) and "
+                    "(xz, yz, lz)"
+                )
             )
-        return np.array([[self.box[0, 0], 0.0], self.box[1, :2]])
-
-    @staticmethod
-    def _space_box(box: Floats) -> Floats:
-        above = np.abs(np.triu(box, 1)).max()
-        if not (np.isfinite(box).all() and (box.diagonal() > 0.0).all()) or (
-            above > _PLANE * np.abs(box).max()
-        ):
-            raise ValueError(
-                f"its box is {shown(box.tolist())}, but that of a packing has lattice vectors "
-                "(lx, 0, 0), (xy, ly, 0) and (xz, yz, lz)"
-            )
-        return np.tril(box)
+        return np.tril(box[:dimension, :dimension])
 
     @property
     def species(self) -> NDArray[np.int64]:
@@ -157,16 +133,22 @@ class Particles:
         return self.types.astype(np.int64) - 1
 
     def radius(self, radii: float | str | Mapping[Any, float] | None) -> Floats:
-        """Radius of each particle, shape (N,) [length].
-
-        Args:
-            radii: see `Packing.from_file`; checked by `check_radii`.
+        """Radius of each particle, shape (N,) [length]; `radii` as in `Packing.from_file`.
 
         Raises:
             ValueError: the file lacks radii, or has one that is not positive.
         """
         if isinstance(radii, Mapping):
-            return self._radius_by_type(radii)
+            given = {str(name): radius for name, radius in radii.items()}
+            if not self.typed and len(given) > 1:
+                raise ValueError(f"{UNTYPED}, a topology, or one radius for all, such as radii=0.5")
+            kinds, place = np.unique(self.types.astype(str), return_inverse=True)
+            missing = [name for name in kinds.tolist() if name not in given]
+            if missing:
+                raise ValueError(
+                    f"it has particles of type {missing[0]}, and radii has {', '.join(given)} only"
+                )
+            return np.array([float(given[name]) for name in kinds.tolist()])[place]
         if radii is not None and not isinstance(radii, str):
             return np.full(len(self.ids), float(radii))
         wanted = RADII if radii is None else (radii,)
@@ -181,26 +163,13 @@ class Particles:
         values = self.columns[name]
         if values.dtype.kind not in "biuf":
             raise ValueError(f"{name} of atom {self.ids[0]} is {values[0]}, which is no radius")
-        wrong = np.flatnonzero(~((values > 0.0) & (values < np.inf)))
-        if len(wrong) > 0:
+        if (wrong := np.flatnonzero(~((values > 0.0) & (values < np.inf)))).size:
             n = int(wrong[0])
             raise ValueError(
                 f"{name} of atom {self.ids[n]} is {values[n]:g}, which is no radius: give radii, "
                 "such as radii=0.5"
             )
         return values.astype(np.float64) / (2.0 if name == "diameter" else 1.0)
-
-    def _radius_by_type(self, radii: Mapping[Any, float]) -> Floats:
-        given = {str(name): radius for name, radius in radii.items()}
-        if not self.typed and len(given) > 1:
-            raise ValueError(f"{UNTYPED}, a topology, or one radius for all, such as radii=0.5")
-        kinds, place = np.unique(self.types.astype(str), return_inverse=True)
-        missing = [name for name in kinds.tolist() if name not in given]
-        if missing:
-            raise ValueError(
-                f"it has particles of type {missing[0]}, and radii has {', '.join(given)} only"
-            )
-        return np.array([float(given[name]) for name in kinds.tolist()])[place]
 
 
 def check_radii(radii: float | str | Mapping[Any, float] | None) -> None:
@@ -213,71 +182,41 @@ def check_radii(radii: float | str | Mapping[Any, float] | None) -> None:
         positive("radii", radii)
 
 
-def as_types(words: NDArray[Any]) -> tuple[NDArray[Any], list[str]]:
-    """Types as numbers from 1, and no names, if all are whole numbers; else with their names."""
-    if words.dtype.kind in "biuf" and np.array_equal(words, np.rint(words)):
-        return words.astype(np.int64), []
-    texts = words.astype(str)
-    names = np.unique(texts).tolist()
-    if all(name.isascii() and name.isdigit() and name == str(int(name)) for name in names):
-        return texts.astype(np.int64), []
-    return texts, names
+# Tables of numbers and words. What cannot be read is a ValueError, which `read_particles` completes
+# with the name of the file.
 
 
-def by_ids(ids: NDArray[Any]) -> NDArray[np.int64]:
-    """The order of the IDs.
-
-    Raises:
-        ValueError: two are the same.
-    """
-    order = np.argsort(ids, kind="stable")
-    same = np.flatnonzero(np.diff(ids[order]) == 0)
-    if len(same) > 0:
-        raise ValueError(f"atom {int(ids[order][same[0]])} occurs twice: write each particle once")
-    return order.astype(np.int64)
+def _table(*columns: NDArray[Any]) -> list[str]:
+    """Rows of columns, with every digit."""
+    rows = zip(*(column.tolist() for column in columns), strict=True)
+    return [" ".join(map(repr, row)) for row in rows]
 
 
-def columns_of(
+def _axes(vectors: NDArray[Any]) -> list[NDArray[Any]]:
+    """x, y and z of vectors; z = 0 of those of the plane."""
+    flat = [np.zeros(len(vectors), int)] * (3 - vectors.shape[1])
+    return [*vectors.T, *flat]
+
+
+def _columns_of(
     rows: Sequence[str], names: Sequence[str], texts: Collection[str] = ()
 ) -> dict[str, NDArray[Any]]:
-    """Columns of a table: numbers where its first row has numbers, else words.
-
-    Args:
-        rows: of the table.
-        names: of its columns.
-        texts: those of them that hold words, also where these look like numbers.
-
-    Raises:
-        ValueError: there are no rows, or one lacks a value, or has a word in place of a number.
-    """
+    """Columns of a table: numbers where its first row has numbers, else words, as for `texts`."""
     if not rows:
         raise ValueError("it has no atoms")
     first = rows[0].split()
     if len(first) < len(names):
         raise ValueError(f"a row has {len(first)} values for the columns {' '.join(names)}")
-    kept = range(len(names))
-    numeric = [k for k in kept if names[k] not in texts and is_number(first[k])]
+    numeric = [k for k, name in enumerate(names) if name not in texts and _is_number(first[k])]
     values = np.loadtxt(rows, usecols=numeric, ndmin=2).T if numeric else np.empty((0, 0))
     found: dict[int, NDArray[Any]] = dict(zip(numeric, values, strict=True))
-    if words := [k for k in kept if k not in found]:
-        split = [row.split() for row in rows]
-        found |= {k: np.array([row[k] for row in split]) for k in words}
-    return {names[k]: found[k] for k in kept}
+    if len(found) < len(names):
+        words = list(zip(*(row.split()[: len(names)] for row in rows), strict=True))
+        found |= {k: np.array(words[k]) for k in range(len(names)) if k not in found}
+    return {name: found[k] for k, name in enumerate(names)}
 
 
-def check_frame(number: int, count: int) -> None:
-    """Raise an error if a file of so many frames has none of this number.
-
-    Raises:
-        ValueError: it has none.
-    """
-    if not -count <= number < count:
-        known = f"0 to {count - 1}, or -1 to {-count} from the end" if count > 1 else "0"
-        raise ValueError(f"it has {count} frames, and no frame {number}: give {known}")
-
-
-def is_number(word: str) -> bool:
-    """Whether a word is one, such as 1e-3 or nan."""
+def _is_number(word: str) -> bool:
     try:
         float(word)
     except ValueError:
@@ -285,17 +224,49 @@ def is_number(word: str) -> bool:
     return True
 
 
-def plus(a: float, b: float) -> str:
-    """a + b with all digits: a file that gives two ends of a box keeps its length to the last."""
-    return str(_EXACT.add(Decimal(repr(a)), Decimal(repr(b))))
+def _as_types(words: NDArray[Any] | None, count: int) -> dict[str, Any]:
+    """Types as numbers if all are whole numbers, else with their names; 1 if none are told."""
+    if words is None:
+        return {"types": np.ones(count, np.int64), "names": [], "typed": False}
+    if words.dtype.kind in "biuf" and np.array_equal(words, np.rint(words)):
+        return {"types": words.astype(np.int64), "names": []}
+    texts = words.astype(str)
+    names = np.unique(texts).tolist()
+    if all(name.isascii() and name.isdigit() and name == str(int(name)) for name in names):
+        return {"types": texts.astype(np.int64), "names": []}
+    return {"types": texts, "names": names}
 
 
-def minus(a: str, *others: str) -> float:
-    """The difference of numbers of a file, rounded once.
+def _by_ids(columns: dict[str, NDArray[Any]], count: int) -> dict[str, NDArray[Any]]:
+    """Columns in the order of IDs, which are 1, 2, ... where there are none."""
+    columns = {"id": np.arange(1, count + 1)} | columns
+    order = np.argsort(columns["id"], kind="stable")
+    ids = columns["id"][order].astype(np.int64)
+    if (same := np.flatnonzero(np.diff(ids) == 0)).size:
+        raise ValueError(f"atom {ids[same[0]]} occurs twice: write each particle once")
+    return {name: column[order] for name, column in columns.items()} | {"id": ids}
 
-    Raises:
-        ValueError: one is no finite number.
-    """
+
+def _check_frame(number: int, count: int) -> None:
+    if not -count <= number < count:
+        known = f"0 to {count - 1}, or -1 to {-count} from the end" if count > 1 else "0"
+        raise ValueError(f"it has {count} frames, and no frame {number}: give {known}")
+
+
+# Digits of a sum of numbers of a file: none is lost.
+_EXACT = Context(prec=60)
+
+
+def _plus(*numbers: float) -> str:
+    """The sum with all digits: a file that gives two ends of a box keeps its length to the last."""
+    total = Decimal(0)
+    for number in numbers:
+        total = _EXACT.add(total, Decimal(repr(number)))
+    return str(total)
+
+
+def _minus(a: str, *others: str) -> float:
+    """The difference of numbers of a file, rounded once."""
     if not all(np.isfinite(float(word)) for word in (a, *others)):
         raise ValueError(f"its box has the bounds {' '.join((*others[:1], a))}")
     left = Decimal(a)
@@ -304,190 +275,19 @@ def minus(a: str, *others: str) -> float:
     return float(left)
 
 
-# Columns of a file that does not tell.
-_PLAIN = "species:S:1:pos:R:3"
-
-# A pair of the second line. All else there is a comment, in which a quote is an apostrophe.
-_PAIR = re.compile(r"""([\w-]+)=(?:"([^"]*)"|'([^']*)'|(\S*))""")
-
-# What is read of it.
-_KEYS = ("lattice", "properties", "origin", "pbc")
-
-# Of the columns of types, the first that there is.
-_TYPES = ("species", "type", "element")
+def _tilts(box: Floats) -> list[float]:
+    """xy, xz, yz of a box of a plane or of space."""
+    tilts: list[float] = box[np.tril_indices(len(box), -1)].tolist()
+    return [*tilts, 0.0, 0.0][:3]
 
 
-def xyz_frame(
-    box: NDArray[np.float64],
-    species: NDArray[np.int64],
-    positions: NDArray[np.float64],
-    radius: NDArray[np.float64],
-    origin: Sequence[float],
-    shut: Sequence[bool],
-) -> str:
-    """Text of a frame, with every digit; see `dump_frame`."""
-    dimension, height = len(box), "" if len(box) == 3 else "0 "
-    rows = [list(map(repr, vector[: n + 1])) for n, vector in enumerate(box.tolist())]
-    rows += [["0", "0", "1"]] * (3 - dimension)
-    vectors = " ".join(word for row in rows for word in [*row, "0", "0"][:3])
-    corner = " ".join([*map(repr, origin), "-0.5"][:3])
-    ends = " ".join("F" if each else "T" for each in (*shut, False)[:3])
-    head = [
-        f'Lattice="{vectors}"',
-        f'Origin="{corner}"',
-        f'pbc="{ends}"',
-        "Properties=species:S:1:pos:R:3:radius:R:1",
-    ]
-    table = zip(species.tolist(), positions.tolist(), radius.tolist(), strict=True)
-    lines = [f"{kind + 1} {' '.join(map(repr, x))} {height}{r!r}" for kind, x, r in table]
-    return "\n".join([str(len(species)), " ".join(head), *lines]) + "\n"
+def _box(sides: Sequence[float], xy: float, xz: float, yz: float) -> Floats:
+    box = np.diag(sides)
+    box[np.tril_indices(3, -1)] = xy, xz, yz
+    return box
 
 
-def xyz_frames(file: TextIO) -> Iterator[tuple[int, str, list[str]]]:
-    """The frames of a file: number of particles, second line, and rows, of which some may lack."""
-    for line in file:
-        if not line.strip():
-            continue
-        if not line.strip().isdigit():
-            raise ValueError(f"a frame begins with the number of atoms, not {line.strip()[:60]!r}")
-        count = int(line)
-        yield count, file.readline(), list(islice(file, count))
-
-
-def read_xyz_frame(count: int, head: str, rows: list[str]) -> Particles:
-    """The particles of a frame, see `xyz_frames`.
-
-    Raises:
-        ValueError: it lacks particles, or its second line is damaged.
-    """
-    if len(rows) < count:
-        raise ValueError(f"the frame has {len(rows)} of {count} atoms")
-    said = {key.lower(): "".join(value) for key, *value in _PAIR.findall(head)}
-    for key in _KEYS:
-        if said.get(key, "").startswith(('"', "'")):
-            raise ValueError(f"{key}={said[key]} has no closing quotation mark")
-    properties = said.get("properties", _PLAIN).split(":")
-    names: list[str] = []
-    texts: set[str] = set()
-    for word, form, size in zip(properties[::3], properties[1::3], properties[2::3], strict=True):
-        name = word.lower()
-        these = [name] if size == "1" else [f"{name}{n}" for n in range(int(size))]
-        names += these
-        texts |= set(these) if form == "S" else set()
-    columns = columns_of(rows, names, texts)
-    if not all(f"pos{n}" in columns for n in range(3)):
-        raise ValueError(f"it has no pos:R:3 among its columns {' '.join(names)}")
-    positions = np.column_stack([columns.pop(f"pos{n}") for n in range(3)])
-    kind: NDArray[Any] | None = next((columns[name] for name in _TYPES if name in columns), None)
-    types, kinds = as_types(np.ones(count) if kind is None else kind)
-    box = None
-    if "lattice" in said:
-        box = _numbers("Lattice", said["lattice"], 9).reshape(3, 3)
-    origin = _numbers("Origin", said.get("origin", "0 0 0"), 3)
-    ends = [end[:1].upper() != "F" for end in said.get("pbc", "T T T").split()]
-    if len(ends) != 3:
-        raise ValueError(f"pbc must be three letters T or F, not {said['pbc']}")
-    ids = np.arange(1, count + 1)
-    typed = kind is not None
-    return Particles(positions, box, ids, types, columns, origin, ends, kinds, typed=typed)
-
-
-def _numbers(name: str, words: str, count: int) -> NDArray[np.float64]:
-    values = np.array([float(word) for word in words.split()])
-    if len(values) != count:
-        raise ValueError(f"{name} must be {count} numbers, not {len(values)}")
-    return values
-
-
-# Name of the radii in the log.
-_RADII = "particles/radius"
-
-
-def write_gsd(
-    path: Path,
-    box: NDArray[np.float64],
-    species: NDArray[np.int64],
-    positions: NDArray[np.float64],
-    radius: NDArray[np.float64],
-    types: int,
-) -> None:
-    """Write a frame; types are A, B, ... Directions are periodic.
-
-    Args:
-        path: of the file.
-        box: lattice vectors as rows, those of a packing, shape (d, d) [length].
-        species: of the particles, from 0, shape (N,).
-        positions: from the lower left corner of the box, shape (N, d) [length].
-        radius: of the particles, shape (N,) [length].
-        types: number of species.
-    """
-    hoomd = optional("gsd.hoomd", "gsd")
-    dimension = len(box)
-    space = np.zeros((3, 3))  # a plane has no height there
-    space[:dimension, :dimension] = box
-    (lx, *_), (xy, ly, _), (xz, yz, lz) = space.tolist()
-    x, y, z = in_space(positions).T
-    h = z / lz if lz else z + 0.5  # in the middle
-    g = (y - h * yz) / ly
-    fractions = np.column_stack([(x - h * xz - g * xy) / lx, g, h])
-    image = np.floor(fractions)
-    # the box is about the origin, and particles are in it
-    f, g, h = (fractions - image - 0.5).T
-    frame = hoomd.Frame()
-    frame.configuration.dimensions = dimension
-    frame.configuration.box = [lx, ly, lz, xy / ly, *((xz / lz, yz / lz) if lz else (0.0, 0.0))]
-    particles = frame.particles
-    particles.N = len(species)
-    particles.position = np.column_stack([lx * f + xy * g + xz * h, ly * g + yz * h, lz * h])
-    particles.image = image.astype(np.int32)
-    particles.types = [_letters(n) for n in range(types)]
-    particles.typeid = species
-    particles.diameter = 2.0 * radius
-    frame.log[_RADII] = radius
-    with hoomd.open(path, "w") as file:
-        file.append(frame)
-
-
-def read_gsd(path: Path, number: int) -> Particles:
-    """The particles of a frame.
-
-    Args:
-        path: of the file.
-        number: of the frame, negative from the end.
-
-    Raises:
-        ValueError: there is no such frame.
-        RuntimeError, OSError: the file is damaged.
-    """
-    hoomd = optional("gsd.hoomd", "gsd")
-    with hoomd.open(path, "r") as file:
-        check_frame(number, len(file))
-        frame, places = file[number], {number % len(file), 0}  # defaults are those of the first
-        sized = any(file.file.chunk_exists(n, "particles/diameter") for n in places)
-    lx, ly, lz, xy, xz, yz = frame.configuration.box.astype(np.float64).tolist()
-    box = np.array([[lx, 0.0, 0.0], [xy * ly, ly, 0.0], [xz * lz, yz * lz, lz]])
-    particles, count = frame.particles, frame.particles.N
-    columns = {
-        name: getattr(particles, name) for name in ("diameter",) * sized + ("mass", "charge")
-    }
-    if _RADII in frame.log:
-        columns["radius"] = frame.log[_RADII]
-    image = particles.image * [1.0, 1.0, float(frame.configuration.dimensions == 3)]
-    return Particles(
-        particles.position + image @ box,
-        box,
-        np.arange(1, count + 1),
-        np.array(particles.types)[particles.typeid],
-        columns,
-        -0.5 * box.sum(axis=0),
-        names=particles.types,
-        count=len(particles.types),
-    )
-
-
-def _letters(n: int) -> str:
-    """A, B, ..., Z, AA, AB, ..."""
-    return ("" if n < 26 else _letters(n // 26 - 1)) + chr(ord("A") + n % 26)
+# LAMMPS data files
 
 
 # What an atom style has between the ID and the position of an atom.
@@ -513,11 +313,11 @@ def data_file(
     box: ArrayLike,
     types: int,
     columns: Sequence[NDArray[Any]],
-    positions: NDArray[np.float64],
+    positions: Floats,
     bonds: NDArray[np.int64] | None = None,
     origin: Sequence[float] = (0, 0, 0),
-    velocities: NDArray[np.float64] | None = None,
-    spins: NDArray[np.float64] | None = None,
+    velocities: Floats | None = None,
+    spins: Floats | None = None,
     images: NDArray[np.int64] | None = None,
 ) -> str:
     """Text of a LAMMPS data file, with every digit.
@@ -536,60 +336,35 @@ def data_file(
         images: how often atoms have left the box through each side, shape (N, d); written if any
             has.
     """
-    vectors = np.asarray(box, dtype=np.float64)
-    dimension, height = len(vectors), " 0" * (3 - len(vectors))
+    vectors, ids = np.asarray(box, np.float64), np.arange(1, len(positions) + 1)
     lines = [title, "", f"{len(positions)} atoms", f"{types} atom types"]
     if bonds is not None:
         lines += [f"{len(bonds)} bonds", f"{types} bond types"]
     sides = zip("xyz", origin, vectors.diagonal().tolist(), strict=False)
-    lines += [f"{low!r} {plus(low, side)} {axis}lo {axis}hi" for axis, low, side in sides]
-    if dimension == 2:
-        lines += ["-0.5 0.5 zlo zhi", f"{float(vectors[1, 0])!r} 0 0 xy xz yz", ""]
-    else:
-        xy, xz, yz = vectors[np.tril_indices(3, -1)].tolist()
-        lines += [f"{xy!r} {xz!r} {yz!r} xy xz yz", ""]
+    lines += [f"{low!r} {_plus(low, side)} {axis}lo {axis}hi" for axis, low, side in sides]
+    lines += ["-0.5 0.5 zlo zhi"] * (3 - len(vectors))
+    lines += [" ".join(map(repr, _tilts(vectors))) + " xy xz yz", ""]
     if style != "sphere":
         lines += ["Masses", "", *(f"{n} 1" for n in range(1, types + 1)), ""]
-    lines += [f"Atoms # {style}", ""]
-    rows = zip(*(column.tolist() for column in columns), *positions.T.tolist(), strict=True)
-    flags = [""] * len(positions)
-    if images is not None and images.any():
-        flags = [f" {' '.join(map(str, row))}{height}" for row in images.tolist()]
-    lines += [
-        f"{n} {' '.join(map(repr, row))}{height}{flag}"
-        for n, (row, flag) in enumerate(zip(rows, flags, strict=True), start=1)
-    ]
+    flags = [] if images is None or not images.any() else _axes(images)
+    lines += [f"Atoms # {style}", "", *_table(ids, *columns, *_axes(positions), *flags)]
     if velocities is not None:
-        turns = [""] * len(positions)
-        if style == "sphere":
-            about_z = np.zeros(len(positions)) if spins is None else spins
-            turns = [f" 0 0 {w!r}" for w in about_z.tolist()]
-        moving = zip(velocities.tolist(), turns, strict=True)
-        lines += ["", "Velocities", ""]
-        lines += [
-            f"{n} {' '.join(map(repr, v))}{height}{turn}" for n, (v, turn) in enumerate(moving, 1)
-        ]
+        none = np.zeros(len(ids), int)
+        about_z = 0.0 * ids if spins is None else spins
+        turns = [none, none, about_z] if style == "sphere" else []
+        lines += ["", "Velocities", "", *_table(ids, *_axes(velocities), *turns)]
     if bonds is not None:
-        lines += ["", "Bonds", ""]
-        lines += [f"{n} {a} {b} {c}" for n, (a, b, c) in enumerate(bonds.tolist(), start=1)]
+        lines += ["", "Bonds", "", *_table(np.arange(1, len(bonds) + 1), *bonds.T)]
     return "\n".join(lines) + "\n"
 
 
-def sphere_columns(radius: NDArray[np.float64]) -> list[NDArray[np.float64]]:
+def sphere_columns(radius: Floats) -> list[Floats]:
     """Diameters and densities of spheres of mass 1, arrays of shape (N,)."""
     return [2.0 * radius, 0.75 / (np.pi * radius**3)]
 
 
-def is_data_file(start: str) -> bool:
-    """Whether a text begins as a data file does."""
-    return bool(re.search(r"^\s*\d+\s+atoms\b", start, re.M) and re.search(r"\bxlo\s+xhi\b", start))
-
-
 def read_data_file(text: str) -> Particles:
-    """The atoms of a data file.
-
-    Args:
-        text: of the file, as LAMMPS' `write_data` or `data_file` writes it.
+    """The atoms of a data file, as LAMMPS' `write_data` or `data_file` writes it.
 
     Raises:
         ValueError: the text is no such file, or lacks atoms.
@@ -603,60 +378,52 @@ def read_data_file(text: str) -> Particles:
         raise ValueError("it is no LAMMPS data file of a box with atoms")
     hint, _, rows = body.partition("\n")
     table, _, _ = rows.strip("\n").partition("\n\n")  # sections of LAMMPS follow
-    atoms = table.splitlines()
-    between = _between(hint.strip().removeprefix("#").strip(), atoms)
-    names = ["id", *between.split(), "x", "y", "z"]
-    complete = sum(len(row.split()) >= len(names) for row in atoms)
-    if not atoms or complete != len(atoms) or complete != int(words["atoms"][0]):
-        raise ValueError(f"it has {complete} of {words['atoms'][0]} atoms")
-    if all(len(row.split()) >= len(names) + 3 for row in atoms):
-        names += ["ix", "iy", "iz"]
-    columns = columns_of(atoms, names)
-    order = by_ids(columns["id"])
-    ids, kinds, *place = (columns.pop(name)[order] for name in ("id", "type", "x", "y", "z"))
-    ends = [words[name][:2] for name in ("xhi", "yhi")]
-    ends.append(words["zhi"][:2] if len(words.get("zhi", ())) == 4 else ["-0.5", "0.5"])
-    tilts = words["yz"] if len(words.get("yz", ())) == 6 else ["0", "0", "0"]
-    xy, xz, yz = map(float, tilts[:3])
-    box = np.diag([minus(high, low) for low, high in ends])
-    box[np.tril_indices(3, -1)] = xy, xz, yz
-    count = int(words["types"][0]) if len(words.get("types", ())) == 3 else 0
-    return Particles(
-        np.column_stack(place),
-        box,
-        ids.astype(np.int64),
-        kinds.astype(np.int64),
-        {name: column[order] for name, column in columns.items()},
-        np.array([float(low) for low, _ in ends]),
-        count=count,
-    )
-
-
-def _between(style: str, atoms: Sequence[str]) -> str:
-    """Names of the columns between ID and position."""
+    atoms, style = table.splitlines(), hint.strip().removeprefix("#").strip()
     if not style and atoms and len(atoms[0].split()) in (5, 8):
-        return _STYLES["atomic"]
+        style = "atomic"
     if style not in _STYLES:
         asked = f"has the style {style}" if style else "does not name its style"
         raise ValueError(
             f"its section Atoms {asked}, and {', '.join(_STYLES)} are known: give a dump with the "
             "columns id type x y radius"
         )
-    return _STYLES[style]
+    names = ["id", *_STYLES[style].split(), "x", "y", "z"]
+    complete = sum(len(row.split()) >= len(names) for row in atoms)
+    if not atoms or complete != len(atoms) or complete != int(words["atoms"][0]):
+        raise ValueError(f"it has {complete} of {words['atoms'][0]} atoms")
+    if all(len(row.split()) >= len(names) + 3 for row in atoms):
+        names += ["ix", "iy", "iz"]
+    columns = _by_ids(_columns_of(atoms, names), len(atoms))
+    ids, kinds, *place = (columns.pop(name) for name in ("id", "type", "x", "y", "z"))
+    ends = [words[name][:2] for name in ("xhi", "yhi")]
+    ends.append(words["zhi"][:2] if len(words.get("zhi", ())) == 4 else ["-0.5", "0.5"])
+    tilts = words["yz"] if len(words.get("yz", ())) == 6 else ["0", "0", "0"]
+    return Particles(
+        np.column_stack(place),
+        _box([_minus(high, low) for low, high in ends], *map(float, tilts[:3])),
+        ids,
+        kinds.astype(np.int64),
+        columns,
+        np.array([float(low) for low, _ in ends]),
+        count=int(words["types"][0]) if len(words.get("types", ())) == 3 else 0,
+    )
 
 
-# Those of a frame that are read.
+# LAMMPS dumps
+
+
+# Items of a frame that are read.
 _ITEMS = ("NUMBER OF ATOMS", "BOX BOUNDS", "ATOMS")
 
 # What the names of coordinates end with: in the box, unwrapped, in parts of the box, both.
-_DUMP_SUFFIXES = ("", "u", "s", "su")
+_SUFFIXES_OF_XYZ = ("", "u", "s", "su")
 
 
 def dump_frame(
     number: int,
-    box: NDArray[np.float64],
+    box: Floats,
     species: NDArray[np.int64],
-    positions: NDArray[np.float64],
+    positions: Floats,
     columns: Mapping[str, NDArray[Any]],
     origin: Sequence[float] = (0, 0, 0),
     shut: Sequence[bool] = (False, False, False),
@@ -672,64 +439,34 @@ def dump_frame(
         origin: lower left corner of the box [length]; 0 of one that is tilted.
         shut: whether the box is not periodic along each axis.
     """
-    dimension, height = len(box), "" if len(box) == 3 else "0 "
-    ends = " ".join("ff" if each else "pp" for each in (*shut, False)[:3])
-    sides, tilts = box.diagonal().tolist(), box[np.tril_indices(dimension, -1)].tolist()
-    # LAMMPS gives the bounding box of a tilted cell and the tilts beside it.
-    if not any(tilts):
-        edges = [f"{low!r} {plus(low, side)}" for low, side in zip(origin, sides, strict=False)]
-        edges = [ends, *[*edges, "-0.5 0.5"][:3]]
-    elif dimension == 2:
-        (lx, ly), (xy,) = sides, tilts
-        (left, right) = _overhang(xy)
-        edges = [
-            f"xy xz yz {ends}",
-            f"{left!r} {plus(lx, right)} {xy!r}",
-            f"0 {ly!r} 0",
-            "-0.5 0.5 0",
-        ]
-    else:
-        (lx, ly, lz), (xy, xz, yz) = sides, tilts
-        (left, right), (low, high) = _overhang(xy, xz), _overhang(yz)
-        edges = [
-            f"xy xz yz {ends}",
-            f"{left!r} {plus(lx, right)} {xy!r}",
-            f"{low!r} {plus(ly, high)} {xz!r}",
-            f"0 {lz!r} {yz!r}",
-        ]
+    tilts, ends = _tilts(box), ["ff" if each else "pp" for each in (*shut, False)[:3]]
+    # the bounds are those of the tilted box
+    edges = [
+        f"{low + below!r} {_plus(low, side, above)}"
+        for low, side, (below, above) in zip(
+            origin, box.diagonal().tolist(), _overhangs(*tilts), strict=False
+        )
+    ]
+    edges += ["-0.5 0.5"] * (3 - len(box))
+    if any(tilts):
+        ends = ["xy xz yz", *ends]
+        edges = [f"{edge} {tilt!r}" for edge, tilt in zip(edges, tilts, strict=True)]
     lines = ["ITEM: TIMESTEP", str(number), "ITEM: NUMBER OF ATOMS", str(len(species))]
-    lines += [f"ITEM: BOX BOUNDS {edges[0]}", *edges[1:]]
+    lines += [f"ITEM: BOX BOUNDS {' '.join(ends)}", *edges]
     lines.append("ITEM: ATOMS id type x y z " + " ".join(columns))
-    rows = zip(
-        species.tolist(),
-        positions.tolist(),
-        *(column.tolist() for column in columns.values()),
-        strict=True,
-    )
-    for n, (kind, place, *values) in enumerate(rows, start=1):
-        words = " ".join(map(repr, place))
-        lines.append(f"{n} {kind + 1} {words} {height}" + " ".join(map(repr, values)))
+    ids = np.arange(1, len(species) + 1)
+    lines += _table(ids, species + 1, *_axes(positions), *columns.values())
     return "\n".join(lines) + "\n"
 
 
-def _overhang(*tilts: float) -> tuple[float, float]:
-    """How far the corners of a tilted cell are below 0 and above its side."""
-    corners = [0.0, *tilts, sum(tilts)]
-    return min(corners), max(corners)
-
-
-def frame_texts(path: Path) -> Sequence[slice]:
-    """Where the frames of a dump stand in its bytes."""
-    with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content:
-        starts = [found.start() for found in re.finditer(rb"^ITEM: TIMESTEP", content, re.M)]
-        return [slice(a, b) for a, b in zip(starts, [*starts[1:], len(content)], strict=True)]
+def _overhangs(xy: float, xz: float, yz: float) -> list[tuple[float, float]]:
+    """How far the corners of a tilted box are below 0 and above its sides, along x, y and z."""
+    corners = ([0.0, xy, xz, xy + xz], [0.0, yz], [0.0])
+    return [(min(each), max(each)) for each in corners]
 
 
 def read_dump_frame(text: str) -> Particles:
-    """The atoms of one frame.
-
-    Args:
-        text: of the frame; its first line may be missing.
+    """The atoms of one frame, whose first line may be missing.
 
     Raises:
         ValueError: it is no frame, or lacks atoms.
@@ -743,82 +480,247 @@ def read_dump_frame(text: str) -> Particles:
                 break
     if len(heads) < 3:
         raise ValueError("it has no frame with ITEM: NUMBER OF ATOMS, BOX BOUNDS and ATOMS")
-    count = int(lines[heads["NUMBER OF ATOMS"] + 1])
-    first = heads["ATOMS"]
+    count, first, at = int(lines[heads["NUMBER OF ATOMS"] + 1]), heads["ATOMS"], heads["BOX BOUNDS"]
     rows = lines[first + 1 : first + 1 + count]
     # the file of a killed run ends within a row
     if len(rows) < count or (rows and not text.endswith("\n") and rows[-1] is lines[-1]):
         raise ValueError(f"the frame has {len(rows)} of {count} atoms, the last one maybe in part")
-    columns = columns_of(rows, lines[first].split()[2:])
-    order = by_ids(columns["id"]) if "id" in columns else np.arange(count)
-    columns = {name: column[order] for name, column in columns.items()}
-    at = heads["BOX BOUNDS"]
-    edges = [row.split() for row in lines[at + 1 : min(at + 4, first)]]
-    box, origin, periodic = _box(lines[at].split()[3:], edges)
-    positions = _positions(columns, box, origin)
-    ids = columns.pop("id").astype(np.int64) if "id" in columns else np.arange(1, count + 1)
-    kind = columns.get("type", columns.get("element"))
-    types, names = as_types(np.ones(count) if kind is None else kind)
-    typed = kind is not None
-    return Particles(positions, box, ids, types, columns, origin, periodic, names, typed=typed)
-
-
-def _box(
-    words: list[str], edges: list[list[str]]
-) -> tuple[NDArray[np.float64], NDArray[np.float64], list[bool]]:
-    """Lattice vectors, lower left corner, and which directions are periodic."""
+    columns = _by_ids(_columns_of(rows, lines[first].split()[2:]), count)
+    words, edges = (
+        lines[at].split()[3:],
+        [row.split() for row in lines[at + 1 : min(at + 4, first)]],
+    )
     if words[:1] == ["abc"]:
         raise ValueError("its box is a general one: dump without triclinic/general")
     tilted = words[:3] == ["xy", "xz", "yz"]
     if len(edges) < 3 or any(len(edge) < 2 + tilted for edge in edges):
         raise ValueError("the bounds of its box are incomplete")
-    xy, xz, yz = (float(edge[2]) for edge in edges) if tilted else (0.0, 0.0, 0.0)
-    # these are the bounds of the tilted box
-    below, above = zip(_overhang(xy, xz), _overhang(yz), (0.0, 0.0), strict=True)
-    lows, highs = zip(*(edge[:2] for edge in edges), strict=True)
-    lower = [minus(low, repr(a)) for low, a in zip(lows, below, strict=True)]
-    over = [(repr(b), repr(-a)) for a, b in zip(below, above, strict=True)]
-    box = np.diag([minus(h, low, *o) for h, low, o in zip(highs, lows, over, strict=True)])
-    box[np.tril_indices(3, -1)] = xy, xz, yz
-    ends = [end == "pp" for end in words[3 * tilted :]] or [True, True, True]
-    return box, np.array(lower), ends
+    tilts = [float(edge[2]) if tilted else 0.0 for edge in edges]
+    over = _overhangs(*tilts)
+    bounds = list(zip(edges, over, strict=True))
+    origin = np.array([_minus(low, repr(below)) for (low, *_), (below, _) in bounds])
+    sides = [_minus(high, low, repr(b), repr(-a)) for (low, high, *_), (a, b) in bounds]
+    box = _box(sides, *tilts)
+    positions, ids = _positions(columns, box, origin), columns.pop("id")
+    kind = columns.get("type", columns.get("element"))
+    periodic = [end == "pp" for end in words[3 * tilted :]] or [True, True, True]
+    return Particles(
+        positions,
+        box,
+        ids,
+        columns=columns,
+        origin=origin,
+        periodic=periodic,
+        **_as_types(kind, count),
+    )
 
 
-def _positions(
-    columns: dict[str, NDArray[Any]], box: NDArray[np.float64], origin: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _positions(columns: dict[str, NDArray[Any]], box: Floats, origin: Floats) -> Floats:
     """Positions, shape (N, 3) [length]; their columns are taken out."""
-    for suffix in _DUMP_SUFFIXES:
+    for suffix in _SUFFIXES_OF_XYZ:
         x, y, z = (axis + suffix for axis in "xyz")
-        if x not in columns or y not in columns:
-            continue
-        place = np.column_stack([columns.pop(x), columns.pop(y)])
-        heights = columns.pop(z) if z in columns else np.zeros(len(place))
-        if suffix.startswith("s"):
-            (lx, _, _), (xy, ly, _), (xz, yz, lz) = box.tolist()
-            f, g, h = *place.T, heights
-            x0, y0, z0 = origin.tolist()
-            return np.column_stack(
-                [x0 + (lx * f + xy * g + xz * h), y0 + (ly * g + yz * h), z0 + lz * h]
-            )
-        return np.column_stack([place, heights])
+        if x in columns and y in columns:
+            plane = [columns.pop(x), columns.pop(y)]
+            place = np.column_stack([*plane, columns.pop(z, np.zeros(len(plane[0])))])
+            return origin + cartesian(place, box) if suffix.startswith("s") else place
     raise ValueError(f"it has no positions, such as x and y, among its columns {' '.join(columns)}")
 
 
-def universe_of(
-    box: NDArray[np.float64],
-    species: NDArray[np.int64],
-    positions: NDArray[np.float64],
-    radius: NDArray[np.float64],
-) -> Universe:
-    """A Universe of one frame.
+def frame_texts(path: Path) -> Sequence[slice]:
+    """Where the frames of a dump stand in its bytes."""
+    with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content:
+        starts = [found.start() for found in re.finditer(rb"^ITEM: TIMESTEP", content, re.M)]
+        return [slice(a, b) for a, b in zip(starts, [*starts[1:], len(content)], strict=True)]
 
-    Args:
-        box: lattice vectors as rows, shape (d, d) [length].
-        species: of the particles, from 0, shape (N,).
-        positions: from the lower left corner of the box, shape (N, d) [length].
-        radius: of the particles, shape (N,) [length].
-    """
+
+def _read_dump(path: Path, number: int) -> Particles:
+    frames = frame_texts(path)
+    _check_frame(number, len(frames))
+    place = frames[number]
+    with path.open("rb") as file:
+        file.seek(place.start)
+        return read_dump_frame(file.read(place.stop - place.start).decode())
+
+
+# Extended XYZ: a line with the number of particles, one of `key=value`, and one for each particle
+
+
+# Columns of a file that does not tell.
+_PLAIN = "species:S:1:pos:R:3"
+
+# A pair of the second line. All else there is a comment, in which a quote is an apostrophe.
+_PAIR = re.compile(r"""([\w-]+)=(?:"([^"]*)"|'([^']*)'|(\S*))""")
+
+# What is read of it.
+_KEYS = ("lattice", "properties", "origin", "pbc")
+
+# Of the columns of types, the first that there is.
+_TYPES = ("species", "type", "element")
+
+
+def _xyz_frame(
+    box: Floats,
+    species: NDArray[np.int64],
+    positions: Floats,
+    radius: Floats,
+    origin: Sequence[float],
+    shut: Sequence[bool],
+) -> str:
+    """Text of a frame, with every digit; see `dump_frame`."""
+    dimension = len(box)
+    rows = [[*map(repr, vector[: n + 1]), "0", "0"][:3] for n, vector in enumerate(box.tolist())]
+    rows += [["0", "0", "1"]] * (3 - dimension)
+    head = [
+        f'Lattice="{" ".join(word for row in rows for word in row)}"',
+        f'Origin="{" ".join([*map(repr, origin), "-0.5"][:3])}"',
+        f'pbc="{" ".join("F" if each else "T" for each in (*shut, False)[:3])}"',
+        "Properties=species:S:1:pos:R:3:radius:R:1",
+    ]
+    table = _table(species + 1, *_axes(positions), radius)
+    return "\n".join([str(len(species)), " ".join(head), *table]) + "\n"
+
+
+def _read_xyz(path: Path, number: int) -> Particles:
+    frames: deque[tuple[int, str, list[str]]] = deque(maxlen=1 if number >= 0 else -number)
+    seen = 0
+    with path.open() as file:
+        for line in file:
+            if not line.strip():
+                continue
+            if not line.strip().isdigit():
+                raise ValueError(
+                    f"a frame begins with the number of atoms, not {line.strip()[:60]!r}"
+                )
+            count = int(line)
+            frames.append((count, file.readline(), list(islice(file, count))))
+            seen += 1
+            if seen == number + 1:
+                break
+    _check_frame(number, seen)
+    count, head, rows = frames[0]
+    if len(rows) < count:
+        raise ValueError(f"the frame has {len(rows)} of {count} atoms")
+    said = {key.lower(): "".join(value) for key, *value in _PAIR.findall(head)}
+    for key in _KEYS:
+        if said.get(key, "").startswith(('"', "'")):
+            raise ValueError(f"{key}={said[key]} has no closing quotation mark")
+    properties = said.get("properties", _PLAIN).split(":")
+    names: list[str] = []
+    texts: set[str] = set()
+    for word, form, size in zip(properties[::3], properties[1::3], properties[2::3], strict=True):
+        name = word.lower()
+        these = [name] if size == "1" else [f"{name}{n}" for n in range(int(size))]
+        names += these
+        texts |= set(these) if form == "S" else set()
+    columns = _columns_of(rows, names, texts)
+    if not all(f"pos{n}" in columns for n in range(3)):
+        raise ValueError(f"it has no pos:R:3 among its columns {' '.join(names)}")
+    positions = np.column_stack([columns.pop(f"pos{n}") for n in range(3)])
+    kind = next((columns[name] for name in _TYPES if name in columns), None)
+    box = None
+    if "lattice" in said:
+        box = _numbers("Lattice", said["lattice"], 9).reshape(3, 3)
+    ends = [end[:1].upper() != "F" for end in said.get("pbc", "T T T").split()]
+    if len(ends) != 3:
+        raise ValueError(f"pbc must be three letters T or F, not {said['pbc']}")
+    return Particles(
+        positions,
+        box,
+        np.arange(1, count + 1),
+        columns=columns,
+        origin=_numbers("Origin", said.get("origin", "0 0 0"), 3),
+        periodic=ends,
+        **_as_types(kind, count),
+    )
+
+
+def _numbers(name: str, words: str, count: int) -> Floats:
+    values = np.array([float(word) for word in words.split()])
+    if len(values) != count:
+        raise ValueError(f"{name} must be {count} numbers, not {len(values)}")
+    return values
+
+
+# GSD, by its own package. A file without diameters has the diameter 1 by its schema, and gsd writes
+# none if all of them are 1. So radii stand in the log of particles too, and what is read has
+# diameters only if the file does.
+
+
+# Name of the radii in the log.
+_RADII = "particles/radius"
+
+
+def _write_gsd(
+    path: Path,
+    box: Floats,
+    species: NDArray[np.int64],
+    positions: Floats,
+    radius: Floats,
+    types: int,
+) -> None:
+    """Write a frame, with positions from the corner of the box; types are A, B, ..."""
+    hoomd = optional("gsd.hoomd", "gsd")
+    dimension = len(box)
+    space = np.eye(3)
+    space[:dimension, :dimension] = box
+    fractions = fractional(in_space(positions), space)
+    fractions[:, dimension:] = 0.5  # in the middle
+    image = np.floor(fractions)
+    (lx, ly, lz), (xy, xz, yz) = space.diagonal().tolist(), _tilts(box)
+    frame = hoomd.Frame()
+    frame.configuration.dimensions = dimension
+    frame.configuration.box = [lx, ly, lz * (dimension == 3), xy / ly, xz / lz, yz / lz]
+    particles = frame.particles
+    particles.N = len(species)
+    particles.position = cartesian(fractions - image - 0.5, space)  # the box is about the origin
+    particles.image = image.astype(np.int32)
+    particles.types = [_letters(n) for n in range(types)]
+    particles.typeid = species
+    particles.diameter = 2.0 * radius
+    frame.log[_RADII] = radius
+    with hoomd.open(path, "w") as file:
+        file.append(frame)
+
+
+def _read_gsd(path: Path, number: int) -> Particles:
+    hoomd = optional("gsd.hoomd", "gsd")
+    with hoomd.open(path, "r") as file:
+        _check_frame(number, len(file))
+        frame, places = file[number], {number % len(file), 0}  # defaults are those of the first
+        sized = any(file.file.chunk_exists(n, "particles/diameter") for n in places)
+    lx, ly, lz, xy, xz, yz = frame.configuration.box.astype(np.float64).tolist()
+    box = _box([lx, ly, lz], xy * ly, xz * lz, yz * lz)
+    particles, count = frame.particles, frame.particles.N
+    columns = {
+        name: getattr(particles, name) for name in ("diameter",) * sized + ("mass", "charge")
+    }
+    if _RADII in frame.log:
+        columns["radius"] = frame.log[_RADII]
+    image = particles.image * [1.0, 1.0, float(frame.configuration.dimensions == 3)]
+    return Particles(
+        particles.position + cartesian(image, box),
+        box,
+        np.arange(1, count + 1),
+        np.array(particles.types)[particles.typeid],
+        columns,
+        -0.5 * box.sum(axis=0),
+        names=particles.types,
+        count=len(particles.types),
+    )
+
+
+def _letters(n: int) -> str:
+    """A, B, ..., Z, AA, AB, ..."""
+    return ("" if n < 26 else _letters(n // 26 - 1)) + chr(ord("A") + n % 26)
+
+
+# MDAnalysis, which reads the files of most other programs
+
+
+def universe_of(
+    box: Floats, species: NDArray[np.int64], positions: Floats, radius: Floats
+) -> Universe:
+    """A Universe of one frame, with positions from the lower left corner of the box."""
     import MDAnalysis
 
     number = len(species)
@@ -833,54 +735,12 @@ def universe_of(
     return universe
 
 
-def open_universe(path: Path, topology: Path | int | None) -> Universe:
-    """The Universe of a file, with lengths as they are in it, or of a trajectory.
-
-    Args:
-        path: of the file.
-        topology: file that tells the particles of a trajectory, or their number.
-
-    Raises:
-        Exception: whatever MDAnalysis and its readers raise.
-    """
-    import MDAnalysis
-
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # masses that are guessed, and the like, are not used
-        if isinstance(topology, int):
-            return MDAnalysis.Universe.empty(topology).load_new(str(path), convert_units=False)
-        files = [path] if topology is None else [topology, path]
-        return MDAnalysis.Universe(*map(str, files), convert_units=False)
-
-
-def read_universe(universe: Universe, number: int, wanted: Sequence[str]) -> Particles:
-    """The particles of a frame.
-
-    Args:
-        universe: of a file.
-        number: of the frame, negative from the end.
-        wanted: names of the attributes of atoms that become columns, if there are such.
-
-    Raises:
-        ValueError: there is no such frame.
-    """
-    check_frame(number, len(universe.trajectory))
-    frame, atoms = universe.trajectory[number], universe.atoms
-    typed = hasattr(atoms, "types")
-    types, names = as_types(np.asarray(atoms.types if typed else np.ones(len(atoms))))
-    box = None if frame.dimensions is None else frame.triclinic_dimensions.astype(np.float64)
-    columns = {name: np.asarray(getattr(atoms, name)) for name in wanted if hasattr(atoms, name)}
-    positions = frame.positions.astype(np.float64)
-    ids = atoms.indices + 1
-    return Particles(positions, box, ids, types, columns, names=names, typed=typed)
-
-
-def in_space(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+def in_space(vectors: Floats) -> Floats:
     """Vectors of the plane with z = 0, those of space as they are, shape (N, 3)."""
     return np.column_stack([vectors, np.zeros((len(vectors), 3 - vectors.shape[1]))])
 
 
-def box_in_space(box: NDArray[np.float64]) -> list[float]:
+def box_in_space(box: Floats) -> list[float]:
     """Lengths and angles [degrees] of a box; that of a plane is as high as its longer side."""
     if len(box) == 3:
         from MDAnalysis.lib.mdamath import triclinic_box
@@ -888,6 +748,43 @@ def box_in_space(box: NDArray[np.float64]) -> list[float]:
         return [float(number) for number in triclinic_box(*box)]
     a, b = np.linalg.norm(box, axis=1).tolist()
     return [a, b, max(a, b), 90.0, 90.0, float(np.degrees(np.arctan2(box[1, 1], box[1, 0])))]
+
+
+def _open_universe(path: Path, topology: Path | int | None) -> Universe:
+    """The Universe of a file, with lengths as they are in it; a topology or a number of atoms."""
+    import MDAnalysis
+
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # masses that are guessed, and the like, are not used
+            if isinstance(topology, int):
+                empty = MDAnalysis.Universe.empty(topology)
+                return empty.load_new(str(path), convert_units=False)
+            files = [path] if topology is None else [topology, path]
+            return MDAnalysis.Universe(*map(str, files), convert_units=False)
+    except Exception as error:  # of many readers
+        reason = " ".join(str(error).split()) or type(error).__name__
+        raise FileError(
+            f"'{path}' is no LAMMPS data file, dump, XYZ or GSD, and MDAnalysis cannot read it: "
+            f"{reason[:200]}"
+        ) from None
+
+
+def _read_universe(universe: Universe, number: int, wanted: Sequence[str]) -> Particles:
+    _check_frame(number, len(universe.trajectory))
+    frame, atoms = universe.trajectory[number], universe.atoms
+    kind = np.asarray(atoms.types) if hasattr(atoms, "types") else None
+    box = None if frame.dimensions is None else frame.triclinic_dimensions.astype(np.float64)
+    return Particles(
+        frame.positions.astype(np.float64),
+        box,
+        atoms.indices + 1,
+        columns={name: np.asarray(getattr(atoms, name)) for name in wanted if hasattr(atoms, name)},
+        **_as_types(kind, len(atoms)),
+    )
+
+
+# Any of these formats
 
 
 # Bytes from which a format is told, and those with which GSD begins.
@@ -937,10 +834,13 @@ def read_particles(
         known = read_particles(topology)  # MDAnalysis takes other columns for its types
     try:
         with reading(f"'{path}'"):
+            if kind == _DATA:
+                _check_frame(number, 1)
+                return read_data_file(path.read_text())
             if kind != _OTHER:
-                return _READERS[kind](path, number)
-            universe = _universe(path, len(known.ids) if known else topology)
-            found = read_universe(universe, number, wanted)
+                return {_DUMP: _read_dump, _XYZ: _read_xyz, _GSD: _read_gsd}[kind](path, number)
+            universe = _open_universe(path, len(known.ids) if known else topology)
+            found = _read_universe(universe, number, wanted)
             if known is None:
                 return found
             return replace(known, positions=found.positions, box=found.box, origin=found.origin)
@@ -960,10 +860,10 @@ def write_particles(
     origin: Floats,
     shut: Sequence[bool],
 ) -> None:
-    """Write particles of mass 1 in the format of the suffix.
+    """Write particles of mass 1 in the format of the suffix; an older file is replaced.
 
     Args:
-        path: of the file; an older one is replaced.
+        path: of the file.
         box: lattice vectors as rows, those of a packing, shape (d, d) [length].
         species: of the particles, from 0, shape (N,).
         positions: shape (N, d) [length].
@@ -985,7 +885,7 @@ def write_particles(
         )
     if kind == _GSD:
         with writing(path):
-            write_gsd(path, box, species, positions - origin, radius, types)
+            _write_gsd(path, box, species, positions - origin, radius, types)
         return
     if kind == _DATA:
         columns = [species + 1, *sphere_columns(radius)]
@@ -994,19 +894,8 @@ def write_particles(
     elif kind == _DUMP:
         text = dump_frame(0, box, species, positions, {"radius": radius}, corner, shut)
     else:
-        text = xyz_frame(box, species, positions, radius, corner, shut)
+        text = _xyz_frame(box, species, positions, radius, corner, shut)
     write_whole(path, text)
-
-
-def _universe(path: Path, topology: Path | int | None) -> Universe:
-    try:
-        return open_universe(path, topology)
-    except Exception as error:  # of many readers
-        reason = " ".join(str(error).split()) or type(error).__name__
-        raise FileError(
-            f"'{path}' is no LAMMPS data file, dump, XYZ or GSD, and MDAnalysis cannot read it: "
-            f"{reason[:200]}"
-        ) from None
 
 
 def _kind(path: Path) -> str:
@@ -1025,31 +914,6 @@ def _kind(path: Path) -> str:
     text = start.decode(errors="replace")
     if text.startswith("ITEM: "):
         return _DUMP
-    if is_data_file(text):
+    if re.search(r"^\s*\d+\s+atoms\b", text, re.M) and re.search(r"\bxlo\s+xhi\b", text):
         return _DATA
     return _XYZ if _SUFFIXES.get(path.suffix.lower()) == _XYZ else _OTHER
-
-
-def _read_data(path: Path, number: int) -> Particles:
-    check_frame(number, 1)
-    return read_data_file(path.read_text())
-
-
-def _read_dump(path: Path, number: int) -> Particles:
-    frames = frame_texts(path)
-    check_frame(number, len(frames))
-    place = frames[number]
-    with path.open("rb") as file:
-        file.seek(place.start)
-        return read_dump_frame(file.read(place.stop - place.start).decode())
-
-
-def _read_xyz(path: Path, number: int) -> Particles:
-    with path.open() as file:
-        frames = enumerate(xyz_frames(file), start=1)
-        kept = deque(islice(frames, number + 1), 1) if number >= 0 else deque(frames, -number)
-        check_frame(number, kept[-1][0] if kept else 0)
-        return read_xyz_frame(*kept[0][1])
-
-
-_READERS = {_DATA: _read_data, _DUMP: _read_dump, _XYZ: _read_xyz, _GSD: read_gsd}

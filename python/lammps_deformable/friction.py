@@ -21,13 +21,13 @@ from ._checks import expect
 from ._files import comment_lines, rows_in_comments
 from .contacts import COLUMNS, ContactTable, flats_of, other_sides, react, sides_of
 from .core import unit_vectors
-from .drawing import Mark
 from .errors import ParameterError
 from .laws import AnyLaw, ByPair, Droplet, Sector, by_pair, pair_matrix
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from .drawing import Mark
     from .packing import Packing
 
 _NAMES = ("mu", "kt", "gt", "damping")
@@ -390,6 +390,8 @@ def sliding_contacts(
     outlines: Sequence[Floats], packing: Packing, tables: Sequence[ContactTable]
 ) -> Mark:
     """The contacts that slide, as the outlines share them."""
+    from .drawing import Mark
+
     sliding = [table[table["sliding"]] for table in tables]
     lines = flats_of(outlines, packing.radii, sliding)
     return Mark(lines, [[_CONTACT] * len(each) for each in lines], _SLIDES)
@@ -397,6 +399,8 @@ def sliding_contacts(
 
 def friction_bars(packing: Packing, tables: Sequence[ContactTable]) -> list[Mark]:
     """A bar along each contact, the longer the larger its friction is, compared with its force."""
+    from .drawing import Mark
+
     marks = []
     for slides, color in ((False, _STICKS), (True, _SLIDES)):
         lines, widths = [], []
@@ -413,6 +417,8 @@ def friction_bars(packing: Packing, tables: Sequence[ContactTable]) -> list[Mark
 
 def spin_arrows(packing: Packing, spins: Floats) -> list[Mark]:
     """An arc with a head in each particle, the longer the faster it turns."""
+    from .drawing import Mark
+
     fastest = float(np.abs(spins).max(initial=0.0)) or 1.0
     arrows = [
         _arrow(center, _PLACE * radius, _FASTEST * spin / fastest)

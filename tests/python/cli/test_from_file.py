@@ -6,7 +6,7 @@ from pathlib import Path
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable.cli.main import app
+from lammps_deformable.cli import app
 from programs import command
 
 
@@ -61,13 +61,14 @@ def test_radii(word: str, radii: list[float], here: Path, monkeypatch: pytest.Mo
     """They reach the compression, which does not begin here."""
     begun = []
 
-    def compress_in(sim: ld.Simulation, *_: object, **__: object) -> list[object]:
-        begun.append(sim.state().packing._species_radii.tolist())
-        return []
+    def compress(sim: ld.Simulation, **_: object) -> list[ld.State]:
+        begun.append(sorted({*sim.state().packing.radii.tolist()}))
+        return [sim.state()]
 
-    monkeypatch.setattr("lammps_deformable.cli.compress.compress_in", compress_in)
+    monkeypatch.setattr(ld.Simulation, "compress", compress)
+    monkeypatch.setattr("lammps_deformable.cli._finish", lambda *_: None)
     app(["compress", "--from", "a.xyz", "--from-radii", word], standalone_mode=False)
-    assert begun == [radii]
+    assert begun == [sorted({*radii})]
 
 
 def test_shear_begins_with_it(here: Path, jammed: ld.Packing) -> None:

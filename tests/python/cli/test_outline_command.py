@@ -6,7 +6,7 @@ from pathlib import Path
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable.cli.main import app
+from lammps_deformable.cli import app
 from programs import command, program
 from protocol_helpers import written
 

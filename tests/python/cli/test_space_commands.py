@@ -4,8 +4,8 @@ from pathlib import Path
 
 import lammps_deformable as ld
 import pytest
-from lammps_deformable.cli.main import app
-from lammps_deformable.cli.settings import law_and_dimension
+from lammps_deformable.cli import app
+from lammps_deformable.cli_options import law_and_dimension
 
 
 def shell(line: str) -> None:
@@ -24,9 +24,9 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 @pytest.mark.parametrize(
     ("law", "dimension", "found"),
     [
-        (None, None, ("disk", 2)),
-        (None, 2, ("disk", 2)),
-        (None, 3, ("sphere", 3)),
+        (None, None, ("balanced", 2)),
+        (None, 2, ("balanced", 2)),
+        (None, 3, ("droplet", 3)),
         ("droplet", None, ("droplet", 3)),
         ("droplet", 3, ("droplet", 3)),
         ("curved", None, ("curved", 2)),
@@ -35,7 +35,7 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def test_one_of_law_and_dimension(
     law: str | None, dimension: int | None, found: tuple[str, int]
 ) -> None:
-    assert law_and_dimension(law, dimension, {"disk": 2, "sphere": 3}) == found
+    assert law_and_dimension(law, dimension) == found
 
 
 def test_jam_finds_the_onset_of_droplets(here: Path) -> None:

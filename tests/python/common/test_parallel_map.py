@@ -7,8 +7,7 @@ import threading
 import warnings
 
 import pytest
-from lammps_deformable import ParameterError
-from lammps_deformable.cli import main as cli
+from lammps_deformable import ParameterError, cli
 from lammps_deformable.parallel import parallel_map
 from lammps_deformable.versions import machine
 
@@ -53,7 +52,7 @@ def test_no_more_processes_than_cores_that_may_be_used(monkeypatch: pytest.Monke
 def test_a_process_that_dies_is_one_line(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(cli, "app", lambda: parallel_map(os._exit, [1, 1], workers=2))
+    monkeypatch.setattr(cli, "app", lambda **_: parallel_map(os._exit, [1, 1], workers=2))
     monkeypatch.setattr(warnings, "showwarning", warnings.showwarning)  # main replaces it
     with warnings.catch_warnings(), pytest.raises(SystemExit):
         cli.main()

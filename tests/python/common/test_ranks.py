@@ -54,7 +54,7 @@ def test_ranks_share_calls(tmp_path: Path, ranks: int) -> None:
             json.loads((tmp_path / f"{name}-{rank}").read_text()) for name in ("all", "one", "none")
         )
         assert [row[2:] for row in found] == expected
-        assert {row[0] for row in found} == set(range(ranks))
+        assert (len({row[0] for row in found}) > 1) == (ranks > 1)  # who is free takes the next
         assert all(row[1] for row in found)
         assert one[0][2:] == expected[2]
         assert none == []

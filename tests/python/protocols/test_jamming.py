@@ -45,7 +45,7 @@ def pairs(state: ld.State) -> set[tuple[int, int]]:
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_equal_mixture_jams_near_084(seed: int) -> None:
-    jammed = ld.jam(ld.bidisperse(128, seed=seed))
+    jammed = ld.jam(ld.bidisperse(128, seed=seed)).packing
     assert 0.825 < jammed.phi < 0.855
 
 
@@ -64,7 +64,7 @@ def distances(packing: ld.Packing) -> np.ndarray:
     ],
 )
 def test_packing_is_at_the_onset(start: ld.Packing) -> None:
-    jammed = ld.jam(start)
+    jammed = ld.jam(start).packing
     i, j = np.triu_indices(len(jammed), 1)
     overlap = jammed.radii[i] + jammed.radii[j] - distances(jammed)
     assert 0.0 < overlap.max() < 1e-4  # hardly more than touching ...
@@ -91,7 +91,7 @@ def test_onset_is_isostatic_and_at_its_pressure(
     packing = ld.bidisperse(16, seed=seed)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        jammed = ld.jam(packing, law, pressure=pressure, tolerance=1e-6)
+        jammed = ld.jam(packing, law, pressure=pressure, tolerance=1e-6).packing
     state = onset(jammed, law)
     assert (
         pressure
@@ -111,7 +111,7 @@ def test_rings_jam_where_disks_do(seed: int) -> None:
 
     At their thresholds disks are 3.5e-7 beyond phi_J (p = 0.4 x), rings 3e-6 (p = 5 x^3).
     """
-    disks = ld.jam(ld.bidisperse(16, seed=seed), pressure=1e-7, tolerance=1e-6)
+    disks = ld.jam(ld.bidisperse(16, seed=seed), pressure=1e-7, tolerance=1e-6).packing
     with ld.Simulation(disks.at(disks.phi - 1e-3), RADICAL) as sim:
         sim.deform(disks.at(disks.phi + 2.7e-6).box)
         rings = sim.relax(1e-6, minimum_contact_force=1e-16).packing
@@ -179,7 +179,7 @@ def test_loose_particles_climb_in_growing_steps(
     monkeypatch.setattr(jamming, "_relaxed", relaxed)
     monkeypatch.setattr(jamming, "_jammed_disks", lambda *_: SimpleNamespace(packing=packing))
     law = ld.Ring(kA=np.inf, kP=0.0, tension=1.0)
-    jammed = ld.jam(packing, law, pressure=1e-6)
+    jammed = ld.jam(packing, law, pressure=1e-6).packing
     assert 1e-6 < jammed.phi - 0.8 - way <= 2e-6
     assert len(seen) <= 1 + steps + 2
     assert np.diff(seen).max() < 0.0025 * (1.0 + 1e-9)
@@ -211,7 +211,7 @@ def test_disks_that_rearrange_slowly_are_compressed_again(monkeypatch: pytest.Mo
 
     monkeypatch.setattr(jamming, "_PATIENCE", 30)
     monkeypatch.setattr(jamming, "relax_at_pressure", relax)
-    jammed = ld.jam(ld.bidisperse(64, seed=1), pressure=1e-7, tolerance=1e-6)
+    jammed = ld.jam(ld.bidisperse(64, seed=1), pressure=1e-7, tolerance=1e-6).packing
     pressures, patience = np.transpose(asked)
     assert (np.diff(pressures) > 0.0).any()
     assert pressures.max() == pressures[0]
@@ -233,7 +233,7 @@ def test_many_disks_are_told_to_be_rigid_early(many: int, monkeypatch: pytest.Mo
 
     monkeypatch.setattr(jamming, "_MANY", many)
     monkeypatch.setattr(jamming, "relax_in_box", relax)
-    jammed = ld.jam(ld.bidisperse(64, seed=1), pressure=1e-7, tolerance=1e-6)
+    jammed = ld.jam(ld.bidisperse(64, seed=1), pressure=1e-7, tolerance=1e-6).packing
     assert asked[0] is asked[-1] is None
     assert (jamming._RIGID in asked) == (many == 64)
     assert_at_onset(jammed, rel=1e-4)
@@ -271,7 +271,7 @@ def test_huge_packings_settle_by_damped_motion(kind: str, monkeypatch: pytest.Mo
     monkeypatch.setattr(jamming, "_STEPS", 2000)
     packing = of_kind(kind)
     for tolerance in (0.1, 1e-6) if kind == "species" else (0.1,):
-        jammed = ld.jam(packing, pressure=1e-7, tolerance=tolerance)
+        jammed = ld.jam(packing, pressure=1e-7, tolerance=tolerance).packing
         assert np.array_equal(jammed.radii, packing.radii)
         assert_at_onset(jammed, tolerance, tolerance)
 

@@ -42,7 +42,7 @@ PROTOCOLS: dict[str, Callable[..., Any]] = {
 
 @pytest.fixture(scope="module")
 def start() -> ld.Packing:
-    jammed = ld.jam(ld.bidisperse(16, seed=4))
+    jammed = ld.jam(ld.bidisperse(16, seed=4)).packing
     with ld.Simulation(jammed.at(jammed.phi + 0.03), ld.Ring()) as sim:
         return sim.relax().packing
 

@@ -82,8 +82,7 @@ def test_states_and_packings_are_drawn(
     states: tuple[ld.State, ld.State],
 ) -> None:
     for state in (*states, states[0].packing):
-        colors = {"color": "radius"}
-        axes = state.plot(**colors, title="equal", colorbar=False)
+        axes = state.plot(color="radius", title="equal", colorbar=False)
         assert axes.get_title() == "equal"
         assert axes.images[0].get_array().max() > 0.0
     soft, droplets = states
