@@ -12,6 +12,7 @@ from ._checks import expect, shown, whole
 from ._files import writing
 from .drawing import limited, scale
 from .errors import ParameterError
+from .plot import new_axes
 from .progress import progress
 from .state import State
 
@@ -90,7 +91,7 @@ def movie(
     on = limited(shared, vmin, vmax)
     if not frames[0].root:
         return
-    figure: Any = frames[0]._new_axes().figure
+    figure: Any = new_axes(frames[0]).figure
 
     def draw(state: State) -> None:
         figure.clear()

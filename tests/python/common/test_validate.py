@@ -34,7 +34,7 @@ CASES: list[tuple[Callable[[], Any], str, str]] = [
     (lambda: P.at(np.float64(-0.5)), "phi", "-0.5"),
     (lambda: ld.Simulation(P, Ring(), comm=1), "comm", "1"),
     (lambda: ld.Simulation("x", ld.DeformablePolygon(50, smooth=False)), "packing", "'x'"),
-    (lambda: ld.Simulation(P, 0.05), "model", "0.05"),
+    (lambda: ld.Simulation(P, 0.05), "law", "0.05"),
     (
         lambda: ld.Simulation._within(P, ld.DeformablePolygon(50, smooth=False), 3),
         "walls",

@@ -124,7 +124,7 @@ def test_a_section_of_facets() -> None:
     with ld.Simulation(packing, ld.Droplet()) as sim:
         state = sim.state()
     h = packing.box[0, 0] / 4.0
-    section = section_of(packing, state._facets(), 0.1)
+    section = section_of(packing, facets_of(state), 0.1)
     assert len(section.outlines) == 4
     chord = 2.0 * np.sqrt(1.0 - 0.1**2 - h**2)
     lines = np.concatenate(section.contacts)
