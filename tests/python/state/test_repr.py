@@ -53,4 +53,4 @@ def test_other_states(jammed: ld.Packing) -> None:
     assert repr(spheres) == "<Simulation: closed>"
     few = ld.jam(ld.bidisperse(8, seed=1)).packing
     with ld.Simulation(few, ld.DeformablePolygon(20, smooth=False)) as sim:
-        assert repr(sim.state()).startswith("<State: 8 polygons, phi = 0.")
+        assert repr(sim.state()).startswith("<State: 8 particles, law DeformablePolygon(")

@@ -159,7 +159,6 @@ def test_movies(states: tuple[ld.State, ld.State], tmp_path: Path) -> None:
         (state, {"view": (1, 2)}, "view is for states in three dimensions"),
         (droplets, {"spins": True}, "spins is for states in the plane"),
         (droplets, {"contacts": True}, "contacts are drawn in a slice"),
-        (states[0], {}, "a state of a movie must be of the kind State or State"),
     ):
         with pytest.raises(ld.ParameterError, match=told):
             ld.Run([one]).movie(tmp_path / "wrong.gif", **settings)
