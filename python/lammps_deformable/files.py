@@ -530,7 +530,7 @@ def frame_texts(path: Path) -> Sequence[slice]:
     """Where the frames of a dump stand in its bytes."""
     with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content:
         starts = [found.start() for found in re.finditer(rb"^ITEM: TIMESTEP", content, re.M)]
-        return [slice(a, b) for a, b in zip(starts, [*starts[1:], len(content)], strict=True)]
+        return [slice(a, b) for a, b in zip(starts, [*starts, len(content)][1:], strict=True)]
 
 
 def _read_dump(path: Path, number: int) -> Particles:

@@ -114,17 +114,6 @@ def title_of(state: State, title: str | None) -> str:
     return f"$\\phi$ = {state.phi:.4f},  $p$ = {state.pressure:.3g}" if title is None else title
 
 
-def new_axes(state: State) -> Axes:
-    """Axes of a new figure for a picture of the state."""
-    if state.packing.dimension == 3:
-        from .plot3d import new_axes as in_space
-
-        return in_space()
-    from .drawing import new_figure
-
-    return new_figure(state.packing).subplots()
-
-
 def in_notebook(state: State) -> str | None:
     """The picture and the line of `repr`, for notebooks; None without matplotlib."""
     if not find_spec("matplotlib"):
