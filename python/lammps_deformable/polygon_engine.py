@@ -119,6 +119,8 @@ class PolygonBeads:
         self.law, self.walls = law, walls
         self._newton = law.smooth and walls is None
         self.tolerance = _NEWTON_TOLERANCE if self._newton else _FIRE_TOLERANCE
+        # what falls while FIRE goes on; Newton's method is called once
+        self.indicator = None if self._newton else lambda forces: forces.residual
 
     def check(self, packing: Packing, friction: Friction | None) -> None:
         """Refuse what polygons cannot have."""
@@ -250,10 +252,6 @@ class PolygonBeads:
         )
 
     begin = after = forces
-
-    def indicator(self, forces: Forces) -> float:
-        """What falls while a relaxation goes on."""
-        return forces.residual
 
     def unbalanced(self, sim: Simulation, tolerance: float) -> bool:
         """Whether forces say nothing: never."""

@@ -217,13 +217,13 @@ class RelaxedDisks(NamedTuple):
         pressure: of the disks [k], of spheres [k/length].
         residual: largest force on a particle over the pressure times the smallest radius, of
             spheres its square, which is about a contact force; 0 if it is rounding.
-        stalled: whether the residual is above the tolerance.
+        converged: whether the residual is within the tolerance.
     """
 
     packing: Packing
     pressure: float
     residual: float
-    stalled: bool
+    converged: bool
 
 
 def relax_in_box(

@@ -94,14 +94,14 @@ class _Only:
     """A method of some states only: no attribute of others."""
 
     def __init__(self, wrapped: Any, where: str) -> None:
-        self._wrapped, self._where, self.__doc__ = wrapped, where, wrapped.__doc__
+        self._wrapped, self.where, self.__doc__ = wrapped, where, wrapped.__doc__
 
     def __set_name__(self, owner: type, name: str) -> None:
         self._name = name
 
     def __get__(self, state: State | None, owner: type | None = None) -> Any:
         if state is not None:
-            state._check_has(self._name, self._where)
+            state._check_has(self._name, self.where)
         return self._wrapped.__get__(state, owner)
 
 
@@ -222,6 +222,12 @@ class State:
             return results[name]
         if name == "wall_forces" and self.__dict__.get("evaluate"):
             return self._again.wall_forces
+        # of methods and properties that this state does not have, for their own words
+        own: Any = vars(type(self)).get(name)
+        if isinstance(own, _Only):
+            self._check_has(name, own.where)
+        elif isinstance(own, property | cached_property):
+            return (own.fget if isinstance(own, property) else own.func)(self)  # type: ignore[misc]
         if name not in _RESULTS:
             raise AttributeError(f"'State' object has no attribute {name!r}")
         if name == "perimeters":

@@ -234,7 +234,7 @@ def test_no_number_is_lost_far_beyond_the_model(monkeypatch: pytest.MonkeyPatch)
     lost = np.zeros((8, 5))
     lost[3, 4] = np.nan
     with ld.Simulation(SPHERES, Droplet()) as sim:
-        monkeypatch.setattr(simulation, "evaluate", lambda *_: (lost, lost))
+        monkeypatch.setattr(engines, "evaluate", lambda *_: (lost, lost))
         with pytest.raises(ld.LammpsError, match=r"load of droplet 3 is no number .* less"):
             sim._evaluate()
 

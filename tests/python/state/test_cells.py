@@ -104,7 +104,7 @@ def test_equal_particles_as_in_freud(tmp_path: Path) -> None:
         "import lammps_deformable as ld\n"
         "import numpy as np\n"
         "packing = ld.bidisperse(40, sizes=(0.5, 0.5), phi=0.6, tilt=0.4, seed=3)\n"
-        "with ld.Simulation(ld.push_off(packing), ld.SoftContact()) as disks:\n"
+        "with ld.Simulation(packing.push_off(), ld.SoftContact()) as disks:\n"
         "    state = disks.state()\n"
         "cells = freud.locality.Voronoi().compute(state.to_freud())\n"
         "order = freud.order.Hexatic(6, weighted=True).compute(state.to_freud(), cells.nlist)\n"

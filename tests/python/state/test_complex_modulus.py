@@ -85,8 +85,8 @@ def test_limits_of_slow_and_of_fast_shear(rest: Snapshot) -> None:
 @pytest.mark.parametrize("part", [2.0, 20.0])
 def test_a_flow_at_small_strains_has_it(rest: Snapshot, part: float) -> None:
     """Where the softest mode and where most centers begin to follow, within the time step."""
-    if rest.law is None:
-        with pytest.raises(ld.ParameterError, match="are sheared without a rate"):
+    if isinstance(rest.law, ld.SoftContact):
+        with pytest.raises(ld.ParameterError, match="is sheared without a rate"):
             dynamic_modulus(rest, 1e-7, 1.0, drag=0.5)
         return
     omega = part * rest.modes(1, vectors=False).stiffness[0] / 0.5

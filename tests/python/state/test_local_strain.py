@@ -35,7 +35,7 @@ def test_as_a_loop(state: ld.State, r_max: float | None) -> None:
         assert gradient[n] == pytest.approx(expected, abs=1e-10)
         assert d2min[n] == pytest.approx(left, rel=1e-8)
     assert d2min.max() > 1e-3
-    assert np.array_equal(found.shear_strain, (gradient + gradient.transpose(0, 2, 1)) / 2.0)
+    assert np.array_equal(found.strain, (gradient + gradient.transpose(0, 2, 1)) / 2.0)
 
 
 @pytest.mark.parametrize("tilt", [0.0, 0.6])
@@ -51,7 +51,7 @@ def test_a_homogeneous_strain_comes_back(tilt: float) -> None:
     assert found.neighbors.min() >= 2
     assert found.gradient == pytest.approx(np.broadcast_to(gradient, (40, 2, 2)), abs=1e-11)
     assert found.d2min.max() < 1e-22
-    assert found.shear_strain[0] == pytest.approx(np.array([[0.03, 0.1], [0.1, -0.05]]), abs=1e-11)
+    assert found.strain[0] == pytest.approx(np.array([[0.03, 0.1], [0.1, -0.05]]), abs=1e-11)
 
 
 def test_a_rotation_is_no_strain_and_leaves_nothing() -> None:

@@ -67,10 +67,10 @@ def test_hexatic_correlation_of_a_lattice() -> None:
 
 def test_refusals() -> None:
     state = state_of(ld.bidisperse(10, seed=1))
-    told = ((0.0, {}, "r_max"), (5.0, {"bins": 0}, "bins"), (1.0, {"k": 0}, "k must"))
-    for r_max, named, message in (*told, (99.0, {}, "too large")):
+    told = ((9, 0.0, {}, "r_max"), (0, 5.0, {}, "bins"), (9, 1.0, {"k": 0}, "k must"))
+    for bins, r_max, named, message in (*told, (9, 99.0, {}, "too large")):
         with pytest.raises(ld.ParameterError, match=message):
-            state.hexatic_correlation(r_max, **named)
+            state.hexatic_correlation(bins, r_max, **named)
     leaning = ld.bidisperse(10, aspect=1.5, tilt=0.4, seed=1)
     (lx, _), (xy, ly) = leaning.box
     most = min(ly, lx * ly / np.hypot(xy, ly)) / 2.0

@@ -43,7 +43,7 @@ def test_simulation_and_its_states(jammed: ld.Packing) -> None:
 
 def test_other_states(jammed: ld.Packing) -> None:
     with ld.Simulation(jammed, ld.SoftContact()) as disks:
-        assert repr(disks.state()).startswith("<State: 32 particles, soft disks, phi = 0.8")
+        assert repr(disks.state()).startswith("<State: 32 particles, law SoftContact(), phi = 0.8")
     with ld.Simulation(ld.crystal("fcc", 2, phi=0.8), ld.SoftContact()) as spheres:
         side = f"{spheres.box[0, 0]:.4g}"
         assert (
@@ -53,4 +53,4 @@ def test_other_states(jammed: ld.Packing) -> None:
     assert repr(spheres) == "<Simulation: closed>"
     few = ld.jam(ld.bidisperse(8, seed=1)).packing
     with ld.Simulation(few, ld.DeformablePolygon(20, smooth=False)) as sim:
-        assert repr(sim.state()).startswith("<State: 8 polygons, phi = 0.")
+        assert repr(sim.state()).startswith("<State: 8 particles, law DeformablePolygon(")

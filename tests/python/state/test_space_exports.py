@@ -8,7 +8,7 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 from lammps_deformable import State
-from lammps_deformable.plot3d import WHOLE, Facets, Surfaces, surfaces_of
+from lammps_deformable.plot3d import WHOLE, Facets, Surfaces, facets_of, surfaces_of
 
 
 @pytest.fixture(scope="module")
@@ -100,7 +100,7 @@ def test_facets_that_meet_leave_a_polyhedron() -> None:
 
 def test_surfaces_are_closed(state: State) -> None:
     """Each edge of a polygon is that of another one the other way round."""
-    found = surfaces_of(state.packing.positions, state.packing.radii, state._facets())
+    found = surfaces_of(state.packing.positions, state.packing.radii, facets_of(state))
     _, point = np.unique(found.points.round(9), axis=0, return_inverse=True)
     parts = np.split(point.ravel()[found.corners], found.ends[:-1])
     edges = np.concatenate([np.column_stack([part, np.roll(part, -1)]) for part in parts])

@@ -46,7 +46,7 @@ def test_outlines_have_the_areas(law: Law, name: str, request: pytest.FixtureReq
     with ld.Simulation(packing.at(packing.phi * 1.05), law) as sim:
         state = sim.relax(1e-4) if isinstance(law, ld.Ring) else sim.state()
     skin = law.species_parameters(state.packing._species_radii).skin[state.packing.species]
-    whole = state.area + skin * state.perimeters + np.pi * skin**2
+    whole = state.results["area"] + skin * state.perimeters + np.pi * skin**2
     for outline, area in zip(state.outlines, whole, strict=True):
         x, y = (outline - outline.mean(axis=0)).T
         polygon = 0.5 * np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y)
@@ -109,7 +109,7 @@ def test_contacts_and_rattlers_against_brute_force(start: ld.Packing) -> None:
 
 def test_state_stays_while_the_simulation_goes_on(state: ld.State) -> None:
     with pytest.raises(ValueError, match="read-only"):
-        state.area[0] = 0.0
+        state.perimeters[0] = 0.0
 
 
 def test_plot_draws_every_particle(state: ld.State) -> None:
