@@ -209,7 +209,7 @@ def jam(
             threshold = _ABOVE * pressure * natural_pressure(packing, SoftContact())
             disks = _jammed_disks(packing, threshold, step, tolerance / _ABOVE, watch, comm)
             jammed = _grown(disks.packing, packing) if grow else disks.packing
-            state = soft_state(jammed, law, disks.residual, not disks.stalled)
+            state = soft_state(jammed, law, disks.residual, disks.converged)
         else:
             excess = excess_phi(_ABOVE * pressure, packing, law)
             soft = SoftContact()
@@ -307,7 +307,7 @@ def _decompressed(
         if not huge or part < _SETTLED:
             disks = relax_at_pressure(disks.packing, applied, part, patience, report)
         report(0, disks.packing.phi, disks.pressure, disks.residual)
-        if disks.stalled and patience < _LONGEST:
+        if not disks.converged and patience < _LONGEST:
             applied, patience = min(applied / _FACTOR**_BACK, highest), 2 * patience
         elif applied == pressure:
             return disks

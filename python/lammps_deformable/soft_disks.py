@@ -312,7 +312,7 @@ def _relax(
         z, enough = minimize(enthalpy, start, relaxed, largest_step, patience, tell, inverse)
     _, gradient = enthalpy(z)
     found = _reordered(enthalpy.packing(z), np.argsort(order))
-    return RelaxedDisks(found, enthalpy.pressure, residual(gradient), not enough)
+    return RelaxedDisks(found, enthalpy.pressure, residual(gradient), enough)
 
 
 def _rows(packing: Packing) -> NDArray[np.int64]:
@@ -371,4 +371,4 @@ def relax_on_ranks(
         positions = gather(lmp, "x", 3)[:, : packing.dimension]
     finally:
         lmp.close()
-    return RelaxedDisks(packing.replace(positions=positions), pressure, residual, not relaxed)
+    return RelaxedDisks(packing.replace(positions=positions), pressure, residual, relaxed)

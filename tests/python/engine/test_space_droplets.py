@@ -13,7 +13,7 @@ from lammps_deformable import (
     ParameterError,
     Simulation,
     State,
-    simulation,
+    engines,
 )
 from numpy.typing import NDArray
 
@@ -236,7 +236,7 @@ def test_no_number_is_lost_far_beyond_the_model(monkeypatch: pytest.MonkeyPatch)
     with ld.Simulation(SPHERES, Droplet()) as sim:
         monkeypatch.setattr(engines, "evaluate", lambda *_: (lost, lost))
         with pytest.raises(ld.LammpsError, match=r"load of droplet 3 is no number .* less"):
-            sim._evaluate()
+            sim.state()
 
 
 def test_nothing_of_the_plane_is_in_a_state(emulsion: State) -> None:

@@ -173,8 +173,8 @@ def test_loose_particles_climb_in_growing_steps(
     def relaxed(packing: ld.Packing, *_: Any) -> Any:
         seen.append(packing.phi)
         found = max(packing.phi - 0.8 - way, 0.0) / 0.6  # tension/R0
-        state = {"phi": packing.phi, "pressure": found, "converged": True, "residual": 0.0}
-        return SimpleNamespace(packing=packing, **state)
+        table = np.zeros(0, [("i", int), ("j", int)])
+        return ld.State(packing, law, 0.0, found * np.eye(2), 0.0, True, table=table)
 
     monkeypatch.setattr(jamming, "_relaxed", relaxed)
     monkeypatch.setattr(jamming, "_jammed_disks", lambda *_: SimpleNamespace(packing=packing))
