@@ -174,7 +174,7 @@ def test_loose_particles_climb_in_growing_steps(
         seen.append(packing.phi)
         found = max(packing.phi - 0.8 - way, 0.0) / 0.6  # tension/R0
         table = np.zeros(0, [("i", int), ("j", int)])
-        return ld.State(packing, law, 0.0, found * np.eye(2), 0.0, True, table=table)
+        return ld.State(packing, ld.SoftContact(), 0.0, found * np.eye(2), 0.0, True, table=table)
 
     monkeypatch.setattr(jamming, "_relaxed", relaxed)
     monkeypatch.setattr(jamming, "_jammed_disks", lambda *_: SimpleNamespace(packing=packing))
