@@ -135,7 +135,7 @@ def test_protocols(sim, packing, examples):
     def answers(wrong, no_box, other):
         for call in (
             packing.at,
-            sim.relax,
+            lambda value: sim.relax(0.0 if value is None else value),  # None: that of the law
             lambda _: sim.deform(no_box),
             lambda value: ld.jam(packing, pressure=value).packing,
             lambda value: ld.jam(packing, step=value).packing,
