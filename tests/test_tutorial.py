@@ -63,11 +63,9 @@ def test_no_cell_warns(executed):
 def test_pictures_and_tables(executed):
     assert len(outputs(executed, "image/png")) == 4
     html = outputs(executed, "text/html")
-    assert sum("<img src=" in text and "State: 64 particles" in text for text in html) == 2
+    assert sum("<img src=" in text and "State: 64 particles" in text for text in html) == 3
     assert sum("<table" in text for text in html) == 1
-    assert "<Packing: 64 particles of 2 species, phi = 0.8" in "".join(
-        outputs(executed, "text/plain")
-    )
+    assert "<State: 64 particles" in "".join(outputs(executed, "text/plain"))
 
 
 def test_what_it_says_is_so(executed, folder):

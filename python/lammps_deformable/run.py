@@ -12,7 +12,7 @@
 interrupted at any moment: the packing is written last and atomically, with the number of recorded
 frames. Frames beyond it are removed when the run goes on.
 
-Also: a Universe of MDAnalysis for a run, and particles in the dump of another program.
+Also: particles in the dump of another program.
 """
 
 from __future__ import annotations
@@ -25,18 +25,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
-from MDAnalysis.coordinates.LAMMPS import DumpReader
-from MDAnalysis.coordinates.timestep import Timestep
-from MDAnalysis.lib.util import store_init_arguments
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from . import movies, potentials, recording, store
+from . import potentials, recording, store
 from ._checks import expect, shown
 from ._files import from_json, reading, refuse_present, replaces, write_whole
 from .engines import go_on
 from .errors import FileError, ParameterError, StalledWarning
-from .files import UNTYPED, box_in_space, in_space, read_particles
+from .files import UNTYPED, read_particles
 from .lammps import communicator
 from .laws import ALL_LAWS, AnyLaw, Droplet, Ring
 from .packing import Packing
@@ -51,17 +48,13 @@ from .store import (
     SERIES,
     SUMMARY,
     TRAJECTORY,
-    check_frames,
-    clock_of,
     columns_in,
-    frames_in,
     holds,
     read,
     read_motion,
     read_setup,
     recorded,
     refuse,
-    series_in,
     summary_in,
 )
 from .tracking import mean_squared_displacement, unwrapped
@@ -87,84 +80,6 @@ def check_columns(columns: Mapping[str, Column], others: Iterable[str]) -> None:
             )
     for name in columns.keys() & {"frame", *others}:
         raise ParameterError(f"each table has a column {name}: give yours another name")
-
-
-class FrameReader(DumpReader):  # type: ignore[misc]
-    """Frames as those of `State.to_mdanalysis`: MDAnalysis' own reads no vx without vz.
-
-    It is no transformation, because a trajectory takes transformations only once, and these are for
-    the user.
-
-    Args:
-        filename: of the trajectory.
-        dimension: of the packings, 2 or 3.
-        frames: number of recorded frames; a killed run may have half a frame beyond them.
-        kwargs: of MDAnalysis' reader.
-    """
-
-    @store_init_arguments  # type: ignore[untyped-decorator]
-    def __init__(self, filename: str, dimension: int, frames: int, **kwargs: Any) -> None:
-        self._plane = dimension == 2
-        self._recorded = frames
-        super().__init__(filename, **kwargs)
-
-    @property
-    def n_frames(self) -> int:
-        return int(min(super().n_frames, self._recorded))
-
-    def _read_next_timestep(self) -> Timestep:
-        frame = super()._read_next_timestep()
-        if self._plane:
-            frame.dimensions = box_in_space(frame.triclinic_dimensions[:2, :2].astype(np.float64))
-            frame.positions[:, 2] = 0.0
-            frame.velocities = in_space(np.column_stack([frame.data["vx"], frame.data["vy"]]))
-        return frame
-
-
-def universe(folder: Path) -> Universe:
-    """A Universe of MDAnalysis of a recorded run, see `Run.universe`."""
-    import MDAnalysis
-
-    packing, *_ = read(folder)
-    check_frames(folder)
-    trajectory = recorded(folder, TRAJECTORY)
-    times = [time for time, _ in clock_of(folder)]
-    counts = [int(row.get("particles") or 0) for row in series_in(folder)]
-    if len(set(counts)) > 1:
-        raise FileError(
-            f"the run in '{folder}' has {min(counts)} to {max(counts)} particles, but those of a "
-            "Universe of MDAnalysis are always the same: iterate over the Run"
-        )
-    start, step = _clock(times)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # masses are 1: that is no guess
-        found = MDAnalysis.Universe(
-            str(trajectory),
-            format=FrameReader,
-            topology_format="LAMMPSDUMP",
-            additional_columns=_columns(trajectory),
-            dt=step,
-            time_offset=start,
-            dimension=packing.dimension,
-            frames=frames_in(folder),
-        )
-    found.add_TopologyAttr("radii", packing.radii)
-    return found
-
-
-def _columns(trajectory: Path) -> list[str]:
-    """Names of the values in a trajectory, beside id, type and position."""
-    with trajectory.open() as file:
-        head = next(line for line in file if line.startswith("ITEM: ATOMS"))
-    return head.split()[7:]
-
-
-def _clock(times: list[float]) -> tuple[float, float]:
-    """Time of the first frame, and from one to the next: the frames' numbers if that varies."""
-    steps = np.diff(times)
-    if len(steps) and steps[0] > 0.0 and np.allclose(steps, steps[0], rtol=1e-6):
-        return times[0], float(np.mean(steps))
-    return 0.0, 1.0
 
 
 def export(run: Run, path: str | Path, forces: bool = False, mode: str = "x") -> None:
@@ -679,7 +594,9 @@ class Run(Sequence[Any]):
             FileError: the movie cannot be written.
             ImportError: matplotlib is missing.
         """
-        movies.movie(self, path, **settings)
+        from .movies import movie  # which loads matplotlib
+
+        movie(self, path, **settings)
 
     def export(self, path: str | Path, forces: bool = False, mode: str = "x") -> None:
         """Write the shapes of the states for ParaView and OVITO, see `State.export`.
@@ -711,4 +628,6 @@ class Run(Sequence[Any]):
         """
         if self.folder is None:
             raise ParameterError("a run in memory has no trajectory: give record= to the protocol")
+        from .universe import universe
+
         return universe(self.folder)
