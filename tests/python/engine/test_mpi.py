@@ -37,7 +37,7 @@ with ld.Simulation(jammed, ld.DeformablePolygon({beads})) as rings:
     state = rings.state()
 seen = [state.energy, *state.pressure_tensor.ravel(), *state.results["area"], *state.perimeters]
 table = state.contacts
-for values in state.packing.positions, table.force, table.i, table.j, table.image:
+for values in state.packing.positions, *(table[n] for n in ("force_vector", "i", "j", "image")):
     seen += values.ravel().tolist()
 """
 SMOOTH = "vertices=30, radius=0.025, kL=180.0, kr=10.0, smooth=True"
