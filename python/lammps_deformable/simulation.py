@@ -842,7 +842,8 @@ class Simulation(OneCall):
         rest(self.lmp)  # FIRE leaves velocities
         unbalanced = engine.unbalanced(self, tolerance)
         state = engine.state(self, forces, forces.residual <= tolerance and not unbalanced)
-        if not state.converged and max_steps is None and not unbalanced and can_polish(self, state):
+        finer = not state.converged or tolerance < aim  # then contacts are balanced more closely
+        if finer and max_steps is None and not unbalanced and can_polish(self, state):
             state = polish(self, state, tolerance)
         unjammed = engine.loose is not None and self._rigidity.lost(
             state.packing.phi, engine.loose, self._balanced
