@@ -211,7 +211,7 @@ def turns_back(outline: np.ndarray) -> bool:
 
 
 def test_no_load_no_ratio(small: ld.State) -> None:
-    idle = replace(small, energy=0.0, stress=np.zeros((2, 2)))
+    idle = replace(small, energy=0.0, pressure_tensor=np.zeros((2, 2)))
     (found,) = ld.compare(idle, law=ld.Ring()).rows
     assert (found["energy_ratio"], found["pressure_ratio"]) == (None, None)
 

@@ -41,15 +41,14 @@ def test_contacts_are_those_of_the_beads(crumpled: ld.Simulation) -> None:
     state = crumpled.state()
     contacts = state.contacts
     exact = naive(state, state.outlines, state.packing.box).contacts
-    keys = zip(contacts.i, contacts.j, *contacts.image.T, strict=True)
-    seen = dict(zip([tuple(map(int, key)) for key in keys], contacts.force, strict=True))
-    assert seen.keys() == exact.keys()
-    assert all(seen[key] == pytest.approx(exact[key], abs=1e-12) for key in seen)
-    assert state.coordination == 2.0 * len(exact) / len(state.packing)
+    seen = {(int(c["i"]), int(c["j"]), *c["image"].tolist()): c["force_vector"] for c in contacts}
+    others = {(j, i, -a, -b): -force for (i, j, a, b), force in exact.items()}
+    assert seen.keys() == exact.keys() | others.keys()
+    assert all(seen[key] == pytest.approx((exact | others)[key], abs=1e-12) for key in seen)
+    assert len(contacts) == 2 * len(exact)
     # springs and areas put no force on a whole ring
     total = np.zeros((len(state.packing), 2))
-    np.add.at(total, contacts.i, contacts.force)
-    np.add.at(total, contacts.j, -contacts.force)
+    np.add.at(total, contacts["i"], contacts["force_vector"])
     force = np.split(
         gather(crumpled.lmp, "f", 3)[:, :2],
         np.cumsum(state.polygons.number[state.packing.species])[:-1],
@@ -108,9 +107,9 @@ def test_undeformed_polygons_are_at_rest() -> None:
     of_each, rest = loose.species, state.perimeters
     number = state.polygons.number[of_each]
     assert rest == pytest.approx(number * state.polygons.spacing[of_each], rel=1e-13)
-    assert stretched.perimeter == pytest.approx((1.0 + e) * rest, rel=1e-12)
+    assert stretched.perimeters == pytest.approx((1.0 + e) * rest, rel=1e-12)
     kP, kA = np.array([7.0, 20.0])[of_each] / number, np.array([3.0, 0.5])[of_each]
-    perimeter = 0.5 * kP * (stretched.perimeter - rest) ** 2
+    perimeter = 0.5 * kP * (stretched.perimeters - rest) ** 2
     assert stretched.energy == pytest.approx(
         np.sum(perimeter + 0.5 * kA * stretched.area_deficit**2), rel=1e-11
     )
@@ -171,7 +170,7 @@ def test_stiff_areas_of_soft_polygons_relax() -> None:
 def test_compress_yields_states() -> None:
     jammed = ld.jam(ld.bidisperse(6, seed=1)).packing
     with ld.Simulation(jammed, ld.DeformablePolygon(20, smooth=False)) as sim:
-        states = sim.compress(strain=0.04, steps=2, tolerance=0.05)[1:]
+        states = sim.compress(strain=0.04, steps=2, tolerance=0.01)[1:]
         assert sim.box == pytest.approx(0.96 * jammed.box)
     assert [type(state) for state in states] == [ld.State] * 2
     assert 0.0 < states[0].energy < states[1].energy
