@@ -39,7 +39,11 @@ def compress(
 ) -> Run:
     """See `Simulation.compress`."""
     name, target = check_target(sim.law, steps, strain=strain, phi=phi, pressure=pressure)
-    settings = {name: target, "steps": int(steps), "tolerance": check_tolerance(tolerance)}
+    settings = {
+        name: target,
+        "steps": int(steps),
+        "tolerance": check_tolerance(tolerance, recording.get("record") is not None),
+    }
     return play(sim, "compress", settings, **recording)
 
 
@@ -192,7 +196,11 @@ def grow(
         check_target(sim.law, steps, phi=phi)
     elif positive("factor", target) == 1.0:
         raise ParameterError("factor must not be 1: relax the simulation instead")
-    settings = {name: float(target), "steps": int(steps), "tolerance": check_tolerance(tolerance)}
+    settings = {
+        name: float(target),
+        "steps": int(steps),
+        "tolerance": check_tolerance(tolerance, recording.get("record") is not None),
+    }
     return play(sim, "grow", settings, **recording)
 
 

@@ -312,7 +312,7 @@ class Simulation(OneCall):
                 deformable particles is below 1.
             pressure: of the last state, reached to 1e-6 of it [energy/length^d]; not with polygons.
             steps: number of steps.
-            tolerance: of each relaxation, at most 0.01; by default that of `relax`.
+            tolerance: of each relaxation, at most 0.01 in a record; by default that of `relax`.
             record: folder of the run, made if missing; if not given states are kept in memory. It
                 is written as the run goes on: one that was interrupted is finished by
                 `Run(folder).resume()`, with the same digits.
