@@ -39,15 +39,12 @@ def compress(
 ) -> Run:
     """See `Simulation.compress`."""
     name, target = check_target(sim.law, steps, strain=strain, phi=phi, pressure=pressure)
-    settings = {name: target, "steps": int(steps), "tolerance": _tolerance(sim.law, tolerance)}
+    settings = {
+        name: target,
+        "steps": int(steps),
+        "tolerance": check_tolerance(tolerance, recording.get("record") is not None),
+    }
     return play(sim, "compress", settings, **recording)
-
-
-def _tolerance(law: object, tolerance: float | None) -> float | None:
-    """The tolerance of relaxations; polygons of beads creep, and may be given a large one."""
-    if tolerance is None or not isinstance(law, DeformablePolygon):
-        return check_tolerance(tolerance)
-    return positive("tolerance", tolerance)
 
 
 def check_target(law: object, steps: int, **targets: float | None) -> tuple[str, float]:
@@ -199,7 +196,11 @@ def grow(
         check_target(sim.law, steps, phi=phi)
     elif positive("factor", target) == 1.0:
         raise ParameterError("factor must not be 1: relax the simulation instead")
-    settings = {name: float(target), "steps": int(steps), "tolerance": check_tolerance(tolerance)}
+    settings = {
+        name: float(target),
+        "steps": int(steps),
+        "tolerance": check_tolerance(tolerance, recording.get("record") is not None),
+    }
     return play(sim, "grow", settings, **recording)
 
 

@@ -74,15 +74,15 @@ def protocol_of(name: str) -> Protocol:
     return protocols[name]
 
 
-def check_tolerance(tolerance: float | None) -> float | None:
+def check_tolerance(tolerance: float | None, recorded: bool = True) -> float | None:
     """The tolerance of relaxations, if given.
 
     Raises:
-        ParameterError: it is not positive, or larger than forces of a relaxed packing may be.
+        ParameterError: it is not positive; or it is larger than that of states worth keeping.
     """
     if tolerance is None:
         return None
-    if positive("tolerance", tolerance) > LARGEST_TOLERANCE:
+    if positive("tolerance", tolerance) > LARGEST_TOLERANCE and recorded:
         raise ParameterError(f"tolerance must be at most {LARGEST_TOLERANCE}, not {tolerance}")
     return float(tolerance)
 

@@ -233,7 +233,7 @@ def shear(
     flowing = {"drag": drag, "temperature": temperature, "timestep": timestep}
     if rate is None:
         refuse_without_flow("rate", **flowing, seed=seed)
-        settings["tolerance"] = check_tolerance(tolerance)
+        settings["tolerance"] = check_tolerance(tolerance, recording.get("record") is not None)
     else:
         settings["rate"] = float(positive("rate", rate))
         settings |= _of_flow(sim, seed, **flowing, tolerance=tolerance)
@@ -339,7 +339,10 @@ def oscillate(
     if number_or_nan(period) == math.inf:
         refuse_without_flow("period", **flowing, seed=seed)
         tolerance = tolerance_under(amplitude, TOLERANCE) if tolerance is None else tolerance
-        settings |= {"period": math.inf, "tolerance": check_tolerance(tolerance)}
+        settings |= {
+            "period": math.inf,
+            "tolerance": check_tolerance(tolerance, recording.get("record") is not None),
+        }
     else:
         settings["period"] = float(positive("period", period))
         settings |= _of_flow(sim, seed, **flowing, tolerance=tolerance)

@@ -312,7 +312,7 @@ class Simulation(OneCall):
                 deformable particles is below 1.
             pressure: of the last state, reached to 1e-6 of it [energy/length^d]; not with polygons.
             steps: number of steps.
-            tolerance: of each relaxation, at most 0.01; by default that of `relax`.
+            tolerance: of each relaxation, at most 0.01 in a record; by default that of `relax`.
             record: folder of the run, made if missing; if not given states are kept in memory. It
                 is written as the run goes on: one that was interrupted is finished by
                 `Run(folder).resume()`, with the same digits.
@@ -842,7 +842,8 @@ class Simulation(OneCall):
         rest(self.lmp)  # FIRE leaves velocities
         unbalanced = engine.unbalanced(self, tolerance)
         state = engine.state(self, forces, forces.residual <= tolerance and not unbalanced)
-        if not state.converged and max_steps is None and not unbalanced and can_polish(self, state):
+        finer = not state.converged or tolerance < aim  # then contacts are balanced more closely
+        if finer and max_steps is None and not unbalanced and can_polish(self, state):
             state = polish(self, state, tolerance)
         unjammed = engine.loose is not None and self._rigidity.lost(
             state.packing.phi, engine.loose, self._balanced

@@ -131,7 +131,7 @@ def bragg_peaks(packing):
 
 def correlation(state):
     """Distances up to half of the box, and g_6."""
-    return state.hexatic_correlation(0.495 * state.packing.box.diagonal().min(), bins=20)
+    return state.hexatic_correlation(20, 0.495 * state.packing.box.diagonal().min())
 
 
 def measure(state, stiffness):
