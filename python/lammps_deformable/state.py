@@ -879,7 +879,7 @@ class State:
     def moduli(self) -> ElasticModuli:
         """Elastic tensor, shear and bulk modulus, by one linear system.
 
-        `ld.shear_modulus` and `ld.bulk_modulus` measure the same by finite strains.
+        `validation/finite_strain.py` measures the same by finite strains.
 
         Raises:
             ParameterError: the state is not at rest (`residual` above 1e-3), has walls, or resists
@@ -904,7 +904,7 @@ class State:
 
         with the area or volume V. At omega = 0 it is the `shear_modulus` of `moduli`, far
         above the rates of relaxation, eigenvalues of H over zeta, its affine part.
-        `ld.dynamic_modulus` measures the same by finite strains.
+        `Run.complex_modulus` of `Simulation.oscillate` is the same by finite strains.
 
         Args:
             frequencies: angular ones, omega, not negative, any shape [1/time].
