@@ -70,7 +70,7 @@ def test_two_sizes_are_two_species() -> None:
         assert found.energy == expected.energy
         assert np.array_equal(found.pressure_tensor, expected.pressure_tensor)
         assert np.array_equal(found.contacts, expected.contacts)
-        for name in ("area", "area_deficit", "perimeter", "arc_radius", "pressures"):
+        for name in ("volumes", "area_deficit", "perimeters", "arc_radii", "pressures"):
             assert np.array_equal(getattr(found, name), getattr(expected, name)), name
 
 

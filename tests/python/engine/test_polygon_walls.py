@@ -41,10 +41,10 @@ def test_beads_keep_their_place_on_walls_that_stick() -> None:
                 sim.confine(Walls(angle, np.full(3, height), stick))
                 before = sim.state().outlines[0]
                 state = sim.relax(0.01)
-                assert sim.walls is not None
-                assert sim.walls.height == pytest.approx(np.full(3, height))
+                assert sim._engine.walls is not None
+                assert sim._engine.walls.height == pytest.approx(np.full(3, height))
         after = state.outlines[0]
-        touching = before @ sim.walls.normal[0] > 0.48 - LONE_BEADS.radius
+        touching = before @ sim._engine.walls.normal[0] > 0.48 - LONE_BEADS.radius
         assert touching.any()
         slides[stick] = np.abs(after - before)[touching, 1].max()
     assert slides[True] < 0.2 * slides[False]
@@ -56,8 +56,8 @@ def test_walls_do_not_jump_over_beads() -> None:
             ld.ParameterError, match=r"a step of 0\.04 puts beads .* wall .* a bead, 0\.03"
         ):
             sim.confine(square(0.46))
-        assert sim.walls is not None
-        assert sim.walls.height[0] == 0.5
+        assert sim._engine.walls is not None
+        assert sim._engine.walls.height[0] == 0.5
         sim.confine(square(0.48))
         assert sim.state().energy > 0.0
 
@@ -67,10 +67,9 @@ def test_walls_do_not_jump_over_beads() -> None:
     [
         (square(0.5), Walls([0.0, 2.0, 4.0], np.full(3, 0.5))),
         (square(0.5), Walls(np.arange(4) * np.pi / 2.0, np.full(4, 0.5), stick=True)),
-        (None, square(0.5)),
     ],
 )
-def test_confine_moves_the_walls_that_are_there(there: Walls | None, walls: Walls) -> None:
+def test_confine_moves_the_walls_that_are_there(there: Walls, walls: Walls) -> None:
     with (
         ld.Simulation._within(ALONE, LONE_BEADS, there) as sim,
         pytest.raises(ld.ParameterError, match=r"number.*stick"),
