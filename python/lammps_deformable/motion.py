@@ -294,8 +294,8 @@ def refuse_restarted(sim: Simulation, begun: int) -> None:
     """
     if sim.closed or sim._begun != begun:
         raise LammpsError(
-            "the simulation was restarted while its particles move: end the motion by a callback "
-            "that returns True, then restart it"
+            "the simulation was reset while its particles move: end the motion by a callback "
+            "that returns True, then reset it"
         )
 
 

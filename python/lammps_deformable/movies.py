@@ -10,8 +10,9 @@ from numpy.typing import ArrayLike
 
 from ._checks import expect, shown, whole
 from ._files import writing
-from .drawing import limited, scale
+from .drawing import limited, new_figure, scale
 from .errors import ParameterError
+from .packing import Packing
 from .progress import progress
 from .state import State
 
@@ -90,14 +91,7 @@ def movie(
     on = limited(shared, vmin, vmax)
     if not frames[0].root:
         return
-    if frames[0].packing.dimension == 2:
-        from .drawing import new_figure
-
-        figure: Any = new_figure(frames[0].packing)
-    else:
-        from .plot3d import new_axes
-
-        figure = new_axes().figure
+    figure = _new_figure(frames[0].packing)
 
     def draw(state: State) -> None:
         figure.clear()
@@ -115,6 +109,15 @@ def movie(
                 draw(state)
             writer.grab_frame()
             bar.update()
+
+
+def _new_figure(packing: Packing) -> Any:
+    """A figure of matplotlib that fits the box."""
+    if packing.dimension == 2:
+        return new_figure(packing, True)
+    from .plot3d import new_axes
+
+    return new_axes().figure
 
 
 def of_dimension(dimension: int, **settings: Any) -> dict[str, Any]:

@@ -115,7 +115,7 @@ class Packing:
         return {
             "energy": self.lmp.extract_compute("pair", LMP_STYLE_GLOBAL, LMP_TYPE_SCALAR),
             "force": self.atom("f_pure")[:, :2],
-            "stress": self.pressure_tensor(),
+            "stress": self.stress(),
         }
 
     def stress(self):

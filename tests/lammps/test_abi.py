@@ -6,8 +6,9 @@ import subprocess
 from importlib import metadata
 from pathlib import Path
 
+import lammps_deformable_plugin as plugin
 import pytest
-from lammps_deformable import core, plugin
+from lammps_deformable import core
 
 (LIBRARY,) = Path(plugin.directory()).glob("*plugin.so")
 STYLES = (

@@ -130,7 +130,7 @@ def test_virial(obstacle, strains, tmp_path):
             F[a, b] += h
             return scene(F).energy
 
-        expected = -start.pressure_tensor()[STRAINS.index((a, b))] * SIDE**3
+        expected = -start.stress()[STRAINS.index((a, b))] * SIDE**3
         assert slope(energy) == pytest.approx(expected, abs=1e-6), (a, b)
 
 

@@ -3,6 +3,7 @@
 These tests install and compile LAMMPS.
 """
 
+import lammps_deformable_plugin as plugin
 import pytest
 from lammps_builds import (
     BIN,
@@ -15,7 +16,7 @@ from lammps_builds import (
     sources,
     wheel,
 )
-from lammps_deformable import core, plugin
+from lammps_deformable import core
 from releases import assert_same, evaluate
 
 pytestmark = pytest.mark.slow

@@ -81,7 +81,7 @@ def test_refusals(rest: ld.State, values: dict[str, float], message: str) -> Non
 def test_refused_simulations(rest: ld.State) -> None:
     with (
         ld.Simulation(rest.packing, ld.SoftContact()) as disks,
-        pytest.raises(ld.ParameterError, match="sim must be of the kind Simulation"),
+        pytest.raises(ld.ParameterError, match="sheared without a rate only: take Ring"),
     ):
         disks.creep(1e-6, time=1.0, steps=1, drag=1.0)
     with (

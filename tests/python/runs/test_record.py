@@ -72,16 +72,31 @@ def test_states_have_what_was_recorded(jammed: ld.Packing, tmp_path: Path) -> No
     with ld.Simulation(jammed, ld.Ring()) as sim:
         run = sim.compress(strain=0.02, steps=2, record=tmp_path, callback=seen.append)
     for found, state in zip(run[1:], seen, strict=True):
-        for name in ("energy", "pressure", "shear_stress", "residual", "phi", "stalled", "beyond"):
+        for name in (
+            "energy",
+            "pressure",
+            "shear_stress",
+            "residual",
+            "phi",
+            "converged",
+            "beyond",
+        ):
             assert getattr(found, name) == getattr(state, name)
-        for name in ("area", "perimeter", "pressures", "contacts", "arc_radius", "stress"):
+        for name in (
+            "area",
+            "perimeter",
+            "pressures",
+            "n_contacts",
+            "arc_radii",
+            "pressure_tensor",
+        ):
             assert np.array_equal(getattr(found, name), getattr(state, name)), name
         assert "contacts" not in vars(found)
         assert found.coordination == state.coordination
         force = state.contacts["force"]
         assert found.contacts["force"] == pytest.approx(force, abs=1e-7 * force.max())
         assert found.energy == state.energy
-        assert not hasattr(found, "load")
+        assert not hasattr(found, "loads")
     copy = pickle.loads(pickle.dumps(run[1]))
     assert np.array_equal(copy.rattlers, seen[0].rattlers)
 

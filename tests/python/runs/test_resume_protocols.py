@@ -114,13 +114,14 @@ def test_one_lammps_for_all_steps(
     start: ld.Packing, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     opened = []
-    from lammps_deformable import lammps, opening
+    from lammps_deformable import lammps
 
-    whole = lammps.silent_lammps
-    for module in (lammps, opening):
-        monkeypatch.setattr(
-            module, "silent_lammps", lambda *given: opened.append(1) or whole(*given)
-        )
+    whole = lammps.guarded_lammps()
+    monkeypatch.setattr(
+        lammps,
+        "guarded_lammps",
+        lambda: lambda *given: opened.append(1) or whole(*given),
+    )
     with ld.Simulation(start, ld.Ring()) as sim:
         sim.compress(strain=0.01, steps=5, record=tmp_path)
         list(ld.Run(tmp_path))
@@ -144,7 +145,7 @@ def test_seeds(start: ld.Packing) -> None:
         drawn = sim.seed
         sim.run(1, temperature=1e-6, seed=5)
         assert sim.seed == 5
-        sim.restart(start)
+        sim.reset(start)
         again = sim.run(1, temperature=1e-6, seed=drawn)
     assert np.array_equal(again[0].velocities, run[0].velocities)
 
@@ -192,5 +193,8 @@ def test_refusals(start: ld.Packing, tmp_path: Path) -> None:
             sim.shear(0.02, record=place, mode="a")
         assert ld.Run.exists(place)
         assert not ld.Run.exists(tmp_path / "none")
-    with ld.Disks(start) as disks, pytest.raises(ld.ParameterError, match="cannot be written yet"):
+    with (
+        ld.Simulation(start, ld.SoftContact()) as disks,
+        pytest.raises(ld.ParameterError, match="cannot be written yet"),
+    ):
         disks.shear(0.1, record=tmp_path / "disks")

@@ -140,7 +140,7 @@ def test_mdanalysis_reads_runs(moved: tuple[Path, list]) -> None:
         assert frame.positions == pytest.approx(expected.positions, abs=1e-5)
         assert frame.velocities == pytest.approx(expected.velocities, abs=1e-7)
         for name in ("load", "surface_area", "contacts"):
-            assert frame.data[name] == pytest.approx(getattr(state, name), rel=1e-6)
+            assert frame.data[name] == pytest.approx(state.values(name), rel=1e-6)
 
 
 def test_the_shell_keeps_runs_of_droplets(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
