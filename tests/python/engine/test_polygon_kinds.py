@@ -94,7 +94,9 @@ def test_a_stalled_relaxation_warns(
     monkeypatch.setattr(polygon_engine, "_STEPS", 2)
     with ld.Simulation(six, kind.model) as rings:
         rings.deform(0.98 * rings.box)
-        with pytest.warns(ld.StalledWarning, match=r"stalled: the largest force is .* not"):
+        with pytest.warns(
+            ld.StalledWarning, match=r"stalled at phi = .*: the largest force is .* not"
+        ):
             state = rings.relax(1e-9)
     assert not state.converged
     assert state.residual > 1e-9
