@@ -5,7 +5,6 @@ import pathlib
 from . import core as core
 from .comparison import Comparison as Comparison
 from .comparison import compare as compare
-from .crystals import crystal as crystal
 from .errors import BeyondModelWarning as BeyondModelWarning
 from .errors import CallError as CallError
 from .errors import DeformableError as DeformableError
@@ -18,6 +17,9 @@ from .errors import UndefinedError as UndefinedError
 from .errors import UnjammedWarning as UnjammedWarning
 from .errors import UnsavedWarning as UnsavedWarning
 from .friction import Friction as Friction
+from .generators import bidisperse as bidisperse
+from .generators import crystal as crystal
+from .generators import polydisperse as polydisperse
 from .jamming import jam as jam
 from .laws import Droplet as Droplet
 from .laws import Ring as Ring
@@ -27,8 +29,6 @@ from .packing import Packing as Packing
 from .parallel import jackknife as jackknife
 from .parallel import parallel_map as parallel_map
 from .polygons import DeformablePolygon as DeformablePolygon
-from .random import bidisperse as bidisperse
-from .random import polydisperse as polydisperse
 from .run import Run as Run
 from .run import state_in_file as state_in_file
 from .simulation import Simulation as Simulation

@@ -43,12 +43,12 @@ from .cli_options import (
 )
 from .compression import check_target
 from .errors import DeformableError, ParameterError
+from .generators import bidisperse
 from .jamming import jam
 from .lammps import silent_lammps
 from .laws import ALL_LAWS
 from .movies import of_dimension
-from .progress import print_once
-from .random import bidisperse
+from .ranks import print_once
 from .recording import check_tolerance
 from .relax import TOLERANCE
 from .run import Run, state_in_file

@@ -1,9 +1,8 @@
-"""LAMMPS commands as text: a packing, its law, the minimizer; polygons and their walls.
+"""LAMMPS commands as text: a packing, its law, its walls, films, and the minimizer.
 
-Films, the contacts of particles that stick, as text: a memory that positions do not have.
-
-A film is a row of two numbers: the IDs of its particles; or the ID of one, and the code below 0 of
-a wall, as compute deformable/contact tells it.
+A film is a contact of particles that stick, a memory that positions do not have: a row of two
+numbers, the IDs of its particles; or the ID of one, and the code below 0 of a wall, as *compute
+deformable/contact* tells it.
 """
 
 from __future__ import annotations

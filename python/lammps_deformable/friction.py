@@ -1,10 +1,6 @@
-"""Friction and damping of contacts, as settings.
+"""Friction and damping of contacts: settings, memory, the table of a state, and pictures.
 
-What contacts that rub remember, and spins: a memory that positions do not have.
-
-Contacts that rub in the table of a state: their friction, damping and springs.
-
-Friction in pictures: contacts that slide, forces along contacts, and spins.
+Contacts that rub remember their springs, and particles spin: positions alone do not tell that.
 """
 
 from __future__ import annotations

@@ -1,10 +1,7 @@
-"""Ctrl-C ends a command of LAMMPS at its next step, and not only at its last one.
+"""LAMMPS as the engine: open it, fill it with a packing, run commands, gather values of atoms.
 
-LAMMPS as the engine: open it, fill it with a packing, gather per-atom values.
-
-Errors of the pair styles in words of Python: the names of walls, and the way out.
-
-What states follow of the commands that a user gave to LAMMPS, and what they refuse.
+Also: Ctrl-C ends a command at its next step; errors of the pair styles name walls as Python does;
+states know what commands a user gave to LAMMPS, and refuse what they cannot follow.
 """
 
 from __future__ import annotations

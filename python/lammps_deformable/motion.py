@@ -28,8 +28,8 @@ from .laws import (
     longest_step,
     squeeze_under,
 )
-from .polishing import balanced_to
 from .recording import Protocol, play
+from .relax import balanced_to
 from .simulation import Simulation
 from .state import State
 

@@ -13,7 +13,7 @@ from ._files import writing
 from .drawing import limited, new_figure, scale
 from .errors import ParameterError
 from .packing import Packing
-from .progress import progress
+from .ranks import progress
 from .state import State
 
 # Pictures of a square box have 461 x 403 dots, so that a few dozen take less than a megabyte.

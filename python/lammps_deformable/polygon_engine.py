@@ -52,7 +52,7 @@ from .polygons import (
     refuse_start,
     undeformed,
 )
-from .progress import progress
+from .ranks import progress
 from .relax import (
     Forces,
     Minimizer,

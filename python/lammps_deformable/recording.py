@@ -25,7 +25,7 @@ from .engines import go_on
 from .errors import FileError, ParameterError
 from .lammps import has_commands_of_a_user
 from .laws import Droplet, Ring, Sector
-from .progress import progress
+from .ranks import progress
 
 if TYPE_CHECKING:
     from .run import Run

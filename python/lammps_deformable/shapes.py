@@ -1,10 +1,6 @@
-"""Files of VTK, which ParaView and OVITO read: polygons or lines with values, and series of them.
+"""Outlines and contacts with their values, for other programs: VTK and GeoJSON, pandas, MDAnalysis.
 
-Source: VTK's XML formats, docs.vtk.org; binary data inline, which OVITO reads too.
-
-Outlines and contacts of a packing, with their values: VTK (ParaView, OVITO) and GeoJSON.
-
-States for other programs: MDAnalysis, pandas, ParaView, OVITO.
+Source: VTK's XML formats, docs.vtk.org; binary data inline, which ParaView and OVITO read.
 """
 
 from __future__ import annotations

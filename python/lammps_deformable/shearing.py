@@ -19,6 +19,12 @@ from ._checks import count, expect, finite, number_or_nan, positive, whole
 from .errors import ParameterError
 from .lammps import images_of, place_images, run
 from .laws import Droplet, Ring, Sector
+from .moduli import (
+    following,
+    imbalance_under,
+    tolerance_under,
+    unbalanced_modulus,
+)
 from .motion import (
     Dynamics,
     advance,
@@ -29,16 +35,9 @@ from .motion import (
     seeds,
     steps_so_far,
 )
-from .polishing import balanced_to
 from .recording import Protocol, check_tolerance, play
-from .relax import TOLERANCE
+from .relax import TOLERANCE, balanced_to
 from .simulation import Simulation
-from .small_strains import (
-    following,
-    imbalance_under,
-    tolerance_under,
-    unbalanced_modulus,
-)
 
 if TYPE_CHECKING:
     from .run import Run

@@ -23,17 +23,20 @@ from .friction import Friction
 from .lammps import box_change, close_lammps, communicator, refuse_forces_of_motion, run, setup
 from .laws import AnyLaw, Droplet, Ring, Sector, SoftContact, sticks
 from .packing import Packing
-from .polishing import USUAL, can_polish, fire_reaches, polish
 from .polygon_engine import PolygonBeads
 from .polygons import DeformablePolygon, Walls
 from .ranks import OneCall
 from .relax import (
+    USUAL,
     Callback,
     Forces,
     Iteration,
+    can_polish,
     carry,
     check_callback,
+    fire_reaches,
     minimize_until_relaxed,
+    polish,
     rest,
     stress,
     tell,

@@ -20,9 +20,11 @@ from numpy.typing import ArrayLike, NDArray
 from . import analysis, contacts, shapes, tracking
 from ._checks import count, numbers, positive, shown
 from ._files import check_parameters, replaces
+from .analysis import Cells, cells_of, space_cells_of
 from .contacts import ContactForces, ContactTable
 from .errors import ParameterError, UndefinedError, UnsavedWarning
 from .friction import Friction, Rubbing, spin_column
+from .hessian import at_rest, hessian_of
 from .laws import (
     AnyLaw,
     Droplet,
@@ -32,11 +34,9 @@ from .laws import (
     accurate_step,
     filled_area,
 )
-from .response import at_rest, hessian_of
 from .room import free_room
 from .store import TEMPERATURE, Motion, as_columns, drop_frames, frames_in, refuse_run, save
 from .versions import optional
-from .voronoi import Cells, cells_of, space_cells_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
