@@ -41,7 +41,9 @@ class Protocol(NamedTuple):
     """What a protocol does.
 
     Attributes:
-        begin: from the simulation and the settings of the call, the state before the first step,
+        check: from the simulation and the arguments of the call, the settings, what JSON can hold;
+            it raises what the method of `Simulation` says.
+        begin: from the simulation and the settings, the state before the first step,
             and what its steps must know of the start, which JSON can hold: `states` is their
             number at most.
         go: the states after the steps that remain, from simulation, settings, start, the number of
@@ -49,6 +51,7 @@ class Protocol(NamedTuple):
             start what later steps must know.
     """
 
+    check: Callable[[Any, Mapping[str, Any]], dict[str, Any]]
     begin: Callable[[Any, Mapping[str, Any]], tuple[Any, dict[str, Any]]]
     go: Callable[[Any, Mapping[str, Any], dict[str, Any], int, Any], Iterator[Any]]
 
@@ -87,38 +90,29 @@ def check_tolerance(tolerance: float | None, recorded: bool = True) -> float | N
     return float(tolerance)
 
 
-def play(
-    sim: Any,
-    name: str,
-    settings: Mapping[str, Any],
-    *,
-    record: str | Path | None = None,
-    mode: str = "x",
-    callback: Callback | None = None,
-    keep: bool = True,
-    parameters: Mapping[str, Any] | None = None,
-) -> Run:
+def play(sim: Any, name: str, given: Mapping[str, Any]) -> Run:
     """Take the steps of a protocol.
 
     Args:
         sim: a simulation; it ends in the last state.
-        name: of the protocol.
-        settings: of the call, what JSON can hold, for the protocol and for the summary.
-        record: folder of a run, made if missing; if not given states are kept in memory.
-        mode: of the folder: `x` refuses one with a run, `w` replaces it, `a` goes on behind it.
-        callback: called with the state after each step; None goes on, True ends the protocol.
-        keep: whether to keep all states; else the last one.
-        parameters: further ones for the summary.
+        name: of the protocol, a method of `Simulation`.
+        given: the arguments of the method by name. Those of all protocols are `record`, a folder or
+            None, `mode`, `callback`, `keep`, and `parameters` for the summary.
 
     Returns:
         The run, which begins with the state before the first step.
 
     Raises:
-        ParameterError: an argument is of another kind, or the callback returns something else.
+        ParameterError: an argument is out of range or of another kind.
+        TypeError: the callback returns something else than None and a bool.
         FileError: the folder cannot be taken, see `mode`, or written.
     """
     from .run import Run
 
+    protocol = protocol_of(name)
+    settings = protocol.check(sim, given)
+    record, mode, callback = given["record"], given["mode"], given["callback"]
+    keep, parameters = given["keep"], given["parameters"]
     if callback is not None and not callable(callback):
         raise ParameterError(
             "callback must be a function of a state, such as "
@@ -128,7 +122,7 @@ def play(
     check_parameters(parameters)
     _ = sim.lmp  # or say that it is closed
     folder, first, before = _taken(sim, name, record, mode)
-    state, start = protocol_of(name).begin(sim, settings)
+    state, start = protocol.begin(sim, settings)
     start = {"frame": max(first, 1)} | start
     told: dict[str, Any] = {**(parameters or {}), "protocol": name, **settings}
     if folder is not None and not has_commands_of_a_user(sim.lmp, sim._setup):

@@ -26,6 +26,7 @@ from .packing import Packing
 from .polygon_engine import PolygonBeads
 from .polygons import DeformablePolygon, Walls
 from .ranks import OneCall
+from .recording import play
 from .relax import (
     USUAL,
     Callback,
@@ -339,14 +340,7 @@ class Simulation(OneCall):
         Warns:
             UnjammedWarning: an expansion has taken the packing apart.
         """
-        from .compression import compress
-
-        words: dict[str, Any] = {
-            **{"record": record, "mode": mode, "callback": callback, "keep": keep},
-            "parameters": parameters,
-        }
-        targets = {"strain": strain, "phi": phi, "pressure": pressure}
-        return compress(self, **targets, steps=steps, tolerance=tolerance, **words)
+        return play(self, "compress", locals())
 
     def grow(
         self,
@@ -385,13 +379,7 @@ class Simulation(OneCall):
             ParameterError: a value is out of range, or a target cannot be reached.
             FileError: see `compress`.
         """
-        from .compression import grow
-
-        words: dict[str, Any] = {
-            **{"record": record, "mode": mode, "callback": callback, "keep": keep},
-            "parameters": parameters,
-        }
-        return grow(self, factor=factor, phi=phi, steps=steps, tolerance=tolerance, **words)
+        return play(self, "grow", locals())
 
     def shear(
         self,
@@ -452,14 +440,7 @@ class Simulation(OneCall):
 
         Source: drag: Durian, Phys. Rev. Lett. 75, 4780 (1995).
         """
-        from .shearing import shear
-
-        words: dict[str, Any] = {
-            **{"record": record, "mode": mode, "callback": callback, "keep": keep},
-            "parameters": parameters,
-        }
-        words |= {"drag": drag, "temperature": temperature, "timestep": timestep, "seed": seed}
-        return shear(self, strain, steps=steps, rate=rate, tolerance=tolerance, **words)
+        return play(self, "shear", locals())
 
     def oscillate(
         self,
@@ -513,15 +494,7 @@ class Simulation(OneCall):
             LammpsError: see `shear`.
             FileError: see `compress`.
         """
-        from .shearing import oscillate
-
-        words: dict[str, Any] = {
-            **{"record": record, "mode": mode, "callback": callback, "keep": keep},
-            "parameters": parameters,
-        }
-        words |= {"drag": drag, "temperature": temperature, "timestep": timestep, "seed": seed}
-        words |= {"period": period, "cycles": cycles, "steps": steps, "tolerance": tolerance}
-        return oscillate(self, amplitude, **words)
+        return play(self, "oscillate", locals())
 
     def creep(
         self,
@@ -576,14 +549,7 @@ class Simulation(OneCall):
             LammpsError: see `run`.
             FileError: see `compress`.
         """
-        from .shearing import creep
-
-        words: dict[str, Any] = {
-            **{"record": record, "mode": mode, "callback": callback, "keep": keep},
-            "parameters": parameters,
-        }
-        words |= {"drag": drag, "temperature": temperature, "timestep": timestep, "seed": seed}
-        return creep(self, shear_stress, time=time, steps=steps, viscosity=viscosity, **words)
+        return play(self, "creep", locals())
 
     def run(
         self,
@@ -697,29 +663,7 @@ class Simulation(OneCall):
         76, 637 (1982); damped motion at a pressure: Somfai et al., Phys. Rev. E 75, 020301 (2007);
         inertial number: GDR MiDi, Eur. Phys. J. E 14, 341 (2004).
         """
-        from .motion import run_motion
-
-        words: dict[str, Any] = {
-            **{"record": record, "mode": mode, "callback": callback, "keep": keep},
-            "parameters": parameters,
-        }
-        return run_motion(
-            self,
-            steps,
-            every=every,
-            timestep=timestep,
-            temperature=temperature,
-            drag=drag,
-            inertia=inertia,
-            propulsion=propulsion,
-            persistence=persistence,
-            pressure=pressure,
-            inertial_number=inertial_number,
-            tolerance=tolerance,
-            balance=balance,
-            seed=seed,
-            **words,
-        )
+        return play(self, "run", locals())
 
     def state(self) -> State:
         """The present state, not relaxed."""
