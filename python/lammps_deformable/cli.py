@@ -184,7 +184,7 @@ def compress_command(
     ways = first, "compress it further with --append", last
     folder = refuse(out, "compression" if resume or append or overwrite else None, ways)
     protocol = {"steps": settings.steps, "tolerance": settings.tolerance, **settings.target}
-    done = 0
+    done, sim = 0, None
     if resume:
         check_same(folder, given)
         done = Run(folder).steps_done or 0
@@ -208,7 +208,8 @@ def compress_command(
         packing = jam(start).packing if settings.from_file is None else start
         begun = "jammed" if settings.from_file is None else f"{len(packing)} particles"
         print_once(f"{begun} at phi = {packing.phi:.5f} ({time.perf_counter() - began:.1f} s)")
-        run = Simulation(packing, law).compress(
+        sim = Simulation(packing, law)
+        run = sim.compress(
             **protocol,
             record=folder,
             mode="w" if overwrite else "x",
@@ -218,7 +219,7 @@ def compress_command(
     if resume and run.steps_done == done:
         print_once(f"the compression in '{folder}' is complete")
     else:
-        _finish(run[-1], folder, began)
+        _finish(sim.state() if sim else run[-1], folder, began)
 
 
 @command(app)
@@ -254,7 +255,7 @@ def shear_command(
     material = material.usual(given)
     folder = refuse(out, "compression" if resume or overwrite else None, _WAYS_OUT)
     columns = ("strain", "shear_stress", *_COLUMNS[1:])
-    done = 0
+    done, sim = 0, None
     if resume:
         check_same(folder, given)
         done = Run(folder).steps_done or 0
@@ -274,7 +275,7 @@ def shear_command(
     if resume and sheared.steps_done == done:
         print_once(f"the shear in '{folder}' is complete")
     else:
-        _finish(sheared[-1], folder, began)
+        _finish(sim.state() if sim else sheared[-1], folder, began)
 
 
 def _sheared(

@@ -279,8 +279,8 @@ def _relax(
     rigid: tuple[float, float] | None = None,
     damped: bool = False,
 ) -> RelaxedDisks:
-    order = _rows(packing) if len(packing) >= HUGE else np.arange(len(packing))
-    enthalpy = Enthalpy(_reordered(packing, order), applied)
+    order = _rows(packing) if len(packing) >= HUGE else None
+    enthalpy = Enthalpy(packing if order is None else _reordered(packing, order), applied)
     smallest = float(packing.radii.min())
     facet = smallest ** (packing.dimension - 1)  # about that of a contact
     rounding = force_rounding(packing.box, stiffness=1.0)
@@ -313,7 +313,9 @@ def _relax(
         inverse = None if applied is None else enthalpy.preconditioner
         z, enough = minimize(enthalpy, start, relaxed, largest_step, patience, tell, inverse)
     _, gradient = enthalpy(z)
-    found = _reordered(enthalpy.packing(z), np.argsort(order))
+    found = enthalpy.packing(z)
+    if order is not None:
+        found = _reordered(found, np.argsort(order))
     return RelaxedDisks(found, enthalpy.pressure, residual(gradient), enough)
 
 
