@@ -30,7 +30,6 @@ from .parallel import jackknife as jackknife
 from .parallel import parallel_map as parallel_map
 from .polygons import DeformablePolygon as DeformablePolygon
 from .run import Run as Run
-from .run import state_in_file as state_in_file
 from .simulation import Simulation as Simulation
 from .state import State as State
 from .walls import BoxWall as BoxWall

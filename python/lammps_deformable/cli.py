@@ -51,7 +51,7 @@ from .movies import of_dimension
 from .ranks import print_once
 from .recording import check_tolerance
 from .relax import TOLERANCE
-from .run import Run, state_in_file
+from .run import Run
 from .simulation import Simulation
 from .state import State
 from .store import refuse, refuse_run
@@ -553,7 +553,7 @@ def outline_command(
     for path in pictures:
         _check_picture(path)
     names = None if types is None else types.split(",")
-    state = state_in_file(dump, species, law, names, frame, radii)
+    state = State.from_file(dump, species, law=law, types=names, frame=frame, radii=radii)
     if law is None:
         print_once(f"contact law {state.law.name}: give --law for another")
     for path in paths:

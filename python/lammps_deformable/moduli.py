@@ -129,23 +129,23 @@ _XY = 1
 
 
 def complex_modulus_of(
-    hessian: Hessian, frequencies: ArrayLike, friction: float
+    hessian: Hessian, frequencies: ArrayLike, drag: float
 ) -> NDArray[np.complex128]:
     """See `LinearResponse.complex_modulus`.
 
     Lines of contacts are at rest at any time: M of `Hessian` takes the place of H, B that of xi,
-    and only centers have a friction.
+    and only centers have a drag.
     """
     from scipy.sparse import diags
     from scipy.sparse.linalg import splu
 
     refuse_walls(hessian)
-    omega, friction = numbers("frequencies", frequencies), positive("friction", friction)
+    omega, drag = numbers("frequencies", frequencies), positive("drag", drag)
     if (omega < 0.0).any():
         raise ParameterError(f"frequencies must not be negative, not {shown(omega.min())}")
     coupled = hessian.by_strain[:, _XY]
     damped = np.zeros(len(coupled))
-    damped[: hessian.size] = friction
+    damped[: hessian.size] = drag
     relaxing = np.zeros(omega.shape, dtype=np.complex128)
     for place, rate in np.ndenumerate(omega):
         if rate == 0.0:

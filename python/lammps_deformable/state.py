@@ -8,7 +8,7 @@ tells what has it.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -209,6 +209,47 @@ class State:
         for array in (*arrays, *self.vertices):
             if isinstance(array, np.ndarray):
                 array.setflags(write=False)
+
+    @classmethod
+    def from_file(
+        cls,
+        path: str | Path,
+        species: str | Path,
+        *,
+        law: str | None = None,
+        types: Sequence[str] | None = None,
+        frame: int = -1,
+        radii: str | None = None,
+    ) -> State:
+        """The state of particles whose centers are in a file: outlines, energy, stress, contacts.
+
+            ld.State.from_file("shapes.dump", "mixture.deformable").export("shapes.vtp")
+
+        Positions are those of the file; nothing moves. They must be periodic and, but for droplets,
+        of one plane. Velocities are left out. Particles with an adhesion stick where their circles
+        overlap. A file does not tell of the stiffnesses of single particles, *kA atom*: they are
+        those of the species.
+
+        Args:
+            path: a LAMMPS dump, or what else `Packing.from_file` reads.
+            species: the species file of pair_coeff, or the name of one that comes with the package.
+            law: `balanced`, `curved`, `radical`, `sector` or, in three dimensions, `droplet`. If
+                not given that of the run in whose folder the file is, or the species file; LAMMPS'
+                own files do not tell, and have `balanced`, the default of the pair style.
+            types: names of species, one for each atom type, as in pair_coeff; by default those of
+                the file in their order.
+            frame: number of the frame, from 0, or from the end if negative.
+            radii: name of a column with the radius of each particle, as with `radius atom`; by
+                default the radii are those of the species.
+
+        Raises:
+            FileError: a file cannot be read.
+            ParameterError: an argument is out of range, or there are more atom types than species.
+            LammpsError: LAMMPS refuses the species, or the packing: contacts leave no room, say.
+        """
+        from .dumps import state_in_file
+
+        return state_in_file(path, species, law, types, frame, radii)
 
     def __repr__(self) -> str:
         return (
@@ -889,14 +930,12 @@ class State:
 
         return moduli_of(at_rest(self))
 
-    def complex_modulus(
-        self, frequencies: ArrayLike, friction: float = 1.0
-    ) -> NDArray[np.complex128]:
+    def complex_modulus(self, frequencies: ArrayLike, drag: float = 1.0) -> NDArray[np.complex128]:
         """Shear modulus under a small oscillating strain, G* = G' + i G'', by linear response.
 
             strain = Re gamma exp(i omega t),  shear stress = Re G*(omega) gamma exp(i omega t)
 
-        Centers are overdamped, with a friction zeta against the mean flow, as in `oscillate` with a
+        Centers are overdamped, with a drag zeta against the mean flow, as in `oscillate` with a
         period of 2 pi/omega. With their displacements u from it, H and xi = d^2E/(du dgamma),
 
             zeta du/dt = - H u - xi gamma,
@@ -908,7 +947,7 @@ class State:
 
         Args:
             frequencies: angular ones, omega, not negative, any shape [1/time].
-            friction: zeta, force over velocity [1/time], as masses are 1.
+            drag: zeta, force over velocity [1/time], as masses are 1.
 
         Returns:
             G*(omega) of simple shear along x, complex, of the shape of `frequencies`
@@ -922,7 +961,7 @@ class State:
         """
         from .moduli import complex_modulus_of
 
-        return complex_modulus_of(at_rest(self), frequencies, friction)
+        return complex_modulus_of(at_rest(self), frequencies, drag)
 
     # pictures
 
