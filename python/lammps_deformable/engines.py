@@ -291,12 +291,7 @@ class Deformables:
             check_sticky_walls(packing, self.law)
         lmp = particles_in_lammps(packing, self.law, sim.comm, sim.friction, former)
         self._smallest_radius = float(packing.radii.min())
-        self._measure(packing)
         return lmp
-
-    def _measure(self, packing: Packing) -> None:
-        """Take scales of forces and times from the packing of the start."""
-        raise NotImplementedError
 
     def _check_walls(self, walls: tuple[Wall, ...], box: Floats) -> None:
         reach = 1.0 + (self.law.reach if isinstance(self.law, (Ring, Droplet)) else 0.0)
@@ -370,12 +365,15 @@ class Rings(Deformables):
 
     law: Law
 
-    def _measure(self, packing: Packing) -> None:
+    def open(self, sim: Simulation, packing: Packing, former: lammps | None) -> lammps:
+        """As that of all, with the scales of forces and times of this packing."""
+        lmp = super().open(sim, packing, former)
         self._largest_radius = float(packing.radii.max())
         stiffness = self.law.single_contact_stiffness(self._smallest_radius)
         self._single_contact_pressure = stiffness / STIFFNESS_PER_PRESSURE
         self._single_contact_force = stiffness * self._smallest_radius
         self._natural_pressure = natural_pressure(packing, self.law)
+        return lmp
 
     def forces(self, sim: Simulation, least: float = 0.0) -> Forces:
         """Bring forces and results of the particles up to date; returns the forces."""
@@ -456,9 +454,12 @@ class Droplets(Deformables):
 
     law: Droplet
 
-    def _measure(self, packing: Packing) -> None:
+    def open(self, sim: Simulation, packing: Packing, former: lammps | None) -> lammps:
+        """As that of all, with the largest tension of this packing."""
+        lmp = super().open(sim, packing, former)
         tension = self.law.species_parameters(packing._species_radii).tension
         self._stiffness = float(tension.max())
+        return lmp
 
     def forces(self, sim: Simulation, least: float = 0.0) -> Forces:
         """Bring forces and results of the particles up to date; returns the forces."""

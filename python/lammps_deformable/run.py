@@ -461,6 +461,55 @@ class Run(Sequence[Any]):
         """
         return mean_squared_displacement(self, lags)
 
+    def radial_distribution(
+        self, bins: int, r_max: float
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """The mean of `State.radial_distribution` over the states.
+
+        Args:
+            bins: number of intervals of the distance.
+            r_max: largest distance [length].
+
+        Returns:
+            Distances r [length], and the mean of g(r), both of shape (bins,).
+
+        Raises:
+            ParameterError: a value is out of range, or there are no states.
+            ImportError: freud is missing (`pip install 'lammps-deformable[freud]'`).
+        """
+        return self._mean(lambda state: state.radial_distribution(bins, r_max))
+
+    def structure_factor(
+        self, bins: int, k_max: float
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """The mean of `State.structure_factor` over the states.
+
+        Args:
+            bins: number of intervals of the wave number.
+            k_max: largest wave number [1/length].
+
+        Returns:
+            Wave numbers k [1/length], and the mean of S(k) over the states whose boxes have wave
+            vectors there, both of shape (bins,).
+
+        Raises:
+            ParameterError: a value is out of range, or walls close a direction, or there are no
+                states.
+        """
+        return self._mean(lambda state: state.structure_factor(bins, k_max))
+
+    def _mean(
+        self, function: Callable[[Any], tuple[NDArray[np.float64], NDArray[np.float64]]]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Abscissae, and the mean of the values that are no nan."""
+        found = [function(state) for state in self]
+        if not found:
+            raise ParameterError("there are no states to average over")
+        values = np.array([each for _, each in found])
+        with np.errstate(invalid="ignore"):  # nan where no state has a value
+            mean = np.nansum(values, axis=0) / np.sum(~np.isnan(values), axis=0)
+        return found[0][0], mean
+
     def complex_modulus(self, skip: int = 1) -> DynamicModulus:
         """G' and G'' of a run of `oscillate`, from the first harmonic of the stress.
 
