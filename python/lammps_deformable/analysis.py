@@ -367,9 +367,9 @@ def space_cells_of(packing: Packing) -> Cells:
     Raises:
         ParameterError: there is a round wall, at which cells would not be polyhedra.
     """
-    ends = [wall.half_spaces()[0] for wall in packing.walls if isinstance(wall, Plane)]
+    ends = [wall._half_spaces()[0] for wall in packing.walls if isinstance(wall, Plane)]
     if len(ends) < len(packing.walls):
-        n, kind = next((n, w.kind) for n, w in enumerate(packing.walls, 1) if w.round_axes)
+        n, kind = next((n, w._kind) for n, w in enumerate(packing.walls, 1) if w._round_axes)
         raise ParameterError(
             f"Voronoi cells in space end at planes only, and wall {n} is a {kind}: take a room "
             "between planes for local_phi, cell_sides and steinhardt"

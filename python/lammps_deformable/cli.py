@@ -137,7 +137,7 @@ def _printing(columns: Sequence[str], done: int = 0) -> Callable[[State], None]:
         step = next(steps)
         if step == done + 1:
             print_once("step " + " ".join(f"{name:>12}" for name in columns))
-        row = state.numbers()
+        row = state._numbers()
         print_once(f"{step:4d} " + " ".join(f"{row[name]:12.6g}" for name in columns))
 
     return show
@@ -145,7 +145,7 @@ def _printing(columns: Sequence[str], done: int = 0) -> Callable[[State], None]:
 
 def _finish(state: State, folder: Path, began: float) -> None:
     """Draw the last state."""
-    if state.root and importlib.util.find_spec("matplotlib"):
+    if state._root and importlib.util.find_spec("matplotlib"):
         _draw(state, folder / "packing.png")
     print_once(f"wrote {folder} ({time.perf_counter() - began:.1f} s)")
 

@@ -169,7 +169,7 @@ def check_free(
     if walls and free != "iso":
         raise ParameterError(
             f"free='{free}' is not for walls, and there are {len(walls)}, the first a "
-            f"{walls[0].kind}: take free='iso', which scales them with the box"
+            f"{walls[0]._kind}: take free='iso', which scales them with the box"
         )
 
 

@@ -324,7 +324,7 @@ class Lines:
         """Energy and derivatives by the local variables of the sides."""
         packing, radius = self.packing, self.packing.radii
         number = np.bincount(self.sides.i, minlength=len(packing))
-        material = self.law.species_parameters(packing._species_radii).of(packing.species)
+        material = self.law._species_parameters(packing._species_radii).of(packing.species)
         particles = np.column_stack(
             [number, radius, material.kA, material.kP, material.skin, material.tension]
         )
@@ -609,7 +609,7 @@ def _of_droplets(state: State, law: Droplet, rattlers: bool) -> Hessian:
         kept = bearing(table["i"], table["j"], force, len(packing), packing.dimension)
         table = table[kept | kept[other_side(table)]]
     sides = between(table["i"], table["j"], table["distance"][:, None] * table["normal"])
-    tension = law.species_parameters(packing._species_radii).of(packing.species).tension
+    tension = law._species_parameters(packing._species_radii).of(packing.species).tension
     number = np.bincount(sides.i, minlength=len(packing))
     droplets = np.column_stack([number, packing.radii, tension])
     rows = [sides.vector, sides.turn, np.full(len(table), _SHARE), table["force"]]

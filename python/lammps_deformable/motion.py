@@ -103,11 +103,11 @@ class Dynamics:
         if self.persistence is not None:
             steps.append(_PERSISTED * self.persistence)
         if self.rubbing:
-            steps.append(self.rubbing.accurate_step)
+            steps.append(self.rubbing._accurate_step)
         return min(steps)
 
     def _longest(self, state: State, drive: float, temperature: float) -> float:
-        packing, law, squeeze, _ = state.step_limits()
+        packing, law, squeeze, _ = state._step_limits()
         squeeze = max(squeeze, squeeze_under(drive, packing, law))
         if self.inertia:
             return longest_step(packing, law, squeeze, temperature)
@@ -124,16 +124,16 @@ class Dynamics:
                 f"timestep = {timestep:g} is longer than the persistence of {self.persistence:g}: "
                 "take a twentieth of it, or leave it out"
             )
-        if self.rubbing and timestep > self.rubbing.longest_step:
+        if self.rubbing and timestep > self.rubbing._longest_step:
             raise ParameterError(
                 f"timestep = {timestep:g} is too long for springs and dashpots of contacts that "
-                f"rub: take at most {self.rubbing.longest_step:.2g}, or leave it out"
+                f"rub: take at most {self.rubbing._longest_step:.2g}, or leave it out"
             )
         # without the drive: how hard it pushes is a guess
         longest = self._longest(state, 0.0, self._hot(state))
         if timestep <= longest:
             return
-        name, values = state.squeezed
+        name, values = state._squeezed
         n, temperature = int(values.argmax()), self._hot(state)
         cause = f"particle {n}, whose {name} is {values[n]:.3g}, at temperature {temperature:.3g}"
         if longest < self._longest(state, 0.0, 0.0):
@@ -377,7 +377,7 @@ def _refuse_at_pressure(sim: Any, given: Mapping[str, Any]) -> None:
     if sim.walls:
         raise ParameterError(
             f"walls do not follow a box that settles, and there are {len(sim.walls)}, the first a "
-            f"{sim.walls[0].kind}: run(drag=) comes to rest between walls"
+            f"{sim.walls[0]._kind}: run(drag=) comes to rest between walls"
         )
     propelled = given["propulsion"] is not None or given["persistence"] is not None
     if given["temperature"] or not given["inertia"] or propelled:
@@ -509,7 +509,7 @@ def _settled(
             for taken, look in _pieces(settings, done, _LOOK_AT_REST):
                 longest = dynamics.longest_step(state)
                 if sim.friction:
-                    longest = min(longest, sim.friction.longest_step)
+                    longest = min(longest, sim.friction._longest_step)
                 dt = dynamics.timestep or _OF_LONGEST * longest
                 dynamics.check(state, dt)
                 if dt > longest:

@@ -128,7 +128,7 @@ def play(sim: Any, name: str, given: Mapping[str, Any]) -> Run:
     if folder is not None and not has_commands_of_a_user(sim.lmp, sim._setup):
         told["start"] = start
     told |= before
-    if folder is not None and state.root:
+    if folder is not None and state._root:
         if mode == "a":
             store.keep_frames(make_folder(folder), first)
         else:
@@ -242,7 +242,7 @@ def _steps(
     with closing(source), progress(title, "state", start["states"], initial=done) as bar:
         remaining = islice(source, start["states"] - done)
         for number, state in enumerate(remaining, start=first + done):
-            if folder is not None and state.root:
+            if folder is not None and state._root:
                 _write(folder, number, state, told)
             if not keep:
                 states.clear()
@@ -253,7 +253,7 @@ def _steps(
                 break
     if "start" in told and state is not None and (taken := number + 1 - first) < start["states"]:
         told["start"] = {**told["start"], "states": taken}  # complete: nothing is to be resumed
-        if folder is not None and state.root:
+        if folder is not None and state._root:
             state._write(folder, told, frames=number + 1)
 
 
@@ -311,7 +311,7 @@ def _ends(callback: Callback | None, state: Any, comm: MPI.Comm) -> bool:
 
 def recorded_numbers(state: Any) -> dict[str, Any]:
     """The numbers of a state that are recorded, by name: a row of the series."""
-    numbers: dict[str, Any] = dict(state.numbers())
+    numbers: dict[str, Any] = dict(state._numbers())
     axes = "xyz"[: len(state.pressure_tensor)]
     for k, a in enumerate(axes):
         for n, b in enumerate(axes[k:], start=k):
@@ -323,9 +323,9 @@ def recorded_numbers(state: Any) -> dict[str, Any]:
 
 def _write(folder: Path, number: int, state: Any, parameters: Mapping[str, Any]) -> None:
     """Write a frame, and the state behind it. Only one rank calls this."""
-    made_of = store.setup(state.packing, state.law, state.friction) | store.memory(state.motion)
+    made_of = store.setup(state.packing, state.law, state.friction) | store.memory(state._motion)
     store.append_setup(folder, number, made_of)
     images = dict(zip(("ix", "iy", "iz"), state.images.T, strict=False))
-    values = images | state.particle_values()
+    values = images | state._particle_values()
     store.append_frame(folder, number, state.packing, values, recorded_numbers(state))
     state._write(folder, parameters, frames=number + 1)

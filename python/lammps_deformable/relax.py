@@ -393,7 +393,7 @@ def damp(
         )
     collisions = _collision_pressure(lmp, natural)
     stiffest, pressure = max(stiffest, collisions), max(pressure, collisions)
-    timestep = min(_DAMPED_TIMESTEP / np.sqrt(stiffest), _OF_SPRINGS * friction.longest_step)
+    timestep = min(_DAMPED_TIMESTEP / np.sqrt(stiffest), _OF_SPRINGS * friction._longest_step)
     run(lmp, damped_commands(_RATE * float(np.sqrt(pressure))))
     try:
         run_forces(lmp, f"timestep {float(timestep)!r}\nrun {_STEPS} post no", walls)
@@ -446,11 +446,11 @@ def _stiffness(state: State, springs: NDArray[np.float64]) -> NDArray[np.float64
     """kt of each spring, shape (M,): half of it for each side of a radical line."""
     assert state.friction is not None
     kinds = len(state.packing._species_radii)
-    wall = (state.friction.walls or state.friction).of_pairs(kinds)[0, 0, 1]
+    wall = (state.friction.walls or state.friction)._of_pairs(kinds)[0, 0, 1]
     i, j = springs[:, :2].T.astype(np.int64)
     one, two = state.packing.species[i - 1], state.packing.species[np.maximum(j, 1) - 1]
     sides = 2.0 if isinstance(state.law, Ring) and state.law.contact == "radical" else 1.0
-    pairs = state.friction.of_pairs(kinds)[one, two, 1] / sides
+    pairs = state.friction._of_pairs(kinds)[one, two, 1] / sides
     return np.where(j > 0, pairs, wall)
 
 
@@ -496,7 +496,7 @@ def fire_reaches(sim: Simulation, tolerance: float) -> float:
     """The residual that FIRE is asked for at least, where Newton's method does the rest."""
     law = sim.law
     lines = isinstance(law, Ring) and law.contact != "radical" and sim._imbalance >= USUAL
-    return _AIM if lines and not sim.friction and not law.sticks and tolerance < USUAL else 0.0
+    return _AIM if lines and not sim.friction and not law._sticks and tolerance < USUAL else 0.0
 
 
 def can_polish(sim: Simulation, state: State) -> bool:
@@ -541,7 +541,7 @@ def polish(sim: Simulation, state: State, tolerance: float) -> State:
             place_particles(sim.lmp, now.packing.positions + step)
             now = sim.state()
             if sim.callback:
-                numbers = now.phi, now.pressure, now.residual, now.root
+                numbers = now.phi, now.pressure, now.residual, now._root
                 tell(sim.callback, Iteration("relax", number, *numbers), sim.comm)
             best = min(best, now, key=lambda each: each.residual)
         if best is not now:

@@ -88,10 +88,10 @@ def export(run: Run, path: str | Path, forces: bool = False, mode: str = "x") ->
         expect("a state that is exported", state, State)
         names.append(f"{path.stem}_{number:04d}.vtp")
         times.append(state.time)
-        if state.root and number == 0:
+        if state._root and number == 0:
             refuse_present(path, replaces(mode))
         state.export(path.with_name(names[-1]), forces, mode)
-        if state.root:
+        if state._root:
             write_whole(path, collection(names, times))
     if not names:
         raise ParameterError("a series of shapes needs at least one state")
@@ -144,7 +144,7 @@ def _recorded_state(
         "velocities": motion.velocities,
         "time": motion.time,
         "shear_strain": motion.strain,
-        "root": world().rank == 0,
+        "_root": world().rank == 0,
         "images": motion.images,
         "energy": float(row["energy"]),
         "residual": float(row["residual"]),
@@ -157,7 +157,7 @@ def _recorded_state(
     }
     evaluate = partial(_evaluated, packing, law, friction, motion)
     if friction is None:
-        return State(packing, law, **known, evaluate=evaluate)
+        return State(packing, law, **known, _evaluate=evaluate)
     return replace(evaluate(), **known)  # forces along contacts are not in the frame
 
 

@@ -276,7 +276,7 @@ def refuse_walls(sim: Any) -> None:
     if sim.walls:
         raise ParameterError(
             f"walls are not sheared, and this simulation has {len(sim.walls)}, the first a "
-            f"{sim.walls[0].kind}: shear needs a periodic box without walls"
+            f"{sim.walls[0]._kind}: shear needs a periodic box without walls"
         )
 
 

@@ -279,10 +279,10 @@ class Simulation(OneCall):
         if state is not None:
             carry(self.lmp, state, np.linalg.inv(former) @ box)
 
-    def confine(self, walls: Walls) -> None:
+    def _confine(self, walls: Walls) -> None:
         """Move the walls around a single polygon, see `PolygonBeads.confine`."""
         if not isinstance(self._engine, PolygonBeads):
-            raise ParameterError("confine moves the walls of a single polygon only: take deform")
+            raise ParameterError("_confine moves the walls of a single polygon only: take deform")
         self._engine.confine(self, walls)
 
     def compress(
@@ -826,7 +826,7 @@ def _motion(state: State | None, packing: Packing, law: Any) -> Motion:
     """What goes on of a state, at rest without one; films only where the law has some."""
     if state is None:
         return Motion(np.zeros_like(packing.positions))
-    motion = state.motion
+    motion = state._motion
     if type(law) is not type(state.law) and not sticks(law, packing.walls):
         motion = motion._replace(films=None)
     return motion

@@ -179,7 +179,7 @@ class State:
     converged: bool
     results: Mapping[str, NDArray[Any]] = field(default_factory=dict)
     velocities: Floats = field(default_factory=_unknown)
-    root: bool = True
+    _root: bool = True
     time: float = 0.0
     shear_strain: float | None = None
     beyond: int = 0
@@ -190,17 +190,17 @@ class State:
     friction: Friction | None = None
     rubbing: Rubbing | None = None
     unsaved: str = ""
-    table: ContactTable | None = None
+    _table: ContactTable | None = None
     polygons: Any = None
     vertices: tuple[Floats, ...] = ()
     images: NDArray[np.int64] | None = None
-    evaluate: Callable[[], State] | None = None
+    _evaluate: Callable[[], State] | None = None
 
     def __post_init__(self) -> None:
         packing = self.packing
         if self.velocities is None:
             object.__setattr__(self, "velocities", np.zeros_like(packing.positions))
-        if self.wall_forces is None and self.evaluate and packing.walls:
+        if self.wall_forces is None and self._evaluate and packing.walls:
             object.__delattr__(self, "wall_forces")  # evaluated when it is asked for
         elif self.wall_forces is None:
             none = np.zeros((len(packing.walls), packing.dimension))
@@ -261,7 +261,7 @@ class State:
         results = self.__dict__.get("results", {})
         if name in results and name != "area":
             return results[name]
-        if name == "wall_forces" and self.__dict__.get("evaluate"):
+        if name == "wall_forces" and self.__dict__.get("_evaluate"):
             return self._again.wall_forces
         # of methods and properties that this state does not have, for their own words
         own: Any = vars(type(self)).get(name)
@@ -299,6 +299,35 @@ class State:
                 f"{name} is for states of {_LAWS[where][1]}, and the law of this one is "
                 f"{self.law!r}: take its packing"
             )
+
+    # particles
+
+    @property
+    def positions(self) -> Floats:
+        """Centers of the particles, those of `packing`, shape (N, d) [length]."""
+        return self.packing.positions
+
+    @property
+    def radii(self) -> Floats:
+        """Undeformed radii, those of `packing`, shape (N,) [length]."""
+        return self.packing.radii
+
+    @property
+    def box(self) -> Floats:
+        """Lattice vectors as rows, those of `packing`, shape (d, d) [length]."""
+        return self.packing.box
+
+    @cached_property
+    def forces(self) -> Floats:
+        """Force of its contacts on each particle, shape (N, d) [energy/length].
+
+        The sum of their `force_vector`: fixes of a user and noise are left out.
+        """
+        table = self.contacts
+        forces = np.zeros_like(self.packing.positions)
+        np.add.at(forces, table["i"], table["force_vector"])
+        forces.setflags(write=False)
+        return forces
 
     # pressure, energy and motion
 
@@ -339,23 +368,23 @@ class State:
         return 0.0 if self.rubbing is None else self.rubbing.stored
 
     @property
-    def motion(self) -> Motion:
+    def _motion(self) -> Motion:
         """What goes on with a simulation from this state, beside the packing."""
         history = self.velocities, self.time, self.shear_strain, self.films, self.directions
         lost = self.lost_energy - sum(self.rubbing.lost if self.rubbing else ())
         return Motion(*history, self.rubbing, self.images, lost)
 
     @property
-    def squeezed(self) -> tuple[str, Floats]:
+    def _squeezed(self) -> tuple[str, Floats]:
         """What limits time steps: its name, the pressure in each particle or the load."""
         self._check_has("squeezed", "moving")
         name = "load" if isinstance(self.law, Droplet) else "pressure"
         return name, self.results["loads" if name == "load" else "pressures"]
 
     @_only("moving")
-    def step_limits(self) -> tuple[Packing, AnyLaw, float, float]:
+    def _step_limits(self) -> tuple[Packing, AnyLaw, float, float]:
         """The arguments of `longest_step` and `accurate_step`."""
-        return self.packing, self.law, float(self.squeezed[1].max()), self.temperature
+        return self.packing, self.law, float(self._squeezed[1].max()), self.temperature
 
     # particles
 
@@ -408,7 +437,7 @@ class State:
         """Thickness of the rigid skin of each particle, shape (N,) [length]."""
         if self.polygons is not None:
             return self.polygons.skin[self.packing.species]
-        skin: Floats = self.law.species_parameters(self.packing._species_radii).skin
+        skin: Floats = self.law._species_parameters(self.packing._species_radii).skin
         return skin[self.packing.species]
 
     @property
@@ -445,11 +474,11 @@ class State:
             return list(self.vertices)
         if isinstance(self.law, SoftContact):
             return self.packing.outlines
-        lines = self.parallels(same_area=True)
+        lines = self._parallels(same_area=True)
         return [x + line for x, line in zip(self.packing.positions, lines, strict=True)]
 
     @_only("rings")
-    def parallels(
+    def _parallels(
         self, inset: Floats | None = None, points: int = 180, same_area: bool = False
     ) -> list[Floats]:
         """Lines parallel to the outlines, about each particle's center, arrays (m, 2) [length].
@@ -505,20 +534,20 @@ class State:
         force on i. But for polygons there are distance, indentation of i and position (d,), in
         space and of soft particles normal (d,); of rings angle, length, tilt, half_angle,
         contact_angle and attached, see `contacts.COLUMNS`; of droplets facet_radius, see
-        `contacts.DROPLETCOLUMNS`. With friction there are friction, damping, spring, sliding too,
+        `contacts.DROPLET_COLUMNS`. With friction there are friction, damping, spring, sliding too,
         see `friction.RUBBING`, and the forces have these parts.
         """
-        if self.table is not None:
-            return self.table
-        if self.evaluate:
+        if self._table is not None:
+            return self._table
+        if self._evaluate:
             return self._again.contacts
         return contacts.soft_table(self.packing, self.law.k)
 
     @cached_property
     def _again(self) -> State:
         """The state of the same particles, evaluated again."""
-        assert self.evaluate is not None
-        return self.evaluate()
+        assert self._evaluate is not None
+        return self._evaluate()
 
     @cached_property
     def _contacts_of_each(self) -> list[ContactTable]:
@@ -539,7 +568,7 @@ class State:
 
     @property
     def _rubs(self) -> bool:
-        return self.friction is not None and self.friction.rubs
+        return self.friction is not None and self.friction._rubs
 
     @property
     def _of_rattlers(self) -> int:
@@ -965,7 +994,7 @@ class State:
 
     # pictures
 
-    def values(self, color_by: str | ArrayLike) -> Floats:
+    def _values(self, color_by: str | ArrayLike) -> Floats:
         """One number for each particle, shape (N,).
 
         Args:
@@ -1067,7 +1096,7 @@ class State:
 
     # numbers, tables and files
 
-    def numbers(self) -> dict[str, Any]:
+    def _numbers(self) -> dict[str, Any]:
         """The state in numbers, by name; `strain` is None without shear."""
         box, axes = self.packing.box, "xyz"[: self.packing.dimension]
         sides = {f"l{axis}": float(box[k, k]) for k, axis in enumerate(axes)}
@@ -1098,7 +1127,7 @@ class State:
             "beyond": self.beyond,
         }
 
-    def particle_values(self) -> dict[str, NDArray[Any]]:
+    def _particle_values(self) -> dict[str, NDArray[Any]]:
         """Values of the particles by their names in a trajectory, arrays of shape (N,)."""
         found: dict[str, NDArray[Any]] = {"radius": self.packing.radii}
         if isinstance(self.law, SoftContact):
@@ -1218,7 +1247,7 @@ class State:
             UnsavedWarning: the files lack what `unsaved` names.
         """
         check_parameters(parameters)
-        if not self.root:
+        if not self._root:
             return
         ways = (f"replace it with save({str(folder)!r}, mode='w')",)
         place = refuse_run(folder, replaces(mode), ways)
@@ -1237,14 +1266,14 @@ class State:
         self, folder: Path, parameters: Mapping[str, Any] | None, frames: int | None = None
     ) -> None:
         """Write the state behind so many recorded frames up to it, if any."""
-        packing, law, squeeze, now = self.step_limits()
-        longest = self.friction.accurate_step if self.friction else np.inf
+        packing, law, squeeze, now = self._step_limits()
+        longest = self.friction._accurate_step if self.friction else np.inf
         steps = (
             min(accurate_step(packing, law, squeeze, now), longest),
             min(accurate_step(packing, law, squeeze, max(now, TEMPERATURE)), longest),
         )
-        numbers = self.numbers()
-        save(folder, packing, law, steps, numbers, self.motion, parameters, frames, self.friction)
+        numbers = self._numbers()
+        save(folder, packing, law, steps, numbers, self._motion, parameters, frames, self.friction)
 
 
 def soft_state(packing: Packing, law: SoftContact, residual: float, converged: bool) -> State:
