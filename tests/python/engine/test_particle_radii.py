@@ -96,9 +96,9 @@ def test_particles_may_grow_up_to_their_species(state: ld.State) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("contact", ["radical", "balanced"])
-@pytest.mark.parametrize("seed", [1, 2])
-@pytest.mark.parametrize("width", [0.1, 0.3, 0.5])
+@pytest.mark.parametrize(
+    ("width", "seed", "contact"), [(0.1, 1, "radical"), (0.5, 2, "balanced"), (0.5, 1, "radical")]
+)
 def test_wide_distributions_reach_the_tolerance(width: float, seed: int, contact: str) -> None:
     """Radii up to 12 times as large as others."""
     start = ld.polydisperse(64, stats.lognorm(width, scale=0.5), seed=seed)
@@ -109,7 +109,7 @@ def test_wide_distributions_reach_the_tolerance(width: float, seed: int, contact
             assert state.energy > 0.0
 
 
-@pytest.mark.parametrize("law", [RADICAL, ld.Ring(), ld.Sector()])
+@pytest.mark.parametrize("law", [RADICAL, ld.Sector()])
 def test_saved_state_goes_on_as_it_was(
     state: ld.State, law: ld.Ring | ld.Sector, tmp_path: Path
 ) -> None:
@@ -141,12 +141,6 @@ def test_trajectory_has_the_radii(jammed: ld.Packing, tmp_path: Path) -> None:
         radii = [frame.data["radius"].copy() for frame in universe.trajectory]
     assert len(radii) == 3
     np.testing.assert_allclose(radii, [jammed.radii] * 3, rtol=1e-12)
-
-
-def test_picture(state: ld.State) -> None:
-    pytest.importorskip("matplotlib")
-    axes = state.plot(color="area_deficit")
-    assert len(axes.collections[0].get_paths()) >= 24
 
 
 def test_rings_of_beads_refuse_particle_radii(jammed: ld.Packing) -> None:

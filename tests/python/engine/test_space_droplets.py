@@ -45,7 +45,6 @@ def at_indentation(lattice: str, a: float) -> Packing:
 @pytest.mark.parametrize(
     ("lattice", "a", "force", "work"),
     [
-        ("fcc", 0.01, 0.0327020257, None),
         ("fcc", 0.03, 0.169785539, 0.0372670932),
         ("bcc", 0.03, 0.125799123, 0.0175985371),
         ("sc", 0.05, 0.233474417, None),
@@ -69,7 +68,7 @@ def test_equal_contacts(lattice: str, a: float, force: float, work: float | None
 
 @pytest.mark.parametrize(
     ("lattice", "shear", "stretch"),
-    [("fcc", 0.2865, 0.4928), ("bcc", 0.2413, None), ("sc", None, 0.6301)],
+    [("fcc", 0.2865, 0.4928), ("sc", None, 0.6301)],
 )
 def test_moduli_of_crystals(lattice: str, shear: float | None, stretch: float | None) -> None:
     """At 0.01 above their close packing, from four digits of a dense solution [tension/radius].
@@ -255,17 +254,8 @@ SPHERES = ld.bidisperse(8, dimension=3, seed=1)
     [
         (lambda: ld.Simulation(ld.bidisperse(4, seed=1), Droplet()), r"two: .* Ring\(kA="),
         (lambda: ld.jam(ld.bidisperse(4, seed=1), Droplet()).packing, "Droplet is for three dim"),
-        (lambda: ld.Simulation(SPHERES, ld.Ring()), "Ring is .* take `Droplet`"),
         (lambda: ld.Simulation(SPHERES, Droplet([1, 2, 3])), "there are 2 species"),
-        (lambda: ld.Simulation(None, Droplet()), "packing must be of the kind Packing"),
-        (
-            lambda: ld.Simulation(SPHERES.replace(walls=ld.Sphere(9, (0, 0))), Droplet()),
-            "is a wall in 2 dimensions",
-        ),
         (lambda: Droplet(0.0), "tension must be positive, .* not 0.0"),
-        (lambda: Droplet([1.0, -1.0]), r"not \[1.0, -1.0\]"),
-        (lambda: Droplet(np.nan), "tension must be positive"),
-        (lambda: Droplet(np.inf), "tension must be positive"),
         (lambda: Droplet("soft"), "tension must be a number, or one number for each species"),
         (
             lambda: ld.Simulation(SPHERES, Droplet()).compress(phi=1.1, steps=10)[1:],

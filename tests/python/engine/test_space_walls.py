@@ -25,7 +25,6 @@ SCENES = {
     "cuboid": BoxWall((8, 7, 6), (1, -2, 3)).parts,
     "plates": LIDS,
     "drum": (Cylinder(4, "z", (4, 3, 2)), *LIDS),
-    "tube": Cylinder(4, "x", (4, 3, 2)),
     "hopper": (
         Cone((4, 3, -2.142857142857143), "z", np.arctan(0.7)),
         Cylinder(4, "z", (4, 3, 2)),
@@ -81,7 +80,7 @@ def test_one_droplet_in_its_faces(name: str) -> None:
             )
 
 
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize("name", ["cuboid", "hopper", "posts", "sphere and balls"])
 def test_walls_bear_what_droplets_carry(name: str) -> None:
     """Forces on walls are those of their contacts; the pressure is the slope of the energy.
 
@@ -138,10 +137,9 @@ def test_pressure_in_a_cuboid_is_force_per_area() -> None:
     assert state.packing.volume == pytest.approx(np.prod(sides))
 
 
-@pytest.mark.parametrize("name", ["drum", "sphere and balls"])
-def test_soft_spheres_jam_between_walls(name: str) -> None:
+def test_soft_spheres_jam_between_walls() -> None:
     """Their pressure is the slope of the energy, and contacts are as many as hold them."""
-    start = ld.bidisperse(40, sizes=(0.5, 0.6), dimension=3, seed=3).between(SCENES[name])
+    start = ld.bidisperse(40, sizes=(0.5, 0.6), dimension=3, seed=3).between(SCENES["drum"])
     jammed = ld.jam(start).packing
     assert 0.4 < jammed.phi < 0.6  # walls take room from small packings
     with ld.Simulation(jammed, ld.SoftContact()) as soft:
@@ -201,10 +199,9 @@ def test_compression_scales_walls_with_droplets(drum, tmp_path: Path) -> None:
     assert pressure * box == pytest.approx(last.pressure * last.packing.volume, rel=1e-9)
 
 
-@pytest.mark.parametrize("suffix", ["data", "lammpstrj", "xyz"])
-def test_packing_files(drum, suffix: str, tmp_path: Path) -> None:
+def test_packing_files(drum, tmp_path: Path) -> None:
     """Walls are given again."""
-    path = tmp_path / f"packing.{suffix}"
+    path = tmp_path / "packing.lammpstrj"
     with pytest.warns(ld.UnsavedWarning, match="lacks the walls"):
         drum.to_file(path)
     again = ld.Packing.from_file(path, walls=drum.walls, dimension=3)

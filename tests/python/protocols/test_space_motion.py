@@ -35,13 +35,7 @@ def stiffest(sim: ld.Simulation, state: State) -> float:
 
 
 @pytest.mark.parametrize(
-    ("kind", "phi"),
-    [
-        *(("random", phi) for phi in (0.645, 0.7, 0.8)),
-        *(("fcc", phi) for phi in (0.75, 0.8, 0.85)),
-        *(("bcc", phi) for phi in (0.7, 0.8)),
-        ("sc", 0.55),
-    ],
+    ("kind", "phi"), [("random", 0.645), ("random", 0.8), ("bcc", 0.8), ("sc", 0.55)]
 )
 def test_longest_steps_are_stable_and_not_by_far(jammed: Packing, kind: str, phi: float) -> None:
     """Verlet up to 2/omega, Euler up to 2 friction/omega^2, of the stiffest mode."""
@@ -154,7 +148,6 @@ def test_a_tolerance_of_the_balance(jammed: Packing) -> None:
         ({"timestep": 5.0, "temperature": None}, "droplet|particle .*, whose load is"),
         ({"propulsion": 1.0, "persistence": 1.0, "drag": 1.0}, "a propulsion is for .* plane"),
         ({"inertia": False}, "need a drag"),
-        ({"temperature": -1.0}, "temperature .* -1"),
     ],
 )
 def test_refusals(loose: Packing, values: dict[str, object], message: str) -> None:
