@@ -7,7 +7,7 @@ from lammps_deformable import Simulation
 EACH = {"plane": lambda: PLANE, "space": lambda: SPACE, **MAKERS}
 
 
-@pytest.mark.parametrize("name", EACH)
+@pytest.mark.parametrize("name", ["plane", "space", "rings", "droplets", "polygons"])
 def test_hasattr_answers(name: str) -> None:
     made = EACH[name]()
     asked = [made]

@@ -88,7 +88,7 @@ def test_a_stalled_relaxation_warns(
     kind: Kind, six: ld.Packing, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(polygon_engine, "_ITERATIONS", 10)
-    monkeypatch.setattr(polygon_engine, "_PATIENCE", 20)
+    monkeypatch.setattr(polygon_engine.PolygonBeads, "patience", 20)
     monkeypatch.setattr(polygon_engine, "_STEPS", 2)
     with ld.Simulation(six, kind.model) as rings:
         rings.deform(0.98 * rings.box)

@@ -12,13 +12,11 @@ from protocol_helpers import written
 pytest.importorskip("MDAnalysis")
 
 
-@pytest.fixture(scope="module", params=[0.0, 0.3])
-def run(
-    request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
-) -> tuple[Path, list[ld.State]]:
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[ld.State]]:
     """A recorded motion, with the state before its first step."""
     folder = tmp_path_factory.mktemp("run")
-    fluid = ld.bidisperse(16, phi=0.7, tilt=request.param, seed=2).push_off()
+    fluid = ld.bidisperse(16, phi=0.7, tilt=0.3, seed=2).push_off()
     with ld.Simulation(fluid, ld.Ring()) as sim:
         return folder, list(sim.run(60, temperature=1e-5, every=20, seed=1, record=folder))
 

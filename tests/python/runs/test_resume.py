@@ -203,13 +203,19 @@ def spoil(text: str, how: str) -> str | None:
     return text.replace("ITEM: TIMESTEP\n1\n", "ITEM: TIMESTEP\n7\n").replace("\n1,", "\n7,")
 
 
-@pytest.mark.parametrize("how", ["missing", "cut", "short", "other"])
-@pytest.mark.parametrize("name", ["trajectory.lammpstrj", "series.csv"])
+@pytest.mark.parametrize(
+    ("name", "how"),
+    [
+        ("trajectory.lammpstrj", "missing"),
+        ("trajectory.lammpstrj", "cut"),
+        ("trajectory.lammpstrj", "other"),
+        ("series.csv", "short"),
+        ("series.csv", "other"),
+    ],
+)
 def test_missing_frames_are_refused(
     uninterrupted: dict[str, bytes], tmp_path: Path, name: str, how: str
 ) -> None:
-    if (name, how) == ("series.csv", "cut"):
-        how = "short"
     for file, content in uninterrupted.items():
         (tmp_path / file).write_bytes(content)
     left = spoil((tmp_path / name).read_text(), how)

@@ -16,11 +16,9 @@ FLOW = {"drag": 1.0, "temperature": 1e-6, "seed": 3}
 # Through rearrangements, so that other last digits would show, and flips of the box.
 PROTOCOLS: dict[str, Callable[..., Any]] = {
     "strain": lambda sim, **how: sim.compress(strain=0.02, steps=3, **how),
-    "expansion": lambda sim, **how: sim.compress(strain=-0.01, steps=3, **how),
     "phi": lambda sim, **how: sim.compress(phi=0.9, steps=3, **how),
     "pressure": lambda sim, **how: sim.compress(pressure=1e-3, steps=3, **how),
     "grow": lambda sim, **how: sim.grow(factor=1.03, steps=3, **how),
-    "grow phi": lambda sim, **how: sim.grow(phi=0.9, steps=3, **how),
     "shear": lambda sim, **how: sim.shear(0.8, steps=5, **how),
     "flow": lambda sim, **how: sim.shear(0.8, steps=3, rate=0.1, **FLOW, **how),
     "cycle": lambda sim, **how: sim.oscillate(0.02, period=math.inf, steps=8, **how),
@@ -57,20 +55,17 @@ def contents(folder: Path) -> dict[str, bytes]:
 def test_the_files_of_a_whole_run(name: str, start: ld.Packing, tmp_path: Path) -> None:
     whole = PROTOCOLS[name](ld.Simulation(start, ld.Ring()), record=tmp_path / "whole")
     assert len(whole) > 3
-    for steps in (1, 2):
-        folder = tmp_path / str(steps)
-        with pytest.raises(Stop):
-            PROTOCOLS[name](
-                ld.Simulation(start, ld.Ring()), record=folder, callback=stop_after(steps)
-            )
-        run = ld.Run(folder)
-        assert (len(run), run.steps_done) == (steps + 1, steps)
-        seen: list[ld.State] = []
-        assert run.resume(callback=seen.append) is run
-        assert (len(run), len(seen)) == (len(whole), len(whole) - 1 - steps)
-        assert contents(folder) == contents(tmp_path / "whole")
-        run.resume(callback=seen.append)
-        assert len(seen) == len(whole) - 1 - steps
+    folder = tmp_path / "broken"
+    with pytest.raises(Stop):
+        PROTOCOLS[name](ld.Simulation(start, ld.Ring()), record=folder, callback=stop_after(2))
+    run = ld.Run(folder)
+    assert (len(run), run.steps_done) == (3, 2)
+    seen: list[ld.State] = []
+    assert run.resume(callback=seen.append) is run
+    assert (len(run), len(seen)) == (len(whole), len(whole) - 3)
+    assert contents(folder) == contents(tmp_path / "whole")
+    run.resume(callback=seen.append)
+    assert len(seen) == len(whole) - 3
 
 
 @pytest.mark.parametrize("name", ["shear", "nve"])

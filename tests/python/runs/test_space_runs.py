@@ -43,8 +43,6 @@ def compressed(**target: float) -> Callable[..., ld.Run]:
 
 
 PROTOCOLS = {
-    "strain": compressed(strain=0.02),
-    "phi": compressed(phi=0.74),
     "pressure": compressed(pressure=0.1),
     # through a flip of the box
     "shear": lambda sim, **how: sim.shear(0.4, steps=3, **how),
