@@ -2,7 +2,6 @@
 
 import csv
 import json
-import math
 import os
 import re
 import subprocess
@@ -13,8 +12,6 @@ import pytest
 import ranks
 from lammps_deformable import cli, core
 from programs import command, program
-
-SMALL = ("--number", "12", "--steps", "1")
 
 
 def run(*arguments: str, cwd: Path) -> subprocess.CompletedProcess[str]:
@@ -44,16 +41,6 @@ def test_compress_writes_everything_and_goes_further(tmp_path: Path) -> None:
     assert phi == sorted(phi)
     parameters = json.loads((out / "summary.json").read_text())["parameters"]
     assert parameters["before"]["seed"] == 3
-
-
-def test_ring_laws(tmp_path: Path) -> None:
-    result = run("compress", *SMALL, "--law", "radical", "--kP", "5", cwd=tmp_path)
-    assert result.returncode == 0, result.stderr
-    with ld.Run(tmp_path / "compress").simulation() as sim:
-        assert sim.law == ld.Ring(kP=5.0, contact="radical")
-    summary = json.loads((tmp_path / "compress" / "summary.json").read_text())
-    assert summary["parameters"]["law"] == "radical"
-    assert result.stderr == ""
 
 
 def test_sector_warns_on_one_line(tmp_path: Path) -> None:
@@ -111,20 +98,6 @@ def test_errors_are_one_line(
     assert [word for word in words if word not in error] == []
     assert out == ""  # before any work
     assert not list(tmp_path.iterdir())
-
-
-def test_options_that_do_not_exist(tmp_path: Path) -> None:
-    result = run("compress", "--law", "bubble", cwd=tmp_path)
-    assert result.returncode == 2
-    assert "--law" in result.stderr
-    assert not list(tmp_path.iterdir())
-
-
-def test_soft_perimeters(tmp_path: Path) -> None:
-    result = run("compress", *SMALL, "--law", "sector", "--kA", "inf", "--kP", "2", cwd=tmp_path)
-    assert result.returncode == 0, result.stderr
-    law = json.loads((tmp_path / "compress" / "summary.json").read_text())["law"]
-    assert (float(law["kA"]), law["kP"]) == (math.inf, 2.0)
 
 
 @pytest.mark.parametrize("strain", ["1", "nan"])

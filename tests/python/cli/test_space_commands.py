@@ -31,12 +31,6 @@ def test_one_of_law_and_dimension() -> None:
         assert law_and_dimension(law, dimension) == found
 
 
-def test_jam_finds_the_onset_of_droplets(here: Path) -> None:
-    shell("jam --number 12 --law droplet --pressure 1e-7")
-    with ld.Run("jam").simulation() as sim:
-        assert sim.state().phi == pytest.approx(0.6, abs=0.05)
-
-
 def test_droplets_in_a_dump_are_drawn(here: Path) -> None:
     """With a tension and a radius for each type."""
     packing = ld.bidisperse(8, sizes=(0.5, 0.6), dimension=3, seed=1).at(0.6).push_off()

@@ -62,14 +62,6 @@ def test_a_run_needs_its_folder_and_a_communicator(state: ld.State, tmp_path: Pa
             call(comm=0)
 
 
-def test_shear_strain_in_quotes() -> None:
-    with (
-        ld.Simulation(P, ld.SoftContact()) as sim,
-        pytest.raises(ld.ParameterError, match="strain must be a finite number, not 'a'"),
-    ):
-        sim.shear("a", steps=2)  # type: ignore[arg-type]
-
-
 def test_a_closed_simulation_refuses_calls(tmp_path: Path) -> None:
     sim = ld.Simulation(P, Ring())
     calls: list[Callable[[], Any]] = [

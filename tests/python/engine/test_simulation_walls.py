@@ -174,22 +174,6 @@ def test_obstacles_alone_stay_in_the_periodic_box() -> None:
         assert sim.state().energy == pytest.approx(state.energy, rel=1e-9)
 
 
-def test_walls_given_to_the_simulation() -> None:
-    """They replace those of the packing."""
-    two = ld.Packing([[0, 0], [0.9, 0]], 0.5, np.diag([9.0, 9.0]))
-    room = ld.BoxWall((1.85, 1.0), (-0.45, -0.5)).parts
-    with ld.Simulation(two.replace(walls=room), Ring()) as sim:
-        assert sim.walls == room
-        assert sim.box.tolist() == [[1.85, 0], [0, 1]]
-        pressed = sim.state()
-    with ld.Simulation(
-        two.replace(walls=Sphere(1, (4, 4), inside=False)).replace(walls=()), Ring()
-    ) as sim:
-        free = sim.state()
-        assert free.packing.walls == ()
-    assert pressed.energy > free.energy > 0
-
-
 def test_further_walls_by_hand(packing) -> None:
     """Through `lmp`: they act, but are none of the simulation's."""
     with ld.Simulation(packing.replace(walls=packing.walls[:3]), Ring()) as sim:

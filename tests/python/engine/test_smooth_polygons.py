@@ -11,7 +11,7 @@ import pytest
 from crystal import crystal
 from lammps_deformable import core
 from lammps_deformable.lammps import gather
-from lammps_deformable.polygon_engine import SmoothPolygons, have_crossed, relax_smooth
+from lammps_deformable.polygon_engine import SmoothPolygons, have_crossed
 from naive_polygons import pair
 
 pytestmark = pytest.mark.filterwarnings("error")
@@ -274,16 +274,3 @@ def test_kernel_refuses(change: dict[str, Any], message: str) -> None:
     assert core.smooth_polygons(**good, **of_two).energy == 0.0
     with pytest.raises(ValueError, match=message):
         core.smooth_polygons(**(good | of_two | change))
-
-
-def test_relax_smooth_reports_each_step() -> None:
-    packing = pair(1.41)
-    model = ld.DeformablePolygon(40, radius=0.025, kL=240.0, kr=10.0)
-    polygons = SmoothPolygons(
-        model, model.polygons(packing._species_radii), packing.species, packing.box
-    )
-    seen: list[float] = []
-    with ld.Simulation(packing, model) as start:
-        x = np.vstack(start.state().outlines)
-    relax_smooth(polygons, x, 1e-6, seen.append)
-    assert seen[-1] <= 1e-6 < seen[0]

@@ -124,13 +124,6 @@ def test_as_many_types_as_atoms(tmp_path: Path) -> None:
     assert (found.species.tolist(), found.radii.tolist()) == ([0, 0, 1], [0.5, 0.5, 0.7])
 
 
-def test_plain_xyz_takes_a_box(tmp_path: Path) -> None:
-    path = tmp_path / "plain.xyz"
-    path.write_text("2\na comment\nA 0.1 0.2 0\nB 1.1 0.2 0\n")
-    found = Packing.from_file(path, radii=0.5, box=(2, 3))
-    assert found.positions.tolist() == [[0.1, 0.2], [1.1, 0.2]]
-
-
 def test_any_comment_of_plain_xyz(tmp_path: Path) -> None:
     """Also behind a header of the extended format."""
     lattice = 'Lattice="2 0 0 0 3 0 0 0 1" Properties=species:S:1:pos:R:3'

@@ -64,13 +64,6 @@ def test_gsd_keeps_single_precision(folder: Path, packing: Packing) -> None:
     assert (np.abs(found.positions - packing.positions) <= 20.0 * SINGLE * sizes).all()
 
 
-def test_species_keep_their_radii(jammed: Packing, tmp_path: Path) -> None:
-    jammed.to_file(tmp_path / "jammed.data")
-    found = Packing.from_file(str(tmp_path / "jammed.data"))
-    check_equal(found, jammed)
-    assert found._species_radii.tolist() == [0.5, 0.7]
-
-
 @pytest.mark.parametrize("suffix", [".xyz", ".gsd"])
 def test_walls_are_told_and_given_again(suffix: str, tmp_path: Path) -> None:
     channel = [ld.Plane((0, -3), (0, 1)), ld.Plane((0, 4), (0, -1))]

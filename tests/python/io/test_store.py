@@ -79,9 +79,3 @@ def test_errors_name_the_file(case: str, state: ld.State, tmp_path: Path) -> Non
     with pytest.raises(ld.FileError, match=f"{name} cannot be read: .*{message}") as caught:
         read(tmp_path)
     assert "\n" not in str(caught.value)
-
-
-def test_a_file_is_no_folder(tmp_path: Path) -> None:
-    (tmp_path / "file").write_text("")
-    with pytest.raises(ld.FileError, match="file' is a file, not a folder"):
-        read(tmp_path / "file")

@@ -87,8 +87,3 @@ def test_outline_of_a_droplet() -> None:
     x, y = droplet.outline(0, 1.0, angle, a, points=4000).T
     area = 0.5 * np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))
     assert area == pytest.approx(np.pi, rel=2e-6)
-
-
-def test_settings_may_be_numpy_numbers() -> None:
-    ring = ld.Ring(kA=np.array(2.0), reach=np.float64(0.4), kP=np.array([1, 2]))
-    assert ring == ld.Ring(kA=2.0, reach=0.4, kP=(1.0, 2.0))

@@ -107,14 +107,6 @@ def test_one_value_a_species() -> None:
         ld.DeformablePolygon([50], smooth=False).polygons(RADII)
 
 
-def test_settings_may_be_numpy_numbers() -> None:
-    model = ld.DeformablePolygon(
-        np.int64(12), radius=np.float64(0.1), kL=np.float32(8), kA=2, smooth=False
-    )
-    with ld.Simulation(ld.bidisperse(2, phi=0.1, seed=1), model) as polygons:
-        assert polygons.state().residual == 0.0
-
-
 def test_beads_are_smaller_than_the_ring() -> None:
     with pytest.raises(ld.ParameterError, match=r"too large for a particle of radius 0\.5"):
         ld.DeformablePolygon(50, radius=0.25, smooth=False).polygons(RADII)

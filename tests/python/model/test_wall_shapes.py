@@ -95,14 +95,6 @@ def test_walls_are_values() -> None:
         assert eval(repr(wall)) == wall
 
 
-def test_stretched_plane() -> None:
-    """Points of the line stay on it."""
-    plane = Plane((1, 2), (3, 1))
-    along = np.array([1, 2]) + 0.7 * np.array([-1, 3])
-    new = plane.stretched(2.0, 0.5)
-    assert (along * [2.0, 0.5] - new.origin) @ new.normal == pytest.approx(0, abs=1e-14)
-
-
 def test_sides_of_the_box_become_walls() -> None:
     """Along an axis that is not periodic the box has the walls of a rectangle there."""
     places, box = [[1, 1], [2, 3]], (6, 5)

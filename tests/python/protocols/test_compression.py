@@ -1,6 +1,5 @@
 """Quasistatic compression."""
 
-import sys
 from typing import Any
 
 import lammps_deformable as ld
@@ -32,15 +31,6 @@ def test_compress_refuses_nonsense_at_once(jammed: ld.Packing, strain: float) ->
         pytest.raises(ld.ParameterError, match="strain"),
     ):
         sim.compress(strain=strain)
-
-
-def test_no_progress_bar_off_a_terminal(
-    jammed: ld.Packing, capfd: pytest.CaptureFixture[str]
-) -> None:
-    assert not sys.stderr.isatty()
-    with ld.Simulation(jammed, ld.Ring()) as sim:
-        sim.compress(strain=0.001)
-    assert capfd.readouterr() == ("", "")
 
 
 @pytest.mark.parametrize("kind", ["law", "polygons"])

@@ -88,14 +88,6 @@ def test_free_particles_follow_the_flow_and_diffuse_in_it() -> None:
     assert covariance < spread * strain
 
 
-def test_recorded_flows(rest: ld.State, tmp_path: pytest.TempPathFactory) -> None:
-    with ld.Simulation(rest, rest.law) as sim:
-        states = sim.shear(0.02, steps=4, rate=RATE, drag=FRICTION, record=tmp_path / "run")[1:]
-    run = ld.Run(tmp_path / "run")
-    assert [state.shear_strain for state in run][-4:] == [state.shear_strain for state in states]
-    assert [state.time for state in run][-4:] == [state.time for state in states]
-
-
 @pytest.mark.parametrize(
     ("values", "message"),
     [

@@ -48,20 +48,6 @@ def test_moduli_of_the_crystal_of_rings() -> None:
     assert bulk_modulus(state, 1e-4).value == pytest.approx(bulk, rel=2e-4)
 
 
-def test_moduli_of_the_crystal_of_disks() -> None:
-    """Springs k on a triangular lattice: G = sqrt(3)/4 k, K = sqrt(3)/2 k, up to the prestress."""
-    overlap = 1e-5
-    with ld.Simulation(crystal(overlap), ld.SoftContact()) as sim:
-        state = sim.relax()
-    assert state.coordination == 6.0
-    bulk = bulk_modulus(state, 0.1 * overlap)
-    for pure in (False, True):
-        shear = shear_modulus(state, 0.1 * overlap, pure=pure)
-        assert (shear.linear, bulk.linear) == (True, True)
-        assert shear.value == pytest.approx(np.sqrt(3.0) / 4.0, rel=10 * overlap)
-    assert bulk.value == pytest.approx(np.sqrt(3.0) / 2.0, rel=10 * overlap)
-
-
 @pytest.mark.parametrize(("law", "strain"), [(None, 1e-8), (ld.Ring(), 1e-6)])
 def test_moduli_of_small_strains(law: ld.Ring | None, strain: float) -> None:
     """Right within their errors at any strain: relaxed forces are balanced relative to it."""

@@ -69,14 +69,6 @@ def test_energy_error_falls_with_the_square_of_the_time_step(jammed: Packing) ->
     assert states[-1].numbers()["temperature"] == states[-1].temperature > 0.0
 
 
-def test_temperature_has_three_dimensions(loose: Packing) -> None:
-    """Initial velocities have the temperature that is asked for, without a drift."""
-    with ld.Simulation(loose, Droplet()) as sim:
-        start = sim.run(1, timestep=1e-6, temperature=1e-3, seed=2)[0]
-        assert start.temperature == pytest.approx(1e-3, rel=1e-6)
-        assert start.velocities.shape == (32, 3)
-
-
 def test_a_heat_bath_has_its_temperature(loose: Packing) -> None:
     """Sum of v^2/2 over 32 droplets is gamma-distributed, and 60 states are about independent."""
     temperature, number = 1e-3, 60
@@ -102,16 +94,6 @@ def test_free_droplets_diffuse_in_three_dimensions() -> None:
     assert np.mean(moved**2, axis=0) == pytest.approx(
         expected / 3.0, rel=5.0 * np.sqrt(2.0 / len(gas))
     )
-
-
-def test_damped_motion_comes_to_rest(jammed: Packing) -> None:
-    squeezed = jammed.at(0.7).push_off()
-    with ld.Simulation(squeezed, Droplet()) as sim:
-        states = sim.run(400, drag=0.5, every=50)[1:]
-        total = np.array([state.energy + state.kinetic_energy for state in states])
-        assert (np.diff(total) < 1e-9 * total[0]).all()
-        assert states[-1].residual < 0.1 * states[0].residual
-        assert sim.relax().energy <= states[-1].energy
 
 
 def test_motion_goes_on_where_it_was(loose: Packing) -> None:

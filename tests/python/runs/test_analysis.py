@@ -38,22 +38,6 @@ def test_universe_of_a_run(run: tuple[Path, list[ld.State]]) -> None:
     assert np.array_equal(universe.atoms.ids, one.atoms.ids)
 
 
-def test_mean_square_displacement(run: tuple[Path, list[ld.State]]) -> None:
-    """The analyses of MDAnalysis get the times of the motion."""
-    from MDAnalysis.analysis.msd import EinsteinMSD
-    from MDAnalysis.transformations import NoJump
-
-    folder, states = run
-    universe = ld.Run(folder).to_mdanalysis()
-    universe.trajectory.add_transformations(NoJump())
-    found = EinsteinMSD(universe, msd_type="xy", fft=False).run().results
-    first, last = states[0], states[-1]
-    assert found.delta_t_values[-1] == pytest.approx(last.time - first.time)
-    apart = (last.packing.positions - first.packing.positions) @ np.linalg.inv(first.packing.box)
-    moved = (apart - np.rint(apart)) @ first.packing.box
-    assert found.timeseries[-1] == pytest.approx(np.mean(np.sum(moved**2, axis=1)), rel=1e-3)
-
-
 def test_frames_without_a_clock_are_counted(state: ld.State, tmp_path: Path) -> None:
     written([state, state], tmp_path)
     universe = ld.Run(str(tmp_path)).to_mdanalysis()

@@ -13,19 +13,6 @@ import pytest
 from protocol_helpers import written
 
 
-def test_saved_state_goes_on_as_it_was(state: ld.State, tmp_path: Path) -> None:
-    state.save(tmp_path, {"seed": 3, "kP": float("inf")})
-    with ld.Run(tmp_path).simulation() as sim:
-        again = sim.state()
-        assert sim.law == state.law
-    assert again.packing.positions == pytest.approx(state.packing.positions, abs=1e-13)
-    assert np.array_equal(again.packing.species, state.packing.species)
-    assert np.array_equal(again.packing.box, state.packing.box)
-    assert again.energy == pytest.approx(state.energy, rel=1e-12)
-    # forces of both sides may differ by 1e-8 of the largest one
-    assert again.residual == pytest.approx(state.residual, abs=1e-7)
-
-
 @pytest.mark.parametrize(
     "law",
     [

@@ -84,16 +84,6 @@ def test_each_particle_by_a_loop() -> None:
         assert state.particle_stress[n] == pytest.approx(expected, rel=1e-8, abs=1e-13)
 
 
-def test_two_disks() -> None:
-    """They touch in the middle of their overlap."""
-    pair = ld.Packing([[1.0, 1.0], [2.1, 1.0]], [0.5, 0.8], np.diag([5.0, 5.0]), species=[0, 1])
-    with ld.Simulation(pair, ld.SoftContact()) as disks:
-        state = disks.state()
-    lever, area = np.array([0.5 - 0.1, 0.8 - 0.1]), np.pi * np.array([0.5, 0.8]) ** 2
-    assert state.particle_stress[:, 0, 0] == pytest.approx(lever * 0.2 / area)
-    assert np.abs(state.particle_stress[:, :, 1]).max() == 0.0
-
-
 def test_particles_that_touch_their_own_images() -> None:
     row = crystal(0.02, 1, 2)
     with ld.Simulation(row, ld.SoftContact()) as disks, ld.Simulation(row, Ring()) as sim:

@@ -75,14 +75,6 @@ def test_degrees_and_excess_by_loops(states: list) -> None:
         assert found[50.0] == 0.0
 
 
-def test_a_crystal_has_six_contacts_each() -> None:
-    with ld.Simulation(crystal(0.03), Ring()) as sim:
-        state = sim.relax()
-    n = len(state.packing)
-    assert (state.network_degree == 6).all()
-    assert state.excess_coordination(0.9) == 6.0 - 2.0 * (2 * n - 1) / n
-
-
 def test_without_contacts_there_is_no_excess() -> None:
     with ld.Simulation(crystal(-0.03), Ring()) as sim:
         state = sim.state()

@@ -30,19 +30,6 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[ld.State]]
     return folder, states
 
 
-@pytest.mark.usefixtures("exact_balance")
-def test_replay_gives_the_states_again(run: tuple[Path, list[ld.State]]) -> None:
-    folder, states = run
-    again = list(ld.Run(folder))
-    assert len(again) == len(states) == 6
-    for one, other in zip(again, states, strict=True):
-        assert one.phi == pytest.approx(other.phi, rel=1e-12)
-        assert one.energy == pytest.approx(other.energy, rel=1e-9)
-        assert np.array_equal(one.velocities, other.velocities)
-        assert len(one.contacts) == len(other.contacts)
-    assert states[-1].temperature > 0.0
-
-
 @pytest.mark.parametrize(
     ("broken", "message"),
     [

@@ -198,12 +198,6 @@ def test_droplets_that_do_not_touch() -> None:
     assert len(state.modes()) == 0
 
 
-def test_a_state_that_is_not_at_rest() -> None:
-    state, _ = evaluated(EMULSION.at(0.72).push_off(), Droplet())
-    with pytest.raises(ld.ParameterError, match="at rest"):
-        state.moduli()
-
-
 def test_droplets_at_walls() -> None:
     with ld.Simulation(ld.crystal("sc", 2, radius=1.0, phi=0.54), Droplet()) as sim:
         sim.lmp.command("fix floor all deformable/wall plane 0 0 -0.9 0 0 1")
