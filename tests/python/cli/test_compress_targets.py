@@ -32,21 +32,3 @@ def test_a_run_reaches_its_targets(tmp_path: Path) -> None:
     assert float(reached["phi"]) == pytest.approx(0.87, rel=1e-9)
     assert float(last["pressure"]) == pytest.approx(0.005, rel=1e-6)
     assert ld.Run(tmp_path / "run").parameters["pressure"] == 0.005
-
-
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        (("--phi", "0.9", "--strain", "0.01"), "give one of strain, phi, pressure"),
-        (("--phi", "0.9", "--pressure", "1"), "give one of strain, phi, pressure"),
-        (("--phi", "1.5"), "phi must be below 1"),
-        (("--pressure", "-1"), "pressure must be a positive number, not -1.0"),
-    ],
-)
-def test_nonsense_is_one_line(options: tuple[str, ...], message: str, tmp_path: Path) -> None:
-    result = compress(*SMALL, *options, cwd=tmp_path)
-    assert result.returncode != 0
-    assert result.stderr.startswith("error: ")
-    assert message in result.stderr
-    assert len(result.stderr.splitlines()) == 1
-    assert not list(tmp_path.iterdir())

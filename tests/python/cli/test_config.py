@@ -31,7 +31,6 @@ def test_options_of_a_file_come_after_those_of_the_command_line(tmp_path: Path) 
         ("bubbles = 3", "'run.toml' has bubbles, and `deformable compress` has no option --bubb"),
         ('steps = "ten"', "Invalid value for '--steps'"),
         ("steps ten", "'run.toml' cannot be read: "),
-        ("from-radii = 0.5", "from-radii"),
         (None, "'run.toml' cannot be read: No such file"),
     ],
 )

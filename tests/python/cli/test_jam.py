@@ -19,15 +19,3 @@ def test_the_onset_is_saved(tmp_path: Path) -> None:
     done = command("jam", "--number", 12, cwd=tmp_path)
     assert "'jam' holds a run" in done.stderr
     assert "overwrite" in done.stderr
-
-
-def test_the_packing_in_a_file_is_jammed(tmp_path: Path) -> None:
-    ld.bidisperse(10, sizes=(0.5, 0.6), phi=0.7, seed=4).to_file(tmp_path / "a.xyz")
-    ask = ("jam", "--from", "a.xyz")
-    done = command(*ask, "--law", "radical", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
-    with ld.Run(tmp_path / "jam").simulation() as sim:
-        assert set(sim.state().packing.radii) == {0.5, 0.6}
-    done = command(*ask, "--seed", 3, "--out", "b", cwd=tmp_path)
-    assert "--seed is about a random one: leave it out" in done.stderr
-    assert not (tmp_path / "b").exists()

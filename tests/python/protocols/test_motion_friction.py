@@ -80,10 +80,3 @@ def test_a_time_step_too_long_for_the_springs() -> None:
             sim.run(10, timestep=0.5)
         (state,) = sim.run(10)[1:]
         assert state.time / 10 < 0.5 * hard._longest_step
-
-
-def test_minimizers_pass_over_the_fix_of_a_user() -> None:
-    with ld.Simulation(fluid(), ld.Ring()) as sim:
-        sim.lmp.command(RUB)
-        with pytest.raises(ld.LammpsError, match=r"\A[^\n]*fix rub[^\n]*motion only"):
-            sim.relax()

@@ -8,15 +8,21 @@ matplotlib = pytest.importorskip("matplotlib")
 matplotlib.use("agg")
 
 
-@pytest.fixture(scope="module", params=[0.2, 4.0])
-def disks(request: pytest.FixtureRequest) -> ld.State:
-    start = ld.bidisperse(30, phi=0.95, aspect=request.param, seed=1).push_off()
+def soft(aspect: float) -> ld.State:
+    start = ld.bidisperse(30, phi=0.95, aspect=aspect, seed=1).push_off()
     with ld.Simulation(start, ld.SoftContact()) as disks:
         return disks.state()
 
 
-def test_long_boxes_fill_their_figures(disks: ld.State) -> None:
+@pytest.fixture(scope="module")
+def disks() -> ld.State:
+    return soft(4.0)
+
+
+@pytest.mark.parametrize("aspect", [0.2, 4.0])
+def test_long_boxes_fill_their_figures(aspect: float) -> None:
     """The box takes more than half of the figure, which is not larger than a page."""
+    disks = soft(aspect)
     figure = disks.plot().figure
     figure.draw_without_rendering()
     width, height = figure.get_size_inches()
@@ -109,12 +115,7 @@ def test_values_from_an_array(state: ld.State) -> None:
 
 
 @pytest.mark.parametrize(
-    "color_by",
-    [
-        *("beauty", "packing", 3.0, None, [1.0, 2.0], [[1.0], [1.0, 2.0]]),
-        *(np.full(32, np.nan), np.full(32, np.inf), np.full(32, "a"), np.ones((32, 2))),
-    ],
-    ids=str,
+    "color_by", ["beauty", [1.0, 2.0], np.full(32, np.nan), np.full(32, "a")], ids=str
 )
 def test_other_values_are_refused(color_by: object, state: ld.State) -> None:
     assert len(state.packing) == 32

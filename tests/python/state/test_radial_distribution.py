@@ -10,14 +10,8 @@ pytest.importorskip("freud")
 
 @pytest.mark.parametrize(
     "walls",
-    [
-        (),
-        ld.BoxWall((10, 12)),
-        (ld.Sphere(6.0, (6.0, 6.0)),),
-        ld.BoxWall((10, 12)).parts[2:],
-        (ld.Sphere(2.0, (5.0, 6.0), inside=False),),
-    ],
-    ids=["periodic", "rectangle", "circle", "channel", "obstacle"],
+    [(), (ld.Sphere(6.0, (6.0, 6.0)),), ld.BoxWall((10, 12)).parts[2:]],
+    ids=["periodic", "circle", "channel"],
 )
 def test_points_at_random_places(walls: tuple) -> None:
     """g = 1 at all distances, to the noise of the number of pairs."""
@@ -39,8 +33,9 @@ def state_of(packing: ld.Packing) -> ld.State:
         return disks.state()
 
 
-@pytest.mark.parametrize("walls", [(), ld.BoxWall((6.0, 7.0))], ids=["periodic", "walls"])
-@pytest.mark.parametrize("k", [4, 6])
+@pytest.mark.parametrize(
+    ("walls", "k"), [((), 6), (ld.BoxWall((6.0, 7.0)), 4)], ids=["periodic", "walls"]
+)
 def test_hexatic_correlation_as_a_sum_over_pairs(walls: tuple, k: int) -> None:
     packing = ld.bidisperse(40, phi=0.8, tilt=0.0 if walls else 0.4, seed=3)
     state = state_of((packing.between(walls) if walls else packing).push_off())

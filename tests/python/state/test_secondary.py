@@ -20,13 +20,11 @@ def sector_state(packing: ld.Packing) -> ld.State:
         return sim.state()
 
 
-@pytest.fixture(scope="module", params=[(64, 1, 0.88), (64, 2, 0.95), (40, 5, 0.92)], ids=str)
-def dense(request: pytest.FixtureRequest) -> ld.State:
-    """Centers of relaxed packings; the last one is in a sheared box."""
-    number, seed, phi = request.param
-    tilt = 0.3 if number == 40 else 0.0
-    jammed = ld.jam(ld.bidisperse(number, tilt=tilt, seed=seed)).packing
-    with ld.Simulation(jammed.at(phi), ld.Ring()) as sim:
+@pytest.fixture(scope="module")
+def dense() -> ld.State:
+    """Centers of a relaxed packing in a sheared box."""
+    jammed = ld.jam(ld.bidisperse(40, tilt=0.3, seed=5)).packing
+    with ld.Simulation(jammed.at(0.92), ld.Ring()) as sim:
         return sector_state(sim.relax(1e-3).packing)
 
 
@@ -104,7 +102,7 @@ def test_overlaps_vanish(dense: ld.State) -> None:
         np.testing.assert_array_equal(step.overlaps, steps[3].overlaps[: n + 1])
 
 
-@pytest.mark.parametrize("iterations", [0, 1, 2])
+@pytest.mark.parametrize("iterations", [0, 2])
 def test_residual_is_the_largest_penetration(dense: ld.State, iterations: int) -> None:
     secondary = dense.resolve_secondary(iterations)
     found = secondary.residual[-1] * dense.packing.radii.mean()

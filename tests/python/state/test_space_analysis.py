@@ -34,7 +34,6 @@ def mixture() -> State:
     ("lattice", "sides", "q4", "q6"),
     [
         ("fcc", 12, 0.190941, 0.574524),
-        ("sc", 6, 0.763763, 0.353553),
         ("bcc", 14, None, None),
     ],
 )

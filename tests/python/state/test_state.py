@@ -41,8 +41,7 @@ def test_pressure_is_the_derivative_of_the_energy(jammed: ld.Packing, many: ld.P
         check_pressure(packing.at(packing.phi * 1.05))
 
 
-@pytest.mark.parametrize("law", [ld.Ring(skin=0.02), ld.Sector()])
-@pytest.mark.parametrize("name", ["jammed", "many"])
+@pytest.mark.parametrize(("law", "name"), [(ld.Ring(skin=0.02), "many"), (ld.Sector(), "jammed")])
 def test_outlines_have_the_areas(law: Law, name: str, request: pytest.FixtureRequest) -> None:
     """Though they are polygons of about 180 corners, a part 2e-4 of their areas smaller."""
     packing = request.getfixturevalue(name)
@@ -79,7 +78,6 @@ def test_force_vectors_sum_to_the_forces(law: Law, jammed: ld.Packing) -> None:
     [
         ld.bidisperse(3, seed=1),
         ld.bidisperse(24, aspect=0.7, tilt=0.6, seed=1),
-        ld.bidisperse(40, seed=8),
         ld.polydisperse(24, np.linspace(0.4, 0.65, 24), tilt=0.3, seed=4),
     ],
 )
@@ -127,15 +125,7 @@ def test_plot_draws_every_particle(state: ld.State) -> None:
         state.plot(color="beauty")
 
 
-@pytest.mark.parametrize(
-    "law",
-    [
-        ld.Ring(),
-        ld.Ring(kP=2.0, skin=0.05, contact="balanced"),
-        ld.Sector(),
-    ],
-    ids=["ring", "balanced", "sector"],
-)
+@pytest.mark.parametrize("law", [ld.Ring(kP=2.0, skin=0.05), ld.Sector()], ids=["ring", "sector"])
 @pytest.mark.usefixtures("exact_balance")
 def test_plot_draws_every_contact(jammed: ld.Packing, law: ld.Ring | ld.Sector) -> None:
     """Each side has the length of its contact, at every image that reaches into the box."""
