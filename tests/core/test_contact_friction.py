@@ -73,7 +73,7 @@ def test_damping_never_pulls():
     assert core.contact_damping(2.0, 0.1, 0.1, -0.5) == 0.0
 
 
-@pytest.mark.parametrize(("kt", "gt", "damp"), [(3, 0, 0), (0, 2, 0), (3, 2, 0), (1e-9, 0, 2)])
+@pytest.mark.parametrize(("kt", "gt", "damp"), [(3, 0, 0), (3, 2, 0), (1e-9, 0, 2)])
 def test_time_step(kt, gt, damp):
     """A quarter of what leapfrog with this spring and dashpot is stable with."""
     mass, lever = 1.5, 3.0

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from contacts import IRREGULAR, contacts, soft_ring, stiffnesses
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from lammps_deformable import core
 
@@ -45,11 +45,10 @@ def test_neither_limit_is_a_step():
     assert soft_ring(IRREGULAR, 1e-200, 1e200).delta == 0
 
 
-@stiffnesses
-@given(contacts=contacts(size=(1, 10), gap=0.3))
-@settings(max_examples=30)
-def test_scaling(kA, kP, contacts):
+@given(stiffness=stiffnesses, contacts=contacts(size=(1, 10), gap=0.3))
+def test_scaling(stiffness, contacts):
     """Powers of two scale without rounding: the answer must not change in a single bit."""
+    kA, kP = stiffness
     try:
         one = soft_ring(contacts, kA, kP, 0.125)
     except ValueError:  # no shape of this area
@@ -64,11 +63,10 @@ def test_scaling(kA, kP, contacts):
     np.testing.assert_array_equal(scaled.contact_length, 4 * one.contact_length)
 
 
-@stiffnesses
-@given(contacts=contacts(), skin=st.floats(0, 0.2))
-@settings(max_examples=30)
-def test_skin(kA, kP, contacts, skin):
+@given(stiffness=stiffnesses, contacts=contacts(), skin=st.floats(0, 0.2))
+def test_skin(stiffness, contacts, skin):
     """The same as a ring of the radius R - skin with the same indentations."""
+    kA, kP = stiffness
     inner = contacts.radius - skin * contacts.radius
     with_skin = soft_ring(contacts, kA, kP, contacts.radius - inner)
     # R - (R - inner) may differ from inner by a rounding of R
