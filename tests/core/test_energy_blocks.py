@@ -1,10 +1,11 @@
 """Second derivatives by the vectors to neighbors, against differences of first derivatives."""
 
-from itertools import cycle, product
+from itertools import product
 
 import numpy as np
 import pytest
 from lammps_deformable import core
+from turns import in_turn
 
 INF = float("inf")
 # kA, kP, skin, tension
@@ -82,10 +83,10 @@ def differences(function, size, step):
 
 
 # each law with each stiffness, and the walls in turn
-CASES = list(zip(product(VARIABLES, STIFFNESS), cycle(WALLS), strict=False))
+CASES = in_turn(product(VARIABLES, STIFFNESS), WALLS)
 
 
-@pytest.mark.parametrize(("law", "stiffness", "wall"), [(*given, wall) for given, wall in CASES])
+@pytest.mark.parametrize(("law", "stiffness", "wall"), CASES)
 def test_ring(law, stiffness, wall):
     particles, sides = scene(law, stiffness, WALLS[wall], seed=len(law + stiffness + wall))
     blocks, size = core.ring_blocks(law, particles, sides), 5 * VARIABLES[law]

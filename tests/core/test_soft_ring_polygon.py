@@ -1,11 +1,11 @@
 """Soft rings in regular polygons: closed forms in 60 digits."""
 
 from decimal import Decimal, getcontext
-from itertools import cycle, product
 
 import numpy as np
 import pytest
 from contacts import regular_polygon, soft_ring
+from turns import in_turn
 
 getcontext().prec = 60
 PI = Decimal("3.14159265358979323846264338327950288419716939937510582097494459")
@@ -102,10 +102,11 @@ def assert_polygon(n, a, kA, kP, tolerance):
 
 STIFFNESS = [(1.0, kP) for kP in (1e-6, 1e-3, 1.0, 1e3, 1e12)] + [(np.inf, 1.0)]
 # each stiffness with each indentation, and numbers of contacts in turn
-CASES = zip(product(STIFFNESS, [1e-8, 1e-3, 0.3]), cycle([1, 2, 3, 4, 6, 7, 8, 30]), strict=False)
+PRESSED = [(*given, a) for given in STIFFNESS for a in (1e-8, 1e-3, 0.3)]
+CASES = in_turn(PRESSED, [1, 2, 3, 4, 6, 7, 8, 30])
 
 
-@pytest.mark.parametrize(("kA", "kP", "a", "n"), [(*given, a, n) for (given, a), n in CASES])
+@pytest.mark.parametrize(("kA", "kP", "a", "n"), CASES)
 def test_regular_polygon(n, a, kA, kP):
     """Indentations in parts of the one, (A_n - pi)/A_n = pi/K, that leaves no area to spare.
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from closed_forms import polygon_stiffness
-from laws import DIRECT, EXACT, RADICAL, laws
+from laws import DIRECT, EXACT, RADICAL, laws, two_laws
 from scene import BOX, PACKINGS, SPECIES, Scene
 
 
@@ -18,14 +18,12 @@ def test_a_particle_that_touches_its_own_images(law):
 
 
 SMALL_CELLS = {
-    "one particle": (np.array([[0.2, 0.3]]), (0, 0.97, 0, 0.96), 0.0),
-    "one particle, tilted cell": (np.array([[0.2, 0.3]]), (0, 0.97, 0, 0.86), 0.4),
     "two images of one neighbor": (np.array([[0.3, 0.3], [0.8, 1.1]]), (0, 0.98, 0, 1.68), 0.0),
     "two particles, tilted cell": (np.array([[0.3, 0.3], [0.7, 1.1]]), (0, 0.98, 0, 1.68), -0.2),
 }
 
 
-@laws
+@two_laws
 @pytest.mark.parametrize(("x", "box", "tilt"), SMALL_CELLS.values(), ids=SMALL_CELLS)
 def test_cells_smaller_than_their_particles(law, x, box, tilt):
     """Neighbors that are images of the particle or of one other: the same as 2 x 2 cells."""
@@ -45,7 +43,7 @@ def test_cells_smaller_than_their_particles(law, x, box, tilt):
     np.testing.assert_allclose(large.virial, 4 * small.virial, rtol=0, atol=atol)
 
 
-@laws
+@two_laws
 def test_a_cell_tilted_by_its_width_is_the_same_lattice(law):
     case = PACKINGS[0]
     upright = Scene.packing(case, EXACT[law]).evaluate()
@@ -60,7 +58,7 @@ def test_a_cell_tilted_by_its_width_is_the_same_lattice(law):
 SOFT = "harmonic/cut"
 
 
-@laws
+@two_laws
 def test_types_of_another_style_have_no_results(law):
     """Also if the particle was of a type of this style before."""
     case, style = PACKINGS[0], EXACT[law]

@@ -11,6 +11,7 @@ from laws import CURVED, EXACT, RADICAL
 from materials import packing, pushed
 from scene import BOX, FOUR, PACKINGS, ROOM_OF_FOUR, Scene, box_walls
 from scipy.optimize import fsolve
+from turns import in_turn
 
 cases = pytest.mark.parametrize("case", CASES, ids=[case["name"] for case in CASES])
 # beside energy and virial: evaluations, imbalance, lines at a limit
@@ -45,8 +46,7 @@ def test_known_packings(case, tmp_path):
             assert row["length"] == pytest.approx(length, rel=1e-7)
 
 
-@pytest.mark.parametrize("size", [0.99, 0.975])
-@cases
+@pytest.mark.parametrize(("case", "size"), in_turn(CASES, [0.99, 0.975]))
 def test_forces_of_known_packings(case, size, tmp_path):
     """Compressed further, where tilts and half angles reach 0.1 rad."""
     scene = known(case, tmp_path, scale=size)
@@ -108,7 +108,7 @@ def slit(radii, width, gamma):
     return gamma * np.sum(perimeter - 2 * np.pi * radii), found[2], found[:2], b
 
 
-@pytest.mark.parametrize("width", [2.9, 2.6, 2.3])
+@pytest.mark.parametrize("width", [2.9, 2.3])
 def test_two_droplets_in_a_slit(width, tmp_path):
     """A film between droplets of radius 0.5 and 1, against its closed form."""
     radii, gamma = np.array([0.5, 1.0]), 0.7
@@ -230,8 +230,7 @@ def test_contacts_that_open_and_close():
     assert np.abs(np.diff(energies, 3)).max() < 2e-4 * np.ptp(energies)
 
 
-@pytest.mark.parametrize("tolerance", [1e-3, 1e-5])
-@cases
+@pytest.mark.parametrize(("case", "tolerance"), in_turn(CASES[::2], [1e-3, 1e-5]))
 def test_loose_tolerance(case, tolerance, tmp_path):
     """Forces are off by the tolerance, the energy by its square, or by rounding.
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from droplets import Droplets
 
-PHI = {0.79: 0.072, 0.81: 0.124, 0.83: 0.194, 0.85: 0.285}
+PHI = {0.79: 0.072, 0.85: 0.285}
 CORNERS = {
     "sc": [[0, 0, 0]],
     "bcc": [[0, 0, 0], [0.5, 0.5, 0.5]],

@@ -32,12 +32,11 @@ Atoms # atomic
 """
 
 
-@pytest.mark.parametrize("style", ["deformable/ring", "deformable/sector"])
 @pytest.mark.parametrize(
-    ("section", "rows"),
+    ("style", "section", "rows"),
     [
-        ("Pair Coeffs", "1 1.0 1.0\n2 1.0 1.0"),
-        ("PairIJ Coeffs # lj/cut", "1 1 1 1\n1 2 1 1\n2 2 1 1"),
+        ("deformable/ring", "Pair Coeffs", "1 1.0 1.0\n2 1.0 1.0"),
+        ("deformable/sector", "PairIJ Coeffs # lj/cut", "1 1 1 1\n1 2 1 1\n2 2 1 1"),
     ],
 )
 def test_coefficients_of_a_data_file(style, section, rows, tmp_path):

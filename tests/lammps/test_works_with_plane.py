@@ -2,7 +2,7 @@
 
 import pytest
 from combinations import Packing
-from laws import EXACT, laws
+from laws import EXACT, two_laws
 from parallel import finished
 from scene import SPECIES
 
@@ -30,7 +30,7 @@ def moved(tmp_path, law, commands):
     return packing, warnings(tmp_path / "log")
 
 
-@laws
+@two_laws
 def test_heat_bath(law, tmp_path):
     """One warning however many runs; the particles can't be read back."""
     packing, said = moved(tmp_path, law, BATH + "run 5\nrun 200\nrun 5")
@@ -48,7 +48,7 @@ def test_a_plane_that_is_not_the_last_fix(tmp_path):
     assert "define fix plane enforce2d anew after all other fixes" in said[0]
 
 
-@laws
+@two_laws
 def test_heat_bath_in_the_plane(law, tmp_path):
     packing, said = moved(tmp_path, law, BATH + PLANE + "run 200")
     assert said == []

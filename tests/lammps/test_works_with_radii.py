@@ -2,7 +2,7 @@
 
 import pytest
 from combinations import Packing
-from laws import EXACT, laws
+from laws import EXACT, two_laws
 from scene import PACKINGS
 
 UNUSED = "another radius than its species"
@@ -23,7 +23,7 @@ def logged(law, words, tmp_path, commands):
     return packing.results()["energy"], log.read_text()
 
 
-@laws
+@two_laws
 def test_growth_without_effect(law, tmp_path):
     """fix adapt and `radius type`; with `radius atom` particles grow."""
     start = logged(law, "", tmp_path, "run 0")

@@ -1,12 +1,15 @@
 """A particle in a box smaller than itself: right, or refused."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 from contact_rows import of_compute_pair
-from laws import EXACT, laws
+from laws import EXACT, RING_LAWS, two_laws
 from parallel import finished
 from scene import SPECIES, Scene
 from test_refusals import refuses
+from turns import in_turn
 
 CELLS = {"square": (1, (0.0, 0.0)), "tilted": (1, (0.3, 0.0)), "long": (3, (0.0, 0.0))}
 
@@ -26,9 +29,10 @@ def cells(law, length, shape="square", copies=1, species="small"):
     return Scene(x, [species] * len(x), box, style, tilt=copies * tilt * width)
 
 
-@laws
-@pytest.mark.parametrize("shape", CELLS)
-@pytest.mark.parametrize("length", [1.35, 0.99, 0.9, 0.8, 0.72])
+CASES = in_turn(product(RING_LAWS, [0.99, 0.9, 0.8, 0.72]), CELLS)
+
+
+@pytest.mark.parametrize(("law", "length", "shape"), [*CASES, ("balanced", 1.35, "tilted")])
 def test_same_as_four_cells(law, shape, length):
     """Energy, forces and stress of images are those of particles of their own.
 
@@ -56,15 +60,14 @@ def test_an_image_at_the_end_of_the_neighbor_list():
     )
 
 
-@laws
+@two_laws
 def test_no_area_left(law):
     """The area of the ring would be negative: -1.22 of the box at a length of 0.6."""
-    length = 0.55 if law == "curved" else 0.6  # tilts leave some area at 0.6
-    with refuses(f"Atom 1 of radius 0.5 .*own images.*{length} x {length}"):
-        cells(law, length).energy()
+    with refuses("Atom 1 of radius 0.5 .*own images.*0.6 x 0.6"):
+        cells(law, 0.6).energy()
 
 
-@laws
+@two_laws
 def test_others_may_be_beyond_the_model(law):
     """Past confluence the energy is finite, and the style warns, as it does in larger boxes."""
     state = cells(law, 0.7).evaluate()
@@ -72,7 +75,7 @@ def test_others_may_be_beyond_the_model(law):
     assert 0 < state.shape["area"][0] < 0.7**2
 
 
-@pytest.mark.parametrize("law", ["radical", "balanced"])
+@two_laws
 def test_ranks(law, tmp_path):
     """The images of a particle belong to its own rank or to the other one."""
     energies = [
