@@ -154,42 +154,34 @@ def test_packing(case):
     assert sine == pytest.approx(np.sin([row["half_angle"] for row in rows]), abs=1e-10)
 
 
-@pytest.mark.parametrize(
-    ("given", "message"),
-    [
+def test_errors():
+    for words, message in (
         ({"half_angle": [0.1]}, "half_angle and force"),
         ({"half_angle": [0.1, 0.6]}, "bend by pi/6"),
         ({"half_angle": [0.1, np.nan]}, "half_angle"),
-    ],
-)
-def test_errors(given, message):
-    with pytest.raises(ValueError, match=message):
-        core.forced_ring(1.0, [0.0, 3.0], [1e-3, 1e-3], 1.0, 1.0, **given)
+    ):
+        with pytest.raises(ValueError, match=message):
+            core.forced_ring(1.0, [0.0, 3.0], [1e-3, 1e-3], 1.0, 1.0, **words)
 
 
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
+def test_errors_of_the_outline():
+    for change, message in (
         ({"length": [-0.1, 0.1]}, "length"),
         ({"length": [0.1]}, "same length"),
         ({"half_angle": [0.1, 1.6]}, "half_angle"),
         ({"points": 3}, "points"),
-    ],
-)
-def test_errors_of_the_outline(change, message):
-    given = {"radius": 1.0, "angle": [0.0, 3.0], "length": [0.1, 0.1], "half_angle": [0.0, 0.0]}
-    with pytest.raises(ValueError, match=message):
-        core.curved_outline(**(given | change))
+    ):
+        given = {"radius": 1.0, "angle": [0.0, 3.0], "length": [0.1, 0.1], "half_angle": [0.0, 0.0]}
+        with pytest.raises(ValueError, match=message):
+            core.curved_outline(**(given | change))
 
 
-@pytest.mark.parametrize(
-    ("row", "value", "message"), [(0, 6, "fewer rows"), (0, 4, "more rows"), (2, -1.0, "kA")]
-)
-def test_errors_of_blocks(row, value, message):
-    particles = np.array([[5.0, 1.0, 1.0, 1.0, 0.0, 0.0]])
-    particles[0, row] = value
+def test_errors_of_blocks():
     angle = np.arange(5) * 2 * np.pi / 5
     columns = 1.9 * np.cos(angle), 1.9 * np.sin(angle), 1 / 1.9, 1.0, 1e-3, angle, 0.0
     sides = np.column_stack([np.broadcast_to(column, 5) for column in columns])
-    with pytest.raises(ValueError, match=message):
-        core.curved_blocks(particles, sides)
+    for row, value, message in ((0, 6, "fewer rows"), (0, 4, "more rows"), (2, -1.0, "kA")):
+        particles = np.array([[5.0, 1.0, 1.0, 1.0, 0.0, 0.0]])
+        particles[0, row] = value
+        with pytest.raises(ValueError, match=message):
+            core.curved_blocks(particles, sides)

@@ -200,9 +200,8 @@ def test_contacts_bulge_by_less_than_the_bound():
     assert bulge.max() < 1.177
 
 
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
+def test_errors():
+    for change, message in (
         ({"normals": [[0, 0, 0]]}, "normal 0"),
         ({"normals": [[0, 0, np.nan]]}, "normals"),
         ({"forces": [-1.0]}, "force 0"),
@@ -210,9 +209,7 @@ def test_contacts_bulge_by_less_than_the_bound():
         ({"radius": 0.0}, "radius"),
         ({"tension": -1.0}, "tension"),
         ({"level": "sse9"}, "sse9"),
-    ],
-)
-def test_errors(change, message):
-    given = {"normals": [[0, 0, 1]], "forces": [0.1]} | change
-    with pytest.raises(ValueError, match=message):
-        core.droplet(**given)
+    ):
+        given = {"normals": [[0, 0, 1]], "forces": [0.1]} | change
+        with pytest.raises(ValueError, match=message):
+            core.droplet(**given)

@@ -137,14 +137,11 @@ def test_points_that_coincide():
     assert not forces.any()
 
 
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
+def test_refusals():
+    for arguments, message in (
         (((0, 0, 0), (0, 0), (1, 0), KR, C), "vertex has 3"),
         (((0, 0), (0, np.nan), (1, 0), KR, C), r"begin\[1\] is nan"),
         (((0, 0), (0, 0), (1, 0), KR, -1.0), "c is -1"),
-    ],
-)
-def test_refusals(arguments, message):
-    with pytest.raises(ValueError, match=message):
-        core.edge_contact(*arguments)
+    ):
+        with pytest.raises(ValueError, match=message):
+            core.edge_contact(*arguments)

@@ -164,9 +164,8 @@ def test_disks():
         core.disk_blocks([[1.0, 0.0]], [1.0], [1.0, 1.0])
 
 
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
+def test_errors():
+    for change, message in (
         ({"law": "sector"}, "sector"),
         ({"particles": [[6, 1, 1, 1, 0, 0]]}, "fewer rows"),
         ({"particles": [[4, 1, 1, 1, 0, 0]]}, "more rows"),
@@ -174,10 +173,8 @@ def test_disks():
         ({"particles": [[5, 1, -1, 1, 0, 0]]}, "kA"),
         ({"sides": np.zeros((5, 4))}, "5 numbers"),
         ({"sides": np.full((5, 5), [0.1, 0, 10, 1.5, 0])}, "side 0"),
-    ],
-)
-def test_errors(change, message):
-    particles, sides = scene("radical", "finite", None, seed=1)
-    given = {"law": "radical", "particles": particles, "sides": sides} | change
-    with pytest.raises(ValueError, match=message):
-        core.ring_blocks(**given)
+    ):
+        particles, sides = scene("radical", "finite", None, seed=1)
+        given = {"law": "radical", "particles": particles, "sides": sides} | change
+        with pytest.raises(ValueError, match=message):
+            core.ring_blocks(**given)

@@ -120,18 +120,15 @@ def test_edges():
     )
 
 
-@pytest.mark.parametrize(
-    ("planes", "message"),
-    [
+def test_refusals():
+    for planes, message in (
         (([1, -1], [0, 0], [1, -2]), "no point in common"),
         (([1], [0, 1], [1]), "one value for each"),
         (([], [], []), "at least one"),
         (([0], [0], [1]), "both 0"),
-    ],
-)
-def test_refusals(planes, message):
-    with pytest.raises(ValueError, match=message):
-        core.nearest_on_polygon(*planes, 0.0, 0.0)
+    ):
+        with pytest.raises(ValueError, match=message):
+            core.nearest_on_polygon(*planes, 0.0, 0.0)
 
 
 grid = st.integers(-4, 4)

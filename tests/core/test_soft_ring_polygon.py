@@ -102,7 +102,7 @@ def assert_polygon(n, a, kA, kP, tolerance):
 
 STIFFNESS = [(1.0, kP) for kP in (1e-6, 1e-3, 1.0, 1e3, 1e12)] + [(np.inf, 1.0)]
 # each stiffness with each indentation, and numbers of contacts in turn
-PRESSED = [(*given, a) for given in STIFFNESS for a in (1e-8, 1e-3, 0.3)]
+PRESSED = [(*given, a) for given in STIFFNESS for a in (1e-8, 0.3)]
 CASES = in_turn(PRESSED, [1, 2, 3, 4, 6, 7, 8, 30])
 
 

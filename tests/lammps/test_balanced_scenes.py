@@ -41,19 +41,6 @@ def test_stiff_on_soft():
     assert scene.force_on_wall("top")[1] == pytest.approx(force, rel=1e-11)
 
 
-@balanced_laws
-def test_equal_particles(law):
-    """Equal particles share their overlap in halves: the radical axis is balanced."""
-    places = [0.49, 1.47]
-    state, radical = (
-        squeezed(["small", "small"], places, 1.96, style).evaluate()
-        for style in (EXACT[law], RADICAL)
-    )
-    assert state.energy == pytest.approx(radical.energy, rel=1e-13)
-    largest = np.abs(radical.shape["pressure"]).max()
-    np.testing.assert_allclose(state.force, radical.force, rtol=0, atol=1e-12 * largest)
-
-
 def test_one_contact():
     """A pair alone: L = a/G(0), S = a^2/2G(0), so kA a^3 is the same on both sides."""
     x = np.array([[0.0, 0.0], [0.97, 0.0]])
@@ -79,18 +66,6 @@ def test_pairs_that_come_apart(law, tmp_path):
         assert evaluations <= 3
         assert imbalance == 0.0
     assert "not balanced" not in log.read_text()
-
-
-@balanced_laws
-def test_clusters(law):
-    """Clusters do not influence each other."""
-    pair = np.array([[0.0, 0.0], [0.97, 0.0]])
-    both = np.vstack([pair - [2.4, 2.0], pair[:, ::-1] + [1.0, 1.0]])
-    species = ["small", "weak", "both", "weak"]
-    state = Scene(both, species, BOX, EXACT[law]).evaluate()
-    for k in (0, 2):
-        alone = Scene(both[k : k + 2], species[k : k + 2], BOX, EXACT[law]).evaluate()
-        np.testing.assert_allclose(state.atom_energy[k : k + 2], alone.atom_energy, rtol=1e-11)
 
 
 def test_many_small_neighbors():

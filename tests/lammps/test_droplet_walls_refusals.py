@@ -61,10 +61,10 @@ WORDS = {
 
 
 def test_words(tmp_path):
-    scene = walled(ORIGIN, "variable style string hello\nvariable far equal exp(1000)\n", tmp_path)
+    variables = "variable style string hello\nvariable far equal exp(1000)\n"
     for words, message in WORDS.items():
         with pytest.raises(Exception, match=message):
-            scene.run(f"fix walls all deformable/wall {words}\nrun 0")
+            walled(ORIGIN, f"{variables}fix walls all deformable/wall {words}\n", tmp_path)
 
 
 @pytest.mark.parametrize(

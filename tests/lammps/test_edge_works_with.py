@@ -19,18 +19,25 @@ timestep 0.02
 
 COMMANDS = {
     "fix nve": MOVE,
+    "fix nve/limit": "fix move all nve/limit 0.01",
+    "fix nvt": f"fix move all nvt {HEAT}",
     "fix npt": f"fix move all npt {HEAT} iso 5e-4 5e-4 1.0",
     "fix npt, tilted": f"change_box all triclinic\nfix move all npt {HEAT} x 5e-4 5e-4 1 xy 0 0 1",
+    "fix langevin": MOVE + "fix bath all langevin 1e-4 1e-4 1 7\nfix plane all enforce2d",
     "fix deform": MOVE + "fix box all deform 1 x erate -0.005 y erate 0.002 remap x",
     "fix deform, flips": MOVE + "fix box all deform 1 xy erate -0.01 remap x",
     "fix nvt/sllod": f"fix move all nvt/sllod {HEAT}\nfix box all deform 1 xy erate 0.01 remap v",
     "fix balance": f"comm_style tiled\n{MOVE}fix balance all balance 10 1.0 rcb",
+    "fix setforce": MOVE + "group some id 1:50\nfix hold some setforce 0.01 NULL NULL",
     "fix box/relax": "min_style cg\nfix box all box/relax iso 1e-4\nminimize 0 1e-6 100 200",
     "change_box": "change_box all x scale 0.999 y scale 1.001 remap",
     "change_box, tilted": "change_box all triclinic xy delta 0.01 remap",
+    "displace_atoms": DISPLACE,
+    "neighbor nsq": "neighbor 0.05 nsq\n" + MOVE,
     "neighbor multi": "neighbor 0.05 multi\n" + MOVE,
     "atom_modify sort": "atom_modify sort 5 0.5\n" + MOVE,
     "run every": MOVE + "run 30 every 10 NULL\nrun 20 pre no",
+    "pair_modify": "pair_modify shift yes mix arithmetic nofdotr\n" + MOVE,
     "minimize": DISPLACE + "\nmin_style quickmin\nminimize 0 1e-9 50 100",
 }
 

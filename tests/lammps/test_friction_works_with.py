@@ -11,13 +11,16 @@ from test_friction import cloud
 NVE = "fix move all nve/sphere disc"
 PART = "group part id 12 13\ngroup rest subtract all part\nfix move rest nve/sphere disc"
 COMMANDS = {
+    "fix nvt/sphere": ("fix move all nvt/sphere temp 0.002 0.002 10 disc", ""),
     "fix nph/sphere": ("fix move all nph/sphere iso 0.001 0.001 20 disc", ""),
     "fix rigid": (PART, "fix body part rigid single torque * off off on force * on on off\n"),
     "fix move": (PART, "fix turn part move rotate 0 0 0 0 0 1 50\n"),
     "fix momentum": (NVE, "fix still all momentum 5 linear 1 1 0 angular\n"),
     "fix adapt": (NVE, "variable d equal 1.8+0.001*step\nfix d all adapt 1 atom diameter v_d\n"),
     "fix langevin": (NVE, "fix bath all langevin 0.001 0.001 5 4711 omega yes\n"),
+    "fix viscous/sphere": (NVE, "fix drag all viscous/sphere 0.1\n"),
     "fix freeze": (NVE, "group rest id 1 2 3\nfix rest rest freeze\n"),
+    "fix gravity": (NVE, "fix down all gravity 0.001 vector 0 -1 0\n"),
     "fix deform": (NVE, "fix shear all deform 1 xy erate 0.01 remap v flip yes\n"),
     "fix deform/pressure": (NVE, "fix p all deform/pressure 1 y pressure 0.001 0.1 remap v\n"),
     "fix balance": (NVE, "comm_style tiled\nfix even all balance 10 1.0 rcb\n"),
@@ -30,6 +33,8 @@ COMMANDS = {
     "displace_atoms": (NVE, "run 20\ndisplace_atoms all move 3 1 0\n"),
     "change_box": (NVE, "run 20\nchange_box all x scale 0.99 y scale 1.01 remap\n"),
     "set": (NVE, "run 20\nset atom 3 omega 0 0 1\n"),
+    "velocity": (NVE, "run 20\nvelocity all scale 0.01\n"),
+    "balance": (NVE, "run 20\nbalance 1.0 shift x 5 1.0\n"),
     "reset_timestep": (NVE, "run 20\nreset_timestep 0\n"),
     "neigh_modify exclude": (NVE, "group a id 1:8\nneigh_modify exclude group a a\n"),
 }

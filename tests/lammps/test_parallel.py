@@ -46,7 +46,7 @@ SCENES["16 copies"] = "replicate 4 4 1\n" + SCENES["1 copy"]
 # pair style, species, scene, grids; differences of the first step, and of all
 SECTOR, SOFT = ("deformable/sector", "small large"), (RADICAL, "fixed skinned")
 CASES = {
-    "sector, loose": (*SECTOR, "loose", FEW, 1e-12, 1e-12),
+    "sector, loose": (*SECTOR, "loose", TWO, 1e-12, 1e-12),
     "sector, walls": (*SECTOR, "walls", TWO, 1e-12, 1e-12),
     "radical": (RADICAL, "small large", "dense", GRIDS, 1e-12, 1e-12),
     "radical, any stiffness, loose": (*SOFT, "loose", TWO, 1e-12, 1e-12),
@@ -60,7 +60,7 @@ LOOSE = f"{BALANCED} balance 1e-8 100"
 BENT = f"{CURVED} balance 1e-8 100"
 CASES |= {
     "balanced": (LOOSE, "fixed skinned", "1 copy", TWO, 1e-12, 3e-7),
-    "balanced, 16 copies": (LOOSE, "fixed skinned", "16 copies", FEW, 1e-12, 3e-7),
+    "balanced, 16 copies": (LOOSE, "fixed skinned", "16 copies", TWO, 1e-12, 3e-7),
     "balanced, exact": (EXACT["balanced"], "fixed skinned", "16 copies", TWO, 1e-12, 1e-11),
     "balanced, droplets": (BALANCED, "drop large", "1 copy", TWO, 1e-11, 3e-7),
     "curved": (BENT, "fixed skinned", "1 copy", FEW, 1e-12, 1e-12),

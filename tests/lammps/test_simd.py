@@ -70,7 +70,7 @@ def test_forces_in_motion(contact, number, accuracy, kP):
             "neighbor 0.3 bin\nvelocity all create 1e-5 4711 loop all\nfix nve all nve\n"
             "timestep 0.4\nrun 0 post no"
         )
-        for _ in range(30):
+        for _ in range(10):
             moving.lmp.command("run 1 pre no post no")
             x = gather(moving.lmp, "x", 3)
             still.lmp.scatter("x", 1, 3, np.ctypeslib.as_ctypes(x.ravel()))

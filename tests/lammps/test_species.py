@@ -26,21 +26,21 @@ def test_species_of_other_units(units, message, tmp_path):
         lmp.command(coeff)
 
 
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        (f"* * {SPECIES} small huge", "Species 'huge'.*species.txt.*unit small large"),
-        (f"* * {SPECIES} small", "1 species.* 2 atom types"),
-        (f"* * {SPECIES} small small small", "3 species.* 2 atom types"),
-        ("* * nowhere.txt small small", "Cannot open.*nowhere.txt"),
-        (f"* * {SPECIES}", "pair_coeff command: missing argument"),
-        (f"1 1 {SPECIES} small small", "Pair_coeff must start with .* for pair style {style}"),
-    ],
-)
-def test_words_of_pair_coeff(words, message):
-    for style in ("deformable/ring", "deformable/sector"):
-        lmp = two_particles()
-        lmp.command(f"pair_style {style}")
+WORDS = [
+    (f"* * {SPECIES} small huge", "Species 'huge'.*species.txt.*unit small large"),
+    (f"* * {SPECIES} small", "1 species.* 2 atom types"),
+    (f"* * {SPECIES} small small small", "3 species.* 2 atom types"),
+    ("* * nowhere.txt small small", "Cannot open.*nowhere.txt"),
+    (f"* * {SPECIES}", "pair_coeff command: missing argument"),
+    (f"1 1 {SPECIES} small small", "Pair_coeff must start with .* for pair style {style}"),
+]
+
+
+@pytest.mark.parametrize("style", ["deformable/ring", "deformable/sector"])
+def test_words_of_pair_coeff(style):
+    lmp = two_particles()
+    lmp.command(f"pair_style {style}")
+    for words, message in WORDS:
         with refuses(message.format(style=style)):
             lmp.command(f"pair_coeff {words}")
 

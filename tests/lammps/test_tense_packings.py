@@ -77,7 +77,7 @@ def test_osmotic_pressure(law, phi, osmotic, perimeter):
     np.testing.assert_allclose(state.shape["area"], np.pi * 0.25, rtol=1e-14)
 
 
-@pytest.mark.parametrize("phi", [0.92, 0.98])
+@pytest.mark.parametrize("phi", [0.92, 0.95, 0.98])
 def test_shear_modulus(phi):
     """Princen's with contact lines that tilt; perpendicular ones make the array stiffer.
 
@@ -96,7 +96,7 @@ def test_shear_modulus(phi):
     assert modulus(EXACT["curved"]) == pytest.approx(exact, rel=1e-6)
     upright = modulus(EXACT["balanced"])
     assert upright == pytest.approx(modulus(RADICAL), rel=1e-6)  # equal particles
-    larger = {0.92: 1.0365, 0.98: 1.2683}
+    larger = {0.92: 1.0365, 0.95: 1.1336, 0.98: 1.2683}
     assert upright / exact == pytest.approx(larger[phi], abs=1e-4)
 
 

@@ -6,7 +6,7 @@ from droplet_walls import CUBE, walled
 from grains import Grains
 from laws import two_laws
 from obstacles import kinetic
-from parallel import assert_same, finished, on_grids, report, reported
+from parallel import assert_same, finished, in_process, on_grids, report, reported
 from test_walls_sides import plane
 
 X = np.array([[i - 1.5, j + 0.48] for i in range(4) for j in range(3)]) * [0.99, 0.975]
@@ -46,7 +46,7 @@ def test_a_wall_alone_in_other_units(tmp_path):
             "fix walls all deformable/wall yhi 8 load 0.03 50\nthermo_style custom step\n"
             'run 10\nprint "$(f_walls[5]:%.17g)" file velocity\n'
         )
-        finished(1, script, tmp_path)
+        in_process(script, tmp_path)
         found = float(np.loadtxt(tmp_path / "velocity"))
         assert found == pytest.approx(-0.03 / 50 * ftm2v * 0.1, rel=1e-6), units
 
@@ -181,7 +181,7 @@ def test_ranks(tmp_path):
     (tmp_path / "species").write_text("a 1.0 inf 0 tension 1.0\n")
     more = MORE.format(species=tmp_path / "species") + report(60, VALUES, "x y fx fy")
     fields = {"atoms": ATOMS, "more": more}
-    folders = on_grids(HEAD + RUN, tmp_path, ("1 1 1", "1 2 1", "2 2 1"), **fields)
+    folders = on_grids(HEAD + RUN, tmp_path, ("1 1 1", "1 2 1"), **fields)
     found = reported(folders, 60)
     assert_same(found, 1e-9, atol=1e-11)
     assert found["1 1 1"][0][4] < 7.99
@@ -193,7 +193,7 @@ def test_restart(tmp_path):
     more = MORE.format(species="species")
     start = HEAD + RUN.format(grid="* * *", balance="", atoms=ATOMS, more=more)
     end = report(60, VALUES, "x y fx fy").replace("run 60", "")
-    finished(1, f"{start}run 60\n{end}", tmp_path)
+    in_process(f"{start}run 60\n{end}", tmp_path)
     one = np.loadtxt(tmp_path / "scalars60"), np.loadtxt(tmp_path / "atoms60", skiprows=9)
     for write, read in ((1, 1), (2, 1), (1, 2)):
         finished(write, f"{start}run 25\nwrite_restart half\n", tmp_path)
@@ -209,12 +209,12 @@ def test_restart_without_the_load(wall, tmp_path):
     (tmp_path / "species").write_text("a 1.0 inf 0 tension 1.0\n")
     more = MORE.format(species="species")
     start = HEAD + RUN.format(grid="* * *", balance="", atoms=ATOMS, more=more)
-    finished(1, f"{start}run 9\nwrite_restart half\n", tmp_path)
+    in_process(f"{start}run 9\nwrite_restart half\n", tmp_path)
     more = more.replace("fix lid all deformable/wall yhi 8.0 load 0.4 12", "{}").format(
         f"region room block INF INF INF 8.0 INF INF\nfix lid all deformable/wall {wall}"
     )
     values = report(10, "f_lid f_lid[2]", "x y").replace("run 10", "run 1")
-    out = finished(1, f"atom_modify map yes\nread_restart half\n{more}{values}", tmp_path)
+    out = in_process(f"atom_modify map yes\nread_restart half\n{more}{values}", tmp_path)
     assert "the restart file has 1 sides of it that move under a load, here are 0, which" in out
     assert np.loadtxt(tmp_path / "scalars10")[0] == 0
 

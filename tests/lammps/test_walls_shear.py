@@ -5,7 +5,7 @@ import pytest
 from droplet_walls import ORIGIN, walled
 from grains import Grains
 from laws import ring_laws
-from parallel import finished, on_grids
+from parallel import in_process, on_grids
 from scene import Scene
 
 G, SPEED = 0.1, 0.5
@@ -183,11 +183,11 @@ def test_restart_and_minimization(tmp_path):
         "create_box 1 box\ncreate_atoms 1 single 0 0.985 0\nset group all diameter 2\n"
         f"set group all mass 1\n{style}{fixes}"
     )
-    finished(1, start + "run 80\n" + end.format("one"), tmp_path)
-    finished(1, start + "run 30\nwrite_restart half\n", tmp_path)
-    finished(1, f"read_restart half\n{style}{fixes}run 50\n" + end.format("two"), tmp_path)
+    in_process(start + "run 80\n" + end.format("one"), tmp_path)
+    in_process(start + "run 30\nwrite_restart half\n", tmp_path)
+    in_process(f"read_restart half\n{style}{fixes}run 50\n" + end.format("two"), tmp_path)
     one, two = (np.loadtxt(tmp_path / name, skiprows=9) for name in ("one", "two"))
     np.testing.assert_allclose(two, one, rtol=1e-9, atol=1e-12)
     assert one[2] > 0.01
-    finished(1, start + "minimize 0 1e-9 100 200\n" + end.format("min"), tmp_path)
+    in_process(start + "minimize 0 1e-9 100 200\n" + end.format("min"), tmp_path)
     assert np.loadtxt(tmp_path / "min", skiprows=9)[[0, 2, 4]] == pytest.approx(0, abs=1e-12)

