@@ -8,7 +8,7 @@ from droplet_walls import walled
 ORIGIN = np.zeros((1, 3))
 
 
-@pytest.mark.parametrize(("half", "beyond"), [(0.72, 0), (0.69, 1), (0.5, 1), (0.3, 1)])
+@pytest.mark.parametrize(("half", "beyond"), [(0.72, 0), (0.69, 1), (0.3, 1)])
 def test_between_two_plates(half, beyond, tmp_path):
     """Forces are a quarter too small at a distance of 1.4 R; the load is far below 0.4 there."""
     scene = walled(ORIGIN, f"zlo {-half} zhi {half}", tmp_path)

@@ -10,6 +10,7 @@ from parallel import (
     assert_atoms_change_ranks,
     assert_same,
     finished,
+    in_process,
     on_grids,
     report,
     reported,
@@ -103,12 +104,12 @@ def test_restart(law, tmp_path):
     start = (folder / "in.script").read_text().rsplit("run 0", 1)[0].replace("processors", "# ")
     scalars = " ".join(f"$({name}:%.17g)" for name in SCALARS.split())
     end = END.format(columns=COLUMNS, scalars=scalars)
-    finished(1, start + "run 40\nrun 40\n" + end, folder)
+    in_process(start + "run 40\nrun 40\n" + end, folder)
     expected = np.loadtxt(folder / "atoms", skiprows=9), np.loadtxt(folder / "terms")
     assert expected[1][4] > 1e-4
     head, tail = start.split("atom_style")[0], "pair_style" + start.split("pair_style", 1)[1]
     tail = "\n".join(line for line in tail.splitlines() if not line.startswith("velocity"))
-    for write, read in ((1, 1), (2, 1), (1, 2)):
+    for write, read in ((1, 1), (2, 1), (1, 2)) if law == "balanced" else ((1, 1),):
         finished(write, start + "run 40\nwrite_restart half\n", folder)
         finished(read, f"{head}\nread_restart half\n{tail}\nrun 40\n{end}", folder)
         found = np.loadtxt(folder / "atoms", skiprows=9), np.loadtxt(folder / "terms")
