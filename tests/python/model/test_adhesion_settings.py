@@ -15,11 +15,11 @@ MATRIX = [[0.3, 0.1], [0.1, 0.0]]
 
 def test_a_number_and_a_matrix() -> None:
     assert ld.Ring(**DROPLET).adhesion == 0.0
-    assert not ld.Ring(**DROPLET).sticks
-    assert not ld.Sector().sticks
+    assert not ld.Ring(**DROPLET)._sticks
+    assert not ld.Sector()._sticks
     for given in (0.2, np.float32(0.2), MATRIX, np.array(MATRIX)):
         law = ld.Ring(**DROPLET, adhesion=given)
-        assert law.sticks
+        assert law._sticks
         assert pair_matrix("adhesion", law.adhesion, 2).shape == (2, 2)
         assert eval(repr(law), {"Ring": ld.Ring, "inf": math.inf}) == law
     law = ld.Ring(**DROPLET, adhesion=MATRIX)
@@ -68,7 +68,7 @@ def test_refused(change: dict[str, Any], message: str) -> None:
 
 def test_number_of_species() -> None:
     with pytest.raises(ld.ParameterError, match=r"there are 3 species.*not 2"):
-        ld.Ring(**DROPLET, adhesion=MATRIX).species_parameters([0.5, 0.6, 0.7])
+        ld.Ring(**DROPLET, adhesion=MATRIX)._species_parameters([0.5, 0.6, 0.7])
 
 
 WALLS = [
@@ -80,10 +80,10 @@ WALLS = [
 ]
 
 
-@pytest.mark.parametrize("wall", WALLS, ids=[wall.kind for wall in WALLS])
+@pytest.mark.parametrize("wall", WALLS, ids=[wall._kind for wall in WALLS])
 def test_walls(wall: Any) -> None:
     """Kept when walls are stretched, and written for LAMMPS."""
-    assert wall.stretched(2.0, 2.0).adhesion == 0.3
+    assert wall._stretched(2.0, 2.0).adhesion == 0.3
     assert wall_commands([wall]).splitlines()[0].endswith("adhesion 0.3")
     values = {name: value for name, value in vars(wall).items() if name != "adhesion"}
     assert "adhesion" not in wall_commands([type(wall)(**values)])

@@ -108,7 +108,7 @@ def test_stretched_plane() -> None:
     """Points of the line stay on it."""
     plane = Plane((1, 2), (3, 1))
     along = np.array([1, 2]) + 0.7 * np.array([-1, 3])
-    new = plane.stretched(2.0, 0.5)
+    new = plane._stretched(2.0, 0.5)
     assert (along * [2.0, 0.5] - new.origin) @ new.normal == pytest.approx(0, abs=1e-14)
 
 

@@ -166,5 +166,5 @@ def test_sides_at_walls_do_not_count() -> None:
 
 
 def test_colors_of_local_phi(state: ld.State) -> None:
-    assert np.array_equal(state.values("local_phi"), state.local_phi)
+    assert np.array_equal(state._values("local_phi"), state.local_phi)
     assert state.local_phi.max() < 1.0
