@@ -8,7 +8,7 @@ from contacts import LAWS, Contacts
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-laws = pytest.mark.parametrize("law", LAWS)
+laws = st.sampled_from([*LAWS])
 
 
 @st.composite
@@ -39,9 +39,8 @@ def extrapolated(outline_of):
     return table[0]
 
 
-@laws
-@given(contacts=contacts_on_a_grid())
-@settings(max_examples=50)
+@given(law=laws, contacts=contacts_on_a_grid())
+@settings(max_examples=100)
 def test_area_and_perimeter(law, contacts):
     shape = contacts.shape(law)
     expected = (
@@ -55,8 +54,7 @@ def test_area_and_perimeter(law, contacts):
     )
 
 
-@laws
-@given(contacts=contacts_on_a_grid())
+@given(law=laws, contacts=contacts_on_a_grid())
 def test_lines_bound_the_outline(law, contacts):
     shape, outline = contacts.shape(law), contacts.outline(law)
     normal = np.column_stack([np.cos(contacts.angle), np.sin(contacts.angle)])
