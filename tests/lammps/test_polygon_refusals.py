@@ -35,7 +35,6 @@ def test_three_dimensions(tmp_path):
 
 
 OTHERS = [(-1.0, 0.5)]
-SIX = np.vstack([FIVE, [1.1, -1.5]])
 MEMBERS = {
     "nobody": ("group area molecule 9", {}, "its group .*no atoms"),
     "no molecule": ("", {"others": OTHERS}, "atom 13 .*no molecule"),

@@ -206,7 +206,7 @@ def test_restart_keeps_the_sense(tmp_path):
 
 # ---- ranks ----
 
-STEPS = 0, 300
+STEPS = 0, 150
 SCALARS = "pe c_virial[1] c_virial[2] c_virial[4] f_area[1][1] f_area[1][2] f_area[1][4]"
 SCALARS += " f_area[2][1] f_area[2][2] f_area[2][5]"
 PARALLEL = (

@@ -59,13 +59,13 @@ def test_forces_in_motion(contact, number, accuracy, kP):
     contact that changes alone. Contacts are up to 7 times as soft together (the least eigenvalue is
     0.15), and a particle has 6 of them.
     """
-    packing = ld.jam(ld.bidisperse(number, seed=1)).packing.at(0.9)
+    packing = ld.jam(ld.bidisperse(number, seed=1), tolerance=1e-2).packing.at(0.9)
     law = ld.Ring(contact=contact, kP=kP)
     with (
         ld.Simulation(packing, law) as moving,
         ld.Simulation(packing, law) as still,
     ):
-        moving.relax(1e-3)
+        moving.relax(1e-2)
         moving.lmp.commands_string(
             "neighbor 0.3 bin\nvelocity all create 1e-5 4711 loop all\nfix nve all nve\n"
             "timestep 0.4\nrun 0 post no"

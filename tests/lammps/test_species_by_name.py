@@ -6,7 +6,7 @@ from pathlib import Path
 
 import lammps_deformable as ld
 import pytest
-from programs import output, program
+from programs import command, program
 from test_refusals import refuses, two_particles
 
 POTENTIALS = Path(__file__).parents[2] / "potentials"
@@ -71,6 +71,6 @@ def test_other_names_are_refused(file):
 
 
 def test_info_lists_them():
-    said = output("deformable", "info", cwd=POTENTIALS)
+    said = command("info", cwd=POTENTIALS).stdout
     names = ", ".join(sorted(path.name for path in POTENTIALS.iterdir()))
     assert f"species files  {names}\n" in said

@@ -8,7 +8,6 @@ from test_refusals import refuses
 from turns import in_turn
 
 SPACE = "bond/types 1 extra/bond/per/atom 10 extra/special/per/atom 60"
-NOT_BONDED = "special_bonds lj/coul 0 0 0"
 BONDED = """
 bond_style zero
 bond_coeff *

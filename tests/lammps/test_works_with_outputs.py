@@ -192,7 +192,7 @@ neigh_modify every 1 delay 0 check yes
 fix move all nve
 velocity all set 0.5 0.3 0 sum yes
 timestep 0.05
-run 40
+run 20
 write_dump all custom out id x y fx fy modify sort id format float %.17g
 """
 
