@@ -9,6 +9,7 @@ import pytest
 from contact_laws import simulate
 from lammps_deformable import free_box
 from numpy.typing import NDArray
+from refusals import refused
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -159,20 +160,17 @@ def test_particles_that_stick() -> None:
     assert np.abs(excess(state, 0.03)).max() <= 1e-6
 
 
-@pytest.mark.parametrize(
-    ("given", "message"),
-    [
-        ({"pressure": 0.0}, "pressure must be a positive number, not 0.0"),
-        ({"pressure": 1e-3, "free": "area"}, "free must be iso, aniso or tri, not 'area'"),
-        ({"pressure": 1e-3, "free": np.eye(2)}, "free must be iso, aniso or tri"),
-        ({"free": "tri"}, "free='tri' needs a pressure"),
-    ],
-)
-def test_nonsense_is_refused(jammed: ld.Packing, given: dict[str, Any], message: str) -> None:
+def test_nonsense_is_refused(jammed: ld.Packing) -> None:
     with ld.Simulation(jammed, ld.Ring()) as sim:
-        with pytest.raises(ld.ParameterError, match=message):
-            sim.relax(**given)
-        assert sim.box == pytest.approx(jammed.box)  # nothing has moved
+        for given, message in (
+            ({"pressure": 0.0}, "pressure must be a positive number, not 0.0"),
+            ({"pressure": 1e-3, "free": "area"}, "free must be iso, aniso or tri, not 'area'"),
+            ({"pressure": 1e-3, "free": np.eye(2)}, "free must be iso, aniso or tri"),
+            ({"free": "tri"}, "free='tri' needs a pressure"),
+        ):
+            with refused(message):
+                sim.relax(**given)
+            assert sim.box == pytest.approx(jammed.box)  # nothing has moved
 
 
 @pytest.mark.filterwarnings("ignore")

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from lammps_deformable import BoxWall, ParameterError, Plane, PolygonWall, Segment, Sphere, room
 from lammps_deformable.contacts import free_motions
+from refusals import refused
 
 BOX = np.array([[12.0, 0.0], [0.0, 10.0]])
 CHANNEL = (Plane((0, 1), (0, 1)), Plane((5, 9), (0, -2)))
@@ -96,11 +97,10 @@ WRONG = {
 }
 
 
-@pytest.mark.parametrize(("walls", "message"), WRONG.values(), ids=WRONG)
-def test_no_room(loose, walls, message) -> None:
-    with pytest.raises(ParameterError, match=message) as error:
-        loose.between(walls)
-    assert "\n" not in str(error.value)
+def test_no_room(loose) -> None:
+    for walls, message in WRONG.values():
+        with refused(message):
+            loose.between(walls)
 
 
 def test_containers_need_a_rectangular_box() -> None:

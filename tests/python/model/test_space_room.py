@@ -8,6 +8,7 @@ import pytest
 from lammps_deformable import BoxWall, Cylinder, ParameterError, Plane, Sphere, room
 from lammps_deformable.contacts import free_motions, motions
 from lammps_deformable.room import free_room, section_between
+from refusals import refused
 
 BOX = np.diag([12.0, 10.0, 9.0])
 TILTED = np.array([[12.0, 0.0, 0.0], [3.0, 10.0, 0.0], [-2.0, 4.0, 9.0]])
@@ -226,8 +227,7 @@ WRONG: dict[str, tuple[Callable[[], object], str]] = {
 }
 
 
-@pytest.mark.parametrize(("make", "message"), WRONG.values(), ids=WRONG)
-def test_refusals(make, message) -> None:
-    with pytest.raises(ParameterError, match=message) as error:
-        make()
-    assert "\n" not in str(error.value)
+def test_refusals() -> None:
+    for make, message in WRONG.values():
+        with refused(message):
+            make()

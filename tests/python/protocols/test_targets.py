@@ -1,12 +1,12 @@
 """Compression to a packing fraction or a pressure."""
 
 import math
-from typing import Any
 
 import lammps_deformable as ld
 import numpy as np
 import pytest
 from contact_laws import simulate
+from refusals import refused
 from scipy.optimize import brentq
 
 DROPLETS = ld.Ring(kA=math.inf, kP=0.0, tension=1.0)
@@ -78,25 +78,18 @@ def test_an_expansion_that_comes_apart_says_so_once(jammed: ld.Packing) -> None:
     assert states[-1].coordination == 0.0
 
 
-@pytest.mark.parametrize(
-    ("given", "message"),
-    [
-        ({}, "give one of strain, phi, pressure, not none of them"),
-        ({"strain": 0.01, "phi": 0.9}, "give one of strain, phi, pressure, not strain and phi"),
-        ({"phi": -0.9}, "phi must be a positive number, not -0.9"),
-        ({"phi": 1.0}, "phi must be below 1, where particles that deform fill .*, not 1.0"),
-        ({"pressure": 0.0}, "pressure must be a positive number, not 0.0"),
-        ({"phi": 0.9, "steps": 0}, "steps must be at least 1"),
-    ],
-)
-def test_nonsense_is_refused_at_once(
-    jammed: ld.Packing, given: dict[str, Any], message: str
-) -> None:
-    with (
-        ld.Simulation(jammed, ld.Ring()) as sim,
-        pytest.raises(ld.ParameterError, match=message),
-    ):
-        sim.compress(**given)
+def test_nonsense_is_refused_at_once(jammed: ld.Packing) -> None:
+    with ld.Simulation(jammed, ld.Ring()) as sim:
+        for given, message in (
+            ({}, "give one of strain, phi, pressure, not none of them"),
+            ({"strain": 0.01, "phi": 0.9}, "give one of strain, phi, pressure, not strain and phi"),
+            ({"phi": -0.9}, "phi must be a positive number, not -0.9"),
+            ({"phi": 1.0}, "phi must be below 1, where particles that deform fill .*, not 1.0"),
+            ({"pressure": 0.0}, "pressure must be a positive number, not 0.0"),
+            ({"phi": 0.9, "steps": 0}, "steps must be at least 1"),
+        ):
+            with refused(message):
+                sim.compress(**given)
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
 import lammps_deformable as ld
 import numpy as np
 import pytest
+from refusals import refused
 
 matplotlib = pytest.importorskip("matplotlib")
 matplotlib.use("agg")
@@ -114,14 +115,17 @@ def test_values_from_an_array(state: ld.State) -> None:
     assert shown == pytest.approx(np.array([[0.8, 0.8, 0.8, 1.0]]))
 
 
-@pytest.mark.parametrize(
-    "color_by", ["beauty", [1.0, 2.0], np.full(32, np.nan), np.full(32, "a")], ids=str
-)
-def test_other_values_are_refused(color_by: object, state: ld.State) -> None:
-    assert len(state.packing) == 32
-    with pytest.raises(ld.ParameterError, match=r"color_by must name .* or be 32 numbers"):
-        state.plot(color=color_by)
-    with pytest.raises(ld.ParameterError, match=r"label .* not 3"):
-        state.plot(color="area", label=3)
-    with pytest.raises(ld.ParameterError, match=r"scale .* not 2"):
-        state.plot(scale=2)
+def test_other_values_are_refused(state: ld.State) -> None:
+    for color_by in (
+        "beauty",
+        [1.0, 2.0],
+        np.full(32, np.nan),
+        np.full(32, "a"),
+    ):
+        assert len(state.packing) == 32
+        with refused(r"color_by must name .* or be 32 numbers"):
+            state.plot(color=color_by)
+        with refused(r"label .* not 3"):
+            state.plot(color="area", label=3)
+        with refused(r"scale .* not 2"):
+            state.plot(scale=2)

@@ -2,6 +2,7 @@
 
 import lammps_deformable as ld
 import pytest
+from refusals import refused
 
 matplotlib = pytest.importorskip("matplotlib")
 matplotlib.use("agg")
@@ -19,17 +20,12 @@ def test_settings_of_a_picture(state: ld.State) -> None:
     assert state.plot(title="").get_title() == ""
 
 
-@pytest.mark.parametrize(
-    ("settings", "words"),
-    [
+def test_other_settings_are_refused(state: ld.State) -> None:
+    for settings, words in (
         ({"cmap": "rainbows"}, "cmap .*'rainbows'"),
         ({"vmin": 1.0, "vmax": 1.0}, "vmin must be below vmax, not 1 and 1"),
         ({"vmin": (1.0,)}, r"vmin .*\(1\.0,\)"),
         ({"vmax": float("nan")}, "vmax .*nan"),
-    ],
-)
-def test_other_settings_are_refused(
-    settings: dict[str, object], words: str, state: ld.State
-) -> None:
-    with pytest.raises(ld.ParameterError, match=words):
-        state.plot(**settings)
+    ):
+        with refused(words):
+            state.plot(**settings)

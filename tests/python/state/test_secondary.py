@@ -10,6 +10,7 @@ import shapely
 from lammps_deformable import core
 from lammps_deformable.secondary import SecondaryOutlines, _divided, _overlaps
 from numpy.typing import NDArray
+from refusals import refused
 
 Array = NDArray[np.float64]
 
@@ -292,12 +293,15 @@ def test_contacts_that_leave_no_arc_are_left_out() -> None:
         np.testing.assert_array_equal(both, pressed)
 
 
-@pytest.mark.parametrize("law", [ld.Ring(), ld.Sector(kP=1.0)])
-def test_other_laws_are_refused(law: ld.Ring | ld.Sector) -> None:
-    with ld.Simulation(ld.bidisperse(4, seed=1), law) as sim:
-        state = sim.state()
-    with pytest.raises(ld.ParameterError, match=f"not {type(law).__name__}"):
-        state.resolve_secondary()
+def test_other_laws_are_refused() -> None:
+    for law in (
+        ld.Ring(),
+        ld.Sector(kP=1.0),
+    ):
+        with ld.Simulation(ld.bidisperse(4, seed=1), law) as sim:
+            state = sim.state()
+        with refused(f"not {type(law).__name__}"):
+            state.resolve_secondary()
 
 
 def test_negative_iterations_are_refused() -> None:
