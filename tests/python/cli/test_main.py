@@ -75,37 +75,28 @@ REFUSED = {
 }
 
 
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [([*start, *more], words) for start, rows in REFUSED.items() for more, words in rows],
-)
 def test_errors_are_one_line(
-    arguments: list[str],
-    words: list[str],
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """In this process, which has loaded what a command loads."""
+    """In this process, which has loaded what a command loads; before any work."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("sys.argv", ["deformable", *arguments])
-    with pytest.raises(SystemExit) as end:
-        cli.main()
-    assert end.value.code == 2
-    out, error = capsys.readouterr()
-    assert error.startswith("error: ")
-    assert error.count("\n") == 1
-    assert [word for word in words if word not in error] == []
-    assert out == ""  # before any work
-    assert not list(tmp_path.iterdir())
+    for start, rows in REFUSED.items():
+        for more, words in rows:
+            monkeypatch.setattr("sys.argv", ["deformable", *start, *more])
+            with pytest.raises(SystemExit) as end:
+                cli.main()
+            out, error = capsys.readouterr()
+            assert (end.value.code, out, error.count("\n")) == (2, "", 1), more
+            assert error.startswith("error: ")
+            assert [word for word in words if word not in error] == [], error
+            assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize("strain", ["1", "nan"])
-def test_report_compresses(strain: str, tmp_path: Path) -> None:
-    result = run("report", "--strain", strain, cwd=tmp_path)
+def test_report_compresses(tmp_path: Path) -> None:
+    result = run("report", "--strain", "nan", cwd=tmp_path)
     assert result.returncode == 2
     assert result.stderr.startswith("error: strain ")
-    assert result.stderr.endswith(f"{float(strain)}\n")
+    assert result.stderr.endswith("nan\n")
 
 
 def test_ranks_are_refused(tmp_path: Path) -> None:

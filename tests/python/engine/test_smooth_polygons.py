@@ -13,6 +13,7 @@ from lammps_deformable import core
 from lammps_deformable.lammps import gather
 from lammps_deformable.polygon_engine import SmoothPolygons, have_crossed
 from naive_polygons import pair
+from refusals import refused
 
 pytestmark = pytest.mark.filterwarnings("error")
 
@@ -251,17 +252,7 @@ def test_edges_that_meet_their_images_are_refused() -> None:
         sim.state()
 
 
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"kr": 0.0}, "kr is 0"),
-        ({"number": [4, 3]}, "vertices has 8 rows, but the polygons have 7"),
-        ({"number": [6, 2]}, "number of vertices is 2"),
-        ({"c": 1.5}, "below half of the box"),
-        ({"vertices": np.full((8, 2), np.nan)}, "vertices"),
-    ],
-)
-def test_kernel_refuses(change: dict[str, Any], message: str) -> None:
+def test_kernel_refuses() -> None:
     square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
     of_two = {key: [1.0, 1.0] for key in ("kL", "length", "kA", "area")}
     good: dict[str, Any] = {
@@ -272,5 +263,12 @@ def test_kernel_refuses(change: dict[str, Any], message: str) -> None:
         "c": 0.1,
     }
     assert core.smooth_polygons(**good, **of_two).energy == 0.0
-    with pytest.raises(ValueError, match=message):
-        core.smooth_polygons(**(good | of_two | change))
+    for change, message in (
+        ({"kr": 0.0}, "kr is 0"),
+        ({"number": [4, 3]}, "vertices has 8 rows, but the polygons have 7"),
+        ({"number": [6, 2]}, "number of vertices is 2"),
+        ({"c": 1.5}, "below half of the box"),
+        ({"vertices": np.full((8, 2), np.nan)}, "vertices"),
+    ):
+        with refused(message, ValueError):
+            core.smooth_polygons(**(good | of_two | change))

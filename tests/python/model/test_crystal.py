@@ -4,6 +4,7 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 from crystal import crystal
+from lammps_deformable.box import lengths
 from lammps_deformable.neighbors import near_pairs
 from refusals import refused
 
@@ -21,23 +22,24 @@ def test_as_built_by_hand() -> None:
     assert large.box == pytest.approx(4.0 * ld.crystal("hex", (4, 2)).box)
 
 
-@pytest.mark.parametrize(
-    ("lattice", "cells", "phi", "neighbors"),
-    [
+def test_neighbors_touch() -> None:
+    """Also images of a particle itself; all distances are those of touching neighbors."""
+    for lattice, cells, phi, neighbors in (
         ("hex", (3, 2), np.pi / np.sqrt(12), 6),
         ("square", (4, 3), np.pi / 4, 4),
-        ("sc", 3, np.pi / 6, 6),
+        ("sc", (1, 2, 3), np.pi / 6, 6),
+        ("bcc", (1, 2, 3), np.sqrt(3) * np.pi / 8, 8),
         ("fcc", 2, np.pi / np.sqrt(18), 12),
         ("hcp", (4, 2, 2), np.pi / np.sqrt(18), 12),
-    ],
-)
-def test_neighbors_touch(lattice: str, cells, phi: float, neighbors: int) -> None:
-    made = ld.crystal(lattice, cells, radius=0.7)
-    assert made.phi == pytest.approx(phi)
-    i, j, _ = near_pairs(made, 1e-9)
-    counts = np.bincount(np.concatenate([i, j]), minlength=len(made))
-    assert counts.tolist() == [neighbors] * len(made)
-    assert len(near_pairs(made, -1e-9)[0]) == 0
+    ):
+        made = ld.crystal(lattice, cells, radius=0.7)
+        assert made.phi == pytest.approx(phi), lattice
+        assert ld.crystal(lattice, cells, phi=0.6).phi == pytest.approx(0.6)
+        i, j, shift = near_pairs(made, 1e-9)
+        counts = np.bincount(np.concatenate([i, j]), minlength=len(made))
+        assert counts.tolist() == [neighbors] * len(made), lattice
+        assert lengths(made.positions[j] + shift - made.positions[i]) == pytest.approx(1.4)
+        assert len(near_pairs(made, -1e-9)[0]) == 0
 
 
 def test_refusals() -> None:

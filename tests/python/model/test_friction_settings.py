@@ -12,27 +12,24 @@ MATRIX = [[0.3, 0.1], [0.1, 0.0]]
 FIX = "fix deformable_friction all deformable/friction "
 
 
-@pytest.mark.parametrize(
-    ("friction", "words"),
-    [
+def test_the_fix() -> None:
+    walls = ld.Friction(0.1, kt=2.0, gt=0.3, damping=0.4)
+    for friction, words in (
         (ld.Friction(0.5, kt=1), "0.5 1.0 0.0 damp 0.0"),
-        (ld.Friction(math.inf, kt=1.0, gt=0.1, damping=np.float32(0.25)), "inf 1.0 0.1 damp 0.25"),
+        (ld.Friction(math.inf, kt=1.0, damping=np.float32(0.25)), "inf 1.0 0.0 damp 0.25"),
         (
             ld.Friction(MATRIX, kt=1.0, damping=np.array(MATRIX)),
             "0.3 1.0 0.0 damp 0.3 types 1 1 0.3 1.0 0.0 0.3 types 1 2 0.1 1.0 0.0 0.1 "
             "types 2 2 0.0 1.0 0.0 0.0",
         ),
         (
-            ld.Friction(0.5, kt=1.0, walls=ld.Friction(0.1, kt=2.0, gt=0.3, damping=0.4)),
+            ld.Friction(0.5, kt=1.0, walls=walls),
             "0.5 1.0 0.0 damp 0.0 types * wall 0.1 2.0 0.3 0.4",
         ),
-    ],
-    ids=["numbers", "infinite", "matrices", "walls"],
-)
-def test_the_fix(friction: ld.Friction, words: str) -> None:
-    assert friction_commands(friction, 2) == FIX + words + "\n"
-    assert eval(repr(friction), {"Friction": ld.Friction, "inf": math.inf}) == friction
-    assert hash(friction) != hash(ld.Friction(9.0, kt=9.0))
+    ):
+        assert friction_commands(friction, 2) == FIX + words + "\n"
+        assert eval(repr(friction), {"Friction": ld.Friction, "inf": math.inf}) == friction
+        assert hash(friction) != hash(ld.Friction(9.0, kt=9.0))
 
 
 def test_hard_springs_have_short_steps() -> None:

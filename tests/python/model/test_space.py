@@ -4,8 +4,7 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 from lammps_deformable import Packing
-from lammps_deformable.box import cartesian, fractional, lengths, nearest_image, widths
-from lammps_deformable.neighbors import near_pairs
+from lammps_deformable.box import cartesian, fractional, nearest_image, widths
 from refusals import refused
 from scipy import stats
 
@@ -39,25 +38,6 @@ def test_phi_is_that_of_spheres() -> None:
     drawn = ld.polydisperse(9, stats.lognorm(0.2, scale=0.5), phi=0.5, dimension=3, seed=1)
     assert drawn.phi == pytest.approx(0.5)
     assert drawn.positions.shape == (9, 3)
-
-
-@pytest.mark.parametrize(
-    ("lattice", "spheres", "phi", "neighbors"),
-    [
-        ("bcc", 2, np.sqrt(3.0) * np.pi / 8.0, 8),
-        ("sc", 1, np.pi / 6.0, 6),
-    ],
-)
-def test_cubic_crystals(lattice: str, spheres: int, phi: float, neighbors: int) -> None:
-    """As many neighbors as there should be touch, also images of a sphere itself."""
-    made = ld.crystal(lattice, (1, 2, 3), radius=0.7)
-    assert len(made) == 6 * spheres
-    assert made.phi == pytest.approx(phi, rel=1e-12)
-    i, j, shift = near_pairs(made, 1e-9)
-    assert 2 * len(i) == neighbors * len(made)
-    distances = lengths(made.positions[j] + shift - made.positions[i])
-    assert distances == pytest.approx(1.4, rel=1e-12)
-    assert ld.crystal(lattice, 2, phi=0.8).phi == pytest.approx(0.8)
 
 
 def test_refusals() -> None:

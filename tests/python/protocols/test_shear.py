@@ -126,11 +126,9 @@ def test_equivalent_box_changes_nothing(sim: ld.Simulation) -> None:
 
 
 def test_bad_input(sim: ld.Simulation) -> None:
-    for strain, steps, message in (
-        (np.nan, 1, "strain must be a finite number, not nan"),
-        (0.1, 0, "steps must be at least 1"),
-    ):
-        with refused(message):
-            sim.shear(strain, steps=steps)
-        with refused("strain must be a positive number, not 0"):
-            shear_modulus(sim.state(), 0.0)
+    with refused("strain must be a finite number, not nan"):
+        sim.shear(np.nan)
+    with refused("steps must be at least 1"):
+        sim.shear(0.1, steps=0)
+    with refused("strain must be a positive number, not 0"):
+        shear_modulus(sim.state(), 0.0)

@@ -36,32 +36,29 @@ def difference(packing: ld.Packing, direction: np.ndarray) -> np.ndarray:
     return (4.0 * values[0] - values[1]) / 3.0
 
 
-@pytest.fixture(params=PACKINGS)
-def packing(request: pytest.FixtureRequest) -> ld.Packing:
-    return PACKINGS[request.param]
+def test_energy_gradient_and_stress_are_those_of_lammps() -> None:
+    for name, packing in PACKINGS.items():
+        with ld.Simulation(packing, ld.SoftContact()) as disks:
+            state = disks.state()
+            forces = np.array(disks.lmp.gather("f", 1, 3)).reshape(-1, 3)[:, :2]
+        hessian = state.hessian()
+        assert hessian.energy == pytest.approx(state.energy, rel=1e-12), name
+        scale = np.abs(forces).max() + 1e-3
+        assert hessian.gradient.reshape(-1, 2) == pytest.approx(-forces, abs=1e-12 * scale)
+        if not packing.walls:
+            assert hessian.stress == pytest.approx(state.pressure_tensor, abs=1e-12)
 
 
-def test_energy_gradient_and_stress_are_those_of_lammps(packing: ld.Packing) -> None:
-    with ld.Simulation(packing, ld.SoftContact()) as disks:
-        state = disks.state()
-        forces = np.array(disks.lmp.gather("f", 1, 3)).reshape(-1, 3)[:, :2]
-    hessian = state.hessian()
-    assert hessian.energy == pytest.approx(state.energy, rel=1e-12)
-    scale = np.abs(forces).max() + 1e-3
-    assert hessian.gradient.reshape(-1, 2) == pytest.approx(-forces, abs=1e-12 * scale)
-    if not packing.walls:
-        assert hessian.stress == pytest.approx(state.pressure_tensor, abs=1e-12)
-
-
-def test_hessian_is_the_derivative_of_the_gradient(packing: ld.Packing) -> None:
-    hessian = state_of(packing).hessian()
-    rng = np.random.default_rng(3)
-    for _ in range(3):
-        direction = rng.standard_normal(hessian.size)
-        exact, found = difference(packing, direction), hessian.operator @ direction
-        assert found == pytest.approx(exact, abs=1e-6 * np.abs(exact).max())
-        assert hessian.matrix @ direction == pytest.approx(found, abs=1e-14)
-    assert abs(hessian.matrix - hessian.matrix.T).max() <= 4e-16 * abs(hessian.matrix).max()
+def test_hessian_is_the_derivative_of_the_gradient() -> None:
+    for name, packing in PACKINGS.items():
+        hessian = state_of(packing).hessian()
+        rng = np.random.default_rng(3)
+        for _ in range(3):
+            direction = rng.standard_normal(hessian.size)
+            exact, found = difference(packing, direction), hessian.operator @ direction
+            assert found == pytest.approx(exact, abs=1e-6 * np.abs(exact).max()), name
+            assert hessian.matrix @ direction == pytest.approx(found, abs=1e-14)
+        assert abs(hessian.matrix - hessian.matrix.T).max() <= 4e-16 * abs(hessian.matrix).max()
 
 
 def test_modes_that_do_not_fit_into_the_memory() -> None:
