@@ -20,7 +20,7 @@ def mean_contact_force(state: ld.State) -> float:
     return float(np.mean(active[active > 0.0]))
 
 
-@pytest.mark.parametrize(("number", "seed"), [(8, 1), (8, 5), (32, 2), (32, 4), (64, 3)])
+@pytest.mark.parametrize(("number", "seed"), [(8, 1), (32, 4), (64, 3)])
 def test_ring_always_reaches_the_tolerance(number: int, seed: int) -> None:
     jammed = ld.jam(ld.bidisperse(number, seed=seed)).packing
     with warnings.catch_warnings(), ld.Simulation(jammed, ld.Ring()) as sim:
@@ -209,14 +209,7 @@ def test_errors_for_deep_overlaps_name_push_off(law: ld.Ring | ld.Sector) -> Non
 
 
 @pytest.mark.parametrize(
-    ("law", "tilt", "phi"),
-    [
-        (None, 1.3, 0.88),
-        (ld.Ring(), 0.3, 0.5),
-        (ld.Ring(), 1.3, 0.88),
-        (ld.Ring(), 0.0, 1.0),
-        (ld.Sector(), 0.3, 1.0),
-    ],
+    ("law", "tilt", "phi"), [(None, 1.3, 0.88), (ld.Ring(), 1.3, 1.0), (ld.Sector(), 0.3, 1.0)]
 )
 @pytest.mark.usefixtures("exact_balance")  # stresses are right to the tolerance of the forces
 def test_a_particle_in_a_box_smaller_than_itself(

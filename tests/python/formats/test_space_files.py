@@ -108,7 +108,7 @@ def test_bad_boxes(tmp_path: Path) -> None:
         (("0.0 2.8", "0.0 -2.8"), "its box is"),
     ):
         path = tmp_path / "spheres.dump"
-        ld.crystal("fcc", 2, phi=np.pi / np.sqrt(18.0)).to_file(path)
+        ld.crystal("fcc", 2, phi=np.pi / np.sqrt(18.0)).to_file(path, mode="w")
         text = path.read_text()
         assert change[0] in text
         path.write_text(text.replace(*change))

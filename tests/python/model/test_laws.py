@@ -75,12 +75,3 @@ def test_droplets_and_bubbles() -> None:
     with pytest.raises(ld.ParameterError, match=r"radius 0\.2 collapse"):
         droplets.species_parameters([0.5, 0.2])
     assert ld.Ring(tension=0.0) == ld.Ring()
-
-
-def test_outline_of_a_droplet() -> None:
-    """The area of its outline is that of the circle."""
-    droplet = ld.Ring(kA=math.inf, kP=0.0, tension=2.0)
-    angle, a = np.arange(6) * np.pi / 3, np.full(6, 0.03)
-    x, y = droplet.outline(0, 1.0, angle, a, points=4000).T
-    area = 0.5 * np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))
-    assert area == pytest.approx(np.pi, rel=2e-6)

@@ -33,12 +33,6 @@ def area(picture: np.ndarray, color: int) -> float:
     return float(seen.sum()) * 16.0 / seen.size
 
 
-def test_a_sphere_is_a_disk() -> None:
-    picture = cast([[0.0, 0.0, 0.0]])
-    assert area(picture, 0) == pytest.approx(np.pi, rel=0.02)
-    assert float(picture[..., 3].mean()) * 16.0 == pytest.approx(np.pi, rel=2e-3)
-
-
 def test_the_nearer_sphere_is_in_front() -> None:
     """Two circles at the distance 1 have 1.2284 in common."""
     common = 2.0 * np.pi / 3.0 - np.sqrt(0.75)
