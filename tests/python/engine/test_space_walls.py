@@ -88,7 +88,7 @@ def test_walls_bear_what_droplets_carry(name: str) -> None:
 
     Droplets keep their radii, so that the walls are scaled with the centers.
     """
-    packing = packed(name)
+    packing = packed(name, number=24)
     with exactly_balanced(), ld.Simulation(packing, LAW) as sim:
         state = sim.state()
         forces = np.array(sim.lmp.gather("f", 1, 3)).reshape(-1, 3)
