@@ -8,6 +8,7 @@ import subprocess
 from pathlib import Path
 
 import lammps_deformable as ld
+import numpy as np
 import pytest
 import ranks
 from lammps_deformable import cli, core
@@ -75,37 +76,28 @@ REFUSED = {
 }
 
 
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [([*start, *more], words) for start, rows in REFUSED.items() for more, words in rows],
-)
 def test_errors_are_one_line(
-    arguments: list[str],
-    words: list[str],
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """In this process, which has loaded what a command loads."""
+    """In this process, which has loaded what a command loads; before any work."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("sys.argv", ["deformable", *arguments])
-    with pytest.raises(SystemExit) as end:
-        cli.main()
-    assert end.value.code == 2
-    out, error = capsys.readouterr()
-    assert error.startswith("error: ")
-    assert error.count("\n") == 1
-    assert [word for word in words if word not in error] == []
-    assert out == ""  # before any work
-    assert not list(tmp_path.iterdir())
+    for start, rows in REFUSED.items():
+        for more, words in rows:
+            monkeypatch.setattr("sys.argv", ["deformable", *start, *more])
+            with pytest.raises(SystemExit) as end:
+                cli.main()
+            out, error = capsys.readouterr()
+            assert (end.value.code, out, error.count("\n")) == (2, "", 1), more
+            assert error.startswith("error: ")
+            assert [word for word in words if word not in error] == [], error
+            assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize("strain", ["1", "nan"])
-def test_report_compresses(strain: str, tmp_path: Path) -> None:
-    result = run("report", "--strain", strain, cwd=tmp_path)
+def test_report_compresses(tmp_path: Path) -> None:
+    result = run("report", "--strain", "nan", cwd=tmp_path)
     assert result.returncode == 2
     assert result.stderr.startswith("error: strain ")
-    assert result.stderr.endswith(f"{float(strain)}\n")
+    assert result.stderr.endswith("nan\n")
 
 
 def test_ranks_are_refused(tmp_path: Path) -> None:
@@ -223,3 +215,52 @@ def test_info_of_a_complete_installation(tmp_path: Path) -> None:
     told = re.findall(r"^(\w+ style) +(\S+): registered$", result.stdout, re.M)
     assert {" ".join(words) for words in told} == names
     assert "the same" in result.stdout
+
+
+def test_polydispersity(tmp_path: Path) -> None:
+    options = ("--number", "16", "--polydispersity", "0.1", "--steps", "1", "--seed", "2")
+    result = run("compress", *options, cwd=tmp_path)
+    assert (result.returncode, result.stderr) == (0, "")
+    summary = json.loads((tmp_path / "compress" / "summary.json").read_text())
+    assert summary["parameters"]["polydispersity"] == 0.1
+    with ld.Run(tmp_path / "compress").simulation() as sim:
+        radius = sim.state().packing.radii
+    assert len(np.unique(radius)) == 16
+    # mean 0.5 and standard deviation 0.05 are known to 0.05/sqrt(16) and less
+    assert radius.mean() == pytest.approx(0.5, abs=0.05)
+    assert radius.std() == pytest.approx(0.05, abs=0.03)
+    result = run("compress", "--append", "--steps", "1", cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+
+
+def test_the_onset_is_saved(tmp_path: Path) -> None:
+    done = command("jam", "--number", 12, "--seed", 3, "--law", "radical", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    with ld.Run(tmp_path / "jam").simulation() as sim:
+        state = sim.state()
+    expected = ld.jam(ld.bidisperse(12, seed=3), ld.Ring(contact="radical"), tolerance=1e-6).packing
+    assert state.packing.phi == pytest.approx(expected.phi, rel=1e-9)
+    assert f"phi_J = {state.phi:.6g}, " in done.stdout
+    assert (tmp_path / "jam" / "packing.png").stat().st_size > 5_000
+    done = command("jam", "--number", 12, cwd=tmp_path)
+    assert "'jam' holds a run" in done.stderr
+    assert "overwrite" in done.stderr
+
+
+def test_a_run_reaches_its_targets(tmp_path: Path) -> None:
+    result = run(
+        "compress", "--number", "16", "--steps", "2", "--phi", "0.87", "--out", "run", cwd=tmp_path
+    )
+    assert result.returncode == 0, result.stderr
+    result = run("compress", "--resume", "--phi", "0.87", "--out", "run", cwd=tmp_path)
+    assert "is complete" in result.stdout
+    result = run("compress", "--resume", "--phi", "0.9", "--out", "run", cwd=tmp_path)
+    assert "begun with --phi 0.87, not 0.9" in result.stderr
+    given = ("--append", "--pressure", "0.005", "--steps", "1", "--out", "run")
+    result = run("compress", *given, cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+    with (tmp_path / "run" / "series.csv").open() as file:
+        *_, reached, last = csv.DictReader(file)
+    assert float(reached["phi"]) == pytest.approx(0.87, rel=1e-9)
+    assert float(last["pressure"]) == pytest.approx(0.005, rel=1e-6)
+    assert ld.Run(tmp_path / "run").parameters["pressure"] == 0.005

@@ -6,6 +6,7 @@ import lammps_deformable as ld
 import pytest
 from lammps_deformable.cli import app
 from lammps_deformable.cli_options import law_and_dimension
+from refusals import refused
 
 
 def shell(line: str) -> None:
@@ -52,22 +53,18 @@ def test_droplets_in_a_dump_are_drawn(here: Path) -> None:
     assert "<polydata" in (here / "droplets.vtp").read_text().lower()
 
 
-@pytest.mark.parametrize(
-    ("line", "message"),
-    [
+def test_nonsense_is_told(here: Path) -> None:
+    for line, message in (
         ("compress --dimension 4", "--dimension must be 2 or 3, not 4"),
         ("compress --dimension 3 --law curved", "--law curved is for 2 dimensions, not 3: leave"),
         ("compress --law droplet --kA 2", "--kA is an option of ring laws: leave it out with"),
         ("compress --dimension 3 --aspect 40", "aspect must lie between 0.229 and 19.1 for 128"),
         ("compress --from space.xyz", r"fill space, .* dimension=3 \(in the shell --law droplet\)"),
         ("jam --from space.xyz --law droplet", "rigid already at phi = 0.7800"),
-    ],
-)
-def test_nonsense_is_told(line: str, message: str, here: Path) -> None:
-    errors = (ld.ParameterError, ld.FileError)
-    with pytest.raises(errors, match=message) as caught:
-        shell(line)
-    assert "\n" not in str(caught.value)
+    ):
+        errors = (ld.ParameterError, ld.FileError)
+        with refused(message, errors):
+            shell(line)
 
 
 def test_nonsense_of_pictures_is_told(here: Path) -> None:

@@ -1,5 +1,6 @@
 """Errors for wrong arguments name the argument and its value in one line."""
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -8,6 +9,7 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 from lammps_deformable import Ring
+from refusals import refused
 
 from validation.finite_strain import shear_modulus
 
@@ -43,14 +45,10 @@ CASES: list[tuple[Callable[[], Any], str, str]] = [
 ]
 
 
-@pytest.mark.parametrize(("call", "name", "value"), CASES)
-def test_one_line_names_argument_and_value(call: Callable[[], Any], name: str, value: str) -> None:
-    with pytest.raises(ld.ParameterError) as caught:
-        call()
-    line = str(caught.value)
-    assert line.startswith(f"{name} must ")
-    assert line.endswith(value)
-    assert "\n" not in line
+def test_one_line_names_argument_and_value() -> None:
+    for call, name, value in CASES:
+        with refused(rf"^{re.escape(name)} must .*{re.escape(value)}$"):
+            call()
 
 
 def test_a_run_needs_its_folder_and_a_communicator(state: ld.State, tmp_path: Path) -> None:

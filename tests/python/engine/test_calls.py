@@ -125,7 +125,6 @@ if {made}:
 {calls}
 """
 MISTAKES = {
-    "made on one rank": ("rank == 0", "", "rank 1 has ended without the call a simulation"),
     "another call": (
         "True",
         "if rank == 0: sim.relax()\nsim.state()",

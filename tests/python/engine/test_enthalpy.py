@@ -33,11 +33,6 @@ PACKINGS = {
 }
 
 
-@pytest.fixture(params=PACKINGS)
-def packing(request: pytest.FixtureRequest) -> ld.Packing:
-    return PACKINGS[request.param]
-
-
 def strayed(packing: ld.Packing) -> ld.Packing:
     """The same packing, with some particles in other periodic images."""
     if packing.walls:
@@ -46,44 +41,47 @@ def strayed(packing: ld.Packing) -> ld.Packing:
     return packing.replace(positions=packing.positions + cells @ packing.box)
 
 
-def test_near_pairs_are_all_pairs(packing: ld.Packing) -> None:
+def test_near_pairs_are_all_pairs() -> None:
     """Against a search through all images."""
-    packing = strayed(packing)
-    skin = 0.2
-    i, j, shift = near_pairs(packing, skin)
-    apart = packing.positions[j] + shift - packing.positions[i]
-    distance = np.linalg.norm(apart, axis=1)
-    assert (distance < packing.radii[i] + packing.radii[j] + skin).all()
-    x = packing.positions
-    shut = ld.room.closed(packing.walls, packing.dimension)
-    farthest = 12 if packing.dimension == 2 else 8
-    spans = [range(1) if closed else range(-farthest, farthest + 1) for closed in shut]
-    steps = np.array(list(product(*spans))) @ packing.box
-    all_distances = np.linalg.norm((x[:, None] - x)[:, :, None] + steps, axis=-1)
-    near = all_distances < (packing.radii[:, None] + packing.radii)[..., None] + skin
-    assert 2 * len(i) == near.sum() - len(packing)  # but itself
+    for name, packing in PACKINGS.items():
+        packing, skin = strayed(packing), 0.2
+        i, j, shift = near_pairs(packing, skin)
+        apart = packing.positions[j] + shift - packing.positions[i]
+        distance = np.linalg.norm(apart, axis=1)
+        assert (distance < packing.radii[i] + packing.radii[j] + skin).all()
+        x = packing.positions
+        shut = ld.room.closed(packing.walls, packing.dimension)
+        farthest = 12 if packing.dimension == 2 else 8
+        spans = [range(1) if closed else range(-farthest, farthest + 1) for closed in shut]
+        steps = np.array(list(product(*spans))) @ packing.box
+        all_distances = np.linalg.norm((x[:, None] - x)[:, :, None] + steps, axis=-1)
+        near = all_distances < (packing.radii[:, None] + packing.radii)[..., None] + skin
+        assert 2 * len(i) == near.sum() - len(packing), name  # but itself
 
 
-def test_energy_and_pressure_are_those_of_disks_in_lammps(packing: ld.Packing) -> None:
-    enthalpy = Enthalpy(strayed(packing), None)
-    energy, gradient = enthalpy(enthalpy.start)
-    with simulate(packing) as disks:
-        state = disks.state()
-        forces = np.array(disks.lmp.gather("f", 1, 3)).reshape(-1, 3)[:, : packing.dimension]
-    assert energy == pytest.approx(state.energy, rel=1e-12)
-    assert enthalpy.pressure == pytest.approx(state.pressure, rel=1e-12)
-    assert gradient[:-1].reshape(forces.shape) == pytest.approx(-forces, abs=1e-12)
+def test_energy_and_pressure_are_those_of_disks_in_lammps() -> None:
+    for name, packing in PACKINGS.items():
+        enthalpy = Enthalpy(strayed(packing), None)
+        energy, gradient = enthalpy(enthalpy.start)
+        with simulate(packing) as disks:
+            state = disks.state()
+            forces = np.array(disks.lmp.gather("f", 1, 3)).reshape(-1, 3)[:, : packing.dimension]
+        assert energy == pytest.approx(state.energy, rel=1e-12), name
+        assert enthalpy.pressure == pytest.approx(state.pressure, rel=1e-12)
+        assert gradient[:-1].reshape(forces.shape) == pytest.approx(-forces, abs=1e-12)
 
 
-def test_gradient_is_that_of_finite_differences(packing: ld.Packing) -> None:
-    enthalpy = Enthalpy(packing, 0.1)
-    rng, step = np.random.default_rng(3), 1e-5
-    z = enthalpy.start + np.append(np.zeros(packing.positions.size), 0.3)  # in a larger box
-    _, gradient = enthalpy(z)
-    for _ in range(4):
-        direction = rng.normal(size=len(z))
-        (above, _), (below, _) = (enthalpy(z + sign * step * direction) for sign in (1, -1))
-        assert gradient @ direction == pytest.approx((above - below) / (2 * step), rel=1e-6)
+def test_gradient_is_that_of_finite_differences() -> None:
+    for name, packing in PACKINGS.items():
+        enthalpy = Enthalpy(packing, 0.1)
+        rng, step = np.random.default_rng(3), 1e-5
+        z = enthalpy.start + np.append(np.zeros(packing.positions.size), 0.3)  # in a larger box
+        _, gradient = enthalpy(z)
+        for _ in range(4):
+            direction = rng.normal(size=len(z))
+            (above, _), (below, _) = (enthalpy(z + sign * step * direction) for sign in (1, -1))
+            slope = (above - below) / (2 * step)
+            assert gradient @ direction == pytest.approx(slope, rel=1e-6), name
 
 
 @pytest.mark.parametrize("name", ["circle", "leaning"])

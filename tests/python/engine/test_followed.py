@@ -20,10 +20,8 @@ FOLLOWED = {
     "change_box to a tilted box": "change_box all xy delta 0.5 remap",
     "displace_atoms beyond the box": "displace_atoms all move 100.1 -50 0",
     "run": "fix a all nve\ntimestep 0.01\nvelocity all create 1e-4 3 mom yes\nrun 100",
-    "minimize": "min_style cg\nminimize 0 1e-6 100 100\nmin_style fire",
     "fix with energy": "fix a all spring/self 0.1\nfix_modify a energy yes",
     "fix rigid": "fix r all rigid single\nrun 3",
-    "output": "thermo_style one\nthermo_modify norm yes\nfix b all enforce2d",
     "domains": "comm_style tiled\nbalance 1.1 rcb\nrun_style respa 2 2",
     "IDs of a user": "compute virial all ke\ncompute beyond all ke\nfix results all nve",
 }

@@ -9,6 +9,7 @@ import pytest
 from contact_laws import simulate
 from lammps_deformable import free_box
 from numpy.typing import NDArray
+from refusals import refused
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -24,7 +25,7 @@ KINDS: dict[str, tuple[ld.Ring | None, float]] = {
     "soft": (ld.Ring(kA=1.0, kP=5.0), 1e-3),
     "droplets": (DROPLETS, 3e-2),
 }
-some_kinds = pytest.mark.parametrize("kind", ["disks", "curved", "droplets"])
+some_kinds = pytest.mark.parametrize("kind", ["disks", "droplets"])
 
 
 def excess(state: Any, pressure: float) -> NDArray[np.float64]:
@@ -62,8 +63,7 @@ def test_the_stress_is_the_pressure_where_the_box_is_free(
     assert (abs(aspect - jammed.box[1, 1] / jammed.box[0, 0]) > 1e-6) == (free != "iso")
 
 
-@pytest.mark.parametrize("seed", [1, 5])
-def test_packings_of_many_seeds_come_to_rest(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_packings_come_to_rest_in_few_relaxations(monkeypatch: pytest.MonkeyPatch) -> None:
     """Down to a low pressure, where many contacts change on the way."""
     count = 0
 
@@ -74,7 +74,7 @@ def test_packings_of_many_seeds_come_to_rest(seed: int, monkeypatch: pytest.Monk
 
     relax = ld.Simulation._relaxed
     monkeypatch.setattr(ld.Simulation, "_relaxed", counted)
-    with ld.Simulation(ld.jam(ld.bidisperse(32, seed=seed)).packing, ld.SoftContact()) as disks:
+    with ld.Simulation(ld.jam(ld.bidisperse(32, seed=1)).packing, ld.SoftContact()) as disks:
         for pressure in (1e-2, 1e-3, 1e-4):
             count = 0
             state = disks.relax(pressure=pressure, free="tri")
@@ -159,20 +159,17 @@ def test_particles_that_stick() -> None:
     assert np.abs(excess(state, 0.03)).max() <= 1e-6
 
 
-@pytest.mark.parametrize(
-    ("given", "message"),
-    [
-        ({"pressure": 0.0}, "pressure must be a positive number, not 0.0"),
-        ({"pressure": 1e-3, "free": "area"}, "free must be iso, aniso or tri, not 'area'"),
-        ({"pressure": 1e-3, "free": np.eye(2)}, "free must be iso, aniso or tri"),
-        ({"free": "tri"}, "free='tri' needs a pressure"),
-    ],
-)
-def test_nonsense_is_refused(jammed: ld.Packing, given: dict[str, Any], message: str) -> None:
+def test_nonsense_is_refused(jammed: ld.Packing) -> None:
     with ld.Simulation(jammed, ld.Ring()) as sim:
-        with pytest.raises(ld.ParameterError, match=message):
-            sim.relax(**given)
-        assert sim.box == pytest.approx(jammed.box)  # nothing has moved
+        for given, message in (
+            ({"pressure": 0.0}, "pressure must be a positive number, not 0.0"),
+            ({"pressure": 1e-3, "free": "area"}, "free must be iso, aniso or tri, not 'area'"),
+            ({"pressure": 1e-3, "free": np.eye(2)}, "free must be iso, aniso or tri"),
+            ({"free": "tri"}, "free='tri' needs a pressure"),
+        ):
+            with refused(message):
+                sim.relax(**given)
+            assert sim.box == pytest.approx(jammed.box)  # nothing has moved
 
 
 @pytest.mark.filterwarnings("ignore")

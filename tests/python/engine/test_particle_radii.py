@@ -6,8 +6,6 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 from lammps_deformable import core
-from lammps_deformable.lammps import gather, run
-from lammps_deformable.soft_disks import open_disks
 from scipy import stats
 
 RADICAL = ld.Ring(kA=2.0, contact="radical")
@@ -28,22 +26,6 @@ def state(jammed: ld.Packing) -> ld.State:
     with ld.Simulation(jammed, RADICAL) as sim:
         (last,) = sim.compress(strain=0.01)[1:]
     return last
-
-
-def test_disks_are_the_same_in_both_styles() -> None:
-    """Forces and pressure of overlapping disks, which both styles sum in an order of their own."""
-    two = ld.bidisperse(32, phi=0.8, tilt=0.2, seed=3)
-    found = []
-    for packing in (two, two._with_own_radii()):
-        lmp = open_disks(packing)
-        run(lmp, "run 0")
-        found.append((gather(lmp, "f", 3), lmp.get_thermo("c_deformable_virial")))
-        lmp.close()
-    (expected, pressure), (force, same) = found
-    assert np.abs(expected).max() > 0.1
-    # places within a box of 6 are known to 1e-15
-    np.testing.assert_allclose(force, expected, rtol=0, atol=1e-14)
-    assert same == pytest.approx(pressure, rel=1e-13)
 
 
 def test_two_sizes_are_two_species() -> None:

@@ -20,7 +20,7 @@ def mean_contact_force(state: ld.State) -> float:
     return float(np.mean(active[active > 0.0]))
 
 
-@pytest.mark.parametrize(("number", "seed"), [(8, 1), (8, 5), (32, 2), (32, 4), (64, 3)])
+@pytest.mark.parametrize(("number", "seed"), [(8, 1), (32, 4), (64, 3)])
 def test_ring_always_reaches_the_tolerance(number: int, seed: int) -> None:
     jammed = ld.jam(ld.bidisperse(number, seed=seed)).packing
     with warnings.catch_warnings(), ld.Simulation(jammed, ld.Ring()) as sim:
@@ -209,14 +209,7 @@ def test_errors_for_deep_overlaps_name_push_off(law: ld.Ring | ld.Sector) -> Non
 
 
 @pytest.mark.parametrize(
-    ("law", "tilt", "phi"),
-    [
-        (None, 1.3, 0.88),
-        (ld.Ring(), 0.3, 0.5),
-        (ld.Ring(), 1.3, 0.88),
-        (ld.Ring(), 0.0, 1.0),
-        (ld.Sector(), 0.3, 1.0),
-    ],
+    ("law", "tilt", "phi"), [(None, 1.3, 0.88), (ld.Ring(), 1.3, 1.0), (ld.Sector(), 0.3, 1.0)]
 )
 @pytest.mark.usefixtures("exact_balance")  # stresses are right to the tolerance of the forces
 def test_a_particle_in_a_box_smaller_than_itself(
@@ -271,3 +264,24 @@ def test_an_interrupted_close_frees_lammps_once(
     sim._lmp.close()  # as when the instance is deleted
     assert len(freed) == 1
     assert sim.closed
+
+
+def test_a_larger_diameter() -> None:
+    """The species file is LAMMPS' way; `Simulation` writes that file itself."""
+    packing = ld.polydisperse(3, [0.5, 0.6, 0.7], phi=0.4, seed=1).push_off()
+    with ld.Simulation(packing, ld.Ring()) as sim:
+        sim.lmp.command("set atom 1 diameter 3")
+        with pytest.raises(ld.LammpsError, match="in Python: reset to a packing with"):
+            sim.state()
+
+
+def test_beyond_the_model_says_how_many_and_what() -> None:
+    packing = ld.jam(ld.bidisperse(12, seed=2)).packing.at(1.15)
+    with (
+        ld.Simulation(packing, ld.Ring()) as sim,
+        pytest.warns(
+            ld.BeyondModelWarning,
+            match=r"\d+ of 12 particles .* negative radius .* without a known error",
+        ),
+    ):
+        sim.relax(1e-3)

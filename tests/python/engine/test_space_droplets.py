@@ -10,12 +10,12 @@ import pytest
 from lammps_deformable import (
     Droplet,
     Packing,
-    ParameterError,
     Simulation,
     State,
     engines,
 )
 from numpy.typing import NDArray
+from refusals import refused
 
 from validation.finite_strain import shear_modulus
 
@@ -224,9 +224,8 @@ def test_nothing_of_the_plane_is_in_a_state(emulsion: State) -> None:
 SPHERES = ld.bidisperse(8, dimension=3, seed=1)
 
 
-@pytest.mark.parametrize(
-    ("make", "told"),
-    [
+def test_refusals() -> None:
+    for make, told in (
         (lambda: ld.Simulation(ld.bidisperse(4, seed=1), Droplet()), r"two: .* Ring\(kA="),
         (lambda: ld.jam(ld.bidisperse(4, seed=1), Droplet()).packing, "Droplet is for three dim"),
         (lambda: ld.Simulation(SPHERES, Droplet([1, 2, 3])), "there are 2 species"),
@@ -240,11 +239,9 @@ SPHERES = ld.bidisperse(8, dimension=3, seed=1)
             lambda: ld.Simulation(SPHERES, Droplet(), friction=ld.Friction(0.5, kt=0.1)),
             "friction is for particles in the plane, and droplets",
         ),
-    ],
-)
-def test_refusals(make: Callable[[], object], told: str) -> None:
-    with pytest.raises(ParameterError, match=told):
-        make()
+    ):
+        with refused(told):
+            make()
 
 
 def test_law_shows_its_call() -> None:

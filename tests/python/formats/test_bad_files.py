@@ -6,6 +6,7 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 from lammps_deformable import Packing
+from refusals import refused
 
 DUMP = """ITEM: TIMESTEP
 0
@@ -121,12 +122,11 @@ ARGUMENTS = [
 ]
 
 
-@pytest.mark.parametrize(("arguments", "message"), ARGUMENTS)
-def test_bad_arguments(arguments: dict[str, object], message: str, tmp_path: Path) -> None:
-    path = written(tmp_path, "dump", DUMP)
-    with pytest.raises((ld.ParameterError, ld.FileError), match=message) as e:
-        Packing.from_file(path, **arguments)  # type: ignore[arg-type]
-    assert "\n" not in str(e.value)
+def test_bad_arguments(tmp_path: Path) -> None:
+    for arguments, message in ARGUMENTS:
+        path = written(tmp_path, "dump", DUMP)
+        with refused(message, (ld.ParameterError, ld.FileError)):
+            Packing.from_file(path, **arguments)  # type: ignore[arg-type]
 
 
 def test_files_that_are_none(tmp_path: Path) -> None:

@@ -7,6 +7,7 @@ from pathlib import Path
 import lammps_deformable as ld
 import pytest
 from lammps_deformable.store import read
+from refusals import refused
 
 
 def test_summary_has_law_parameters_and_versions(state: ld.State, tmp_path: Path) -> None:
@@ -71,11 +72,9 @@ BROKEN = {
 }
 
 
-@pytest.mark.parametrize("case", BROKEN)
-def test_errors_name_the_file(case: str, state: ld.State, tmp_path: Path) -> None:
-    name, spoil, message = BROKEN[case]
-    state.save(tmp_path)
-    spoil(tmp_path / name)
-    with pytest.raises(ld.FileError, match=f"{name} cannot be read: .*{message}") as caught:
-        read(tmp_path)
-    assert "\n" not in str(caught.value)
+def test_errors_name_the_file(state: ld.State, tmp_path: Path) -> None:
+    for name, spoil, message in BROKEN.values():
+        state.save(tmp_path, mode="w")
+        spoil(tmp_path / name)
+        with refused(f"{name} cannot be read: .*{message}", ld.FileError):
+            read(tmp_path)

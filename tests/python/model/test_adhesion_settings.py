@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from lammps_deformable.commands import species_file, wall_commands
 from lammps_deformable.laws import pair_matrix
+from refusals import refused
 
 DROPLET: dict[str, Any] = {"kA": math.inf, "kP": 0.0, "tension": 1.0, "contact": "curved"}
 MATRIX = [[0.3, 0.1], [0.1, 0.0]]
@@ -40,9 +41,8 @@ def test_species_file() -> None:
     assert lines(0.2) == [f"adhesion {pair} 0.2" for pair in ("s1 s1", "s1 s2", "s2 s2")]
 
 
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
+def test_refused() -> None:
+    for change, message in (
         ({"adhesion": -0.1}, "not -0.1"),
         ({"adhesion": [[0.1, 0.2], [0.3]]}, "a number, or a matrix"),
         ({"adhesion": [[0.1, 0.2], [0.3, 0.1]]}, "species 0 and 1 have 0.2 and 0.3"),
@@ -51,12 +51,9 @@ def test_species_file() -> None:
         ({"adhesion": 0.1, "tension": 0.0, "kP": 1.0}, "without a tension"),
         ({"adhesion": 0.1, "skin": 0.1}, "skin of 0, not 0.1"),
         ({"adhesion": 0.1, "contact": "radical"}, "contact='curved', not 'radical'"),
-    ],
-)
-def test_refused(change: dict[str, Any], message: str) -> None:
-    with pytest.raises(ld.ParameterError, match=message) as error:
-        ld.Ring(**(DROPLET | change))
-    assert "\n" not in str(error.value)
+    ):
+        with refused(message):
+            ld.Ring(**(DROPLET | change))
 
 
 WALLS = [
@@ -83,20 +80,17 @@ def test_rectangle() -> None:
     assert [wall.adhesion for wall in ld.BoxWall((2, 1), adhesion=0.2).parts] == [0.2] * 4
 
 
-@pytest.mark.parametrize(
-    ("law", "message"),
-    [
+def test_particles_that_stick_to_no_wall() -> None:
+    for law, message in (
         (ld.Ring(), "plane 1: adhesion needs contact lines that bend"),
         (ld.Ring(**(DROPLET | {"tension": [1.0, 0.1]})), "species 1: .*above half"),
-    ],
-)
-def test_particles_that_stick_to_no_wall(law: Any, message: str) -> None:
-    packing = ld.Packing(
-        np.array([[1.0, 1.0], [3.0, 1.0]]),
-        [0.5, 0.7],
-        np.diag([4.0, 2.0]),
-        species=[0, 1],
-        walls=ld.BoxWall((4, 2), adhesion=0.3),
-    )
-    with pytest.raises(ld.ParameterError, match=message):
-        ld.Simulation(packing, law)
+    ):
+        packing = ld.Packing(
+            np.array([[1.0, 1.0], [3.0, 1.0]]),
+            [0.5, 0.7],
+            np.diag([4.0, 2.0]),
+            species=[0, 1],
+            walls=ld.BoxWall((4, 2), adhesion=0.3),
+        )
+        with refused(message):
+            ld.Simulation(packing, law)

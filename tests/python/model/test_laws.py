@@ -1,11 +1,11 @@
 """Contact laws as settings."""
 
 import math
-from typing import Any
 
 import lammps_deformable as ld
 import numpy as np
 import pytest
+from refusals import refused
 
 
 def rows(law: ld.Ring | ld.Sector, radii: list[float]) -> list[list[float]]:
@@ -43,9 +43,8 @@ def test_sector_conserves_perimeter_or_area() -> None:
     assert rows(ld.Sector(kP=3.0), [1.0]) == [[math.inf, 3.0, 0.0]]
 
 
-@pytest.mark.parametrize(
-    ("law", "wrong", "shown"),
-    [
+def test_wrong_parameters_are_named() -> None:
+    for law, wrong, shown in (
         (ld.Ring, {"kA": 0.0}, "not 0"),
         (ld.Ring, {"kA": [1.0, float("inf")]}, "kP .*both be inf"),
         (ld.Ring, {"skin": -0.5}, "not -0.5"),
@@ -58,11 +57,9 @@ def test_sector_conserves_perimeter_or_area() -> None:
         (ld.Ring, {"kP": math.inf, "tension": 1.0}, "must be finite"),
         (ld.Sector, {"kA": float("inf")}, "kP .*both be inf"),
         (ld.Sector, {"kP": [1.0, 2.0]}, r"\[1.0, 2.0\]"),
-    ],
-)
-def test_wrong_parameters_are_named(law: Any, wrong: dict[str, Any], shown: str) -> None:
-    with pytest.raises(ld.ParameterError, match=f"{next(iter(wrong))}.* {shown}"):
-        law(**wrong)
+    ):
+        with refused(f"{next(iter(wrong))}.* {shown}"):
+            law(**wrong)
 
 
 def test_a_skin_is_thinner_than_its_particle() -> None:
@@ -78,12 +75,3 @@ def test_droplets_and_bubbles() -> None:
     with pytest.raises(ld.ParameterError, match=r"radius 0\.2 collapse"):
         droplets._species_parameters([0.5, 0.2])
     assert ld.Ring(tension=0.0) == ld.Ring()
-
-
-def test_outline_of_a_droplet() -> None:
-    """The area of its outline is that of the circle."""
-    droplet = ld.Ring(kA=math.inf, kP=0.0, tension=2.0)
-    angle, a = np.arange(6) * np.pi / 3, np.full(6, 0.03)
-    x, y = droplet.outline(0, 1.0, angle, a, points=4000).T
-    area = 0.5 * np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))
-    assert area == pytest.approx(np.pi, rel=2e-6)

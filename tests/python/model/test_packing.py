@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from refusals import refused
 from scipy import stats
 
 BUILDER = st.fixed_dictionaries(
@@ -65,9 +66,8 @@ def test_packing_cannot_be_changed() -> None:
         packing.positions[0, 0] = 1.0
 
 
-@pytest.mark.parametrize(
-    ("wrong", "message"),
-    [
+def test_builder_names_the_bad_value() -> None:
+    for wrong, message in (
         ({"sizes": (0.5, -0.7)}, "sizes must be a positive number, not -0.7"),
         ({"sizes": (0.5,)}, "sizes must be two numbers"),
         ({"fraction_large": 1.5}, "fraction_large must lie between 0 and 1, not 1.5"),
@@ -77,16 +77,13 @@ def test_packing_cannot_be_changed() -> None:
         ({"tilt": 1e9}, r"tilted by at most 30 .*not 1e\+09"),
         ({"number": 2.5}, "number must be a whole number, not 2.5"),
         ({"seed": -1}, "seed must not be negative, not -1"),
-    ],
-)
-def test_builder_names_the_bad_value(wrong: dict[str, Any], message: str) -> None:
-    with pytest.raises(ld.ParameterError, match=message):
-        ld.bidisperse(**({"number": 8} | wrong))
+    ):
+        with refused(message):
+            ld.bidisperse(**({"number": 8} | wrong))
 
 
-@pytest.mark.parametrize(
-    ("wrong", "message"),
-    [
+def test_packing_refuses_nonsense() -> None:
+    for wrong, message in (
         ({"positions": np.zeros(2)}, "positions must have shape"),
         ({"positions": np.zeros((3, 2))}, "one for each of 3 particles"),
         ({"positions": [[0.0, 0.0], [0.0, 2.7e15]]}, "positions of particle 1, .* boxes away"),
@@ -96,18 +93,16 @@ def test_builder_names_the_bad_value(wrong: dict[str, Any], message: str) -> Non
         ({"radii": [0.5, float("nan")]}, "radii must be finite"),
         ({"box": np.array([[1.0, 0.5], [0.0, 1.0]])}, "box must be"),
         ({"box": (2, 3, 4)}, "positions have 2 columns, so that the box must .* not 3"),
-    ],
-)
-def test_packing_refuses_nonsense(wrong: dict[str, Any], message: str) -> None:
-    good = {
-        "positions": np.zeros((2, 2)),
-        "species": np.array([0, 1]),
-        "radii": np.array([0.5, 0.7]),
-        "box": np.eye(2),
-    }
-    ld.Packing(**good)
-    with pytest.raises(ld.ParameterError, match=message):
-        ld.Packing(**(good | wrong))
+    ):
+        good = {
+            "positions": np.zeros((2, 2)),
+            "species": np.array([0, 1]),
+            "radii": np.array([0.5, 0.7]),
+            "box": np.eye(2),
+        }
+        ld.Packing(**good)
+        with refused(message):
+            ld.Packing(**(good | wrong))
 
 
 def test_radii_far_from_one_need_another_unit() -> None:
@@ -146,17 +141,14 @@ def test_polydisperse_draws_from_distributions() -> None:
     assert len(np.unique(uniform.radii)) == 50
 
 
-@pytest.mark.parametrize(
-    ("radii", "message"),
-    [
+def test_polydisperse_names_the_bad_value() -> None:
+    for radii, message in (
         ([0.5, 0.5], r"radii must be 3 numbers, shape \(3,\), not \(2,\)"),
         ([0.5, 0.0, -1.0], "radii must be positive, but 2 of 3 are not, such as 0: "),
         (lambda rng, n: None, "radii must be 3 numbers|radii must be finite numbers"),
-    ],
-)
-def test_polydisperse_names_the_bad_value(radii: Any, message: str) -> None:
-    with pytest.raises(ld.ParameterError, match=message):
-        ld.polydisperse(3, radii, seed=1)
+    ):
+        with refused(message):
+            ld.polydisperse(3, radii, seed=1)
 
 
 @pytest.mark.parametrize("walled", [False, True])

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from lammps_deformable import BoxWall, ParameterError, Plane, PolygonWall, Segment, Sphere, room
 from lammps_deformable.contacts import free_motions
+from refusals import refused
 
 BOX = np.array([[12.0, 0.0], [0.0, 10.0]])
 CHANNEL = (Plane((0, 1), (0, 1)), Plane((5, 9), (0, -2)))
@@ -48,15 +49,15 @@ SCENES = {
 }
 
 
-@pytest.mark.parametrize(("walls", "box", "origin", "area"), SCENES.values(), ids=SCENES)
-def test_box_and_area(loose, walls, box, origin, area) -> None:
+def test_box_and_area(loose) -> None:
     """phi is over the area that walls leave free; a disk across another wall is a polygon."""
-    packing = ld.Packing(loose.positions, loose.radii, BOX, species=loose.species, walls=walls)
-    if origin is not None:
-        assert packing.box.diagonal() == pytest.approx(box)
-        assert packing.origin == pytest.approx(origin)
-    assert packing.volume == pytest.approx(area, rel=1e-5 if origin is None else 1e-12)
-    assert packing.phi == pytest.approx(np.pi * np.sum(packing.radii**2) / area, rel=1e-5)
+    for name, (walls, box, origin, area) in SCENES.items():
+        packing = ld.Packing(loose.positions, loose.radii, BOX, species=loose.species, walls=walls)
+        if origin is not None:
+            assert packing.box.diagonal() == pytest.approx(box), name
+            assert packing.origin == pytest.approx(origin), name
+        assert packing.volume == pytest.approx(area, rel=1e-5 if origin is None else 1e-12), name
+        assert packing.phi == pytest.approx(np.pi * np.sum(packing.radii**2) / area, rel=1e-5)
 
 
 def test_places_between_walls(loose) -> None:
@@ -96,11 +97,10 @@ WRONG = {
 }
 
 
-@pytest.mark.parametrize(("walls", "message"), WRONG.values(), ids=WRONG)
-def test_no_room(loose, walls, message) -> None:
-    with pytest.raises(ParameterError, match=message) as error:
-        loose.between(walls)
-    assert "\n" not in str(error.value)
+def test_no_room(loose) -> None:
+    for walls, message in WRONG.values():
+        with refused(message):
+            loose.between(walls)
 
 
 def test_containers_need_a_rectangular_box() -> None:

@@ -8,6 +8,7 @@ import pytest
 from lammps_deformable import BoxWall, Cylinder, ParameterError, Plane, Sphere, room
 from lammps_deformable.contacts import free_motions, motions
 from lammps_deformable.room import free_room, section_between
+from refusals import refused
 
 BOX = np.diag([12.0, 10.0, 9.0])
 TILTED = np.array([[12.0, 0.0, 0.0], [3.0, 10.0, 0.0], [-2.0, 4.0, 9.0]])
@@ -67,16 +68,16 @@ SCENES = {
 }
 
 
-@pytest.mark.parametrize(("walls", "box", "origin", "volume", "rel"), SCENES.values(), ids=SCENES)
-def test_box_and_volume(loose, walls, box, origin, volume, rel) -> None:
+def test_box_and_volume(loose) -> None:
     """phi is over the volume that walls leave free."""
-    packing = loose.replace(box=BOX, walls=walls)
-    if box is not None:
-        assert packing.box.diagonal() == pytest.approx(box)
-    if origin is not None:
-        assert packing.origin == pytest.approx(origin)
-    assert packing.volume == pytest.approx(volume, rel=rel)
-    assert packing.phi == pytest.approx(OF_BALL * np.sum(packing.radii**3) / volume, rel=rel)
+    for name, (walls, box, origin, volume, rel) in SCENES.items():
+        packing = loose.replace(box=BOX, walls=walls)
+        if box is not None:
+            assert packing.box.diagonal() == pytest.approx(box), name
+        if origin is not None:
+            assert packing.origin == pytest.approx(origin), name
+        assert packing.volume == pytest.approx(volume, rel=rel), name
+        assert packing.phi == pytest.approx(OF_BALL * np.sum(packing.radii**3) / volume, rel=rel)
 
 
 def test_volume_that_is_found_by_chance() -> None:
@@ -226,8 +227,7 @@ WRONG: dict[str, tuple[Callable[[], object], str]] = {
 }
 
 
-@pytest.mark.parametrize(("make", "message"), WRONG.values(), ids=WRONG)
-def test_refusals(make, message) -> None:
-    with pytest.raises(ParameterError, match=message) as error:
-        make()
-    assert "\n" not in str(error.value)
+def test_refusals() -> None:
+    for make, message in WRONG.values():
+        with refused(message):
+            make()

@@ -15,6 +15,7 @@ from lammps_deformable import (
 )
 from lammps_deformable.polygons import Walls
 from lammps_deformable.walls import as_walls
+from refusals import refused
 
 WRONG = {
     "normal": (lambda: Plane((0, 0), (0, 0)), "normal of a Plane"),
@@ -48,11 +49,10 @@ WRONG = {
 }
 
 
-@pytest.mark.parametrize(("make", "message"), WRONG.values(), ids=WRONG)
-def test_wrong_shapes(make, message) -> None:
-    with pytest.raises(ParameterError, match=message) as error:
-        make()
-    assert "\n" not in str(error.value)
+def test_wrong_shapes() -> None:
+    for make, message in WRONG.values():
+        with refused(message):
+            make()
 
 
 @pytest.mark.parametrize("walls", [
@@ -114,14 +114,11 @@ def test_sides_of_bead_walls_as_planes() -> None:
         assert -np.dot(plane.origin, plane.normal) == pytest.approx(height)
 
 
-@pytest.mark.parametrize(
-    ("angle", "height", "message"),
-    [
+def test_bead_walls_are_a_polygon() -> None:
+    for angle, height, message in (
         ([0.0, 3.0], [1.0, 1.0], "less than half a turn"),
         ([0.0, 4.0, 2.0], [1.0, 1.0, 1.0], "must increase through one turn"),
         ([0.0, 2.0, 4.0], [1.0, 0.0, 1.0], "3 positive numbers"),
-    ],
-)
-def test_bead_walls_are_a_polygon(angle, height, message) -> None:
-    with pytest.raises(ParameterError, match=message):
-        Walls(angle, height)
+    ):
+        with refused(message):
+            Walls(angle, height)

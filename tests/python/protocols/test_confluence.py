@@ -26,16 +26,6 @@ def test_confluence_is_where_the_arcs_vanish() -> None:
         assert state.arc_radii == pytest.approx(-A6 / (A6 - np.pi) * part * RADIUS, rel=1e-6)
 
 
-def test_particles_are_hexagons_at_confluence() -> None:
-    state = lattice_state(CONFLUENCE * (1.0 - 1e-12))
-    h = np.pi * RADIUS / A6
-    assert state.results["area"] == pytest.approx(A6 * h**2, rel=1e-10)
-    shape = state.perimeters**2 / (4.0 * np.pi * state.results["area"])
-    assert shape == pytest.approx(A6 / np.pi, rel=1e-10)
-    assert shape == pytest.approx(1.1027, abs=5e-5)
-    assert state.phi == pytest.approx(1.0, rel=1e-10)
-
-
 @pytest.mark.parametrize("part", [0.1, 1.0 - 1e-9])
 def test_pressure_up_to_confluence_is_the_closed_form(part: float) -> None:
     """S = K a^2 with K = pi A6/(A6 - pi), p = -dU/dV with V = A6 h^2 of a cell."""

@@ -4,6 +4,7 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 from lammps_deformable.motion import Dynamics
+from refusals import refused
 
 SOFT = ld.Ring(kP=0.3)
 
@@ -123,27 +124,22 @@ def test_a_callback_may_close_the_simulation(loose: ld.Packing) -> None:
     assert sim.closed
 
 
-@pytest.mark.parametrize(
-    ("values", "message"),
-    [
-        ({"timestep": 50.0}, r"timestep = 50 is too long for the temp.* take at most 0\.\d+"),
-        ({"timestep": -1.0}, "timestep .* -1"),
-        ({"temperature": -1.0}, "temperature .* -1"),
-        ({"drag": float("inf")}, "drag .* inf"),
-        ({"steps": 100.5}, "steps must be a whole number, not 100.5"),
-        ({"every": 0}, "every must be at least 1, not 0"),
-        ({"seed": 0}, "seed .* not 0"),
-        ({"balance": 0.0}, "balance .* not 0"),
-        ({"balance": 1.0}, "balance must be below 1, not 1"),
-        ({"tolerance": 1e-3}, "tolerance has no meaning without a pressure"),
-    ],
-)
-def test_refusals(loose: ld.Packing, values: dict[str, float], message: str) -> None:
-    with (
-        ld.Simulation(loose, SOFT) as sim,
-        pytest.raises(ld.ParameterError, match=message),
-    ):
-        sim.run(**{"steps": 100, "temperature": 1e-5} | values)
+def test_refusals(loose: ld.Packing) -> None:
+    with ld.Simulation(loose, SOFT) as sim:
+        for values, message in (
+            ({"timestep": 50.0}, r"timestep = 50 is too long for the temp.* take at most 0\.\d+"),
+            ({"timestep": -1.0}, "timestep .* -1"),
+            ({"temperature": -1.0}, "temperature .* -1"),
+            ({"drag": float("inf")}, "drag .* inf"),
+            ({"steps": 100.5}, "steps must be a whole number, not 100.5"),
+            ({"every": 0}, "every must be at least 1, not 0"),
+            ({"seed": 0}, "seed .* not 0"),
+            ({"balance": 0.0}, "balance .* not 0"),
+            ({"balance": 1.0}, "balance must be below 1, not 1"),
+            ({"tolerance": 1e-3}, "tolerance has no meaning without a pressure"),
+        ):
+            with refused(message):
+                sim.run(**{"steps": 100, "temperature": 1e-5} | values)
 
 
 def test_a_short_motion_is_one_state(loose: ld.Packing) -> None:

@@ -6,6 +6,7 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 from protocol_helpers import dynamic_modulus
+from refusals import refused
 
 STRAIN, FRICTION = 1e-5, 2.0
 
@@ -130,23 +131,18 @@ def test_errors_know_the_forces_that_are_left(
         assert found.storage_error > 0.1 * exact
 
 
-@pytest.mark.parametrize(
-    ("values", "message"),
-    [
-        ({"amplitude": 0.0}, "amplitude must be a positive number, not 0"),
-        ({"period": 0.0, "drag": 1.0}, "period must be a positive number, not 0"),
-        ({"period": 10.0}, "a flow needs the drag of particles against it: give drag"),
-        ({"drag": 1.0}, "drag has no meaning without a period"),
-        ({"period": 10.0, "drag": 1.0, "tolerance": 1e-6}, "leave tolerance out"),
-        ({"steps": 4}, "steps must be at least 8 in a cycle, not 4"),
-    ],
-)
-def test_refusals(rest: ld.State, values: dict[str, float], message: str) -> None:
-    with (
-        ld.Simulation(rest, rest.law) as sim,
-        pytest.raises(ld.ParameterError, match=message),
-    ):
-        sim.oscillate(**{"amplitude": STRAIN, "period": math.inf} | values)
+def test_refusals(rest: ld.State) -> None:
+    with ld.Simulation(rest, rest.law) as sim:
+        for values, message in (
+            ({"amplitude": 0.0}, "amplitude must be a positive number, not 0"),
+            ({"period": 0.0, "drag": 1.0}, "period must be a positive number, not 0"),
+            ({"period": 10.0}, "a flow needs the drag of particles against it: give drag"),
+            ({"drag": 1.0}, "drag has no meaning without a period"),
+            ({"period": 10.0, "drag": 1.0, "tolerance": 1e-6}, "leave tolerance out"),
+            ({"steps": 4}, "steps must be at least 8 in a cycle, not 4"),
+        ):
+            with refused(message):
+                sim.oscillate(**{"amplitude": STRAIN, "period": math.inf} | values)
 
 
 def test_refusals_of_moduli(rest: ld.State) -> None:

@@ -1,11 +1,11 @@
 """Rest at a pressure, with friction and without."""
 
 import math
-from typing import Any
 
 import lammps_deformable as ld
 import numpy as np
 import pytest
+from refusals import refused
 
 DROPLETS = ld.Ring(kA=math.inf, kP=0.0, tension=1.0)
 
@@ -111,21 +111,17 @@ def test_it_goes_on_at_other_pressures() -> None:
         assert "deformable_box" not in sim.lmp.available_ids("fix")
 
 
-@pytest.mark.parametrize(
-    ("values", "message"),
-    [
-        ({"pressure": 0.0}, "pressure must be a positive number, not 0"),
-        ({"tolerance": 0.0}, "tolerance must be a positive number, not 0"),
-        ({"inertial_number": -1.0}, "inertial_number must be a positive number, not -1"),
-        ({"timestep": 1.0}, r"timestep = 1 is too long .* at most 0\.13"),
-    ],
-)
-def test_refused(values: dict[str, Any], message: str) -> None:
+def test_refused() -> None:
     with simulation(0.3) as sim:
-        with pytest.raises(ld.ParameterError, match=message) as error:
-            sim.run(**{"steps": 4_000_000, "pressure": 1e-3} | values)
-        assert "\n" not in str(error.value)
-        assert sim.time == 0.0
+        for values, message in (
+            ({"pressure": 0.0}, "pressure must be a positive number, not 0"),
+            ({"tolerance": 0.0}, "tolerance must be a positive number, not 0"),
+            ({"inertial_number": -1.0}, "inertial_number must be a positive number, not -1"),
+            ({"timestep": 1.0}, r"timestep = 1 is too long .* at most 0\.13"),
+        ):
+            with refused(message):
+                sim.run(**{"steps": 4_000_000, "pressure": 1e-3} | values)
+            assert sim.time == 0.0
 
 
 def test_what_cannot_settle() -> None:

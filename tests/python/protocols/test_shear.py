@@ -8,6 +8,7 @@ import pytest
 from crystal import RADIUS, crystal
 from lammps_deformable import core
 from lammps_deformable.shearing import sheared, straighten
+from refusals import refused
 
 from validation.finite_strain import bulk_modulus, shear_modulus
 
@@ -124,12 +125,10 @@ def test_equivalent_box_changes_nothing(sim: ld.Simulation) -> None:
     )
 
 
-@pytest.mark.parametrize(
-    ("strain", "steps", "message"),
-    [(np.nan, 1, "strain must be a finite number, not nan"), (0.1, 0, "steps must be at least 1")],
-)
-def test_bad_input(sim: ld.Simulation, strain: float, steps: int, message: str) -> None:
-    with pytest.raises(ld.ParameterError, match=message):
-        sim.shear(strain, steps=steps)
-    with pytest.raises(ld.ParameterError, match="strain must be a positive number, not 0"):
+def test_bad_input(sim: ld.Simulation) -> None:
+    with refused("strain must be a finite number, not nan"):
+        sim.shear(np.nan)
+    with refused("steps must be at least 1"):
+        sim.shear(0.1, steps=0)
+    with refused("strain must be a positive number, not 0"):
         shear_modulus(sim.state(), 0.0)

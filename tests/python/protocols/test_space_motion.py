@@ -6,6 +6,7 @@ import pytest
 from lammps_deformable import Droplet, Packing, State
 from lammps_deformable.lammps import gather, place_particles, run
 from lammps_deformable.laws import longest_overdamped_step, longest_step
+from refusals import refused
 
 
 @pytest.fixture(scope="module")
@@ -34,9 +35,7 @@ def stiffest(sim: ld.Simulation, state: State) -> float:
     return float(np.linalg.norm(v))
 
 
-@pytest.mark.parametrize(
-    ("kind", "phi"), [("random", 0.645), ("random", 0.8), ("bcc", 0.8), ("sc", 0.55)]
-)
+@pytest.mark.parametrize(("kind", "phi"), [("random", 0.645), ("bcc", 0.8), ("sc", 0.55)])
 def test_longest_steps_are_stable_and_not_by_far(jammed: Packing, kind: str, phi: float) -> None:
     """Verlet up to 2/omega, Euler up to 2 friction/omega^2, of the stiffest mode."""
     packing = jammed if kind == "random" else ld.crystal(kind, 2, radius=1.0)
@@ -123,18 +122,13 @@ def test_a_tolerance_of_the_balance(jammed: Packing) -> None:
         assert sim.relax(1e-2).residual <= 1e-2
 
 
-@pytest.mark.parametrize(
-    ("values", "message"),
-    [
-        ({"timestep": 5.0}, r"timestep = 5 is too long for .* take at most 0\.\d+"),
-        ({"timestep": 5.0, "temperature": None}, "droplet|particle .*, whose load is"),
-        ({"propulsion": 1.0, "persistence": 1.0, "drag": 1.0}, "a propulsion is for .* plane"),
-        ({"inertia": False}, "need a drag"),
-    ],
-)
-def test_refusals(loose: Packing, values: dict[str, object], message: str) -> None:
-    with (
-        ld.Simulation(loose, Droplet()) as sim,
-        pytest.raises(ld.ParameterError, match=message),
-    ):
-        sim.run(100, **{"temperature": 1e-5} | values)
+def test_refusals(loose: Packing) -> None:
+    with ld.Simulation(loose, Droplet()) as sim:
+        for values, message in (
+            ({"timestep": 5.0, "temperature": None}, "droplet|particle .*, whose load is"),
+            ({"timestep": 5.0}, r"timestep = 5 is too long for .* take at most 0\.\d+"),
+            ({"propulsion": 1.0, "persistence": 1.0, "drag": 1.0}, "a propulsion is for .* plane"),
+            ({"inertia": False}, "need a drag"),
+        ):
+            with refused(message):
+                sim.run(100, **{"temperature": 1e-5} | values)

@@ -21,12 +21,6 @@ def ring(contact: str) -> ld.State:
         return sim.relax(1e-10)
 
 
-def soft(dimension: int) -> ld.State:
-    jammed = ld.jam(ld.bidisperse(24, dimension=dimension, seed=2)).packing
-    with ld.Simulation(jammed.at(jammed.phi + 0.05), ld.SoftContact()) as sim:
-        return sim.relax(1e-11)
-
-
 def droplets() -> ld.State:
     jammed = ld.jam(ld.bidisperse(16, sizes=(0.5, 0.6), dimension=3, seed=1)).packing
     with ld.Simulation(jammed.at(jammed.phi + 0.06), ld.Droplet(2.0)) as sim:
@@ -35,7 +29,6 @@ def droplets() -> ld.State:
 
 STATES: dict[str, Callable[[], Snapshot]] = {
     "curved": lambda: ring("curved"),
-    "disks": lambda: soft(2),
     "droplets": droplets,
 }
 
@@ -81,10 +74,6 @@ def test_limits_of_slow_and_of_fast_shear(rest: Snapshot) -> None:
 
 def test_a_flow_at_small_strains_has_it(rest: Snapshot) -> None:
     """Where the softest mode begins to follow, within the time step."""
-    if isinstance(rest.law, ld.SoftContact):
-        with pytest.raises(ld.ParameterError, match="is sheared without a rate"):
-            dynamic_modulus(rest, 1e-7, 1.0, drag=0.5)
-        return
     omega = 2.0 * rest.modes(1, vectors=False).stiffness[0] / 0.5
     expected = rest.complex_modulus(omega, drag=0.5)
     affine = rest.moduli().affine[0, 1, 0, 1]

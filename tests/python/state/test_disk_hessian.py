@@ -3,6 +3,7 @@
 import lammps_deformable as ld
 import numpy as np
 import pytest
+from lammps_deformable.moduli import ElasticModuli
 
 SCENE = (ld.Sphere(4, (0, 0)), ld.Sphere(0.6, (1, 0.5), inside=False))
 ANNULUS = (ld.Sphere(1.5, (1, 2), inside=False), ld.Sphere(5, (1, 2)))
@@ -36,32 +37,29 @@ def difference(packing: ld.Packing, direction: np.ndarray) -> np.ndarray:
     return (4.0 * values[0] - values[1]) / 3.0
 
 
-@pytest.fixture(params=PACKINGS)
-def packing(request: pytest.FixtureRequest) -> ld.Packing:
-    return PACKINGS[request.param]
+def test_energy_gradient_and_stress_are_those_of_lammps() -> None:
+    for name, packing in PACKINGS.items():
+        with ld.Simulation(packing, ld.SoftContact()) as disks:
+            state = disks.state()
+            forces = np.array(disks.lmp.gather("f", 1, 3)).reshape(-1, 3)[:, :2]
+        hessian = state.hessian()
+        assert hessian.energy == pytest.approx(state.energy, rel=1e-12), name
+        scale = np.abs(forces).max() + 1e-3
+        assert hessian.gradient.reshape(-1, 2) == pytest.approx(-forces, abs=1e-12 * scale)
+        if not packing.walls:
+            assert hessian.stress == pytest.approx(state.pressure_tensor, abs=1e-12)
 
 
-def test_energy_gradient_and_stress_are_those_of_lammps(packing: ld.Packing) -> None:
-    with ld.Simulation(packing, ld.SoftContact()) as disks:
-        state = disks.state()
-        forces = np.array(disks.lmp.gather("f", 1, 3)).reshape(-1, 3)[:, :2]
-    hessian = state.hessian()
-    assert hessian.energy == pytest.approx(state.energy, rel=1e-12)
-    scale = np.abs(forces).max() + 1e-3
-    assert hessian.gradient.reshape(-1, 2) == pytest.approx(-forces, abs=1e-12 * scale)
-    if not packing.walls:
-        assert hessian.stress == pytest.approx(state.pressure_tensor, abs=1e-12)
-
-
-def test_hessian_is_the_derivative_of_the_gradient(packing: ld.Packing) -> None:
-    hessian = state_of(packing).hessian()
-    rng = np.random.default_rng(3)
-    for _ in range(3):
-        direction = rng.standard_normal(hessian.size)
-        exact, found = difference(packing, direction), hessian.operator @ direction
-        assert found == pytest.approx(exact, abs=1e-6 * np.abs(exact).max())
-        assert hessian.matrix @ direction == pytest.approx(found, abs=1e-14)
-    assert abs(hessian.matrix - hessian.matrix.T).max() <= 4e-16 * abs(hessian.matrix).max()
+def test_hessian_is_the_derivative_of_the_gradient() -> None:
+    for name, packing in PACKINGS.items():
+        hessian = state_of(packing).hessian()
+        rng = np.random.default_rng(3)
+        for _ in range(3):
+            direction = rng.standard_normal(hessian.size)
+            exact, found = difference(packing, direction), hessian.operator @ direction
+            assert found == pytest.approx(exact, abs=1e-6 * np.abs(exact).max()), name
+            assert hessian.matrix @ direction == pytest.approx(found, abs=1e-14)
+        assert abs(hessian.matrix - hessian.matrix.T).max() <= 4e-16 * abs(hessian.matrix).max()
 
 
 def test_modes_that_do_not_fit_into_the_memory() -> None:
@@ -142,3 +140,18 @@ def test_a_particle_at_the_center_of_a_circle() -> None:
         state = sim.state()
     with pytest.raises(ld.ParameterError, match=r"particle 0 .* circle 1"):
         state.hessian()
+
+
+def test_the_mean_shear_modulus_is_that_of_all_directions() -> None:
+    """Of a tensor without symmetry but that of an elastic one, turned by many angles."""
+    c = np.random.default_rng(2).normal(size=(2, 2, 2, 2))
+    c = c + c.transpose(1, 0, 2, 3)
+    c = c + c.transpose(0, 1, 3, 2)
+    c = c + c.transpose(2, 3, 0, 1)
+    turned = []
+    for angle in np.linspace(0.0, np.pi, 8, endpoint=False):
+        q = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+        turned.append(np.einsum("ai,bj,ck,dl,ijkl->abcd", q, q, q, q, c)[0, 1, 0, 1])
+    moduli = ElasticModuli(c, c, 0.0 * c)
+    assert moduli.mean_shear_modulus == pytest.approx(np.mean(turned), rel=1e-12)
+    assert max(turned) - min(turned) > 0.1

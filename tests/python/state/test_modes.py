@@ -12,7 +12,6 @@ pytestmark = pytest.mark.usefixtures("exact_balance")
 
 LAWS = {
     "disks": None,
-    "balanced": ld.Ring(kA=1.0, kP=0.3, skin=0.02, contact="balanced"),
     "curved": ld.Ring(kA=math.inf, kP=0.0, tension=1.0, contact="curved"),
 }
 Snapshot = ld.State

@@ -3,7 +3,6 @@
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from crystal import crystal
 
 pytest.importorskip("freud")
 
@@ -49,15 +48,6 @@ def test_hexatic_correlation_as_a_sum_over_pairs(walls: tuple, k: int) -> None:
         expected = np.mean((psi[i].conj() * psi[j]).real) if len(i) else np.nan
         assert each == pytest.approx(expected, abs=1e-6, nan_ok=True)
     assert np.isnan(g[0])
-
-
-def test_hexatic_correlation_of_a_lattice() -> None:
-    _, g = state_of(crystal(0.01, 8, 8)).hexatic_correlation(r_max=3.3, bins=33)
-    known = ~np.isnan(g)
-    assert 3 < known.sum() < 33
-    assert g[known] == pytest.approx(np.ones(known.sum()), abs=1e-6)
-    alone = state_of(ld.Packing([[1.0, 1.0]], 0.5, 9.0 * np.eye(2)))
-    assert np.isnan(alone.hexatic_correlation(r_max=3.0, bins=3)[1]).all()
 
 
 def test_refusals() -> None:

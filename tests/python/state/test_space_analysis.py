@@ -139,17 +139,6 @@ def test_structure_factor_as_a_sum_over_pairs() -> None:
     assert np.isfinite(s[2:]).all()
 
 
-def test_peaks_of_a_crystal() -> None:
-    """fcc: the first waves are (111) and (200), both with S = N."""
-    state = state_of(ld.crystal("fcc", 3, phi=0.74))
-    cell = state.packing.box[0, 0] / 3.0
-    peaks = 2.0 * np.pi / cell * np.array([[1, 1, 1], [2, 0, 0], [1, 0, 0], [0, 1, 1]])
-    assert np.abs(state.density_waves(peaks)) == pytest.approx([1.0, 1.0, 0.0, 0.0], abs=1e-12)
-    k, s = state.structure_factor(k_max=2.1 * 2.0 * np.pi / cell, bins=200)
-    seen = k[np.nan_to_num(s) > 1e-6]
-    assert seen == pytest.approx(np.array([np.sqrt(3.0), 2.0]) * 2.0 * np.pi / cell, abs=k[0])
-
-
 def test_shells_of_a_crystal() -> None:
     """g(r) counts 12, 6 and 24 neighbors at 1, sqrt 2 and sqrt 3."""
     pytest.importorskip("freud")

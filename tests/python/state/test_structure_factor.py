@@ -28,18 +28,6 @@ def test_as_a_sum_over_pairs() -> None:
         assert each == pytest.approx(np.mean(values) if values else np.nan, nan_ok=True)
 
 
-def test_the_peak_of_a_lattice() -> None:
-    state = state_of(crystal(0.01, 8, 8))
-    peak = 4.0 * np.pi / (np.sqrt(3.0) * 0.99)
-    k, s = state.structure_factor(k_max=1.2 * peak, bins=600)
-    at = np.nanargmax(s)
-    assert abs(k[at] - peak) < 0.6 * peak / 500
-    # other waves are in the interval beside the six, and some intervals have none
-    assert s[at] > 10.0
-    assert np.nansum(s < 1e-9) > 50
-    assert np.isnan(s[0])
-
-
 def test_refusals() -> None:
     state = state_of(ld.bidisperse(10, seed=1))
     for k_max, bins, told in ((0.0, 100, "k_max"), (5.0, 0, "bins"), ("far", 100, "k_max")):
