@@ -51,6 +51,6 @@ def test_lines_of_jam_tell_the_stage_and_how_far_it_is(
 def test_calls_side_by_side_have_no_bars_of_their_own(
     monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(progress, "_LINES", 1e-9)
+    monkeypatch.setattr(ranks, "_LINES", 1e-9)
     ld.parallel_map(ld.jam, [ld.bidisperse(16, seed=1)], workers=1)
     assert [line.split(":")[0] for line in capfd.readouterr().err.splitlines()] == ["jam"]
