@@ -95,8 +95,8 @@ def movie(
 
     def draw(state: State) -> None:
         figure.clear()
-        drawn: dict[str, Any] = {"color": color, "contacts": contacts, "forces": forces, "cmap": cmap}
-        state.plot(figure.subplots(), scale=on, label=label, **drawn, **own)
+        drawn: dict[str, Any] = {"color": color, "contacts": contacts, "forces": forces, **own}
+        state.plot(figure.subplots(), scale=on, cmap=cmap, label=label, **drawn)
 
     draw(frames[0])  # or fail before the file is there
     writer = writers[name](fps=rate)
