@@ -310,7 +310,7 @@ def warn_of(state: State, tolerance: float, unjammed: bool, scale: str) -> None:
         unjammed: whether the packing was rigid before, and no longer is.
         scale: of the forces, in words.
     """
-    if not state.root:
+    if not state._root:
         return
     if unjammed:
         warnings.warn(
