@@ -7,6 +7,7 @@ import pytest
 from contacts import LAWS, Contacts
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
+from lammps_deformable import core
 
 laws = st.sampled_from([*LAWS])
 
@@ -76,3 +77,15 @@ def test_unpressed_outline_is_the_circle():
         outline = Contacts(0.7, np.array([]), np.array([])).outline(law, 8)
         np.testing.assert_allclose(np.hypot(*outline.T), 0.7, rtol=1e-15)
         assert len(outline) == 8
+
+
+@laws
+@pytest.mark.parametrize("pressed", [0.0, 0.01])
+def test_a_drawn_polygon_has_the_area_of_the_shape(law, pressed):
+    """Pictures and measured areas agree, of particles without contacts too."""
+    angle = np.array([0.3, 2.0, 4.1]) if pressed else np.array([])
+    contacts = Contacts(0.7, angle, np.full(len(angle), pressed))
+    outline = core.outline(law, 0.7, angle, contacts.indentation, 90, same_area=True)
+    deficit = contacts.shape(law).area_deficit if pressed else 0.0
+    area = area_and_perimeter(outline)[0]
+    assert area == pytest.approx(np.pi * 0.7**2 - deficit, rel=1e-6 if pressed else 1e-14)

@@ -102,3 +102,15 @@ def test_refusals():
     scene.run("uncompute pair\nthermo_style custom step pe")
     with pytest.raises(Exception, match=r"needs pair_style deformable/ring, .* pair_style is zero"):
         scene.run("run 0")
+
+
+def test_rows_of_a_group():
+    """Those of its particles, also with partners outside of it."""
+    scene = Scene.packing(PACKINGS[0], LAWS["radical"], commands=CONTACTS)
+    scene.lmp.commands_string("group some id 1 3\ncompute few some deformable/contact")
+    scene.evaluate()
+    atoms, few = (
+        np.array(scene.lmp.numpy.extract_compute(name, 2, 2))[:, 0] for name in ("contacts", "few")
+    )
+    assert set(few) == {1.0, 3.0}
+    assert len(few) == np.isin(atoms, (1, 3)).sum()

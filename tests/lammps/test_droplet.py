@@ -305,3 +305,15 @@ def test_friction_is_refused(tmp_path):
     scene = Droplets(CASE, tmp_path)
     with pytest.raises(Exception, match="friction"):
         scene.run("fix rub all deformable/friction 0.5 0.1 0\nrun 0")
+
+
+def test_the_imbalance_is_over_the_largest_force(tmp_path):
+    """It does not depend on the unit of the tension: an iteration is not enough in any."""
+    imbalances = []
+    for unit in (1.0, 1024.0):
+        case = CASE | {"tension": [unit * tension for tension in CASE["tension"]]}
+        (folder := tmp_path / str(unit)).mkdir()
+        scene = Droplets(case, folder, "deformable/droplet balance 1e-12 1")
+        imbalances.append(scene.outputs()[3])
+    assert imbalances[0] > 1e-12
+    assert imbalances[1] == pytest.approx(imbalances[0], rel=1e-3)

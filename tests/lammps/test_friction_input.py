@@ -270,3 +270,13 @@ def test_springs_are_given(tmp_path):
     assert [round(terms[name]) for name in ("sliding", "dashpots", "damping")] == [3, 4, 5]
     scene.run("fix_modify rub springs none\nrun 0")
     assert scene.rows[0, 8] == 0
+
+
+def test_a_pair_of_types_in_both_orders(tmp_path):
+    """Two drops beside a ring that slides between them: its ID is the higher one, and the lower."""
+    x, v = [[-1.98, 0], [0, 0], [1.98, 0]], [[0, 0], [0, 0.1], [0, 0]]
+    scene = Grains(x, 1, "0 1 0 types 1 2 0.5 1 0 0", tmp_path, v, kind=["drop", "ring", "drop"])
+    scene.run("run 10")
+    left, _, right = scene.gather("f", 3)[:, 1]
+    assert left > 1e-5
+    assert right == pytest.approx(left, rel=1e-9)

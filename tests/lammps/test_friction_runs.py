@@ -232,3 +232,11 @@ def test_images_of_one_partner(tmp_path):
     assert alone.terms["contacts"] == 1
     assert abs(alone.spin[0]) < 0.05
     assert alone.balance() == pytest.approx(before, rel=1e-4)
+
+
+def test_losses_that_are_given_are_those_of_all_ranks(tmp_path):
+    fluid(tmp_path, "balanced", ("1 1 1",), (0,))
+    folder = tmp_path / "111"
+    start = (folder / "in.script").read_text().rsplit("run 0", 1)[0].replace("processors", "# ")
+    end = 'fix_modify rub lost 3 4 5\nrun 0\nprint "lost: $(f_rub[2]) $(f_rub[3]) $(f_rub[4])"\n'
+    assert "\nlost: 3 4 5\n" in finished(2, start + end, folder)

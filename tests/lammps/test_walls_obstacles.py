@@ -184,3 +184,14 @@ def test_bulge_by_a_wall_that_cuts_a_particle():
     ) as e:
         scene_of(x, ["unit", "unit"], "radical", SQUARE).energy()
     assert "\n" not in str(e.value).split("Last input line")[0].strip()
+
+
+def test_an_obstacle_at_the_bottom_repeats_at_the_top_of_a_box_that_leans():
+    def energy(x, walls):
+        options = {"boundary": "p p p", "tilt": 1.5, "commands": walls}
+        return Scene([x], ["unit"], (-9, 9, -9, 9), LAWS["radical"], **options).energy()
+
+    square = "fix pillar all deformable/wall polygon 4 -1 {0} 1 {0} 1 {1} -1 {1}"
+    near = energy((1.7, -0.3), square.format(-1, 1))
+    assert near > 1e-4
+    assert energy((1.7 + 1.5, 8.7), square.format(-10, -8)) == pytest.approx(near, rel=1e-11)

@@ -9,6 +9,7 @@ import pytest
 from lammps_deformable.cli import app
 from programs import command, program
 from protocol_helpers import written
+from refusals import refused
 
 SCRIPT = '''
 units lj
@@ -131,32 +132,23 @@ def test_species_of_the_package_and_radii_of_atoms(tmp_path: Path) -> None:
     assert own.energy > 0
 
 
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
+def test_nonsense_is_told(dumped: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(dumped)
+    text = (dumped / "shapes.dump").read_text()
+    (dumped / "walled.dump").write_text(text.replace("pp pp pp", "ff pp pp"))
+    errors = ld.ParameterError, ld.FileError, ld.LammpsError
+    for words, message in (
         ("nowhere --species mixture", "'nowhere' cannot be read: No such file"),
         ("shapes.dump --species none", "no species file 'none'"),
-        ("shapes.dump --species in.mixture", "in.mixture' cannot be read: could not convert"),
         ("shapes.dump --species mixture --types soft", "type 2"),
-        ("shapes.dump --species mixture --types soft,hard", "Species 'hard' is not in the file"),
         ("shapes.dump --species mixture --frame 9", "no frame 9"),
         ("shapes.dump --species mixture --radii size", "no column size"),
         ("shapes.dump --species mixture --law sector", "the sector law has no tension"),
         ("shapes.dump --species mixture --out a.txt", "a picture is one of"),
         ("walled.dump --species mixture", "not periodic along x"),
-        ("mixture --species mixture", "'mixture' cannot be read|mixture"),
-    ],
-)
-def test_nonsense_is_told(
-    words: str, message: str, dumped: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(dumped)
-    text = (dumped / "shapes.dump").read_text()
-    (dumped / "walled.dump").write_text(text.replace("pp pp pp", "ff pp pp"))
-    errors = ld.ParameterError, ld.FileError, ld.LammpsError
-    with pytest.raises(errors, match=message) as caught:
-        app(["outline", *words.split()], standalone_mode=False)
-    assert "\n" not in str(caught.value)
+    ):
+        with refused(message, errors):
+            app(["outline", *words.split()], standalone_mode=False)
 
 
 def test_law_must_be_one() -> None:

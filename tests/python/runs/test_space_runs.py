@@ -8,7 +8,7 @@ from pathlib import Path
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable import Droplet, Packing, Simulation, State
+from lammps_deformable import Droplet, Packing, State
 from lammps_deformable.cli import app
 from protocol_helpers import Stop, stop_after
 
@@ -43,8 +43,6 @@ def compressed(**target: float) -> Callable[..., ld.Run]:
 
 
 PROTOCOLS = {
-    "strain": compressed(strain=0.02),
-    "phi": compressed(phi=0.74),
     "pressure": compressed(pressure=0.1),
     # through a flip of the box
     "shear": lambda sim, **how: sim.shear(0.4, steps=3, **how),
@@ -103,14 +101,6 @@ def test_replayed_states(moved: tuple[Path, list]) -> None:
     assert run[-1].time > 0.0
     assert run[-1].temperature == states[-1].temperature > 0.0
     assert [state.shear_strain for state in run[1:3]] == [0.01, 0.02]
-
-
-def test_a_simulation_of_the_last_state(moved: tuple[Path, list]) -> None:
-    folder, states = moved
-    with ld.Run(folder).simulation() as sim:
-        assert isinstance(sim, Simulation)
-        assert (sim.time, sim.shear_strain) == (states[-1].time, states[-1].shear_strain)
-        assert np.array_equal(sim.state().velocities, states[-1].velocities)
 
 
 def test_tables_and_shapes(moved: tuple[Path, list], tmp_path: Path) -> None:

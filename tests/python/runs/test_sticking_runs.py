@@ -67,10 +67,3 @@ def test_resume(start: ld.State, tmp_path: Path) -> None:
     resumed = ld.Run(part).resume(comm=MPI.COMM_SELF)
     assert [state.energy for state in resumed[1:]] == [state.energy for state in states]
     assert_same(states, ld.Run(whole)[1:])
-
-
-def test_compression(start: ld.State) -> None:
-    with ld.Simulation(start, LAW, comm=MPI.COMM_SELF) as sim:
-        pressures = [state.pressure for state in sim.compress(strain=0.03, steps=2)[1:]]
-    assert np.isfinite(pressures).all()
-    assert pressures[1] > pressures[0]
