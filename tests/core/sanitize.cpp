@@ -213,7 +213,7 @@ int main()
   const auto uniform = [&](double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(random);
   };
-  for (int trial = 0; trial < 500; ++trial) {
+  for (int trial = 0; trial < 250; ++trial) {
     std::vector<Contact> contacts;
     const int size = static_cast<int>(uniform(0.0, trial % 10 ? 10.0 : 41.0));
     for (int c = 0; c < size; ++c)

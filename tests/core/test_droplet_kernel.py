@@ -133,12 +133,12 @@ def test_work_grows_faster_than_the_square_of_forces():
             assert np.linalg.eigvalsh(core.droplet(normals, equal).compliance)[0] > 0
 
 
-def test_work_of_one_contact():
+@pytest.mark.parametrize("load", [0.3, 0.6, 1.5])
+def test_work_of_one_contact(load):
     """Beyond x = 1/2 it has the further term, 30 (x - 1/2)^3."""
-    for x in (0.3, 0.6, 1.5):
-        bracket = -np.log(x) - 1 / 3 + np.log(1 + 4 * x**2) / 2 + 30 * max(x - 0.5, 0) ** 3
-        found = core.droplet([[0, 0, 1]], [8 * np.pi * x])
-        assert found.work == pytest.approx(8 * np.pi * x**2 * bracket, rel=1e-14)
+    bracket = -np.log(load) - 1 / 3 + np.log(1 + 4 * load**2) / 2 + 30 * max(load - 0.5, 0) ** 3
+    found = core.droplet([[0, 0, 1]], [8 * np.pi * load])
+    assert found.work == pytest.approx(8 * np.pi * load**2 * bracket, rel=1e-14)
 
 
 @levels

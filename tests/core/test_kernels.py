@@ -54,7 +54,7 @@ def test_fewer_contacts_than_a_sector_needs(law):
         assert len(shape.d_indentation) == len(shape.d_angle) == len(shape.contact_length) == z
 
 
-@pytest.mark.parametrize("apart", [1e-3, 1e-9])
+@pytest.mark.parametrize("apart", [1e-3, 1e-6, 1e-9])
 def test_sector_of_nearly_a_turn(apart):
     """Contacts that nearly coincide: what a sector lacks to a turn, e, keeps its digits.
 

@@ -89,6 +89,7 @@ def test_image_flags():
     "command",
     [
         "group gone id 12\ndelete_atoms group gone bond yes compress no",
+        "group gone molecule 4\ndelete_atoms group gone compress no",
         "group gone id 1\ndelete_atoms group gone bond yes compress yes",
         "group some molecule 4\nset group some mol 3",
         "reset_atoms id sort yes",

@@ -45,35 +45,44 @@ def test_words_of_pair_coeff(style):
             lmp.command(f"pair_coeff {words}")
 
 
+# of a file whose second line begins with this text
 MALFORMED = {
-    "too few words": ("a 0.5 1.0", "line 2: .*got 3 words"),
-    "radius no number": ("a half 1.0 inf", "line 2: radius.* a .*'half'"),
-    "radius zero": ("a 0 1.0 inf", "line 2: species a: radius .*not 0"),
-    "radius hexadecimal": ("a 0x1 1.0 inf", "radius.* a .*'0x1'"),
-    "kA too large": ("a 0.5 1e400 inf", "kA.* a .*'1e400'"),
-    "kA zero": ("a 0.5 0.0 inf", "species a: kA .*not 0"),
-    "kP as in regions": ("a 1 1 -INF", "kP of species a is '-INF', which is not a number"),
-    "skin too thick": ("a 0.5 1.0 inf 0.5", "species a: skin .*radius 0.5"),
-    "skin empty": ("a 0.5 1.0 inf ''", "skin.* a .*''"),
-    "tension without value": ("a 0.5 inf 0 tension", "species a: tension has no value"),
-    "skin twice": ("a 0.5 1 inf 0.1 skin 0.2", "species a: skin .*twice"),
-    "unknown keyword": ("a 0.5 inf 0 surface 1.0", "line 2: .*'surface' is no keyword"),
-    "tension and perimeter": ("a 0.5 1 inf tension 1", "species a: kP must be finite"),
-    "collapse": ("a 0.5 1 0 tension 1", "species a: tension 1 .*collapse"),
-    "floppy": ("a 0.5 inf 0", "species a: kP .*tension, not 0"),
-    "tension without its word": ("a 0.5 inf 0 0.2", "not 0: a fifth .* skin.* 'tension 0.2'"),
-    "both inf": ("a 0.5 inf inf", "species a: kA and kP"),
-    "twice": ("a 0.5 1.0 inf\nb 0.5 1 inf\na 0.6 1.0 inf", "line 4: species a .*twice"),
-    "not printable": ("a \x01 \xe4", "got 3 words: 'a [?] [?][?]'"),
-    "long": ("a " * 3000, "got 3000 words: '(a ){40}[.]{3}'"),
-    "zero byte": ("a 0.5 1.0 inf\0", "zero bytes"),
-    "nothing": ("", "no species"),
+    "words": {
+        "a 0.5 1.0": "line 2: .*got 3 words",
+        "a 0.5 1.0 inf thin": "skin.* a .*'thin'",
+        "a 0.5 inf 0 tension": "species a: tension has no value",
+        "a 0.5 1 inf 0.1 skin 0.2": "species a: skin .*twice",
+        "a 0.5 inf 0 surface 1.0": "line 2: .*'surface' is no keyword",
+        "a 0.5 inf 0 0.2": "not 0: a fifth .* skin.* 'tension 0.2'",
+        "a 0.5 1.0 inf\nb 0.5 1 inf\na 0.6 1.0 inf": "line 4: species a .*twice",
+        "a \x01 \xe4": "got 3 words: 'a [?] [?][?]'",  # not printable
+        "a " * 3000: "got 3000 words: '(a ){40}[.]{3}'",
+        "a 0.5 1.0 inf\0": "zero bytes",
+        "": "no species",
+    },
+    "numbers": {
+        "a half 1.0 inf": "line 2: radius.* a .*'half'",
+        "a 0x1 1.0 inf": "radius.* a .*'0x1'",
+        "a 0.5 1e400 inf": "kA.* a .*'1e400'",
+        "a 1 1 -INF": "kP of species a is '-INF', which is not a number",  # as in regions
+        "a 0.5 1.0 inf ''": "skin.* a .*''",
+    },
+    "values": {
+        "a 0 1.0 inf": "line 2: species a: radius .*not 0",
+        "a 0.5 0.0 inf": "species a: kA .*not 0",
+        "a 0.5 1.0 inf 0.5": "species a: skin .*radius 0.5",
+        "a 0.5 1 inf tension 1": "species a: kP must be finite",
+        "a 0.5 1 0 tension 1": "species a: tension 1 .*collapse",
+        "a 0.5 inf 0": "species a: kP .*tension, not 0",
+        "a 0.5 inf inf": "species a: kA and kP",
+    },
 }
 
 
-def test_malformed_files(tmp_path):
+@pytest.mark.parametrize("what", MALFORMED)
+def test_malformed_files(what, tmp_path):
     lmp, pair_coeff = with_species(tmp_path, "")
-    for text, message in MALFORMED.values():
+    for text, message in MALFORMED[what].items():
         (tmp_path / "species.txt").write_text("# DATE: 2026-11-20 UNITS: lj\n" + text)
         with refuses(rf"Species file '.*species.txt'.*{message}"):
             lmp.command(pair_coeff)

@@ -29,8 +29,10 @@ NO_REGIONS = {
     "cylinder along x": ("region walls cylinder x 0 0 1 -3 3 side out", "'walls'.*axis.*along z"),
     "cylinder above": ("region walls cylinder z 0 0 1 1 3 side out", "'walls'.*cross.* z = 0"),
     "sphere above": ("region walls sphere 0 0 0.1 1 side out", "'walls'.*center is not at z = 0"),
+    "block above": ("region walls block -1 1 -1 1 0.2 1 side out", "'walls'.*cross.* z = 0"),
     "block everywhere": ("region walls block INF INF INF INF -1 1", "'walls'.*no surface"),
     "plane that leans": ("region walls plane 0 -2 0 0 1 0.3", "'walls'.*nz = 0"),
+    "plane that lies": ("region walls plane 0 -2 -1 0 0 1", "'walls'.*nz = 0"),
     "prism that leans": (
         "region walls prism -1 1 -1 1 -1 1 0 0.5 0 side out",
         "'walls'.*xz = yz = 0",
