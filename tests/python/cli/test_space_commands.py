@@ -47,7 +47,7 @@ def test_droplets_in_a_dump_are_drawn(here: Path) -> None:
         "--contacts --out section.png --out droplets.vtp"
     )
     assert {"section.png", "droplets.vtp"} <= {path.name for path in here.iterdir()}
-    found = ld.state_in_file("lammps.dump", "oil.deformable", law="droplet")
+    found = ld.State.from_file("lammps.dump", "oil.deformable", law="droplet")
     assert found.law == law
     assert found.energy == pytest.approx(expected.energy, rel=1e-6, abs=1e-12)
     assert "<polydata" in (here / "droplets.vtp").read_text().lower()

@@ -105,11 +105,11 @@ def test_a_simulation_outlives_a_restart_that_is_refused(jammed: ld.Packing) -> 
 
 def test_colors_have_names(state: ld.State) -> None:
     """Those of attributes, and those of a trajectory."""
-    assert state.values("pressure").tolist() == state.pressures.tolist()
-    assert state.values("vx").tolist() == state.velocities[:, 0].tolist()
+    assert state._values("pressure").tolist() == state.pressures.tolist()
+    assert state._values("vx").tolist() == state.velocities[:, 0].tolist()
     for wrong in ("energy", "beauty", 3, None):
         with pytest.raises(ld.ParameterError, match=r"area_deficit.*pressure.*not"):
-            state.values(wrong)
+            state._values(wrong)
 
 
 def test_a_mask_makes_two_species() -> None:

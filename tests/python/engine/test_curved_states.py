@@ -50,11 +50,11 @@ def test_outlines(states: dict[str, ld.State]) -> None:
     """They are drawn with the arcs: their areas and perimeters are those of the law."""
     state = states["curved"]
     assert np.abs(state.contacts["half_angle"]).max() > 0.01
-    for outline, area in zip(state.parallels(same_area=True), state.results["area"], strict=True):
+    for outline, area in zip(state._parallels(same_area=True), state.results["area"], strict=True):
         x, y = outline.T
         found = 0.5 * (x @ np.roll(y, -1) - y @ np.roll(x, -1))
         assert found == pytest.approx(area, rel=1e-6)
-    for outline, perimeter in zip(state.parallels(points=2000), state.perimeters, strict=True):
+    for outline, perimeter in zip(state._parallels(points=2000), state.perimeters, strict=True):
         edges = np.roll(outline, -1, axis=0) - outline
         assert np.hypot(*edges.T).sum() == pytest.approx(perimeter, rel=2e-6)
 

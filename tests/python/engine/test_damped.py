@@ -3,8 +3,7 @@
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable.minimize import settle
-from lammps_deformable.soft_disks import Enthalpy, relax_at_pressure, settle_at_pressure
+from lammps_deformable.soft_disks import Enthalpy, relax_at_pressure, settle, settle_at_pressure
 
 
 def test_critical_damping() -> None:

@@ -22,7 +22,7 @@ if MPI.COMM_WORLD.rank == 0:
 COMPRESSED = """
 sim = ld.Simulation(start, ld.Ring())
 state = sim.compress(strain=0.02, steps=2, tolerance={tolerance}, record="run")[-1]
-assert state.root == (MPI.COMM_WORLD.rank == 0)
+assert state._root == (MPI.COMM_WORLD.rank == 0)
 with ld.Run("run").simulation() as again:
     assert abs(again.state().energy / state.energy - 1) < 1e-12
 table = state.contacts

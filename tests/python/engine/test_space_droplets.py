@@ -135,8 +135,8 @@ def test_a_state_at_rest(emulsion: State) -> None:
     assert np.sum(tension * grown) == pytest.approx(emulsion.energy, rel=1e-6)
     assert (emulsion.pressures > 2.0 * tension / packing.radii).all()
     assert emulsion.graph().number_of_edges() == len(table) // 2
-    assert {"load", "lz"} <= set(emulsion.numbers())
-    assert all(values.shape == (32,) for values in emulsion.particle_values().values())
+    assert {"load", "lz"} <= set(emulsion._numbers())
+    assert all(values.shape == (32,) for values in emulsion._particle_values().values())
 
 
 def test_stress_is_the_derivative_of_the_energy(emulsion: State) -> None:

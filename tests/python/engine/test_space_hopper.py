@@ -105,7 +105,7 @@ def test_a_funnel_is_stretched_along_its_axis() -> None:
         before = sim.walls[0]
         sim.deform(packing.box * [1, 1, 0.99])
         assert sim.walls[0].tip == pytest.approx(np.multiply(before.tip, [1, 1, 0.99]))
-        assert sim.walls[0].slope == pytest.approx(before.slope / 0.99)
+        assert sim.walls[0]._slope == pytest.approx(before._slope / 0.99)
         with pytest.raises(ParameterError, match="cone 1 must stay round"):
             sim.deform(packing.box * [0.99, 1, 1])
 

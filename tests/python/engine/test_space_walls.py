@@ -139,7 +139,7 @@ def test_soft_spheres_jam_between_walls() -> None:
     assert abs(state.network_contacts - state.isostatic_contacts) <= 3
     assert state.pressure_tensor.trace() / 3 == pytest.approx(state.pressure)
     contacts = np.bincount(touching["i"], minlength=24)
-    assert (state.particle_values()["contacts"] >= contacts).all()
+    assert (state._particle_values()["contacts"] >= contacts).all()
     energies, volumes = [], []
     for factor in (1 - 1e-8, 1 + 1e-8):
         with ld.Simulation(jammed.at(jammed.phi / factor**3), ld.SoftContact()) as soft:

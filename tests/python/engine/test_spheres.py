@@ -56,8 +56,8 @@ def test_states_have_stress_contacts_and_motion(squeezed: ld.State) -> None:
     energy = sum(edge["force"] ** 2 / 2.0 for *_, edge in graph.edges(data=True))
     assert energy == pytest.approx(squeezed.energy, rel=1e-12)
     assert {"x", "y", "z"} <= set(graph.nodes[0])
-    assert squeezed.numbers()["lz"] == squeezed.packing.box[2, 2]
-    for values in squeezed.particle_values().values():
+    assert squeezed._numbers()["lz"] == squeezed.packing.box[2, 2]
+    for values in squeezed._particle_values().values():
         assert values.shape == (64,)
 
 

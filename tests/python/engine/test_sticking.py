@@ -190,7 +190,7 @@ def test_what_refuses() -> None:
         state.hessian,
         state.moduli,
         state.modes,
-        lambda: state.parallels(np.full(2, 0.1)),
+        lambda: state._parallels(np.full(2, 0.1)),
     ):
         with pytest.raises(ld.ParameterError, match="particles have an adhesion") as error:
             call()

@@ -262,9 +262,9 @@ def test_types_that_no_file_tells(kind: str, tmp_path: Path) -> None:
     with pytest.raises(ld.FileError, match=f"{told}a topology, or one radius for all"):
         Packing.from_file(path, radii={1: 0.5, 2: 0.4})
     with pytest.raises(ld.FileError, match=f"{told}or the one species of all.* first"):
-        ld.state_in_file(path, species)
+        ld.State.from_file(path, species)
     assert set(Packing.from_file(path, radii={1: 0.5}).radii) == {0.5}
-    assert set(ld.state_in_file(path, species, types=["second"]).packing.radii) == {0.02}
+    assert set(ld.State.from_file(path, species, types=["second"]).packing.radii) == {0.02}
 
 
 def test_a_topology_of_other_particles(tilted: Packing, tmp_path: Path) -> None:

@@ -17,11 +17,11 @@ MATRIX = [[0.3, 0.1], [0.1, 0.0]]
 
 def test_a_number_and_a_matrix() -> None:
     assert ld.Ring(**DROPLET).adhesion == 0.0
-    assert not ld.Ring(**DROPLET).sticks
-    assert not ld.Sector().sticks
+    assert not ld.Ring(**DROPLET)._sticks
+    assert not ld.Sector()._sticks
     for given in (0.2, np.float32(0.2), MATRIX, np.array(MATRIX)):
         law = ld.Ring(**DROPLET, adhesion=given)
-        assert law.sticks
+        assert law._sticks
         assert pair_matrix("adhesion", law.adhesion, 2).shape == (2, 2)
         assert eval(repr(law), {"Ring": ld.Ring, "inf": math.inf}) == law
     law = ld.Ring(**DROPLET, adhesion=MATRIX)
@@ -68,7 +68,7 @@ WALLS = [
 def test_walls() -> None:
     """Kept when walls are stretched, and written for LAMMPS."""
     for wall in WALLS:
-        assert wall.stretched(2.0, 2.0).adhesion == 0.3
+        assert wall._stretched(2.0, 2.0).adhesion == 0.3
         assert wall_commands([wall]).splitlines()[0].endswith("adhesion 0.3")
         assert "adhesion" not in wall_commands([replace(wall, adhesion=0.0)])
         with pytest.raises(ld.ParameterError, match=f"adhesion .*of a {type(wall).__name__}"):

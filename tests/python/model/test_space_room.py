@@ -137,7 +137,7 @@ def test_stretched_walls() -> None:
         Plane((0, 0, 0.5), (0, 0, 1)),
         Plane((5, 9, 2), (0, 0, -2)),
     )
-    leaning = Plane((1, 1, 1), (1, 2, 3)).stretched(2.0, 0.5, 1.5)
+    leaning = Plane((1, 1, 1), (1, 2, 3))._stretched(2.0, 0.5, 1.5)
     along = np.array([1, 1, 1]) + 0.7 * np.array([3, 0, -1])
     assert (along * [2, 0.5, 1.5] - leaning.origin) @ leaning.normal == pytest.approx(0, abs=1e-14)
     for walls, new, told in (

@@ -76,4 +76,4 @@ def test_a_time_step_too_long_for_the_springs() -> None:
         with pytest.raises(ld.ParameterError, match=r"\A[^\n]*at most 0.38,"):
             sim.run(10, timestep=0.5)
         (state,) = sim.run(10)[1:]
-        assert state.time / 10 < 0.5 * hard.longest_step
+        assert state.time / 10 < 0.5 * hard._longest_step

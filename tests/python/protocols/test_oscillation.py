@@ -105,7 +105,7 @@ def test_small_strains(strain: float) -> None:
     jammed = ld.jam(ld.bidisperse(32, seed=1)).packing
     with ld.Simulation(jammed.at(0.88), ld.Ring()) as sim:
         state = sim.relax(1e-10)
-    expected = complex(state.complex_modulus(2.0 * math.pi / 20.0, friction=1.0))
+    expected = complex(state.complex_modulus(2.0 * math.pi / 20.0, drag=1.0))
     assert 0.005 < expected.imag / expected.real < 0.02
     found = dynamic_modulus(state, strain, 20.0, steps=8, drag=1.0)
     assert found.storage_error < 1e-3 * expected.real

@@ -23,7 +23,7 @@ def dense(law: object) -> ld.Simulation:
 
 @pytest.mark.parametrize("law", ["radical", "balanced", "curved"])
 def test_few_steps_of_newton(law: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    module, steps = import_module("lammps_deformable.polishing"), []
+    module, steps = import_module("lammps_deformable.relax"), []
     place = module.place_particles
     monkeypatch.setattr(module, "place_particles", lambda *a: (steps.append(1), place(*a)))
     with dense(LAWS[law]) as sim:

@@ -32,7 +32,7 @@ def test_universe_of_a_run(run: tuple[Path, list[ld.State]]) -> None:
         assert frame.dimensions == pytest.approx(one.dimensions, rel=1e-6)
         assert frame.positions == pytest.approx(one.atoms.positions, abs=1e-5)
         assert frame.velocities == pytest.approx(one.atoms.velocities, rel=1e-6)
-        for name, values in state.particle_values().items():
+        for name, values in state._particle_values().items():
             assert frame.data[name] == pytest.approx(values, rel=1e-12)
     assert np.array_equal(universe.atoms.types, one.atoms.types)
     assert np.array_equal(universe.atoms.ids, one.atoms.ids)
@@ -69,7 +69,7 @@ def test_table(run: tuple[Path, list[ld.State]]) -> None:
     assert memory.keys() == table.keys()
     for name, values in table.items():
         np.testing.assert_array_equal(memory[name], values)
-    for name, value in run[1][-1].numbers().items():
+    for name, value in run[1][-1]._numbers().items():
         expected = np.nan if value is None else value
         assert table[name][-1] == pytest.approx(expected, rel=1e-14, nan_ok=True)
     assert recorded[1:3].table()["frame"].tolist() == [1, 2]

@@ -109,7 +109,7 @@ def test_tables_and_shapes(moved: tuple[Path, list], tmp_path: Path) -> None:
     run = ld.Run(folder)
     table = run.table(largest=lambda state: state.loads.max())
     for name in ("lz", "yz", "phi", "pressure", "shear_stress", "load", "temperature", "time"):
-        numbers = [state.numbers()[name] for state in states]
+        numbers = [state._numbers()[name] for state in states]
         assert table[name].tolist() == pytest.approx(numbers, rel=1e-6)
     assert table["largest"].tolist() == pytest.approx([state.loads.max() for state in states], 1e-6)
     run.export(tmp_path / "run.pvd")
@@ -130,7 +130,7 @@ def test_mdanalysis_reads_runs(moved: tuple[Path, list]) -> None:
         assert frame.positions == pytest.approx(expected.positions, abs=1e-5)
         assert frame.velocities == pytest.approx(expected.velocities, abs=1e-7)
         for name in ("load", "surface_area", "contacts"):
-            assert frame.data[name] == pytest.approx(state.values(name), rel=1e-6)
+            assert frame.data[name] == pytest.approx(state._values(name), rel=1e-6)
 
 
 def test_the_shell_keeps_runs_of_droplets(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

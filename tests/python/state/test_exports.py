@@ -42,7 +42,7 @@ def test_mdanalysis(moving: ld.State) -> None:
     assert (atoms.ids[0], atoms.ids[-1], set(atoms.masses)) == (1, 24, {1.0})
     frame = universe.trajectory[0]
     assert frame.triclinic_dimensions[:2, :2] == pytest.approx(packing.box, rel=1e-6)
-    for name, values in moving.particle_values().items():
+    for name, values in moving._particle_values().items():
         assert np.array_equal(frame.data[name], values)
 
 

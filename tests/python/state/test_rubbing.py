@@ -90,7 +90,7 @@ def test_contacts_that_slip_have_no_such_columns() -> None:
     assert state.spins is state.rubbing is state.friction is None
     assert state.spring_energy == 0.0
     assert "friction" not in (state.contacts.dtype.names or ())
-    assert "spin" not in state.particle_values()
+    assert "spin" not in state._particle_values()
 
 
 def test_no_contacts() -> None:

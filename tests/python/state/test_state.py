@@ -1,9 +1,12 @@
 """Values of a state: energy, contacts, outlines and pictures."""
 
+from typing import Any
+
 import lammps_deformable as ld
 import numpy as np
 import pytest
 from brute_force import brute_force_contacts, brute_force_rattlers, check_pressure, shapes
+from lammps_deformable.lammps import gather
 from lammps_deformable.laws import LAWS, Law
 
 pytestmark = pytest.mark.filterwarnings("error")
@@ -43,7 +46,7 @@ def test_outlines_have_the_areas(law: Law, name: str, request: pytest.FixtureReq
     packing = request.getfixturevalue(name)
     with ld.Simulation(packing.at(packing.phi * 1.05), law) as sim:
         state = sim.relax(1e-4) if isinstance(law, ld.Ring) else sim.state()
-    skin = law.species_parameters(state.packing._species_radii).skin[state.packing.species]
+    skin = law._species_parameters(state.packing._species_radii).skin[state.packing.species]
     whole = state.results["area"] + skin * state.perimeters + np.pi * skin**2
     for outline, area in zip(state.outlines, whole, strict=True):
         x, y = (outline - outline.mean(axis=0)).T
@@ -142,3 +145,15 @@ def test_plot_draws_every_contact(jammed: ld.Packing, law: ld.Ring | ld.Sector) 
     assert nearest.max() < rounding
     assert np.abs(length[:, None] - expected).min(axis=1).max() < rounding
     assert len(state.plot().collections) == 1
+
+
+@pytest.mark.parametrize("law", [ld.Ring(), ld.Sector(), ld.Droplet(), ld.SoftContact()], ids=repr)
+def test_forces_are_those_of_lammps(law: Any) -> None:
+    dimension = 3 if isinstance(law, ld.Droplet) else 2
+    jammed = ld.jam(ld.bidisperse(12, dimension=dimension, seed=1)).packing
+    with ld.Simulation(jammed.at(jammed.phi + 0.03), law) as sim:
+        state = sim.state()
+        forces = gather(sim.lmp, "f", 3)[:, :dimension]
+    assert state.forces == pytest.approx(forces, abs=1e-12 * np.abs(forces).max())
+    for name in ("positions", "radii", "box"):
+        assert np.array_equal(getattr(state, name), getattr(state.packing, name))

@@ -79,3 +79,20 @@ def test_waves_that_do_not_fit_are_refused() -> None:
     walled = state_of(ld.bidisperse(10, seed=1).between(ld.BoxWall((8.0, 8.0))))
     with pytest.raises(ld.ParameterError, match="needs a periodic box"):
         walled.density_waves([[0.0, 0.0]])
+
+
+def test_a_run_has_the_mean_of_its_states() -> None:
+    with ld.Simulation(ld.crystal("sc", 3, phi=0.4), ld.SoftContact()) as sim:
+        run = sim.compress(strain=0.1, steps=2)
+    k, s = run.structure_factor(bins=8, k_max=8.0)
+    each = np.array([state.structure_factor(bins=8, k_max=8.0)[1] for state in run])
+    some = ~np.isnan(each)  # the smaller box has other waves
+    assert 0 < some.sum() < some.size
+    for mean, values, found in zip(s, each.T, some.T, strict=True):
+        assert mean == pytest.approx(values[found].mean() if found.any() else np.nan, nan_ok=True)
+    assert k == pytest.approx(0.5 + np.arange(8))
+    r, g = run.radial_distribution(bins=5, r_max=1.0)
+    assert r == pytest.approx(0.1 + 0.2 * np.arange(5))
+    assert g == pytest.approx(np.mean([state.radial_distribution(5, 1.0)[1] for state in run], 0))
+    with pytest.raises(ld.ParameterError, match="no states"):
+        run[:0].structure_factor(bins=8, k_max=8.0)
