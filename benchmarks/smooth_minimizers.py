@@ -47,7 +47,7 @@ def fire(rings: ld.Simulation, stages: Sequence[float]) -> ld.State:
 
 def newton(rings: ld.Simulation, stages: Sequence[float]) -> ld.State:
     """Newton's method, as `Simulation.relax` or without its soft contacts."""
-    before, polygon_engine._SOFT = smooth_polygons._SOFT, tuple(stages)
+    before, polygon_engine._SOFT = polygon_engine._SOFT, tuple(stages)
     try:
         return rings.relax(TOLERANCE)
     finally:

@@ -3,35 +3,42 @@
     .venv/bin/python tests/broken_places.py build/broken          # all places
     .venv/bin/python tests/broken_places.py build/broken 3 17     # some of them
 
-The package is built once, into the folder given (a minute). There the environment variable
+The package is built once, into the folder given (some minutes). There the environment variable
 BROKEN_PLACE chooses the place that is broken. The tests are those of its subject: the whole suite
-notices more. CONTRIBUTING.md has what came out.
+notices more. What came out goes into data/broken_places.csv, and what pytest said into the folder,
+a file for each place.
 """
 
+import csv
 import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
 from pathlib import Path
 
-from programs import BIN, program
+from programs import BIN, PATIENT, program
 
 ROOT = Path(__file__).parents[1]
-# of each place four lines: file, an expression (\n for a new line), what takes its place, tests
-TABLE = (ROOT / "tests/data/broken_places.txt").read_text()
+TESTS = ROOT / "tests"
+RESULTS = TESTS / "data/broken_places.csv"
+# of each place five lines: what is broken, the file, an expression (\n for a new line), what takes
+# its place, and patterns of test files
+TABLE = (TESTS / "data/broken_places.txt").read_text()
 PLACES = [place.strip().splitlines() for place in TABLE.split("\n\n")]
 SWITCH = """#pragma once
 #include <cstdlib>
 static const int BROKEN_PLACE =
     std::getenv("BROKEN_PLACE") ? std::atoi(std::getenv("BROKEN_PLACE")) : 0;
 """
+LIMIT = 300  # s; a mistake may make ranks wait for each other
 
 
 def with_switches(source: Path) -> None:
     """Each place becomes a choice between the two expressions."""
     (source / "src/core/broken_place.h").write_text(SWITCH)
-    for number, (name, old, new, _) in enumerate(PLACES, 1):
+    for number, (_, name, old, new, _) in enumerate(PLACES, 1):
         is_python = name.endswith(".py")
         file = source / ("python/lammps_deformable" if is_python else "src") / name
         text, old = file.read_text(), old.replace(r"\n", "\n")
@@ -64,18 +71,62 @@ def build(folder: Path) -> Path:
     return package
 
 
-def noticed(package: Path, number: int, tests: list[str]) -> str:
-    """How many tests fail and pass."""
-    options = ("-q", "-n", "2", "-m", "not slow", "--tb=no", "-rN", *tests)
+def files_of(patterns: str) -> list[str]:
+    """The files of these patterns, which must have some each."""
+    found: dict[str, None] = {}
+    for pattern in patterns.split():
+        files = sorted(each for each in TESTS.glob(pattern) if each.name.startswith("test_"))
+        assert files, f"no tests are {pattern}"
+        found |= dict.fromkeys(str(file.relative_to(TESTS)) for file in files)
+    return list(found)
+
+
+def noticed(package: Path, number: int, said: Path) -> tuple[int, int]:
+    """How many tests notice the place, of how many. Tests that wait for ever are one."""
+    words = ("-v", "-n", "1", "-m", "not slow", "--tb=line", *files_of(PLACES[number - 1][-1]))
     broken = {"PYTHONPATH": str(package), "BROKEN_PLACE": str(number)}
-    done = program("python", "-m", "pytest", *options, cwd=ROOT / "tests", timeout=3600, **broken)
-    return re.sub(r"(, \d+ warnings?)? in .*", "", done.stdout.splitlines()[-1])
+    with said.open("w") as file:
+        run = subprocess.Popen(
+            [str(BIN / "python"), "-m", "pytest", *words],
+            cwd=TESTS,
+            env=os.environ | PATIENT | broken,
+            stdout=file,
+            stderr=subprocess.STDOUT,
+            start_new_session=True,
+        )
+        try:
+            run.wait(LIMIT)
+        except subprocess.TimeoutExpired:
+            os.killpg(run.pid, signal.SIGKILL)  # the tests that it began, too
+            file.write("\n[gw0] FAILED and the rest, which does not end\n")
+    told = re.findall(r"^\[gw\d+\].* (PASSED|FAILED|ERROR) (.+)$", said.read_text(), re.MULTILINE)
+    broken_ones = {test for result, test in told if result != "PASSED"}
+    return len(broken_ones), len({test for _, test in told})
+
+
+def write_results(results: dict[int, tuple[int, int]]) -> None:
+    """Into the table, whose columns `before` and the other places stay as they are."""
+    former = {}
+    if RESULTS.exists():
+        with RESULTS.open(newline="") as file:
+            former = {row["what"]: row for row in csv.DictReader(file)}
+    columns = ("file", "what", "before", "of", "now", "of now")
+    with RESULTS.open("w", newline="") as file:
+        rows = csv.DictWriter(file, columns, lineterminator="\n")
+        rows.writeheader()
+        for number, (what, name, *_) in enumerate(PLACES, 1):
+            row = former.get(what, {}) | {"file": name, "what": what}
+            if number in results:
+                row["now"], row["of now"] = map(str, results[number])
+            rows.writerow(row)
 
 
 if __name__ == "__main__":
     into = Path(sys.argv[1]).resolve()
     into.mkdir(parents=True, exist_ok=True)
-    package = build(into)
+    package, results = build(into), {}
     for number in map(int, sys.argv[2:] or range(1, len(PLACES) + 1)):
-        name, _, _, tests = PLACES[number - 1]
-        print(number, name, noticed(package, number, tests.split()), flush=True)
+        results[number] = noticed(package, number, into / f"{number}.txt")
+        what, name, *_ = PLACES[number - 1]
+        print(f"{number} {name}, {what}: {results[number][0]} of {results[number][1]}", flush=True)
+    write_results(results)

@@ -7,12 +7,10 @@ from laws import EXACT, LAWS, direct_laws, laws, straight_laws
 from materials import radii_of
 from scene import BOX, FOUR, PACKINGS, ROOM_OF_FOUR, Scene
 
-packings = pytest.mark.parametrize("case", PACKINGS, ids=range(len(PACKINGS)))
-
 
 @straight_laws
-@pytest.mark.parametrize("case", PACKINGS[:2], ids=range(2))
-def test_packing(case, law):
+def test_packing(law):
+    case = PACKINGS[0]
     scene = Scene.packing(case, EXACT[law], commands=CONTACTS)
     state = scene.evaluate()
     seen = contacts(scene)
@@ -62,8 +60,8 @@ def check_force_vectors(scene):
 
 
 @laws
-@packings
-def test_force_vectors(case, law):
+def test_force_vectors(law):
+    case = PACKINGS[1]
     check_force_vectors(Scene.packing(case, LAWS[law], commands=CONTACTS))
 
 
@@ -104,3 +102,15 @@ def test_refusals():
     scene.run("uncompute pair\nthermo_style custom step pe")
     with pytest.raises(Exception, match=r"needs pair_style deformable/ring, .* pair_style is zero"):
         scene.run("run 0")
+
+
+def test_rows_of_a_group():
+    """Those of its particles, also with partners outside of it."""
+    scene = Scene.packing(PACKINGS[0], LAWS["radical"], commands=CONTACTS)
+    scene.lmp.commands_string("group some id 1 3\ncompute few some deformable/contact")
+    scene.evaluate()
+    atoms, few = (
+        np.array(scene.lmp.numpy.extract_compute(name, 2, 2))[:, 0] for name in ("contacts", "few")
+    )
+    assert set(few) == {1.0, 3.0}
+    assert len(few) == np.isin(atoms, (1, 3)).sum()

@@ -46,3 +46,11 @@ def test_lines_of_jam_tell_the_stage_and_how_far_it_is(
     for line in (first, last):
         for name in ("phi=0.", "pressure=", "residual="):
             assert name in line
+
+
+def test_calls_side_by_side_have_no_bars_of_their_own(
+    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(ranks, "_LINES", 1e-9)
+    ld.parallel_map(ld.jam, [ld.bidisperse(16, seed=1)], workers=1)
+    assert [line.split(":")[0] for line in capfd.readouterr().err.splitlines()] == ["jam"]

@@ -7,6 +7,8 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 from contact_laws import simulate
+from lammps_deformable.engines import IMBALANCE, told
+from lammps_deformable.lammps import place_particles
 
 LAWS = {
     "disks": None,
@@ -83,3 +85,16 @@ def test_what_newton_cannot_do_is_left_to_fire(monkeypatch: pytest.MonkeyPatch) 
         pytest.warns(ld.StalledWarning, match="the largest force is"),
     ):
         assert not sim.relax(1e-14).converged
+
+
+def test_afterwards_contacts_are_balanced_as_before() -> None:
+    """The last digits cost iterations, which other states and steps of a motion do not need."""
+    imbalances = []
+    with dense(LAWS["balanced"]) as sim:
+        positions = sim.relax(1e-10).packing.positions
+        for seed in range(5):
+            shake = 1e-3 * np.random.default_rng(seed).normal(size=positions.shape)
+            place_particles(sim.lmp, positions + shake)
+            sim.state()
+            imbalances.append(told(sim.lmp, IMBALANCE))
+    assert 1e-12 < max(imbalances) <= 1e-8

@@ -122,3 +122,12 @@ def test_picture(state: Snapshot) -> None:
     assert "participation" in ax.get_title()
     with pytest.raises(ld.ParameterError, match="3"):
         modes.plot(3)
+
+
+def test_unstable_motions_have_negative_frequencies() -> None:
+    """A square lattice under pressure shears by itself."""
+    with ld.Simulation(ld.crystal("square", 4, phi=0.85), ld.SoftContact()) as disks:
+        modes = disks.state().modes()
+    assert modes.stiffness[0] < 0.0 < modes.stiffness[-1]
+    expected = np.sign(modes.stiffness) * np.sqrt(np.abs(modes.stiffness))
+    assert modes.frequencies == pytest.approx(expected)
