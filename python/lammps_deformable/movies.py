@@ -95,7 +95,8 @@ def movie(
 
     def draw(state: State) -> None:
         figure.clear()
-        state.plot(figure.subplots(), color, contacts, forces, on, cmap, label=label, **own)
+        drawn: dict[str, Any] = {"color": color, "contacts": contacts, "forces": forces, **own}
+        state.plot(figure.subplots(), scale=on, cmap=cmap, label=label, **drawn)
 
     draw(frames[0])  # or fail before the file is there
     writer = writers[name](fps=rate)

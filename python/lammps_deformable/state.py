@@ -1011,6 +1011,7 @@ class State:
     def plot(
         self,
         ax: Axes | None = None,
+        *,
         color: str | ArrayLike = "pressures",
         contacts: bool = False,
         forces: bool = False,
