@@ -58,11 +58,11 @@ def test_rattlers_do_not_count(pair):
     loose = exact.contacts["i"][0]
     there = (exact.contacts["i"] != loose) & (exact.contacts["j"] != loose)
     contacts = exact.contacts
-    exact = replace(exact, table=contacts[there])
+    exact = replace(exact, _table=contacts[there])
     step = np.zeros((8, 2))
     step[loose] = 0.1
     assert centers_rms(exact, own) == centers_rms(moved(exact, step), own)
-    assert centers_rms(replace(exact, table=contacts[:0]), own) is None
+    assert centers_rms(replace(exact, _table=contacts[:0]), own) is None
     assert centers_rms(exact, replace(own, pressure_tensor=1e-7 * own.pressure_tensor)) is None
 
 

@@ -149,7 +149,7 @@ def test_loose_particles_climb_in_growing_steps(
         seen.append(packing.phi)
         found = max(packing.phi - 0.8 - way, 0.0) / 0.6  # tension/R0
         table = np.zeros(0, [("i", int), ("j", int)])
-        return ld.State(packing, ld.SoftContact(), 0.0, found * np.eye(2), 0.0, True, table=table)
+        return ld.State(packing, ld.SoftContact(), 0.0, found * np.eye(2), 0.0, True, _table=table)
 
     monkeypatch.setattr(jamming, "_relaxed", relaxed)
     monkeypatch.setattr(jamming, "_jammed_disks", lambda *_: SimpleNamespace(packing=packing))
@@ -168,7 +168,7 @@ def test_rattlers_fall_one_after_another() -> None:
     both = np.concatenate([ends, np.fliplr(ends)])
     table = np.zeros(len(both), [("i", int), ("j", int)])
     table["i"], table["j"] = both[np.lexsort(both.T[::-1])].T
-    state = ld.State(packing, ld.SoftContact(), 0.0, np.zeros((2, 2)), 0.0, False, table=table)
+    state = ld.State(packing, ld.SoftContact(), 0.0, np.zeros((2, 2)), 0.0, False, _table=table)
     assert state.rattlers.tolist() == [False] * 4 + [True] * 3
     assert (state.network_contacts, state.isostatic_contacts) == (6, 7)
     assert state.coordination == 3.0

@@ -63,7 +63,7 @@ def test_states_have_what_was_recorded(jammed: ld.Packing, tmp_path: Path) -> No
             assert getattr(found, name) == getattr(state, name)
         for name in ("volumes", "perimeters", "pressures", "n_contacts", "pressure_tensor"):
             assert np.array_equal(getattr(found, name), getattr(state, name)), name
-        assert found.table is None
+        assert found._table is None
         assert found.coordination == state.coordination
         force = state.contacts["force"]
         assert found.contacts["force"] == pytest.approx(force, abs=1e-7 * force.max())
