@@ -1,6 +1,7 @@
 """Recorded runs of droplets that stick: which ones are attached comes back."""
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import lammps_deformable as ld
@@ -74,3 +75,9 @@ def test_compression(start: ld.State) -> None:
         pressures = [state.pressure for state in sim.compress(strain=0.03, steps=2)[1:]]
     assert np.isfinite(pressures).all()
     assert pressures[1] > pressures[0]
+
+
+def test_a_saved_state_keeps_what_films_have_lost(start: ld.State, tmp_path: Path) -> None:
+    replace(start, lost_energy=0.25).save(tmp_path)
+    with ld.Run(tmp_path).simulation(MPI.COMM_SELF) as sim:
+        assert sim.state().lost_energy == 0.25
