@@ -24,7 +24,7 @@ from pathlib import Path
 from typing import Any
 
 import lammps_deformable as ld
-from lammps_deformable.small_strains import balanced_to
+from lammps_deformable.moduli import balanced_to
 from lammps_deformable.versions import machine
 from relaxation import summary
 

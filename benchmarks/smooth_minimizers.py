@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 
 import lammps_deformable as ld
 import numpy as np
-from lammps_deformable import smooth_polygons
+from lammps_deformable import polygon_engine
 from lammps_deformable.comparison import standard_polygons
 
 if TYPE_CHECKING:
@@ -47,11 +47,11 @@ def fire(rings: ld.Simulation, stages: Sequence[float]) -> ld.State:
 
 def newton(rings: ld.Simulation, stages: Sequence[float]) -> ld.State:
     """Newton's method, as `Simulation.relax` or without its soft contacts."""
-    before, smooth_polygons._SOFT = smooth_polygons._SOFT, tuple(stages)
+    before, polygon_engine._SOFT = polygon_engine._SOFT, tuple(stages)
     try:
         return rings.relax(TOLERANCE)
     finally:
-        smooth_polygons._SOFT = before
+        polygon_engine._SOFT = before
 
 
 METHODS = {

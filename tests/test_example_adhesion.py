@@ -182,9 +182,9 @@ def check_gel(printed: str, seeds: int, shears: int) -> None:
     assert (lost > 0.01 * work).all()
     assert ((elastic > 0.3 * shears) & (elastic < shears)).all()
     assert (held > 0).all()
-    # means over steps of 0.01, a tenth or less of the strain over which the modulus changes; where
-    # a floppy gel begins to bear stress, less
-    assert np.median(off) < (1e-3 if len(off) > 4 else 3e-3)  # of four gels it scatters
+    # means over steps of 0.01, a tenth or less of the strain over which the modulus changes; floppy
+    # gels begin to bear stress on the way, and their little work is off by more of itself
+    assert (off[w > 0.02] < 1e-3).all()
     assert (off < 0.05).all()
     (loose,) = re.findall(r"^no adhesion  stress (\S+)$", printed, re.M)
     assert float(loose) < 1e-6

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from lammps_deformable._checks import expect, positive
 from lammps_deformable.box import refuse_space
+from lammps_deformable.hessian import check_at_rest
 from lammps_deformable.laws import root
-from lammps_deformable.response import check_at_rest
+from lammps_deformable.moduli import following, tolerance_under, unbalanced_modulus
 from lammps_deformable.shearing import sheared
 from lammps_deformable.simulation import Simulation
-from lammps_deformable.small_strains import following, tolerance_under, unbalanced_modulus
 from lammps_deformable.state import State
 from mpi4py import MPI
 from numpy.typing import NDArray

@@ -105,7 +105,8 @@ axes = top.subplots(1, 3)
 for ax, number in zip(axes, (NUMBER, NUMBER // 2, LAST), strict=True):
     n = next(n for n, radius in enumerate(radii) if len(radius) <= number)
     title = f"{len(radii[n])} bubbles, t = {times[n]:.1f}"
-    states[n].plot(ax, "contacts", vmin=2, vmax=10, title=title, colorbar=False, cmap="RdYlBu_r")
+    colors = {"color": "contacts", "vmin": 2, "vmax": 10, "cmap": "RdYlBu_r"}
+    states[n].plot(ax, title=title, colorbar=False, **colors)
 top.colorbar(axes[0].collections[0], ax=axes, label="contacts", shrink=0.8)
 growing, sizes, rate = bottom.subplots(1, 3)
 growing.plot(times, square)

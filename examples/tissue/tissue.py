@@ -113,7 +113,7 @@ first = runs["crawl, grow and divide"]
 for ax, n in zip(axes, (0, ROUNDS // 4, ROUNDS), strict=True):
     time, number, _, state = first[n]
     title = f"t = {time:.0f}, {number} cells"
-    state.plot(ax, "radius", title=title, vmin=0.35, vmax=0.5, colorbar=False)
+    state.plot(ax, color="radius", title=title, vmin=0.35, vmax=0.5, colorbar=False)
 top.colorbar(axes[0].collections[0], ax=axes, label="radius at rest", shrink=0.7)
 free, count = bottom.subplots(1, 2)
 for name, rows in runs.items():

@@ -1,10 +1,7 @@
 """Files that are written whole or not at all, and errors that name the file.
 
-Values as JSON that every program reads, and back with their types.
-
-JSON has no infinity. It becomes the word "inf", and that word becomes {"word": "inf"}.
-
-Numbers in comments at the end of a data file: what LAMMPS itself does not save there.
+Also values as JSON, and back with their types. JSON has no infinity: it becomes the word "inf", and
+that word becomes {"word": "inf"}.
 """
 
 from __future__ import annotations

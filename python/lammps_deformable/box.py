@@ -1,9 +1,7 @@
-"""What is defined in the plane only says so, in one line, to packings in three dimensions.
+"""The periodic box: lattice vectors, positions in it, and their fractions of these.
 
-Lattice vectors of a box, positions in it and their fractions of these.
-
-The last digits are the same on every processor: those of a product of matrices are not, and a
-minimizer of disks makes another packing of that.
+Products of matrices have other last digits on other processors, and a minimizer of disks makes
+another packing of that. So sums stand here term by term.
 """
 
 from __future__ import annotations

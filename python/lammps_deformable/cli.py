@@ -43,15 +43,15 @@ from .cli_options import (
 )
 from .compression import check_target
 from .errors import DeformableError, ParameterError
+from .generators import bidisperse
 from .jamming import jam
 from .lammps import silent_lammps
 from .laws import ALL_LAWS
 from .movies import of_dimension
-from .progress import print_once
-from .random import bidisperse
+from .ranks import print_once
 from .recording import check_tolerance
 from .relax import TOLERANCE
-from .run import Run, state_in_file
+from .run import Run
 from .simulation import Simulation
 from .state import State
 from .store import refuse, refuse_run
@@ -137,7 +137,7 @@ def _printing(columns: Sequence[str], done: int = 0) -> Callable[[State], None]:
         step = next(steps)
         if step == done + 1:
             print_once("step " + " ".join(f"{name:>12}" for name in columns))
-        row = state.numbers()
+        row = state._numbers()
         print_once(f"{step:4d} " + " ".join(f"{row[name]:12.6g}" for name in columns))
 
     return show
@@ -145,7 +145,7 @@ def _printing(columns: Sequence[str], done: int = 0) -> Callable[[State], None]:
 
 def _finish(state: State, folder: Path, began: float) -> None:
     """Draw the last state."""
-    if state.root and importlib.util.find_spec("matplotlib"):
+    if state._root and importlib.util.find_spec("matplotlib"):
         _draw(state, folder / "packing.png")
     print_once(f"wrote {folder} ({time.perf_counter() - began:.1f} s)")
 
@@ -184,7 +184,7 @@ def compress_command(
     ways = first, "compress it further with --append", last
     folder = refuse(out, "compression" if resume or append or overwrite else None, ways)
     protocol = {"steps": settings.steps, "tolerance": settings.tolerance, **settings.target}
-    done = 0
+    done, sim = 0, None
     if resume:
         check_same(folder, given)
         done = Run(folder).steps_done or 0
@@ -208,7 +208,8 @@ def compress_command(
         packing = jam(start).packing if settings.from_file is None else start
         begun = "jammed" if settings.from_file is None else f"{len(packing)} particles"
         print_once(f"{begun} at phi = {packing.phi:.5f} ({time.perf_counter() - began:.1f} s)")
-        run = Simulation(packing, law).compress(
+        sim = Simulation(packing, law)
+        run = sim.compress(
             **protocol,
             record=folder,
             mode="w" if overwrite else "x",
@@ -218,7 +219,7 @@ def compress_command(
     if resume and run.steps_done == done:
         print_once(f"the compression in '{folder}' is complete")
     else:
-        _finish(run[-1], folder, began)
+        _finish(sim.state() if sim else run[-1], folder, began)
 
 
 @command(app)
@@ -254,7 +255,7 @@ def shear_command(
     material = material.usual(given)
     folder = refuse(out, "compression" if resume or overwrite else None, _WAYS_OUT)
     columns = ("strain", "shear_stress", *_COLUMNS[1:])
-    done = 0
+    done, sim = 0, None
     if resume:
         check_same(folder, given)
         done = Run(folder).steps_done or 0
@@ -274,7 +275,7 @@ def shear_command(
     if resume and sheared.steps_done == done:
         print_once(f"the shear in '{folder}' is complete")
     else:
-        _finish(sheared[-1], folder, began)
+        _finish(sim.state() if sim else sheared[-1], folder, began)
 
 
 def _sheared(
@@ -552,7 +553,7 @@ def outline_command(
     for path in pictures:
         _check_picture(path)
     names = None if types is None else types.split(",")
-    state = state_in_file(dump, species, law, names, frame, radii)
+    state = State.from_file(dump, species, law=law, types=names, frame=frame, radii=radii)
     if law is None:
         print_once(f"contact law {state.law.name}: give --law for another")
     for path in paths:

@@ -22,9 +22,9 @@ from typer import Option
 
 from ._checks import positive
 from .errors import FileError, ParameterError
+from .generators import bidisperse, polydisperse
 from .laws import ALL_LAWS, AnyLaw, Droplet, Ring
 from .packing import Packing
-from .random import bidisperse, polydisperse
 from .recording import LARGEST_TOLERANCE
 from .relax import TOLERANCE
 from .run import Run

@@ -1,9 +1,8 @@
-"""LAMMPS commands as text: a packing, its law, the minimizer; polygons and their walls.
+"""LAMMPS commands as text: a packing, its law, its walls, films, and the minimizer.
 
-Films, the contacts of particles that stick, as text: a memory that positions do not have.
-
-A film is a row of two numbers: the IDs of its particles; or the ID of one, and the code below 0 of
-a wall, as compute deformable/contact tells it.
+A film is a contact of particles that stick, a memory that positions do not have: a row of two
+numbers, the IDs of its particles; or the ID of one, and the code below 0 of a wall, as *compute
+deformable/contact* tells it.
 """
 
 from __future__ import annotations
@@ -87,7 +86,7 @@ def wall_commands(walls: Sequence[Wall]) -> str:
     lines = []
     for n, wall in enumerate(walls, start=1):
         count = f"{len(wall.corners)} " if isinstance(wall, PolygonWall) else ""
-        words = f"{wall.kind} {count}" + " ".join(f"{value:.17g}" for value in wall.values)
+        words = f"{wall._kind} {count}" + " ".join(f"{value:.17g}" for value in wall._values)
         words += f" adhesion {wall.adhesion!r}" * (wall.adhesion > 0.0)
         name = WALL.format(n)
         lines += [f"fix {name} all deformable/wall {words}", f"fix_modify {name} virial yes"]
@@ -115,9 +114,9 @@ def species_file(law: AnyLaw, radii: Sequence[float] | NDArray[np.float64]) -> s
     """Text of the species file for species of these radii [length], named s1, s2, ...
 
     Raises:
-        ParameterError: see `Ring.species_parameters`.
+        ParameterError: see `Ring._species_parameters`.
     """
-    columns = np.column_stack([radii, *law.species_parameters(radii)])
+    columns = np.column_stack([radii, *law._species_parameters(radii)])
     units = "kA[energy/length^4] kP[energy/length^2] skin[length]"
     if isinstance(law, Droplet):
         units = "kA kP skin (inf 0 0: constant volume) tension[energy/length^2]"
@@ -128,7 +127,7 @@ def species_file(law: AnyLaw, radii: Sequence[float] | NDArray[np.float64]) -> s
     for n, (*values, tension) in enumerate(columns.tolist(), start=1):
         words = [f"s{n}", *map(repr, values)]
         lines.append(" ".join(words + ["tension", repr(tension)] * (tension != 0.0)))
-    if isinstance(law, Ring) and law.sticks:
+    if isinstance(law, Ring) and law._sticks:
         matrix = pair_matrix("adhesion", law.adhesion, len(radii)).tolist()
         lines += [
             f"adhesion s{i + 1} s{j + 1} {matrix[i][j]!r}"
@@ -243,7 +242,7 @@ def film_commands(law: AnyLaw, walls: Sequence[Wall], films: Films | None = None
     if not sticks(law, walls):
         return ""
     # with a law that sticks, the pair style has it already
-    fix = [] if law.sticks else ["fix deformable_films all deformable/films"]
+    fix = [] if law._sticks else ["fix deformable_films all deformable/films"]
     return "\n".join([*fix, *memory_commands(films)]) + "\n"
 
 

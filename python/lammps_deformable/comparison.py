@@ -647,7 +647,7 @@ def predict(reference: State, law: Law | None = None, comm: MPI.Comm | None = No
 def polygon_outlines(reference: State, state: State) -> list[NDArray[np.float64]]:
     """Lines of bead centers in a law, about each particle's own center, arrays (m, 2) [length]."""
     polygons = reference.polygons.radius[reference.packing.species]
-    return state.parallels(state.packing.radii - polygons, _POINTS)
+    return state._parallels(state.packing.radii - polygons, _POINTS)
 
 
 def shape_errors(reference: State, state: State) -> NDArray[np.float64]:

@@ -19,32 +19,25 @@ from .free_box import REACHED, UnreachedError, reach, told_at_the_end
 from .laws import Droplet, Ring, Sector, SoftContact
 from .polygons import DeformablePolygon
 from .ranks import world
-from .recording import Protocol, check_tolerance, play
+from .recording import Protocol, check_tolerance
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
 
-    from .run import Run
+
+def _compress_settings(sim: Any, given: Mapping[str, Any]) -> dict[str, Any]:
+    targets = {each: given[each] for each in ("strain", "phi", "pressure")}
+    name, target = check_target(sim.law, given["steps"], **targets)
+    return {name: target} | _steps(given)
 
 
-def compress(
-    sim: Any,
-    *,
-    strain: float | None = None,
-    phi: float | None = None,
-    pressure: float | None = None,
-    steps: int = 1,
-    tolerance: float | None = None,
-    **recording: Any,
-) -> Run:
-    """See `Simulation.compress`."""
-    name, target = check_target(sim.law, steps, strain=strain, phi=phi, pressure=pressure)
-    settings = {
-        name: target,
-        "steps": int(steps),
-        "tolerance": check_tolerance(tolerance, recording.get("record") is not None),
+def _steps(given: Mapping[str, Any]) -> dict[str, Any]:
+    """The settings of steps and relaxations."""
+    recorded = given["record"] is not None
+    return {
+        "steps": count("steps", given["steps"]),
+        "tolerance": check_tolerance(given["tolerance"], recorded),
     }
-    return play(sim, "compress", settings, **recording)
 
 
 def check_target(law: object, steps: int, **targets: float | None) -> tuple[str, float]:
@@ -176,32 +169,17 @@ def _told_if_apart(
         yield state
 
 
-COMPRESS = Protocol(_begin, _compressed)
+COMPRESS = Protocol(_compress_settings, _begin, _compressed)
 
 
-def grow(
-    sim: Any,
-    *,
-    factor: float | None = None,
-    phi: float | None = None,
-    steps: int = 1,
-    tolerance: float | None = None,
-    **recording: Any,
-) -> Run:
-    """See `Simulation.grow`."""
+def _grow_settings(sim: Any, given: Mapping[str, Any]) -> dict[str, Any]:
     expect("the law of a simulation that grows", sim.law, Ring, Sector, Droplet)
-    count("steps", steps)
-    name, target = _one_of({"factor": factor, "phi": phi})
+    name, target = _one_of({each: given[each] for each in ("factor", "phi")})
     if name == "phi":
-        check_target(sim.law, steps, phi=phi)
+        check_target(sim.law, given["steps"], phi=target)
     elif positive("factor", target) == 1.0:
         raise ParameterError("factor must not be 1: relax the simulation instead")
-    settings = {
-        name: float(target),
-        "steps": int(steps),
-        "tolerance": check_tolerance(tolerance, recording.get("record") is not None),
-    }
-    return play(sim, "grow", settings, **recording)
+    return {name: float(target)} | _steps(given)
 
 
 def _grown(
@@ -232,4 +210,4 @@ def scale_radii(sim: Any, factor: float) -> None:
     sim.reset(replace(state, packing=grown))
 
 
-GROW = Protocol(_begin, _grown)
+GROW = Protocol(_grow_settings, _begin, _grown)

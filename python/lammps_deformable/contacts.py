@@ -72,11 +72,11 @@ def _forbidden(wall: Wall) -> list[Floats]:
         normal = np.array(wall.normal) / np.linalg.norm(wall.normal)
         return [_turns(normal), normal[None] @ _moves(np.array(wall.origin))]
     if isinstance(wall, Cylinder):
-        return [_turns(np.array(wall.direction)), _moves(wall.middle)[list(wall.round_axes)]]
+        return [_turns(np.array(wall._direction)), _moves(wall._middle)[list(wall._round_axes)]]
     if isinstance(wall, Cone):
-        return [_turns(np.array(wall.direction)), _moves(wall.middle)]
+        return [_turns(np.array(wall._direction)), _moves(wall._middle)]
     if isinstance(wall, Sphere):
-        return [_moves(wall.middle)]
+        return [_moves(wall._middle)]
     return [np.eye(3)]  # of one with corners, in the plane
 
 
@@ -155,7 +155,7 @@ def with_walls(packing: Packing, reach: float) -> Sides:
     if (centered := np.flatnonzero(np.isinf(turn))).size:
         k, m = int(i[centered[0]]), int(wall[centered[0]])
         raise ParameterError(
-            f"particle {k} is at the center of {packing.walls[m].kind} {m + 1} and reaches it in "
+            f"particle {k} is at the center of {packing.walls[m]._kind} {m + 1} and reaches it in "
             "all directions: its energy has no second derivatives there"
         )
     return Sides(i, -1 - wall, vector, turn)

@@ -1,8 +1,6 @@
-"""What colors and widths of a picture mean.
+"""Pictures by matplotlib: a packing with outlines, walls, contacts and forces, and its scale.
 
-Lines that a picture has on its particles, and on their periodic images.
-
-The picture of a packing: outlines, walls, contacts and forces.
+`plot` asks for it, so that only a run that draws loads matplotlib.
 """
 
 from __future__ import annotations

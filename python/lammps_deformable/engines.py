@@ -148,7 +148,7 @@ def particles_in_lammps(
     run(lmp, film_commands(law, packing.walls))
     run(lmp, friction_commands(friction, len(packing._species_radii)))
     if friction:  # evaluations have one too
-        run(lmp, f"timestep {min(friction.accurate_step, _TIMESTEP)!r}")
+        run(lmp, f"timestep {min(friction._accurate_step, _TIMESTEP)!r}")
     run(lmp, commands_of_energy(law, bool(packing.walls or friction)))
     return lmp
 
@@ -291,12 +291,7 @@ class Deformables:
             check_sticky_walls(packing, self.law)
         lmp = particles_in_lammps(packing, self.law, sim.comm, sim.friction, former)
         self._smallest_radius = float(packing.radii.min())
-        self._measure(packing)
         return lmp
-
-    def _measure(self, packing: Packing) -> None:
-        """Take scales of forces and times from the packing of the start."""
-        raise NotImplementedError
 
     def _check_walls(self, walls: tuple[Wall, ...], box: Floats) -> None:
         reach = 1.0 + (self.law.reach if isinstance(self.law, (Ring, Droplet)) else 0.0)
@@ -356,7 +351,7 @@ class Deformables:
             "converged": converged,
             "beyond": round(told(sim.lmp, BEYOND)),
             "velocities": gather(sim.lmp, "v", 3)[:, :dimension],
-            "root": sim.comm.rank == 0,
+            "_root": sim.comm.rank == 0,
             "wall_forces": wall_forces(sim.lmp, sim.walls),
             "time": sim.time,
             "shear_strain": sim.shear_strain,
@@ -370,12 +365,15 @@ class Rings(Deformables):
 
     law: Law
 
-    def _measure(self, packing: Packing) -> None:
+    def open(self, sim: Simulation, packing: Packing, former: lammps | None) -> lammps:
+        """As that of all, with the scales of forces and times of this packing."""
+        lmp = super().open(sim, packing, former)
         self._largest_radius = float(packing.radii.max())
-        stiffness = self.law.single_contact_stiffness(self._smallest_radius)
+        stiffness = self.law._single_contact_stiffness(self._smallest_radius)
         self._single_contact_pressure = stiffness / STIFFNESS_PER_PRESSURE
         self._single_contact_force = stiffness * self._smallest_radius
         self._natural_pressure = natural_pressure(packing, self.law)
+        return lmp
 
     def forces(self, sim: Simulation, least: float = 0.0) -> Forces:
         """Bring forces and results of the particles up to date; returns the forces."""
@@ -384,7 +382,7 @@ class Rings(Deformables):
             sim.lmp, pair_style(self.law), sim.walls, _OF_RINGS, len(ROWS)
         )
         area, perimeter, contacts, pressure, _, length = self._results.T
-        self._skin = self.law.species_parameters(self._radii).skin[self._species]
+        self._skin = self.law._species_parameters(self._radii).skin[self._species]
         self._largest_pressure = float(pressure.max())
         self.loose = are_round(area, perimeter, self._radius - self._skin)
         total, number = dot(pressure, length), float(max(contacts.sum(), 1.0))
@@ -435,7 +433,7 @@ class Rings(Deformables):
                 "n_contacts": contacts.astype(np.int64),
                 "arc_radii": arc_radius,
             },
-            table=table,
+            _table=table,
             films=attached(rows) if sticks(self.law, sim.walls) else None,
             lost_energy=sim._lost + told(sim.lmp, LOST) + sum(rubbing.lost if rubbing else ()),
             friction=sim.friction,
@@ -456,9 +454,12 @@ class Droplets(Deformables):
 
     law: Droplet
 
-    def _measure(self, packing: Packing) -> None:
-        tension = self.law.species_parameters(packing._species_radii).tension
+    def open(self, sim: Simulation, packing: Packing, former: lammps | None) -> lammps:
+        """As that of all, with the largest tension of this packing."""
+        lmp = super().open(sim, packing, former)
+        tension = self.law._species_parameters(packing._species_radii).tension
         self._stiffness = float(tension.max())
+        return lmp
 
     def forces(self, sim: Simulation, least: float = 0.0) -> Forces:
         """Bring forces and results of the particles up to date; returns the forces."""
@@ -510,7 +511,7 @@ class Droplets(Deformables):
                 "contact_areas": contact_area,
                 "n_contacts": contacts.astype(np.int64),
             },
-            table=droplet_table(self._rows, common["packing"]),
+            _table=droplet_table(self._rows, common["packing"]),
         )
 
 
@@ -691,7 +692,7 @@ class SoftParticles:
             residual=forces.residual,
             converged=converged,
             velocities=gather(sim.lmp, "v", 3)[:, : packing.dimension],
-            root=sim.comm.rank == 0,
+            _root=sim.comm.rank == 0,
             time=sim.time,
             shear_strain=sim.shear_strain,
         )

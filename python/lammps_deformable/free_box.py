@@ -1,7 +1,4 @@
-"""The size of the box at which a relaxed packing has a given packing fraction or pressure.
-
-Relaxation at a pressure: the box may change its size, its sides, or its shape too.
-"""
+"""Boxes that follow: relaxation at a pressure, and the size of a box for a packing fraction."""
 
 from __future__ import annotations
 
@@ -172,7 +169,7 @@ def check_free(
     if walls and free != "iso":
         raise ParameterError(
             f"free='{free}' is not for walls, and there are {len(walls)}, the first a "
-            f"{walls[0].kind}: take free='iso', which scales them with the box"
+            f"{walls[0]._kind}: take free='iso', which scales them with the box"
         )
 
 

@@ -1,10 +1,6 @@
-"""Friction and damping of contacts, as settings.
+"""Friction and damping of contacts: settings, memory, the table of a state, and pictures.
 
-What contacts that rub remember, and spins: a memory that positions do not have.
-
-Contacts that rub in the table of a state: their friction, damping and springs.
-
-Friction in pictures: contacts that slide, forces along contacts, and spins.
+Contacts that rub remember their springs, and particles spin: positions alone do not tell that.
 """
 
 from __future__ import annotations
@@ -82,36 +78,36 @@ class Friction:
             if problem := core.invalid_friction(*row):
                 raise ParameterError(problem.replace("damp must", "damping must"))
         expect("walls", self.walls, Friction, type(None))
-        if self.walls and (self.walls.by_species or self.walls.walls):
+        if self.walls and (self.walls._by_species or self.walls.walls):
             raise ParameterError(
                 "friction with walls has one number for each of mu, kt, gt, damping"
             )
 
     @property
-    def rubs(self) -> bool:
+    def _rubs(self) -> bool:
         """Whether any particles do: dashpots alone damp."""
         return bool(np.any(np.asarray(self.mu) > 0.0))
 
     @property
-    def by_species(self) -> bool:
+    def _by_species(self) -> bool:
         """Whether a value differs by species."""
         return any(np.ndim(getattr(self, name)) for name in _NAMES)
 
     @property
-    def longest_step(self) -> float:
+    def _longest_step(self) -> float:
         """The longest time step that *fix deformable/friction* takes [time]."""
         own = min(
             core.friction_time_step(mu, kt, gt, damp, _MASS, _LEVER)
             for mu, kt, gt, damp in self._rows()
         )
-        return min(own, self.walls.longest_step) if self.walls else own
+        return min(own, self.walls._longest_step) if self.walls else own
 
     @property
-    def accurate_step(self) -> float:
+    def _accurate_step(self) -> float:
         """The longest one that is accurate to a few percent [time]."""
-        return _ACCURATE * self.longest_step
+        return _ACCURATE * self._longest_step
 
-    def of_pairs(self, species: int) -> NDArray[np.float64]:
+    def _of_pairs(self, species: int) -> NDArray[np.float64]:
         """mu, kt, gt and damping of each pair, shape (species, species, 4).
 
         Raises:
@@ -122,7 +118,7 @@ class Friction:
     def _rows(self) -> list[list[float]]:
         """mu, kt, gt and damping of each pair of as many species as matrices have."""
         species = max(len(np.atleast_1d(getattr(self, name))) for name in _NAMES)
-        rows: list[list[float]] = self.of_pairs(species).reshape(-1, len(_NAMES)).tolist()
+        rows: list[list[float]] = self._of_pairs(species).reshape(-1, len(_NAMES)).tolist()
         return rows
 
 
@@ -143,8 +139,8 @@ def check_friction(friction: Friction, packing: Packing, law: AnyLaw) -> None:
         raise ParameterError(
             "friction needs contacts that slip, and those of Sector stick: take Ring"
         )
-    friction.of_pairs(len(packing._species_radii))
-    if packing.walls and friction.by_species and friction.walls is None:
+    friction._of_pairs(len(packing._species_radii))
+    if packing.walls and friction._by_species and friction.walls is None:
         raise ParameterError(
             "friction differs by species, and walls have none: give it walls=Friction(mu, kt=kt)"
         )
@@ -194,16 +190,16 @@ def friction_commands(friction: Friction | None, species: int) -> str:
     """The fix for particles of so many species; none without friction."""
     if friction is None:
         return ""
-    pairs = friction.of_pairs(species)
+    pairs = friction._of_pairs(species)
     words = [_numbers(pairs[0, 0].tolist(), " damp")]
-    if friction.by_species:
+    if friction._by_species:
         words += [
             f"types {i + 1} {j + 1}{_numbers(pairs[i, j].tolist())}"
             for i in range(species)
             for j in range(i, species)
         ]
     if friction.walls:
-        words.append(f"types * wall{_numbers(friction.walls.of_pairs(1)[0, 0].tolist())}")
+        words.append(f"types * wall{_numbers(friction.walls._of_pairs(1)[0, 0].tolist())}")
     return f"fix {FRICTION} all deformable/friction{' '.join(words)}\n"
 
 

@@ -1,10 +1,7 @@
-"""Ctrl-C ends a command of LAMMPS at its next step, and not only at its last one.
+"""LAMMPS as the engine: open it, fill it with a packing, run commands, gather values of atoms.
 
-LAMMPS as the engine: open it, fill it with a packing, gather per-atom values.
-
-Errors of the pair styles in words of Python: the names of walls, and the way out.
-
-What states follow of the commands that a user gave to LAMMPS, and what they refuse.
+Also: Ctrl-C ends a command at its next step; errors of the pair styles name walls as Python does;
+states know what commands a user gave to LAMMPS, and refuse what they cannot follow.
 """
 
 from __future__ import annotations
@@ -329,7 +326,7 @@ def run_forces(lmp: lammps, commands: str, walls: Sequence[Wall]) -> None:
         run(lmp, commands)
     except LammpsError as error:
         line = _FIX_OF_WALL.sub(
-            lambda found: f"{walls[int(found[1]) - 1].kind} {found[1]}", str(error)
+            lambda found: f"{walls[int(found[1]) - 1]._kind} {found[1]}", str(error)
         )
         hints = "".join(hint for words, hint in _HINTS.items() if words in line)
         raise LammpsError(line + hints) from None

@@ -242,7 +242,7 @@ class Ring:
         return [getattr(self, name) for name in SpeciesParameters._fields]
 
     @property
-    def sticks(self) -> bool:
+    def _sticks(self) -> bool:
         """Whether any particles have an adhesion."""
         return bool(np.max(self.adhesion) > 0.0)
 
@@ -251,11 +251,13 @@ class Ring:
         """`balanced`, `curved` or `radical`, see `LAWS`."""
         return self.contact
 
-    def single_contact_stiffness(self, radius: float) -> float:
+    def _single_contact_stiffness(self, radius: float) -> float:
         """Stiffness of a particle's only contact, if it is weak: 0 [energy/length^2]."""
         return 0.0
 
-    def species_parameters(self, radii: Sequence[float] | NDArray[np.float64]) -> SpeciesParameters:
+    def _species_parameters(
+        self, radii: Sequence[float] | NDArray[np.float64]
+    ) -> SpeciesParameters:
         """The parameters of species of these radii [length].
 
         Raises:
@@ -331,7 +333,7 @@ class Sector:
     """
 
     dimension: ClassVar[int] = 2
-    sticks: ClassVar[bool] = False
+    _sticks: ClassVar[bool] = False
 
     kA: float = math.nan
     _: KW_ONLY
@@ -359,18 +361,20 @@ class Sector:
         return "sector"
 
     @property
-    def kernel(self) -> str:
+    def _kernel(self) -> str:
         """Name of the kernel in `ld.core`."""
         return "area_sector" if math.isinf(self.kA) else "sector"
 
-    def single_contact_stiffness(self, radius: float) -> float:
+    def _single_contact_stiffness(self, radius: float) -> float:
         """Stiffness of a particle's only contact: the particle is a soft disk [energy/length^2].
 
         In its energy k/2 (1 - d/(R_i + R_j))^2, k is the number of the finite stiffness.
         """
         return min(self.kA, self.kP) / (2.0 * radius) ** 2
 
-    def species_parameters(self, radii: Sequence[float] | NDArray[np.float64]) -> SpeciesParameters:
+    def _species_parameters(
+        self, radii: Sequence[float] | NDArray[np.float64]
+    ) -> SpeciesParameters:
         """As for `Ring`: the same for all species, without skin and tension."""
         return SpeciesParameters(*np.tile([[self.kA], [self.kP], [0.0], [0.0]], len(radii)))
 
@@ -385,7 +389,7 @@ class Sector:
         same_area: bool = False,
     ) -> NDArray[np.float64]:
         """As for `Ring`; an inset is right for sectors that keep their perimeter."""
-        return core.outline(self.kernel, radius - inset, angle, indentation, points, same_area)
+        return core.outline(self._kernel, radius - inset, angle, indentation, points, same_area)
 
 
 Law = Ring | Sector
@@ -472,7 +476,7 @@ class Droplet:
     """
 
     dimension: ClassVar[int] = 3
-    sticks: ClassVar[bool] = False
+    _sticks: ClassVar[bool] = False
 
     tension: float | Sequence[float] = 1.0
 
@@ -498,7 +502,9 @@ class Droplet:
         """How far beyond its undeformed sphere a droplet may touch, in radii."""
         return core.largest_bulge
 
-    def species_parameters(self, radii: Sequence[float] | NDArray[np.float64]) -> SpeciesParameters:
+    def _species_parameters(
+        self, radii: Sequence[float] | NDArray[np.float64]
+    ) -> SpeciesParameters:
         """As for `Ring`: the volume is kept, kA = inf, and all else but the tension is 0.
 
         Raises:
@@ -527,7 +533,7 @@ class SoftContact:
     Source: C. S. O'Hern et al., Phys. Rev. E 68, 011306 (2003).
     """
 
-    sticks: ClassVar[bool] = False
+    _sticks: ClassVar[bool] = False
 
     k: float = 1.0
 
@@ -570,7 +576,7 @@ def check_dimension(law: AnyLaw, dimension: int) -> None:
 
 def sticks(law: AnyLaw, walls: Sequence[Wall]) -> bool:
     """Whether any particles have an adhesion, to each other or to a wall."""
-    return law.sticks or any(wall.adhesion > 0.0 for wall in walls)
+    return law._sticks or any(wall.adhesion > 0.0 for wall in walls)
 
 
 def refuse_adhesion(law: AnyLaw, walls: Sequence[Wall], why: str) -> None:
@@ -596,19 +602,19 @@ def check_sticky_walls(packing: Packing, law: AnyLaw) -> None:
             an infinite kP, or a skin.
     """
     kinds = sorted({*packing.species.tolist()})
-    parameters = law.species_parameters(packing._species_radii)
+    parameters = law._species_parameters(packing._species_radii)
     for n, wall in enumerate(packing.walls, start=1):
         if wall.adhesion == 0.0:
             continue
         if not (isinstance(law, Ring) and law.contact == "curved"):
             raise ParameterError(
-                f"{wall.kind} {n}: adhesion needs contact lines that bend, to meet outlines at an "
+                f"{wall._kind} {n}: adhesion needs contact lines that bend, to meet outlines at an "
                 "angle: use Ring(contact='curved'), or adhesion 0"
             )
         for kind in kinds:
             of_kind = (float(values[kind]) for values in parameters)
             if problem := core.invalid_for_adhesion(wall.adhesion, *of_kind):
-                raise ParameterError(f"{wall.kind} {n}, species {kind}: {problem}")
+                raise ParameterError(f"{wall._kind} {n}, species {kind}: {problem}")
 
 
 # Energies are quartic in the indentation a: S ~ K a^2/2, p = kA S, L = K a. So a contact has the
@@ -667,11 +673,11 @@ def longest_step(packing: Packing, law: AnyLaw, squeeze: float, temperature: flo
         temperature: of the motion [energy].
     """
     if isinstance(law, Droplet):
-        tension = law.species_parameters(packing._species_radii).of(packing.species).tension
+        tension = law._species_parameters(packing._species_radii).of(packing.species).tension
         energy = float(np.min(tension * packing.radii**2))
         load = max(squeeze, 0.5 * float(np.sqrt(_HOT * temperature / energy)))
         return float(2.0 / np.sqrt((_LOOSE + _BY_LOAD * load) * tension.max()))
-    kA, kP, skin, tension = law.species_parameters(packing._species_radii).of(packing.species)
+    kA, kP, skin, tension = law._species_parameters(packing._species_radii).of(packing.species)
     radius = packing.radii - skin
     by_tension = 2.0 * tension / radius**3
     stiffness = np.minimum(kA, kP / radius**2 + by_tension)
@@ -711,7 +717,7 @@ def squeeze_under(force: float, packing: Packing, law: AnyLaw) -> float:
     """
     if not force:
         return 0.0
-    kA, kP, skin, tension = law.species_parameters(packing._species_radii).of(packing.species)
+    kA, kP, skin, tension = law._species_parameters(packing._species_radii).of(packing.species)
     radius = packing.radii - skin
     if isinstance(law, Droplet):  # two contacts
         return float(np.max(2.0 * _TOGETHER * force / (8.0 * np.pi * tension * radius)))
@@ -740,7 +746,7 @@ def natural_pressure(packing: Packing, law: Jamming) -> float:
     r0 = float(packing.radii.mean())
     if isinstance(law, SoftContact):
         return law.k if packing.dimension == 2 else 0.5 * law.k / r0
-    kA, kP, _, tension = law.species_parameters(packing._species_radii).of(packing.species)
+    kA, kP, _, tension = law._species_parameters(packing._species_radii).of(packing.species)
     compliance = 1.0 / (kA * r0**2) + 1.0 / np.where(kP > 0.0, kP, np.inf)
     stiffness = np.where(kP > 0.0, 1.0 / np.where(compliance > 0.0, compliance, 1.0), 0.0)
     return float(np.mean(stiffness + tension / r0))
@@ -772,7 +778,7 @@ def pressure_above_onset(excess: float, packing: Packing, law: Jamming) -> float
 
 
 def _droplets(packing: Packing, law: Law) -> bool:
-    return bool(np.all(law.species_parameters(packing._species_radii).tension > 0.0))
+    return bool(np.all(law._species_parameters(packing._species_radii).tension > 0.0))
 
 
 def filled_area(area: Floats, perimeter: Floats, skin: Floats) -> Floats:

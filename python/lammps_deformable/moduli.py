@@ -1,6 +1,6 @@
-"""Elastic moduli of a packing by linear response.
+"""Elastic moduli of a packing, static and at a frequency, by linear response.
 
-Storage and loss modulus of a packing by linear response.
+And small strains: how closely contacts and forces are balanced relative to them.
 """
 
 from __future__ import annotations
@@ -13,9 +13,16 @@ from numpy.typing import ArrayLike, NDArray
 
 from ._checks import numbers, positive, shown
 from .errors import ParameterError
+from .relax import CLOSE, USUAL, balanced_to
 
 if TYPE_CHECKING:
+    from contextlib import AbstractContextManager
+
     from .hessian import Hessian
+    from .packing import Packing
+    from .simulation import Simulation
+    from .state import State
+
 
 Floats = NDArray[np.float64]
 
@@ -122,23 +129,23 @@ _XY = 1
 
 
 def complex_modulus_of(
-    hessian: Hessian, frequencies: ArrayLike, friction: float
+    hessian: Hessian, frequencies: ArrayLike, drag: float
 ) -> NDArray[np.complex128]:
     """See `LinearResponse.complex_modulus`.
 
     Lines of contacts are at rest at any time: M of `Hessian` takes the place of H, B that of xi,
-    and only centers have a friction.
+    and only centers have a drag.
     """
     from scipy.sparse import diags
     from scipy.sparse.linalg import splu
 
     refuse_walls(hessian)
-    omega, friction = numbers("frequencies", frequencies), positive("friction", friction)
+    omega, drag = numbers("frequencies", frequencies), positive("drag", drag)
     if (omega < 0.0).any():
         raise ParameterError(f"frequencies must not be negative, not {shown(omega.min())}")
     coupled = hessian.by_strain[:, _XY]
     damped = np.zeros(len(coupled))
-    damped[: hessian.size] = friction
+    damped[: hessian.size] = drag
     relaxing = np.zeros(omega.shape, dtype=np.complex128)
     for place, rate in np.ndenumerate(omega):
         if rate == 0.0:
@@ -148,3 +155,42 @@ def complex_modulus_of(
             moved = splu(matrix).solve(coupled.astype(np.complex128))
         relaxing[place] = coupled @ moved
     return (hessian.strain[_XY, _XY] - relaxing) / hessian.room
+
+
+# Imbalance over a strain at which contacts still follow it: forces change by about the strain.
+_OF_STRAIN = 1e-4
+
+
+def imbalance_under(strain: float) -> float:
+    """Imbalance with which contacts follow a strain from a state to the next one."""
+    return min(USUAL, max(CLOSE, _OF_STRAIN * strain))
+
+
+# Tolerance of relaxations over the strain, and the closest one.
+_TOLERANCE_OF_STRAIN, _CLOSEST = 1e-4, 1e-11
+
+
+def tolerance_under(strain: float, most: float) -> float:
+    """Of relaxations after a strain, at most this one: forces that remain are an error of stress.
+
+    The same tolerance for a strain that is not small.
+    """
+    return min(most, max(_CLOSEST, _TOLERANCE_OF_STRAIN * strain))
+
+
+def following(sim: Simulation, packing: Packing, strain: float) -> AbstractContextManager[None]:
+    """Let contacts of a simulation of a packing follow strains as small as this one meanwhile."""
+    return balanced_to(sim, packing, imbalance_under(strain))
+
+
+def unbalanced_modulus(state: State, part: float, strain: float) -> float:
+    """Error of a modulus about, part sum |F_c| d_c / (d V strain) [energy/length^d].
+
+    Args:
+        state: with forces F_c and distances d_c of contacts, in the room V.
+        part: of the contact forces that is not balanced.
+        strain: of which the stress is measured.
+    """
+    contacts, box = state._contact_forces, state.packing.box
+    pressure = np.sum(np.abs(contacts.push) * contacts.distance) / (len(box) * np.linalg.det(box))
+    return part * float(pressure) / strain

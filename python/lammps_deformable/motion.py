@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ._checks import count, expect, number_or_nan, positive, whole, zero_or_more
+from ._checks import count, number_or_nan, positive, whole, zero_or_more
 from .box import refuse_space
 from .core import unit_vectors
 from .errors import LammpsError, ParameterError, StalledWarning
@@ -28,15 +28,14 @@ from .laws import (
     longest_step,
     squeeze_under,
 )
-from .polishing import balanced_to
-from .recording import Protocol, play
+from .recording import Protocol
+from .relax import balanced_to
 from .simulation import Simulation
 from .state import State
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
 
-    from .run import Run
 
 # The integrator of the heat bath by Gronbech-Jensen and Farago keeps positions and half-step
 # velocities of an oscillator at their temperature for any time step. Unlike fix langevin, it does
@@ -104,11 +103,11 @@ class Dynamics:
         if self.persistence is not None:
             steps.append(_PERSISTED * self.persistence)
         if self.rubbing:
-            steps.append(self.rubbing.accurate_step)
+            steps.append(self.rubbing._accurate_step)
         return min(steps)
 
     def _longest(self, state: State, drive: float, temperature: float) -> float:
-        packing, law, squeeze, _ = state.step_limits()
+        packing, law, squeeze, _ = state._step_limits()
         squeeze = max(squeeze, squeeze_under(drive, packing, law))
         if self.inertia:
             return longest_step(packing, law, squeeze, temperature)
@@ -125,16 +124,16 @@ class Dynamics:
                 f"timestep = {timestep:g} is longer than the persistence of {self.persistence:g}: "
                 "take a twentieth of it, or leave it out"
             )
-        if self.rubbing and timestep > self.rubbing.longest_step:
+        if self.rubbing and timestep > self.rubbing._longest_step:
             raise ParameterError(
                 f"timestep = {timestep:g} is too long for springs and dashpots of contacts that "
-                f"rub: take at most {self.rubbing.longest_step:.2g}, or leave it out"
+                f"rub: take at most {self.rubbing._longest_step:.2g}, or leave it out"
             )
         # without the drive: how hard it pushes is a guess
         longest = self._longest(state, 0.0, self._hot(state))
         if timestep <= longest:
             return
-        name, values = state.squeezed
+        name, values = state._squeezed
         n, temperature = int(values.argmax()), self._hot(state)
         cause = f"particle {n}, whose {name} is {values[n]:.3g}, at temperature {temperature:.3g}"
         if longest < self._longest(state, 0.0, 0.0):
@@ -332,77 +331,56 @@ _DRAG, _BORNE = 2.0, 0.02
 _OF_LONGEST, _LOOK_AT_REST = 0.5, 2000
 
 
-def run_motion(
-    sim: Any,
-    steps: int,
-    *,
-    every: int | None = None,
-    timestep: float | None = None,
-    temperature: float | None = None,
-    drag: float | None = None,
-    inertia: bool = True,
-    propulsion: float | None = None,
-    persistence: float | None = None,
-    pressure: float | None = None,
-    inertial_number: float | None = None,
-    tolerance: float | None = None,
-    balance: float | None = None,
-    seed: int | None = None,
-    **recording: Any,
-) -> Run:
-    """See `Simulation.run`."""
-    expect("sim", sim, Simulation)
-    steps = count("steps", steps)
+def _settings(sim: Any, given: Mapping[str, Any]) -> dict[str, Any]:
+    def checked(check: Callable[[str, Any], float], name: str) -> float | None:
+        """A value that is checked, if it is given."""
+        return None if given[name] is None else float(check(name, given[name]))
+
+    steps, every = count("steps", given["steps"]), given["every"]
     settings: dict[str, Any] = {
         "steps": steps,
         "every": steps if every is None else min(count("every", every), steps),
         "look": None if every is None else int(every),
-        "timestep": _given(positive, "timestep", timestep),
-        "temperature": _given(zero_or_more, "temperature", temperature),
-        "drag": _given(zero_or_more, "drag", drag),
-        "inertia": bool(inertia),
-        "balance": _given(positive, "balance", balance),
+        "timestep": checked(positive, "timestep"),
+        "temperature": checked(zero_or_more, "temperature"),
+        "drag": checked(zero_or_more, "drag"),
+        "inertia": bool(given["inertia"]),
+        "balance": checked(positive, "balance"),
     }
-    if balance is not None and not balance < 1.0:
-        raise ParameterError(f"balance must be below 1, not {balance}")
-    if pressure is None:
-        for name, value in (("inertial_number", inertial_number), ("tolerance", tolerance)):
-            if value is not None:
+    if settings["balance"] is not None and not settings["balance"] < 1.0:
+        raise ParameterError(f"balance must be below 1, not {given['balance']}")
+    if given["pressure"] is None:
+        for name in ("inertial_number", "tolerance"):
+            if given[name] is not None:
                 raise ParameterError(f"{name} has no meaning without a pressure: leave it out")
-        if propulsion is not None or persistence is not None:
-            endless = number_or_nan(persistence) == math.inf
-            settings["propulsion"] = _given(positive, "propulsion", propulsion)
-            settings["persistence"] = (
-                math.inf if endless else _given(positive, "persistence", persistence)
-            )
+        if given["propulsion"] is not None or given["persistence"] is not None:
+            endless = number_or_nan(given["persistence"]) == math.inf
+            settings["propulsion"] = checked(positive, "propulsion")
+            settings["persistence"] = math.inf if endless else checked(positive, "persistence")
     else:
-        _refuse_at_pressure(sim, temperature, inertia, propulsion, persistence)
-        settings["pressure"] = _given(positive, "pressure", pressure)
-        settings["inertial_number"] = _given(positive, "inertial_number", inertial_number) or 1e-3
-        settings["tolerance"] = _given(positive, "tolerance", tolerance) or 1e-4
+        _refuse_at_pressure(sim, given)
+        settings["pressure"] = checked(positive, "pressure")
+        settings["inertial_number"] = checked(positive, "inertial_number") or 1e-3
+        settings["tolerance"] = checked(positive, "tolerance") or 1e-4
     dynamics = _dynamics(sim, settings)
-    if temperature and not dynamics.drag and sim.lmp.get_natoms() < 2:
+    if settings["temperature"] and not dynamics.drag and sim.lmp.get_natoms() < 2:
         raise ParameterError(
             "a single particle has no temperature without a heat bath: give it a drag"
         )
-    settings["seed"] = drawn_seed(sim, seed)
-    return play(sim, "run", settings, **recording)
+    settings["seed"] = drawn_seed(sim, given["seed"])
+    return settings
 
 
-def _given(check: Callable[[str, Any], float], name: str, value: float | None) -> float | None:
-    """A value that is checked, if it is given."""
-    return None if value is None else float(check(name, value))
-
-
-def _refuse_at_pressure(sim: Any, temperature: Any, inertia: bool, *propelled: Any) -> None:
+def _refuse_at_pressure(sim: Any, given: Mapping[str, Any]) -> None:
     """Refuse what has no meaning where particles come to rest at a pressure."""
     refuse_space("run(pressure=)", sim.dimension, "take relax(pressure=), or run(drag=)")
     if sim.walls:
         raise ParameterError(
             f"walls do not follow a box that settles, and there are {len(sim.walls)}, the first a "
-            f"{sim.walls[0].kind}: run(drag=) comes to rest between walls"
+            f"{sim.walls[0]._kind}: run(drag=) comes to rest between walls"
         )
-    if temperature or not inertia or any(each is not None for each in propelled):
+    propelled = given["propulsion"] is not None or given["persistence"] is not None
+    if given["temperature"] or not given["inertia"] or propelled:
         raise ParameterError(
             "with a pressure particles come to rest by inertia and drag: leave out temperature, "
             "inertia=False, propulsion and persistence"
@@ -531,7 +509,7 @@ def _settled(
             for taken, look in _pieces(settings, done, _LOOK_AT_REST):
                 longest = dynamics.longest_step(state)
                 if sim.friction:
-                    longest = min(longest, sim.friction.longest_step)
+                    longest = min(longest, sim.friction._longest_step)
                 dt = dynamics.timestep or _OF_LONGEST * longest
                 dynamics.check(state, dt)
                 if dt > longest:
@@ -576,4 +554,4 @@ def _error_at_rest(sim: Any, state: Any, pressure: float) -> float:
     return max(abs(state.pressure / pressure - 1.0), residual)
 
 
-RUN = Protocol(_begin, _moved)
+RUN = Protocol(_settings, _begin, _moved)

@@ -13,7 +13,7 @@ from ._files import writing
 from .drawing import limited, new_figure, scale
 from .errors import ParameterError
 from .packing import Packing
-from .progress import progress
+from .ranks import progress
 from .state import State
 
 # Pictures of a square box have 461 x 403 dots, so that a few dozen take less than a megabyte.
@@ -86,16 +86,17 @@ def movie(
     for state in frames:
         expect("a state of a movie", state, State)
     own = of_dimension(frames[0].packing.dimension, spins=spins, view=view, slice=slice)
-    values = [state.values(color) for state in frames]
+    values = [state._values(color) for state in frames]
     shared = scale(values, [state.contacts["force"] for state in frames], color)
     on = limited(shared, vmin, vmax)
-    if not frames[0].root:
+    if not frames[0]._root:
         return
     figure = _new_figure(frames[0].packing)
 
     def draw(state: State) -> None:
         figure.clear()
-        state.plot(figure.subplots(), color, contacts, forces, on, cmap, label=label, **own)
+        drawn: dict[str, Any] = {"color": color, "contacts": contacts, "forces": forces, **own}
+        state.plot(figure.subplots(), scale=on, cmap=cmap, label=label, **drawn)
 
     draw(frames[0])  # or fail before the file is there
     writer = writers[name](fps=rate)

@@ -534,7 +534,7 @@ class Packing:
         Warns:
             StalledWarning: the forces are not balanced.
         """
-        from .starts import push_off
+        from .jamming import push_off
 
         return push_off(self)
 

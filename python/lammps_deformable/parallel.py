@@ -1,6 +1,6 @@
 """Independent calls over the cores of one machine, or over MPI ranks on any number of machines.
 
-And the error of what follows from several packings.
+And the error of what follows from several packings: the jackknife.
 """
 
 from __future__ import annotations
@@ -17,8 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ._checks import count, shown
 from .errors import ParameterError
-from .progress import progress
-from .ranks import agree, independent, independently, world
+from .ranks import agree, independent, independently, progress, world
 
 T = TypeVar("T")
 Item = TypeVar("Item")

@@ -81,7 +81,7 @@ def label_of(color_by: str | ArrayLike, label: str | None) -> str:
     return _LABELS.get(color_by, color_by) if isinstance(color_by, str) else ""
 
 
-# Names for colors that a message lists, beside those of `particle_values`.
+# Names for colors that a message lists, beside those of `_particle_values`.
 _NAMES = ("area_deficit", "volumes", "pressures", "rattlers", "shape_parameter")
 
 
@@ -89,7 +89,7 @@ def values_of(state: State, color_by: str | ArrayLike) -> Floats:
     """See `State.values`."""
     from .drawing import per_particle
 
-    columns = state.particle_values()
+    columns = state._particle_values()
     found: Any = color_by
     if isinstance(color_by, str):
         found = columns.get(color_by, getattr(state, color_by, None))

@@ -357,7 +357,7 @@ def draw(
     ax = new_axes(colorbar) if ax is None else ax
     expect("ax", ax, Axes)
     balls = [w for w in packing.walls if isinstance(w, Sphere) and not w.inside]
-    middles = np.array([ball.middle for ball in balls]).reshape(-1, 3)
+    middles = np.array([ball._middle for ball in balls]).reshape(-1, 3)
     bodies = _in_box(packing, np.concatenate([packing.positions, middles])) @ turn
     radius = np.append(packing.radii, [ball.radius for ball in balls])
     centers = bodies[: len(packing.positions)]

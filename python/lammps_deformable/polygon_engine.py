@@ -52,7 +52,7 @@ from .polygons import (
     refuse_start,
     undeformed,
 )
-from .progress import progress
+from .ranks import progress
 from .relax import (
     Forces,
     Minimizer,
@@ -324,10 +324,10 @@ class PolygonBeads:
                 "pressures": self.polygons.kA[kind] * deficit,
                 "n_contacts": np.bincount(table["i"], minlength=len(kind)),
             },
-            table=table,
+            _table=table,
             polygons=self.polygons,
             vertices=tuple(outlines),
-            root=sim.comm.rank == 0,
+            _root=sim.comm.rank == 0,
             time=sim.time,
             shear_strain=sim.shear_strain,
         )

@@ -1,9 +1,4 @@
-"""Flat walls around a ring of beads: a convex polygon around the origin.
-
-Settings of polygons, the deformable-polygon models that the contact laws approximate.
-
-The start of bead polygons: undeformed, separate, within walls; as a LAMMPS data file.
-"""
+"""Deformable polygons, the references of the laws: settings, start, walls around a single one."""
 
 from __future__ import annotations
 

@@ -25,7 +25,7 @@ from .engines import go_on
 from .errors import FileError, ParameterError
 from .lammps import has_commands_of_a_user
 from .laws import Droplet, Ring, Sector
-from .progress import progress
+from .ranks import progress
 
 if TYPE_CHECKING:
     from .run import Run
@@ -41,7 +41,9 @@ class Protocol(NamedTuple):
     """What a protocol does.
 
     Attributes:
-        begin: from the simulation and the settings of the call, the state before the first step,
+        check: from the simulation and the arguments of the call, the settings, what JSON can hold;
+            it raises what the method of `Simulation` says.
+        begin: from the simulation and the settings, the state before the first step,
             and what its steps must know of the start, which JSON can hold: `states` is their
             number at most.
         go: the states after the steps that remain, from simulation, settings, start, the number of
@@ -49,6 +51,7 @@ class Protocol(NamedTuple):
             start what later steps must know.
     """
 
+    check: Callable[[Any, Mapping[str, Any]], dict[str, Any]]
     begin: Callable[[Any, Mapping[str, Any]], tuple[Any, dict[str, Any]]]
     go: Callable[[Any, Mapping[str, Any], dict[str, Any], int, Any], Iterator[Any]]
 
@@ -87,38 +90,29 @@ def check_tolerance(tolerance: float | None, recorded: bool = True) -> float | N
     return float(tolerance)
 
 
-def play(
-    sim: Any,
-    name: str,
-    settings: Mapping[str, Any],
-    *,
-    record: str | Path | None = None,
-    mode: str = "x",
-    callback: Callback | None = None,
-    keep: bool = True,
-    parameters: Mapping[str, Any] | None = None,
-) -> Run:
+def play(sim: Any, name: str, given: Mapping[str, Any]) -> Run:
     """Take the steps of a protocol.
 
     Args:
         sim: a simulation; it ends in the last state.
-        name: of the protocol.
-        settings: of the call, what JSON can hold, for the protocol and for the summary.
-        record: folder of a run, made if missing; if not given states are kept in memory.
-        mode: of the folder: `x` refuses one with a run, `w` replaces it, `a` goes on behind it.
-        callback: called with the state after each step; None goes on, True ends the protocol.
-        keep: whether to keep all states; else the last one.
-        parameters: further ones for the summary.
+        name: of the protocol, a method of `Simulation`.
+        given: the arguments of the method by name. Those of all protocols are `record`, a folder or
+            None, `mode`, `callback`, `keep`, and `parameters` for the summary.
 
     Returns:
         The run, which begins with the state before the first step.
 
     Raises:
-        ParameterError: an argument is of another kind, or the callback returns something else.
+        ParameterError: an argument is out of range or of another kind.
+        TypeError: the callback returns something else than None and a bool.
         FileError: the folder cannot be taken, see `mode`, or written.
     """
     from .run import Run
 
+    protocol = protocol_of(name)
+    settings = protocol.check(sim, given)
+    record, mode, callback = given["record"], given["mode"], given["callback"]
+    keep, parameters = given["keep"], given["parameters"]
     if callback is not None and not callable(callback):
         raise ParameterError(
             "callback must be a function of a state, such as "
@@ -128,13 +122,13 @@ def play(
     check_parameters(parameters)
     _ = sim.lmp  # or say that it is closed
     folder, first, before = _taken(sim, name, record, mode)
-    state, start = protocol_of(name).begin(sim, settings)
+    state, start = protocol.begin(sim, settings)
     start = {"frame": max(first, 1)} | start
     told: dict[str, Any] = {**(parameters or {}), "protocol": name, **settings}
     if folder is not None and not has_commands_of_a_user(sim.lmp, sim._setup):
         told["start"] = start
     told |= before
-    if folder is not None and state.root:
+    if folder is not None and state._root:
         if mode == "a":
             store.keep_frames(make_folder(folder), first)
         else:
@@ -248,7 +242,7 @@ def _steps(
     with closing(source), progress(title, "state", start["states"], initial=done) as bar:
         remaining = islice(source, start["states"] - done)
         for number, state in enumerate(remaining, start=first + done):
-            if folder is not None and state.root:
+            if folder is not None and state._root:
                 _write(folder, number, state, told)
             if not keep:
                 states.clear()
@@ -259,7 +253,7 @@ def _steps(
                 break
     if "start" in told and state is not None and (taken := number + 1 - first) < start["states"]:
         told["start"] = {**told["start"], "states": taken}  # complete: nothing is to be resumed
-        if folder is not None and state.root:
+        if folder is not None and state._root:
             state._write(folder, told, frames=number + 1)
 
 
@@ -317,7 +311,7 @@ def _ends(callback: Callback | None, state: Any, comm: MPI.Comm) -> bool:
 
 def recorded_numbers(state: Any) -> dict[str, Any]:
     """The numbers of a state that are recorded, by name: a row of the series."""
-    numbers: dict[str, Any] = dict(state.numbers())
+    numbers: dict[str, Any] = dict(state._numbers())
     axes = "xyz"[: len(state.pressure_tensor)]
     for k, a in enumerate(axes):
         for n, b in enumerate(axes[k:], start=k):
@@ -329,9 +323,9 @@ def recorded_numbers(state: Any) -> dict[str, Any]:
 
 def _write(folder: Path, number: int, state: Any, parameters: Mapping[str, Any]) -> None:
     """Write a frame, and the state behind it. Only one rank calls this."""
-    made_of = store.setup(state.packing, state.law, state.friction) | store.memory(state.motion)
+    made_of = store.setup(state.packing, state.law, state.friction) | store.memory(state._motion)
     store.append_setup(folder, number, made_of)
     images = dict(zip(("ix", "iy", "iz"), state.images.T, strict=False))
-    values = images | state.particle_values()
+    values = images | state._particle_values()
     store.append_frame(folder, number, state.packing, values, recorded_numbers(state))
     state._write(folder, parameters, frames=number + 1)

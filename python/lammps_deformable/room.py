@@ -77,7 +77,7 @@ _SAME = 1e-9
 
 def closed(walls: Sequence[Wall], dimension: int = 2) -> tuple[bool, ...]:
     """Whether walls close each direction."""
-    shares = [np.abs(n) for wall in walls for n, _ in wall.half_spaces()]
+    shares = [np.abs(n) for wall in walls for n, _ in wall._half_spaces()]
     if not shares:
         return (False,) * dimension
     return tuple((np.max(shares, axis=0) > ROUNDING).tolist())
@@ -142,7 +142,7 @@ def half_spaces_between(
     walls: Sequence[Wall], box: Floats, shut: Sequence[bool], around: float = 1.0
 ) -> tuple[Floats, Floats]:
     """Unit normals, shape (n, d), and offsets, shape (n,), of walls and of periodic sides."""
-    rows = [row for wall in walls for row in wall.half_spaces(around)]
+    rows = [row for wall in walls for row in wall._half_spaces(around)]
     for n, length, end in zip(np.eye(len(box)), box.diagonal(), shut, strict=True):
         if not end:
             rows += [(n, length), (-n, 0.0)]
@@ -170,12 +170,12 @@ def check_fit(walls: Sequence[Wall], box: Floats, cutoff: float) -> None:
                         "be x, or the box not tilted"
                     )
                 continue
-            if not shut and wall.extent + cutoff > 0.5 * length:
+            if not shut and wall._extent + cutoff > 0.5 * length:
                 raise ParameterError(
-                    f"{wall.kind} {n} does not fit into the periodic box: a {around} around it and "
-                    f"the reach of particles, {wall.extent:.4g} + {cutoff:.4g}, exceed half of the "
-                    f"box along {axis}, {0.5 * length:.4g}; take a larger box, smaller obstacles, "
-                    "or a container"
+                    f"{wall._kind} {n} does not fit into the periodic box: a {around} around it "
+                    f"and the reach of particles, {wall._extent:.4g} + {cutoff:.4g}, exceed half "
+                    f"of the box along {axis}, {0.5 * length:.4g}; take a larger box, smaller "
+                    "obstacles, or a container"
                 )
 
 
@@ -196,14 +196,14 @@ def stretched(walls: Sequence[Wall], box: Floats, new: Floats) -> tuple[Wall, ..
             f"{new[at]:g}"
         )
     for n, wall in enumerate(walls, start=1):
-        axes = list(wall.round_axes)
+        axes = list(wall._round_axes)
         if axes and np.ptp(factors[axes]) > _SAME * factors[axes[0]]:
             along = " and ".join(f"{factors[k]:g} along {'xyz'[k]}" for k in axes)
             raise ParameterError(
-                f"{wall.kind} {n} must stay round: the box may be stretched by one factor only, "
+                f"{wall._kind} {n} must stay round: the box may be stretched by one factor only, "
                 f"not by {along}"
             )
-    return tuple(wall.stretched(*factors.tolist()) for wall in walls)
+    return tuple(wall._stretched(*factors.tolist()) for wall in walls)
 
 
 class Distances:
@@ -224,7 +224,7 @@ class Distances:
         self._scene: Any = kind(*sides, *tilts)
         self._count, self._columns = len(walls), dimension + 2
         for wall in walls:
-            wall.add_to(self._scene)
+            wall._add_to(self._scene)
 
     def __call__(self, positions: Floats) -> tuple[Floats, Floats]:
         """Directions to the walls and distances of these N positions.
@@ -289,12 +289,12 @@ def _cut(wall: Wall, box: Floats, height: float, shut: bool, ends: Floats) -> li
         x, y = np.subtract(wall.origin[:2], np.multiply(nz * above / square, flat)).tolist()
         return [Plane((x, y), tuple(flat))]
     if isinstance(wall, Cone):
-        half = wall.radius_at(height)
-        return [Sphere(half, tuple(wall.middle[:2]))] if half > 0.0 else None
+        half = wall._radius_at(height)
+        return [Sphere(half, tuple(wall._middle[:2]))] if half > 0.0 else None
     if not isinstance(wall, (Sphere, Cylinder)):
         raise TypeError(wall)
     if isinstance(wall, Cylinder) and wall.axis == "z":
-        return [Sphere(wall.radius, tuple(wall.middle[:2]), inside=wall.inside)]
+        return [Sphere(wall.radius, tuple(wall._middle[:2]), inside=wall.inside)]
     found: list[Wall] = []
     for x, y, z in _images(wall, box, shut):
         if (half := _half_width(wall, z, height)) == 0.0:
@@ -324,9 +324,9 @@ def _half_width(wall: Sphere | Cylinder, z: float, height: float) -> float:
 def _images(wall: Sphere | Cylinder, box: Floats, shut: bool) -> list[list[float]]:
     """Centers of a round wall, of an obstacle with those of its images along z."""
     if shut or wall.inside:
-        return [wall.middle.tolist()]
-    cell = float(np.floor(fractional(wall.middle, box)[2]))
-    return [(wall.middle + (step - cell) * box[2]).tolist() for step in (-1, 0, 1)]
+        return [wall._middle.tolist()]
+    cell = float(np.floor(fractional(wall._middle, box)[2]))
+    return [(wall._middle + (step - cell) * box[2]).tolist() for step in (-1, 0, 1)]
 
 
 def volume_of(walls: Sequence[Wall], box: Floats, area: Area) -> float:
@@ -369,7 +369,7 @@ def _is_apart(ball: Sphere, walls: Sequence[Wall], box: Floats) -> bool:
     if (widths(box)[periodic] < 2.0 * ball.radius).any():
         return False
     others = [wall for wall in walls if wall is not ball]
-    _, distance = Distances(others, box)(ball.middle[None])
+    _, distance = Distances(others, box)(ball._middle[None])
     return bool((distance >= ball.radius).all())
 
 
@@ -397,7 +397,7 @@ def _levels(walls: Sequence[Wall], box: Floats) -> list[float]:
             spheres += [(center, wall.radius) for center in _images(wall, box, shut[2])]
     for n, (center, radius) in enumerate(spheres):
         found += [center[2] - radius, center[2] + radius]
-        cuts = [plane.half_spaces()[0] for plane in planes]
+        cuts = [plane._half_spaces()[0] for plane in planes]
         cuts += [_radical(center, radius, *other) for other in spheres[:n]]
         for normal, offset in cuts:
             away = offset - float(normal @ center)
@@ -452,7 +452,7 @@ def obstacles(walls: Sequence[Wall], box: Floats) -> list[Any]:
         if wall.inside:
             continue
         own = _hull(wall.corners) if isinstance(wall, (Segment, PolygonWall)) else _round(wall)
-        cell = np.where(closed(walls), 0.0, np.floor(fractional(wall.middle, box)))
+        cell = np.where(closed(walls), 0.0, np.floor(fractional(wall._middle, box)))
         solid.append(translate(own, *-cartesian(cell, box)) if cell.any() else own)
     return [translate(shape, *shift) for shape in solid for shift in shifts]
 
@@ -469,7 +469,7 @@ def _round(wall: Any) -> Any:
 
     angle = np.pi / (2.0 * _QUARTER)
     larger = wall.radius * np.sqrt(angle / np.sin(angle))
-    return shapely.Point(wall.middle).buffer(larger, quad_segs=_QUARTER)
+    return shapely.Point(wall._middle).buffer(larger, quad_segs=_QUARTER)
 
 
 def free_room(walls: Sequence[Wall], box: Floats) -> float:
@@ -489,7 +489,7 @@ def free_room(walls: Sequence[Wall], box: Floats) -> float:
         with np.errstate(all="ignore"):  # of numbers so large that areas overflow
             free = _area(walls, box) if len(box) == 2 else volume_of(walls, box, _area)
     except (shapely.errors.GEOSException, OverflowError):
-        largest = max(abs(value) for wall in walls for value in wall.values)
+        largest = max(abs(value) for wall in walls for value in wall._values)
         raise ParameterError(
             f"walls are too large to compute the {what} between them: one has the value {largest:g}"
         ) from None
@@ -517,7 +517,8 @@ def check_centers(walls: Sequence[Wall], box: Floats, positions: Floats) -> None
             k = int(wrong[0])
             where = "outside of" if wall.inside else "within"
             raise ParameterError(
-                f"the center of particle {k}, {positions[k].tolist()}, is {where} {wall.kind} {n}: "
+                f"the center of particle {k}, {positions[k].tolist()}, is {where} {wall._kind} "
+                f"{n}: "
                 "`Packing.between` puts particles between walls"
             )
 
@@ -569,7 +570,7 @@ def _edges(walls: Sequence[Wall], box: Floats) -> list[Floats]:
         pairs = combinations(ends, 2)
         return [np.stack(both) @ box for both in pairs if np.abs(np.subtract(*both)).sum() == 1.0]
     corners = corners_between(walls, box)
-    flat = [wall for wall in walls if not wall.round_axes]
+    flat = [wall for wall in walls if not wall._round_axes]
     normals, offsets = half_spaces_between(flat, box, closed(walls, 3))
     if not len(normals):
         return []
@@ -586,7 +587,7 @@ def _edges(walls: Sequence[Wall], box: Floats) -> list[Floats]:
 def _outline(wall: Wall, walls: Sequence[Wall], box: Floats, viewer: Floats) -> list[Floats]:
     """Of a round wall, as the viewer sees it, as far as it is in the room."""
     if isinstance(wall, Sphere) and wall.inside:
-        lines = [wall.middle + wall.radius * _circle(viewer)]
+        lines = [wall._middle + wall.radius * _circle(viewer)]
     elif isinstance(wall, (Cylinder, Cone)):
         lines = _around_axis(wall, walls, box, viewer)
     else:
@@ -599,13 +600,13 @@ def _around_axis(
     wall: Cylinder | Cone, walls: Sequence[Wall], box: Floats, viewer: Floats
 ) -> list[Floats]:
     """Rims at the ends of the room, and both sides where the viewer sees it end."""
-    axis, middle = np.array(wall.direction), wall.middle
+    axis, middle = np.array(wall._direction), wall._middle
     if not wall.inside:  # the image in the box
         cell = np.where(closed(walls, 3), 0.0, np.floor(fractional(middle, box)))
         middle = middle - cell @ box
     ends = [middle + axis * (end - middle) for end in bounds(walls, box)]
     if isinstance(wall, Cone):
-        slope, radii = wall.slope, [wall.radius_at(float(end[2])) for end in ends]
+        slope, radii = wall._slope, [wall._radius_at(float(end[2])) for end in ends]
     else:
         slope, radii = 0.0, [wall.radius] * 2
     lines = [end + radius * _circle(axis) for end, radius in zip(ends, radii, strict=True)]

@@ -11,8 +11,6 @@
 `State.save` writes the first four, a protocol with `record` all of them while it goes on. It may be
 interrupted at any moment: the packing is written last and atomically, with the number of recorded
 frames. Frames beyond it are removed when the run goes on.
-
-Also: particles in the dump of another program.
 """
 
 from __future__ import annotations
@@ -28,28 +26,25 @@ import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from . import potentials, recording, store
+from . import recording, store
 from ._checks import expect, shown
 from ._files import from_json, reading, refuse_present, replaces, write_whole
 from .engines import go_on
 from .errors import FileError, ParameterError, StalledWarning
-from .files import UNTYPED, read_particles
 from .lammps import communicator
-from .laws import ALL_LAWS, AnyLaw, Droplet, Ring
+from .laws import AnyLaw, Droplet
 from .packing import Packing
 from .ranks import world
 from .recording import recorded_numbers
 from .shapes import collection
 from .shearing import DynamicModulus, harmonic
 from .simulation import Simulation
-from .species import read_species, species_names
 from .state import COLUMNS, State
 from .store import (
     SERIES,
     SUMMARY,
     TRAJECTORY,
     columns_in,
-    holds,
     read,
     read_motion,
     read_setup,
@@ -93,109 +88,13 @@ def export(run: Run, path: str | Path, forces: bool = False, mode: str = "x") ->
         expect("a state that is exported", state, State)
         names.append(f"{path.stem}_{number:04d}.vtp")
         times.append(state.time)
-        if state.root and number == 0:
+        if state._root and number == 0:
             refuse_present(path, replaces(mode))
         state.export(path.with_name(names[-1]), forces, mode)
-        if state.root:
+        if state._root:
             write_whole(path, collection(names, times))
     if not names:
         raise ParameterError("a series of shapes needs at least one state")
-
-
-# The law of files that do not tell.
-_UNTOLD = "balanced"
-
-
-def state_in_file(
-    path: str | Path,
-    species: str | Path,
-    law: str | None = None,
-    types: Sequence[str] | None = None,
-    frame: int = -1,
-    radii: str | None = None,
-) -> State:
-    """The state of particles whose centers are in a file: outlines, energy, stress, contacts.
-
-        ld.state_in_file("shapes.dump", "mixture.deformable").export("shapes.vtp")
-
-    Positions are those of the file; nothing moves. They must be periodic and, but for droplets, of
-    one plane.
-    Velocities are left out. Particles with an adhesion stick where their circles overlap. A file
-    does not tell of the stiffnesses of single particles, *kA atom*: they are those of the species.
-
-    Args:
-        path: a LAMMPS dump, or what else `Packing.from_file` reads.
-        species: the species file of pair_coeff, or the name of one that comes with the package.
-        law: `balanced`, `curved`, `radical`, `sector` or, in three dimensions, `droplet`. If not
-            given that of the run in whose folder the file is, or the species file; LAMMPS' own
-            files do not tell, and have `balanced`, the default of the pair style.
-        types: names of species, one for each atom type, as in pair_coeff; by default those of the
-            file in their order.
-        frame: number of the frame, from 0, or from the end if negative.
-        radii: name of a column with the radius of each particle, as with `radius atom`; by default
-            the radii are those of the species.
-
-    Raises:
-        FileError: a file cannot be read.
-        ParameterError: an argument is out of range, or there are more atom types than species.
-        LammpsError: LAMMPS refuses the species, or the packing: contacts leave no room, say.
-    """
-    expect("path", path, str, Path)
-    expect("species", species, str, Path)
-    expect("radii", radii, str, type(None))
-    told = law_of_run(path, species, frame) if law is None else None
-    law = law or (told.name if told else _UNTOLD)
-    if law not in ALL_LAWS:
-        raise ParameterError(f"law must be {', '.join(ALL_LAWS)}, not {law}")
-    file = Path(species)
-    if not file.exists() and (potentials / file).exists():
-        file = potentials / file
-    if not file.exists():
-        raise FileError(f"there is no species file '{species}'")
-    names = list(species_names(file) if types is None else types)
-    own, dimension = 1.0 if radii is None else radii, ALL_LAWS[law].dimension
-    packing = Packing.from_file(path, radii=own, frame=frame, dimension=dimension)
-    number = len(packing._species_radii)
-    if number > len(names):
-        raise ParameterError(
-            f"'{path}' has particles of type {number}, but the species of {len(names)} types are "
-            f"named: {', '.join(names)}"
-        )
-    if number == 1 < len(names) and not read_particles(Path(path), frame).typed:
-        raise FileError(f"'{path}': {UNTYPED}, or the one species of all, such as {names[0]}")
-    sizes, chosen = read_species(file, names[:number], law)
-    if isinstance(told, (Ring, Droplet)):  # no species file has the reach
-        reach: dict[str, Any] = {"reach": told.reach}
-        chosen = replace(chosen, **reach)
-    if radii is None:
-        packing = Packing._of_species(packing.positions, packing.species, sizes, packing.box)
-    with Simulation(packing, chosen, comm=MPI.COMM_SELF) as sim:
-        return sim.state()
-
-
-def law_of_run(path: str | Path, species: str | Path, frame: int) -> AnyLaw | None:
-    """The law of the run to which the file of particles or the species file belongs, if any.
-
-    Args:
-        path: of the particles.
-        species: of the species file.
-        frame: number of the frame: laws may change in a run.
-
-    Raises:
-        FileError: the run is damaged.
-    """
-    for file in (Path(path), Path(species)):
-        if not (file.exists() and (file.parent / SUMMARY).exists()):
-            continue
-        if holds(folder := file.parent) != "compression":
-            continue
-        saved = summary_in(folder)
-        if file.name == TRAJECTORY:
-            number = frame if frame >= 0 else store.frames_in(folder) + frame
-            saved = store.setup_of(store.setups_in(folder), max(number, 0))
-        with reading(folder / SUMMARY):
-            return read_setup(saved).law
-    return None
 
 
 class Table(dict[str, NDArray[Any]]):
@@ -245,7 +144,7 @@ def _recorded_state(
         "velocities": motion.velocities,
         "time": motion.time,
         "shear_strain": motion.strain,
-        "root": world().rank == 0,
+        "_root": world().rank == 0,
         "images": motion.images,
         "energy": float(row["energy"]),
         "residual": float(row["residual"]),
@@ -258,7 +157,7 @@ def _recorded_state(
     }
     evaluate = partial(_evaluated, packing, law, friction, motion)
     if friction is None:
-        return State(packing, law, **known, evaluate=evaluate)
+        return State(packing, law, **known, _evaluate=evaluate)
     return replace(evaluate(), **known)  # forces along contacts are not in the frame
 
 
@@ -561,6 +460,55 @@ class Run(Sequence[Any]):
             ParameterError: a lag is out of range, or times are not equally far apart.
         """
         return mean_squared_displacement(self, lags)
+
+    def radial_distribution(
+        self, bins: int, r_max: float
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """The mean of `State.radial_distribution` over the states.
+
+        Args:
+            bins: number of intervals of the distance.
+            r_max: largest distance [length].
+
+        Returns:
+            Distances r [length], and the mean of g(r), both of shape (bins,).
+
+        Raises:
+            ParameterError: a value is out of range, or there are no states.
+            ImportError: freud is missing (`pip install 'lammps-deformable[freud]'`).
+        """
+        return self._mean(lambda state: state.radial_distribution(bins, r_max))
+
+    def structure_factor(
+        self, bins: int, k_max: float
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """The mean of `State.structure_factor` over the states.
+
+        Args:
+            bins: number of intervals of the wave number.
+            k_max: largest wave number [1/length].
+
+        Returns:
+            Wave numbers k [1/length], and the mean of S(k) over the states whose boxes have wave
+            vectors there, both of shape (bins,).
+
+        Raises:
+            ParameterError: a value is out of range, or walls close a direction, or there are no
+                states.
+        """
+        return self._mean(lambda state: state.structure_factor(bins, k_max))
+
+    def _mean(
+        self, function: Callable[[Any], tuple[NDArray[np.float64], NDArray[np.float64]]]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Abscissae, and the mean of the values that are no nan."""
+        found = [function(state) for state in self]
+        if not found:
+            raise ParameterError("there are no states to average over")
+        values = np.array([each for _, each in found])
+        with np.errstate(invalid="ignore"):  # nan where no state has a value
+            mean = np.nansum(values, axis=0) / np.sum(~np.isnan(values), axis=0)
+        return found[0][0], mean
 
     def complex_modulus(self, skip: int = 1) -> DynamicModulus:
         """G' and G'' of a run of `oscillate`, from the first harmonic of the stress.

@@ -59,7 +59,7 @@ class SecondaryOutlines:
 
 def resolve_secondary(state: State, iterations: int) -> SecondaryOutlines:
     """See `State.resolve_secondary`."""
-    if not (isinstance(state.law, Sector) and state.law.kernel == "sector"):
+    if not (isinstance(state.law, Sector) and state.law._kernel == "sector"):
         raise ParameterError(
             "secondary contacts need the sector law at constant perimeter, Sector(kA=...), not "
             f"{state.law}"

@@ -1,10 +1,6 @@
-"""Files of VTK, which ParaView and OVITO read: polygons or lines with values, and series of them.
+"""Outlines and contacts with their values, for other programs: VTK and GeoJSON, pandas, MDAnalysis.
 
-Source: VTK's XML formats, docs.vtk.org; binary data inline, which OVITO reads too.
-
-Outlines and contacts of a packing, with their values: VTK (ParaView, OVITO) and GeoJSON.
-
-States for other programs: MDAnalysis, pandas, ParaView, OVITO.
+Source: VTK's XML formats, docs.vtk.org; binary data inline, which ParaView and OVITO read.
 """
 
 from __future__ import annotations
@@ -179,7 +175,7 @@ def to_mdanalysis(state: State) -> Universe:
     universe = state.packing.to_mdanalysis()
     frame = universe.trajectory.ts
     frame.velocities = in_space(state.velocities)
-    frame.data.update(state.particle_values())
+    frame.data.update(state._particle_values())
     return universe
 
 
@@ -205,7 +201,7 @@ def to_pandas(state: State, table: str) -> Any:
 def _values(state: State) -> dict[str, NDArray[Any]]:
     """Values of the particles by name: those of a trajectory, and what follows from them."""
     more = ("area_deficit", "shape_parameter") if state.packing.dimension == 2 else ()
-    return state.particle_values() | {
+    return state._particle_values() | {
         name: getattr(state, name) for name in more if hasattr(state, name)
     }
 
@@ -214,7 +210,7 @@ def export(state: State, path: str | Path, forces: bool, mode: str) -> None:
     """See `State.export`."""
     expect("path", path, str, Path)
     expect("forces", forces, bool)
-    if not state.root:
+    if not state._root:
         return
     refuse_present(Path(path), replaces(mode))
     packing = state.packing

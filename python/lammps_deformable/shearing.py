@@ -15,10 +15,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ._checks import count, expect, finite, number_or_nan, positive, whole
+from ._checks import count, finite, number_or_nan, positive, whole
 from .errors import ParameterError
 from .lammps import images_of, place_images, run
 from .laws import Droplet, Ring, Sector
+from .moduli import (
+    following,
+    imbalance_under,
+    tolerance_under,
+    unbalanced_modulus,
+)
 from .motion import (
     Dynamics,
     advance,
@@ -29,16 +35,9 @@ from .motion import (
     seeds,
     steps_so_far,
 )
-from .polishing import balanced_to
-from .recording import Protocol, check_tolerance, play
-from .relax import TOLERANCE
+from .recording import Protocol, check_tolerance
+from .relax import TOLERANCE, balanced_to
 from .simulation import Simulation
-from .small_strains import (
-    following,
-    imbalance_under,
-    tolerance_under,
-    unbalanced_modulus,
-)
 
 if TYPE_CHECKING:
     from .run import Run
@@ -102,21 +101,27 @@ def _flowing(sim: Simulation, settings: Mapping[str, Any]) -> Dynamics:
     return dynamics_of(sim, settings["temperature"], settings["drag"], False, settings["timestep"])
 
 
-def _of_flow(sim: Any, seed: int | None, **values: float | None) -> dict[str, Any]:
+_OF_FLOW = ("drag", "temperature", "timestep")
+
+
+def _flow_settings(sim: Any, given: Mapping[str, Any]) -> dict[str, Any]:
     """The settings of a flow as numbers of Python, with its seed."""
-    given = {name: None if value is None else float(value) for name, value in values.items()}
-    _flowing(sim, values)
-    return given | {"seed": drawn_seed(sim, seed)}
+    values = {name: given[name] for name in _OF_FLOW}
+    _flowing(sim, values | {"tolerance": given.get("tolerance")})
+    return {
+        **{name: None if value is None else float(value) for name, value in values.items()},
+        "seed": drawn_seed(sim, given["seed"]),
+    }
 
 
-def refuse_without_flow(name: str, **given: object) -> None:
+def refuse_without_flow(name: str, given: Mapping[str, Any]) -> None:
     """Refuse what belongs to a flow, where the value of this name that makes one is missing.
 
     Raises:
         ParameterError: some of it is given.
     """
-    for other, value in given.items():
-        if value is not None:
+    for other in (*_OF_FLOW, "seed"):
+        if given[other] is not None:
             raise ParameterError(
                 f"{other} has no meaning without a {name}, where each state is relaxed: give a "
                 f"{name}, or leave it out"
@@ -213,31 +218,15 @@ def _strain_since(sim: Any, tilt: float) -> float:
     return float(widths - round(widths)) * lx / ly
 
 
-def shear(
-    sim: Any,
-    strain: float,
-    *,
-    steps: int = 1,
-    rate: float | None = None,
-    drag: float | None = None,
-    temperature: float | None = None,
-    timestep: float | None = None,
-    tolerance: float | None = None,
-    seed: int | None = None,
-    **recording: Any,
-) -> Run:
-    """See `Simulation.shear`."""
-    expect("sim", sim, Simulation)
-    check_shear(sim, strain, steps)
-    settings: dict[str, Any] = {"strain": float(strain), "steps": int(steps)}
-    flowing = {"drag": drag, "temperature": temperature, "timestep": timestep}
-    if rate is None:
-        refuse_without_flow("rate", **flowing, seed=seed)
-        settings["tolerance"] = check_tolerance(tolerance, recording.get("record") is not None)
-    else:
-        settings["rate"] = float(positive("rate", rate))
-        settings |= _of_flow(sim, seed, **flowing, tolerance=tolerance)
-    return play(sim, "shear", settings, **recording)
+def _shear_settings(sim: Any, given: Mapping[str, Any]) -> dict[str, Any]:
+    check_shear(sim, given["strain"], given["steps"])
+    settings: dict[str, Any] = {"strain": float(given["strain"]), "steps": int(given["steps"])}
+    if given["rate"] is None:
+        refuse_without_flow("rate", given)
+        recorded = given["record"] is not None
+        return settings | {"tolerance": check_tolerance(given["tolerance"], recorded)}
+    rate = float(positive("rate", given["rate"]))
+    return settings | {"rate": rate} | _flow_settings(sim, given)
 
 
 def _begin(sim: Any, states: int) -> tuple[Any, dict[str, Any]]:
@@ -265,7 +254,9 @@ def _sheared_states(
     )
 
 
-SHEAR = Protocol(lambda sim, settings: _begin(sim, settings["steps"]), _sheared_states)
+SHEAR = Protocol(
+    _shear_settings, lambda sim, settings: _begin(sim, settings["steps"]), _sheared_states
+)
 
 
 def check_shear(sim: Any, strain: float, steps: int) -> None:
@@ -285,7 +276,7 @@ def refuse_walls(sim: Any) -> None:
     if sim.walls:
         raise ParameterError(
             f"walls are not sheared, and this simulation has {len(sim.walls)}, the first a "
-            f"{sim.walls[0].kind}: shear needs a periodic box without walls"
+            f"{sim.walls[0]._kind}: shear needs a periodic box without walls"
         )
 
 
@@ -313,40 +304,20 @@ variable deformable_rate_z equal {part!r}*v_deformable_rate
 """
 
 
-def oscillate(
-    sim: Any,
-    amplitude: float,
-    *,
-    period: float,
-    cycles: int = 1,
-    steps: int = 40,
-    drag: float | None = None,
-    temperature: float | None = None,
-    timestep: float | None = None,
-    tolerance: float | None = None,
-    seed: int | None = None,
-    **recording: Any,
-) -> Run:
-    """See `Simulation.oscillate`."""
-    expect("sim", sim, Simulation)
-    amplitude = float(positive("amplitude", amplitude))
-    check_shear(sim, amplitude, count("steps", steps))
+def _oscillate_settings(sim: Any, given: Mapping[str, Any]) -> dict[str, Any]:
+    amplitude = float(positive("amplitude", given["amplitude"]))
+    steps, period = count("steps", given["steps"]), given["period"]
+    check_shear(sim, amplitude, steps)
     if steps < _FEWEST:
         raise ParameterError(f"steps must be at least {_FEWEST} in a cycle, not {steps}")
-    settings: dict[str, Any] = {"amplitude": amplitude, "steps": int(steps)}
-    settings["cycles"] = count("cycles", cycles)
-    flowing = {"drag": drag, "temperature": temperature, "timestep": timestep}
+    settings: dict[str, Any] = {"amplitude": amplitude, "steps": steps}
+    settings["cycles"] = count("cycles", given["cycles"])
     if number_or_nan(period) == math.inf:
-        refuse_without_flow("period", **flowing, seed=seed)
+        refuse_without_flow("period", given)
+        tolerance, recorded = given["tolerance"], given["record"] is not None
         tolerance = tolerance_under(amplitude, TOLERANCE) if tolerance is None else tolerance
-        settings |= {
-            "period": math.inf,
-            "tolerance": check_tolerance(tolerance, recording.get("record") is not None),
-        }
-    else:
-        settings["period"] = float(positive("period", period))
-        settings |= _of_flow(sim, seed, **flowing, tolerance=tolerance)
-    return play(sim, "oscillate", settings, **recording)
+        return settings | {"period": math.inf, "tolerance": check_tolerance(tolerance, recorded)}
+    return settings | {"period": float(positive("period", period))} | _flow_settings(sim, given)
 
 
 def _oscillated(
@@ -373,7 +344,9 @@ def _oscillated(
 
 
 OSCILLATE = Protocol(
-    lambda sim, settings: _begin(sim, settings["steps"] * settings["cycles"]), _oscillated
+    _oscillate_settings,
+    lambda sim, settings: _begin(sim, settings["steps"] * settings["cycles"]),
+    _oscillated,
 )
 
 
@@ -471,35 +444,20 @@ fix_modify deformable_flow press deformable_virial
 """
 
 
-def creep(
-    sim: Any,
-    shear_stress: float,
-    *,
-    time: float,
-    steps: int = 1,
-    drag: float | None = None,
-    viscosity: float | None = None,
-    temperature: float | None = None,
-    timestep: float | None = None,
-    seed: int | None = None,
-    **recording: Any,
-) -> Run:
-    """See `Simulation.creep`."""
-    expect("sim", sim, Simulation)
+def _creep_settings(sim: Any, given: Mapping[str, Any]) -> dict[str, Any]:
     refuse_walls(sim)
     if leans(sim):
         raise ParameterError(
             f"a box that leans along y, by yz = {leans(sim):.4g}, does not creep: take one without "
             "that tilt, or shear it at a rate"
         )
-    settings: dict[str, Any] = {
-        "shear_stress": float(finite("shear_stress", shear_stress)),
-        "time": float(positive("time", time)),
-        "steps": count("steps", steps),
+    viscosity = given["viscosity"]
+    return {
+        "shear_stress": float(finite("shear_stress", given["shear_stress"])),
+        "time": float(positive("time", given["time"])),
+        "steps": count("steps", given["steps"]),
         "viscosity": None if viscosity is None else float(positive("viscosity", viscosity)),
-    }
-    settings |= _of_flow(sim, seed, drag=drag, temperature=temperature, timestep=timestep)
-    return play(sim, "creep", settings, **recording)
+    } | _flow_settings(sim, given)
 
 
 def _begin_creep(sim: Any, settings: Mapping[str, Any]) -> tuple[Any, dict[str, Any]]:
@@ -542,4 +500,4 @@ def _crept(
     )
 
 
-CREEP = Protocol(_begin_creep, _crept)
+CREEP = Protocol(_creep_settings, _begin_creep, _crept)

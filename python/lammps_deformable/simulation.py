@@ -23,17 +23,21 @@ from .friction import Friction
 from .lammps import box_change, close_lammps, communicator, refuse_forces_of_motion, run, setup
 from .laws import AnyLaw, Droplet, Ring, Sector, SoftContact, sticks
 from .packing import Packing
-from .polishing import USUAL, can_polish, fire_reaches, polish
 from .polygon_engine import PolygonBeads
 from .polygons import DeformablePolygon, Walls
 from .ranks import OneCall
+from .recording import play
 from .relax import (
+    USUAL,
     Callback,
     Forces,
     Iteration,
+    can_polish,
     carry,
     check_callback,
+    fire_reaches,
     minimize_until_relaxed,
+    polish,
     rest,
     stress,
     tell,
@@ -275,10 +279,10 @@ class Simulation(OneCall):
         if state is not None:
             carry(self.lmp, state, np.linalg.inv(former) @ box)
 
-    def confine(self, walls: Walls) -> None:
+    def _confine(self, walls: Walls) -> None:
         """Move the walls around a single polygon, see `PolygonBeads.confine`."""
         if not isinstance(self._engine, PolygonBeads):
-            raise ParameterError("confine moves the walls of a single polygon only: take deform")
+            raise ParameterError("_confine moves the walls of a single polygon only: take deform")
         self._engine.confine(self, walls)
 
     def compress(
@@ -336,14 +340,7 @@ class Simulation(OneCall):
         Warns:
             UnjammedWarning: an expansion has taken the packing apart.
         """
-        from .compression import compress
-
-        words: dict[str, Any] = {
-            **{"record": record, "mode": mode, "callback": callback, "keep": keep},
-            "parameters": parameters,
-        }
-        targets = {"strain": strain, "phi": phi, "pressure": pressure}
-        return compress(self, **targets, steps=steps, tolerance=tolerance, **words)
+        return play(self, "compress", locals())
 
     def grow(
         self,
@@ -382,13 +379,7 @@ class Simulation(OneCall):
             ParameterError: a value is out of range, or a target cannot be reached.
             FileError: see `compress`.
         """
-        from .compression import grow
-
-        words: dict[str, Any] = {
-            **{"record": record, "mode": mode, "callback": callback, "keep": keep},
-            "parameters": parameters,
-        }
-        return grow(self, factor=factor, phi=phi, steps=steps, tolerance=tolerance, **words)
+        return play(self, "grow", locals())
 
     def shear(
         self,
@@ -449,14 +440,7 @@ class Simulation(OneCall):
 
         Source: drag: Durian, Phys. Rev. Lett. 75, 4780 (1995).
         """
-        from .shearing import shear
-
-        words: dict[str, Any] = {
-            **{"record": record, "mode": mode, "callback": callback, "keep": keep},
-            "parameters": parameters,
-        }
-        words |= {"drag": drag, "temperature": temperature, "timestep": timestep, "seed": seed}
-        return shear(self, strain, steps=steps, rate=rate, tolerance=tolerance, **words)
+        return play(self, "shear", locals())
 
     def oscillate(
         self,
@@ -510,15 +494,7 @@ class Simulation(OneCall):
             LammpsError: see `shear`.
             FileError: see `compress`.
         """
-        from .shearing import oscillate
-
-        words: dict[str, Any] = {
-            **{"record": record, "mode": mode, "callback": callback, "keep": keep},
-            "parameters": parameters,
-        }
-        words |= {"drag": drag, "temperature": temperature, "timestep": timestep, "seed": seed}
-        words |= {"period": period, "cycles": cycles, "steps": steps, "tolerance": tolerance}
-        return oscillate(self, amplitude, **words)
+        return play(self, "oscillate", locals())
 
     def creep(
         self,
@@ -573,14 +549,7 @@ class Simulation(OneCall):
             LammpsError: see `run`.
             FileError: see `compress`.
         """
-        from .shearing import creep
-
-        words: dict[str, Any] = {
-            **{"record": record, "mode": mode, "callback": callback, "keep": keep},
-            "parameters": parameters,
-        }
-        words |= {"drag": drag, "temperature": temperature, "timestep": timestep, "seed": seed}
-        return creep(self, shear_stress, time=time, steps=steps, viscosity=viscosity, **words)
+        return play(self, "creep", locals())
 
     def run(
         self,
@@ -694,29 +663,7 @@ class Simulation(OneCall):
         76, 637 (1982); damped motion at a pressure: Somfai et al., Phys. Rev. E 75, 020301 (2007);
         inertial number: GDR MiDi, Eur. Phys. J. E 14, 341 (2004).
         """
-        from .motion import run_motion
-
-        words: dict[str, Any] = {
-            **{"record": record, "mode": mode, "callback": callback, "keep": keep},
-            "parameters": parameters,
-        }
-        return run_motion(
-            self,
-            steps,
-            every=every,
-            timestep=timestep,
-            temperature=temperature,
-            drag=drag,
-            inertia=inertia,
-            propulsion=propulsion,
-            persistence=persistence,
-            pressure=pressure,
-            inertial_number=inertial_number,
-            tolerance=tolerance,
-            balance=balance,
-            seed=seed,
-            **words,
-        )
+        return play(self, "run", locals())
 
     def state(self) -> State:
         """The present state, not relaxed."""
@@ -879,7 +826,7 @@ def _motion(state: State | None, packing: Packing, law: Any) -> Motion:
     """What goes on of a state, at rest without one; films only where the law has some."""
     if state is None:
         return Motion(np.zeros_like(packing.positions))
-    motion = state.motion
+    motion = state._motion
     if type(law) is not type(state.law) and not sticks(law, packing.walls):
         motion = motion._replace(films=None)
     return motion

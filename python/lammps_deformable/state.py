@@ -8,7 +8,7 @@ tells what has it.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -20,9 +20,11 @@ from numpy.typing import ArrayLike, NDArray
 from . import analysis, contacts, shapes, tracking
 from ._checks import count, numbers, positive, shown
 from ._files import check_parameters, replaces
+from .analysis import Cells, cells_of, space_cells_of
 from .contacts import ContactForces, ContactTable
 from .errors import ParameterError, UndefinedError, UnsavedWarning
 from .friction import Friction, Rubbing, spin_column
+from .hessian import at_rest, hessian_of
 from .laws import (
     AnyLaw,
     Droplet,
@@ -32,11 +34,9 @@ from .laws import (
     accurate_step,
     filled_area,
 )
-from .response import at_rest, hessian_of
 from .room import free_room
 from .store import TEMPERATURE, Motion, as_columns, drop_frames, frames_in, refuse_run, save
 from .versions import optional
-from .voronoi import Cells, cells_of, space_cells_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -179,7 +179,7 @@ class State:
     converged: bool
     results: Mapping[str, NDArray[Any]] = field(default_factory=dict)
     velocities: Floats = field(default_factory=_unknown)
-    root: bool = True
+    _root: bool = True
     time: float = 0.0
     shear_strain: float | None = None
     beyond: int = 0
@@ -190,17 +190,17 @@ class State:
     friction: Friction | None = None
     rubbing: Rubbing | None = None
     unsaved: str = ""
-    table: ContactTable | None = None
+    _table: ContactTable | None = None
     polygons: Any = None
     vertices: tuple[Floats, ...] = ()
     images: NDArray[np.int64] | None = None
-    evaluate: Callable[[], State] | None = None
+    _evaluate: Callable[[], State] | None = None
 
     def __post_init__(self) -> None:
         packing = self.packing
         if self.velocities is None:
             object.__setattr__(self, "velocities", np.zeros_like(packing.positions))
-        if self.wall_forces is None and self.evaluate and packing.walls:
+        if self.wall_forces is None and self._evaluate and packing.walls:
             object.__delattr__(self, "wall_forces")  # evaluated when it is asked for
         elif self.wall_forces is None:
             none = np.zeros((len(packing.walls), packing.dimension))
@@ -209,6 +209,47 @@ class State:
         for array in (*arrays, *self.vertices):
             if isinstance(array, np.ndarray):
                 array.setflags(write=False)
+
+    @classmethod
+    def from_file(
+        cls,
+        path: str | Path,
+        species: str | Path,
+        *,
+        law: str | None = None,
+        types: Sequence[str] | None = None,
+        frame: int = -1,
+        radii: str | None = None,
+    ) -> State:
+        """The state of particles whose centers are in a file: outlines, energy, stress, contacts.
+
+            ld.State.from_file("shapes.dump", "mixture.deformable").export("shapes.vtp")
+
+        Positions are those of the file; nothing moves. They must be periodic and, but for droplets,
+        of one plane. Velocities are left out. Particles with an adhesion stick where their circles
+        overlap. A file does not tell of the stiffnesses of single particles, *kA atom*: they are
+        those of the species.
+
+        Args:
+            path: a LAMMPS dump, or what else `Packing.from_file` reads.
+            species: the species file of pair_coeff, or the name of one that comes with the package.
+            law: `balanced`, `curved`, `radical`, `sector` or, in three dimensions, `droplet`. If
+                not given that of the run in whose folder the file is, or the species file; LAMMPS'
+                own files do not tell, and have `balanced`, the default of the pair style.
+            types: names of species, one for each atom type, as in pair_coeff; by default those of
+                the file in their order.
+            frame: number of the frame, from 0, or from the end if negative.
+            radii: name of a column with the radius of each particle, as with `radius atom`; by
+                default the radii are those of the species.
+
+        Raises:
+            FileError: a file cannot be read.
+            ParameterError: an argument is out of range, or there are more atom types than species.
+            LammpsError: LAMMPS refuses the species, or the packing: contacts leave no room, say.
+        """
+        from .dumps import state_in_file
+
+        return state_in_file(path, species, law, types, frame, radii)
 
     def __repr__(self) -> str:
         return (
@@ -220,7 +261,7 @@ class State:
         results = self.__dict__.get("results", {})
         if name in results and name != "area":
             return results[name]
-        if name == "wall_forces" and self.__dict__.get("evaluate"):
+        if name == "wall_forces" and self.__dict__.get("_evaluate"):
             return self._again.wall_forces
         # of methods and properties that this state does not have, for their own words
         own: Any = vars(type(self)).get(name)
@@ -258,6 +299,35 @@ class State:
                 f"{name} is for states of {_LAWS[where][1]}, and the law of this one is "
                 f"{self.law!r}: take its packing"
             )
+
+    # particles
+
+    @property
+    def positions(self) -> Floats:
+        """Centers of the particles, those of `packing`, shape (N, d) [length]."""
+        return self.packing.positions
+
+    @property
+    def radii(self) -> Floats:
+        """Undeformed radii, those of `packing`, shape (N,) [length]."""
+        return self.packing.radii
+
+    @property
+    def box(self) -> Floats:
+        """Lattice vectors as rows, those of `packing`, shape (d, d) [length]."""
+        return self.packing.box
+
+    @cached_property
+    def forces(self) -> Floats:
+        """Force of its contacts on each particle, shape (N, d) [energy/length].
+
+        The sum of their `force_vector`: fixes of a user and noise are left out.
+        """
+        table = self.contacts
+        forces = np.zeros_like(self.packing.positions)
+        np.add.at(forces, table["i"], table["force_vector"])
+        forces.setflags(write=False)
+        return forces
 
     # pressure, energy and motion
 
@@ -298,23 +368,23 @@ class State:
         return 0.0 if self.rubbing is None else self.rubbing.stored
 
     @property
-    def motion(self) -> Motion:
+    def _motion(self) -> Motion:
         """What goes on with a simulation from this state, beside the packing."""
         history = self.velocities, self.time, self.shear_strain, self.films, self.directions
         lost = self.lost_energy - sum(self.rubbing.lost if self.rubbing else ())
         return Motion(*history, self.rubbing, self.images, lost)
 
     @property
-    def squeezed(self) -> tuple[str, Floats]:
+    def _squeezed(self) -> tuple[str, Floats]:
         """What limits time steps: its name, the pressure in each particle or the load."""
         self._check_has("squeezed", "moving")
         name = "load" if isinstance(self.law, Droplet) else "pressure"
         return name, self.results["loads" if name == "load" else "pressures"]
 
     @_only("moving")
-    def step_limits(self) -> tuple[Packing, AnyLaw, float, float]:
+    def _step_limits(self) -> tuple[Packing, AnyLaw, float, float]:
         """The arguments of `longest_step` and `accurate_step`."""
-        return self.packing, self.law, float(self.squeezed[1].max()), self.temperature
+        return self.packing, self.law, float(self._squeezed[1].max()), self.temperature
 
     # particles
 
@@ -367,7 +437,7 @@ class State:
         """Thickness of the rigid skin of each particle, shape (N,) [length]."""
         if self.polygons is not None:
             return self.polygons.skin[self.packing.species]
-        skin: Floats = self.law.species_parameters(self.packing._species_radii).skin
+        skin: Floats = self.law._species_parameters(self.packing._species_radii).skin
         return skin[self.packing.species]
 
     @property
@@ -404,11 +474,11 @@ class State:
             return list(self.vertices)
         if isinstance(self.law, SoftContact):
             return self.packing.outlines
-        lines = self.parallels(same_area=True)
+        lines = self._parallels(same_area=True)
         return [x + line for x, line in zip(self.packing.positions, lines, strict=True)]
 
     @_only("rings")
-    def parallels(
+    def _parallels(
         self, inset: Floats | None = None, points: int = 180, same_area: bool = False
     ) -> list[Floats]:
         """Lines parallel to the outlines, about each particle's center, arrays (m, 2) [length].
@@ -464,20 +534,20 @@ class State:
         force on i. But for polygons there are distance, indentation of i and position (d,), in
         space and of soft particles normal (d,); of rings angle, length, tilt, half_angle,
         contact_angle and attached, see `contacts.COLUMNS`; of droplets facet_radius, see
-        `contacts.DROPLETCOLUMNS`. With friction there are friction, damping, spring, sliding too,
+        `contacts.DROPLET_COLUMNS`. With friction there are friction, damping, spring, sliding too,
         see `friction.RUBBING`, and the forces have these parts.
         """
-        if self.table is not None:
-            return self.table
-        if self.evaluate:
+        if self._table is not None:
+            return self._table
+        if self._evaluate:
             return self._again.contacts
         return contacts.soft_table(self.packing, self.law.k)
 
     @cached_property
     def _again(self) -> State:
         """The state of the same particles, evaluated again."""
-        assert self.evaluate is not None
-        return self.evaluate()
+        assert self._evaluate is not None
+        return self._evaluate()
 
     @cached_property
     def _contacts_of_each(self) -> list[ContactTable]:
@@ -498,7 +568,7 @@ class State:
 
     @property
     def _rubs(self) -> bool:
-        return self.friction is not None and self.friction.rubs
+        return self.friction is not None and self.friction._rubs
 
     @property
     def _of_rattlers(self) -> int:
@@ -889,14 +959,12 @@ class State:
 
         return moduli_of(at_rest(self))
 
-    def complex_modulus(
-        self, frequencies: ArrayLike, friction: float = 1.0
-    ) -> NDArray[np.complex128]:
+    def complex_modulus(self, frequencies: ArrayLike, drag: float = 1.0) -> NDArray[np.complex128]:
         """Shear modulus under a small oscillating strain, G* = G' + i G'', by linear response.
 
             strain = Re gamma exp(i omega t),  shear stress = Re G*(omega) gamma exp(i omega t)
 
-        Centers are overdamped, with a friction zeta against the mean flow, as in `oscillate` with a
+        Centers are overdamped, with a drag zeta against the mean flow, as in `oscillate` with a
         period of 2 pi/omega. With their displacements u from it, H and xi = d^2E/(du dgamma),
 
             zeta du/dt = - H u - xi gamma,
@@ -908,7 +976,7 @@ class State:
 
         Args:
             frequencies: angular ones, omega, not negative, any shape [1/time].
-            friction: zeta, force over velocity [1/time], as masses are 1.
+            drag: zeta, force over velocity [1/time], as masses are 1.
 
         Returns:
             G*(omega) of simple shear along x, complex, of the shape of `frequencies`
@@ -922,11 +990,11 @@ class State:
         """
         from .moduli import complex_modulus_of
 
-        return complex_modulus_of(at_rest(self), frequencies, friction)
+        return complex_modulus_of(at_rest(self), frequencies, drag)
 
     # pictures
 
-    def values(self, color_by: str | ArrayLike) -> Floats:
+    def _values(self, color_by: str | ArrayLike) -> Floats:
         """One number for each particle, shape (N,).
 
         Args:
@@ -943,6 +1011,7 @@ class State:
     def plot(
         self,
         ax: Axes | None = None,
+        *,
         color: str | ArrayLike = "pressures",
         contacts: bool = False,
         forces: bool = False,
@@ -1028,7 +1097,7 @@ class State:
 
     # numbers, tables and files
 
-    def numbers(self) -> dict[str, Any]:
+    def _numbers(self) -> dict[str, Any]:
         """The state in numbers, by name; `strain` is None without shear."""
         box, axes = self.packing.box, "xyz"[: self.packing.dimension]
         sides = {f"l{axis}": float(box[k, k]) for k, axis in enumerate(axes)}
@@ -1059,7 +1128,7 @@ class State:
             "beyond": self.beyond,
         }
 
-    def particle_values(self) -> dict[str, NDArray[Any]]:
+    def _particle_values(self) -> dict[str, NDArray[Any]]:
         """Values of the particles by their names in a trajectory, arrays of shape (N,)."""
         found: dict[str, NDArray[Any]] = {"radius": self.packing.radii}
         if isinstance(self.law, SoftContact):
@@ -1179,7 +1248,7 @@ class State:
             UnsavedWarning: the files lack what `unsaved` names.
         """
         check_parameters(parameters)
-        if not self.root:
+        if not self._root:
             return
         ways = (f"replace it with save({str(folder)!r}, mode='w')",)
         place = refuse_run(folder, replaces(mode), ways)
@@ -1198,14 +1267,14 @@ class State:
         self, folder: Path, parameters: Mapping[str, Any] | None, frames: int | None = None
     ) -> None:
         """Write the state behind so many recorded frames up to it, if any."""
-        packing, law, squeeze, now = self.step_limits()
-        longest = self.friction.accurate_step if self.friction else np.inf
+        packing, law, squeeze, now = self._step_limits()
+        longest = self.friction._accurate_step if self.friction else np.inf
         steps = (
             min(accurate_step(packing, law, squeeze, now), longest),
             min(accurate_step(packing, law, squeeze, max(now, TEMPERATURE)), longest),
         )
-        numbers = self.numbers()
-        save(folder, packing, law, steps, numbers, self.motion, parameters, frames, self.friction)
+        numbers = self._numbers()
+        save(folder, packing, law, steps, numbers, self._motion, parameters, frames, self.friction)
 
 
 def soft_state(packing: Packing, law: SoftContact, residual: float, converged: bool) -> State:

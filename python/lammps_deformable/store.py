@@ -1,16 +1,7 @@
-"""Directions in which particles propel themselves, as angles in a trajectory or a data file.
+"""A saved state and a recorded run on disk: their files, written and read.
 
-The LAMMPS data file of a saved state: its packing, and what a motion goes on with.
-
-The script by which LAMMPS takes up a saved packing by itself.
-
-The files of a folder of results, and checks so that nothing is replaced unasked.
-
-Tables of states that grow row by row: CSV files that other programs read.
-
-Recorded frames of a run: each has a row in the series and a frame in the trajectory.
-
-A saved state: data file, species file, LAMMPS script and summary in one folder.
+A state is a LAMMPS data file, a species file, a LAMMPS script and a summary. A run has a row in the
+series and a frame in the trajectory for each state besides. Nothing is replaced unasked.
 """
 
 from __future__ import annotations

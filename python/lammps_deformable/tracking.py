@@ -1,6 +1,6 @@
-"""How far particles have moved between two states: periodic images, and boxes that changed.
+"""What particles did between two states: displacements, local strains and D^2_min.
 
-The strain around each particle between two states, and what it leaves over: D^2_min.
+Periodic images and boxes that changed are taken into account.
 """
 
 from __future__ import annotations

@@ -1,7 +1,4 @@
-"""Versions of the software and the machine behind a result.
-
-Packages that a user may not have: one line says how to get them.
-"""
+"""Versions of the software and the machine behind a result; packages that may be missing."""
 
 from __future__ import annotations
 

@@ -63,7 +63,7 @@ class Wall(ABC):
         """The walls that stand for it in a packing: itself, or its sides."""
         return (self,)
 
-    def placed(self, dimension: int) -> Wall:
+    def _placed(self, dimension: int) -> Wall:
         """The wall in a packing of this dimension, which a sphere around 0 does not know."""
         return self
 
@@ -74,23 +74,23 @@ class Wall(ABC):
 
     @property
     @abstractmethod
-    def kind(self) -> str:
+    def _kind(self) -> str:
         """LAMMPS' word."""
 
     @property
     @abstractmethod
-    def values(self) -> tuple[float, ...]:
+    def _values(self) -> tuple[float, ...]:
         """The numbers after LAMMPS' word."""
 
     @abstractmethod
-    def add_to(self, scene: Any) -> None:
+    def _add_to(self, scene: Any) -> None:
         """Add it to a scene of `ld.core`."""
 
     @abstractmethod
-    def stretched(self, *factors: float) -> Wall:
+    def _stretched(self, *factors: float) -> Wall:
         """The wall after each coordinate is multiplied by its factor; equal ones where round."""
 
-    def half_spaces(self, around: float = 1.0) -> list[HalfSpace]:
+    def _half_spaces(self, around: float = 1.0) -> list[HalfSpace]:
         """Those that have a container in common; of a round one a square or cube around it.
 
         Args:
@@ -99,17 +99,17 @@ class Wall(ABC):
         return []
 
     @property
-    def round_axes(self) -> tuple[int, ...]:
+    def _round_axes(self) -> tuple[int, ...]:
         """The axes along which a round wall is stretched by one factor."""
         return ()
 
     @property
-    def middle(self) -> Floats:
+    def _middle(self) -> Floats:
         """The center of an obstacle, shape (d,) [length]."""
         raise NotImplementedError
 
     @property
-    def extent(self) -> float:
+    def _extent(self) -> float:
         """Radius of a circle or sphere around an obstacle, about the middle [length]."""
         raise NotImplementedError
 
@@ -140,7 +140,7 @@ class Plane(Wall):
     """
 
     inside: ClassVar[bool] = True
-    kind: ClassVar[str] = "plane"
+    _kind: ClassVar[str] = "plane"
 
     origin: Point
     normal: Point
@@ -161,17 +161,17 @@ class Plane(Wall):
         return len(self.normal)
 
     @property
-    def values(self) -> tuple[float, ...]:
+    def _values(self) -> tuple[float, ...]:
         return (*self.origin, *self.normal)
 
-    def half_spaces(self, around: float = 1.0) -> list[HalfSpace]:
+    def _half_spaces(self, around: float = 1.0) -> list[HalfSpace]:
         out = -np.array(self.normal) / lengths(np.array(self.normal))
         return [(out, float(out @ self.origin))]
 
-    def add_to(self, scene: Any) -> None:
-        scene.add_plane(*self.values)
+    def _add_to(self, scene: Any) -> None:
+        scene.add_plane(*self._values)
 
-    def stretched(self, *factors: float) -> Plane:
+    def _stretched(self, *factors: float) -> Plane:
         others = (math.prod(factors[:k] + factors[k + 1 :]) for k in range(len(factors)))
         normal = _scaled(self.normal, tuple(others))
         return replace(self, origin=_scaled(self.origin, factors), normal=normal)
@@ -184,22 +184,22 @@ class _Round(Wall):
     origin: Point | float
 
     @property
-    def middle(self) -> Floats:
+    def _middle(self) -> Floats:
         return np.array(self.origin)
 
     @property
-    def extent(self) -> float:
+    def _extent(self) -> float:
         return self.radius
 
-    def half_spaces(self, around: float = 1.0) -> list[HalfSpace]:
+    def _half_spaces(self, around: float = 1.0) -> list[HalfSpace]:
         if not self.inside:
             return []
-        units = [np.eye(self.dimension)[axis] for axis in self.round_axes]
+        units = [np.eye(self.dimension)[axis] for axis in self._round_axes]
         size = around * self.radius
-        return [(n, float(n @ self.middle) + size) for n in (*units, *(-n for n in units))]
+        return [(n, float(n @ self._middle) + size) for n in (*units, *(-n for n in units))]
 
-    def stretched(self, *factors: float) -> Wall:
-        origin, radius = _scaled(self.middle, factors), self.radius * factors[self.round_axes[0]]
+    def _stretched(self, *factors: float) -> Wall:
+        origin, radius = _scaled(self._middle, factors), self.radius * factors[self._round_axes[0]]
         return replace(self, origin=origin, radius=radius)  # type: ignore[call-arg]
 
     def _set_radius(self) -> None:
@@ -234,7 +234,7 @@ class Sphere(_Round):
             self._set_point("origin", 3 if shape == (3,) else 2)
         super().__post_init__()
 
-    def placed(self, dimension: int) -> Sphere:
+    def _placed(self, dimension: int) -> Sphere:
         return self if self.dimension else replace(self, origin=(0.0,) * dimension)
 
     @property
@@ -242,19 +242,19 @@ class Sphere(_Round):
         return np.size(self.origin) if np.ndim(self.origin) else 0
 
     @property
-    def kind(self) -> str:
+    def _kind(self) -> str:
         names = ("disk", "circle") if self.dimension == 2 else ("ball", "sphere")
         return names[self.inside]
 
     @property
-    def values(self) -> tuple[float, ...]:
-        return (*self.middle.tolist(), self.radius)
+    def _values(self) -> tuple[float, ...]:
+        return (*self._middle.tolist(), self.radius)
 
-    def add_to(self, scene: Any) -> None:
-        scene.add_round(*self.values, self.inside)
+    def _add_to(self, scene: Any) -> None:
+        scene.add_round(*self._values, self.inside)
 
     @property
-    def round_axes(self) -> tuple[int, ...]:
+    def _round_axes(self) -> tuple[int, ...]:
         return tuple(range(self.dimension))
 
 
@@ -288,23 +288,23 @@ class Cylinder(_Round):
         super().__post_init__()
 
     @property
-    def kind(self) -> str:
+    def _kind(self) -> str:
         return "cylinder" if self.inside else "post"
 
     @property
-    def direction(self) -> Point:
+    def _direction(self) -> Point:
         """Of the axis, a unit vector."""
         return tuple(float(axis == self.axis) for axis in "xyz")
 
     @property
-    def values(self) -> tuple[float, ...]:
-        return (*self.middle.tolist(), *self.direction, self.radius)
+    def _values(self) -> tuple[float, ...]:
+        return (*self._middle.tolist(), *self._direction, self.radius)
 
-    def add_to(self, scene: Any) -> None:
-        scene.add_cone(*self.values, 0.0, self.inside)
+    def _add_to(self, scene: Any) -> None:
+        scene.add_cone(*self._values, 0.0, self.inside)
 
     @property
-    def round_axes(self) -> tuple[int, ...]:
+    def _round_axes(self) -> tuple[int, ...]:
         return tuple(k for k, axis in enumerate("xyz") if axis != self.axis)
 
 
@@ -323,7 +323,7 @@ class Cone(Wall):
 
     dimension: ClassVar[int] = 3
     inside: ClassVar[bool] = True
-    kind: ClassVar[str] = "cone"
+    _kind: ClassVar[str] = "cone"
 
     tip: Point | float
     axis: str | Point
@@ -341,55 +341,55 @@ class Cone(Wall):
         super().__post_init__()
 
     @property
-    def slope(self) -> float:
+    def _slope(self) -> float:
         """By which the radius grows upward, for each unit of z; negative: downward."""
         return math.tan(self.angle) * (1.0 if self.axis == "z" else -1.0)
 
     @property
-    def direction(self) -> Point:
+    def _direction(self) -> Point:
         """A unit vector upward."""
         return (0.0, 0.0, 1.0)
 
     @property
-    def values(self) -> tuple[float, ...]:
-        x, y, z = self.middle.tolist()
+    def _values(self) -> tuple[float, ...]:
+        x, y, z = self._middle.tolist()
         return (
             x,
             y,
-            z + math.copysign(1.0, self.slope),
+            z + math.copysign(1.0, self._slope),
             0.0,
             0.0,
             1.0,
-            abs(self.slope),
-            self.slope,
+            abs(self._slope),
+            self._slope,
         )
 
     @property
-    def middle(self) -> Floats:
+    def _middle(self) -> Floats:
         return np.array(self.tip)
 
-    def radius_at(self, z: float) -> float:
+    def _radius_at(self, z: float) -> float:
         """Its radius at a height, 0 beyond its tip [length]."""
-        return max(self.slope * (z - float(self.middle[2])), 0.0)
+        return max(self._slope * (z - float(self._middle[2])), 0.0)
 
-    def half_spaces(self, around: float = 1.0) -> list[HalfSpace]:
-        slant = float(np.hypot(1.0, self.slope))
+    def _half_spaces(self, around: float = 1.0) -> list[HalfSpace]:
+        slant = float(np.hypot(1.0, self._slope))
         rows = [
-            np.array([x, y, -self.slope]) / slant for x, y in ((1, 0), (-1, 0), (0, 1), (0, -1))
+            np.array([x, y, -self._slope]) / slant for x, y in ((1, 0), (-1, 0), (0, 1), (0, -1))
         ]
-        return [(n, float(n @ self.middle)) for n in rows]
+        return [(n, float(n @ self._middle)) for n in rows]
 
-    def add_to(self, scene: Any) -> None:
-        scene.add_cone(*self.values, True)
+    def _add_to(self, scene: Any) -> None:
+        scene.add_cone(*self._values, True)
 
     @property
-    def round_axes(self) -> tuple[int, ...]:
+    def _round_axes(self) -> tuple[int, ...]:
         return (0, 1)
 
-    def stretched(self, *factors: float) -> Cone:
+    def _stretched(self, *factors: float) -> Cone:
         across, _, along = factors
-        tip = _scaled(self.middle, factors)
-        return replace(self, tip=tip, angle=math.atan(abs(self.slope) * across / along))
+        tip = _scaled(self._middle, factors)
+        return replace(self, tip=tip, angle=math.atan(abs(self._slope) * across / along))
 
 
 class _Cornered(Wall):
@@ -399,20 +399,20 @@ class _Cornered(Wall):
     corners: tuple[Point, ...]
 
     @property
-    def values(self) -> tuple[float, ...]:
+    def _values(self) -> tuple[float, ...]:
         return tuple(value for corner in self.corners for value in corner)
 
-    def add_to(self, scene: Any) -> None:
+    def _add_to(self, scene: Any) -> None:
         scene.add_polygon(*np.transpose(self.corners))
 
     @property
-    def middle(self) -> Floats:
+    def _middle(self) -> Floats:
         middle: Floats = np.mean(self.corners, axis=0)
         return middle
 
     @property
-    def extent(self) -> float:
-        return float(np.linalg.norm(self.corners - self.middle, axis=1).max())
+    def _extent(self) -> float:
+        return float(np.linalg.norm(self.corners - self._middle, axis=1).max())
 
     def _check_convex(self) -> None:
         from . import core
@@ -438,7 +438,7 @@ class Segment(_Cornered):
     """
 
     inside: ClassVar[bool] = False
-    kind: ClassVar[str] = "segment"
+    _kind: ClassVar[str] = "segment"
 
     a: Point
     b: Point
@@ -454,7 +454,7 @@ class Segment(_Cornered):
         """Both ends."""
         return self.a, self.b
 
-    def stretched(self, *factors: float) -> Segment:
+    def _stretched(self, *factors: float) -> Segment:
         return replace(self, a=_scaled(self.a, factors), b=_scaled(self.b, factors))
 
 
@@ -471,7 +471,7 @@ class PolygonWall(_Cornered):
         ParameterError: a value is not finite, there are too few corners, or it is not convex.
     """
 
-    kind: ClassVar[str] = "polygon"
+    _kind: ClassVar[str] = "polygon"
 
     corners: tuple[Point, ...]
     _: KW_ONLY
@@ -494,12 +494,12 @@ class PolygonWall(_Cornered):
             return (self,)
         sides = []
         for a, b in zip(self.corners, self.corners[1:] + self.corners[:1], strict=True):
-            (x, y), (inward, up) = np.subtract(b, a), self.middle - a
+            (x, y), (inward, up) = np.subtract(b, a), self._middle - a
             turn = 1.0 if x * up > y * inward else -1.0  # whether the middle is to the left
             sides.append(Plane(a, (-turn * y, turn * x), adhesion=self.adhesion))
         return tuple(sides)
 
-    def stretched(self, *factors: float) -> PolygonWall:
+    def _stretched(self, *factors: float) -> PolygonWall:
         return replace(self, corners=tuple(_scaled(corner, factors) for corner in self.corners))
 
 
@@ -520,7 +520,7 @@ class BoxWall(Wall):
             has an adhesion, in space.
     """
 
-    kind: ClassVar[str] = "box"
+    _kind: ClassVar[str] = "box"
 
     lengths: Point
     origin: Point | float = 0.0
@@ -562,14 +562,14 @@ class BoxWall(Wall):
         )
 
     @property
-    def values(self) -> tuple[float, ...]:
-        return tuple(value for part in self.parts for value in part.values)
+    def _values(self) -> tuple[float, ...]:
+        return tuple(value for part in self.parts for value in part._values)
 
-    def add_to(self, scene: Any) -> None:
+    def _add_to(self, scene: Any) -> None:
         for part in self.parts:
-            part.add_to(scene)
+            part._add_to(scene)
 
-    def stretched(self, *factors: float) -> BoxWall:
+    def _stretched(self, *factors: float) -> BoxWall:
         origin = _scaled(np.array(self.origin), factors)
         return replace(self, lengths=_scaled(self.lengths, factors), origin=origin)
 
@@ -621,7 +621,7 @@ def as_walls(given: Wall | Iterable[Wall], dimension: int) -> tuple[Wall, ...]:
     for n, wall in enumerate(several, start=1):
         if not isinstance(wall, Wall):
             raise ParameterError(f"wall {n} must be one of {names}, not {shown(wall)}")
-        wall = wall.placed(dimension)
+        wall = wall._placed(dimension)
         if wall.dimension != dimension:
             way_out = f"take one of {names}"
             if type(wall).__name__ not in lacking:

@@ -3,7 +3,6 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-import pytest
 from hypothesis import strategies as st
 from lammps_deformable import core
 
@@ -73,7 +72,6 @@ TENSE = {
     "all": (1.0, 0.5, 0.7),
     "nearly none": (1.0, 0.5, 1e-9),
 }
-tense = pytest.mark.parametrize("stiffness", TENSE.values(), ids=TENSE)
 
 
 def sized(stiffness, radius):
@@ -90,7 +88,7 @@ STIFFNESSES = {
     "area conserved": (np.inf, 0.7),
     "perimeter conserved": (2.0, np.inf),
 }
-stiffnesses = pytest.mark.parametrize(("kA", "kP"), STIFFNESSES.values(), ids=STIFFNESSES)
+stiffnesses = st.sampled_from([*STIFFNESSES.values()])
 
 
 def soft_ring(contacts, kA, kP, skin=0.0):

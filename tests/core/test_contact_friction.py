@@ -73,7 +73,7 @@ def test_damping_never_pulls():
     assert core.contact_damping(2.0, 0.1, 0.1, -0.5) == 0.0
 
 
-@pytest.mark.parametrize(("kt", "gt", "damp"), [(3, 0, 0), (0, 2, 0), (3, 2, 0), (1e-9, 0, 2)])
+@pytest.mark.parametrize(("kt", "gt", "damp"), [(3, 0, 0), (3, 2, 0), (1e-9, 0, 2)])
 def test_time_step(kt, gt, damp):
     """A quarter of what leapfrog with this spring and dashpot is stable with."""
     mass, lever = 1.5, 3.0
@@ -90,20 +90,17 @@ def test_time_step(kt, gt, damp):
         assert (abs(v) < 1e3) == stable
 
 
-@pytest.mark.parametrize(
-    ("values", "message"),
-    [
+def test_what_is_refused():
+    for values, message in (
         ((-1, 1, 0, 0), "mu must be 0, positive or inf, not -1"),
         ((np.nan, 1, 0, 0), "mu must be .*, not nan"),
         ((1, np.inf, 0, 0), "kt must be .*, not inf"),
         ((1, 1, -2, 0), "gt must be .*, not -2"),
         ((1, 1, 0, -3), "damp must be .*, not -3"),
-    ],
-)
-def test_what_is_refused(values, message):
-    assert core.invalid_friction(0.5, 1.0) is None
-    assert core.invalid_friction(np.inf, 1.0, 0.0, 2.0) is None
-    with pytest.raises(ValueError, match=message):
-        core.friction_time_step(*values, 1.0, 1.0)
-    with pytest.raises(ValueError, match=r"dt is 0.*positive"):
-        core.rub(1, 1, 1, 0, 0, 0, 0)
+    ):
+        assert core.invalid_friction(0.5, 1.0) is None
+        assert core.invalid_friction(np.inf, 1.0, 0.0, 2.0) is None
+        with pytest.raises(ValueError, match=message):
+            core.friction_time_step(*values, 1.0, 1.0)
+        with pytest.raises(ValueError, match=r"dt is 0.*positive"):
+            core.rub(1, 1, 1, 0, 0, 0, 0)

@@ -14,19 +14,17 @@ from test_ring_forces import STIFFNESS, pressed
 DATA = Path(__file__).parents[1] / "data" / "curved_cases.json"
 CASES = [case for case in json.loads(DATA.read_text()) if case["adhesion"] == 0.0]
 cases = pytest.mark.parametrize("case", CASES, ids=[case["name"] for case in CASES])
-stiffnesses = pytest.mark.parametrize(("kA", "kP"), STIFFNESS)
-LARGEST = np.pi / 6
+stiffnesses = st.sampled_from(STIFFNESS)
 
 
-@stiffnesses
-@given(particle=contacts(size=(1, 9), gap=0.4))
-def test_slope(particle, kA, kP):
+@given(particle=contacts(size=(1, 9), gap=0.4), stiffness=stiffnesses)
+def test_slope(particle, stiffness):
     """dW/dtheta = p L t, by central differences of the step 1e-5: errors of 1e-10."""
-    _, force, ring = pressed(particle, kA, kP)
+    _, force, ring = pressed(particle, *stiffness)
     step, turning = 1e-5, np.zeros_like(force)
     for c in range(len(force)):
         turned = [
-            core.forced_ring(particle.radius, particle.angle + change, force, kA, kP).conjugate
+            core.forced_ring(particle.radius, particle.angle + change, force, *stiffness).conjugate
             for change in np.outer([step, -step], np.arange(len(force)) == c)
         ]
         turning[c] = (turned[0] - turned[1]) / (2 * step)
@@ -50,10 +48,10 @@ def test_slope_rate(particle):
         assert rate == pytest.approx(ring.slope_rate[c], abs=1e-7 * length.sum())
 
 
-@stiffnesses
-@given(particle=contacts(size=(1, 9), gap=0.4))
-def test_tension(particle, kA, kP):
+@given(particle=contacts(size=(1, 9), gap=0.4), stiffness=stiffnesses)
+def test_tension(particle, stiffness):
     """Laplace's law: the tension is that of the perimeter where it changes, else p q."""
+    kA, kP = stiffness
     _, _, ring = pressed(particle, kA, kP)
     q = particle.radius + ring.delta - ring.contact_length.sum() / (2 * np.pi)
     exact = ring.pressure * q
@@ -70,14 +68,18 @@ def polygon(outline):
     return area, np.hypot(*(following - outline).T).sum()
 
 
-@stiffnesses
-@given(parts=st.lists(st.floats(-0.8, 1.0), min_size=5, max_size=5), size=st.floats(0.004, 0.02))
-def test_area_and_perimeter_of_the_outline(parts, size, kA, kP):
+@given(
+    parts=st.lists(st.floats(-0.8, 1.0), min_size=5, max_size=5),
+    size=st.floats(0.004, 0.02),
+    stiffness=stiffnesses,
+)
+def test_area_and_perimeter_of_the_outline(parts, size, stiffness):
     """The formulas, against a polygon of 20 000 points of the outline that they belong to.
 
     Forces balance, as at rest, so that free parts are arcs. A concave contact has a chord as long
     as L/2 > q |sin b|.
     """
+    kA, kP = stiffness
     angle, force = np.arange(5) * 2 * np.pi / 5, np.full(5, size * min(kA, kP))
     straight = core.forced_ring(1.0, angle, force, kA, kP)
     q = straight.tension / straight.pressure
@@ -152,43 +154,34 @@ def test_packing(case):
     assert sine == pytest.approx(np.sin([row["half_angle"] for row in rows]), abs=1e-10)
 
 
-@pytest.mark.parametrize(
-    ("given", "message"),
-    [
+def test_errors():
+    for words, message in (
         ({"half_angle": [0.1]}, "half_angle and force"),
         ({"half_angle": [0.1, 0.6]}, "bend by pi/6"),
         ({"half_angle": [0.1, np.nan]}, "half_angle"),
-    ],
-)
-def test_errors(given, message):
-    with pytest.raises(ValueError, match=message):
-        core.forced_ring(1.0, [0.0, 3.0], [1e-3, 1e-3], 1.0, 1.0, **given)
+    ):
+        with pytest.raises(ValueError, match=message):
+            core.forced_ring(1.0, [0.0, 3.0], [1e-3, 1e-3], 1.0, 1.0, **words)
 
 
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"radius": 0.0}, "radius"),
+def test_errors_of_the_outline():
+    for change, message in (
         ({"length": [-0.1, 0.1]}, "length"),
         ({"length": [0.1]}, "same length"),
         ({"half_angle": [0.1, 1.6]}, "half_angle"),
         ({"points": 3}, "points"),
-    ],
-)
-def test_errors_of_the_outline(change, message):
-    given = {"radius": 1.0, "angle": [0.0, 3.0], "length": [0.1, 0.1], "half_angle": [0.0, 0.0]}
-    with pytest.raises(ValueError, match=message):
-        core.curved_outline(**(given | change))
+    ):
+        given = {"radius": 1.0, "angle": [0.0, 3.0], "length": [0.1, 0.1], "half_angle": [0.0, 0.0]}
+        with pytest.raises(ValueError, match=message):
+            core.curved_outline(**(given | change))
 
 
-@pytest.mark.parametrize(
-    ("row", "value", "message"), [(0, 6, "fewer rows"), (0, 4, "more rows"), (2, -1.0, "kA")]
-)
-def test_errors_of_blocks(row, value, message):
-    particles = np.array([[5.0, 1.0, 1.0, 1.0, 0.0, 0.0]])
-    particles[0, row] = value
+def test_errors_of_blocks():
     angle = np.arange(5) * 2 * np.pi / 5
     columns = 1.9 * np.cos(angle), 1.9 * np.sin(angle), 1 / 1.9, 1.0, 1e-3, angle, 0.0
     sides = np.column_stack([np.broadcast_to(column, 5) for column in columns])
-    with pytest.raises(ValueError, match=message):
-        core.curved_blocks(particles, sides)
+    for row, value, message in ((0, 6, "fewer rows"), (0, 4, "more rows"), (2, -1.0, "kA")):
+        particles = np.array([[5.0, 1.0, 1.0, 1.0, 0.0, 0.0]])
+        particles[0, row] = value
+        with pytest.raises(ValueError, match=message):
+            core.curved_blocks(particles, sides)

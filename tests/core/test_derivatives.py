@@ -9,13 +9,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 EPSILON = np.finfo(float).eps
-laws = pytest.mark.parametrize("law", LAWS)
+laws = st.sampled_from([*LAWS])
 
 
-@laws
-@pytest.mark.parametrize("variable", ["indentation", "angle"])
-@given(contacts=contacts(), contact=st.integers(0, 5))
-@settings(max_examples=60)
+@given(
+    law=laws,
+    variable=st.sampled_from(["indentation", "angle"]),
+    contacts=contacts(),
+    contact=st.integers(0, 5),
+)
+@settings(max_examples=300)
 def test_derivative(law, variable, contacts, contact):
     """A central difference is the mean of the derivative over its window."""
     contact %= len(contacts.angle)
@@ -34,8 +37,7 @@ def test_derivative(law, variable, contacts, contact):
     assert abs(difference - np.dot(derivative, [1, 4, 1]) / 6) <= tolerance
 
 
-@laws
-@given(contacts=contacts())
+@given(law=laws, contacts=contacts())
 def test_turning_the_particle_changes_nothing(law, contacts):
     shape = contacts.shape(law)
     # a sum of z differences of terms whose sizes are those of the derivatives or of S
@@ -53,8 +55,7 @@ def test_turning_the_particle_changes_nothing(law, contacts):
     )
 
 
-@laws
-@given(contacts=contacts(), seed=st.integers(0, 1000))
+@given(law=laws, contacts=contacts(), seed=st.integers(0, 1000))
 def test_order_of_contacts_does_not_matter(law, contacts, seed):
     order = np.random.default_rng(seed).permutation(len(contacts.angle))
     permuted = replace(
@@ -68,8 +69,7 @@ def test_order_of_contacts_does_not_matter(law, contacts, seed):
         np.testing.assert_allclose(getattr(permuted, name), expected, rtol=0, atol=1e-12 * scale)
 
 
-@laws
-@given(contacts=contacts())
+@given(law=laws, contacts=contacts())
 def test_scaling(law, contacts):
     """Powers of two scale without rounding: the answer must not change in a single bit."""
     scaled = replace(contacts, radius=4 * contacts.radius, indentation=4 * contacts.indentation)
@@ -79,8 +79,7 @@ def test_scaling(law, contacts):
     np.testing.assert_array_equal(large.contact_length, 4 * small.contact_length)
 
 
-@pytest.mark.parametrize("law", ["sector", "ring"])
-@given(contacts=contacts(indentation=(-0.01, 0.05)))
+@given(law=st.sampled_from(["sector", "ring"]), contacts=contacts(indentation=(-0.01, 0.05)))
 def test_deficit_is_half_of_indentation_times_length(law, contacts):
     shape = contacts.shape(law)
     np.testing.assert_array_equal(shape.d_indentation, shape.contact_length)

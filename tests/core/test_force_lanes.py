@@ -24,7 +24,7 @@ def test_force_lanes(tmp_path, lanes, checks):
     compiler = shutil.which(os.environ.get("CXX", "g++"))
     assert compiler, "the plugin was built by a compiler that is not here: name it by CXX"
     program, source = tmp_path / "lanes", str(HERE / "force_lanes.cpp")
-    command = [compiler, "-std=c++17", "-O1", "-Wno-psabi", "-fno-math-errno"]
+    command = [compiler, "-std=c++17", "-O0", "-Wno-psabi", "-fno-math-errno"]
     command += [f"-DDEFORMABLE_LANES={lanes}", f"-I{CORE}", source]
     for flags in (checks, []):
         done = subprocess.run([*command, *flags, "-o", program], capture_output=True, text=True)

@@ -12,57 +12,49 @@ CASES = json.loads((Path(__file__).parents[1] / "data" / "kernel_cases.json").re
 TOLERANCE = {"sector": 1e-12, "ring": 1e-10}
 
 
-ANSWERS = [
-    pytest.param(case, law, id=f"{case['case']}-{len(case['angle'])}-{law}")
-    for case in CASES
-    for law in TOLERANCE
-    if law in case  # some cases have no sector
-]
-
-
-@pytest.mark.parametrize(("case", "law"), ANSWERS)
-def test_known_answers(case, law):
-    shape = LAWS[law](case["radius"], np.array(case["angle"]), np.array(case["indentation"]))
-    for name, expected in case[law].items():
-        scale = np.abs(expected).max()
-        if name == "d_angle":
-            # A difference of the terms of both sides of a contact, each at least of the size of S:
-            # where symmetry makes them cancel, their rounding is all that is left.
-            scale = max(scale, case[law]["area_deficit"])
-        assert np.abs(getattr(shape, name) - expected).max() <= TOLERANCE[law] * scale, name
+@pytest.mark.parametrize("law", TOLERANCE)
+def test_known_answers(law):
+    cases = [case for case in CASES if law in case]  # some have no sector
+    assert len(cases) > 30
+    for case in cases:
+        shape = LAWS[law](case["radius"], np.array(case["angle"]), np.array(case["indentation"]))
+        for name, expected in case[law].items():
+            scale = np.abs(expected).max()
+            if name == "d_angle":
+                # A difference of the terms of both sides of a contact, each at least of the size of
+                # S: where symmetry makes them cancel, their rounding is all that is left.
+                scale = max(scale, case[law]["area_deficit"])
+            error = np.abs(getattr(shape, name) - expected).max()
+            assert error <= TOLERANCE[law] * scale, (case["case"], len(case["angle"]), name)
 
 
 @pytest.mark.parametrize("law", TOLERANCE)
-@pytest.mark.parametrize("n", range(2, 13))
-def test_regular_polygon(law, n):
-    a, stiffness = 0.01, polygon_stiffness(n)
-    shape = regular_polygon(n, a).shape(law)
-    assert shape.area_deficit == pytest.approx(stiffness * a**2, rel=1e-12)
-    np.testing.assert_allclose(shape.contact_length, 2 * stiffness * a / n, rtol=1e-12)
-
-
-@pytest.mark.parametrize(("n", "vanishing"), [(4, 0.2146), (6, 0.0931)])
-@pytest.mark.parametrize("law", TOLERANCE)
-def test_free_arcs_of_a_polygon_vanish(law, n, vanishing):
-    just_before, just_after = (
-        np.min(regular_polygon(n, a).shape(law).arc_radius)
-        for a in (vanishing - 5e-5, vanishing + 5e-5)  # half of the last digit given
-    )
-    assert just_before > 0 > just_after
+def test_regular_polygons(law):
+    a = 0.01
+    for n in range(2, 13):
+        shape, stiffness = regular_polygon(n, a).shape(law), polygon_stiffness(n)
+        assert shape.area_deficit == pytest.approx(stiffness * a**2, rel=1e-12), n
+        np.testing.assert_allclose(shape.contact_length, 2 * stiffness * a / n, rtol=1e-12)
+    for n, vanishing in ((4, 0.2146), (6, 0.0931)):  # of free arcs
+        last_digit = np.array([-5e-5, 5e-5])  # half of it
+        radii = [
+            np.min(regular_polygon(n, a).shape(law).arc_radius) for a in vanishing + last_digit
+        ]
+        assert radii[0] > 0 > radii[1], n
 
 
 @pytest.mark.parametrize("law", LAWS)
-@pytest.mark.parametrize("z", [0, 1])
-def test_fewer_contacts_than_a_sector_needs(law, z):
-    shape = LAWS[law](1.3, np.full(z, 0.4), np.full(z, 0.02))
-    if law == "ring" and z == 1:  # S = a^2/2G(0)
-        assert shape.area_deficit == pytest.approx(0.02**2 * 2 * np.pi / 3, rel=1e-14)
-    else:
-        assert shape.area_deficit == shape.perimeter_excess == 0
-    assert len(shape.d_indentation) == len(shape.d_angle) == len(shape.contact_length) == z
+def test_fewer_contacts_than_a_sector_needs(law):
+    for z in (0, 1):
+        shape = LAWS[law](1.3, np.full(z, 0.4), np.full(z, 0.02))
+        if law == "ring" and z == 1:  # S = a^2/2G(0)
+            assert shape.area_deficit == pytest.approx(0.02**2 * 2 * np.pi / 3, rel=1e-14)
+        else:
+            assert shape.area_deficit == shape.perimeter_excess == 0
+        assert len(shape.d_indentation) == len(shape.d_angle) == len(shape.contact_length) == z
 
 
-@pytest.mark.parametrize("apart", [1e-3, 1e-6, 1e-9])
+@pytest.mark.parametrize("apart", [1e-3, 1e-9])
 def test_sector_of_nearly_a_turn(apart):
     """Contacts that nearly coincide: what a sector lacks to a turn, e, keeps its digits.
 

@@ -65,9 +65,12 @@ def test_lines_that_the_outline_bulges_up_to(seed, z, outside, depth):
     assert_optimal(Contacts(1.0, rng.uniform(0, 2 * np.pi, z), a))
 
 
-@pytest.mark.parametrize("apart", [0.0, *np.logspace(-15, -6, 10)])
-@given(contacts=contacts(size=(2, 10), gap=0.1), seed=st.integers(0, 2**32 - 1))
-@settings(max_examples=20)
+@given(
+    apart=st.sampled_from([0.0, *np.logspace(-15, -6, 10).tolist()]),
+    contacts=contacts(size=(2, 10), gap=0.1),
+    seed=st.integers(0, 2**32 - 1),
+)
+@settings(max_examples=200)
 def test_nearly_equal_directions(apart, contacts, seed):
     """Twins of some contacts, as deep, or deeper or shallower by anything from 1e-15 to 1e-3."""
     rng = np.random.default_rng(seed)
@@ -79,17 +82,17 @@ def test_nearly_equal_directions(apart, contacts, seed):
     assert_optimal(Contacts(contacts.radius, angle[order], indentation[order]))
 
 
-@pytest.mark.parametrize("z", [2, 7, 40])
-def test_all_directions_equal(z):
-    indentation = np.linspace(0.01, 0.02, z)
-    shape = assert_optimal(Contacts(1.0, np.full(z, 0.3), indentation))
-    assert shape.area_deficit == pytest.approx(0.02**2 * 2 * np.pi / 3, rel=1e-13)
+def test_all_directions_equal():
+    for z in (2, 7, 40):
+        indentation = np.linspace(0.01, 0.02, z)
+        shape = assert_optimal(Contacts(1.0, np.full(z, 0.3), indentation))
+        assert shape.area_deficit == pytest.approx(0.02**2 * 2 * np.pi / 3, rel=1e-13)
 
 
-@pytest.mark.parametrize("opening", [3.0, 1.0, 1e-2, 1e-4])
-def test_half_plane(opening):
+def test_half_plane():
     """Contacts on one side only: the Steiner point holds the ring."""
-    assert_optimal(Contacts(1.0, np.array([0.0, opening]), np.array([0.02, 0.015])))
+    for opening in (3.0, 1.0, 1e-2, 1e-4):
+        assert_optimal(Contacts(1.0, np.array([0.0, opening]), np.array([0.02, 0.015])))
 
 
 @pytest.mark.parametrize("variable", ["indentation", "angle"])

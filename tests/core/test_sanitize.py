@@ -11,7 +11,7 @@ import pytest
 HERE = Path(__file__).parent
 CORE = HERE.parents[1] / "src" / "core"
 CASES = json.loads((HERE.parent / "data" / "kernel_cases.json").read_text())["cases"]
-FLAGS = ["-std=c++17", "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
+FLAGS = ["-std=c++17", "-O0", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
 
 
 @pytest.fixture(scope="module")

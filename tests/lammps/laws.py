@@ -18,5 +18,7 @@ RADICAL, BALANCED, CURVED = RING_LAWS.values()
 laws = pytest.mark.parametrize("law", LAWS)
 ring_laws = pytest.mark.parametrize("law", RING_LAWS)
 direct_laws = pytest.mark.parametrize("law", DIRECT)
+# where the formula of a law does not matter: contacts from neighbor lists, and balanced ones
+two_laws = pytest.mark.parametrize("law", ["radical", "balanced"])
 straight_laws = pytest.mark.parametrize("law", [law for law in LAWS if law != "curved"])
 balanced_laws = pytest.mark.parametrize("law", BALANCES)

@@ -1,7 +1,6 @@
 """Packings of many kinds of particles. A new kind is a line of STIFFNESS and one of MATERIALS."""
 
 import numpy as np
-import pytest
 from laws import RADICAL
 from scene import Scene
 
@@ -39,7 +38,6 @@ MATERIALS = {
     "soft radii of atoms": ("anysoft", "anysoft"),
 }
 KINDS = "rings", "droplets", "all species"
-kinds = pytest.mark.parametrize("kind", KINDS)
 
 
 def radii_of(case):

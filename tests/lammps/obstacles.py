@@ -1,10 +1,8 @@
 """Scenes of walls that point at particles, and their energies."""
 
-import pytest
 from laws import LAWS
 from scene import Scene
 
-wall_laws = pytest.mark.parametrize("law", ["radical", "balanced"])
 ROOM = (-9, 9, -9, 9)
 
 PILLARS = {

@@ -90,7 +90,6 @@ def host(tmp_path_factory):
         ("(unknown)", RELEASE, 4, None),
         ("stable_update9", RELEASE, 4, "(stable_update9): its styles are not available, install"),
         ("(unknown)", 20200303, 4, "but this is LAMMPS 3Mar2020: its styles are not available"),
-        (core.lammps_version, 20260704, 4, "but this is LAMMPS 4Jul2026 (stable"),
         (core.lammps_version, RELEASE, 8, "-D LAMMPS_SIZES=bigbig"),
     ],
     ids=[
@@ -98,7 +97,6 @@ def host(tmp_path_factory):
         "no commit",
         "other commit",
         "other release",
-        "other release, same commit",
         "bigbig",
     ],
 )

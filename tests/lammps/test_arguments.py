@@ -9,19 +9,13 @@ from test_stick import PLANE, Beads
 BAD = {
     "pair_style deformable/ring": {
         "contact radical reach 0": "reach 0 must be positive",
-        "reach -0.1": "reach -0.1 must be positive",
         "reach nan": "reach nan|'nan'",
-        "reach inf": "reach inf|'inf'",
-        "reach wide": "wide",
         "reach": "deformable/ring reach command: missing argument",
         "range 0.1": "keyword 'range'.*'reach'",
         "contact flat": "contact 'flat'",
         "contact": "contact command: missing argument",
         "contact balanced balance 0 100": "tolerance 0 ",
-        "contact balanced balance nan 100": "tolerance nan|Expected floating point",
-        "contact balanced balance 1e-8 0": "balance: 0 ",
         "contact balanced balance 1e-8 1": "balance: 1 ",
-        "contact balanced balance 1e-8": "missing argument",
         "contact radical balance 1e-8 100": "balance is for 'contact balanced'",
         "balance 1e-8 100 contact radical": "balance is for 'contact balanced'",
         "tolerance 1": "Unknown .*'tolerance'",
@@ -30,7 +24,6 @@ BAD = {
     },
     "pair_style deformable/sector": {
         "reach 0.1": "Unknown .*/sector keyword 'reach'",
-        "radius": "deformable/sector radius command: missing argument",
         "radius all": "radius 'all'",
     },
     "fix w all deformable/wall": {
@@ -38,61 +31,40 @@ BAD = {
         "nowhere": "Region 'nowhere'",
         "box 3": "Unknown .*'3'",
         "box adhesion": "deformable/wall adhesion command: missing argument",
-        "box adhesion much": "much",
         "box adhesion -0.1": "Fix w .*adhesion must be 0 or positive and finite, not -0.1",
         "box adhesion nan": "not nan|'nan'",
-        "box adhesion inf": "not inf|'inf'",
         "box adhesion 0.1 disk 0 0 1": "unknown word 'disk' after adhesion: .*come last",
         "plane 0 0 1 0 adhesion 0.1 adhesion 0.2": "adhesion is there twice",
     },
     "fix stick all deformable/stick": {
         "": "fix deformable/stick command: missing argument",
-        "wall": "fix deformable/stick command: missing argument",
         "nowhere 1.0": "Region 'nowhere'",
-        "wall stiff": "stiff",
         "wall 0": "k is '0'",
-        "wall -1.0": "k is '-1.0'",
         "wall nan": "k is 'nan'|'nan'",
-        "wall inf": "k is 'inf'|'inf'",
         "wall 1.0 range 0.1": "keyword 'range'",
         "wall 1.0 radius": "fix deformable/stick radius command: missing argument",
-        "wall 1.0 radius wide": "wide",
         "wall 1.0 radius 0": "radius is '0'",
-        "wall 1.0 radius -0.1": "radius is '-0.1'",
-        "wall 1.0 radius inf": "radius is 'inf'|'inf'",
         "wall 1.0 radius 0.1 0.2": "argument '0.2'",
     },
     "fix area all deformable/polygon": {
         "": "fix deformable/polygon command: missing argument",
-        "stiff": "stiff",
-        "-1.0": "kA is '-1.0'",
-        "nan": "kA is 'nan'|'nan'",
         "inf": "kA is 'inf'|'inf'",
         "1.0 area 2.0": "keyword 'area'",
         "1.0 rest": "fix deformable/polygon rest command: missing argument",
-        "1.0 rest large": "large",
         "1.0 rest 0": "rest is '0'",
-        "1.0 rest -2.0": "rest is '-2.0'",
-        "1.0 rest inf": "rest is 'inf'|'inf'",
         "1.0 rest initial more": "keyword 'more'",
     },
     "pair_style deformable/edge": {
         "": "pair_style deformable/edge has 0 arguments",
         "0.4 0.1": "pair_style deformable/edge has 2 arguments",
-        "long": "long",
         "0": "l is '0'",
-        "-0.4": "l is '-0.4'",
-        "inf": "l is 'inf'|'inf'",
         "nan": "l is 'nan'|'nan'",
     },
     "pair_coeff": {  # of deformable/edge
         "* * 3.0": "pair_coeff of deformable/edge has 3 arguments",
-        "* * 3.0 0.15 1": "pair_coeff of deformable/edge has 5 arguments",
-        "* * stiff 0.15": "stiff",
         "* * -3.0 0.15": "kr is '-3.0'",
         "* * inf 0.15": "kr is 'inf'|'inf'",
         "* * 3.0 0": "c is '0'",
-        "* * 3.0 nan": "c is 'nan'|'nan'",
         "2* *1 3.0 0.15": r"pair_coeff 2\* \*1 .* no pair of types",
         "1 3 3.0 0.15": "3",
     },
@@ -103,11 +75,11 @@ SCENES = {
     "edge": lambda: two_polygons(types=[1, 2]).lmp,
     "pair_coeff": lambda: two_polygons(types=[1, 2]).lmp,
 }
-CASES = [(command, *case) for command, cases in BAD.items() for case in cases.items()]
 
 
-@pytest.mark.parametrize(("command", "arguments", "message"), CASES)
-def test_arguments(command, arguments, message):
+@pytest.mark.parametrize("command", BAD)
+def test_arguments(command):
     scene = SCENES.get(command.split("/")[-1], two_particles)()
-    with refuses(message):
-        scene.command(f"{command} {arguments}")
+    for arguments, message in BAD[command].items():
+        with refuses(message):
+            scene.command(f"{command} {arguments}")

@@ -21,13 +21,14 @@ def squeezed(species, places, top, style):
     return Scene(x, species, BOX, style, boundary="p f p", commands=walls)
 
 
-@pytest.mark.parametrize("law", ["balanced"])
-def test_stiff_on_soft(law):
+def test_stiff_on_soft():
     """kA a^3 is the same on both sides: S = pi a^2 between parallel lines, L = pi a."""
     stiff, soft, overlap = 1.0, 0.3, 0.03
     a = overlap / (1 + (stiff / soft) ** (1 / 3))
     b = overlap - a
-    scene = squeezed(["small", "weak"], [0.5 - a, 1.5 - a - overlap], 2 - 2 * overlap, EXACT[law])
+    scene = squeezed(
+        ["small", "weak"], [0.5 - a, 1.5 - a - overlap], 2 - 2 * overlap, EXACT["balanced"]
+    )
     state = scene.evaluate()
     deficit = np.pi * np.array([a, b]) ** 2
     expected = 0.5 * np.array([stiff, soft]) * deficit**2
@@ -40,26 +41,12 @@ def test_stiff_on_soft(law):
     assert scene.force_on_wall("top")[1] == pytest.approx(force, rel=1e-11)
 
 
-@balanced_laws
-def test_equal_particles(law):
-    """Equal particles share their overlap in halves: the radical axis is balanced."""
-    places = [0.49, 1.47]
-    state, radical = (
-        squeezed(["small", "small"], places, 1.96, style).evaluate()
-        for style in (EXACT[law], RADICAL)
-    )
-    assert state.energy == pytest.approx(radical.energy, rel=1e-13)
-    largest = np.abs(radical.shape["pressure"]).max()
-    np.testing.assert_allclose(state.force, radical.force, rtol=0, atol=1e-12 * largest)
-
-
-@pytest.mark.parametrize("law", ["balanced"])
-def test_one_contact(law):
+def test_one_contact():
     """A pair alone: L = a/G(0), S = a^2/2G(0), so kA a^3 is the same on both sides."""
     x = np.array([[0.0, 0.0], [0.97, 0.0]])
     ratio = (1 / 0.3) ** (1 / 3)
     a = 0.03 / (1 + ratio)
-    state = Scene(x, ["small", "weak"], BOX, EXACT[law]).evaluate()
+    state = Scene(x, ["small", "weak"], BOX, EXACT["balanced"]).evaluate()
     per_green = 4 * np.pi / 3
     assert state.atom_energy[0] == pytest.approx(0.5 * (0.5 * per_green * a**2) ** 2, rel=1e-11)
     assert state.force[0, 0] == pytest.approx(-0.5 * per_green**2 * a**3, rel=1e-11)
@@ -79,18 +66,6 @@ def test_pairs_that_come_apart(law, tmp_path):
         assert evaluations <= 3
         assert imbalance == 0.0
     assert "not balanced" not in log.read_text()
-
-
-@balanced_laws
-def test_clusters(law):
-    """Clusters do not influence each other."""
-    pair = np.array([[0.0, 0.0], [0.97, 0.0]])
-    both = np.vstack([pair - [2.4, 2.0], pair[:, ::-1] + [1.0, 1.0]])
-    species = ["small", "weak", "both", "weak"]
-    state = Scene(both, species, BOX, EXACT[law]).evaluate()
-    for k in (0, 2):
-        alone = Scene(both[k : k + 2], species[k : k + 2], BOX, EXACT[law]).evaluate()
-        np.testing.assert_allclose(state.atom_energy[k : k + 2], alone.atom_energy, rtol=1e-11)
 
 
 def test_many_small_neighbors():
@@ -132,8 +107,9 @@ def test_periodic_images(law):
     np.testing.assert_allclose(state.force, wide.force[:2], rtol=0, atol=1e-11 * state.virial.max())
 
 
-@pytest.mark.parametrize("species", [("fixed", "fixedlarge"), ("drop", "droplarge")])
-@balanced_laws
+@pytest.mark.parametrize(
+    ("law", "species"), [("balanced", ("fixed", "fixedlarge")), ("curved", ("drop", "droplarge"))]
+)
 def test_after_an_error(law, species):
     """Particles without room leave no trace in the calls that follow."""
     roomy = "change_box all x scale 1.06 y scale 1.06 remap"
@@ -213,18 +189,18 @@ def scattered(draw, seed, folder, scale=1.0):
     return Scene(case["x"], names, box, f"{BALANCED} reach 0.5", coeff=coeff)
 
 
-@pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize("draw", EXTREMES.values(), ids=EXTREMES)
-def test_stiff_beside_soft(draw, seed, tmp_path):
+def test_stiff_beside_soft(draw, tmp_path):
     """Stiffnesses of neighbors that differ by orders of magnitude; a common factor is a unit."""
-    scene = scattered(draw, seed, tmp_path)
-    state = scene.evaluate()
-    evaluations, imbalance = of_compute_pair(scene)
-    assert imbalance <= 1e-8
-    assert evaluations <= 40
+    for seed in range(3):
+        scene = scattered(draw, seed, tmp_path)
+        energy = scene.evaluate().energy
+        evaluations, imbalance = of_compute_pair(scene)
+        assert imbalance <= 1e-8
+        assert evaluations <= 40
     for power in (-27, 27):
         scaled = scattered(draw, seed, tmp_path, 2.0**power).evaluate()
-        assert scaled.energy == pytest.approx(2.0**power * state.energy, rel=1e-13)
+        assert scaled.energy == pytest.approx(2.0**power * energy, rel=1e-13)
 
 
 @pytest.mark.parametrize("unit", [2.0**-132, 2.0**132])

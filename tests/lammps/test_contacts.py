@@ -7,12 +7,10 @@ from laws import EXACT, LAWS, direct_laws, laws, straight_laws
 from materials import radii_of
 from scene import BOX, FOUR, PACKINGS, ROOM_OF_FOUR, Scene
 
-packings = pytest.mark.parametrize("case", PACKINGS, ids=range(len(PACKINGS)))
-
 
 @straight_laws
-@pytest.mark.parametrize("case", PACKINGS[:2], ids=range(2))
-def test_packing(case, law):
+def test_packing(law):
+    case = PACKINGS[0]
     scene = Scene.packing(case, EXACT[law], commands=CONTACTS)
     state = scene.evaluate()
     seen = contacts(scene)
@@ -62,8 +60,8 @@ def check_force_vectors(scene):
 
 
 @laws
-@packings
-def test_force_vectors(case, law):
+def test_force_vectors(law):
+    case = PACKINGS[1]
     check_force_vectors(Scene.packing(case, LAWS[law], commands=CONTACTS))
 
 

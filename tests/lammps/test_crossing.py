@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
-from laws import LAWS, balanced_laws, laws
+from laws import LAWS, balanced_laws, two_laws
 from scene import Scene
+from turns import in_turn
 
 STYLES = {law: style if law == "sector" else f"{style} reach 2" for law, style in LAWS.items()}
 ROOM = (-4, 4, -4, 4)
@@ -18,8 +19,7 @@ def collide(law, x, v, walls=""):
     return np.array(scene.lmp.gather("x", 1, 3)).reshape(-1, 3)
 
 
-@laws
-@pytest.mark.parametrize("aside", [0.0, 0.01])
+@pytest.mark.parametrize(("law", "aside"), in_turn(LAWS, [0.0, 0.01]))
 def test_a_thin_segment_is_not_crossed(law, aside):
     """A center that has crossed would be pushed on, away from its own side."""
     walls = "fix walls all deformable/wall segment 0 -2 0 2\n"
@@ -29,8 +29,7 @@ def test_a_thin_segment_is_not_crossed(law, aside):
     assert stopped[0, 0] < -0.1  # on its way back
 
 
-@laws
-@pytest.mark.parametrize("aside", [0.0, 0.01])
+@pytest.mark.parametrize(("law", "aside"), in_turn(LAWS, [0.0, 0.01]))
 def test_particles_do_not_cross_each_other(law, aside):
     x = [[-0.7, 0.0], [0.7, aside]]
     with pytest.raises(
@@ -41,7 +40,7 @@ def test_particles_do_not_cross_each_other(law, aside):
     assert stopped[0, 0] < stopped[1, 0] - 0.2  # on their way back
 
 
-@laws
+@two_laws
 def test_unfix_of_walls_before_a_run_without_setup(law):
     """It was a crash of LAMMPS: the run called the fix that was gone."""
     x = [[-0.5, 0.0], [1.5, 0.0]]

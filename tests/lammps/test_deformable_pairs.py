@@ -6,6 +6,7 @@ from laws import BALANCED
 from polygons import Polygons
 from smooth_polygons import BOX, FIRST, HEADER, NO_SPRINGS, SECOND, TWO, two_polygons
 from test_refusals import refuses
+from turns import in_turn
 
 ASKING = {
     "compute deformable/contact": "compute some all deformable/contact\n",
@@ -19,11 +20,9 @@ OTHERS = {
     "pair_coeff * * deformable/edge 3.0 0.15\npair_coeff * * zero\n",
     "zero": "pair_style zero 1.0\npair_coeff * *\n",
 }
-asking = pytest.mark.parametrize("what", ASKING)
 
 
-@asking
-@pytest.mark.parametrize("style", OTHERS)
+@pytest.mark.parametrize(("what", "style"), in_turn(ASKING, OTHERS))
 def test_other_styles(what, style):
     scene = two_polygons(pair=OTHERS[style], commands=ASKING[what])
     with refuses(f"(?:Fix|Compute) some .* needs .*deformable/ring.*pair_style is {style}"):

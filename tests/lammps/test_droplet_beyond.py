@@ -8,7 +8,7 @@ from droplet_walls import walled
 ORIGIN = np.zeros((1, 3))
 
 
-@pytest.mark.parametrize(("half", "beyond"), [(0.72, 0), (0.69, 1), (0.5, 1), (0.3, 1)])
+@pytest.mark.parametrize(("half", "beyond"), [(0.72, 0), (0.69, 1), (0.3, 1)])
 def test_between_two_plates(half, beyond, tmp_path):
     """Forces are a quarter too small at a distance of 1.4 R; the load is far below 0.4 there."""
     scene = walled(ORIGIN, f"zlo {-half} zhi {half}", tmp_path)
@@ -18,6 +18,7 @@ def test_between_two_plates(half, beyond, tmp_path):
     assert scene.contacts()[:, 4].sum() / (8 * np.pi) < 0.35
 
 
+@pytest.mark.slow
 def test_dense_packings_are_within_both_measures():
     """Loads of up to a third, in a random packing, with a mean facet below 0.045."""
     spheres = ld.bidisperse(64, sizes=(0.5, 0.7), dimension=3, seed=1)

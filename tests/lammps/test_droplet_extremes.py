@@ -5,6 +5,7 @@ import pytest
 from droplets import Droplets, dual
 from lammps_deformable import bidisperse, jam
 from test_droplet import alone, pair
+from turns import in_turn
 
 # ratio of radii, tensions of the small and the large ones
 CONTRASTS = [(1.0, (1, 1)), (5.0, (1, 1)), (1.4, (1, 100)), (1.4, (100, 1)), (5.0, (1, 100))]
@@ -31,8 +32,10 @@ def case_of(packing, tensions, phi, shake=0.0, seed=1):
     }
 
 
-@pytest.mark.parametrize("phi", [0.7, 0.8, 0.9, 0.95])
-@pytest.mark.parametrize(("ratio", "tensions"), CONTRASTS)
+@pytest.mark.parametrize(
+    ("ratio", "tensions", "phi"),
+    in_turn(CONTRASTS, [0.95, 0.7, 0.8, 0.9]),
+)
 def test_contrasts(ratio, tensions, phi, packings, tmp_path):
     """Far beyond the model too: forces are balanced, and known to the last bit but a few."""
     scene = Droplets(case_of(packings[ratio], tensions, phi), tmp_path, "deformable/droplet")
@@ -48,23 +51,24 @@ def test_contrasts(ratio, tensions, phi, packings, tmp_path):
     assert (at[1] - at[0]) / (2 * h) == pytest.approx(np.linalg.norm(push), rel=1e-4)
 
 
-@pytest.mark.parametrize("ratio", [1.4, 5.0])
-def test_contacts_are_balanced_beyond_the_model(ratio, packings, tmp_path):
+def test_contacts_are_balanced_beyond_the_model(packings, tmp_path):
     """Weak droplets among strong ones, from forces that know nothing of each other: Newton's method
     goes in circles in few scenes at most. Which ones they are is up to rounding."""
     imbalances = [
         Droplets(
             case_of(packings[ratio], (1, 100), phi, shake, seed), tmp_path, "deformable/droplet"
         ).outputs()[3]
+        for ratio in (1.4, 5.0)
         for phi in (0.8, 0.9, 0.95)
         for shake in (0.02, 0.05, 0.1)
-        for seed in range(10)
+        for seed in range(4)
     ]
-    assert np.count_nonzero(np.array(imbalances) > 1e-8) <= 4
+    assert np.count_nonzero(np.array(imbalances) > 1e-8) <= 3
 
 
-@pytest.mark.parametrize("start", [0.1, 3.0])
-@pytest.mark.parametrize(("ratio", "tensions", "phi"), [(1.4, (1, 100), 0.8), (5.0, (1, 1), 0.95)])
+@pytest.mark.parametrize(
+    ("ratio", "tensions", "phi", "start"), [(1.4, (1, 100), 0.8, 3.0), (5.0, (1, 1), 0.95, 0.1)]
+)
 def test_one_solution(ratio, tensions, phi, start, packings, tmp_path):
     """Beyond the model the dual energy has one largest value, wherever forces begin."""
     case = case_of(packings[ratio], tensions, phi)
@@ -79,15 +83,15 @@ def test_one_solution(ratio, tensions, phi, start, packings, tmp_path):
     assert scene.outputs()[0] == np.count_nonzero((loads > 0.4) | (facets > 0.05))
 
 
-@pytest.mark.parametrize("overlap", [1e-14, 1e-12, 1e-8, 1e-4])
-def test_tiny_overlaps(overlap, tmp_path):
+def test_tiny_overlaps(tmp_path):
     """a = f/(4 pi) [ln(8 pi/f) - 5/6], as far as the digits of positions tell overlaps."""
-    scene = pair(2.0 - overlap, tmp_path)
-    distance = np.diff(scene.x[:, 2])[0]
-    f = scene.force[1, 2]
-    assert 0 < f < overlap
-    a = f / (4 * np.pi) * (np.log(8 * np.pi / f) - 5 / 6)
-    assert a == pytest.approx((2.0 - distance) / 2, rel=1e-7)
+    for overlap in (1e-14, 1e-8, 1e-4):
+        scene = pair(2.0 - overlap, tmp_path)
+        distance = np.diff(scene.x[:, 2])[0]
+        f = scene.force[1, 2]
+        assert 0 < f < overlap
+        a = f / (4 * np.pi) * (np.log(8 * np.pi / f) - 5 / 6)
+        assert a == pytest.approx((2.0 - distance) / 2, rel=1e-7)
 
 
 def test_a_droplet_alone(tmp_path):
@@ -109,7 +113,7 @@ def test_far_too_small_boxes_are_refused_before_lists_of_neighbors(boundary, tmp
         Droplets(case, tmp_path, boundary=boundary)
 
 
-@pytest.mark.parametrize("distance", [1.0, 0.1, 1e-3, 1e-9])
+@pytest.mark.parametrize("distance", [1.0, 1e-9])
 def test_droplets_nearly_in_one_place(distance, tmp_path):
     """Beyond the model, and counted, with balanced forces that push them apart."""
     scene = pair(distance, tmp_path)
@@ -120,7 +124,7 @@ def test_droplets_nearly_in_one_place(distance, tmp_path):
     assert scene.energy == 0.0
 
 
-@pytest.mark.parametrize("apart", [0.3, 0.1, 1e-2, 1e-4, 1e-6, 1e-9, 0.0])
+@pytest.mark.parametrize("apart", [0.3, 1e-2, 1e-6, 0.0])
 def test_contacts_nearly_in_one_direction(apart, tmp_path):
     """Two droplets that do not feel each other press on a third, until one has its place alone."""
     x = np.array([[5, 5, 5], [5, 5 - apart, 6.97], [5, 5 + apart, 6.97]])
@@ -135,7 +139,7 @@ def test_contacts_nearly_in_one_direction(apart, tmp_path):
         assert -slope == pytest.approx(force[2, 1], rel=1e-5)
 
 
-@pytest.mark.parametrize("axis", [0, 1, 2])
+@pytest.mark.parametrize("axis", [0, 2])
 def test_droplets_at_rest_meet_as_their_box_shrinks(axis, tmp_path):
     """Centers keep their places, and images come near between two neighbor lists."""
     x = np.full((2, 3), 4.0)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from droplet_walls import CUBE, SCENES, SIDE, force_on_walls, region, walled
-from parallel import FEW, assert_atoms_change_ranks, assert_same, on_grids, report, reported
+from parallel import TWO, assert_atoms_change_ranks, assert_same, on_grids, report, reported
 
 START = CUBE + 0.02 * np.random.default_rng(5).normal(size=CUBE.shape)
 NEAR = "block -1.99 1.98 -1.96 1.98 -1.97 1.97"
@@ -167,7 +167,7 @@ def test_ranks(tmp_path):
     commands += "velocity all create 0.01 5 loop geom\nvelocity all set 0.3 NULL 0.3 sum yes\n"
     commands += "fix move all nve\ntimestep 0.03\n" + report(30, scalars, COLUMNS)
     fields = {"atoms": atoms, "species": tmp_path / "species"}
-    folders = on_grids(commands, tmp_path, FEW, **fields)
+    folders = on_grids(commands, tmp_path, TWO, **fields)
     before, after = (reported(folders, steps) for steps in (0, 30))
     assert_same(before, 1e-10, atol=1e-11)
     assert_same(after, 1e-9, atol=1e-9)

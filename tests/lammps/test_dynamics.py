@@ -84,14 +84,13 @@ def test_fire_stalls_with_the_sector_law_only(jammed, law, stalls):
 
 
 @pytest.mark.parametrize(
-    ("law", "species"),
+    ("law", "species", "walls"),
     [
-        ("sector", "small large"),
-        ("ring contact radical", "small large"),
-        ("ring contact radical", "both skinned"),
+        ("sector", "small large", False),
+        ("ring contact radical", "small large", True),
+        ("ring contact radical", "both skinned", False),
     ],
 )
-@pytest.mark.parametrize("walls", [False, True])
 def test_forces_of_a_motion_are_those_of_a_first_call(law, species, walls):
     """Active contacts are remembered as long as a neighbor list lasts; a new list forgets them."""
     case = PACKINGS[0]

@@ -67,7 +67,6 @@ LONG = SECOND + np.eye(17)[4][:, None] * (SECOND[4] - SECOND.mean(0)) * 0.4
         ({"commands": "set atom 7 image 3 3 NULL\n"}, "atoms 6 and 7 of polygon 1"),
         ({"pair": TWO.replace("0.4", "2.1")}, "l is 2.1, more than half of the box, .* 4 wide"),
         ({"pair": TWO.replace("0.15", "4.0")}, "c and the skin .* 4.02 .* box, .* 4 wide"),
-        ({"pair": TWO.replace("3.0", "1e308") + "pair_coeff * * 1e308 1.9\n"}, "kr"),
         (
             {"outlines": (FIRST, regular(40, 1.93))},
             "polygon 2 may meet its own image: .* 3.86 wide",
@@ -145,10 +144,6 @@ def test_vertex_on_another_rank(tmp_path):
     ("commands", "message"),
     [
         ("create_bonds single/bond 1 1 12\n", "special_bonds .* of polygons . and . the factor 0"),
-        (
-            "special_bonds lj 1 0.5 1\ncreate_bonds single/bond 1 1 12\n",
-            "special_bonds .* of polygons . and . the factor 0.5",
-        ),
         (
             "group part id 1 2 3\ngroup rest subtract all part\n"
             "neigh_modify exclude group part rest\n",

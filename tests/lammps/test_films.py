@@ -79,9 +79,7 @@ def double_bubble(radius, w):
     return (2 - w) * film + np.sum(free) - 2 * np.pi * (1 + radius), film, np.sum(heights)
 
 
-@pytest.mark.parametrize(
-    ("radius", "w"), [(1.0, 0.1), (1.0, 0.3), (1.4, 0.1), (1.4, 0.3), (2.0, 0.3)]
-)
+@pytest.mark.parametrize(("radius", "w"), [(1.0, 0.1), (1.4, 0.1), (2.0, 0.3)])
 def test_two_droplets_at_rest(radius, w, tmp_path):
     energy, film, distance = double_bubble(radius, w)
     scene = doublet(distance, tmp_path, w, radius, commands=CONTACTS)
@@ -125,7 +123,6 @@ def test_two_droplets_at_touch_and_at_pull_off(radius, w, energy, force, pull_of
 # faces, how far they press, w, energy, force, length, pressure: MODEL 14
 FACES = [
     (2, 0.0, 0.05, -0.0357811232644, -0.139189071047, 0.510853398729, 0.95),
-    (2, -0.05, 0.05, -0.0147562327766, -0.277924937099, 0.38305642724, 0.904761904762),
     (2, 0.05, 0.15, -0.200373559724, -0.242639140709, 0.906329320997, 0.894736842105),
     (4, 0.02, 0.1, -0.193249757169, -0.447523964077, 0.614828946459, 0.690038793838),
     (6, 0.03, 0.05, -0.126800987297, -0.0130721741832, 0.631829083838, 0.967710479458),

@@ -48,7 +48,7 @@ def test_limit():
     assert np.degrees(np.arccos(1 - LIMIT)) == pytest.approx(53.8, abs=0.05)
 
 
-@pytest.mark.parametrize("w", [0.1, 0.3, 0.4, 0.42, 0.5, 0.6, 0.8])
+@pytest.mark.parametrize("w", [0.1, 0.4, 0.42, 0.8])
 def test_films_at_a_wall(w, tmp_path):
     """New droplets whose circle overlaps with the wall have a film where there is one."""
     end = farthest(np.arccos(1 - w))

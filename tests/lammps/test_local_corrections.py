@@ -9,10 +9,12 @@ from moved import Moved
 from scene import PACKINGS, Scene
 
 TOLERANCE = 1e-8
-COPIES = 40  # of a packing of 24: 75 blocks of 512 rings
+# of a packing of 24: 75 blocks of 512 rings, so that a quarter of those of a rank are more than
+# a block and its neighbors, which is what `are_few` asks for
+COPIES = 40
 MOVERS = (2, 9, 20)  # of one copy
 # ranks, their grid, and how far the rings that move are from the border of two ranks
-CASES = [(1, "1 1 1", 0), *((2, "2 1 1", away) for away in (0, 1, 4)), (2, "1 2 1", 0)]
+CASES = [(1, "1 1 1", 0), (2, "2 1 1", 1), (2, "1 2 1", 0)]
 
 
 @pytest.mark.parametrize(("ranks", "grid", "away"), CASES)

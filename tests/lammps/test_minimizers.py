@@ -6,12 +6,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 from laws import RING_LAWS
+from turns import in_turn
 
 sys.path.append(str(Path(__file__).parents[2] / "benchmarks"))
 import minimizers
 
-CASES = [("rings", "sector")] + [
-    (material, law) for material in minimizers.MATERIALS for law in RING_LAWS
+CASES = [
+    ("rings", "sector"),
+    *((material, law) for law, material in in_turn(RING_LAWS, minimizers.MATERIALS)),
 ]
 
 # Several times the tolerance of balanced contacts, 1e-8 of the largest force: forces add up.
@@ -28,8 +30,7 @@ def test_minima_are_the_same(material: str, law: str) -> None:
         assert found["energy"] == pytest.approx(lowest, rel=1e-9), style
 
 
-@pytest.mark.parametrize(("material", "law"), CASES)
-@pytest.mark.parametrize("style", minimizers.IN_A_BOX)
+@pytest.mark.parametrize(("material", "law", "style"), in_turn(CASES, minimizers.IN_A_BOX))
 def test_box_relax_reaches_the_pressure(material: str, law: str, style: str) -> None:
     found = minimizers.minimum(law, material, style, in_a_box=True)
     assert found["force"] < 5.0 * minimizers.TOLERANCE

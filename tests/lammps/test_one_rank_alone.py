@@ -80,7 +80,7 @@ def space(atoms, commands="run 0", words=""):
 
 
 SPHERE = "set group all diameter 1.0\nset group all mass 1.0\n"
-RING, RADICAL, CURVED = (EXACT[law] for law in ("balanced", "radical", "curved"))
+RING, RADICAL = (EXACT[law] for law in ("balanced", "radical"))
 BEHIND = "contact line of atoms"
 MOVES = "group one id 1\nfix move one move linear 49.9 0 0\ntimestep 0.01\nrun 20"
 SCENES = {

@@ -1,11 +1,12 @@
-"""Periodic packings: known answers, the kernels on the same geometry, and what the reach covers."""
+"""Periodic packings: known answers, the kernels on the same geometry, reach, any stiffness."""
 
 import numpy as np
 import pytest
+from closed_forms import polygon_stiffness
 from lammps_deformable import core
 from laws import LAWS, RADICAL, direct_laws
 from materials import MATERIALS, STIFFNESS, packing, radii_of, species_of
-from scene import PACKINGS, RESULTS, Scene
+from scene import BOX, PACKINGS, RESULTS, Scene, polygon_walls
 
 packings = pytest.mark.parametrize("case", PACKINGS, ids=range(len(PACKINGS)))
 
@@ -63,7 +64,7 @@ def ring(name, radius, angle, a):
 
 KERNELS = [
     *((sector, LAWS["sector"], m, 0.0) for m in ("perimeter conserved", "area conserved")),
-    *((ring, RADICAL, m, 0.3) for m in MATERIALS if "radii" not in m),
+    *((ring, RADICAL, m, 0.3) for m in ("one of each", "rings", "droplets", "all species")),
     (ring, f"{RADICAL} reach 0.1", "rings", 0.1),
 ]
 
@@ -117,3 +118,57 @@ def test_particles_beyond_the_model_are_counted_and_announced_once(law, tmp_path
         scene.lmp.close()
         assert log.read_text().count("beyond the model") == (beyond > 0)
         assert ("36 of 36 particles are beyond" in log.read_text()) == (beyond > 0)
+
+
+# ---- rings of any stiffness ----
+
+
+def test_stiff_species_beside_soft_ones():
+    """The energy of species that conserve the perimeter does not depend on other species."""
+    case = PACKINGS[0]
+    stiff = Scene.packing(case, RADICAL).evaluate()
+    state, species = packing(case).evaluate(), species_of(case)
+    alike = [i for i, name in enumerate(species) if name in ("small", "large", "thick")]
+    np.testing.assert_array_equal(state.atom_energy[alike], stiff.atom_energy[alike])
+    thick = species.index("thick")
+    inner = np.pi * 0.4**2
+    lost = np.pi * 0.5**2 - stiff.shape["area"][thick]
+    assert state.shape["area"][thick] == pytest.approx(inner - lost, rel=1e-13)
+    assert state.shape["perimeter"][thick] == pytest.approx(2 * np.pi * 0.4, rel=1e-15)
+
+
+@pytest.mark.parametrize("n", [3, 6])
+def test_regular_polygon(n):
+    """Laplace's law, p q = kP (P - P0), for the results of the pair style."""
+    a, radius, kP = 0.01, 0.5, 1.0
+    options = {"boundary": "f f p", "commands": polygon_walls(n, radius - a)}
+    scene = Scene([[0, 0]], ["both"], BOX, RADICAL, **options)
+    shape = {name: values[0] for name, values in scene.evaluate().shape.items()}
+    stretch = shape["perimeter"] - 2 * np.pi * radius
+    delta = stretch / (2 * np.pi)
+    assert delta > 4e-5
+    # the perimeter is a sum of 3, which leaves the stretch of 3e-4 to 4e-16/3e-4
+    length = 2 * polygon_stiffness(n) * (a + delta)
+    assert shape["contact_length"] == pytest.approx(length, rel=1e-11)
+    q = radius + delta - length / (2 * np.pi)
+    assert shape["arc_radius"] == pytest.approx(q, rel=1e-11)
+    assert shape["pressure"] * q == pytest.approx(kP * stretch, rel=1e-11)
+    deficit = np.pi * radius**2 - shape["area"]
+    assert shape["pressure"] == pytest.approx(deficit, rel=1e-11)
+
+
+def test_reach_includes_the_expansion():
+    """A ring that expands far out of its circle needs a reach that covers that."""
+    walls = "region walls block -0.4 0.4 -2 2 -0.5 0.5\nfix walls all deformable/wall walls"
+    ratios = []
+    for species in ("small", "fixed"):
+        scene = Scene([[0, 0]], [species], BOX, f"{RADICAL} reach 0.5", commands=walls)
+        ratios.append(scene.evaluate().bulge)
+    # between walls 2 h apart the outline ends in half circles of radius h: pi h^2 + 4 h b = pi R^2
+    # keeps the area, 2 pi h + 4 b = 2 pi R the perimeter, and it bulges by h + b - R
+    h, radius = 0.4, 0.5
+    bulge = [
+        h + np.pi * (radius - h) / 2 - radius,
+        h + np.pi * (radius**2 - h**2) / (4 * h) - radius,
+    ]
+    np.testing.assert_allclose(ratios, np.array(bulge) / (0.5 * radius), rtol=1e-9)

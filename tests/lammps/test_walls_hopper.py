@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from laws import LAWS
-from obstacles import energies, wall_laws
+from laws import LAWS, two_laws
+from obstacles import energies
 from parallel import assert_same, on_grids, report, reported
 from scene import SPECIES, Scene
 
@@ -31,7 +31,7 @@ def through(scene):
     return (scene.x[:, 1] < 10).sum()
 
 
-@wall_laws
+@two_laws
 @pytest.mark.parametrize(
     ("calls", "steps"), [(10, 1000), pytest.param(50, 6000, marks=pytest.mark.slow)]
 )
@@ -48,7 +48,7 @@ def test_energy_is_kept(law, calls, steps):
 
 
 @pytest.mark.slow
-@wall_laws
+@two_laws
 def test_run_to_the_end(law):
     """With drag all particles fall through and come to rest on the floor, which bears them."""
     scene = hopper(law, "fix drag all viscous 0.004\n")
@@ -83,7 +83,7 @@ thermo_modify norm no
 """ + report(20, "pe f_hopper[1] f_hopper[2] f_paddle f_paddle[1] pxx pxy", "x y vx vy fx fy")
 
 
-@wall_laws
+@two_laws
 def test_two_ranks(law, tmp_path):
     """Forces, the force on each wall and the work of a rotating paddle.
 

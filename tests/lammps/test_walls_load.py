@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from droplet_walls import CUBE, walled
 from grains import Grains
-from obstacles import kinetic, wall_laws
-from parallel import assert_same, finished, on_grids, report, reported
+from laws import two_laws
+from obstacles import kinetic
+from parallel import assert_same, finished, in_process, on_grids, report, reported
 from test_walls_sides import plane
 
-SIDES = ("xlo", -1), ("xhi", 1), ("ylo", -1), ("yhi", 1)
 X = np.array([[i - 1.5, j + 0.48] for i in range(4) for j in range(3)]) * [0.99, 0.975]
 FLOOR = "fix floor all deformable/wall xlo -1.98 xhi 1.98 ylo 0\n"
 LID = "fix walls all deformable/wall yhi {at} load {load} {mass}\n"
@@ -21,7 +21,7 @@ def lid(scene):
     return np.array(values[:3]), *values[3:], scene.lmp.extract_fix("walls", 0, 0)
 
 
-@pytest.mark.parametrize(("side", "sign"), SIDES)
+@pytest.mark.parametrize(("side", "sign"), [("xlo", -1), ("yhi", 1)])
 def test_a_wall_alone_falls(side, sign):
     """By F t^2/2m, towards the particles."""
     scene = plane(f"{side} {2.5 * sign} load 0.3 6", x=np.zeros((1, 2)), boundary="f f p")
@@ -46,12 +46,12 @@ def test_a_wall_alone_in_other_units(tmp_path):
             "fix walls all deformable/wall yhi 8 load 0.03 50\nthermo_style custom step\n"
             'run 10\nprint "$(f_walls[5]:%.17g)" file velocity\n'
         )
-        finished(1, script, tmp_path)
+        in_process(script, tmp_path)
         found = float(np.loadtxt(tmp_path / "velocity"))
         assert found == pytest.approx(-0.03 / 50 * ftm2v * 0.1, rel=1e-6), units
 
 
-@wall_laws
+@two_laws
 def test_energy_and_momentum(law):
     """Kinetic energy of the lid and work of the load are what particles give, to second order."""
     mass, load, errors = 5.0, 0.2, []
@@ -181,7 +181,7 @@ def test_ranks(tmp_path):
     (tmp_path / "species").write_text("a 1.0 inf 0 tension 1.0\n")
     more = MORE.format(species=tmp_path / "species") + report(60, VALUES, "x y fx fy")
     fields = {"atoms": ATOMS, "more": more}
-    folders = on_grids(HEAD + RUN, tmp_path, ("1 1 1", "1 2 1", "2 2 1"), **fields)
+    folders = on_grids(HEAD + RUN, tmp_path, ("1 1 1", "1 2 1"), **fields)
     found = reported(folders, 60)
     assert_same(found, 1e-9, atol=1e-11)
     assert found["1 1 1"][0][4] < 7.99
@@ -193,7 +193,7 @@ def test_restart(tmp_path):
     more = MORE.format(species="species")
     start = HEAD + RUN.format(grid="* * *", balance="", atoms=ATOMS, more=more)
     end = report(60, VALUES, "x y fx fy").replace("run 60", "")
-    finished(1, f"{start}run 60\n{end}", tmp_path)
+    in_process(f"{start}run 60\n{end}", tmp_path)
     one = np.loadtxt(tmp_path / "scalars60"), np.loadtxt(tmp_path / "atoms60", skiprows=9)
     for write, read in ((1, 1), (2, 1), (1, 2)):
         finished(write, f"{start}run 25\nwrite_restart half\n", tmp_path)
@@ -209,12 +209,12 @@ def test_restart_without_the_load(wall, tmp_path):
     (tmp_path / "species").write_text("a 1.0 inf 0 tension 1.0\n")
     more = MORE.format(species="species")
     start = HEAD + RUN.format(grid="* * *", balance="", atoms=ATOMS, more=more)
-    finished(1, f"{start}run 9\nwrite_restart half\n", tmp_path)
+    in_process(f"{start}run 9\nwrite_restart half\n", tmp_path)
     more = more.replace("fix lid all deformable/wall yhi 8.0 load 0.4 12", "{}").format(
         f"region room block INF INF INF 8.0 INF INF\nfix lid all deformable/wall {wall}"
     )
     values = report(10, "f_lid f_lid[2]", "x y").replace("run 10", "run 1")
-    out = finished(1, f"atom_modify map yes\nread_restart half\n{more}{values}", tmp_path)
+    out = in_process(f"atom_modify map yes\nread_restart half\n{more}{values}", tmp_path)
     assert "the restart file has 1 sides of it that move under a load, here are 0, which" in out
     assert np.loadtxt(tmp_path / "scalars10")[0] == 0
 
@@ -260,26 +260,21 @@ def test_a_loaded_lid_that_slides(tmp_path):
     assert scene.balance() == pytest.approx(before, abs=0.02 * lost)
 
 
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        ("yhi 2 load", "deformable/wall load"),
-        ("yhi 2 load 1", "deformable/wall load"),
-        ("yhi 2 load 1 0", "the mass of a wall under a load must be positive and finite, not 0"),
-        ("yhi 2 load 1 -2", "must be positive and finite, not -2"),
-        ("yhi 2 load x 1", "Expected floating point.*'x'"),
-        ("yhi 2 load v_none 1", "load: variable 'none' does not exist"),
-        (
-            "yhi EDGE load 1 1",
-            "load needs one side, .* with the number where it begins",
-        ),
-        ("yhi v_top load 1 1", "load needs one side"),
-        ("yhi 2 ylo -2 load 1 1", "load needs one side.*other walls fixes of their own"),
-        ("plane 0 2 0 -1 load 1 1", "load needs one side"),
-        ("room load 1 1", "load needs one side"),
-    ],
-)
-def test_words(words, message):
-    commands = "variable top equal 2\nregion room block -2 2 -2 2 INF INF\n"
-    with pytest.raises(Exception, match=message):
-        plane(f"{commands}fix walls all deformable/wall {words}\nrun 0\n", x=np.zeros((1, 2)))
+WORDS = {
+    "yhi 2 load 1": "deformable/wall load",
+    "yhi 2 load 1 0": "the mass of a wall under a load must be positive and finite, not 0",
+    "yhi 2 load x 1": "Expected floating point.*'x'",
+    "yhi 2 load v_none 1": "load: variable 'none' does not exist",
+    "yhi EDGE load 1 1": "load needs one side, .* with the number where it begins",
+    "yhi v_top load 1 1": "load needs one side",
+    "yhi 2 ylo -2 load 1 1": "load needs one side.*other walls fixes of their own",
+    "room load 1 1": "load needs one side",
+}
+
+
+def test_words():
+    scene = plane("yhi 2", x=np.zeros((1, 2)))
+    scene.run("unfix walls\nvariable top equal 2\nregion room block -2 2 -2 2 INF INF")
+    for words, message in WORDS.items():
+        with pytest.raises(Exception, match=message):
+            scene.run(f"fix walls all deformable/wall {words}\nrun 0")

@@ -2,7 +2,9 @@
 
 import numpy as np
 import pytest
-from obstacles import kinetic, scene_of, total, wall_laws
+from laws import two_laws
+from obstacles import kinetic, scene_of, total
+from turns import in_turn
 
 X = [[-3.2, -3], [-1, -3], [1.2, -3], [3.1, -2.9], [-3.0, 3], [-1, 3], [1.2, 3], [3.1, 2.9]]
 SPECIES = ["large", "unit"] * 4
@@ -60,11 +62,10 @@ def given(scene):
     return scene.lmp.extract_fix("wall", 0, 0)
 
 
-@wall_laws
-@pytest.mark.parametrize("machine", MACHINES.values(), ids=MACHINES)
-def test_energy_that_walls_take(law, machine):
+@pytest.mark.parametrize(("machine", "law"), in_turn(MACHINES, ["radical", "balanced"]))
+def test_energy_that_walls_take(machine, law):
     """Total energy changes by the work of the walls, which is as large as the energy."""
-    scene = scene_of(X, SPECIES, law, machine)
+    scene = scene_of(X, SPECIES, law, MACHINES[machine])
     scene.run("velocity all create 0.002 125\nfix move all nve\ntimestep 0.0125\nrun 0")
     assert given(scene) == 0
     before, found, most = total(scene), [], 0.0
@@ -92,7 +93,7 @@ def test_minimization_does_no_work():
     assert given(scene) == 0
 
 
-@wall_laws
+@two_laws
 def test_moved_scene_is_the_scene_there(law):
     """Rotated about a point and moved then, as LAMMPS does, against the same corners at rest."""
     corners = np.array([[-1, -0.5], [1.2, -0.5], [1.6, 0.7], [-0.6, 0.7]])

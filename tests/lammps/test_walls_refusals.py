@@ -26,23 +26,15 @@ NO_REGIONS = {
         "region walls ellipsoid 0 0 0 1.2 0.9 3 side out",
         "'walls' of style ellipsoid.*curved",
     ),
-    "cone": ("region walls cone z 0 0 2 1 -3 3 side out", "'walls' of style cone.*curved"),
     "cylinder along x": ("region walls cylinder x 0 0 1 -3 3 side out", "'walls'.*axis.*along z"),
-    "cylinder along y": (
-        "region walls cylinder y 0 0 1 INF INF side out",
-        "'walls'.*axis.*along z",
-    ),
     "cylinder above": ("region walls cylinder z 0 0 1 1 3 side out", "'walls'.*cross.* z = 0"),
     "sphere above": ("region walls sphere 0 0 0.1 1 side out", "'walls'.*center is not at z = 0"),
-    "block above": ("region walls block -1 1 -1 1 0.2 1 side out", "'walls'.*cross.* z = 0"),
     "block everywhere": ("region walls block INF INF INF INF -1 1", "'walls'.*no surface"),
     "plane that leans": ("region walls plane 0 -2 0 0 1 0.3", "'walls'.*nz = 0"),
-    "plane that lies": ("region walls plane 0 -2 -1 0 0 1", "'walls'.*nz = 0"),
     "prism that leans": (
         "region walls prism -1 1 -1 1 -1 1 0 0.5 0 side out",
         "'walls'.*xz = yz = 0",
     ),
-    "prism above": ("region walls prism -1 1 -1 1 1 2 0.1 0 0 side out", "'walls'.*cross.* z = 0"),
     "open box": ("region walls block -1 8 -1 8 -1 1 open 4", "'walls' has open faces.*segment"),
     "rotates out": (
         "variable t equal 0\nregion walls block -1 1 -1 1 -1 1 side out rotate v_t 0 0 0 1 0 0",
@@ -87,12 +79,9 @@ WORDS = {
     "polygon 3 0 0 1 0": "polygon needs 6 numbers, but 4 follow",
     "polygon 2 0 0 1 0": "polygon: 2 corners",
     "polygon 4 0 0 2 0 0.5 0.5 0 2": r"polygon 1 is not convex at its corner \(0.5, 0.5\)",
-    "polygon 4 0 0 1 1 1 0 0 1": "polygon 1 is not convex|crosses itself",
     "polygon 5 1 0 -0.809 0.588 0.309 -0.951 0.309 0.951 -0.809 -0.588": "polygon 1 crosses itself",
-    "polygon 3 0 0 1 0 2 0": "polygon 1 is not convex",
     "disk 0 0 1 disk 1 1 0": "disk 2 has a radius of 0",
     "disk 0 0 1 circle 0 0 -1": "circle 2 has a radius of -1",
-    "circle 0 0": "circle needs 3 numbers, but 2 follow",
     "disk 0 0 1 square 1 1": "unknown word 'square'",
     "disk 0 0 inf": "'inf'",
     "segment 1 1 1 1": "segment 1 has no length",
@@ -100,10 +89,11 @@ WORDS = {
 }
 
 
-@pytest.mark.parametrize(("words", "message"), WORDS.items())
-def test_words(words, message):
-    with pytest.raises(Exception, match=message):
-        far_away(f"fix walls all deformable/wall {words}")
+def test_words():
+    scene = far_away("")
+    for words, message in WORDS.items():
+        with pytest.raises(Exception, match=message):
+            scene.run(f"fix walls all deformable/wall {words}")
 
 
 @pytest.mark.parametrize(
@@ -111,7 +101,6 @@ def test_words(words, message):
     [
         ("region walls block -1 1 -1 1 INF INF side out", r"in the obstacle region 'walls' of fix"),
         ("region walls plane 0 3 0 0 1 0", r"outside of region 'walls' of fix"),
-        ("region walls plane 0 -3 0 0 1 0 side out", r"in the obstacle region 'walls' of fix"),
         (
             "region room block -8 8 -8 8 INF INF\nregion post sphere 0.3 0 0 1 side out\n"
             "region walls intersect 2 room post",
@@ -138,12 +127,11 @@ def test_center_on_the_wrong_side(walls, message):
 
 
 @pytest.mark.parametrize("beside", [0.0, 0.1])
-@pytest.mark.parametrize("law", ["radical", "curved"])
 @pytest.mark.parametrize(
-    ("walls", "name"),
+    ("law", "walls", "name"),
     [
-        ("fix w all deformable/wall circle 0 0 {}", "'circle 1'"),
-        ("region w cylinder z 0 0 {} INF INF\nfix w all deformable/wall w", "region 'w'"),
+        ("radical", "fix w all deformable/wall circle 0 0 {}", "'circle 1'"),
+        ("curved", "region w cylinder z 0 0 {} INF INF\nfix w all deformable/wall w", "region 'w'"),
     ],
 )
 def test_containers_narrower_than_a_particle(walls, name, law, beside):
@@ -166,10 +154,9 @@ def test_energy_is_of_the_pair_style():
     scene.run("fix_modify walls energy no\nrun 0")
 
 
-@pytest.mark.parametrize("reach", ["3.1", "30"])
-def test_reach_that_finds_no_more(reach):
-    with pytest.raises(Exception, match=f"reach {reach} must be 3 at most"):
-        Scene([[0, 0]], ["small"], ROOM, f"deformable/ring reach {reach}")
+def test_reach_that_finds_no_more():
+    with pytest.raises(Exception, match=r"reach 3\.1 must be 3 at most"):
+        Scene([[0, 0]], ["small"], ROOM, "deformable/ring reach 3.1")
     assert Scene([[0, 0]], ["small"], ROOM, "deformable/ring reach 3").energy() == 0
 
 
@@ -199,7 +186,6 @@ def test_bulge_message_has_a_bound_and_a_way_out():
 BOXES = {
     "inside": ("region walls block -9 9 -9 9 -1 1", "f f p", None),
     "too wide": ("region walls block -9 10 -9 9 -1 1", "f f p", "'walls' .*in x .-9 to 9."),
-    "too high": ("region walls block -9 9 -10 9 -1 1", "f p p", "'walls' .*in y .-9 to 9."),
     "shrink-wrapped": ("region walls block -9 10 -9 9 -1 1", "s f p", None),
     "round": ("region walls cylinder z 0 2 8 -1 1", "f f p", "'walls' .*in y .-9 to 9."),
     "round in a block": (

@@ -5,7 +5,7 @@ import pytest
 from droplet_walls import ORIGIN, walled
 from grains import Grains
 from laws import ring_laws
-from parallel import finished, on_grids
+from parallel import in_process, on_grids
 from scene import Scene
 
 G, SPEED = 0.1, 0.5
@@ -143,25 +143,24 @@ def test_without_friction_it_moves_nothing(tmp_path):
     assert given(scene) == 0
 
 
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        ("ylo 0 shear", "deformable/wall shear"),
-        ("ylo 0 shear x", "deformable/wall shear"),
-        ("ylo 0 shear z 1", "shear goes along x or y, not 'z'"),
-        ("ylo 0 shear y 1", "'ylo' cannot slide along y, as sides and planes along it do"),
-        ("ylo 0 xlo -5 shear x 1", "'xlo' cannot slide along x.*a fix of its own without shear"),
-        ("circle 0 0 5 shear x 1", "'circle 1' cannot slide along x.*or a region that rotates"),
-        ("plane 0 0 1 1 shear x 1", "'plane 1' cannot slide along x"),
-        ("ylo 0 shear x v_none", "shear: variable 'none' does not exist"),
-        ("ylo 0 shear x 1 ylo 1", "unknown word 'ylo' after shear: only adhesion w, shear dim v"),
-        ("turns shear x 1", "'turns' cannot slide along x"),
-    ],
-)
-def test_words(words, message, tmp_path):
+WORDS = {
+    "ylo 0 shear x": "deformable/wall shear",
+    "ylo 0 shear z 1": "shear goes along x or y, not 'z'",
+    "ylo 0 shear y 1": "'ylo' cannot slide along y, as sides and planes along it do",
+    "ylo 0 xlo -5 shear x 1": "'xlo' cannot slide along x.*a fix of its own without shear",
+    "circle 0 0 5 shear x 1": "'circle 1' cannot slide along x.*or a region that rotates",
+    "plane 0 0 1 1 shear x 1": "'plane 1' cannot slide along x",
+    "ylo 0 shear x v_none": "shear: variable 'none' does not exist",
+    "ylo 0 shear x 1 ylo 1": "unknown word 'ylo' after shear: only adhesion w, shear dim v",
+    "turns shear x 1": "'turns' cannot slide along x",
+}
+
+
+def test_words(tmp_path):
     turns = "variable a equal step\nregion turns plane 0 0 0 0 1 0 rotate v_a 0 0 0 0 0 1\n"
-    with pytest.raises(Exception, match=message):
-        on_belt(f"{turns}fix floor all deformable/wall {words}\nrun 0", tmp_path)
+    for words, message in WORDS.items():
+        with pytest.raises(Exception, match=message):
+            on_belt(f"{turns}fix floor all deformable/wall {words}\nrun 0", tmp_path)
 
 
 def test_droplets_in_space_do_not_rub(tmp_path):
@@ -184,11 +183,11 @@ def test_restart_and_minimization(tmp_path):
         "create_box 1 box\ncreate_atoms 1 single 0 0.985 0\nset group all diameter 2\n"
         f"set group all mass 1\n{style}{fixes}"
     )
-    finished(1, start + "run 80\n" + end.format("one"), tmp_path)
-    finished(1, start + "run 30\nwrite_restart half\n", tmp_path)
-    finished(1, f"read_restart half\n{style}{fixes}run 50\n" + end.format("two"), tmp_path)
+    in_process(start + "run 80\n" + end.format("one"), tmp_path)
+    in_process(start + "run 30\nwrite_restart half\n", tmp_path)
+    in_process(f"read_restart half\n{style}{fixes}run 50\n" + end.format("two"), tmp_path)
     one, two = (np.loadtxt(tmp_path / name, skiprows=9) for name in ("one", "two"))
     np.testing.assert_allclose(two, one, rtol=1e-9, atol=1e-12)
     assert one[2] > 0.01
-    finished(1, start + "minimize 0 1e-9 100 200\n" + end.format("min"), tmp_path)
+    in_process(start + "minimize 0 1e-9 100 200\n" + end.format("min"), tmp_path)
     assert np.loadtxt(tmp_path / "min", skiprows=9)[[0, 2, 4]] == pytest.approx(0, abs=1e-12)

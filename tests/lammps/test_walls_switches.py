@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
-from laws import LAWS, laws, straight_laws
+from laws import LAWS, laws, two_laws
 from obstacles import scene_of
+from turns import in_turn
 
 STYLES = {law: LAWS[law] if law == "sector" else f"{LAWS[law]} reach 0.5" for law in LAWS}
 
@@ -33,7 +34,7 @@ def forces(s, x, y):
     return found, np.array(differences)
 
 
-@straight_laws
+@two_laws
 def test_face_corner_face(law):
     """Along a face, around its end, and along the next face."""
     s = scene(law)
@@ -50,8 +51,7 @@ def test_face_corner_face(law):
         np.testing.assert_allclose(found, expected, rtol=0, atol=1e-6 * np.abs(found).max())
 
 
-@laws
-@pytest.mark.parametrize("obstacle", ["pillar", "segment"])
+@pytest.mark.parametrize(("law", "obstacle"), in_turn(LAWS, ["pillar", "segment"]))
 def test_energy_does_not_jump(law, obstacle):
     """Nor does the force along the normal, where a face ends; the part across has a step there."""
     walls = WALLS

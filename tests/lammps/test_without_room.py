@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
-from laws import EXACT, LAWS, RING_LAWS, ring_laws
+from laws import EXACT, LAWS, RING_LAWS, ring_laws, two_laws
 from parallel import finished
 from programs import program
 from scene import Scene
+from turns import in_turn
 
 WITHOUT_ROOM = 6  # place in the vector of compute pair
 MATERIALS = "drop", "fixed", "firm"
@@ -36,8 +37,7 @@ def minimized(scene, x=None, iterations=0):
     return scene.lmp.get_thermo("pe"), scene.vector("room", WITHOUT_ROOM + 1)[WITHOUT_ROOM]
 
 
-@ring_laws
-@pytest.mark.parametrize("species", ["drop", "firm"])
+@pytest.mark.parametrize(("law", "species"), in_turn(RING_LAWS, ["drop", "firm"]))
 def test_forces_without_room(law, species):
     """They are the gradient of the energy that a minimizer sees, to 1e-7."""
     x, length = lattice(0.84, 0.03)
@@ -52,8 +52,7 @@ def test_forces_without_room(law, species):
         assert slope == pytest.approx(-np.sum(force * direction), abs=1e-7 * len(x) * scale)
 
 
-@ring_laws
-@pytest.mark.parametrize("species", MATERIALS)
+@pytest.mark.parametrize(("law", "species"), in_turn(RING_LAWS, MATERIALS))
 def test_minimizer_makes_room(law, species, tmp_path):
     """From shaken places, closer than the circles allow: then all areas are conserved again."""
     x, length = lattice(0.93, 0.25, seed=2)
@@ -72,7 +71,7 @@ def test_minimizer_makes_room(law, species, tmp_path):
     assert text.count("WARNING: At the end of the minimization") == 1  # of the first one, at once
 
 
-@ring_laws
+@two_laws
 def test_where_nothing_makes_room(law, tmp_path):
     """Circles that cover more than the box: said at the end, and refused in motion."""
     x, length = lattice(0.87, 0.01)
@@ -85,8 +84,7 @@ def test_where_nothing_makes_room(law, tmp_path):
         scene.energy()
 
 
-@ring_laws
-@pytest.mark.parametrize("shake", [0.0, 1e-9, 1e-4])
+@pytest.mark.parametrize(("law", "shake"), in_turn(RING_LAWS, [0.0, 1e-9, 1e-4]))
 def test_motion_is_refused(law, shake):
     """Never forces that vanish, or are no numbers, whatever path the solver takes."""
     for species in ("drop", "fixed"):

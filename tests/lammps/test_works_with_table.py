@@ -7,6 +7,7 @@ import re
 from pathlib import Path
 
 import test_atom_stiffness as values
+import test_boxes as boxes
 import test_films_at_touch as films
 import test_restart as files
 import test_works_with as fresh
@@ -15,7 +16,6 @@ import test_works_with_hybrid as hybrid
 import test_works_with_outputs as outputs
 import test_works_with_plane as plane
 import test_works_with_refusals as refusals
-import test_works_with_small_boxes as boxes
 
 PAGE = Path(__file__).parents[2] / "docs" / "works_with.md"
 OTHERS = {

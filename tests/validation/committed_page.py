@@ -5,6 +5,18 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 
 
+def check(
+    page: Path, tables: Iterable[Iterable[str]], sentences: Iterable[Callable[[], str]]
+) -> None:
+    """Assert that the page has these tables, and these sentences on any lines."""
+    text = page.read_text()
+    words = " ".join(text.split())
+    for table in tables:
+        assert "\n".join(table) in text
+    for sentence in sentences:
+        assert sentence() in words
+
+
 def write(
     page: Path, tables: Iterable[Iterable[str]], sentences: Mapping[Callable[[], str], str]
 ) -> None:

@@ -100,16 +100,14 @@ def test_pressure_of_rings_at_the_onset(law, factor):
     assert np.median(found) == pytest.approx(factor, abs=0.05)
 
 
-@pytest.mark.parametrize(
-    ("law", "number", "power"), [("disk", 128, 1.0), ("radical", 64, 3.0), ("radical", 128, 3.0)]
-)
-def test_exponents_are_those_of_the_contact_energies(law, number, power):
+@pytest.mark.parametrize(("law", "power"), [("disk", 1.0), ("radical", 3.0)])
+def test_exponents_are_those_of_the_contact_energies(law, power):
     """p ~ x for disks and x^3 for rings, bulk moduli one less.
 
     Both exponents are larger by up to 0.1: z grows by a tenth in two decades of x, and with it the
     factor before the power.
     """
-    found = exponent(law, number)
+    found = exponent(law)
     assert -0.01 < found["pressure"] - power < 0.1
     assert -0.01 < found["bulk_modulus"] - (power - 1.0) < 0.1
 

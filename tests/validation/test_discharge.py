@@ -25,10 +25,10 @@ def test_quick_discharge(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Non
         assert rate[0.5, opening] < rate[0.0, opening]
 
 
-@pytest.mark.parametrize("drag", [0.0, 1.4])
-def test_floor_bears_the_weight(drag: float) -> None:
+def test_floor_bears_the_weight() -> None:
     """With the drag, and with what grains gain in momentum."""
-    case, steps = discharge.Case(0.02, 0.5, drag), 800
+    drag, steps = 1.4, 800
+    case = discharge.Case(0.02, 0.5, drag)
     with discharge.silo(case, 5.0, 16, 1) as sim:
         lmp = sim.lmp
         lmp.commands_string(discharge.scene(case, 16, steps))

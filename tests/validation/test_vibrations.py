@@ -5,7 +5,6 @@ from typing import Any
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from contact_laws import contacts
 
 from validation.jamming import vibrations
 from validation.jamming.vibrations import (
@@ -55,7 +54,7 @@ def test_few_modes_count_up_to_where_they_are_complete() -> None:
     assert np.isnan(found[~known]).all()
 
 
-@pytest.mark.parametrize("cut", [0.003, 0.05, 0.1])
+@pytest.mark.parametrize("cut", [0.003, 0.1])
 def test_end_of_the_plateau_and_boson_peak(cut: float) -> None:
     """D = omega^2 ends at half the plateau at cut/sqrt(2); D/omega is largest at the cut.
 
@@ -79,7 +78,7 @@ def test_exponent_of_a_power_law() -> None:
     assert np.isnan(exponent(rows, "pressure", 1e-4, 1e-4))
 
 
-@contacts
+@pytest.mark.parametrize("contact", ["radical", "curved"])
 def test_the_unit_of_frequencies_is_that_of_all_modes(contact: str) -> None:
     """The trace of the Hessian is the sum of all stiffnesses, without variables of lines."""
     jammed = ld.jam(ld.bidisperse(24, seed=1)).packing

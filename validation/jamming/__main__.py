@@ -26,7 +26,7 @@ import numpy as np
 from lammps_deformable._files import make_folder, write_whole
 from lammps_deformable.errors import FileError, ParameterError
 from lammps_deformable.laws import ALL_LAWS
-from lammps_deformable.progress import print_once
+from lammps_deformable.ranks import print_once
 from lammps_deformable.versions import versions
 
 from validation.ensembles import over_cores

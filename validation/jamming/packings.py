@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from lammps_deformable._checks import zero_or_more
 from lammps_deformable.errors import ParameterError, StalledWarning, UnjammedWarning
+from lammps_deformable.generators import bidisperse
 from lammps_deformable.jamming import jam, natural_pressure
 from lammps_deformable.laws import ALL_LAWS, Droplet, Ring, SoftContact
-from lammps_deformable.random import bidisperse
 from lammps_deformable.relax import TOLERANCE
 from lammps_deformable.simulation import Simulation
 from lammps_deformable.state import State

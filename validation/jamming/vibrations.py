@@ -18,11 +18,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from lammps_deformable._files import make_folder, write_whole
+from lammps_deformable.generators import bidisperse
 from lammps_deformable.jamming import jam, natural_pressure
 from lammps_deformable.laws import SoftContact
 from lammps_deformable.packing import Packing
 from lammps_deformable.parallel import jackknife
-from lammps_deformable.random import bidisperse
 from lammps_deformable.simulation import Simulation
 from lammps_deformable.soft_disks import relax_at_pressure
 from lammps_deformable.state import State

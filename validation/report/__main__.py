@@ -26,7 +26,7 @@ from typing import Any
 from lammps_deformable._files import make_folder
 from lammps_deformable.comparison import standard_polygons
 from lammps_deformable.polygons import DeformablePolygon
-from lammps_deformable.progress import print_once, progress
+from lammps_deformable.ranks import print_once, progress
 from lammps_deformable.versions import machine, versions
 from matplotlib.figure import Figure
 

@@ -20,9 +20,9 @@ from lammps_deformable.comparison import (
     plot_errors,
     standard_polygons,
 )
+from lammps_deformable.generators import bidisperse
 from lammps_deformable.jamming import jam
 from lammps_deformable.polygons import DeformablePolygon
-from lammps_deformable.random import bidisperse
 from lammps_deformable.relax import TOLERANCE
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D

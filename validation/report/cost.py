@@ -11,11 +11,11 @@ import numpy as np
 from lammps_deformable.box import cartesian, fractional
 from lammps_deformable.commands import pair_style
 from lammps_deformable.comparison import STYLES
+from lammps_deformable.generators import bidisperse
 from lammps_deformable.jamming import jam
 from lammps_deformable.lammps import run
 from lammps_deformable.laws import Law, Ring, Sector
 from lammps_deformable.packing import Packing
-from lammps_deformable.random import bidisperse
 from lammps_deformable.simulation import Simulation
 from lammps_deformable.soft_disks import open_disks
 from mpi4py import MPI

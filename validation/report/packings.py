@@ -28,12 +28,12 @@ from lammps_deformable.comparison import (
     stiff_polygons,
     timed,
 )
+from lammps_deformable.generators import bidisperse
 from lammps_deformable.jamming import jam
 from lammps_deformable.lammps import run
 from lammps_deformable.laws import Law, Ring, Sector, per_species
 from lammps_deformable.packing import Packing
 from lammps_deformable.polygons import DeformablePolygon
-from lammps_deformable.random import bidisperse
 from lammps_deformable.relax import TOLERANCE, minimize_command
 from lammps_deformable.simulation import Simulation
 from lammps_deformable.soft_disks import open_disks

@@ -158,7 +158,7 @@ def squeeze(
             count = max(math.ceil((a - before) / step - 1e-9), 1)  # often an integer up to rounding
             for part in np.linspace(before, a, count + 1)[1:]:
                 walls = replace(walls, height=np.full(len(angle), outer - part))
-                ring.confine(walls)
+                ring._confine(walls)
                 state = ring.relax(tolerance)
             results.append(_measure(walls, a, state, time.process_time() - began))
     return results

@@ -17,11 +17,11 @@ from lammps_deformable.comparison import (
     timed,
 )
 from lammps_deformable.errors import ParameterError
+from lammps_deformable.generators import bidisperse
 from lammps_deformable.jamming import jam
 from lammps_deformable.lammps import run
 from lammps_deformable.packing import Packing
 from lammps_deformable.polygons import DeformablePolygon
-from lammps_deformable.random import bidisperse
 from lammps_deformable.relax import minimize_command
 from lammps_deformable.simulation import Simulation
 from lammps_deformable.state import State

@@ -19,12 +19,12 @@ from typing import Any, TypeVar
 import numpy as np
 from lammps_deformable import core
 from lammps_deformable.errors import BeyondModelWarning, LammpsError
+from lammps_deformable.generators import bidisperse
 from lammps_deformable.jamming import jam
 from lammps_deformable.lammps import run
 from lammps_deformable.laws import LAWS, Law, Ring, Sector
 from lammps_deformable.packing import Packing
 from lammps_deformable.parallel import parallel_map
-from lammps_deformable.random import bidisperse
 from lammps_deformable.relax import TOLERANCE
 from lammps_deformable.simulation import Simulation
 from lammps_deformable.state import State

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from lammps_deformable.cli import app
 from programs import command
+from refusals import refused
 
 
 @pytest.fixture
@@ -32,26 +33,18 @@ def test_it_begins_with_the_packing_as_it_is(here: Path, jammed: ld.Packing) -> 
     assert not known.keys() & {"number", "seed", "radii"}
 
 
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
+def test_nonsense_is_told(here: Path) -> None:
+    for options, message in (
         ("--from a.xyz --seed 3", "the packing is that in 'a.xyz', and --seed is about a random"),
-        ("--from a.xyz --number 8", "and --number is about a random one: leave it out"),
         ("--from-radii 0.5", "--from-radii is about the file of a packing: give --from too"),
-        ("--from-frame 0", "--from-frame is about the file of a packing: give --from too"),
         ("--from b.xyz", "'b.xyz' cannot be read: No such file"),
         ("--from a.xyz --from-frame 1", "it has 1 frames, and no frame 1"),
-        ("--from a.xyz --from-radii size", "it has no column size"),
         ("--from a.xyz --from-radii 1=0.5", "it has particles of type 2, and radii has 1 only"),
         ("--from a.xyz --from-radii 1=0.5,2=x", "radius of type 2 must be a positive number, not"),
-        ("--from a.xyz --from-radii -1", "radii must be a positive number, not -1"),
-    ],
-)
-def test_nonsense_is_told(options: str, message: str, here: Path) -> None:
-    with pytest.raises((ld.ParameterError, ld.FileError), match=message) as caught:
-        app(["compress", *options.split()], standalone_mode=False)
-    assert "\n" not in str(caught.value)
-    assert [path.name for path in here.iterdir()] == ["a.xyz"]
+    ):
+        with refused(message, (ld.ParameterError, ld.FileError)):
+            app(["compress", *options.split()], standalone_mode=False)
+        assert [path.name for path in here.iterdir()] == ["a.xyz"]
 
 
 @pytest.mark.parametrize(
@@ -89,21 +82,14 @@ def test_shear_begins_with_it(here: Path, jammed: ld.Packing) -> None:
     assert "begun with --tension 1.0, not 2.0" in other.stderr
 
 
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
+def test_nonsense_is_told_of_shear(here: Path) -> None:
+    for options, message in (
         ("run --from a.xyz", "give the folder 'run' of a run, or --from, not both"),
         ("run --kP 3", "--kP is about the packing in a file, and a run has its own law"),
-        ("--from-radii 0.5", "--from-radii is about the packing in a file|give the folder"),
         ("--strain 0.1", "give the folder of a run, .* or --from FILE"),
         ("--from a.xyz --law sector --tension 1", "--tension is an option of ring laws"),
-        ("--from b.xyz", "'b.xyz' cannot be read: No such file"),
-        ("--from a.xyz --kP 0", "kP"),
         ("--from a.xyz --steps 0", "steps"),
-    ],
-)
-def test_nonsense_is_told_of_shear(options: str, message: str, here: Path) -> None:
-    with pytest.raises((ld.ParameterError, ld.FileError), match=message) as caught:
-        app(["shear", *options.split()], standalone_mode=False)
-    assert "\n" not in str(caught.value)
-    assert [path.name for path in here.iterdir()] == ["a.xyz"]
+    ):
+        with refused(message, (ld.ParameterError, ld.FileError)):
+            app(["shear", *options.split()], standalone_mode=False)
+        assert [path.name for path in here.iterdir()] == ["a.xyz"]

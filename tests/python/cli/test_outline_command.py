@@ -9,6 +9,7 @@ import pytest
 from lammps_deformable.cli import app
 from programs import command, program
 from protocol_helpers import written
+from refusals import refused
 
 SCRIPT = '''
 units lj
@@ -51,7 +52,7 @@ def dumped(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_state_is_that_of_lammps(dumped: Path) -> None:
     """Energy, areas and pressures are those of the script; outlines enclose the areas."""
-    state = ld.state_in_file(
+    state = ld.State.from_file(
         dumped / "shapes.dump", dumped / "mixture", law="curved", types=["soft", "stiff"]
     )
     rows = np.loadtxt(
@@ -97,18 +98,18 @@ def test_files_of_a_run_tell_its_law(tmp_path: Path) -> None:
     dump, species = tmp_path / "run" / "trajectory.lammpstrj", tmp_path / "saved"
     types = ["s1", "s2"]
     for frame in (0, 1, -1, -2):
-        found = ld.state_in_file(dump, species / "species.deformable", types=types, frame=frame)
+        found = ld.State.from_file(dump, species / "species.deformable", types=types, frame=frame)
         assert form(found.law) == form(states[frame].law)
         assert found.energy == pytest.approx(states[frame].energy, rel=1e-9)
     alone = tmp_path / "alone.dump"
     alone.write_text(dump.read_text())
     for file in (species / "packing.data", alone):  # the species file is that of a run
-        found = ld.state_in_file(file, species / "species.deformable")
+        found = ld.State.from_file(file, species / "species.deformable")
         assert form(found.law) == ("curved", 0.4)
     own = tmp_path / "own.deformable"
     own.write_text((species / "species.deformable").read_text())
-    assert ld.state_in_file(alone, own).law.name == "balanced"
-    assert ld.state_in_file(dump, own, law="radical").law.name == "radical"
+    assert ld.State.from_file(alone, own).law.name == "balanced"
+    assert ld.State.from_file(dump, own, law="radical").law.name == "radical"
     for file, law in ((species / "packing.data", "curved"), (alone, "balanced")):
         words = ("outline", file, "--species", own, "--out", "a.vtp")
         said = command(*words, cwd=tmp_path).stdout.splitlines()
@@ -123,44 +124,36 @@ def test_species_of_the_package_and_radii_of_atoms(tmp_path: Path) -> None:
         "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n2\nITEM: BOX BOUNDS pp pp pp\n0 3\n0 3\n-1 1\n"
         f"ITEM: ATOMS id type x y size\n{rows}"
     )
-    state = ld.state_in_file(dump, "droplets.deformable")
+    state = ld.State.from_file(dump, "droplets.deformable")
     np.testing.assert_array_equal(state.packing.radii, [0.5, 0.7])
     np.testing.assert_allclose(state.results["area"], np.pi * np.array([0.5, 0.7]) ** 2, rtol=1e-12)
-    own = ld.state_in_file(dump, "droplets.deformable", radii="size")
+    own = ld.State.from_file(dump, "droplets.deformable", radii="size")
     np.testing.assert_array_equal(own.packing.radii, [0.4, 0.6])
     assert own.energy > 0
 
 
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
+def test_nonsense_is_told(dumped: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(dumped)
+    text = (dumped / "shapes.dump").read_text()
+    (dumped / "walled.dump").write_text(text.replace("pp pp pp", "ff pp pp"))
+    errors = ld.ParameterError, ld.FileError, ld.LammpsError
+    for words, message in (
         ("nowhere --species mixture", "'nowhere' cannot be read: No such file"),
         ("shapes.dump --species none", "no species file 'none'"),
-        ("shapes.dump --species in.mixture", "in.mixture' cannot be read: could not convert"),
         ("shapes.dump --species mixture --types soft", "type 2"),
-        ("shapes.dump --species mixture --types soft,hard", "Species 'hard' is not in the file"),
         ("shapes.dump --species mixture --frame 9", "no frame 9"),
         ("shapes.dump --species mixture --radii size", "no column size"),
         ("shapes.dump --species mixture --law sector", "the sector law has no tension"),
         ("shapes.dump --species mixture --out a.txt", "a picture is one of"),
         ("walled.dump --species mixture", "not periodic along x"),
-        ("mixture --species mixture", "'mixture' cannot be read|mixture"),
-    ],
-)
-def test_nonsense_is_told(
-    words: str, message: str, dumped: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(dumped)
-    text = (dumped / "shapes.dump").read_text()
-    (dumped / "walled.dump").write_text(text.replace("pp pp pp", "ff pp pp"))
-    errors = ld.ParameterError, ld.FileError, ld.LammpsError
-    with pytest.raises(errors, match=message) as caught:
-        app(["outline", *words.split()], standalone_mode=False)
-    assert "\n" not in str(caught.value)
+    ):
+        with refused(message, errors):
+            app(["outline", *words.split()], standalone_mode=False)
 
 
 def test_law_must_be_one() -> None:
     with pytest.raises(ld.ParameterError, match=r"law must be .*balanced.*, not flat"):
+<<<<<<< HEAD
         ld.state_in_file("a", "droplets.deformable", law="flat")
 
 
@@ -174,3 +167,6 @@ def test_species_that_stick(tmp_path: Path) -> None:
     assert command("outline", *words, cwd=tmp_path).returncode == 0
     found = json.loads((tmp_path / "pair.geojson").read_text())
     assert found["pressure"] == pytest.approx(state.pressure, rel=1e-9)
+=======
+        ld.State.from_file("a", "droplets.deformable", law="flat")
+>>>>>>> main

@@ -27,7 +27,5 @@ def test_the_jackknife_of_a_square() -> None:
 def test_one_sample_has_no_error() -> None:
     with pytest.raises(ld.ParameterError, match="at least 2 for an error, not 1"):
         ld.jackknife([1.0])
-
-
-def test_the_mean_is_the_default() -> None:
+    # the mean is the default
     assert ld.jackknife([1.0, 3.0]) == (2.0, pytest.approx(1.0, rel=1e-15))

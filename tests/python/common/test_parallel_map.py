@@ -33,16 +33,6 @@ def test_processes_run_lammps_and_use_one_thread(monkeypatch: pytest.MonkeyPatch
     assert os.getpid() not in parallel_map(lambda n: os.getpid(), [1, 2], workers=2)
 
 
-def test_one_worker_is_this_process() -> None:
-    assert parallel_map(lambda n: os.getpid(), [1, 2], workers=1) == [os.getpid()] * 2
-
-
-@pytest.mark.parametrize("workers", [1, 2])
-def test_errors_come_through(workers: int) -> None:
-    with pytest.raises(ValueError, match="math domain error"):
-        parallel_map(math.sqrt, [1.0, -1.0, 4.0], workers=workers)
-
-
 def test_no_more_processes_than_cores_that_may_be_used(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(os, "sched_getaffinity", lambda pid: {3})
     assert parallel_map(lambda n: os.getpid(), [1, 2]) == [os.getpid()] * 2
@@ -58,11 +48,6 @@ def test_a_process_that_dies_is_one_line(
         cli.main()
     last = capsys.readouterr().err.splitlines()[-1]
     assert re.match(r"error: a process of _exit died, EXIT\(1\).*: it crashed, or was killed", last)
-
-
-def test_no_workers() -> None:
-    with pytest.raises(ParameterError, match="at least 1, not 0"):
-        parallel_map(math.sqrt, [1.0], workers=0)
 
 
 def test_what_cannot_be_copied() -> None:

@@ -56,10 +56,7 @@ def check(said: str, error: str) -> None:
     assert re.search(r", line \d+, in halves\n", error)
 
 
-@pytest.mark.parametrize(
-    ("ranks", "variables"),
-    [(0, {}), (0, {"PMI_RANK": "0", "PMI_ANY": "1"}), (1, {})],
-)
+@pytest.mark.parametrize(("ranks", "variables"), [(0, {"PMI_RANK": "0", "PMI_ANY": "1"}), (1, {})])
 def test_a_script_without_a_guard(ranks: int, variables: dict[str, str], tmp_path: Path) -> None:
     """Also where variables of mpiexec or srun are there, which processes must not inherit."""
     (tmp_path / "script.py").write_text(SCRIPT)

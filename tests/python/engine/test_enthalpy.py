@@ -12,7 +12,6 @@ from lammps_deformable.soft_disks import Enthalpy, relax_at_pressure
 SCENE = (ld.Sphere(4, (0, 0)), ld.Sphere(0.6, (1, 0.5), inside=False))
 BELOW = (ld.Plane((0, -9), (0, 1)), ld.Plane((0, -4), (0, -1)))
 BALLS = (ld.Sphere(2, (1, 2, 3)), ld.Sphere(0.4, (1, 2, 2.5), inside=False))
-CHANNEL = (ld.Plane((0, 0), (0, 1)), ld.Plane((0, 5), (0, -1)))
 
 
 def in_box(box: tuple[tuple[float, ...], ...]) -> ld.Packing:
@@ -23,24 +22,15 @@ def in_box(box: tuple[tuple[float, ...], ...]) -> ld.Packing:
 
 
 PACKINGS = {
-    "rectangle": ld.bidisperse(30, phi=0.95, aspect=1.4, seed=1),
     "tilted": ld.bidisperse(30, phi=0.95, tilt=-0.7, seed=2),
     "one": ld.bidisperse(1, phi=0.9, tilt=0.3, seed=1),
-    "two": ld.bidisperse(2, phi=0.95, aspect=3.0, seed=1),
     "sizes": ld.polydisperse(20, np.linspace(0.1, 1.0, 20), phi=0.95, tilt=2.2, seed=1),
     "circle": ld.bidisperse(40, seed=1).between(SCENE),
-    "channel": ld.bidisperse(20, phi=0.9, seed=1).between(CHANNEL),
     "channel elsewhere": ld.bidisperse(40, phi=0.9, seed=2).between(BELOW),
-    "cube": ld.bidisperse(12, phi=0.8, dimension=3, seed=1),
     "tube": ld.bidisperse(40, dimension=3, seed=1).between(ld.Cylinder(2, "z", (0, 0, 0))),
     "sphere": ld.bidisperse(30, dimension=3, seed=1).between(BALLS),
     "leaning": in_box(((1.6, 0.0, 0.0), (0.9, 1.9, 0.0), (-0.7, 1.2, 1.7))),
 }
-
-
-@pytest.fixture(params=PACKINGS)
-def packing(request: pytest.FixtureRequest) -> ld.Packing:
-    return PACKINGS[request.param]
 
 
 def strayed(packing: ld.Packing) -> ld.Packing:
@@ -51,47 +41,50 @@ def strayed(packing: ld.Packing) -> ld.Packing:
     return packing.replace(positions=packing.positions + cells @ packing.box)
 
 
-def test_near_pairs_are_all_pairs(packing: ld.Packing) -> None:
+def test_near_pairs_are_all_pairs() -> None:
     """Against a search through all images."""
-    packing = strayed(packing)
-    skin = 0.2
-    i, j, shift = near_pairs(packing, skin)
-    apart = packing.positions[j] + shift - packing.positions[i]
-    distance = np.linalg.norm(apart, axis=1)
-    assert (distance < packing.radii[i] + packing.radii[j] + skin).all()
-    x = packing.positions
-    shut = ld.room.closed(packing.walls, packing.dimension)
-    farthest = 12 if packing.dimension == 2 else 8
-    spans = [range(1) if closed else range(-farthest, farthest + 1) for closed in shut]
-    steps = np.array(list(product(*spans))) @ packing.box
-    all_distances = np.linalg.norm((x[:, None] - x)[:, :, None] + steps, axis=-1)
-    near = all_distances < (packing.radii[:, None] + packing.radii)[..., None] + skin
-    assert 2 * len(i) == near.sum() - len(packing)  # but itself
+    for name, packing in PACKINGS.items():
+        packing, skin = strayed(packing), 0.2
+        i, j, shift = near_pairs(packing, skin)
+        apart = packing.positions[j] + shift - packing.positions[i]
+        distance = np.linalg.norm(apart, axis=1)
+        assert (distance < packing.radii[i] + packing.radii[j] + skin).all()
+        x = packing.positions
+        shut = ld.room.closed(packing.walls, packing.dimension)
+        farthest = 12 if packing.dimension == 2 else 8
+        spans = [range(1) if closed else range(-farthest, farthest + 1) for closed in shut]
+        steps = np.array(list(product(*spans))) @ packing.box
+        all_distances = np.linalg.norm((x[:, None] - x)[:, :, None] + steps, axis=-1)
+        near = all_distances < (packing.radii[:, None] + packing.radii)[..., None] + skin
+        assert 2 * len(i) == near.sum() - len(packing), name  # but itself
 
 
-def test_energy_and_pressure_are_those_of_disks_in_lammps(packing: ld.Packing) -> None:
-    enthalpy = Enthalpy(strayed(packing), None)
-    energy, gradient = enthalpy(enthalpy.start)
-    with simulate(packing) as disks:
-        state = disks.state()
-        forces = np.array(disks.lmp.gather("f", 1, 3)).reshape(-1, 3)[:, : packing.dimension]
-    assert energy == pytest.approx(state.energy, rel=1e-12)
-    assert enthalpy.pressure == pytest.approx(state.pressure, rel=1e-12)
-    assert gradient[:-1].reshape(forces.shape) == pytest.approx(-forces, abs=1e-12)
+def test_energy_and_pressure_are_those_of_disks_in_lammps() -> None:
+    for name, packing in PACKINGS.items():
+        enthalpy = Enthalpy(strayed(packing), None)
+        energy, gradient = enthalpy(enthalpy.start)
+        with simulate(packing) as disks:
+            state = disks.state()
+            forces = np.array(disks.lmp.gather("f", 1, 3)).reshape(-1, 3)[:, : packing.dimension]
+        assert energy == pytest.approx(state.energy, rel=1e-12), name
+        assert enthalpy.pressure == pytest.approx(state.pressure, rel=1e-12)
+        assert gradient[:-1].reshape(forces.shape) == pytest.approx(-forces, abs=1e-12)
 
 
-def test_gradient_is_that_of_finite_differences(packing: ld.Packing) -> None:
-    enthalpy = Enthalpy(packing, 0.1)
-    rng, step = np.random.default_rng(3), 1e-5
-    z = enthalpy.start + np.append(np.zeros(packing.positions.size), 0.3)  # in a larger box
-    _, gradient = enthalpy(z)
-    for _ in range(4):
-        direction = rng.normal(size=len(z))
-        (above, _), (below, _) = (enthalpy(z + sign * step * direction) for sign in (1, -1))
-        assert gradient @ direction == pytest.approx((above - below) / (2 * step), rel=1e-6)
+def test_gradient_is_that_of_finite_differences() -> None:
+    for name, packing in PACKINGS.items():
+        enthalpy = Enthalpy(packing, 0.1)
+        rng, step = np.random.default_rng(3), 1e-5
+        z = enthalpy.start + np.append(np.zeros(packing.positions.size), 0.3)  # in a larger box
+        _, gradient = enthalpy(z)
+        for _ in range(4):
+            direction = rng.normal(size=len(z))
+            (above, _), (below, _) = (enthalpy(z + sign * step * direction) for sign in (1, -1))
+            slope = (above - below) / (2 * step)
+            assert gradient @ direction == pytest.approx(slope, rel=1e-6), name
 
 
-@pytest.mark.parametrize("name", ["tilted", "circle", "cube"])
+@pytest.mark.parametrize("name", ["circle", "leaning"])
 def test_preconditioner_is_symmetric_and_follows_the_hessian(name: str) -> None:
     """Contacts count by a half to one, and 5 P is added to stiffnesses of about 1."""
     relaxed = relax_at_pressure(PACKINGS[name], 0.01, 1e-4, 1000, lambda *values: None).packing
@@ -107,10 +100,9 @@ def test_preconditioner_is_symmetric_and_follows_the_hessian(name: str) -> None:
     assert 0.5 < solve(hessian) @ hessian / (one @ hessian) < 2.0
 
 
-@pytest.mark.parametrize("name", ["tilted", "leaning"])
-def test_list_of_pairs_follows_large_steps(name: str) -> None:
+def test_list_of_pairs_follows_large_steps() -> None:
     """Steps of any size give the energy of a new list."""
-    packing = PACKINGS[name]
+    packing = PACKINGS["leaning"]
     enthalpy, rng = Enthalpy(packing, 0.1), np.random.default_rng(6)
     z = enthalpy.start
     for size in (1e-3, 1e-2, 0.1, 1.0):
@@ -122,7 +114,7 @@ def test_list_of_pairs_follows_large_steps(name: str) -> None:
             assert disks.state().pressure == pytest.approx(enthalpy.pressure, rel=1e-9)
 
 
-@pytest.mark.parametrize("name", ["tilted", "circle", "cube"])
+@pytest.mark.parametrize("name", ["tilted", "sphere"])
 def test_relaxation_at_a_pressure(name: str) -> None:
     """The box keeps its shape, and has the pressure."""
     packing = PACKINGS[name]

@@ -10,45 +10,31 @@ import pytest
 SPECIES = "# UNITS: lj CONTRIBUTOR: a test\na 0.45 2 inf 0\nb 0.6 1 inf 0\n"
 
 FOLLOWED = {
-    "set type": "set atom 1 type 2",
-    "delete_atoms": "group one id 3\ndelete_atoms group one",
-    "create_atoms": "create_atoms 1 single 0.5 0.5 0.0\ndelete_atoms overlap 0.9 all all\n",
+    "atoms": (
+        "set atom 1 type 2\ngroup one id 3\ndelete_atoms group one\n"
+        "create_atoms 1 single 0.5 0.5 0.0\ndelete_atoms overlap 0.9 all all\n"
+    ),
     "reset_atoms id": "group g id 3\ndelete_atoms group g compress no\nreset_atoms id",
     "replicate": "replicate 2 1 1",
-    "change_box": "change_box all x scale 1.01 y scale 1.02 remap",
     "change_box of another origin": "change_box all x final -3 4 y delta 1 2 remap",
     "change_box to a tilted box": "change_box all xy delta 0.5 remap",
-    "displace_atoms": "displace_atoms all random 0.02 0.02 0 3",
     "displace_atoms beyond the box": "displace_atoms all move 100.1 -50 0",
-    "velocity": "velocity all create 1e-4 44",
     "run": "fix a all nve\ntimestep 0.01\nvelocity all create 1e-4 3 mom yes\nrun 100",
-    "minimize": "min_style cg\nminimize 0 1e-6 100 100\nmin_style fire",
-    "fix": "fix a all nve\nfix b all enforce2d",
     "fix with energy": "fix a all spring/self 0.1\nfix_modify a energy yes",
     "fix rigid": "fix r all rigid single\nrun 3",
-    "fix deform": "fix a all deform 1 x scale 1.01 y scale 1.01 remap x\nfix b all nve\nrun 20",
-    "thermo_style": "thermo_style one\nthermo_modify norm yes",
-    "comm_style tiled": "comm_style tiled\nbalance 1.1 rcb",
-    "run_style respa": "run_style respa 2 2",
+    "domains": "comm_style tiled\nbalance 1.1 rcb\nrun_style respa 2 2",
     "IDs of a user": "compute virial all ke\ncompute beyond all ke\nfix results all nve",
 }
 
 REFUSED = {
     "pair_style none": ("pair_style none", "pair_style"),
-    "another style": ("pair_style zero 1.0\npair_coeff * *", "pair_style"),
     "another law": ("pair_style deformable/ring contact radical", "pair_style"),
     "another species file": ("pair_coeff * * {species} a b", "pair_coeff"),
-    "hybrid": (
-        "pair_style hybrid/overlay deformable/ring lj/cut 1.0\n"
-        "pair_coeff * * deformable/ring {species} a b\npair_coeff * * lj/cut 1e-9 0.1",
-        "pair_style",
-    ),
     "ramp": (
         "variable k equal 2.0\nfix ramp all adapt 1 pair deformable/ring kA 1 1 v_k\nrun 1",
         "fix adapt",
     ),
     "clear": ("clear", "no particles"),
-    "delete_atoms": ("delete_atoms group all", "no particles"),
     "uncompute": ("uncompute deformable_virial", "deformable_virial"),
     "boundaries": ("change_box all boundary f f p", "boundary"),
     "mass": ("mass 2 3.0", r"atom \d+ is 3"),
@@ -84,7 +70,7 @@ def assert_saved_as_it_is(state: ld.State, folder: Path) -> None:
 @pytest.mark.parametrize("commands", FOLLOWED.values(), ids=FOLLOWED)
 def test_states_follow(commands: str, sim: ld.Simulation, tmp_path: Path) -> None:
     tell(sim, commands)
-    for call in (sim.state, sim.relax, sim.state):
+    for call in (sim.state, sim.relax):
         state = call()
         assert len(state.packing) == sim.lmp.get_natoms()
         assert_saved_as_it_is(state, tmp_path)
@@ -153,8 +139,6 @@ def test_disks_follow_as_well(jammed: ld.Packing) -> None:
         ("pair_style none", "pair_style"),
         ("pair_coeff 1 2 3.0 0.5", "pair_coeff"),
         ("uncompute overlaps", "overlaps"),
-        ("change_box all boundary f p p", "boundary"),
-        ("clear", "no particles"),
     ],
 )
 def test_disks_and_beads_refuse_the_rest(commands: str, named: str) -> None:
@@ -170,7 +154,7 @@ def test_disks_and_beads_refuse_the_rest(commands: str, named: str) -> None:
                     call()
 
 
-@pytest.mark.parametrize("commands", ["set atom 1 type 2", "replicate 2 1 1", "unfix area0"])
+@pytest.mark.parametrize("commands", ["replicate 2 1 1", "unfix area0"])
 def test_beads_stay(commands: str) -> None:
     start = ld.Packing([[1, 1], [2.2, 1]], [0.5, 0.6], [[5.0, 0.0], [0.0, 5.0]], species=[0, 1])
     with ld.Simulation(start, ld.DeformablePolygon(20, smooth=False)) as sim:
@@ -179,7 +163,7 @@ def test_beads_stay(commands: str) -> None:
             sim.state()
 
 
-@pytest.mark.parametrize("periods", [0, 2, 1000, 1e305])
+@pytest.mark.parametrize("periods", [1000, 1e305])
 def test_obstacles_many_boxes_away(periods: float) -> None:
     """Their images are in the box; at any distance they are found at once."""
     energy = []

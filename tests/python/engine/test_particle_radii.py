@@ -1,14 +1,11 @@
 """Particles with radii of their own, from the onset of jamming to the files."""
 
-import warnings
 from pathlib import Path
 
 import lammps_deformable as ld
 import numpy as np
 import pytest
 from lammps_deformable import core
-from lammps_deformable.lammps import gather, run
-from lammps_deformable.soft_disks import open_disks
 from scipy import stats
 
 RADICAL = ld.Ring(kA=2.0, contact="radical")
@@ -31,31 +28,6 @@ def state(jammed: ld.Packing) -> ld.State:
     return last
 
 
-def test_two_sizes_jam_as_two_species_do() -> None:
-    """The same onset, in another style of LAMMPS."""
-    two = ld.bidisperse(32, seed=3)
-    many = ld.polydisperse(32, two.radii, seed=3)
-    expected, found = ld.jam(two).packing, ld.jam(many).packing
-    # the pressure is 1 to 2e-6 there and rises by 0.3 or so per phi
-    assert found.phi == pytest.approx(expected.phi, abs=1e-5)
-
-
-def test_disks_are_the_same_in_both_styles() -> None:
-    """Forces and pressure of overlapping disks, which both styles sum in an order of their own."""
-    two = ld.bidisperse(32, phi=0.8, tilt=0.2, seed=3)
-    found = []
-    for packing in (two, two._with_own_radii()):
-        lmp = open_disks(packing)
-        run(lmp, "run 0")
-        found.append((gather(lmp, "f", 3), lmp.get_thermo("c_deformable_virial")))
-        lmp.close()
-    (expected, pressure), (force, same) = found
-    assert np.abs(expected).max() > 0.1
-    # places within a box of 6 are known to 1e-15
-    np.testing.assert_allclose(force, expected, rtol=0, atol=1e-14)
-    assert same == pytest.approx(pressure, rel=1e-13)
-
-
 def test_two_sizes_are_two_species() -> None:
     """Energy, stress, shapes and contacts of the same packing, defined in both ways."""
     two = ld.jam(ld.bidisperse(24, seed=2)).packing
@@ -74,16 +46,6 @@ def test_two_sizes_are_two_species() -> None:
             assert np.array_equal(getattr(found, name), getattr(expected, name)), name
 
 
-def test_loose_particles_relax_to_nothing(jammed: ld.Packing) -> None:
-    """Each is a circle of its own radius."""
-    loose = jammed.at(jammed.phi - 0.03)
-    with warnings.catch_warnings(), ld.Simulation(loose, RADICAL) as sim:
-        warnings.simplefilter("error")
-        state = sim.relax()
-    assert (state.residual, (not state.converged)) == (0.0, False)
-    assert state.rattlers.all()
-
-
 def test_particles_may_grow_up_to_their_species(state: ld.State) -> None:
     """LAMMPS commands may change radii; states have the new ones."""
     with ld.Simulation(state.packing, RADICAL) as sim:
@@ -96,9 +58,9 @@ def test_particles_may_grow_up_to_their_species(state: ld.State) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("contact", ["radical", "balanced"])
-@pytest.mark.parametrize("seed", [1, 2])
-@pytest.mark.parametrize("width", [0.1, 0.3, 0.5])
+@pytest.mark.parametrize(
+    ("width", "seed", "contact"), [(0.1, 1, "radical"), (0.5, 2, "balanced"), (0.5, 1, "radical")]
+)
 def test_wide_distributions_reach_the_tolerance(width: float, seed: int, contact: str) -> None:
     """Radii up to 12 times as large as others."""
     start = ld.polydisperse(64, stats.lognorm(width, scale=0.5), seed=seed)
@@ -109,7 +71,7 @@ def test_wide_distributions_reach_the_tolerance(width: float, seed: int, contact
             assert state.energy > 0.0
 
 
-@pytest.mark.parametrize("law", [RADICAL, ld.Ring(), ld.Sector()])
+@pytest.mark.parametrize("law", [RADICAL, ld.Sector()])
 def test_saved_state_goes_on_as_it_was(
     state: ld.State, law: ld.Ring | ld.Sector, tmp_path: Path
 ) -> None:
@@ -122,31 +84,6 @@ def test_saved_state_goes_on_as_it_was(
     assert np.array_equal(again.packing.radii, state.packing.radii)
     assert again.energy == pytest.approx(expected.energy, rel=1e-12)
     assert masses == pytest.approx(np.ones(24))
-
-
-def test_trajectory_has_the_radii(jammed: ld.Packing, tmp_path: Path) -> None:
-    import MDAnalysis
-
-    with ld.Simulation(jammed, ld.Ring()) as sim:
-        sim.compress(strain=0.01, steps=2, record=tmp_path)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # of MDAnalysis
-        universe = MDAnalysis.Universe(
-            str(tmp_path / "trajectory.lammpstrj"),
-            format="LAMMPSDUMP",
-            topology_format="LAMMPSDUMP",
-            additional_columns=True,
-            dt=1.0,
-        )
-        radii = [frame.data["radius"].copy() for frame in universe.trajectory]
-    assert len(radii) == 3
-    np.testing.assert_allclose(radii, [jammed.radii] * 3, rtol=1e-12)
-
-
-def test_picture(state: ld.State) -> None:
-    pytest.importorskip("matplotlib")
-    axes = state.plot(color="area_deficit")
-    assert len(axes.collections[0].get_paths()) >= 24
 
 
 def test_rings_of_beads_refuse_particle_radii(jammed: ld.Packing) -> None:

@@ -57,10 +57,9 @@ def test_polygons_that_meet_through_several_images(kind: Kind) -> None:
 
 
 @kinds
-@pytest.mark.parametrize("change", [0.0, -0.002, 0.02])
-def test_loose_rings_relax_at_once(kind: Kind, change: float, six: ld.Packing) -> None:
+def test_loose_rings_relax_at_once(kind: Kind, six: ld.Packing) -> None:
     with ld.Simulation(six.at(six.phi - kind.loose), kind.model) as rings:
-        rings.deform((1.0 + change) * rings.box)
+        rings.deform(0.998 * rings.box)
         assert np.isfinite(rings.state().residual)
         state = rings.relax()
         assert rings.lmp.extract_global("ntimestep") < 5000
@@ -69,8 +68,7 @@ def test_loose_rings_relax_at_once(kind: Kind, change: float, six: ld.Packing) -
     assert len(state.contacts["i"]) == 0
 
 
-@pytest.mark.parametrize("radius", [0.02, 0.05, 0.1])
-@pytest.mark.parametrize("smooth", [True, False])
+@pytest.mark.parametrize(("smooth", "radius"), [(True, 0.02), (False, 0.1)])
 def test_phi_has_the_radius_of_vertices(smooth: bool, radius: float, six: ld.Packing) -> None:
     """Round polygons fill the circles that a law has, whatever the radius of their vertices."""
     model = ld.DeformablePolygon(120, radius=radius, smooth=smooth)
@@ -90,7 +88,7 @@ def test_a_stalled_relaxation_warns(
     kind: Kind, six: ld.Packing, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(polygon_engine, "_ITERATIONS", 10)
-    monkeypatch.setattr(polygon_engine, "_PATIENCE", 20)
+    monkeypatch.setattr(polygon_engine.PolygonBeads, "patience", 20)
     monkeypatch.setattr(polygon_engine, "_STEPS", 2)
     with ld.Simulation(six, kind.model) as rings:
         rings.deform(0.98 * rings.box)

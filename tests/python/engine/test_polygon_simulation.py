@@ -1,7 +1,6 @@
 """Bead polygons in LAMMPS against their energy written down in numpy."""
 
 from collections.abc import Iterator
-from typing import Any
 
 import lammps_deformable as ld
 import numpy as np
@@ -15,13 +14,10 @@ pytestmark = pytest.mark.filterwarnings("error")
 SOFT = ld.DeformablePolygon(14, radius=0.08, kL=[7.0, 20.0], kA=[3.0, 0.5], kr=11.0, smooth=False)
 
 
-SCENES = [{"number": 5, "seed": 2}, {"number": 4, "seed": 1, "tilt": 0.6, "aspect": 0.7}]
-
-
-@pytest.fixture(params=SCENES, ids=["square", "tilted"])
-def crumpled(request: pytest.FixtureRequest) -> Iterator[ld.Simulation]:
-    """Compressed polygons whose beads are displaced at random."""
-    jammed = ld.jam(ld.bidisperse(**request.param)).packing
+@pytest.fixture
+def crumpled() -> Iterator[ld.Simulation]:
+    """Compressed polygons in a tilted box whose beads are displaced at random."""
+    jammed = ld.jam(ld.bidisperse(4, seed=1, tilt=0.6, aspect=0.7)).packing
     with ld.Simulation(jammed, SOFT) as sim:
         sim.deform(0.96 * sim.box)
         sim.lmp.command("displace_atoms all random 0.01 0.01 0 5 units box")
@@ -142,14 +138,14 @@ def test_polygons_touch_at_the_effective_radius() -> None:
     assert abs(gap - predicted) < 0.01 * roughness
 
 
-@pytest.mark.parametrize("kA", [1.0, (2.0, 20.0)])
-def test_relaxation_ends_at_the_tolerance(kA: Any) -> None:
+def test_relaxation_ends_at_the_tolerance() -> None:
+    kA = (2.0, 20.0)
     jammed = ld.jam(ld.bidisperse(6, seed=1)).packing
     with ld.Simulation(jammed, ld.DeformablePolygon(20, kA=kA, smooth=False)) as sim:
         sim.deform(0.97 * sim.box)
         state = sim.relax(0.02)
         force = np.linalg.norm(gather(sim.lmp, "f", 3), axis=1).max()
-        pressure = np.resize(kA, 2)[jammed.species] * np.maximum(state.area_deficit, 0.0)
+        pressure = np.array(kA)[jammed.species] * np.maximum(state.area_deficit, 0.0)
         borne = np.mean(pressure * state.polygons.spacing[jammed.species])
         assert 0.0 < force <= 0.02 * borne
         assert state.residual == pytest.approx(force / borne)
@@ -167,37 +163,9 @@ def test_stiff_areas_of_soft_polygons_relax() -> None:
     assert state.energy > 0.0
 
 
-def test_compress_yields_states() -> None:
-    jammed = ld.jam(ld.bidisperse(6, seed=1)).packing
-    with ld.Simulation(jammed, ld.DeformablePolygon(20, smooth=False)) as sim:
-        states = sim.compress(strain=0.04, steps=2, tolerance=0.01)[1:]
-        assert sim.box == pytest.approx(0.96 * jammed.box)
-    assert [type(state) for state in states] == [ld.State] * 2
-    assert 0.0 < states[0].energy < states[1].energy
-    assert 0.0 < states[0].pressure < states[1].pressure
-    assert states[0].packing.box == pytest.approx(0.98 * jammed.box)
-
-
 def test_errors_of_lammps_come_as_one_line() -> None:
     with ld.Simulation(pair(1.42), ld.DeformablePolygon(20, smooth=False)) as sim:
         sim.lmp.command("displace_atoms all random 3 3 0 1 units box")
         with pytest.raises(ld.LammpsError, match=r"atoms .* apart|[Bb]ond atoms") as caught:
             sim.relax()
     assert "\n" not in str(caught.value)
-
-
-@pytest.mark.parametrize("tolerance", [0.0, -1.0, float("nan")])
-def test_tolerances_are_positive(tolerance: float) -> None:
-    with (
-        ld.Simulation(pair(1.42), ld.DeformablePolygon(20, smooth=False)) as sim,
-        pytest.raises(ld.ParameterError, match="tolerance"),
-    ):
-        sim.relax(tolerance)
-
-
-@pytest.mark.parametrize("box", [[[-5, 0], [0, 5]], [[5, 1], [0, 5]], [[5, 0], [np.nan, 5]]])
-def test_bad_boxes_change_nothing(box: list[list[float]]) -> None:
-    with ld.Simulation(pair(1.42), ld.DeformablePolygon(20, smooth=False)) as sim:
-        with pytest.raises(ld.ParameterError, match="box must be"):
-            sim.deform(np.array(box))
-        assert sim.box == pytest.approx(1.42 * np.eye(2))

@@ -4,22 +4,20 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 from naive_polygons import ALONE, LONE_BEADS, pair, square
+from refusals import refused
 
 pytestmark = pytest.mark.filterwarnings("error")
 
 
-@pytest.mark.parametrize(
-    ("packing", "height", "message"),
-    [
+def test_walls_are_around_one_particle() -> None:
+    for packing, height, message in (
         (pair(2.0), 0.5, "single particle at the origin"),
         (ld.Packing([[0.1, 0.0]], 0.5, 3.0 * np.eye(2)), 0.5, "at the origin"),
         (ld.Packing([[0.0, 0.0]], 0.5, np.eye(2)), 0.5, "wider than the particle"),
         (ALONE, 0.47, r"a wall at 0\.47 cuts through the particle of radius 0\.5"),
-    ],
-)
-def test_walls_are_around_one_particle(packing: ld.Packing, height: float, message: str) -> None:
-    with pytest.raises(ld.ParameterError, match=message):
-        ld.Simulation._within(packing, LONE_BEADS, square(height))
+    ):
+        with refused(message):
+            ld.Simulation._within(packing, LONE_BEADS, square(height))
 
 
 def test_polygons_do_not_start_in_each_other() -> None:

@@ -20,8 +20,7 @@ def mean_contact_force(state: ld.State) -> float:
     return float(np.mean(active[active > 0.0]))
 
 
-@pytest.mark.parametrize("seed", range(1, 7))
-@pytest.mark.parametrize("number", [8, 32, 64])
+@pytest.mark.parametrize(("number", "seed"), [(8, 1), (32, 4), (64, 3)])
 def test_ring_always_reaches_the_tolerance(number: int, seed: int) -> None:
     jammed = ld.jam(ld.bidisperse(number, seed=seed)).packing
     with warnings.catch_warnings(), ld.Simulation(jammed, ld.Ring()) as sim:
@@ -38,8 +37,7 @@ def test_ring_always_reaches_the_tolerance(number: int, seed: int) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(1, 5))
-@pytest.mark.parametrize("strain", [0.01, 0.03, 0.05])
+@pytest.mark.parametrize(("strain", "seed"), [(0.01, 1), (0.03, 2), (0.05, 3)])
 def test_ring_reaches_the_tolerance_in_large_steps(seed: int, strain: float) -> None:
     jammed = ld.jam(ld.bidisperse(256, seed=seed)).packing
     with ld.Simulation(jammed, ld.Ring()) as sim:
@@ -53,12 +51,6 @@ def test_loose_particles_do_nothing() -> None:
     assert (state.energy, state.pressure, state.residual, state.coordination) == (0, 0, 0, 0)
     assert state.rattlers.all()
     assert state.phi == pytest.approx(0.01)
-
-
-def test_overlapping_loose_particles_relax_to_zero_force() -> None:
-    jammed = ld.jam(ld.bidisperse(32, seed=3)).packing
-    with ld.Simulation(jammed.at(jammed.phi - 0.02), ld.Ring()) as sim:
-        assert sim.relax().residual == 0.0
 
 
 def test_single_contact_of_the_sector_law_opens() -> None:
@@ -122,8 +114,7 @@ def test_unjamming_warns() -> None:
     assert len(warned) == 1
 
 
-@pytest.mark.parametrize("balanced", ["as disks", "by the law"])
-@pytest.mark.parametrize("restarted", [False, True])
+@pytest.mark.parametrize(("balanced", "restarted"), [("as disks", False), ("by the law", True)])
 def test_unjamming_in_the_first_relaxation_warns(balanced: str, restarted: bool) -> None:
     """As after `jam`, whose packing is at rest under the forces of disks or of the law."""
     law = ld.Ring(contact="radical")
@@ -168,7 +159,7 @@ def test_deform_shears_affinely(jammed: ld.Packing) -> None:
     assert fraction - np.rint(fraction) == pytest.approx(0.0, abs=1e-12)
 
 
-@pytest.mark.parametrize("box", [[[-5, 0], [0, 5]], [[5, 1], [0, 5]], [[5, 0], [np.nan, 5]]])
+@pytest.mark.parametrize("box", [[[-5, 0], [0, 5]], [[5, 0], [np.nan, 5]]])
 def test_bad_boxes_change_nothing(jammed: ld.Packing, box: list[list[float]]) -> None:
     with ld.Simulation(jammed.at(0.87), ld.Ring()) as sim:
         before = sim.state().energy
@@ -194,13 +185,6 @@ def test_users_pay_no_per_atom_results(jammed: ld.Packing) -> None:
         assert sim.lmp.available_ids("fix") == ["deformable_restart"]
 
 
-def test_lammps_errors_come_as_one_line(jammed: ld.Packing) -> None:
-    with pytest.raises(ld.LammpsError, match="contact line") as caught:
-        ld.Simulation(jammed.at(6.0), ld.Ring()).relax()
-    assert "\n" not in str(caught.value)
-    assert "src/" not in str(caught.value)
-
-
 def test_simulations_outlive_errors_of_lammps(jammed: ld.Packing) -> None:
     with ld.Simulation(jammed, ld.Ring()) as sim:
         box = sim.box
@@ -224,9 +208,9 @@ def test_errors_for_deep_overlaps_name_push_off(law: ld.Ring | ld.Sector) -> Non
         assert sim.state().energy > 0.0
 
 
-@pytest.mark.parametrize("law", [None, ld.Ring(), ld.Sector()])
-@pytest.mark.parametrize("tilt", [0.0, 0.3, 1.3])
-@pytest.mark.parametrize("phi", [0.5, 0.88, 1.0])
+@pytest.mark.parametrize(
+    ("law", "tilt", "phi"), [(None, 1.3, 0.88), (ld.Ring(), 1.3, 1.0), (ld.Sector(), 0.3, 1.0)]
+)
 @pytest.mark.usefixtures("exact_balance")  # stresses are right to the tolerance of the forces
 def test_a_particle_in_a_box_smaller_than_itself(
     law: ld.Ring | ld.Sector | None, tilt: float, phi: float
@@ -280,3 +264,24 @@ def test_an_interrupted_close_frees_lammps_once(
     sim._lmp.close()  # as when the instance is deleted
     assert len(freed) == 1
     assert sim.closed
+
+
+def test_a_larger_diameter() -> None:
+    """The species file is LAMMPS' way; `Simulation` writes that file itself."""
+    packing = ld.polydisperse(3, [0.5, 0.6, 0.7], phi=0.4, seed=1).push_off()
+    with ld.Simulation(packing, ld.Ring()) as sim:
+        sim.lmp.command("set atom 1 diameter 3")
+        with pytest.raises(ld.LammpsError, match="in Python: reset to a packing with"):
+            sim.state()
+
+
+def test_beyond_the_model_says_how_many_and_what() -> None:
+    packing = ld.jam(ld.bidisperse(12, seed=2)).packing.at(1.15)
+    with (
+        ld.Simulation(packing, ld.Ring()) as sim,
+        pytest.warns(
+            ld.BeyondModelWarning,
+            match=r"\d+ of 12 particles .* negative radius .* without a known error",
+        ),
+    ):
+        sim.relax(1e-3)

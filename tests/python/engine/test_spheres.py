@@ -44,14 +44,6 @@ def test_512_spheres_jam_at_random_close_packing() -> None:
     assert phi == pytest.approx(0.639, abs=0.01)
 
 
-def test_scale_does_not_matter(jammed: ld.Packing) -> None:
-    """The threshold of pressure is in units of k over the mean diameter."""
-    start = ld.bidisperse(64, sizes=(0.5, 0.6), dimension=3, seed=1)
-    large = ld.Packing(8 * start.positions, 8 * start.radii, 8 * start.box)
-    with ld.Simulation(ld.jam(large, tolerance=1e-6).packing, ld.SoftContact()) as spheres:
-        assert spheres.state().pressure == pytest.approx(1.4e-6 / 8.8, rel=1e-2)
-
-
 def test_states_have_stress_contacts_and_motion(squeezed: ld.State) -> None:
     volumes = squeezed.volumes[:, None, None]
     total = np.sum(squeezed.particle_stress * volumes, axis=0) / squeezed.packing.volume
@@ -64,8 +56,8 @@ def test_states_have_stress_contacts_and_motion(squeezed: ld.State) -> None:
     energy = sum(edge["force"] ** 2 / 2.0 for *_, edge in graph.edges(data=True))
     assert energy == pytest.approx(squeezed.energy, rel=1e-12)
     assert {"x", "y", "z"} <= set(graph.nodes[0])
-    assert squeezed.numbers()["lz"] == squeezed.packing.box[2, 2]
-    for values in squeezed.particle_values().values():
+    assert squeezed._numbers()["lz"] == squeezed.packing.box[2, 2]
+    for values in squeezed._particle_values().values():
         assert values.shape == (64,)
 
 
@@ -105,16 +97,6 @@ def test_shear_and_moduli(squeezed: ld.State) -> None:
     assert ld.Run([start, last]).unwrapped()[1] - start.packing.positions == pytest.approx(moved)
 
 
-def test_local_strain_of_an_affine_motion(squeezed: ld.State) -> None:
-    """A packing that follows its box has the strain of the box, and no D^2_min."""
-    gradient = np.array([[0.01, 0.0, 0.0], [0.02, -0.01, 0.0], [0.005, -0.015, 0.02]])
-    with ld.Simulation(squeezed.packing, ld.SoftContact()) as spheres:
-        spheres.deform(squeezed.packing.box @ (np.eye(3) + gradient))
-        strained = spheres.state().local_strain(squeezed)
-    assert strained.gradient == pytest.approx(np.broadcast_to(gradient.T, (64, 3, 3)), abs=1e-9)
-    assert strained.d2min == pytest.approx(np.zeros(64), abs=1e-12)
-
-
 def test_nothing_of_the_plane_is_in_a_state(squeezed: ld.State) -> None:
     """So nothing can take x and y of the centers and leave out z."""
     for name in ("outlines", "hexatic", "area_deficit", "perimeters", "resolve_secondary"):
@@ -148,7 +130,7 @@ def test_centers_at_one_place_come_apart() -> None:
     assert np.ptp(apart.positions, axis=0).min() > 1.0
 
 
-@pytest.mark.parametrize("lattice", ["fcc", "bcc", "sc"])
+@pytest.mark.parametrize("lattice", ["fcc", "sc"])
 def test_crystals_by_formula(lattice: str) -> None:
     """p = z N o d/(6 V), K = V d^2E/dV^2 of z N/2 springs."""
     contacts, over = {"fcc": 12, "bcc": 8, "sc": 6}[lattice], 0.02

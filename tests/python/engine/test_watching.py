@@ -63,9 +63,7 @@ def test_an_exception_ends_a_relaxation_at_rest(dense: ld.Packing) -> None:
         assert sim.relax().residual <= 1e-6
 
 
-@pytest.mark.parametrize(
-    ("law", "free"), [(None, "iso"), (ld.Ring(), "iso"), (None, "aniso")], ids=str
-)
+@pytest.mark.parametrize(("law", "free"), [(ld.Ring(), "iso"), (None, "aniso")], ids=str)
 def test_jamming_is_seen(law: ld.Ring | None, free: str) -> None:
     loose = ld.bidisperse(8, seed=2)
     seen: list[Iteration] = []
@@ -96,15 +94,14 @@ def test_steps_of_newton_are_seen(state: ld.State) -> None:
     assert {each.protocol for each in seen} == {"relax"}
 
 
-@pytest.mark.parametrize("callback", [3, "print", [print]], ids=str)
-def test_what_cannot_be_called(callback: object, state: ld.State) -> None:
+def test_what_cannot_be_called(state: ld.State) -> None:
     told = "callback must be a function of an Iteration, such as .*, or None, not "
     with ld.Simulation(state.packing, state.law) as sim:
         with pytest.raises(ld.ParameterError, match=told):
-            sim.callback = callback
+            sim.callback = "print"
         assert sim.callback is None
     with pytest.raises(ld.ParameterError, match=told):
-        ld.jam(ld.bidisperse(8, seed=1), callback=callback)
+        ld.jam(ld.bidisperse(8, seed=1), callback="print")
 
 
 FAILS = """

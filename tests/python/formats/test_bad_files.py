@@ -6,6 +6,7 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 from lammps_deformable import Packing
+from refusals import refused
 
 DUMP = """ITEM: TIMESTEP
 0
@@ -47,23 +48,16 @@ TEXTS = {"dump": DUMP, "data": DATA, "xyz": XYZ}
 # kind of the file, what is changed to what in it, and what is told
 BAD = [
     ("dump", "1.5 0.5 0 0.4", "1.5 0.5 0.7 0.4", "from 0 to 0.7, but a packing .*dimension=3"),
-    ("data", "1.5 0.5 0\n", "1.5 0.5 9\n", "fill space, z goes from 0 to 9"),
     ("xyz", "1.5 0.5 0 ", "1.5 0.5 -1 ", "fill space, z goes from -1 to 0"),
     ("dump", "1.5 0.5", "nan 0.5", "x of atom 2 is nan"),
-    ("data", "1.5 0.5", "1.5 inf", "y of atom 2 is inf"),
-    ("xyz", "0.5 0.5 0", "0.5 0.5 nan", "z of atom 1 is nan"),
     ("dump", "2 2 1.5", "1 2 1.5", "atom 1 occurs twice"),
-    ("data", "2 2 0.8", "1 2 0.8", "atom 1 occurs twice"),
     ("dump", "0 0.4", "0 0", "radius of atom 2 is 0, which is no radius: give radii"),
-    ("dump", "0 0.4", "0 -0.4", "radius of atom 2 is -0.4"),
-    ("xyz", "0 0.4", "0 nan", "radius of atom 2 is nan"),
     ("data", "2 2 0.8", "2 2 0", "diameter of atom 2 is 0, which is no radius"),
     ("dump", "radius", "c_size", r"no radii \(type, c_size\): give radii=0.5, .* name of a column"),
     ("dump", "2 2 1.5", "2 0 1.5", "type of atom 2 is 0: types count from 1"),
     ("dump", "2 2 1.5 0.5 0 0.4\n", "", "has 1 of 2 atoms"),
     ("dump", "0 0.4\n", "0 0.", "has 2 of 2 atoms, the last one maybe in part"),
     ("dump", "1.5 0.5 0 0.4", "1.5 0.5", "invalid column index"),
-    ("dump", "1.5 0.5", "left 0.5", "could not convert string 'left' to float64"),
     ("dump", "x y z", "fx fy fz", "no positions, such as x and y, among its columns id type fx"),
     ("dump", "pp pp pp\n", "pp ff pp\n", "not periodic along y: give the walls there"),
     ("dump", "BOUNDS pp pp pp\n0 4", "BOUNDS abc origin pp pp pp\n4 0 0 0", "a general one"),
@@ -107,37 +101,32 @@ def test_the_files_are_good_before(kind: str, tmp_path: Path) -> None:
     assert (found.radii.tolist(), found.box.tolist()) == ([0.5, 0.4], [[4.0, 0.0], [0.0, 3.0]])
 
 
-@pytest.mark.parametrize(("kind", "old", "new", "message"), BAD)
-def test_bad_files(kind: str, old: str, new: str, message: str, tmp_path: Path) -> None:
-    assert old in TEXTS[kind]
-    path = written(tmp_path, kind, TEXTS[kind].replace(old, new, 1))
-    with pytest.raises(ld.FileError, match=f"{path.name}' cannot be read: .*{message}") as e:
-        Packing.from_file(path)
-    assert "\n" not in str(e.value)
+@pytest.mark.parametrize("kind", TEXTS)
+def test_bad_files(kind: str, tmp_path: Path) -> None:
+    for _, old, new, message in (row for row in BAD if row[0] == kind):
+        assert old in TEXTS[kind]
+        path = written(tmp_path, kind, TEXTS[kind].replace(old, new, 1))
+        with pytest.raises(ld.FileError, match=f"{path.name}' cannot be read: .*{message}") as e:
+            Packing.from_file(path)
+        assert "\n" not in str(e.value)
 
 
 ARGUMENTS = [
-    ({"radii": 0.0}, "radii must be a positive number, not 0.0"),
     ({"radii": [0.5, 0.4]}, "radii must be of the kind float or int or"),
     ({"radii": {1: 0.5, 2: -1.0}}, "radius of type 2 must be a positive number, not -1.0"),
     ({"radii": {1: 0.5}}, "it has particles of type 2, and radii has 1 only"),
     ({"radii": "size"}, r"it has no column size \(type, radius\)"),
     ({"frame": 1}, "it has 1 frames, and no frame 1: give 0"),
-    ({"frame": 10**30}, "frame must be the number of one, such as 0 or -1, not 1000"),
-    ({"radii": {}}, "radii by type must have a type"),
-    ({"frame": 0.5}, "frame must be a whole number"),
     ({"box": (4, -3)}, "box must be"),
     ({"topology": "conf.gro"}, "packing.dump' is a LAMMPS dump: leave it out"),
-    ({"walls": "wall"}, "wall"),
 ]
 
 
-@pytest.mark.parametrize(("arguments", "message"), ARGUMENTS)
-def test_bad_arguments(arguments: dict[str, object], message: str, tmp_path: Path) -> None:
-    path = written(tmp_path, "dump", DUMP)
-    with pytest.raises((ld.ParameterError, ld.FileError), match=message) as e:
-        Packing.from_file(path, **arguments)  # type: ignore[arg-type]
-    assert "\n" not in str(e.value)
+def test_bad_arguments(tmp_path: Path) -> None:
+    for arguments, message in ARGUMENTS:
+        path = written(tmp_path, "dump", DUMP)
+        with refused(message, (ld.ParameterError, ld.FileError)):
+            Packing.from_file(path, **arguments)  # type: ignore[arg-type]
 
 
 def test_files_that_are_none(tmp_path: Path) -> None:

@@ -67,19 +67,15 @@ def test_a_folder_is_no_file(state: ld.State, tmp_path: Path) -> None:
     assert file.read_text() == "kept"
 
 
-@pytest.mark.parametrize(
-    ("text", "last"),
-    [
+def test_the_last_whole_line(tmp_path: Path) -> None:
+    for text, last in (
         (b"", b""),
         (b"torn", b""),
         (b"one\n", b"one"),
         (b"one\ntwo\ntorn", b"two"),
         (b"x\n" + b"y" * 300_000 + b"\n", b"y" * 300_000),
         (b"one\n" + b"torn" * 30_000, b"one"),
-    ],
-    ids=["empty", "torn", "one", "two", "long", "long and torn"],
-)
-def test_the_last_whole_line(text: bytes, last: bytes, tmp_path: Path) -> None:
-    (tmp_path / "lines").write_bytes(text)
-    assert _last_line(tmp_path / "lines") == last
+    ):
+        (tmp_path / "lines").write_bytes(text)
+        assert _last_line(tmp_path / "lines") == last
     assert _last_line(tmp_path / "none") == b""

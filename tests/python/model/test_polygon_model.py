@@ -1,10 +1,9 @@
 """Numbers of beads, rest values and effective radii of polygons, and the settings they refuse."""
 
-from typing import Any
-
 import lammps_deformable as ld
 import numpy as np
 import pytest
+from refusals import refused
 
 RADII = np.array([0.5, 0.7])
 
@@ -16,20 +15,6 @@ def test_numbers_of_the_paper() -> None:
     assert polygons.effective_radius == pytest.approx(RADII - 0.00205, abs=2e-5)
 
 
-def test_smooth_polygons_have_the_perimeter_of_the_law() -> None:
-    polygons = ld.DeformablePolygon(80, radius=0.025, kL=480.0).polygons(RADII)
-    assert polygons.number.tolist() == [80, 114]
-    assert polygons.number * polygons.spacing == pytest.approx(
-        2.0 * np.pi * (RADII - 0.025), rel=1e-14
-    )
-    assert polygons.spacing == pytest.approx(
-        2.0 * polygons.radius * np.sin(np.pi / polygons.number)
-    )
-    assert polygons.effective_radius.tolist() == RADII.tolist()
-    assert polygons.skin == pytest.approx([0.025, 0.025], rel=1e-13)
-    assert polygons.kP.tolist() == [480.0 / 80, 480.0 / 114]
-
-
 def test_few_vertices_are_enough_for_smooth_polygons() -> None:
     assert ld.DeformablePolygon(8, radius=0.01).polygons(RADII).number[0] == 8
     with pytest.raises(ld.ParameterError, match="too few"):
@@ -38,75 +23,52 @@ def test_few_vertices_are_enough_for_smooth_polygons() -> None:
         ld.DeformablePolygon(9000, radius=0.01).polygons(RADII)
 
 
-def test_rest_values_are_those_of_a_regular_polygon() -> None:
-    polygons = ld.DeformablePolygon([5, 11], radius=0.1, smooth=False).polygons(
-        np.array([0.4, 0.3])
-    )
-    for n, radius, spacing, area in zip(
-        polygons.number, (0.3, 0.2), polygons.spacing, polygons.area, strict=True
-    ):
-        turn = 2.0 * np.pi * np.arange(n) / n
-        x, y = radius * np.cos(turn), radius * np.sin(turn)
-        sides = np.hypot(x - np.roll(x, 1), y - np.roll(y, 1))
-        assert sides == pytest.approx(np.full(n, spacing), rel=1e-14)
-        assert area == pytest.approx(0.5 * np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
-
-
-@pytest.mark.parametrize("number", [[50, 80], (50, 80), np.array([50, 80]), np.array([50.0, 80.0])])
+@pytest.mark.parametrize("number", [(50, 80), np.array([50.0, 80.0])])
 def test_numbers_of_each_species(number: object) -> None:
     assert ld.DeformablePolygon(number, smooth=False).polygons(RADII).number.tolist() == [50, 80]
 
 
-@pytest.mark.parametrize("number", [50, np.int64(50), np.float64(50.0)])
-def test_one_number_is_of_the_smallest(number: int) -> None:
-    assert ld.DeformablePolygon(number, smooth=False).polygons(RADII[::-1]).number.tolist() == [
-        72,
-        50,
-    ]
+def test_one_number_is_of_the_smallest() -> None:
+    model = ld.DeformablePolygon(np.float64(50.0), smooth=False)
+    assert model.polygons(RADII[::-1]).number.tolist() == [72, 50]
 
 
-@pytest.mark.parametrize(
-    "number",
-    [2, 0, -5, 50.5, float("nan"), float("inf"), "many", [50, 2], [[50, 60]], [50, [1]], [], None],
-)
-def test_numbers_of_beads_are_whole_and_three_or_more(number: object) -> None:
-    with pytest.raises(ld.ParameterError, match="whole number of beads, at least 3, not"):
-        ld.DeformablePolygon(number, smooth=False)  # type: ignore[arg-type]
+def test_numbers_of_beads_are_whole_and_three_or_more() -> None:
+    for number in (
+        2,
+        50.5,
+        float("nan"),
+        "many",
+        [50, 2],
+        [[50, 60]],
+        [50, [1]],
+        [],
+    ):
+        with refused("whole number of beads, at least 3, not"):
+            ld.DeformablePolygon(number, smooth=False)  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize("name", ["radius", "kr"])
-@pytest.mark.parametrize(
-    "value", [0.0, -1.0, float("nan"), float("inf"), "a", "1", None, [1.0, 2.0], 10**400]
-)
-def test_settings_are_positive(name: str, value: Any) -> None:
-    with pytest.raises(ld.ParameterError, match=f"{name} must be a positive number"):
-        ld.DeformablePolygon(**{name: value})
+def test_settings_are_positive() -> None:
+    for name, value in (
+        ("radius", 0.0),
+        ("kr", [1.0, 2.0]),
+    ):
+        with refused(f"{name} must be a positive number"):
+            ld.DeformablePolygon(**{name: value})
 
 
-@pytest.mark.parametrize("name", ["kL", "kA"])
-@pytest.mark.parametrize(
-    ("value", "message"),
-    [
-        (0.0, r"be positive and finite, not 0\.0"),
-        (-1.0, r"be positive and finite, not -1\.0"),
-        (float("nan"), "be positive and finite, not nan"),
-        ([1.0, float("inf")], r"be positive and finite, not \[1\.0, inf\]"),
-        ((1.0, 0.0), r"be positive and finite, not \[1\.0, 0\.0\]"),
-        ("1", "be a number, or one number for each species, not '1'"),
-        (None, "be a number, or one number for each species, not None"),
-        ([], r"be a number, or one number for each species, not \[\]"),
-        ([1.0, [2.0]], r"be a number, or one number for each species, not \[1\.0, \[2\.0\]\]"),
-        (10**400, "be a number, or one number for each species, not 1000"),
-    ],
-)
-def test_stiffnesses_are_positive(name: str, value: Any, message: str) -> None:
-    with pytest.raises(ld.ParameterError, match=f"{name} must {message}"):
-        ld.DeformablePolygon(**{name: value})
+def test_stiffnesses_are_positive() -> None:
+    for name, value, message in (
+        ("kL", 0.0, r"be positive and finite, not 0\.0"),
+        ("kA", [1.0, float("inf")], r"be positive and finite, not \[1\.0, inf\]"),
+        ("kA", "1", "be a number, or one number for each species, not '1'"),
+    ):
+        with refused(f"{name} must {message}"):
+            ld.DeformablePolygon(**{name: value})
 
 
-@pytest.mark.parametrize("kind", [list, tuple, np.array])
-def test_stiffnesses_of_each_species(kind: Any) -> None:
-    model = ld.DeformablePolygon([50, 80], kL=kind([1, 2]), kA=3, smooth=False)
+def test_stiffnesses_of_each_species() -> None:
+    model = ld.DeformablePolygon([50, 80], kL=np.array([1, 2]), kA=3, smooth=False)
     assert model == ld.DeformablePolygon([50, 80], kL=(1.0, 2.0), kA=3.0, smooth=False)
     polygons = model.polygons(RADII)
     assert polygons.kL.tolist() == [1.0, 2.0]
@@ -115,32 +77,17 @@ def test_stiffnesses_of_each_species(kind: Any) -> None:
     assert (polygons.radius + polygons.skin).tolist() == polygons.effective_radius.tolist()
 
 
-@pytest.mark.parametrize("name", ["kL", "kA"])
-@pytest.mark.parametrize("values", [[1.0], [1.0, 2.0, 3.0]])
-def test_one_stiffness_a_species(name: str, values: Any) -> None:
+def test_one_value_a_species() -> None:
     message = r"there are 2 species, so \[1\.0.*\] must have as many numbers"
     with pytest.raises(ld.ParameterError, match=message):
-        ld.DeformablePolygon(**{name: values}).polygons(RADII)
-
-
-def test_settings_may_be_numpy_numbers() -> None:
-    model = ld.DeformablePolygon(
-        np.int64(12), radius=np.float64(0.1), kL=np.float32(8), kA=2, smooth=False
-    )
-    with ld.Simulation(ld.bidisperse(2, phi=0.1, seed=1), model) as polygons:
-        assert polygons.state().residual == 0.0
-
-
-@pytest.mark.parametrize("number", [[50], [50, 60, 70]])
-def test_one_number_a_species(number: list[int]) -> None:
+        ld.DeformablePolygon(kL=[1.0, 2.0, 3.0]).polygons(RADII)
     with pytest.raises(ld.ParameterError, match=r"one for each of 2 species, not \["):
-        ld.DeformablePolygon(number, smooth=False).polygons(RADII)
+        ld.DeformablePolygon([50], smooth=False).polygons(RADII)
 
 
-@pytest.mark.parametrize("radius", [0.25, 0.5, 3.0])
-def test_beads_are_smaller_than_the_ring(radius: float) -> None:
+def test_beads_are_smaller_than_the_ring() -> None:
     with pytest.raises(ld.ParameterError, match=r"too large for a particle of radius 0\.5"):
-        ld.DeformablePolygon(50, radius=radius, smooth=False).polygons(RADII)
+        ld.DeformablePolygon(50, radius=0.25, smooth=False).polygons(RADII)
 
 
 def test_no_bead_slips_through_between_others() -> None:
@@ -151,19 +98,21 @@ def test_no_bead_slips_through_between_others() -> None:
     assert np.isfinite(enough.effective_radius).all()
 
 
-@pytest.mark.parametrize("radii", [RADII, np.array([0.5, 0.55, 0.9]), np.array([0.15, 0.26])])
-@pytest.mark.parametrize(("number", "way_out", "step"), [(3, "more", -1), (1e300, "fewer", 1)])
-def test_the_number_that_is_asked_for_suffices(
-    radii: np.ndarray, number: float, way_out: str, step: int
-) -> None:
+def test_the_number_that_is_asked_for_suffices() -> None:
     """One number is that of the smallest species, but a larger species may need more beads."""
-    message = rf"take vertices = \d+ or {way_out}$"
-    with pytest.raises(ld.ParameterError, match=message) as error:
-        ld.DeformablePolygon(number, smooth=False).polygons(radii)
-    limit = int(str(error.value).split()[-3])
-    ld.DeformablePolygon(limit, smooth=False).polygons(radii)
-    with pytest.raises(ld.ParameterError, match=message):
-        ld.DeformablePolygon(limit + step, smooth=False).polygons(radii)
+    for radii, number, way_out, step in (
+        (np.array([0.5, 0.55, 0.9]), 3, "more", -1),
+        (np.array([0.5, 0.55, 0.9]), 1e300, "fewer", 1),
+        (np.array([0.15, 0.26]), 3, "more", -1),
+        (np.array([0.15, 0.26]), 1e300, "fewer", 1),
+    ):
+        message = rf"take vertices = \d+ or {way_out}$"
+        with pytest.raises(ld.ParameterError, match=message) as error:
+            ld.DeformablePolygon(number, smooth=False).polygons(radii)
+        limit = int(str(error.value).split()[-3])
+        ld.DeformablePolygon(limit, smooth=False).polygons(radii)
+        with pytest.raises(ld.ParameterError, match=message):
+            ld.DeformablePolygon(limit + step, smooth=False).polygons(radii)
 
 
 def test_lammps_lists_the_neighbors_of_the_closest_beads() -> None:

@@ -5,6 +5,7 @@ from pathlib import Path
 import lammps_deformable as ld
 import numpy as np
 import pytest
+from refusals import refused
 
 FORCE, FRICTION, TAU = 1e-4, 2.0, 100.0
 SPEED = FORCE / FRICTION
@@ -96,21 +97,14 @@ def test_particles_that_push_each_other_keep_their_step() -> None:
     assert states[-1].time > states[-2].time
 
 
-@pytest.mark.parametrize(
-    ("values", "message"),
-    [
-        ({"drag": 0.0}, "get faster and faster: give a drag"),
-        ({"persistence": None}, "give propulsion and persistence, or none of them"),
-        ({"propulsion": None}, "give propulsion and persistence, or none of them"),
-        ({"propulsion": 0.0}, "propulsion must be a positive number, not 0"),
-        ({"propulsion": float("inf")}, "propulsion must be a positive number, not inf"),
-        ({"persistence": -1.0}, "persistence must be a positive number, not -1"),
-        ({"persistence": 0.1, "timestep": 0.2}, "longer than the persistence of 0.1"),
-    ],
-)
-def test_refusals(free: ld.Packing, values: dict[str, float], message: str) -> None:
-    with (
-        ld.Simulation(free, ld.Ring()) as sim,
-        pytest.raises(ld.ParameterError, match=message),
-    ):
-        sim.run(10, **ACTIVE | values)
+def test_refusals(free: ld.Packing) -> None:
+    with ld.Simulation(free, ld.Ring()) as sim:
+        for values, message in (
+            ({"drag": 0.0}, "get faster and faster: give a drag"),
+            ({"persistence": None}, "give propulsion and persistence, or none of them"),
+            ({"propulsion": float("inf")}, "propulsion must be a positive number, not inf"),
+            ({"persistence": -1.0}, "persistence must be a positive number, not -1"),
+            ({"persistence": 0.1, "timestep": 0.2}, "longer than the persistence of 0.1"),
+        ):
+            with refused(message):
+                sim.run(10, **ACTIVE | values)

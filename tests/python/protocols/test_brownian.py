@@ -3,6 +3,7 @@
 import lammps_deformable as ld
 import numpy as np
 import pytest
+from refusals import refused
 
 TEMPERATURE, FRICTION = 1e-5, 2.0
 
@@ -65,19 +66,13 @@ def test_overdamped_particles_go_downhill_to_the_same_rest(dense: ld.Packing) ->
         assert sim.relax(1e-8).energy == pytest.approx(energies[-1], rel=1e-6)
 
 
-@pytest.mark.parametrize(
-    ("values", "message"),
-    [
-        ({}, "without inertia particles need a drag above 0"),
-        ({"temperature": 1e-6}, "without inertia particles need a drag above 0"),
-        ({"drag": -1.0}, "drag must not be negative, not -1"),
-        ({"drag": 1.0, "timestep": 1e9, "temperature": 0.01}, "too long for the temperature"),
-        ({"drag": 1.0, "timestep": 1e9}, "timestep = .* is too long for particle"),
-    ],
-)
-def test_refusals(dense: ld.Packing, values: dict[str, float], message: str) -> None:
-    with (
-        ld.Simulation(dense, ld.Ring()) as sim,
-        pytest.raises(ld.ParameterError, match=message),
-    ):
-        sim.run(100, inertia=False, **values)
+def test_refusals(dense: ld.Packing) -> None:
+    with ld.Simulation(dense, ld.Ring()) as sim:
+        for values, message in (
+            ({}, "without inertia particles need a drag above 0"),
+            ({"drag": -1.0}, "drag must not be negative, not -1"),
+            ({"drag": 1.0, "timestep": 1e9, "temperature": 0.01}, "too long for the temperature"),
+            ({"drag": 1.0, "timestep": 1e9}, "timestep = .* is too long for particle"),
+        ):
+            with refused(message):
+                sim.run(100, inertia=False, **values)

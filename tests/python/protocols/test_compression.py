@@ -1,6 +1,5 @@
 """Quasistatic compression."""
 
-import sys
 from typing import Any
 
 import lammps_deformable as ld
@@ -11,44 +10,34 @@ pytestmark = pytest.mark.filterwarnings("error")
 
 
 def test_ten_line_script() -> None:
-    packing = ld.bidisperse(128, sizes=(0.5, 0.7), seed=5)
+    packing = ld.bidisperse(64, sizes=(0.5, 0.7), seed=5)
     jammed = ld.jam(packing).packing
     sim = ld.Simulation(jammed, ld.Ring(kA=1.0))
     seen = []
-    for state in sim.compress(strain=0.01, steps=10)[1:]:
+    for state in sim.compress(strain=0.01, steps=5)[1:]:
         seen.append((state.phi, state.pressure))
     phi, pressure = np.array(seen).T
-    assert len(seen) == 10
+    assert len(seen) == 5
     assert (np.diff(phi) > 0).all()
     assert (np.diff(pressure) > 0).all()
     assert state.packing.box == pytest.approx(0.99 * jammed.box)
     sim.close()
 
 
-@pytest.mark.parametrize(("strain", "steps"), [(1.0, 1), (0.0, 1), (float("nan"), 1), (0.01, 0)])
-def test_compress_refuses_nonsense_at_once(jammed: ld.Packing, strain: float, steps: int) -> None:
+@pytest.mark.parametrize("strain", [1.0, float("nan")])
+def test_compress_refuses_nonsense_at_once(jammed: ld.Packing, strain: float) -> None:
     with (
         ld.Simulation(jammed, ld.Ring()) as sim,
-        pytest.raises(ld.ParameterError),
+        pytest.raises(ld.ParameterError, match="strain"),
     ):
-        sim.compress(strain=strain, steps=steps)
+        sim.compress(strain=strain)
 
 
-def test_no_progress_bar_off_a_terminal(
-    jammed: ld.Packing, capfd: pytest.CaptureFixture[str]
-) -> None:
-    assert not sys.stderr.isatty()
-    with ld.Simulation(jammed, ld.Ring()) as sim:
-        sim.compress(strain=0.001)
-    assert capfd.readouterr() == ("", "")
-
-
-@pytest.mark.parametrize("kind", ["law", "disks", "polygons"])
+@pytest.mark.parametrize("kind", ["law", "polygons"])
 def test_a_packing_that_comes_apart_says_so_once(jammed: ld.Packing, kind: str) -> None:
     """Compressed by 1 %, then expanded by 1 % a step: the first step leaves 1e-4."""
     sim: Any = {
         "law": lambda: ld.Simulation(jammed, ld.Ring()),
-        "disks": lambda: ld.Simulation(jammed, ld.SoftContact()),
         "polygons": lambda: ld.Simulation(
             jammed, ld.DeformablePolygon(40, radius=0.025, kL=240.0, kr=10.0)
         ),

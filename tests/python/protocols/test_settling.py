@@ -1,11 +1,11 @@
 """Rest at a pressure, with friction and without."""
 
 import math
-from typing import Any
 
 import lammps_deformable as ld
 import numpy as np
 import pytest
+from refusals import refused
 
 DROPLETS = ld.Ring(kA=math.inf, kP=0.0, tension=1.0)
 
@@ -17,7 +17,7 @@ def simulation(mu: float | None, number: int = 16, seed: int = 1) -> ld.Simulati
     return ld.Simulation(loose, DROPLETS, friction=friction)
 
 
-@pytest.mark.parametrize("mu", [0.0, 0.3, math.inf])
+@pytest.mark.parametrize("mu", [0.3, math.inf])
 def test_every_particle_is_in_balance(mu: float) -> None:
     """Forces and torques of the contacts of each add up to nothing, within Coulomb's bound."""
     with simulation(mu) as sim:
@@ -70,16 +70,10 @@ def test_contacts_that_slip_are_at_an_energy_minimum() -> None:
     assert relaxed.phi == pytest.approx(state.phi, abs=1e-6)
 
 
-RINGS = {
-    "conserved perimeter": ld.Ring(),
-    "soft perimeter": ld.Ring(kA=3.0, kP=0.5),
-    "radical": ld.Ring(contact="radical"),
-    "droplets": DROPLETS,
-}
-
-
-@pytest.mark.parametrize("law", RINGS.values(), ids=RINGS.keys())
-@pytest.mark.parametrize("pressure", [1e-5, 1e-2])
+@pytest.mark.parametrize(
+    ("law", "pressure"),
+    [(ld.Ring(kA=3.0, kP=0.5), 1e-2), (ld.Ring(contact="radical"), 1e-2), (DROPLETS, 1e-5)],
+)
 def test_the_time_step_knows_the_pressure(law: ld.Ring, pressure: float) -> None:
     """Particles without contacts, of any stiffness: the way to rest at the pressure is stable."""
     loose = ld.bidisperse(32, phi=0.7, seed=1).push_off()
@@ -117,23 +111,17 @@ def test_it_goes_on_at_other_pressures() -> None:
         assert "deformable_box" not in sim.lmp.available_ids("fix")
 
 
-@pytest.mark.parametrize(
-    ("values", "message"),
-    [
-        ({"pressure": 0.0}, "pressure must be a positive number, not 0"),
-        ({"pressure": math.nan}, "pressure must be a positive number, not nan"),
-        ({"tolerance": 0.0}, "tolerance must be a positive number, not 0"),
-        ({"inertial_number": -1.0}, "inertial_number must be a positive number, not -1"),
-        ({"steps": 0}, "steps must be at least 1, not 0"),
-        ({"timestep": 1.0}, r"timestep = 1 is too long .* at most 0\.13"),
-    ],
-)
-def test_refused(values: dict[str, Any], message: str) -> None:
+def test_refused() -> None:
     with simulation(0.3) as sim:
-        with pytest.raises(ld.ParameterError, match=message) as error:
-            sim.run(**{"steps": 4_000_000, "pressure": 1e-3} | values)
-        assert "\n" not in str(error.value)
-        assert sim.time == 0.0
+        for values, message in (
+            ({"pressure": 0.0}, "pressure must be a positive number, not 0"),
+            ({"tolerance": 0.0}, "tolerance must be a positive number, not 0"),
+            ({"inertial_number": -1.0}, "inertial_number must be a positive number, not -1"),
+            ({"timestep": 1.0}, r"timestep = 1 is too long .* at most 0\.13"),
+        ):
+            with refused(message):
+                sim.run(**{"steps": 4_000_000, "pressure": 1e-3} | values)
+            assert sim.time == 0.0
 
 
 def test_what_cannot_settle() -> None:

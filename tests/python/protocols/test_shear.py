@@ -8,6 +8,7 @@ import pytest
 from crystal import RADIUS, crystal
 from lammps_deformable import core
 from lammps_deformable.shearing import sheared, straighten
+from refusals import refused
 
 from validation.finite_strain import bulk_modulus, shear_modulus
 
@@ -48,22 +49,7 @@ def test_moduli_of_the_crystal_of_rings() -> None:
     assert bulk_modulus(state, 1e-4).value == pytest.approx(bulk, rel=2e-4)
 
 
-def test_moduli_of_the_crystal_of_disks() -> None:
-    """Springs k on a triangular lattice: G = sqrt(3)/4 k, K = sqrt(3)/2 k, up to the prestress."""
-    overlap = 1e-5
-    with ld.Simulation(crystal(overlap), ld.SoftContact()) as sim:
-        state = sim.relax()
-    assert state.coordination == 6.0
-    bulk = bulk_modulus(state, 0.1 * overlap)
-    for pure in (False, True):
-        shear = shear_modulus(state, 0.1 * overlap, pure=pure)
-        assert (shear.linear, bulk.linear) == (True, True)
-        assert shear.value == pytest.approx(np.sqrt(3.0) / 4.0, rel=10 * overlap)
-    assert bulk.value == pytest.approx(np.sqrt(3.0) / 2.0, rel=10 * overlap)
-
-
-@pytest.mark.parametrize("law", [None, ld.Ring()])
-@pytest.mark.parametrize("strain", [1e-5, 1e-7, 1e-8])
+@pytest.mark.parametrize(("law", "strain"), [(None, 1e-8), (ld.Ring(), 1e-6)])
 def test_moduli_of_small_strains(law: ld.Ring | None, strain: float) -> None:
     """Right within their errors at any strain: relaxed forces are balanced relative to it."""
     jammed = ld.jam(ld.bidisperse(16, seed=2)).packing
@@ -98,13 +84,10 @@ def test_modulus_halves_a_strain_that_is_too_large() -> None:
     assert found.value == pytest.approx(np.sqrt(3.0) / 4.0, rel=10 * overlap)
 
 
-@pytest.fixture(scope="module", params=["ring", "disk"])
-def sim(request: pytest.FixtureRequest) -> ld.Simulation:
+@pytest.fixture(scope="module")
+def sim() -> ld.Simulation:
     packing = ld.jam(ld.bidisperse(12, seed=2)).packing
-    squeezed = packing.at(packing.phi + 0.03)
-    if request.param == "disk":
-        return ld.Simulation(squeezed, ld.SoftContact())
-    return ld.Simulation(squeezed, ld.Ring())
+    return ld.Simulation(packing.at(packing.phi + 0.03), ld.Ring())
 
 
 def test_work_is_the_gain_of_energy(sim: ld.Simulation) -> None:
@@ -142,14 +125,12 @@ def test_equivalent_box_changes_nothing(sim: ld.Simulation) -> None:
     )
 
 
-@pytest.mark.parametrize(
-    ("strain", "steps", "message"),
-    [(np.nan, 1, "strain must be a finite number, not nan"), (0.1, 0, "steps must be at least 1")],
-)
-def test_bad_input(sim: ld.Simulation, strain: float, steps: int, message: str) -> None:
-    with pytest.raises(ld.ParameterError, match=message):
-        sim.shear(strain, steps=steps)
-    with pytest.raises(ld.ParameterError, match="strain must be a positive number, not 0"):
+def test_bad_input(sim: ld.Simulation) -> None:
+    with refused("strain must be a finite number, not nan"):
+        sim.shear(np.nan)
+    with refused("steps must be at least 1"):
+        sim.shear(0.1, steps=0)
+    with refused("strain must be a positive number, not 0"):
         shear_modulus(sim.state(), 0.0)
 
 

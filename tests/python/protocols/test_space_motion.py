@@ -6,6 +6,7 @@ import pytest
 from lammps_deformable import Droplet, Packing, State
 from lammps_deformable.lammps import gather, place_particles, run
 from lammps_deformable.laws import longest_overdamped_step, longest_step
+from refusals import refused
 
 
 @pytest.fixture(scope="module")
@@ -34,23 +35,15 @@ def stiffest(sim: ld.Simulation, state: State) -> float:
     return float(np.linalg.norm(v))
 
 
-@pytest.mark.parametrize(
-    ("kind", "phi"),
-    [
-        *(("random", phi) for phi in (0.645, 0.7, 0.8)),
-        *(("fcc", phi) for phi in (0.75, 0.8, 0.85)),
-        *(("bcc", phi) for phi in (0.7, 0.8)),
-        ("sc", 0.55),
-    ],
-)
+@pytest.mark.parametrize(("kind", "phi"), [("random", 0.645), ("bcc", 0.8), ("sc", 0.55)])
 def test_longest_steps_are_stable_and_not_by_far(jammed: Packing, kind: str, phi: float) -> None:
     """Verlet up to 2/omega, Euler up to 2 friction/omega^2, of the stiffest mode."""
     packing = jammed if kind == "random" else ld.crystal(kind, 2, radius=1.0)
     with ld.Simulation(packing.at(phi), Droplet(2.0)) as sim:
         state = sim.relax(1e-4)
         largest = stiffest(sim, state)
-    assert 0.5 < longest_step(*state.step_limits()) / (2.0 / np.sqrt(largest)) < 1.0
-    euler = longest_overdamped_step(*state.step_limits(), 3.0)
+    assert 0.5 < longest_step(*state._step_limits()) / (2.0 / np.sqrt(largest)) < 1.0
+    euler = longest_overdamped_step(*state._step_limits(), 3.0)
     assert 0.1 < euler / (2.0 * 3.0 / largest) < 0.5
 
 
@@ -72,15 +65,7 @@ def test_energy_error_falls_with_the_square_of_the_time_step(jammed: Packing) ->
         assert states[-1].time == pytest.approx(8.0)
     assert np.polyfit(np.log(steps), np.log(errors), 1)[0] == pytest.approx(2.0, abs=0.3)
     assert errors[-1] < 1e-3 * states[-1].kinetic_energy
-    assert states[-1].numbers()["temperature"] == states[-1].temperature > 0.0
-
-
-def test_temperature_has_three_dimensions(loose: Packing) -> None:
-    """Initial velocities have the temperature that is asked for, without a drift."""
-    with ld.Simulation(loose, Droplet()) as sim:
-        start = sim.run(1, timestep=1e-6, temperature=1e-3, seed=2)[0]
-        assert start.temperature == pytest.approx(1e-3, rel=1e-6)
-        assert start.velocities.shape == (32, 3)
+    assert states[-1]._numbers()["temperature"] == states[-1].temperature > 0.0
 
 
 def test_a_heat_bath_has_its_temperature(loose: Packing) -> None:
@@ -110,16 +95,6 @@ def test_free_droplets_diffuse_in_three_dimensions() -> None:
     )
 
 
-def test_damped_motion_comes_to_rest(jammed: Packing) -> None:
-    squeezed = jammed.at(0.7).push_off()
-    with ld.Simulation(squeezed, Droplet()) as sim:
-        states = sim.run(400, drag=0.5, every=50)[1:]
-        total = np.array([state.energy + state.kinetic_energy for state in states])
-        assert (np.diff(total) < 1e-9 * total[0]).all()
-        assert states[-1].residual < 0.1 * states[0].residual
-        assert sim.relax().energy <= states[-1].energy
-
-
 def test_motion_goes_on_where_it_was(loose: Packing) -> None:
     """Also from a state, and after a relaxation, whose time step is another one."""
     with ld.Simulation(loose, Droplet()) as sim:
@@ -147,19 +122,13 @@ def test_a_tolerance_of_the_balance(jammed: Packing) -> None:
         assert sim.relax(1e-2).residual <= 1e-2
 
 
-@pytest.mark.parametrize(
-    ("values", "message"),
-    [
-        ({"timestep": 5.0}, r"timestep = 5 is too long for .* take at most 0\.\d+"),
-        ({"timestep": 5.0, "temperature": None}, "droplet|particle .*, whose load is"),
-        ({"propulsion": 1.0, "persistence": 1.0, "drag": 1.0}, "a propulsion is for .* plane"),
-        ({"inertia": False}, "need a drag"),
-        ({"temperature": -1.0}, "temperature .* -1"),
-    ],
-)
-def test_refusals(loose: Packing, values: dict[str, object], message: str) -> None:
-    with (
-        ld.Simulation(loose, Droplet()) as sim,
-        pytest.raises(ld.ParameterError, match=message),
-    ):
-        sim.run(100, **{"temperature": 1e-5} | values)
+def test_refusals(loose: Packing) -> None:
+    with ld.Simulation(loose, Droplet()) as sim:
+        for values, message in (
+            ({"timestep": 5.0, "temperature": None}, "droplet|particle .*, whose load is"),
+            ({"timestep": 5.0}, r"timestep = 5 is too long for .* take at most 0\.\d+"),
+            ({"propulsion": 1.0, "persistence": 1.0, "drag": 1.0}, "a propulsion is for .* plane"),
+            ({"inertia": False}, "need a drag"),
+        ):
+            with refused(message):
+                sim.run(100, **{"temperature": 1e-5} | values)

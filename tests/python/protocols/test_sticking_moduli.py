@@ -6,7 +6,6 @@ from collections.abc import Callable
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable.shearing import sheared
 from mpi4py import MPI
 from numpy.typing import NDArray
 
@@ -41,7 +40,6 @@ def compressed(box: Box, compression: float) -> Box:
 @pytest.mark.parametrize(
     ("modulus", "settings", "deformed"),
     [
-        (shear_modulus, {}, sheared),
         (shear_modulus, {"pure": True}, stretched),
         (bulk_modulus, {}, compressed),
     ],

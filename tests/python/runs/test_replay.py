@@ -53,20 +53,6 @@ def test_growth_and_death(start: Packing, tmp_path: Path) -> None:
         ld.Run(tmp_path).to_mdanalysis()
 
 
-def test_other_species(tmp_path: Path) -> None:
-    """As after `fix atom/swap`: a small particle takes the place of a large one."""
-    packing = ld.bidisperse(16, phi=0.8, seed=2).push_off()
-    swapped = packing.replace(species=packing.species[::-1], radii=packing.radii[::-1])
-    states = []
-    for each in (packing, swapped):
-        with ld.Simulation(each, Ring(kA=[1.0, 2.0])) as sim:
-            states.append(sim.state())
-    written(states, tmp_path)
-    for found, state in zip(ld.Run(tmp_path), states, strict=True):
-        assert np.array_equal(found.packing.species, state.packing.species)
-        assert found.energy == pytest.approx(state.energy, rel=1e-10)
-
-
 def test_a_frame_has_its_own_radii_law_and_walls(tmp_path: Path) -> None:
     """Those of the last state would give other packing fractions, energies and forces."""
     packing = ld.bidisperse(16, seed=2).at(0.7).push_off()

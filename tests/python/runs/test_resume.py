@@ -2,8 +2,6 @@
 
 import json
 import subprocess
-import sys
-import time
 from contextlib import nullcontext
 from pathlib import Path
 
@@ -203,13 +201,13 @@ def spoil(text: str, how: str) -> str | None:
     return text.replace("ITEM: TIMESTEP\n1\n", "ITEM: TIMESTEP\n7\n").replace("\n1,", "\n7,")
 
 
-@pytest.mark.parametrize("how", ["missing", "cut", "short", "other"])
-@pytest.mark.parametrize("name", ["trajectory.lammpstrj", "series.csv"])
+@pytest.mark.parametrize(
+    ("name", "how"),
+    [("trajectory.lammpstrj", "cut"), ("trajectory.lammpstrj", "other"), ("series.csv", "short")],
+)
 def test_missing_frames_are_refused(
     uninterrupted: dict[str, bytes], tmp_path: Path, name: str, how: str
 ) -> None:
-    if (name, how) == ("series.csv", "cut"):
-        how = "short"
     for file, content in uninterrupted.items():
         (tmp_path / file).write_bytes(content)
     left = spoil((tmp_path / name).read_text(), how)
@@ -233,23 +231,6 @@ def test_numbers_of_numpy_can_be_resumed(tmp_path: Path) -> None:
         sim.compress(record=tmp_path, callback=stop_after(1), **given)
     assert len(ld.Run(tmp_path).resume()) == 4
     assert json.loads((tmp_path / "summary.json").read_text())["parameters"]["steps"] == 3
-
-
-def test_killed_from_outside(uninterrupted: dict[str, bytes], tmp_path: Path) -> None:
-    command = [
-        sys.executable,
-        "-c",
-        "from lammps_deformable.cli import main; main()",
-        "compress",
-    ]
-    process = subprocess.Popen([*command, "--out", "run", *START], cwd=tmp_path)
-    series = tmp_path / "run" / "series.csv"
-    while process.poll() is None and not (series.exists() and series.read_text().count("\n") > 2):
-        time.sleep(0.01)
-    process.kill()
-    process.wait()
-    ld.Run(tmp_path / "run").resume()
-    assert contents(tmp_path / "run") == uninterrupted
 
 
 def test_python_resumes_what_it_began(jammed: ld.Packing, tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable import Droplet, Packing, Simulation, State
+from lammps_deformable import Droplet, Packing, State
 from lammps_deformable.cli import app
 from protocol_helpers import Stop, stop_after
 
@@ -43,8 +43,6 @@ def compressed(**target: float) -> Callable[..., ld.Run]:
 
 
 PROTOCOLS = {
-    "strain": compressed(strain=0.02),
-    "phi": compressed(phi=0.74),
     "pressure": compressed(pressure=0.1),
     # through a flip of the box
     "shear": lambda sim, **how: sim.shear(0.4, steps=3, **how),
@@ -105,21 +103,13 @@ def test_replayed_states(moved: tuple[Path, list]) -> None:
     assert [state.shear_strain for state in run[1:3]] == [0.01, 0.02]
 
 
-def test_a_simulation_of_the_last_state(moved: tuple[Path, list]) -> None:
-    folder, states = moved
-    with ld.Run(folder).simulation() as sim:
-        assert isinstance(sim, Simulation)
-        assert (sim.time, sim.shear_strain) == (states[-1].time, states[-1].shear_strain)
-        assert np.array_equal(sim.state().velocities, states[-1].velocities)
-
-
 def test_tables_and_shapes(moved: tuple[Path, list], tmp_path: Path) -> None:
     pytest.importorskip("pandas")
     folder, states = moved
     run = ld.Run(folder)
     table = run.table(largest=lambda state: state.loads.max())
     for name in ("lz", "yz", "phi", "pressure", "shear_stress", "load", "temperature", "time"):
-        numbers = [state.numbers()[name] for state in states]
+        numbers = [state._numbers()[name] for state in states]
         assert table[name].tolist() == pytest.approx(numbers, rel=1e-6)
     assert table["largest"].tolist() == pytest.approx([state.loads.max() for state in states], 1e-6)
     run.export(tmp_path / "run.pvd")
@@ -140,7 +130,7 @@ def test_mdanalysis_reads_runs(moved: tuple[Path, list]) -> None:
         assert frame.positions == pytest.approx(expected.positions, abs=1e-5)
         assert frame.velocities == pytest.approx(expected.velocities, abs=1e-7)
         for name in ("load", "surface_area", "contacts"):
-            assert frame.data[name] == pytest.approx(state.values(name), rel=1e-6)
+            assert frame.data[name] == pytest.approx(state._values(name), rel=1e-6)
 
 
 def test_the_shell_keeps_runs_of_droplets(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -70,13 +70,6 @@ def test_resume(start: ld.State, tmp_path: Path) -> None:
     assert_same(states, ld.Run(whole)[1:])
 
 
-def test_compression(start: ld.State) -> None:
-    with ld.Simulation(start, LAW, comm=MPI.COMM_SELF) as sim:
-        pressures = [state.pressure for state in sim.compress(strain=0.03, steps=2)[1:]]
-    assert np.isfinite(pressures).all()
-    assert pressures[1] > pressures[0]
-
-
 def test_a_saved_state_keeps_what_films_have_lost(start: ld.State, tmp_path: Path) -> None:
     replace(start, lost_energy=0.25).save(tmp_path)
     with ld.Run(tmp_path).simulation(MPI.COMM_SELF) as sim:

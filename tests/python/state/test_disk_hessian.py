@@ -3,14 +3,13 @@
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable.hessian import Hessian
+from lammps_deformable.moduli import ElasticModuli
 
 SCENE = (ld.Sphere(4, (0, 0)), ld.Sphere(0.6, (1, 0.5), inside=False))
 ANNULUS = (ld.Sphere(1.5, (1, 2), inside=False), ld.Sphere(5, (1, 2)))
 CHANNEL = (ld.Plane((0, 0), (0, 1)), ld.Plane((0, 5), (0, -1)))
 TRIANGLE = (*CHANNEL, ld.PolygonWall(((1, 1), (3, 1), (2, 3))))
 PACKINGS = {
-    "rectangle": ld.bidisperse(30, phi=1.0, aspect=1.4, seed=1),
     "tilted": ld.bidisperse(30, phi=1.0, tilt=-0.7, seed=2),
     "one": ld.bidisperse(1, phi=0.9, tilt=0.3, seed=1),
     "sizes": ld.polydisperse(20, np.linspace(0.1, 1.0, 20), phi=0.95, tilt=2.2, seed=1),
@@ -38,48 +37,29 @@ def difference(packing: ld.Packing, direction: np.ndarray) -> np.ndarray:
     return (4.0 * values[0] - values[1]) / 3.0
 
 
-@pytest.fixture(params=PACKINGS)
-def packing(request: pytest.FixtureRequest) -> ld.Packing:
-    return PACKINGS[request.param]
+def test_energy_gradient_and_stress_are_those_of_lammps() -> None:
+    for name, packing in PACKINGS.items():
+        with ld.Simulation(packing, ld.SoftContact()) as disks:
+            state = disks.state()
+            forces = np.array(disks.lmp.gather("f", 1, 3)).reshape(-1, 3)[:, :2]
+        hessian = state.hessian()
+        assert hessian.energy == pytest.approx(state.energy, rel=1e-12), name
+        scale = np.abs(forces).max() + 1e-3
+        assert hessian.gradient.reshape(-1, 2) == pytest.approx(-forces, abs=1e-12 * scale)
+        if not packing.walls:
+            assert hessian.stress == pytest.approx(state.pressure_tensor, abs=1e-12)
 
 
-def test_energy_gradient_and_stress_are_those_of_lammps(packing: ld.Packing) -> None:
-    with ld.Simulation(packing, ld.SoftContact()) as disks:
-        state = disks.state()
-        forces = np.array(disks.lmp.gather("f", 1, 3)).reshape(-1, 3)[:, :2]
-    hessian = state.hessian()
-    assert hessian.energy == pytest.approx(state.energy, rel=1e-12)
-    scale = np.abs(forces).max() + 1e-3
-    assert hessian.gradient.reshape(-1, 2) == pytest.approx(-forces, abs=1e-12 * scale)
-    if not packing.walls:
-        assert hessian.stress == pytest.approx(state.pressure_tensor, abs=1e-12)
-
-
-def test_hessian_is_the_derivative_of_the_gradient(packing: ld.Packing) -> None:
-    hessian = state_of(packing).hessian()
-    rng = np.random.default_rng(3)
-    for _ in range(3):
-        direction = rng.standard_normal(hessian.size)
-        exact, found = difference(packing, direction), hessian.operator @ direction
-        assert found == pytest.approx(exact, abs=1e-6 * np.abs(exact).max())
-        assert hessian.matrix @ direction == pytest.approx(found, abs=1e-14)
-
-
-def test_hessian_is_symmetric(packing: ld.Packing) -> None:
-    matrix = state_of(packing).hessian().matrix
-    assert abs(matrix - matrix.T).max() <= 4e-16 * abs(matrix).max()
-
-
-def test_the_softest_modes_of_a_larger_packing() -> None:
-    """By Lanczos' method as by the dense matrix."""
-    jammed = ld.jam(ld.bidisperse(256, seed=4)).packing
-    with ld.Simulation(jammed.at(jammed.phi + 0.02), ld.SoftContact()) as disks:
-        state = disks.relax(1e-10)
-    few, every = state.modes(12), state.modes()
-    assert few.stiffness == pytest.approx(every.stiffness[:12], rel=1e-9)
-    vectors = few.vectors, every.vectors[:12]
-    overlap = np.einsum("kia,kia->k", *vectors)
-    assert np.abs(overlap) == pytest.approx(np.ones(12), abs=1e-8)
+def test_hessian_is_the_derivative_of_the_gradient() -> None:
+    for name, packing in PACKINGS.items():
+        hessian = state_of(packing).hessian()
+        rng = np.random.default_rng(3)
+        for _ in range(3):
+            direction = rng.standard_normal(hessian.size)
+            exact, found = difference(packing, direction), hessian.operator @ direction
+            assert found == pytest.approx(exact, abs=1e-6 * np.abs(exact).max()), name
+            assert hessian.matrix @ direction == pytest.approx(found, abs=1e-14)
+        assert abs(hessian.matrix - hessian.matrix.T).max() <= 4e-16 * abs(hessian.matrix).max()
 
 
 def test_modes_that_do_not_fit_into_the_memory() -> None:
@@ -105,10 +85,7 @@ def test_all_modes_of_the_same_stiffness_are_found() -> None:
         assert vectors @ vectors.T == pytest.approx(np.eye(number), abs=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("walls", "zero"),
-    [((ld.Sphere(4, (0, 0)),), 1), (ANNULUS, 1), (SCENE, 0), (CHANNEL, 1), (TRIANGLE, 0)],
-)
+@pytest.mark.parametrize(("walls", "zero"), [(ANNULUS, 1), (CHANNEL, 1), (TRIANGLE, 0)])
 def test_motions_between_walls(walls: tuple[ld.walls.Wall, ...], zero: int):
     """A rotation in a circle or annulus, a translation along a channel, none around others."""
     packing = ld.bidisperse(40, sizes=(0.4, 0.56), seed=5).between(walls)
@@ -141,36 +118,11 @@ def test_moduli_of_a_triangular_lattice() -> None:
     assert np.abs(moduli.relaxing).max() < 1e-9
 
 
-def test_moduli_of_a_state_at_rest_are_those_of_its_packing() -> None:
-    """A state relaxed to 1e-3 has them to a percent with the same contacts; 1e-2 is refused."""
-    compared = 0
-    for seed in range(1, 5):
-        jammed = ld.jam(ld.bidisperse(48, seed=seed)).packing
-        with ld.Simulation(jammed.at(jammed.phi + 0.005), ld.SoftContact()) as disks:
-            rough, fair, fine = (disks.relax(tolerance) for tolerance in (1e-2, 1e-3, 1e-8))
-        found, exact = fair.moduli(), fine.moduli()
-        if fair.coordination == fine.coordination:  # the last digits of `jam` decide
-            assert found.tensor == pytest.approx(exact.tensor, abs=0.01 * exact.bulk_modulus)
-            compared += 1
-        assert 1e-3 < rough.residual < 1e-2
-        with pytest.raises(ld.ParameterError, match="at rest"):
-            rough.moduli()
-    assert compared >= 2
-
-
-def test_moduli_need_a_state_at_rest() -> None:
-    state = state_of(PACKINGS["rectangle"])
-    with pytest.raises(ld.ParameterError, match="at rest"):
-        state.moduli()
-    assert isinstance(state.hessian(), Hessian)
-
-
-@pytest.mark.parametrize(("phi", "number"), [(0.5, 0), (0.95, 2)])
-def test_no_density_of_states_without_different_frequencies(phi: float, number: int) -> None:
-    """Of loose disks, and of a square crystal of two, with the same stiffness in all directions."""
+def test_no_density_of_states_without_different_frequencies() -> None:
+    """Of a square crystal of two, with the same stiffness in all directions."""
     crystal = ld.Packing([[0, 0], [0.5, 0.5]], 0.5, np.eye(2))
-    modes = state_of(crystal.at(phi)).modes()
-    assert len(modes) == number
+    modes = state_of(crystal.at(0.95)).modes()
+    assert len(modes) == 2
     with pytest.raises(ld.ParameterError, match="frequencies"):
         modes.density()
 
@@ -188,3 +140,18 @@ def test_a_particle_at_the_center_of_a_circle() -> None:
         state = sim.state()
     with pytest.raises(ld.ParameterError, match=r"particle 0 .* circle 1"):
         state.hessian()
+
+
+def test_the_mean_shear_modulus_is_that_of_all_directions() -> None:
+    """Of a tensor without symmetry but that of an elastic one, turned by many angles."""
+    c = np.random.default_rng(2).normal(size=(2, 2, 2, 2))
+    c = c + c.transpose(1, 0, 2, 3)
+    c = c + c.transpose(0, 1, 3, 2)
+    c = c + c.transpose(2, 3, 0, 1)
+    turned = []
+    for angle in np.linspace(0.0, np.pi, 8, endpoint=False):
+        q = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+        turned.append(np.einsum("ai,bj,ck,dl,ijkl->abcd", q, q, q, q, c)[0, 1, 0, 1])
+    moduli = ElasticModuli(c, c, 0.0 * c)
+    assert moduli.mean_shear_modulus == pytest.approx(np.mean(turned), rel=1e-12)
+    assert max(turned) - min(turned) > 0.1

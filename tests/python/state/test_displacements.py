@@ -1,11 +1,11 @@
 """Particles that are followed: over boundaries, in boxes that change, and as LAMMPS counts them."""
 
 import warnings
-from collections.abc import Callable
 
 import lammps_deformable as ld
 import numpy as np
 import pytest
+from refusals import refused
 
 Points = np.ndarray
 
@@ -24,8 +24,7 @@ def moved(packing: ld.Packing, box: list[list[float]], step: Points, images: Poi
 
 
 @pytest.mark.filterwarnings("ignore::lammps_deformable.JumpWarning")
-@pytest.mark.parametrize("tilt", [0.0, 0.4, -7.3])
-@pytest.mark.parametrize("flips", [0, 1, -3])
+@pytest.mark.parametrize(("tilt", "flips"), [(0.4, 1), (-7.3, -3)])
 def test_steps_come_back(tilt: float, flips: int) -> None:
     """Beside a strain, in any images, and in an equivalent box."""
     rng = np.random.default_rng(1)
@@ -101,8 +100,10 @@ def test_jumps_of_half_a_box_are_told(walled: bool) -> None:
     assert len(found) == 1
 
 
-@pytest.mark.parametrize("flow", ["", "fix flow all deform 1 xy erate 0.01 remap x flip yes"])
-@pytest.mark.parametrize("tilt", [0.0, 0.4])
+@pytest.mark.parametrize(
+    ("tilt", "flow"),
+    [(0.4, ""), (0.0, "fix flow all deform 1 xy erate 0.01 remap x flip yes")],
+)
 def test_images_of_lammps(tilt: float, flow: str) -> None:
     """A fluid that drifts over several boxes, also in one that is sheared and flips."""
     fluid = ld.bidisperse(16, phi=0.7, tilt=tilt, seed=2).push_off()
@@ -125,24 +126,20 @@ def test_images_of_lammps(tilt: float, flow: str) -> None:
     assert ld.Run(states).unwrapped() == pytest.approx(np.array(expected), abs=1e-10)
 
 
-@pytest.mark.parametrize(
-    ("before", "told"),
-    [
-        (lambda packing: ld.bidisperse(16, seed=1), "before has 16 particles and this state 30"),
-        (lambda packing: 3, "before must be a state or a Packing, not 3"),
-        (lambda packing: packing.positions, "before must be a state or a Packing, not "),
-    ],
-)
-def test_refusals(before: Callable[[ld.Packing], object], told: str) -> None:
+def test_refusals() -> None:
     packing = ld.bidisperse(30, phi=0.3, seed=1)
-    state, other = state_of(packing), before(packing)
-    for method in (state.displacements, state.nonaffine, state.local_strain):
-        with pytest.raises(ld.ParameterError, match=told):
-            method(other)
-    with pytest.raises(ld.ParameterError, match=r"at least one state"):
+    state = state_of(packing)
+    for before, told in (
+        (ld.bidisperse(16, seed=1), "before has 16 particles and this state 30"),
+        (3, "before must be a state or a Packing, not 3"),
+    ):
+        for method in (state.displacements, state.nonaffine, state.local_strain):
+            with refused(told):
+                method(before)
+    with refused("at least one state"):
         ld.Run([]).unwrapped()
-    with pytest.raises(ld.ParameterError, match=r"a state must be .* not 3"):
+    with refused("a state must be .* not 3"):
         ld.Run([3]).unwrapped()
-    for given in (0.0, -1.0, "near"):
-        with pytest.raises(ld.ParameterError, match="r_max"):
+    for given in (0.0, "near"):
+        with refused("r_max"):
             state.local_strain(state, r_max=given)

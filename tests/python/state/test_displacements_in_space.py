@@ -18,8 +18,9 @@ def spheres(number: int, box: object, radius: float = 0.4) -> ld.Packing:
 
 
 @pytest.mark.filterwarnings("ignore::lammps_deformable.JumpWarning")
-@pytest.mark.parametrize("tilts", [(0.0, 0.0, 0.0), (1.2, -0.9, 1.6), (-1.9, 1.9, -1.9)])
-@pytest.mark.parametrize("flips", [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (-2, 3, -1)])
+@pytest.mark.parametrize(
+    ("tilts", "flips"), [((1.2, -0.9, 1.6), (0, 0, 1)), ((-1.9, 1.9, -1.9), (-2, 3, -1))]
+)
 def test_steps_come_back(tilts: tuple[float, ...], flips: tuple[int, ...]) -> None:
     """Beside a strain, in any images, and in any box with the same images."""
     xy, xz, yz = tilts
@@ -53,10 +54,9 @@ def test_a_small_shear_of_a_box_that_leans() -> None:
     assert np.abs(ld.Run([before, now]).unwrapped()[1] - before.packing.positions).max() < 1e-4
 
 
-@pytest.mark.parametrize("yz", [0.0, 1.7])
-def test_a_shear_is_told_by_the_strain(yz: float) -> None:
+def test_a_shear_is_told_by_the_strain() -> None:
     """Twice around, at once and step by step, with yz along."""
-    packing = spheres(12, [[4.0, 0.0, 0.0], [0.5, 4.0, 0.0], [-1.0, yz, 4.0]], radius=0.3)
+    packing = spheres(12, [[4.0, 0.0, 0.0], [0.5, 4.0, 0.0], [-1.0, 1.7, 4.0]], radius=0.3)
     with ld.Simulation(packing, ld.SoftContact()) as sim:
         start = sim.relax(1e-6)
         states = [start, *sim.shear(2.0, steps=40, tolerance=1e-2)[1:]]

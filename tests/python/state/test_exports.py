@@ -12,10 +12,10 @@ import shapely
 MDAnalysis = pytest.importorskip("MDAnalysis")
 
 
-@pytest.fixture(scope="module", params=[0.0, -0.4])
-def moving(request: pytest.FixtureRequest) -> ld.State:
-    """A packing with velocities, in a box and in a tilted box."""
-    jammed = ld.jam(ld.bidisperse(24, aspect=1.3, tilt=request.param, seed=2)).packing
+@pytest.fixture(scope="module")
+def moving() -> ld.State:
+    """A packing with velocities, in a tilted box."""
+    jammed = ld.jam(ld.bidisperse(24, aspect=1.3, tilt=-0.4, seed=2)).packing
     with ld.Simulation(jammed, ld.Ring(kP=2.0, skin=0.02)) as sim:
         sim.compress(strain=0.02)
         last = sim.run(40, temperature=1e-5, every=20, seed=1)[-1]
@@ -42,17 +42,16 @@ def test_mdanalysis(moving: ld.State) -> None:
     assert (atoms.ids[0], atoms.ids[-1], set(atoms.masses)) == (1, 24, {1.0})
     frame = universe.trajectory[0]
     assert frame.triclinic_dimensions[:2, :2] == pytest.approx(packing.box, rel=1e-6)
-    for name, values in moving.particle_values().items():
+    for name, values in moving._particle_values().items():
         assert np.array_equal(frame.data[name], values)
 
 
-@pytest.mark.parametrize("method", ["bruteforce", "nsgrid", "pkdtree"])
-def test_mdanalysis_finds_neighbors_in_the_plane_only(method: str, moving: ld.State) -> None:
+def test_mdanalysis_finds_neighbors_in_the_plane_only(moving: ld.State) -> None:
     from MDAnalysis.lib.distances import self_capped_distance
 
     universe = moving.to_mdanalysis()
     pairs = self_capped_distance(
-        universe.atoms.positions, 1.4, box=universe.dimensions, method=method
+        universe.atoms.positions, 1.4, box=universe.dimensions, method="nsgrid"
     )[0]
     found = [(min(pair), max(pair)) for pair in pairs.tolist()]
     assert len(found) == len(set(found))
@@ -178,8 +177,6 @@ def test_other_suffixes_are_refused(state: ld.State, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("package", "extra", "method"),
     [
-        ("freud", "freud", "to_freud"),
-        ("networkx", "networkx", "graph"),
         ("pandas", "pandas", "to_pandas"),
         ("matplotlib", "plot", "plot"),
     ],

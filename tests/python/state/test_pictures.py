@@ -3,20 +3,27 @@
 import lammps_deformable as ld
 import numpy as np
 import pytest
+from refusals import refused
 
 matplotlib = pytest.importorskip("matplotlib")
 matplotlib.use("agg")
 
 
-@pytest.fixture(scope="module", params=[0.2, 4.0])
-def disks(request: pytest.FixtureRequest) -> ld.State:
-    start = ld.bidisperse(30, phi=0.95, aspect=request.param, seed=1).push_off()
+def soft(aspect: float) -> ld.State:
+    start = ld.bidisperse(30, phi=0.95, aspect=aspect, seed=1).push_off()
     with ld.Simulation(start, ld.SoftContact()) as disks:
         return disks.state()
 
 
-def test_long_boxes_fill_their_figures(disks: ld.State) -> None:
+@pytest.fixture(scope="module")
+def disks() -> ld.State:
+    return soft(4.0)
+
+
+@pytest.mark.parametrize("aspect", [0.2, 4.0])
+def test_long_boxes_fill_their_figures(aspect: float) -> None:
     """The box takes more than half of the figure, which is not larger than a page."""
+    disks = soft(aspect)
     figure = disks.plot().figure
     figure.draw_without_rendering()
     width, height = figure.get_size_inches()
@@ -108,19 +115,34 @@ def test_values_from_an_array(state: ld.State) -> None:
     assert shown == pytest.approx(np.array([[0.8, 0.8, 0.8, 1.0]]))
 
 
-@pytest.mark.parametrize(
-    "color_by",
-    [
-        *("beauty", "packing", 3.0, None, [1.0, 2.0], [[1.0], [1.0, 2.0]]),
-        *(np.full(32, np.nan), np.full(32, np.inf), np.full(32, "a"), np.ones((32, 2))),
-    ],
-    ids=str,
-)
-def test_other_values_are_refused(color_by: object, state: ld.State) -> None:
-    assert len(state.packing) == 32
-    with pytest.raises(ld.ParameterError, match=r"color_by must name .* or be 32 numbers"):
-        state.plot(color=color_by)
-    with pytest.raises(ld.ParameterError, match=r"label .* not 3"):
+def test_other_values_are_refused(state: ld.State) -> None:
+    for color in ("beauty", [1.0, 2.0], np.full(32, np.nan), np.full(32, "a")):
+        with refused("color_by must name .* or be 32 numbers"):
+            state.plot(color=color)
+    with refused("label .* not 3"):
         state.plot(color="area", label=3)
-    with pytest.raises(ld.ParameterError, match=r"scale .* not 2"):
+    with refused("scale .* not 2"):
         state.plot(scale=2)
+
+
+def test_settings_of_a_picture(state: ld.State) -> None:
+    axes = state.plot(color="area", cmap="magma", vmin=0.5, vmax=2, title="a packing", forces=True)
+    particles = axes.collections[0]
+    assert particles.get_cmap().name == "magma"
+    assert particles.get_clim() == (0.5, 2.0)
+    assert axes.get_title() == "a packing"
+    # widths of forces stay
+    widths = [max(ax.collections[1].get_linewidths()) for ax in (axes, state.plot(forces=True))]
+    assert widths[0] == widths[1]
+    assert state.plot(title="").get_title() == ""
+
+
+def test_other_settings_are_refused(state: ld.State) -> None:
+    for settings, words in (
+        ({"cmap": "rainbows"}, "cmap .*'rainbows'"),
+        ({"vmin": 1.0, "vmax": 1.0}, "vmin must be below vmax, not 1 and 1"),
+        ({"vmin": (1.0,)}, r"vmin .*\(1\.0,\)"),
+        ({"vmax": float("nan")}, "vmax .*nan"),
+    ):
+        with refused(words):
+            state.plot(**settings)

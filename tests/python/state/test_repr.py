@@ -17,10 +17,8 @@ def test_packing() -> None:
 @pytest.mark.parametrize(
     ("law", "text"),
     [
-        (ld.Ring(), "Ring()"),
         (ld.Ring(kA=2, contact="radical"), "Ring(kA=2.0, contact='radical')"),
         (ld.Ring(kA=[1, 2], kP=5), "Ring(kA=(1.0, 2.0), kP=5.0)"),
-        (ld.Sector(), "Sector(kA=1.0)"),
     ],
 )
 def test_a_law_is_the_call_that_makes_it(law: object, text: str) -> None:

@@ -10,6 +10,7 @@ import shapely
 from lammps_deformable import core
 from lammps_deformable.secondary import SecondaryOutlines, _divided, _overlaps
 from numpy.typing import NDArray
+from refusals import refused
 
 Array = NDArray[np.float64]
 
@@ -20,13 +21,11 @@ def sector_state(packing: ld.Packing) -> ld.State:
         return sim.state()
 
 
-@pytest.fixture(scope="module", params=[(64, 1, 0.88), (64, 2, 0.95), (40, 5, 0.92)], ids=str)
-def dense(request: pytest.FixtureRequest) -> ld.State:
-    """Centers of relaxed packings; the last one is in a sheared box."""
-    number, seed, phi = request.param
-    tilt = 0.3 if number == 40 else 0.0
-    jammed = ld.jam(ld.bidisperse(number, tilt=tilt, seed=seed)).packing
-    with ld.Simulation(jammed.at(phi), ld.Ring()) as sim:
+@pytest.fixture(scope="module")
+def dense() -> ld.State:
+    """Centers of a relaxed packing in a sheared box."""
+    jammed = ld.jam(ld.bidisperse(40, tilt=0.3, seed=5)).packing
+    with ld.Simulation(jammed.at(0.92), ld.Ring()) as sim:
         return sector_state(sim.relax(1e-3).packing)
 
 
@@ -104,7 +103,7 @@ def test_overlaps_vanish(dense: ld.State) -> None:
         np.testing.assert_array_equal(step.overlaps, steps[3].overlaps[: n + 1])
 
 
-@pytest.mark.parametrize("iterations", [0, 1, 2])
+@pytest.mark.parametrize("iterations", [0, 2])
 def test_residual_is_the_largest_penetration(dense: ld.State, iterations: int) -> None:
     secondary = dense.resolve_secondary(iterations)
     found = secondary.residual[-1] * dense.packing.radii.mean()
@@ -248,14 +247,14 @@ def test_beyond_the_model() -> None:
     assert all(np.isfinite(arcs).all() for arcs in secondary.arcs)
 
 
-@pytest.mark.parametrize(("radius", "depth"), [(0.05, [0.15]), (-0.05, [])])
-def test_arcs_of_negative_radius_meet_nothing(radius: float, depth: list[float]) -> None:
-    packing = ld.Packing(np.array([[2.0, 2.0], [4.1, 2.0]]), 1.0, 10.0 * np.eye(2))
-    left = np.array([[0.2, 0.0, 1.0, -1.0, 1.0]])
-    right = np.array([[-1.0, 0.0, radius, np.pi - 1.0, np.pi + 1.0]])
-    found, depths = _overlaps(packing, [left, right])
-    assert depths == pytest.approx(depth)
-    assert len(found) == 2 * len(depth)
+def test_arcs_of_negative_radius_meet_nothing() -> None:
+    for radius, depth in ((0.05, [0.15]), (-0.05, [])):
+        packing = ld.Packing(np.array([[2.0, 2.0], [4.1, 2.0]]), 1.0, 10.0 * np.eye(2))
+        left = np.array([[0.2, 0.0, 1.0, -1.0, 1.0]])
+        right = np.array([[-1.0, 0.0, radius, np.pi - 1.0, np.pi + 1.0]])
+        found, depths = _overlaps(packing, [left, right])
+        assert depths == pytest.approx(depth)
+        assert len(found) == 2 * len(depth)
 
 
 def test_images_in_a_small_box() -> None:
@@ -294,12 +293,15 @@ def test_contacts_that_leave_no_arc_are_left_out() -> None:
         np.testing.assert_array_equal(both, pressed)
 
 
-@pytest.mark.parametrize("law", [ld.Ring(), ld.Sector(kP=1.0)])
-def test_other_laws_are_refused(law: ld.Ring | ld.Sector) -> None:
-    with ld.Simulation(ld.bidisperse(4, seed=1), law) as sim:
-        state = sim.state()
-    with pytest.raises(ld.ParameterError, match=f"not {type(law).__name__}"):
-        state.resolve_secondary()
+def test_other_laws_are_refused() -> None:
+    for law in (
+        ld.Ring(),
+        ld.Sector(kP=1.0),
+    ):
+        with ld.Simulation(ld.bidisperse(4, seed=1), law) as sim:
+            state = sim.state()
+        with refused(f"not {type(law).__name__}"):
+            state.resolve_secondary()
 
 
 def test_negative_iterations_are_refused() -> None:

@@ -34,7 +34,6 @@ def mixture() -> State:
     ("lattice", "sides", "q4", "q6"),
     [
         ("fcc", 12, 0.190941, 0.574524),
-        ("sc", 6, 0.763763, 0.353553),
         ("bcc", 14, None, None),
     ],
 )
@@ -138,17 +137,6 @@ def test_structure_factor_as_a_sum_over_pairs() -> None:
     expected = [np.mean(each) if each else np.nan for each in found]
     assert s == pytest.approx(np.array(expected), nan_ok=True)
     assert np.isfinite(s[2:]).all()
-
-
-def test_peaks_of_a_crystal() -> None:
-    """fcc: the first waves are (111) and (200), both with S = N."""
-    state = state_of(ld.crystal("fcc", 3, phi=0.74))
-    cell = state.packing.box[0, 0] / 3.0
-    peaks = 2.0 * np.pi / cell * np.array([[1, 1, 1], [2, 0, 0], [1, 0, 0], [0, 1, 1]])
-    assert np.abs(state.density_waves(peaks)) == pytest.approx([1.0, 1.0, 0.0, 0.0], abs=1e-12)
-    k, s = state.structure_factor(k_max=2.1 * 2.0 * np.pi / cell, bins=200)
-    seen = k[np.nan_to_num(s) > 1e-6]
-    assert seen == pytest.approx(np.array([np.sqrt(3.0), 2.0]) * 2.0 * np.pi / cell, abs=k[0])
 
 
 def test_shells_of_a_crystal() -> None:

@@ -127,7 +127,7 @@ def test_vtk_has_droplets_with_facets(state: State, tmp_path: Path) -> None:
     data, values = read_vtp(tmp_path / "droplets.vtp")
     owner = values["id"] - 1
     for name in ("load", "pressure", "contacts", "radius"):
-        assert np.array_equal(values[name], state.particle_values()[name][owner])
+        assert np.array_equal(values[name], state._particle_values()[name][owner])
     assert np.array_equal(values["type"], state.packing.species[owner] + 1)
     table = state.contacts[state.contacts["indentation"] > 1e-3]
     on = values["neighbor"] > 0

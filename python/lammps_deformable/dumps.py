@@ -1,0 +1,172 @@
+"""States of particles in a dump of LAMMPS, with the species file of its pair style."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from mpi4py import MPI
+from numpy.typing import NDArray
+
+from . import potentials
+from ._checks import expect
+from ._files import reading
+from .errors import FileError, ParameterError
+from .files import UNTYPED, read_particles
+from .lammps import close_lammps, run, silent_lammps
+from .laws import ALL_LAWS, AnyLaw, Droplet, Ring, Sector, SpeciesParameters
+from .packing import Packing
+from .simulation import Simulation
+from .store import (
+    SUMMARY,
+    TRAJECTORY,
+    frames_in,
+    holds,
+    read_setup,
+    setup_of,
+    setups_in,
+    summary_in,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from .state import State
+
+# The law of files that do not tell.
+_UNTOLD = "balanced"
+
+
+def state_in_file(
+    path: str | Path,
+    species: str | Path,
+    law: str | None = None,
+    types: Sequence[str] | None = None,
+    frame: int = -1,
+    radii: str | None = None,
+) -> State:
+    """See `State.from_file`."""
+    expect("path", path, str, Path)
+    expect("species", species, str, Path)
+    expect("radii", radii, str, type(None))
+    told = law_of_run(path, species, frame) if law is None else None
+    law = law or (told.name if told else _UNTOLD)
+    if law not in ALL_LAWS:
+        raise ParameterError(f"law must be {', '.join(ALL_LAWS)}, not {law}")
+    file = Path(species)
+    if not file.exists() and (potentials / file).exists():
+        file = potentials / file
+    if not file.exists():
+        raise FileError(f"there is no species file '{species}'")
+    names = list(species_names(file) if types is None else types)
+    own, dimension = 1.0 if radii is None else radii, ALL_LAWS[law].dimension
+    packing = Packing.from_file(path, radii=own, frame=frame, dimension=dimension)
+    number = len(packing._species_radii)
+    if number > len(names):
+        raise ParameterError(
+            f"'{path}' has particles of type {number}, but the species of {len(names)} types are "
+            f"named: {', '.join(names)}"
+        )
+    if number == 1 < len(names) and not read_particles(Path(path), frame).typed:
+        raise FileError(f"'{path}': {UNTYPED}, or the one species of all, such as {names[0]}")
+    sizes, chosen = read_species(file, names[:number], law)
+    if isinstance(told, (Ring, Droplet)):  # no species file has the reach
+        reach: dict[str, Any] = {"reach": told.reach}
+        chosen = replace(chosen, **reach)
+    if radii is None:
+        packing = Packing._of_species(packing.positions, packing.species, sizes, packing.box)
+    with Simulation(packing, chosen, comm=MPI.COMM_SELF) as sim:
+        return sim.state()
+
+
+def law_of_run(path: str | Path, species: str | Path, frame: int) -> AnyLaw | None:
+    """The law of the run to which the file of particles or the species file belongs, if any.
+
+    Args:
+        path: of the particles.
+        species: of the species file.
+        frame: number of the frame: laws may change in a run.
+
+    Raises:
+        FileError: the run is damaged.
+    """
+    for file in (Path(path), Path(species)):
+        if not (file.exists() and (file.parent / SUMMARY).exists()):
+            continue
+        if holds(folder := file.parent) != "compression":
+            continue
+        saved = summary_in(folder)
+        if file.name == TRAJECTORY:
+            number = frame if frame >= 0 else frames_in(folder) + frame
+            saved = setup_of(setups_in(folder), max(number, 0))
+        with reading(folder / SUMMARY):
+            return read_setup(saved).law
+    return None
+
+
+_COMMANDS = """
+dimension {dimension}
+region box block 0 1 0 1 -0.5 0.5
+create_box {types} box
+pair_style deformable/{style}
+"""
+
+
+def species_names(path: Path) -> list[str]:
+    """Names of the species in a file, in its order.
+
+    Raises:
+        FileError: the file cannot be read, or has no species.
+    """
+    with reading(f"'{path}'"):
+        words = [line.partition("#")[0].split() for line in path.read_text().splitlines()]
+        rows = [row for row in words if row and row[0] != "adhesion"]
+        names = [name for name, *numbers in rows if float(numbers[0])]
+    if not names:
+        raise FileError(f"'{path}' has no species: a line each, as name radius kA kP")
+    return names
+
+
+def read_species(path: Path, names: Sequence[str], law: str) -> tuple[NDArray[np.float64], AnyLaw]:
+    """Radii of these species, shape (species,) [length], and the law with their parameters.
+
+    Args:
+        path: a species file, see pair_style deformable/ring and deformable/droplet.
+        names: of species, one for each type.
+        law: name of one.
+
+    Raises:
+        ParameterError: the law is `sector`, and species differ.
+        LammpsError: LAMMPS refuses the file or a name, in its words.
+    """
+    kind = ALL_LAWS[law]
+    style = f"ring contact {law}" if isinstance(kind, Ring) else law
+    lmp = silent_lammps(MPI.COMM_SELF)
+    try:
+        run(lmp, _COMMANDS.format(types=len(names), style=style, dimension=kind.dimension))
+        run(lmp, f'pair_coeff * * "{path}" {" ".join(names)}')
+        radii, *values = (
+            lmp.extract_pair(f"species {name}")[1:]
+            for name in ("radius", *SpeciesParameters._fields)
+        )
+        found: dict[str, Any] = dict(zip(SpeciesParameters._fields, values, strict=True))
+        if isinstance(kind, Droplet):
+            return np.array(radii), Droplet(tuple(found["tension"]))
+        if isinstance(kind, Sector):
+            return np.array(radii), Sector(kA=_one("kA", found), kP=_one("kP", found))
+        adhesion = np.array(lmp.extract_pair("adhesion"))[1:, 1:]
+        sticky = tuple(map(tuple, adhesion.tolist())) if adhesion.any() else 0.0
+        return np.array(radii), Ring(contact=law, adhesion=sticky, **found)
+    finally:
+        close_lammps(lmp)
+
+
+def _one(name: str, found: Mapping[str, Sequence[float]]) -> float:
+    """The value that all species have: the law `sector` has no others in Python."""
+    if len({*found[name]}) > 1:
+        raise ParameterError(
+            f"with the law sector all species must have one {name}, not {found[name]}"
+        )
+    return found[name][0]
