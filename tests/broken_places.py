@@ -16,6 +16,7 @@ import shutil
 import signal
 import subprocess
 import sys
+from contextlib import suppress
 from pathlib import Path
 
 from programs import BIN, PATIENT, program
@@ -81,6 +82,14 @@ def files_of(patterns: str) -> list[str]:
     return list(found)
 
 
+def end(number: int) -> None:
+    """The tests of this place, and what they have started, which may have left their session."""
+    for process in Path("/proc").glob("[0-9]*"):
+        with suppress(OSError):  # it has ended, or is another user's
+            if f"BROKEN_PLACE={number}\0".encode() in (process / "environ").read_bytes():
+                os.kill(int(process.name), signal.SIGKILL)
+
+
 def noticed(package: Path, number: int, said: Path) -> tuple[int, int]:
     """How many tests notice the place, of how many. Tests that wait for ever are one."""
     words = ("-v", "-n", "1", "-m", "not slow", "--tb=line", *files_of(PLACES[number - 1][-1]))
@@ -92,12 +101,11 @@ def noticed(package: Path, number: int, said: Path) -> tuple[int, int]:
             env=os.environ | PATIENT | broken,
             stdout=file,
             stderr=subprocess.STDOUT,
-            start_new_session=True,
         )
         try:
             run.wait(LIMIT)
         except subprocess.TimeoutExpired:
-            os.killpg(run.pid, signal.SIGKILL)  # the tests that it began, too
+            end(number)
             file.write("\n[gw0] FAILED and the rest, which does not end\n")
     told = re.findall(r"^\[gw\d+\].* (PASSED|FAILED|ERROR) (.+)$", said.read_text(), re.MULTILINE)
     broken_ones = {test for result, test in told if result != "PASSED"}

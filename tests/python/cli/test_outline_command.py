@@ -153,4 +153,20 @@ def test_nonsense_is_told(dumped: Path, monkeypatch: pytest.MonkeyPatch) -> None
 
 def test_law_must_be_one() -> None:
     with pytest.raises(ld.ParameterError, match=r"law must be .*balanced.*, not flat"):
+<<<<<<< HEAD
+        ld.state_in_file("a", "droplets.deformable", law="flat")
+
+
+def test_species_that_stick(tmp_path: Path) -> None:
+    """Lines of adhesion are no species."""
+    law = ld.Ring(kA=np.inf, kP=0.0, tension=1.0, contact="curved", adhesion=0.2)
+    with ld.Simulation(ld.Packing([[1, 1], [1.95, 1]], 0.5, (4, 4)), law) as sim:
+        state = sim.state()
+    state.save(tmp_path)
+    words = ("packing.data", "--species", "species.deformable", "--out", "pair.geojson")
+    assert command("outline", *words, cwd=tmp_path).returncode == 0
+    found = json.loads((tmp_path / "pair.geojson").read_text())
+    assert found["pressure"] == pytest.approx(state.pressure, rel=1e-9)
+=======
         ld.State.from_file("a", "droplets.deformable", law="flat")
+>>>>>>> main

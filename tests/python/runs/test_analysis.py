@@ -140,3 +140,12 @@ def test_refusals(state: ld.State, tmp_path: Path) -> None:
     state.save(tmp_path)
     with pytest.raises(ld.FileError, match=r"trajectory\.lammpstrj is missing"):
         ld.Run(tmp_path).to_mdanalysis()
+
+
+def test_a_universe_begins_at_the_time_of_the_first_frame(tmp_path: Path) -> None:
+    with ld.Simulation(ld.bidisperse(8, seed=1).push_off(), ld.Ring()) as sim:
+        sim.run(20, timestep=0.1)
+        run = sim.run(20, timestep=0.1, every=10, record=tmp_path)
+    times = [frame.time for frame in ld.Run(tmp_path).to_mdanalysis().trajectory]
+    assert times == pytest.approx([state.time for state in run])
+    assert times[0] == pytest.approx(2.0)

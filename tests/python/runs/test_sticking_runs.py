@@ -1,6 +1,7 @@
 """Recorded runs of droplets that stick: which ones are attached comes back."""
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import lammps_deformable as ld
@@ -67,3 +68,9 @@ def test_resume(start: ld.State, tmp_path: Path) -> None:
     resumed = ld.Run(part).resume(comm=MPI.COMM_SELF)
     assert [state.energy for state in resumed[1:]] == [state.energy for state in states]
     assert_same(states, ld.Run(whole)[1:])
+
+
+def test_a_saved_state_keeps_what_films_have_lost(start: ld.State, tmp_path: Path) -> None:
+    replace(start, lost_energy=0.25).save(tmp_path)
+    with ld.Run(tmp_path).simulation(MPI.COMM_SELF) as sim:
+        assert sim.state().lost_energy == 0.25

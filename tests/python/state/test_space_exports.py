@@ -236,3 +236,13 @@ def test_a_loose_state_has_no_contacts(tmp_path: Path) -> None:
     assert loose.steinhardt() == pytest.approx(np.full(8, np.sqrt(1.0 / 8.0)))
     for settings in ({}, {"forces": True}, {"slice": 0.0, "contacts": True}):
         assert loose.plot(**settings)
+
+
+def test_facets_at_walls_have_the_neighbor_minus_one(tmp_path: Path) -> None:
+    walls = ld.BoxWall((0.98, 3.0, 3.0))
+    packing = ld.Packing([[0.49, 1.5, 1.5]], 0.5, walls.lengths, walls=walls)
+    with ld.Simulation(packing, ld.Droplet()) as sim:
+        sim.state().export(tmp_path / "droplet.vtp")
+    _, values = read_vtp(tmp_path / "droplet.vtp")
+    assert values["neighbor"][values["force"] > 0.0].tolist() == [-1, -1]
+    assert {*values["neighbor"][values["force"] == 0.0].tolist()} == {0}
