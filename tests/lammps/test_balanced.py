@@ -111,7 +111,6 @@ def test_imbalance(far):
         assert imbalance == pytest.approx(off / force.max(), rel=1e-6)
 
 
-<<<<<<< HEAD
 def test_the_smallest_radius_of_curvature_opposite_to_a_contact():
     """Of two equal rings the line is the radical axis: their shapes are those of both laws."""
     pair = [[0, 0], [0.96, 0]]
@@ -121,7 +120,8 @@ def test_the_smallest_radius_of_curvature_opposite_to_a_contact():
     ]
     assert (found[0] < 0.5 - 1e-3).all()
     assert found[1] == pytest.approx(found[0], rel=1e-9)
-=======
+
+
 # ---- keywords, and the messages about balance ----
 
 
@@ -191,4 +191,3 @@ def test_the_default_reach_is_enough_for_a_start_from_a_lattice(law):
     scene = Scene(x, kinds, box, LAWS[law])
     scene.run(minimize)
     assert scene.energy() > 0.0
->>>>>>> main

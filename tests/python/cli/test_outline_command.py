@@ -153,8 +153,7 @@ def test_nonsense_is_told(dumped: Path, monkeypatch: pytest.MonkeyPatch) -> None
 
 def test_law_must_be_one() -> None:
     with pytest.raises(ld.ParameterError, match=r"law must be .*balanced.*, not flat"):
-<<<<<<< HEAD
-        ld.state_in_file("a", "droplets.deformable", law="flat")
+        ld.State.from_file("a", "droplets.deformable", law="flat")
 
 
 def test_species_that_stick(tmp_path: Path) -> None:
@@ -167,6 +166,3 @@ def test_species_that_stick(tmp_path: Path) -> None:
     assert command("outline", *words, cwd=tmp_path).returncode == 0
     found = json.loads((tmp_path / "pair.geojson").read_text())
     assert found["pressure"] == pytest.approx(state.pressure, rel=1e-9)
-=======
-        ld.State.from_file("a", "droplets.deformable", law="flat")
->>>>>>> main
