@@ -15,6 +15,7 @@ PairStyle(deformable/edge,PairDeformableEdge);
 
 #include "polygons/edge_contact.h"
 #include "polygons/edge_list.h"
+#include "styles/refusals.h"
 
 #include <vector>
 
