@@ -24,7 +24,6 @@ message(STATUS "lammps-deformable ${DEFORMABLE_VERSION} becomes a part of LAMMPS
 add_library(deformable_styles OBJECT ${STYLE_SOURCES})
 set_target_properties(deformable_styles PROPERTIES POSITION_INDEPENDENT_CODE ON)
 target_link_libraries(deformable_styles PRIVATE deformable_core)
-target_include_directories(deformable_styles PRIVATE ${DEFORMABLE_DIR}/src/lammps)
 target_include_directories(deformable_styles SYSTEM
                            PRIVATE $<TARGET_PROPERTY:lammps,INCLUDE_DIRECTORIES>)
 target_compile_definitions(
@@ -33,8 +32,7 @@ target_compile_definitions(
 target_sources(lammps PRIVATE $<TARGET_OBJECTS:deformable_styles> ${BATCH_OBJECTS})
 
 # LAMMPS' lists of styles include our headers.
-target_include_directories(lammps PRIVATE ${STYLE_FOLDERS} ${DEFORMABLE_DIR}/src/lammps
-                                          ${DEFORMABLE_DIR}/src/core)
+target_include_directories(lammps PRIVATE ${STYLE_FOLDERS} ${DEFORMABLE_DIR}/src)
 foreach(folder IN LISTS STYLE_FOLDERS)
   RegisterStyles(${folder})
 endforeach()

@@ -8,7 +8,7 @@ option(DEFORMABLE_WERROR "Treat warnings in our own code as errors" OFF)
 option(DEFORMABLE_NATIVE "Compile for this machine's processor only" OFF)
 
 add_library(deformable_core INTERFACE)
-target_include_directories(deformable_core INTERFACE ${DEFORMABLE_DIR}/src/core)
+target_include_directories(deformable_core INTERFACE ${DEFORMABLE_DIR}/src)
 # Strict warnings are for tests: containers check their indices too.
 target_compile_definitions(deformable_core
                            INTERFACE $<$<BOOL:${DEFORMABLE_WERROR}>:_GLIBCXX_ASSERTIONS>)
@@ -22,15 +22,15 @@ target_compile_options(
                             $<$<BOOL:${DEFORMABLE_NATIVE}>:-march=native>)
 
 # The contact laws for batches of particles, once for each level of SIMD instructions. -O3 makes them no faster.
-add_library(deformable_batches OBJECT ${DEFORMABLE_DIR}/src/batches/levels.cpp)
+add_library(deformable_batches OBJECT ${DEFORMABLE_DIR}/src/kernels/levels.cpp)
 target_link_libraries(deformable_batches PRIVATE deformable_core)
 set_target_properties(deformable_batches PROPERTIES POSITION_INDEPENDENT_CODE ON)
 set(BATCH_OBJECTS $<TARGET_OBJECTS:deformable_batches>)
 function(add_level level lanes)
   set(library deformable_batches_${level})
-  add_library(${library} OBJECT ${DEFORMABLE_DIR}/src/batches/droplets.cpp
-                                ${DEFORMABLE_DIR}/src/batches/forces.cpp
-                                ${DEFORMABLE_DIR}/src/batches/rings.cpp)
+  add_library(${library} OBJECT ${DEFORMABLE_DIR}/src/kernels/droplets.cpp
+                                ${DEFORMABLE_DIR}/src/kernels/forces.cpp
+                                ${DEFORMABLE_DIR}/src/kernels/rings.cpp)
   target_link_libraries(${library} PRIVATE deformable_core)
   target_compile_definitions(${library} PRIVATE DEFORMABLE_LEVEL=${level} DEFORMABLE_LANES=${lanes})
   target_compile_options(${library} PRIVATE -O2 ${ARGN})
@@ -47,14 +47,15 @@ if(DEFORMABLE_KNOWS_X86_LEVELS)
 endif()
 
 # The LAMMPS styles, and what only the plugin needs.
-set(STYLE_FOLDERS ${DEFORMABLE_DIR}/src/lammps/pair ${DEFORMABLE_DIR}/src/lammps/polygons
-                  ${DEFORMABLE_DIR}/src/lammps/walls ${DEFORMABLE_DIR}/src/lammps/motion
-                  ${DEFORMABLE_DIR}/src/lammps/friction ${DEFORMABLE_DIR}/src/lammps/memory)
-file(GLOB STYLE_SOURCES CONFIGURE_DEPENDS ${DEFORMABLE_DIR}/src/lammps/*.cpp
-                                          ${DEFORMABLE_DIR}/src/lammps/*/*.cpp)
-set(PLUGIN_SOURCES ${DEFORMABLE_DIR}/src/lammps/host_check.cpp
-                   ${DEFORMABLE_DIR}/src/lammps/plugin.cpp)
+set(STYLE_FOLDERS ${DEFORMABLE_DIR}/src/styles/pair ${DEFORMABLE_DIR}/src/polygons
+                  ${DEFORMABLE_DIR}/src/styles/walls ${DEFORMABLE_DIR}/src/styles/motion
+                  ${DEFORMABLE_DIR}/src/styles/friction ${DEFORMABLE_DIR}/src/styles/memory)
+file(GLOB STYLE_SOURCES CONFIGURE_DEPENDS
+     ${DEFORMABLE_DIR}/src/solver/*.cpp ${DEFORMABLE_DIR}/src/styles/*.cpp
+     ${DEFORMABLE_DIR}/src/styles/*/*.cpp ${DEFORMABLE_DIR}/src/polygons/*.cpp)
+set(PLUGIN_SOURCES ${DEFORMABLE_DIR}/src/styles/host_check.cpp
+                   ${DEFORMABLE_DIR}/src/styles/plugin.cpp)
 list(REMOVE_ITEM STYLE_SOURCES ${PLUGIN_SOURCES})
 set_source_files_properties(
-  ${DEFORMABLE_DIR}/src/lammps/species.cpp
+  ${DEFORMABLE_DIR}/src/styles/species.cpp
   PROPERTIES COMPILE_DEFINITIONS "DEFORMABLE_POTENTIALS=\"${DEFORMABLE_POTENTIALS}\"")

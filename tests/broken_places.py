@@ -38,7 +38,7 @@ LIMIT = 300  # s; a mistake may make ranks wait for each other
 
 def with_switches(source: Path) -> None:
     """Each place becomes a choice between the two expressions."""
-    (source / "src/core/broken_place.h").write_text(SWITCH)
+    (source / "src/broken_place.h").write_text(SWITCH)
     for number, (_, name, old, new, _) in enumerate(PLACES, 1):
         is_python = name.endswith(".py")
         file = source / ("python/lammps_deformable" if is_python else "src") / name

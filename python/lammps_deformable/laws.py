@@ -445,7 +445,7 @@ LAWS: dict[str, Law] = {
 }
 
 
-# Load beyond which the law is off by more than it is worth; as in `src/core/droplet.h`.
+# Load beyond which the law is off by more than it is worth; as in `src/laws/droplet.h`.
 LARGEST_LOAD = 0.4
 # And part of the surface in the mean facet, where contacts are few and strong.
 LARGEST_FACET = 0.05

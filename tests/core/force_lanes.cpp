@@ -3,8 +3,8 @@
 
 #define DEFORMABLE_LEVEL level
 
-#include "correction_lanes.h"
-#include "pair_lanes.h"
+#include "kernels/correction_lanes.h"
+#include "kernels/pair_lanes.h"
 
 #include <cstdio>
 #include <cstdlib>

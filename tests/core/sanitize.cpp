@@ -2,15 +2,15 @@
 // and arithmetic. Input: `radius z`, then z lines `angle indentation`, and so on. Ends with an error where
 // an answer is not finite.
 
-#include "contact.h"
-#include "contact_stiffness.h"
-#include "droplet_blocks.h"
-#include "friction.h"
-#include "outline.h"
-#include "ring.h"
-#include "ring_hessian.h"
-#include "sector.h"
-#include "soft_ring.h"
+#include "laws/contact.h"
+#include "laws/contact_stiffness.h"
+#include "laws/friction.h"
+#include "laws/ring.h"
+#include "laws/sector.h"
+#include "laws/soft_ring.h"
+#include "response/droplet_blocks.h"
+#include "response/outline.h"
+#include "response/ring_hessian.h"
 
 #include <cstdio>
 #include <cstdlib>

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 HERE = Path(__file__).parent
-CORE = HERE.parents[1] / "src" / "core"
+SOURCE = HERE.parents[1] / "src"
 
 MEMORY = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
 slow = pytest.mark.slow  # checks of memory take half a minute to compile
@@ -25,7 +25,7 @@ def test_force_lanes(tmp_path, lanes, checks):
     assert compiler, "the plugin was built by a compiler that is not here: name it by CXX"
     program, source = tmp_path / "lanes", str(HERE / "force_lanes.cpp")
     command = [compiler, "-std=c++17", "-O0", "-Wno-psabi", "-fno-math-errno"]
-    command += [f"-DDEFORMABLE_LANES={lanes}", f"-I{CORE}", source]
+    command += [f"-DDEFORMABLE_LANES={lanes}", f"-I{SOURCE}", source]
     for flags in (checks, []):
         done = subprocess.run([*command, *flags, "-o", program], capture_output=True, text=True)
         if done.returncode == 0:

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 HERE = Path(__file__).parent
-CORE = HERE.parents[1] / "src" / "core"
+SOURCE = HERE.parents[1] / "src"
 CASES = json.loads((HERE.parent / "data" / "kernel_cases.json").read_text())["cases"]
 FLAGS = ["-std=c++17", "-O0", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
 
@@ -28,7 +28,7 @@ def sanitized(tmp_path_factory):
         pytest.skip(f"{compiler} lacks the libraries of -fsanitize=address,undefined")
     program = folder / "sanitize"
     source = str(HERE / "sanitize.cpp")
-    command = [compiler, *FLAGS, "-Wall", "-Wextra", f"-I{CORE}", source, "-o", str(program)]
+    command = [compiler, *FLAGS, "-Wall", "-Wextra", f"-I{SOURCE}", source, "-o", str(program)]
     done = subprocess.run(command, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     return program

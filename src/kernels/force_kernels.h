@@ -1,0 +1,219 @@
+// Rings with given forces in batches, and the pairs that bear the forces: arrays, and what can be done with them. The
+// functions are compiled for several levels of SIMD instructions (force_lanes.h, pair_lanes.h).
+
+#ifndef DEFORMABLE_FORCE_KERNELS_H
+#define DEFORMABLE_FORCE_KERNELS_H
+
+#include "laws/trigonometry.h"
+
+namespace deformable {
+
+// A batch has so many rings, with equal numbers of places for contacts, on every level. An array of contacts has the
+// first contact of all rings of a batch, then the second one, and so on.
+constexpr int LANES = 8;
+
+// Pairs as rings see them. The direction is that from the first ring of a pair. One more than pairs: the last one, of
+// places of contacts that are empty, bears nothing.
+struct PairDirections {
+  const double *force, *angle, *nx, *ny;
+  const double *bend;    // tan(beta/2), see contact_curve.h; null where contact lines are straight
+};
+
+// Rings: batch x LANES + lane.
+struct RingArrays {
+  const double *radius, *kA;    // of the ring without skin
+  double *pressure, *work, *total, *per_pressure;
+  float *square;    // see ContactArrays
+  // null unless rings are soft
+  const double *kP;
+  double *expansion;
+  float *mixed, *rate;
+  const double *tension, *skin;    // also null where no ring has any
+  const double *yield;             // of stiffness.h, in minimizations; else null
+  double scale;    // compliances are in units of it, for the range of single precision
+};
+
+// Contacts, and G of each two contacts of a ring: the lower triangle by rows. Numbers in single precision are for
+// iterations that only correct forces and mostly wait for memory. They have the compliances of
+// RingCompliance in units in which nothing is large or small: v_c = (a_c + expansion)/(sum of contact lengths), and
+//   p C_ck = G(theta_c - theta_k) + rate - mixed (v_c + v_k) - square v_c v_k.
+struct ContactArrays {
+  const int *seat;        // 2 x the index of the pair, + 1 for its second ring
+  double *indentation;    // a
+  float *compliance;      // da_c/df_c
+  double *slope;          // of the outline
+  float *share;           // v
+  float *green;
+  double *scratch;    // for the rings that have more contacts than any kernel knows, aligned
+};
+
+// What films that stick do to rings: T of each, and FilmTerms of each contact (contact_film.h).
+struct StickArrays {
+  const double *tension;    // null: no film sticks
+  double *terms[4];
+};
+
+// Corrections of forces, by contact: the weight w, what is left of r, the direction d, the step so far, and the product
+// C d of the contact's own ring. Both contacts of a pair have the same numbers, except products. So each ring finds its
+// own side by side, and only products have to be fetched from the other ring.
+struct CorrectionArrays {
+  const int *partner;    // the other contact of the pair, or `none`: a place that yields nothing
+  int none;
+  float *weight, *left, *direction, *step;
+  // the same array, unless a kernel reads the last products and finds new ones
+  float *product, *last_product;
+  int products;    // with those of other ranks; there is room for two of each
+};
+
+struct RingBatches {
+  int begin, end;    // the batches that are meant
+  const int *size, *first,
+      *first_green;    // contacts of a ring; begin of a batch in ContactArrays, also of `end`
+  bool soft;           // some ring does not conserve its perimeter
+  RingArrays rings;
+  ContactArrays contacts;
+  CorrectionArrays corrections;
+  StickArrays films;
+};
+
+// Pairs as ForceSolver sees them. Numbers in single precision are in units in which nothing is large or small:
+// residuals in `length`, weights in 1/scale, steps in unit = length/scale, and k in 1/(scale length^2).
+struct PairArrays {
+  const double *overlap;
+  const float *stiffening;      // k
+  const int *first, *second;    // contacts of the pairs
+  const double *indentation;    // by contact
+  const float *compliance;
+  const float *correction;    // of the force, by contact
+  double *force;
+  float *residual, *weight;    // 1/(C_i + C_j), negative where the pair takes no part
+  float *step;
+  double length, unit;
+  double *past;    // forces of the last call
+  // f(-2) - f(-1), f(-3) - f(-2) and f(-4) - f(-3), in `unit`, if f(-1) are those of the last call
+  float *earlier[3];
+  // the forces before a step, at the place of earlier[0], which is made anew at the end of a call
+  float *before;
+  const double *least;    // see least_force; null: 0
+};
+
+// The least force that a pair may bear; it bears one if its force is larger. 0, or below for films that stick.
+template <class T> DEFORMABLE_INLINE T least_force(const PairArrays &p, int k)
+{
+  T least{};
+  if (p.least) __builtin_memcpy(&least, p.least + k, sizeof least);
+  return least;
+}
+
+constexpr double UNKNOWN_FORCE = -1e300;
+
+// The next force f(0) from the last ones, f(-1) to f(-4): f(-1) + slope D + bend D2 + twist D3, with the differences D =
+// f(-1) - f(-2), D2 of D and D3 of D2. Where a force has a kink, D3 is about as large as D2, not much smaller: then a
+// straight line is best. Smaller D3 than `smooth`, in `unit`, do not matter.
+constexpr double KINK = 0.5;    // D3 over D2, at least
+struct Extrapolation {
+  double slope, bend, twist, smooth;
+};
+
+// The largest imbalance, force, and r/length; over the pairs with a positive weight, sums of w r^2/length^2 and of the
+// weights.
+struct Residuals {
+  double error = 0.0, force = 0.0, left = 0.0, norm2 = 0.0, weights = 0.0;
+};
+
+// What follows from positions, and what is needed for that.
+struct PairPlaces {
+  const int *i, *j;
+  const double *x, *radius;    // of particles; three numbers for each place
+  double *per_distance, *overlap, *angle, *nx, *ny;
+};
+
+// What contact lines need of their rings, by contact: dt/dtheta, 1/p and Q (contact_curve.h).
+struct OutlineArrays {
+  double *slope_rate, *per_pressure, *free_radius;
+};
+
+// Contact lines that tilt and bend.
+struct LineArrays {
+  const double *per_distance, *force;
+  const int *first, *second;    // contacts of the pairs
+  const double *slope;          // t, by contact
+  OutlineArrays outline;
+  double *sine, *next_sine;             // of the tilt, and of the next one
+  double *bend, *next_bend;             // tan(beta/2)
+  double *overlap, *angle, *nx, *ny;    // of the tilted line
+  double part;                          // of the step to the next tilt and bend
+  const double *adhesion;               // null, or not 0 where a pair has a film
+};
+
+// Films that stick, of pairs that may: contact_film.h. The second contact of a wall does not exist.
+struct FilmArrays {
+  const double *force, *bend, *adhesion;    // w, 0 where a pair is free
+  const int *first, *second;                // contacts of the pairs
+  OutlineArrays outline;
+  double *angle[2], *next_angle[2];    // tan(theta/2) of both sides
+  double *next_pull;                   // T sin theta
+  double *next_bend;
+  double *terms[4];    // FilmTerms, by contact
+  int wall;            // the first pair with a wall
+  double part;         // of the step to the next bend
+};
+
+// Structures come by value: behind a reference, whatever a kernel stores might change them, and each use would load them
+// again.
+struct ForceKernels {
+  // Shapes rings by the forces of pairs. False: a ring does not exist.
+  bool (*shape)(RingBatches, PairDirections);
+  // The same after small changes of the forces; the changes are in this unit and in single precision.
+  bool (*adapt)(RingBatches, const double *forces, const float *changes, double unit);
+  // Slopes of outlines, and what else contact lines need unless that is null.
+  void (*slopes)(RingBatches, PairDirections, OutlineArrays);
+
+  // Iterations for C x = r of the pairs that have a positive weight w. Sums are over the contacts of this rank; each
+  // pair of two rings has two of them. begin: takes residuals and weights, d = w r and C d; returns d C d. multiply: the
+  // same for d = w r + conjugation d. advance: a step of this length along d; returns w r^2 of all pairs.
+  double (*begin)(RingBatches, PairArrays);
+  double (*multiply)(RingBatches, double conjugation);
+  double (*advance)(RingBatches, double length);
+  // In one: advance, then multiply; and the last two steps, of which the second one needs no product.
+  void (*advance_and_multiply)(RingBatches, double length, double conjugation);
+  void (*advance_twice)(RingBatches, double length, double conjugation, double last);
+
+  // Loops over pairs, from `begin` to before `end`.
+
+  // Distances, directions and overlaps. Returns whether all contact lines lie between the centers:
+  // d^2 > |R_i^2 - R_j^2|.
+  bool (*locate)(PairPlaces, int begin, int end);
+
+  // r and weights from the indentations.
+  Residuals (*find_residuals)(PairArrays, int begin, int end);
+
+  // Finds the indices of the pairs whose imbalance, to first order, is above `limit`; returns how many. `found` has room
+  // for all pairs.
+  int (*find_unbalanced)(PairArrays, double limit, int begin, int end, int *found);
+
+  // First forces, none negative. Also moves `earlier` on, so that each pair has it once in a call.
+  void (*extrapolate)(PairArrays, Extrapolation, int begin, int end);
+
+  // Turns the change of forces into one that leaves no force negative, and takes it; alone: each pair changes for
+  // itself, instead of Newton's method. Returns the slope of the dual energy along the step.
+  double (*take_step)(PairArrays, bool alone, int begin, int end);
+
+  // The forces become past ones.
+  void (*remember)(PairArrays, int begin, int end);
+
+  // The next tilts and bends, by Newton's method for each line alone; returns the largest imbalance. Lines take them.
+  double (*find_lines)(LineArrays, int begin, int end);
+  void (*take_lines)(LineArrays, int begin, int end);
+
+  // The next angles of films, the bends that they need, and their largest imbalance. Films take their angles; both
+  // sides of a pair get their terms.
+  double (*find_films)(FilmArrays, int begin, int end);
+  void (*take_films)(FilmArrays, int begin, int end);
+
+  double (*dot)(const float *, const float *, int begin, int end);
+};
+
+}    // namespace deformable
+
+#endif

@@ -1,0 +1,330 @@
+// Rings with given forces, several side by side: the formulas of ring_forces.h in vectors.
+//
+// Kernels are templates of the number of contacts, so that all loops unroll; 0 contacts stands for a number known at
+// run time only.
+
+#ifndef DEFORMABLE_FORCE_LANES_H
+#define DEFORMABLE_FORCE_LANES_H
+
+#include "kernels/force_kernels.h"
+#include "kernels/lane_geometry.h"
+#include "kernels/pressure_lanes.h"
+#include "kernels/stick_lanes.h"
+#include "laws/contact_curve.h"
+
+namespace deformable::DEFORMABLE_LEVEL {
+
+// The arrays of W rings of one batch: those of all batches from their place on.
+DEFORMABLE_LANE_FUNCTION RingArrays rings_of(RingArrays r, int ring)
+{
+  const auto move = [ring](auto &...p) DEFORMABLE_LANE_LAMBDA { ((p ? p += ring : p), ...); };
+  move(r.radius, r.kA, r.pressure, r.work, r.total, r.per_pressure, r.square);
+  move(r.kP, r.expansion, r.mixed, r.rate, r.tension, r.skin, r.yield);
+  return r;
+}
+
+DEFORMABLE_LANE_FUNCTION ContactArrays contacts_of(ContactArrays c, int contact, int green)
+{
+  c.seat += contact;
+  for (double **p : {&c.indentation, &c.slope}) *p += contact;
+  for (float **p : {&c.compliance, &c.share}) *p += contact;
+  c.green += green;
+  return c;
+}
+
+// COUNT vectors for each of n contacts.
+template <class Vector, int SIZE, int COUNT> struct OfContacts {
+  Vector memory[COUNT][SIZE];
+  OfContacts(int, double *) {}
+  Vector *operator[](int k) { return memory[k]; }
+};
+
+template <class Vector, int COUNT> struct OfContacts<Vector, 0, COUNT> {
+  int n;
+  Vector *memory;
+  OfContacts(int n, double *scratch) : n(n), memory(reinterpret_cast<Vector *>(scratch)) {}
+  Vector *operator[](int k) { return memory + k * n; }
+};
+
+// The entry of the lower triangle for the contacts m and k < m.
+DEFORMABLE_LANE_FUNCTION float *entry(float *triangle, int m, int k)
+{
+  return triangle + (m * (m - 1) / 2 + k) * LANES;
+}
+
+template <class Number>
+DEFORMABLE_LANE_FUNCTION Lanes of_pairs(const Number *x, const int *seat)
+{
+  return gather<Lanes>(x, [&](int w) DEFORMABLE_LANE_LAMBDA { return seat[w] >> 1; });
+}
+
+// Angle and direction of a contact, as its ring sees it.
+struct SeenLanes : DirectionLanes {
+  Lanes angle;
+};
+
+DEFORMABLE_LANE_FUNCTION SeenLanes seen_from_ring(const PairDirections &pairs, const int *seat)
+{
+  const Lanes sign =
+      each_lane([&](int w) DEFORMABLE_LANE_LAMBDA { return 1.0 - 2.0 * (seat[w] & 1); });
+  const Lanes angle = of_pairs(pairs.angle, seat);
+  return {{sign * of_pairs(pairs.nx, seat), sign * of_pairs(pairs.ny, seat)},
+          select(sign > 0.0, angle, select(angle > 0.0, angle - PI, angle + PI))};
+}
+
+// begin(m) for each contact of the rings and, after it, pair(m, k, angles between them) for those before. of[0] are the
+// forces; of[2], of[3] and of[4] are taken too.
+template <int SIZE, class Begin, class Pair>
+DEFORMABLE_LANE_FUNCTION void for_contacts(const PairDirections &pairs, int n, const int *seats,
+                                           OfContacts<Lanes, SIZE, 5> &of, Begin &&begin,
+                                           Pair &&pair)
+{
+  Lanes *const force = of[0], *const angle = of[2], *const nx = of[3], *const ny = of[4];
+#pragma GCC unroll 8
+  for (int m = 0; m < n; ++m) {
+    const int *const seat = seats + m * LANES;
+    const SeenLanes seen = seen_from_ring(pairs, seat);
+    angle[m] = seen.angle;
+    nx[m] = seen.nx;
+    ny[m] = seen.ny;
+    force[m] = of_pairs(pairs.force, seat);
+    begin(m);
+#pragma GCC unroll 8
+    for (int k = 0; k < m; ++k)
+      pair(m, k, angles_between(angle[k], {nx[k], ny[k]}, angle[m], seen));
+  }
+}
+
+// The load of rings whose contacts are arcs (contact_curve.h), and their products, p (a + delta).
+DEFORMABLE_LANE_FUNCTION void bend_contacts(int n, const double *bend, const int *seats,
+                                            const Lanes *force, Lanes *product, Lanes &work,
+                                            Lanes &total)
+{
+  Lanes excess = Lanes{}, cap = Lanes{};
+#pragma GCC unroll 8
+  for (int m = 0; m < n; ++m) {
+    const int *const seat = seats + m * LANES;
+    const Lanes beta = of_pairs(bend, seat);
+    const Lanes u =
+        each_lane([&](int w) DEFORMABLE_LANE_LAMBDA { return seat[w] & 1 ? -beta[w] : beta[w]; });
+    const ArcTerms<Lanes> arc = arc_terms(u);
+    excess += force[m] * arc.excess;
+    cap += force[m] * force[m] * arc.cap;
+    product[m] -= 0.5 * u * force[m];
+  }
+  const CurvedLoad<Lanes> load = curved_load(work, total, excess, cap);
+  work = load.work;
+  total = load.total;
+#pragma GCC unroll 8
+  for (int m = 0; m < n; ++m) product[m] += load.shift;
+}
+
+// Shapes from forces and their sums with G.
+template <bool SOFT, bool STICK>
+DEFORMABLE_LANE_FUNCTION bool finish_shapes(int n, const double *bend, const Lanes *force,
+                                            Lanes *product, const ContactArrays &c,
+                                            const RingArrays &rings, const StickArrays &films)
+{
+  Lanes work = Lanes{}, total = Lanes{};
+#pragma GCC unroll 8
+  for (int m = 0; m < n; ++m) {
+    work += force[m] * product[m];
+    total += force[m];
+  }
+  work *= 0.5;
+  if (bend) bend_contacts(n, bend, c.seat, force, product, work, total);
+  Lanes size = total;    // of the sum of lengths, a scale
+  if constexpr (STICK) {
+    const Lanes tension = load<Lanes>(films.tension);
+    stick_contacts(n, films, tension, force, product, work, total);
+    size = magnitude(total) + tension;
+  }
+  store(rings.work, work);
+  store(rings.total, total);
+  ComplianceLanes by;
+  const bool exist = press<SOFT>(rings, by);
+  const Lanes per_p = by.per_pressure, lengths = size * per_p;
+  const Lanes p = load<Lanes>(rings.pressure);
+  store(rings.square, by.square * lengths * lengths * p);
+  if constexpr (SOFT) {
+    store(rings.mixed, by.mixed * lengths * p);
+    store(rings.rate, by.rate * p);
+  }
+  const double per_scale = 1.0 / rings.scale;
+  const Lanes per_size = select(size > 0.0, 1.0 / select(size > 0.0, size, all(1.0)), Lanes{});
+#pragma GCC unroll 8
+  for (int m = 0; m < n; ++m) {
+    const Lanes b = product[m] * per_p;
+    Lanes a = b, diagonal = GREEN_AT_ZERO * per_p;
+    if constexpr (SOFT) {
+      a -= load<Lanes>(rings.expansion);
+      diagonal += by.rate - 2.0 * by.mixed * b;
+    }
+    diagonal -= by.square * b * b;
+    store(c.share + m * LANES, product[m] * per_size);
+    store(c.indentation + m * LANES, a);
+    store(c.compliance + m * LANES,
+          select(per_p > 0.0, diagonal * per_scale, all(__builtin_inf())));
+  }
+  return exist;
+}
+
+// Shapes the rings for the forces of their pairs.
+template <int SIZE, bool SOFT, bool STICK = false>
+DEFORMABLE_LANE_FUNCTION bool shape_lanes(const PairDirections &pairs, int contacts,
+                                          const ContactArrays &c, const RingArrays &rings,
+                                          const StickArrays &films = {})
+{
+  const int n = SIZE > 0 ? SIZE : contacts;
+  OfContacts<Lanes, SIZE, 5> of(n, c.scratch);
+  Lanes *const force = of[0], *const product = of[1];
+  for_contacts<SIZE>(
+      pairs, n, c.seat, of,
+      [&](int m) DEFORMABLE_LANE_LAMBDA { product[m] = GREEN_AT_ZERO * force[m]; },
+      [&](int m, int k, const AngleLanes &t) DEFORMABLE_LANE_LAMBDA {
+        const Lanes between = green(t.magnitude, t.sine, t.cosine);
+        store(entry(c.green, m, k), between);
+        product[m] += between * force[k];
+        product[k] += between * force[m];
+      });
+  return finish_shapes<SOFT, STICK>(n, pairs.bend, force, product, c, rings, films);
+}
+
+// Shapes the rings anew after their forces have changed a little, in the same directions, with the last G in single
+// precision for the changes; for straight contact lines.
+template <int SIZE, bool SOFT>
+DEFORMABLE_LANE_FUNCTION bool adapt_lanes(const double *forces, const float *changes, double unit,
+                                          int contacts, const ContactArrays &c,
+                                          const RingArrays &rings)
+{
+  const int n = SIZE > 0 ? SIZE : contacts;
+  OfContacts<Lanes, SIZE, 5> of(n, c.scratch);
+  Lanes *const force = of[0], *const product = of[1], *const change = of[2];
+  const Lanes p = load<Lanes>(rings.pressure);
+  Lanes delta = Lanes{};
+  if constexpr (SOFT) delta = load<Lanes>(rings.expansion);
+#pragma GCC unroll 8
+  for (int m = 0; m < n; ++m) {
+    const int *const seat = c.seat + m * LANES;
+    force[m] = of_pairs(forces, seat);
+    change[m] = of_pairs(changes, seat) * unit;
+    product[m] = (load<Lanes>(c.indentation + m * LANES) + delta) * p + GREEN_AT_ZERO * change[m];
+#pragma GCC unroll 8
+    for (int k = 0; k < m; ++k) {
+      const Lanes between = load<Lanes>(entry(c.green, m, k));
+      product[m] += between * change[k];
+      product[k] += between * change[m];
+    }
+  }
+  return finish_shapes<SOFT, false>(n, nullptr, force, product, c, rings, {});
+}
+
+// The slope of the outline at each contact, sum_k L_k G'(theta_c - theta_k); -f_c times that is dU/dtheta_c.
+// And what else contact lines need, unless that is null; the rate for rings at rest.
+template <int SIZE>
+DEFORMABLE_LANE_FUNCTION void slope_lanes(const PairDirections &pairs, int contacts,
+                                          const ContactArrays &c, const RingArrays &rings,
+                                          const OutlineArrays &outline, const StickArrays &films)
+{
+  const int n = SIZE > 0 ? SIZE : contacts;
+  OfContacts<Lanes, SIZE, 5> of(n, c.scratch);
+  Lanes *const force = of[0], *const slope = of[1];
+  for_contacts<SIZE>(
+      pairs, n, c.seat, of, [&](int m) DEFORMABLE_LANE_LAMBDA { slope[m] = Lanes{}; },
+      [&](int m, int k, const AngleLanes &t) DEFORMABLE_LANE_LAMBDA {
+        const Lanes size = d_green(t.magnitude, t.sine, t.cosine);
+        const Lanes between = select(t.negative, -size, size);
+        slope[m] += between * force[k];
+        slope[k] -= between * force[m];
+      });
+  const Lanes per_p = load<Lanes>(rings.per_pressure);
+#pragma GCC unroll 8
+  for (int m = 0; m < n; ++m) store(c.slope + m * LANES, per_p * slope[m]);
+  if (!outline.slope_rate) return;
+  const Lanes lengths = load<Lanes>(rings.total) * per_p;
+  const Lanes delta = rings.expansion ? load<Lanes>(rings.expansion) : Lanes{};
+  Lanes Q = load<Lanes>(rings.radius) + delta - lengths * (0.5 / PI);
+  if (rings.skin) Q += load<Lanes>(rings.skin);
+#pragma GCC unroll 8
+  for (int m = 0; m < n; ++m) {
+    Lanes inward = load<Lanes>(c.indentation + m * LANES) + delta;    // (GL)_c
+    if (films.tension)
+      inward -= load<Lanes>(films.tension) * per_p * load<Lanes>(films.terms[3] + m * LANES);
+    store(outline.slope_rate + m * LANES, slope_rate(lengths, Lanes{}, inward, force[m] * per_p));
+    store(outline.per_pressure + m * LANES, per_p);
+    store(outline.free_radius + m * LANES, Q);
+  }
+}
+
+// kernel(n, number of contacts, contacts, rings) for each vector of rings, n a constant for the usual numbers.
+template <int STEP = W, class Kernel>
+DEFORMABLE_LANE_FUNCTION void for_all(const RingBatches &b, Kernel &&kernel)
+{
+  for (int batch = b.begin; batch < b.end; ++batch)
+    for (int w = 0; w < LANES; w += STEP) {
+      const int n = b.size[batch];
+      const RingArrays r = rings_of(b.rings, batch * LANES + w);
+      const ContactArrays c = contacts_of(b.contacts, b.first[batch] + w, b.first_green[batch] + w);
+      switch (n) {
+        case 3: kernel(std::integral_constant<int, 3>(), n, c, r); break;
+        case 4: kernel(std::integral_constant<int, 4>(), n, c, r); break;
+        case 5: kernel(std::integral_constant<int, 5>(), n, c, r); break;
+        case 6: kernel(std::integral_constant<int, 6>(), n, c, r); break;
+        case 7: kernel(std::integral_constant<int, 7>(), n, c, r); break;
+        case 8: kernel(std::integral_constant<int, 8>(), n, c, r); break;
+        default: kernel(std::integral_constant<int, 0>(), n, c, r);
+      }
+    }
+}
+
+template <bool SOFT, bool STICK> static bool shape_all(RingBatches b, PairDirections pairs)
+{
+  bool exist = true;
+  for_all(b, [&](auto size, int n, const ContactArrays &c, const RingArrays &r)
+                 DEFORMABLE_LANE_LAMBDA {
+                   StickArrays films = {};
+                   if constexpr (STICK) films = films_of(b, c, r);
+                   exist &= shape_lanes<decltype(size)::value, SOFT, STICK>(pairs, n, c, r, films);
+                 });
+  return exist;
+}
+
+static bool shape_rings(RingBatches b, PairDirections pairs)
+{
+  if (b.films.tension && b.soft) return shape_all<true, true>(b, pairs);
+  return b.soft ? shape_all<true, false>(b, pairs) : shape_all<false, false>(b, pairs);
+}
+
+template <bool SOFT>
+static bool adapt_all(RingBatches b, const double *forces, const float *changes, double unit)
+{
+  bool exist = true;
+  for_all(
+      b, [&](auto size, int n, const ContactArrays &c, const RingArrays &r) DEFORMABLE_LANE_LAMBDA {
+        exist &= adapt_lanes<decltype(size)::value, SOFT>(forces, changes, unit, n, c, r);
+      });
+  return exist;
+}
+
+static bool adapt_rings(RingBatches b, const double *forces, const float *changes, double unit)
+{
+  return b.soft ? adapt_all<true>(b, forces, changes, unit)
+                : adapt_all<false>(b, forces, changes, unit);
+}
+
+static void slopes_of_rings(RingBatches b, PairDirections pairs, OutlineArrays outline)
+{
+  for_all(
+      b, [&](auto size, int n, const ContactArrays &c, const RingArrays &r) DEFORMABLE_LANE_LAMBDA {
+        OutlineArrays of_batch = outline;
+        if (outline.slope_rate)
+          for (double **p : {&of_batch.slope_rate, &of_batch.per_pressure, &of_batch.free_radius})
+            *p += c.seat - b.contacts.seat;
+        slope_lanes<decltype(size)::value>(pairs, n, c, r, of_batch,
+                                           b.films.tension ? films_of(b, c, r) : StickArrays{});
+      });
+}
+
+}    // namespace deformable::DEFORMABLE_LEVEL
+
+#endif

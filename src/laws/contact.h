@@ -1,0 +1,41 @@
+// The contact line of two circles on their radical axis.
+
+#ifndef DEFORMABLE_CONTACT_H
+#define DEFORMABLE_CONTACT_H
+
+#include "laws/trigonometry.h"
+
+namespace deformable {
+
+// A line must lie in front of the center by this part of the radius. Where two centers, or a center and a thin wall, come
+// nearer, they are about to pass each other, after which no line would be behind a center.
+constexpr double NEAREST_LINE = 0.05;
+
+// The square of the distance at which a radical axis comes so near: |R_i^2 - R_j^2| + (0.05 (R_i + R_j))^2, from the sum
+// of the radii and the absolute value of their difference.
+template <class T> DEFORMABLE_INLINE T nearest_square(T sum, T difference)
+{
+  return (difference + NEAREST_LINE * NEAREST_LINE * sum) * sum;
+}
+
+// Indentation of both particles by the line. T is double, or a vector of doubles of several particles.
+template <class T> struct ContactLine {
+  T indentation_i, indentation_j;        // a = R - h, h the distance from the center to the line
+  T d_indentation_i, d_indentation_j;    // da/dd
+};
+
+// h_ij = (d^2 + R_i^2 - R_j^2)/2d. The indentations follow from the overlap o = R_i + R_j - d and not from
+// R - h, because o keeps its digits for nearly touching particles: a_ij = o (2 R_j - o)/2d.
+template <class T>
+DEFORMABLE_INLINE ContactLine<T> contact_line(T distance, T per_distance, T radius_i, T radius_j)
+{
+  const T overlap = radius_i + radius_j - distance;
+  const T factor = 0.5 * overlap * per_distance;
+  const T skew = 0.5 * (radius_i - radius_j) * (radius_i + radius_j) * per_distance * per_distance;
+  return {factor * (2.0 * radius_j - overlap), factor * (2.0 * radius_i - overlap), skew - 0.5,
+          -skew - 0.5};
+}
+
+}    // namespace deformable
+
+#endif

@@ -1,0 +1,128 @@
+// The rules for radius, kA, kP, tension and skin of a species, and for adhesion. Each function returns an empty text if its arguments are
+// valid, otherwise a phrase with the parameter, its valid range and its value.
+
+#ifndef DEFORMABLE_PARAMETER_RULES_H
+#define DEFORMABLE_PARAMETER_RULES_H
+
+#include "laws/stiffness.h"
+#include "laws/trigonometry.h"
+
+#include <cmath>
+#include <cstdio>
+#include <string>
+
+namespace deformable {
+
+inline std::string shown_number(double value)
+{
+  char text[32];
+  std::snprintf(text, sizeof text, "%.6g", value);
+  return text;
+}
+
+inline std::string invalid_radius(double radius)
+{
+  if (radius > 0.0 && std::isfinite(radius)) return "";
+  return "radius must be positive and finite, not " + shown_number(radius);
+}
+
+inline std::string invalid_stiffness(double kA, double kP, double tension = 0.0)
+{
+  if (!(kA > 0.0)) return "kA must be positive or inf, not " + shown_number(kA);
+  if (tension < 0.0)
+    return "tension must not be negative, not " + shown_number(tension) +
+           ": the perimeter at rest would be longer than the circle's, and free particles would be "
+           "floppy";
+  if (!(tension >= 0.0 && std::isfinite(tension)))
+    return "tension must be 0 or positive and finite, not " + shown_number(tension);
+  if (tension == 0.0 && !(kP > 0.0))
+    return "kP must be positive or inf, or 0 beside a positive tension, not " + shown_number(kP);
+  if (!(kP >= 0.0)) return "kP must be 0, positive or inf, not " + shown_number(kP);
+  if (std::isinf(kA) && std::isinf(kP))
+    return "kA and kP must not both be inf, as in a rigid disk: give one of them a finite value";
+  if (tension > 0.0 && Stiffness{kA, kP}.conserves_perimeter())
+    return "kP must be finite beside a tension, such as 0, not " + shown_number(kP) +
+           ": a perimeter that is conserved bears any tension";
+  return "";
+}
+
+// A free ring of this radius, without its skin, neither shrinks nor expands by itself:
+//   d^2U/dr^2/(4 pi^2) = kP + kA r^2 - gamma/(2 pi r) > 0
+inline std::string unstable_radius(double ring_radius, const Stiffness &k)
+{
+  if (k.tension == 0.0) return "";
+  const double least = k.rest_pressure(ring_radius) * (0.5 / PI);
+  if (k.kP + k.kA * ring_radius * ring_radius > least) return "";
+  return "tension " + shown_number(k.tension) + " makes a free particle of radius " +
+         shown_number(ring_radius) +
+         " collapse: kP + kA R^2 must be above tension/(2 pi R) = " + shown_number(least) +
+         ", not " + shown_number(k.kP + k.kA * ring_radius * ring_radius);
+}
+
+// An infinite radius stands for one that is not known yet.
+inline std::string invalid_skin(double skin, double radius)
+{
+  if (skin >= 0.0 && skin < radius) return "";
+  const std::string range = std::isinf(radius)
+                                ? "skin must be 0 or positive and finite"
+                                : "skin must be from 0 to below the radius " + shown_number(radius);
+  return range + ", not " + shown_number(skin);
+}
+
+// For the sector law, besides the rules above: it conserves the perimeter or the area, and has neither skin nor tension.
+inline std::string invalid_for_sectors(double kA, double kP, double skin, double tension = 0.0)
+{
+  if (tension != 0.0)
+    return "the sector law has no tension: it must be 0, not " + shown_number(tension);
+  if (std::isinf(kA) == std::isinf(kP))
+    return "the sector law needs kP = inf (perimeter conserved) or kA = inf (area conserved), not "
+           "kA = " +
+           shown_number(kA) + " and kP = " + shown_number(kP);
+  if (skin != 0.0) return "the sector law has no skin: it must be 0, not " + shown_number(skin);
+  return "";
+}
+
+// For droplets in three dimensions, besides the rules above: they keep their volume under a tension, and have no skin.
+inline std::string invalid_for_droplets(double kA, double kP, double skin, double tension)
+{
+  if (!std::isinf(kA))
+    return "a droplet in three dimensions keeps its volume: kA must be inf, not " +
+           shown_number(kA);
+  if (kP != 0.0)
+    return "a droplet in three dimensions has no kP: it must be 0, not " + shown_number(kP);
+  if (!(tension > 0.0))
+    return "a droplet in three dimensions needs a positive tension, not " + shown_number(tension);
+  if (skin != 0.0)
+    return "a droplet in three dimensions has no skin: it must be 0, not " + shown_number(skin);
+  return "";
+}
+
+inline std::string invalid_adhesion(double adhesion)
+{
+  if (adhesion >= 0.0 && std::isfinite(adhesion)) return "";
+  return "adhesion must be 0 or positive and finite, not " + shown_number(adhesion);
+}
+
+// For a particle that gains w for each unit of length of a film, with a wall or with another particle, which meets the
+// same rule. A film has the tension T_i + T_j - w (wall: T_i - w) and meets the free outline at an angle of
+//   cos theta = 1 - w/2T (wall: 1 - w/T) between equals,   w < 2T of the weaker one
+inline std::string invalid_for_adhesion(double adhesion, const Stiffness &k, double skin)
+{
+  if (adhesion == 0.0) return "";
+  const std::string needs = "adhesion " + shown_number(adhesion) + " needs ";
+  if (skin != 0.0)
+    return needs + "a skin of 0, not " + shown_number(skin) + ": films lie between the outlines";
+  if (k.conserves_perimeter())
+    return needs + "a finite kP and a tension, not kP = " + shown_number(k.kP) +
+           ": a perimeter that is conserved has no tension at rest, and so no contact angle";
+  const double least = 0.5 * adhesion;
+  if (k.tension > least) return "";
+  return needs + "a tension above half of it, " + shown_number(least) + ", not " +
+         shown_number(k.tension) +
+         (k.tension == 0.0 ? ": without a tension there is no contact angle at rest"
+                           : ": nothing would bound the film, which engulfs a particle");
+}
+
+}    // namespace deformable
+
+#endif

@@ -1,0 +1,237 @@
+// The ring law with given contact forces: the dual of soft_ring.h. The forces f >= 0 at the angles theta determine
+// pressure, expansion and indentations of the ring without any inverse or active set.
+//
+// W(f) = max over a of f.a - U(a) is the convex conjugate of the energy. With the matrix G_cc' = G(theta_c -
+// theta_c'), Q = f.Gf/2 and F = sum f,
+//   L = f/p,   a = dW/df = Gf/p - delta,   S = Q/p^2,   W = 2Q/p - delta F - U,
+// with U of stiffness.h, where p and delta solve, with the radius r = R - c of the ring (c: its skin), E = r + delta
+// and the pressure at rest p0 = gamma/r,
+//   p E - F/2 pi = gamma + 2 pi kP delta          (Laplace's law)
+//   (p - p0)/kA = Q/p^2 - pi delta (2 r + delta)    (A0 - A)
+// For kP = inf: delta = 0 and p^3 = kA Q. docs/theory.md has the derivation.
+
+#ifndef DEFORMABLE_RING_FORCES_H
+#define DEFORMABLE_RING_FORCES_H
+
+#include "laws/green.h"
+#include "laws/stiffness.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace deformable {
+
+// Q and F of the forces on a ring.
+struct RingLoad {
+  double work, total;
+};
+
+// A ring under load. No pressure: a circle.
+struct LoadedRing {
+  double pressure = 0.0, expansion = 0.0;
+
+  // A0 - A
+  double area_deficit(double radius, const Stiffness &k, double work) const
+  {
+    if (k.gives_way(pressure)) return PI * radius * radius * (1.0 - k.yield / pressure);
+    if (k.tension == 0.0 || std::isinf(k.kA)) return k.tension == 0.0 ? pressure / k.kA : 0.0;
+    return work / (pressure * pressure) - PI * expansion * (2.0 * radius + expansion);
+  }
+
+  // U; with a tension, the formula of tense_ring in soft_ring.h
+  double energy(double radius, const Stiffness &k, double work) const
+  {
+    if (!(pressure > 0.0)) return 0.0;
+    if (k.gives_way(pressure)) {
+      const double excess = 2.0 * PI * expansion, gas = k.yield * PI * radius * radius;
+      return (k.tension + 0.5 * k.kP * excess) * excess + gas * std::log(pressure / k.yield);
+    }
+    if (k.tension > 0.0) {
+      const double S = work / (pressure * pressure);
+      const double D = area_deficit(radius, k, work);
+      return k.rest_pressure(radius) * (S - PI * expansion * expansion) +
+             (D == 0.0 ? 0.0 : 0.5 * k.kA * D * D) + 2.0 * PI * PI * k.kP * expansion * expansion;
+    }
+    const double by_perimeter =
+        k.conserves_perimeter() ? 0.0 : 2.0 * PI * PI * k.kP * expansion * expansion;
+    return 0.5 * pressure * (pressure / k.kA) + by_perimeter;
+  }
+
+  // W
+  double conjugate(double radius, const Stiffness &k, const RingLoad &load) const
+  {
+    if (!(pressure > 0.0)) return 0.0;
+    return 2.0 * load.work / pressure - expansion * load.total - energy(radius, k, load.work);
+  }
+};
+
+// The stiffness of a small load: p (1/kA + r^2/kP) is about Q/p^2.
+DEFORMABLE_INLINE double area_stiffness(double radius, const Stiffness &k)
+{
+  return 1.0 / (1.0 / k.kA + radius * radius / k.kP);
+}
+
+// In radii. Where no ring bears a load, Newton's method may run away: what it finds beyond is rounding, and no guess for
+// the next load.
+constexpr double LARGEST_EXPANSION = 1e6;
+
+// The root delta of h(delta) = p/kA + pi delta (2 r + delta) - Q/p^2, with p = (2 pi kP delta + F/2 pi)/E and
+//   E h' = D = 2 pi E^2 + (2 pi kP - p) e,   e = 1/kA + 2 Q/p^3.
+// Stable rings have D > 0; h < 0, or D < 0, to the left of that root. Newton's method starts from the expansion of
+// `ring` if its pressure is positive. Returns false if there is no such ring: a negative area would be needed.
+DEFORMABLE_INLINE bool find_expansion(double radius, const Stiffness &k, const RingLoad &load,
+                                      LoadedRing &ring)
+{
+  constexpr double CLOSE = 1e-8;    // each step doubles the digits, so this one is the last
+  const double per_kA = 1.0 / k.kA, spring = 2.0 * PI * k.kP, tension = load.total / (2.0 * PI);
+  double low = std::max(-radius, -tension / spring);    // E > 0 and p > 0
+  double high = std::numeric_limits<double>::infinity();
+  double delta = ring.expansion;
+  if (!(ring.pressure > 0.0 && delta > low && delta < LARGEST_EXPANSION * radius)) {
+    // without the terms of second order in delta:  p^3 <= K (Q + p^2 r F/(2 pi kP))
+    const double K = area_stiffness(radius, k);
+    const double p = std::cbrt(K * load.work) + K * radius / k.kP * tension;
+    delta = std::max((p * radius - tension) / spring, 0.5 * low);
+  }
+  for (int iteration = 0; iteration < 200; ++iteration) {
+    const double E = radius + delta, p = (spring * delta + tension) / E;
+    const double deficit = load.work / (p * p);
+    const double h = p * per_kA + PI * delta * (2.0 * radius + delta) - deficit;
+    const double slope = 2.0 * PI * E + (per_kA + 2.0 * deficit / p) * (spring - p) / E;
+    ring = {p, delta};
+    (slope > 0.0 && h > 0.0 ? high : low) = delta;
+    double next = delta - h / slope;
+    const bool inside = slope > 0.0 && low <= next && next <= high;
+    if (!inside) next = std::isinf(high) ? 2.0 * E - radius : 0.5 * (low + high);
+    const bool close = std::fabs(next - delta) <= CLOSE * (std::fabs(next) + E * p / spring);
+    delta = next;
+    if (inside && close) {
+      ring = {(spring * delta + tension) / (radius + delta), delta};
+      return true;
+    }
+  }
+  return false;
+}
+
+// The same with a line tension: p - p0 = ((2 pi kP - p0) delta + F/2 pi)/E, so that no difference of large numbers
+// remains in h. For kA = inf and kP = 0 the root is E = r/sqrt(1 - x), x = Q/pi (gamma + F/2 pi)^2.
+DEFORMABLE_INLINE bool find_expansion_under_tension(double radius, const Stiffness &k,
+                                                    const RingLoad &load, LoadedRing &ring)
+{
+  constexpr double CLOSE = 1e-8;
+  const double pull = load.total / (2.0 * PI), spring = 2.0 * PI * k.kP;
+  const double p0 = k.rest_pressure(radius), tension = k.tension + pull;
+  if (k.kP == 0.0 && std::isinf(k.kA)) {
+    const double x = load.work / (PI * tension * tension), root = std::sqrt(1.0 - x);
+    if (!(x < 1.0)) return false;
+    ring = {tension * root / radius, radius * x / (root * (1.0 + root))};
+    return true;
+  }
+  const double per_kA = 1.0 / k.kA;
+  double low = -radius, high = std::numeric_limits<double>::infinity();    // E > 0 and p > 0
+  if (k.kP > 0.0) low = std::max(low, -tension / spring);
+  double delta = ring.expansion;
+  if (!(ring.pressure > 0.0 && delta > low && delta < LARGEST_EXPANSION * radius)) delta = 0.0;
+  for (int iteration = 0; iteration < 200; ++iteration) {
+    const double E = radius + delta, above = ((spring - p0) * delta + pull) / E, p = p0 + above;
+    const double deficit = load.work / (p * p);
+    const double h = above * per_kA + PI * delta * (2.0 * radius + delta) - deficit;
+    const double slope = 2.0 * PI * E + (per_kA + 2.0 * deficit / p) * (spring - p) / E;
+    (slope > 0.0 && h > 0.0 ? high : low) = delta;
+    double next = delta - h / slope;
+    const bool inside = slope > 0.0 && low <= next && next <= high;
+    if (!inside) next = std::isinf(high) ? 2.0 * E - radius : 0.5 * (low + high);
+    // delta may vanish; a deficit of which little is balanced says nothing about its size
+    const double lacks = std::fabs(deficit);
+    const bool balanced = std::fabs(h) <= 0.1 * lacks + 1e-14 * std::fabs(above) * per_kA;
+    const double size = std::fabs(next) + (balanced ? lacks / (2.0 * PI * radius) : 0.0);
+    const bool close = std::fabs(next - delta) <= CLOSE * size;
+    delta = next;
+    if (inside && close) {
+      ring = {p0 + ((spring - p0) * delta + pull) / (radius + delta), delta};
+      return true;
+    }
+  }
+  return false;
+}
+
+// Of a ring that gives way, with p = T/E and T = gamma + F/2 pi + 2 pi kP delta: the area pi E^2 - Q/p^2 is A0 y/p, so that
+//   T - Q/(pi T) - A0 y/(pi E) = 0.
+// The left side g grows with E = r + delta and is concave: Newton's method converges from where g < 0. `low`: T^2 = Q/pi or E = 0.
+DEFORMABLE_INLINE bool find_expansion_of_gas(double radius, const Stiffness &k,
+                                             const RingLoad &load, LoadedRing &ring)
+{
+  constexpr double CLOSE = 1e-8;
+  const double spring = 2.0 * PI * k.kP, at_rest = k.tension + load.total / (2.0 * PI);
+  const double gas = radius * radius * k.yield, work = load.work / PI;
+  const double least = std::sqrt(std::max(work, 0.0));
+  if (spring == 0.0 && at_rest <= least) return false;
+  const double low = spring > 0.0 ? std::max(0.0, radius + (least - at_rest) / spring) : 0.0;
+  double E = radius + ring.expansion;
+  if (!(ring.pressure > 0.0 && E > low && E < LARGEST_EXPANSION * radius)) E = low + radius;
+  for (int iteration = 0; iteration < 200; ++iteration) {
+    const double T = at_rest + spring * (E - radius), g = T - work / T - gas / E;
+    double next = E - g / (spring * (1.0 + work / (T * T)) + gas / (E * E));
+    const bool inside = next > low;
+    if (!inside) next = 0.5 * (E + low);
+    const bool close = std::fabs(next - E) <= CLOSE * next;
+    E = next;
+    if (!inside || !close) continue;
+    ring = {(at_rest + spring * (E - radius)) / E, E - radius};
+    return true;
+  }
+  return false;
+}
+
+// Pressure and expansion under a load; `ring` is also the first guess. Films that stick (contact_film.h) may make Q a bit
+// negative where the forces on a ring do not balance.
+DEFORMABLE_INLINE bool find_pressure(double radius, const Stiffness &k, const RingLoad &load,
+                                     LoadedRing &ring)
+{
+  constexpr double NOTHING = 1e-280;    // its square root is the least force that counts
+  if (!(std::fabs(load.work) > NOTHING)) {
+    ring = {k.rest_pressure(radius), 0.0};
+    return true;
+  }
+  if (k.tension == 0.0 && k.conserves_perimeter()) {
+    ring = {std::cbrt(k.kA * load.work), 0.0};
+    return true;
+  }
+  const LoadedRing guess = ring;
+  bool found = k.tension > 0.0 ? find_expansion_under_tension(radius, k, load, ring)
+                               : find_expansion(radius, k, load, ring);
+  if (std::isfinite(k.yield) && (!found || k.gives_way(ring.pressure))) {
+    ring = guess;
+    found = find_expansion_of_gas(radius, k, load, ring);
+  }
+  return found && ring.expansion < LARGEST_EXPANSION * radius;
+}
+
+// C = da/df = G/p - mixed (b 1^T + 1 b^T) - square b b^T + rate 1 1^T, b = Gf/p, with
+//   mixed = E/pD,   square = (2 pi kP - p)/p^2 D,   rate = e/2 pi D;   for kP = inf: 0, kA/3p^2, 0.
+// C is positive semidefinite, the inverse of the stiffness of the active contacts.
+struct RingCompliance {
+  double per_pressure = 0.0, mixed = 0.0, square = 0.0, rate = 0.0;
+
+  double diagonal(double b) const
+  {
+    return GREEN_AT_ZERO * per_pressure - (2.0 * mixed + square * b) * b + rate;
+  }
+};
+
+DEFORMABLE_INLINE RingCompliance compliance_of(double radius, const Stiffness &k, double work,
+                                               const LoadedRing &ring)
+{
+  const double p = ring.pressure;
+  if (!(p > 0.0)) return {};
+  if (k.conserves_perimeter()) return {1.0 / p, 0.0, k.kA / (3.0 * p * p), 0.0};
+  const double kA = k.gives_way(p) ? k.yielding_kA(radius, p) : k.kA;
+  const double E = radius + ring.expansion, e = 1.0 / kA + 2.0 * work / (p * p * p);
+  const double excess = 2.0 * PI * k.kP - p, per_D = 1.0 / (2.0 * PI * E * E + excess * e);
+  return {1.0 / p, E / p * per_D, excess / p * per_D / p, e * per_D / (2.0 * PI)};
+}
+
+}    // namespace deformable
+
+#endif

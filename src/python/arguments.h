@@ -1,0 +1,66 @@
+// Arguments from Python, checked, and results for it.
+
+#ifndef DEFORMABLE_ARGUMENTS_H
+#define DEFORMABLE_ARGUMENTS_H
+
+#include "laws/shape.h"
+
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+
+#include <algorithm>
+#include <initializer_list>
+#include <string>
+#include <vector>
+
+namespace deformable {
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+using Vector = nb::ndarray<nb::numpy, double, nb::ndim<1>>;
+using Points = nb::ndarray<nb::numpy, double, nb::shape<-1, 2>>;
+using Matrix = nb::ndarray<nb::numpy, double, nb::ndim<2>>;
+using Arcs = nb::ndarray<nb::numpy, double, nb::shape<-1, 5>>;
+
+template <class Array> Array to_numpy(const double *begin, std::initializer_list<std::size_t> shape)
+{
+  std::size_t count = 1;
+  for (std::size_t n : shape) count *= n;
+  auto *data = new double[count];
+  std::copy(begin, begin + count, data);
+  nb::capsule owner(data, [](void *p) noexcept { delete[] static_cast<double *>(p); });
+  return Array(data, shape, owner);
+}
+
+// value(c) of each of so many contacts.
+template <class Value> Vector per_contact(std::size_t contacts, Value &&value)
+{
+  std::vector<double> values;
+  for (std::size_t c = 0; c < contacts; ++c) values.push_back(value(c));
+  return to_numpy<Vector>(values.data(), {contacts});
+}
+
+[[noreturn]] void refuse(const std::string &message);
+
+// A vector of finite numbers, from anything that numpy converts to one.
+std::vector<double> vector_of(const std::string &name, nb::handle given);
+
+// Angles at which an outline meets its contacts, 0 if not given.
+std::vector<double> contact_angles_of(nb::handle given, std::size_t contacts);
+
+void require_positive(const std::string &name, double value);
+
+// The contacts of a call, checked, and their memory.
+struct Call {
+  double radius;
+  std::vector<Contact> contacts;
+  std::vector<int> order;
+  Contacts view() const { return {static_cast<int>(contacts.size()), contacts.data()}; }
+};
+
+Call checked(double radius, nb::handle angles, nb::handle indentations);
+
+}    // namespace deformable
+
+#endif

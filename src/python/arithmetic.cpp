@@ -1,0 +1,65 @@
+// What numpy and its library of linear algebra compute by kernels for each processor, whose last digits differ. These are
+// the same everywhere.
+
+#include "python/laws.h"
+
+#include "laws/dot.h"
+
+#include <cmath>
+
+using namespace deformable;
+
+namespace {
+
+using Values = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
+using Vectors = nb::ndarray<const double, nb::shape<-1, 2>, nb::c_contig, nb::device::cpu>;
+
+double dot_of(Values a, Values b)
+{
+  if (a.size() != b.size())
+    refuse("a and b must have as many numbers, not " + std::to_string(a.size()) + " and " +
+           std::to_string(b.size()));
+  return dot(a.data(), b.data(), a.size());
+}
+
+Matrix unit_vectors(nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu> angle)
+{
+  std::vector<double> found;
+  for (std::size_t k = 0; k < angle.size(); ++k)
+    found.insert(found.end(), {std::cos(angle.data()[k]), std::sin(angle.data()[k])});
+  return to_numpy<Matrix>(found.data(), {angle.size(), 2});
+}
+
+Vector angles(Vectors vector)
+{
+  std::vector<double> found;
+  for (std::size_t k = 0; k < vector.shape(0); ++k)
+    found.push_back(std::atan2(vector.data()[2 * k + 1], vector.data()[2 * k]));
+  return to_numpy<Vector>(found.data(), {found.size()});
+}
+
+}    // namespace
+
+void deformable::bind_arithmetic(nb::module_ &m)
+{
+  m.def("dot", &dot_of, "a"_a, "b"_a, R"(sum_k a_k b_k, the same to the last bit on every processor.
+
+Parameters
+----------
+a, b : arrays of the same size
+    Of any shape, taken in the order of their memory.
+
+Raises
+------
+ValueError
+    Arrays of different sizes.)");
+  m.def(
+      "norm", [](Values a) { return std::sqrt(dot(a.data(), a.data(), a.size())); }, "a"_a,
+      "sqrt(sum_k a_k^2), the same to the last bit on every processor.");
+  m.def(
+      "unit_vectors", &unit_vectors, "angle"_a,
+      R"((cos, sin) of angles [rad], shape (n, 2), the same to the last bit on every processor.)");
+  m.def(
+      "angles", &angles, "vector"_a,
+      R"(Angles of vectors, shape (n, 2), from -pi to pi, the same to the last bit on every processor.)");
+}

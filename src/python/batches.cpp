@@ -1,0 +1,204 @@
+#include "python/laws.h"
+
+#include "kernels/block_walk.h"
+#include "laws/soft_ring.h"
+
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <cmath>
+#include <numeric>
+
+using namespace deformable;
+
+namespace {
+
+struct BatchResult {
+  ContactBlock block;
+  std::vector<double> fx, fy, length;    // of each contact, in the order of the input
+  int one_by_one = 0;
+};
+
+// The laws for one particle, as the pair styles call them.
+struct OneByOne {
+  Shape shape;
+  RingLCP lcp;
+  std::vector<char> is_active;
+  std::vector<int> order;
+
+  Energy ring(const BlockParticle &p, const Contacts &contacts)
+  {
+    is_active.assign(contacts.size, 0);
+    const Stiffness stiffness = {p.kA, p.kP, p.tension};
+    Energy energy;
+    if (!stiffness.conserves_perimeter()) {
+      if (!soft_ring_shape(p.ring_radius, stiffness, contacts, is_active.data(), lcp, shape,
+                           energy))
+        refuse("dx: these contacts leave no room for a ring of this area");
+      return energy;
+    }
+    ring_shape(p.ring_radius, contacts, is_active.data(), lcp, shape);
+    return harmonic(p.kA, shape.area_deficit);
+  }
+
+  Energy sector(const BlockParticle &p, const Contacts &contacts)
+  {
+    order.resize(contacts.size);
+    std::iota(order.begin(), order.end(), 0);
+    if (!std::isinf(p.kP)) refuse("kP: these sectors conserve their perimeter");
+    sector_shape(p.radius, contacts, order.data(), shape);
+    refuse_coincident(shape.area_deficit);
+    return harmonic(p.kA, shape.area_deficit);
+  }
+};
+
+BatchResult batch(const std::string &law, const std::string &level,
+                  const std::vector<int> &contacts, nb::handle dx_, nb::handle dy_,
+                  nb::handle partner_radius, nb::handle radius_, const std::vector<double> &kA,
+                  const std::vector<double> &kP, nb::handle skin_, std::vector<double> tension)
+{
+  const bool is_ring = law == "ring";
+  if (!is_ring && law != "sector") refuse("law: '" + law + "' is neither 'ring' nor 'sector'");
+  const BatchKernels *const kernels = batch_kernels(level == "one" ? "plain" : level.c_str());
+  if (!kernels) refuse("level: '" + level + "' is none that runs here");
+
+  const std::vector<double> dx = vector_of("dx", dx_), dy = vector_of("dy", dy_);
+  const std::vector<double> rj = vector_of("partner_radius", partner_radius);
+  const std::vector<double> radius = vector_of("radius", radius_), skin = vector_of("skin", skin_);
+  const std::size_t n = contacts.size();
+  const std::size_t places = std::accumulate(contacts.begin(), contacts.end(), std::size_t{0});
+  if (dx.size() != places || dy.size() != places || rj.size() != places)
+    refuse("contacts: their sum must be the length of dx, dy and partner_radius");
+  if (radius.size() != n || skin.size() != n || kA.size() != n || kP.size() != n)
+    refuse("radius: it must be as long as contacts, and kA, kP and skin too");
+  if (tension.empty()) tension.assign(n, 0.0);
+  if (tension.size() != n) refuse("tension: it must be as long as contacts");
+
+  BatchResult result;
+  ContactBlock &block = result.block;
+  block.clear(static_cast<int>(n));
+  for (std::size_t i = 0, c = 0; i < n; ++i) {
+    BlockParticle &p = block.particles[i];
+    block.place(p, static_cast<int>(i), radius[i], skin[i], {kA[i], kP[i], tension[i]},
+                contacts[i]);
+    int front = p.first;
+    for (const std::size_t end = c + contacts[i]; c < end; ++c) {
+      const bool touches =
+          dx[c] * dx[c] + dy[c] * dy[c] <= (radius[i] + rj[c]) * (radius[i] + rj[c]);
+      block.places[touches ? front++ : --p.others] = {dx[c], dy[c], rj[c], 0.0,
+                                                      0.0,   0.0,   0.0,   static_cast<int>(c)};
+    }
+    p.active = front - p.first;
+  }
+
+  OneByOne one;
+  const auto group_of = [&](const BlockParticle &p) {
+    if (level == "one") return 0;
+    return is_ring ? ring_group(p) : sector_group(p);
+  };
+  shape_block(block, is_ring ? kernels->ring : kernels->sector, true, one.shape, group_of,
+              [&](BlockParticle &p, const Contacts &at) {
+                ++result.one_by_one;
+                for (int c = 0; c < at.size; ++c)
+                  if (!(at[c].indentation < p.radius))
+                    refuse("dx: a contact line does not lie in front of the center");
+                const Energy energy = is_ring ? one.ring(p, at) : one.sector(p, at);
+                p.pressure = energy.derivative;
+                return energy;
+              });
+
+  for (std::vector<double> *v : {&result.fx, &result.fy, &result.length}) v->assign(places, 0.0);
+  for (const BlockParticle &p : block.particles)
+    for (int k = p.first; k < p.first + p.active; ++k) {
+      const Place &place = block.places[k];
+      result.fx[place.partner] = place.fx;
+      result.fy[place.partner] = place.fy;
+      result.length[place.partner] = place.length;
+    }
+  return result;
+}
+
+}    // namespace
+
+void deformable::bind_batches(nb::module_ &m)
+{
+  const auto particles = [](double BlockParticle::*member) {
+    return [member](const BatchResult &r) {
+      return per_contact(r.block.particles.size(),
+                         [&](std::size_t i) { return r.block.particles[i].*member; });
+    };
+  };
+  const auto move = nb::rv_policy::move;
+  nb::class_<BatchResult>(m, "Batch", "Shapes and forces of many particles.")
+      .def_prop_ro("energy", particles(&BlockParticle::energy), move, "energies, (n,)")
+      .def_prop_ro("pressure", particles(&BlockParticle::pressure), move,
+                   "dU/dS: pressures [energy/length^2], (n,)")
+      .def_prop_ro("area_deficit", particles(&BlockParticle::area_deficit), move,
+                   "A0 - A [length^2], (n,)")
+      .def_prop_ro("perimeter_excess", particles(&BlockParticle::perimeter_excess), move,
+                   "P - P0 [length], (n,)")
+      .def_prop_ro("arc_radius", particles(&BlockParticle::arc_radius), move,
+                   "smallest radii of curvature [length], (n,)")
+      .def_prop_ro(
+          "force",
+          [](const BatchResult &r) {
+            std::vector<double> xy;
+            for (std::size_t c = 0; c < r.fx.size(); ++c) {
+              xy.push_back(r.fx[c]);
+              xy.push_back(r.fy[c]);
+            }
+            return to_numpy<Matrix>(xy.data(), {r.fx.size(), 2});
+          },
+          move, "force of each contact on its particle [energy/length], (contacts, 2)")
+      .def_prop_ro(
+          "contact_length",
+          [](const BatchResult &r) {
+            return per_contact(r.length.size(), [&](std::size_t c) { return r.length[c]; });
+          },
+          move, "length of each contact [length], (contacts,)")
+      .def_ro("one_by_one", &BatchResult::one_by_one,
+              "number of particles that the law for one particle has shaped");
+
+  m.def(
+      "simd_levels",
+      [] {
+        std::vector<std::string> found;
+        for (const char *level : {"plain", "avx2", "avx512"})
+          if (batch_kernels(level)) found.emplace_back(level);
+        return found;
+      },
+      "Levels of SIMD instructions that this processor has; the last one is the default.");
+  m.def("batch", &batch, "law"_a, "level"_a, "contacts"_a, "dx"_a, "dy"_a, "partner_radius"_a,
+        "radius"_a, "kA"_a, "kP"_a, "skin"_a, "tension"_a = std::vector<double>{},
+        R"(Shapes and forces of many particles by the code that the pair styles run.
+
+Contact lines lie on the radical axes with partners at (dx, dy).
+
+Parameters
+----------
+law : str
+    'ring' or 'sector'.
+level : str
+    One of `simd_levels()`, or 'one' for the laws of one particle, the reference.
+contacts : sequence of int, shape (n,)
+    Number of contacts of each particle.
+dx, dy, partner_radius : array, shape (sum of contacts,)
+    From the center of the particle to its partner, and the partner's radius [length]; those of the
+    first particle first.
+radius, skin : array, shape (n,)
+    Radii of the particles, and the thickness of their skins [length].
+kA, kP : sequence of float, shape (n,)
+    Stiffness, see `soft_ring`; sectors have kP = inf.
+tension : sequence of float, shape (n,)
+    Line tensions, see `soft_ring`; none by default.
+
+Returns
+-------
+Batch
+
+Raises
+------
+ValueError
+    Unknown law or level, lengths that do not fit, a contact line behind the center, or contacts that
+    leave no shape.)");
+}

@@ -1,0 +1,92 @@
+#include "python/laws.h"
+
+#include "response/disk_pairs.h"
+
+#include <algorithm>
+#include <cstdint>
+
+using namespace deformable;
+
+namespace {
+
+using Numbers = nb::ndarray<const std::int64_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+using Lengths = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+template <int dimension>
+using Places = nb::ndarray<const double, nb::shape<-1, dimension>, nb::c_contig, nb::device::cpu>;
+
+template <int dimension> struct SoftDisks {
+  std::size_t disks;
+  std::vector<DiskPair<dimension>> pairs;
+  DiskEnergy result = {};
+};
+
+template <int dimension>
+SoftDisks<dimension> soft_disks(std::size_t disks, Numbers i, Numbers j, Places<dimension> shift,
+                                Lengths contact)
+{
+  const std::size_t count = i.size();
+  if (j.size() != count || shift.shape(0) != count || contact.size() != count)
+    refuse("i, j, shift and contact must have one value for each of " + std::to_string(count) +
+           " pairs");
+  SoftDisks<dimension> found = {disks, {}};
+  for (std::size_t c = 0; c < count; ++c) {
+    for (const std::int64_t k : {i.data()[c], j.data()[c]})
+      if (k < 0 || static_cast<std::size_t>(k) >= disks)
+        refuse("pair " + std::to_string(c) + " has the disk " + std::to_string(k) + " of " +
+               std::to_string(disks));
+    DiskPair<dimension> pair = {
+        static_cast<int>(i.data()[c]), static_cast<int>(j.data()[c]), {}, contact.data()[c]};
+    std::copy_n(shift.data() + dimension * c, dimension, pair.shift);
+    found.pairs.push_back(pair);
+  }
+  return found;
+}
+
+template <int dimension>
+nb::tuple evaluate(SoftDisks<dimension> &disks, Places<dimension> x, double scale)
+{
+  if (x.shape(0) != disks.disks)
+    refuse("x has " + std::to_string(x.shape(0)) + " rows: it must have one for each of " +
+           std::to_string(disks.disks) + " disks");
+  disk_energy(disks.pairs, x.data(), disks.disks, scale, disks.result);
+  return nb::make_tuple(disks.result.energy, disks.result.virial,
+                        to_numpy<Vector>(disks.result.gradient.data(), {dimension * disks.disks}));
+}
+
+template <int dimension> void bind(nb::module_ &m, const char *name, const char *about)
+{
+  nb::class_<SoftDisks<dimension>>(m, name, about)
+      .def(nb::new_(&soft_disks<dimension>), "disks"_a, "i"_a, "j"_a, "shift"_a, "contact"_a)
+      .def(
+          "__call__", &evaluate<dimension>, "x"_a, "scale"_a,
+          R"(Energy, virial and the gradient of the energy, shape (2 disks,), of spheres (3 disks,).
+
+E = 1/2 sum_c o_c^2 with the overlaps o = max(R_i + R_j - d, 0) and d = scale |x_j + shift - x_i|, of unit
+stiffness. The virial is sum_c o_c d_c.)");
+}
+
+}    // namespace
+
+void deformable::bind_disk_pairs(nb::module_ &m)
+{
+  bind<2>(m, "SoftDisks", R"(Pairs of soft disks that may touch.
+
+Parameters
+----------
+disks : int
+    Number of disks.
+i, j : (M,) int64
+    Their numbers in each pair.
+shift : (M, 2)
+    Disk j lies at x_j + shift - x_i from disk i [length].
+contact : (M,)
+    R_i + R_j [length].
+
+Raises
+------
+ValueError
+    Arrays of different lengths; numbers of disks that are not there.)");
+  bind<3>(
+      m, "SoftSpheres",
+      "Pairs of soft spheres that may touch: `SoftDisks` in three dimensions, with shift (M, 3).");
+}

@@ -1,0 +1,191 @@
+#include "python/laws.h"
+
+#include "kernels/batch_kernels.h"
+#include "laws/droplet.h"
+
+#include <nanobind/stl/string.h>
+
+#include <cmath>
+
+using namespace deformable;
+
+namespace {
+
+// One droplet, as the kernels know it.
+struct Droplet {
+  double radius, tension, load, facet, work;
+  std::size_t contacts;
+  std::vector<double> nx, ny, nz, f, indentation, tx, ty, tz;
+
+  double energy() const
+  {
+    double sum = -work;
+    for (std::size_t c = 0; c < contacts; ++c) sum += force(c) * indentation[c];
+    return sum;
+  }
+  double force(std::size_t c) const { return f[c] * radius * tension; }
+  double pressure() const
+  {
+    double moment = 0.0;
+    for (std::size_t c = 0; c < contacts; ++c) moment += force(c) * (radius - indentation[c]);
+    return droplet_pressure(radius, tension, energy(), moment);
+  }
+
+  // da/dF
+  std::vector<double> compliance() const
+  {
+    double sum = 0.0, squares = 0.0;
+    for (std::size_t c = 0; c < contacts; ++c) {
+      sum += f[c];
+      squares += f[c] * f[c];
+    }
+    const DropletLoad<double> load(sum, squares, [](double q) { return std::log(q); });
+    std::vector<double> matrix;
+    for (std::size_t c = 0; c < contacts; ++c)
+      for (std::size_t k = 0; k < contacts; ++k) {
+        const double m = nx[c] * nx[k] + ny[c] * ny[k] + nz[c] * nz[k],
+                     half = std::max(0.5 - 0.5 * m, SMALLEST_HALF);
+        const double own = c == k ? own_compliance(LOG_8_PI - std::log(f[c]), load.logarithm)
+                                  : droplet_green(m, std::log(half));
+        matrix.push_back(
+            (own + (f[c] + f[k]) * load.slope * (0.25 / PI) + load.squares * load.bend) / tension);
+      }
+    return matrix;
+  }
+};
+
+std::vector<double> normals_of(nb::handle given)
+{
+  std::vector<double> numbers =
+      vector_of("normals", nb::module_::import_("numpy").attr("ravel")(given));
+  if (numbers.size() % 3 != 0) refuse("normals must have 3 numbers for each contact");
+  for (std::size_t c = 0; c < numbers.size(); c += 3) {
+    double *const n = &numbers[c];
+    const double length = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    if (!(length > 0.0))
+      refuse("normal " + std::to_string(c / 3) + " is 0: a contact needs a direction");
+    for (int axis = 0; axis < 3; ++axis) n[axis] /= length;
+  }
+  return numbers;
+}
+
+Droplet droplet(nb::handle given_normals, nb::handle given_forces, double radius, double tension,
+                const std::string &level)
+{
+  require_positive("radius", radius);
+  require_positive("tension", tension);
+  const std::vector<double> normals = normals_of(given_normals),
+                            forces = vector_of("forces", given_forces);
+  const std::size_t z = forces.size();
+  if (normals.size() != 3 * z) refuse("forces must have one value for each normal");
+  const BatchKernels *const kernels = batch_kernels(level.c_str());
+  if (!kernels) refuse("level '" + level + "' is unknown, or too high for this processor");
+
+  std::vector<double> force(z + 1), x(z + 1), y(z + 1), n(z + 1);
+  for (std::size_t c = 0; c < z; ++c) {
+    if (!(forces[c] >= 0.0))
+      refuse("force " + std::to_string(c) + " is negative: droplets do not stick");
+    force[c] = forces[c];
+    x[c] = normals[3 * c];
+    y[c] = normals[3 * c + 1];
+    n[c] = normals[3 * c + 2];
+  }
+  // the other lanes of its batch have no contacts
+  const std::size_t places = z * LANES, greens = z * (z - std::min<std::size_t>(z, 1)) / 2 * LANES,
+                    first_green = 0;
+  const int first[] = {0, static_cast<int>(z)}, none = 2 * static_cast<int>(z);
+  std::vector<int> seat(places, none);
+  for (std::size_t c = 0; c < z; ++c) seat[c * LANES] = 2 * static_cast<int>(c);
+  const auto room = [&] { return std::vector<double>(places); };
+  std::vector<double> nx = room(), ny = room(), nz = room(), f = room(), response = room(),
+                      a = room(), tx = room(), ty = room(), tz = room();
+  std::vector<double> radii(LANES, 1.0), tensions(LANES, 1.0), load(LANES), facet(LANES),
+      work(LANES);
+  radii[0] = radius;
+  tensions[0] = tension;
+  std::vector<float> slope(LANES), bend(LANES), rounded(places), compliance(places), green(greens),
+      d_green(greens), scratch(DropletKernels::SCRATCH * places);
+  const DropletArrays arrays = {first,           &first_green,   radii.data(),
+                                tensions.data(), load.data(),    facet.data(),
+                                work.data(),     slope.data(),   bend.data(),
+                                seat.data(),     nx.data(),      ny.data(),
+                                nz.data(),       f.data(),       rounded.data(),
+                                response.data(), a.data(),       tx.data(),
+                                ty.data(),       tz.data(),      compliance.data(),
+                                green.data(),    d_green.data(), scratch.data()};
+  kernels->droplets.evaluate(arrays, {force.data(), x.data(), y.data(), n.data()}, 0, 1);
+  const auto own = [&](const std::vector<double> &by_place) {
+    std::vector<double> found(z);
+    for (std::size_t c = 0; c < z; ++c) found[c] = by_place[c * LANES];
+    return found;
+  };
+  return {radius,  tension, load[0], facet[0], work[0], z,       own(nx),
+          own(ny), own(nz), own(f),  own(a),   own(tx), own(ty), own(tz)};
+}
+
+}    // namespace
+
+void deformable::bind_droplets(nb::module_ &m)
+{
+  nb::class_<Droplet>(m, "Droplet", "A droplet in three dimensions that bears given forces.")
+      .def_ro("load", &Droplet::load, "x = sum F/(8 pi g R), the part that facets would cover")
+      .def_ro("facet", &Droplet::facet,
+              "y = sum F^2/(8 pi g R sum F), the part that the mean facet would cover")
+      .def_ro("work", &Droplet::work, "W [energy]")
+      .def_prop_ro("energy", &Droplet::energy,
+                   "F.a - W, what the surface has more than that of a sphere [energy]")
+      .def_prop_ro("pressure", &Droplet::pressure, "pressure inside, 2 g/R at rest [energy/volume]")
+      .def_prop_ro(
+          "indentation",
+          [](const Droplet &d) { return to_numpy<Vector>(d.indentation.data(), {d.contacts}); },
+          nb::rv_policy::move, "a = dW/dF of each contact, (Z,) [length]")
+      .def_prop_ro(
+          "d_normal",
+          [](const Droplet &d) {
+            std::vector<double> rows;
+            for (std::size_t c = 0; c < d.contacts; ++c)
+              for (const auto *t : {&d.tx, &d.ty, &d.tz})
+                rows.push_back(d.radius * d.force(c) * (*t)[c]);
+            return to_numpy<Matrix>(rows.data(), {d.contacts, 3});
+          },
+          nb::rv_policy::move,
+          "dW/dn of each normal, (Z, 3); only the part across it counts [energy]")
+      .def_prop_ro(
+          "compliance",
+          [](const Droplet &d) {
+            return to_numpy<Matrix>(d.compliance().data(), {d.contacts, d.contacts});
+          },
+          nb::rv_policy::move, "da/dF, (Z, Z); infinite for a force of 0 [length^2/energy]");
+
+  m.def(
+      "droplet", &droplet, "normals"_a, "forces"_a, "radius"_a = 1.0, "tension"_a = 1.0,
+      "level"_a = "",
+      R"(A droplet in three dimensions that keeps its volume, between contacts that bear these forces.
+
+In units of R and g R, with m = n_c.n_k and x = sum f/(8 pi):
+
+w = sum f^2/(8 pi) [ln(8 pi/f) - 1/3 + ln(1 + 4 x^2)/2] + 1/2 sum_{c != k} G(m) f_c f_k,
+G(m) = -[1/2 + 4 m/3 + m ln((1 - m)/2)]/(4 pi).
+
+Parameters
+----------
+normals : array, shape (Z, 3)
+    Outward directions of the contacts; their lengths do not matter.
+forces : array, shape (Z,)
+    F >= 0 [energy/length].
+radius, tension : float
+    R of the sphere [length] and g [energy/length^2].
+level : str
+    SIMD instructions, one of simd_levels(); by default the fastest ones of this processor.
+
+Returns
+-------
+Droplet
+
+Raises
+------
+ValueError
+    Values that are not finite, unequal lengths, a normal of length 0, a negative force, an unknown level.
+
+Source: D. C. Morse and T. A. Witten, Europhys. Lett. 22, 549 (1993), and docs/pair_deformable_droplet.md.)");
+}

@@ -1,0 +1,148 @@
+#include "python/laws.h"
+
+#include "laws/ring.h"
+
+#include <cmath>
+#include <utility>
+
+using namespace deformable;
+
+void deformable::refuse_coincident(double change)
+{
+  if (!std::isfinite(change))
+    refuse("angle: two contacts have the same direction, which leaves no sector between them; use "
+           "the ring law");
+}
+
+namespace {
+
+// `part(opening, a_i, a_k)` is one sector of the law.
+template <class Part> Result with_arcs(Call &call, Shape &&shape, Part &&part)
+{
+  Result result = {std::move(shape), call.contacts.size(), true,
+                   std::vector<double>(call.contacts.size(), call.radius)};
+  if (call.contacts.size() < 2) return result;
+  for_each_sector(call.view(), call.order.data(), [&](int s, int i, int k, const Opening &o) {
+    const Sector sector = part(o, call.contacts[i].indentation, call.contacts[k].indentation);
+    result.arc_radii[s] = call.radius - sector.shrinkage;
+  });
+  return result;
+}
+
+}    // namespace
+
+Sector deformable::perimeter_part(const Opening &o, double ai, double ak)
+{
+  return sector(sector_coefficients(o), ai, ak);
+}
+
+Result deformable::sector_result(Call &call)
+{
+  Shape shape;
+  sector_shape(call.radius, call.view(), call.order.data(), shape);
+  refuse_coincident(shape.area_deficit);
+  return with_arcs(call, std::move(shape), perimeter_part);
+}
+
+Result deformable::area_sector_result(Call &call)
+{
+  Shape shape;
+  if (!area_sector_shape(call.radius, call.view(), call.order.data(), shape))
+    refuse("indentation: these contacts leave no room for a sector of this area");
+  refuse_coincident(shape.perimeter_excess);
+  return with_arcs(call, std::move(shape), [&](const Opening &o, double ai, double ak) {
+    return area_sector(call.radius, o, ai, ak).part;
+  });
+}
+
+Result deformable::ring_result(Call &call)
+{
+  std::vector<char> is_active(call.contacts.size(), 0);
+  RingLCP lcp;
+  Result result = {{}, call.contacts.size(), false, {}};
+  ring_shape(call.radius, call.view(), is_active.data(), lcp, result.shape);
+  return result;
+}
+
+namespace {
+
+template <Result (*LAW)(Call &)>
+Result evaluate(double radius, nb::handle angle, nb::handle indentation)
+{
+  Call call = checked(radius, angle, indentation);
+  return LAW(call);
+}
+
+}    // namespace
+
+void deformable::bind_laws(nb::module_ &m)
+{
+  const auto vector = [](double Response::*member) {
+    return [member](const Result &r) {
+      return per_contact(r.contacts, [&](std::size_t c) { return r.shape.contact[c].*member; });
+    };
+  };
+  nb::class_<Result>(m, "Shape", "The shape that a contact law gives a particle.")
+      .def_prop_ro(
+          "area_deficit", [](const Result &r) { return r.shape.area_deficit; },
+          "S = A0 - A [length^2]; zero for a law that conserves the area")
+      .def_prop_ro(
+          "perimeter_excess", [](const Result &r) { return r.shape.perimeter_excess; },
+          "P - P0 [length]; zero for a law that conserves the perimeter")
+      .def_prop_ro("d_indentation", vector(&Response::d_indentation), nb::rv_policy::move,
+                   "derivatives of the area deficit or perimeter excess by the indentations, (z,)")
+      .def_prop_ro("d_angle", vector(&Response::d_angle), nb::rv_policy::move,
+                   "derivatives of the area deficit or perimeter excess by the directions, (z,)")
+      .def_prop_ro("contact_length", vector(&Response::length), nb::rv_policy::move,
+                   "length of each contact [length], (z,)")
+      .def_prop_ro(
+          "arc_radius",
+          [](const Result &r) -> nb::object {
+            if (!r.has_sectors) return nb::cast(r.shape.arc_radius);
+            return nb::cast(to_numpy<Vector>(r.arc_radii.data(), {r.arc_radii.size()}));
+          },
+          "sector laws: radius of each arc [length], (z,), the n-th from the n-th smallest\n"
+          "angle to the next; ring law: the smallest radius of curvature of the free outline, a\n"
+          "float. Negative: beyond the model.");
+
+  m.def("sector", &evaluate<sector_result>, "radius"_a, "angle"_a, "indentation"_a,
+        R"(Contacts that stick: each sector between two contacts keeps its perimeter.
+
+S = sum over sectors of alpha (a_i^2 + a_k^2)/2 + beta a_i a_k, with alpha = (sin phi - phi cos phi)/D,
+beta = (phi - sin phi)/D, D = 2 - 2 cos phi - phi sin phi.
+
+Parameters
+----------
+radius : float
+    Radius R of the undeformed particle [length].
+angle : array, shape (z,)
+    Directions of the contact lines [rad], any order.
+indentation : array, shape (z,)
+    R minus the distance of each contact line from the center [length].
+
+Returns
+-------
+Shape
+    Derivatives are those of the area deficit. Fewer than two contacts leave a circle.
+
+Raises
+------
+ValueError
+    Unequal lengths, values that are not finite, radius <= 0, a contact line behind the center, or two
+    contacts in the same direction.
+
+Source: R. Maharana, "Efficient Simulation of Deformable Particles".)");
+  m.def("area_sector", &evaluate<area_sector_result>, "radius"_a, "angle"_a, "indentation"_a,
+        R"(Contacts that stick: each sector between two contacts keeps its area R^2 phi/2.
+
+Parameters and errors as for `sector`; ValueError too where no such sector exists. Derivatives are
+those of the perimeter excess. Source: docs/theory.md, "Sectors that keep their area".)");
+  m.def("ring", &evaluate<ring_result>, "radius"_a, "angle"_a, "indentation"_a,
+        R"(Contacts that slip: an inextensible ring takes the shape of largest area.
+
+S = 1/2 a.L with L >= 0, a - G L <= 0, L.(a - G L) = 0 and G(t) = [1/2 + cos t/4 - (pi - t) sin t/2]/pi.
+Lines outside the circle (negative indentation) matter where the outline bulges up to them.
+
+Parameters and errors as for `sector`, but contacts may coincide. Derivatives are those of the area
+deficit. Source: docs/theory.md, "Ring".)");
+}

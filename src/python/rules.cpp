@@ -1,0 +1,89 @@
+#include "python/laws.h"
+
+#include "laws/parameter_rules.h"
+
+#include <limits>
+
+using namespace deformable;
+
+namespace {
+
+// None if there is no problem.
+nb::object or_none(const std::string &problem)
+{
+  return problem.empty() ? nb::none() : nb::object(nb::str(problem.c_str()));
+}
+
+}    // namespace
+
+void deformable::refuse_invalid(double radius, const Stiffness &k, double skin)
+{
+  for (const std::string &problem :
+       {invalid_stiffness(k.kA, k.kP, k.tension), invalid_skin(skin, radius)})
+    if (!problem.empty()) refuse(problem);
+  const std::string unstable = unstable_radius(radius - skin, k);
+  if (!unstable.empty()) refuse(unstable);
+}
+
+void deformable::bind_rules(nb::module_ &m)
+{
+  m.def(
+      "invalid_radius", [](double radius) { return or_none(invalid_radius(radius)); }, "radius"_a,
+      R"(The problem of this radius in a phrase that names its value, or None: it must be positive and finite.)");
+  m.def(
+      "invalid_stiffness",
+      [](double kA, double kP, double tension) {
+        return or_none(invalid_stiffness(kA, kP, tension));
+      },
+      "kA"_a, "kP"_a, "tension"_a = 0.0,
+      R"(The problem of these stiffnesses in a phrase that names the value, or None.
+
+kA and kP must be positive; one of them may be inf. Beside a positive tension kP is finite, and may be 0.)");
+  m.def(
+      "unstable_radius",
+      [](double radius, double kA, double kP, double tension) {
+        return or_none(unstable_radius(radius, {kA, kP, tension}));
+      },
+      "radius"_a, "kA"_a, "kP"_a, "tension"_a = 0.0,
+      R"(The problem of valid stiffnesses for a ring of this radius, without its skin, or None.
+
+kP + kA R^2 must be above tension/(2 pi R): otherwise the ring collapses without any contact.)");
+  m.def(
+      "invalid_skin",
+      [](double skin, double radius) { return or_none(invalid_skin(skin, radius)); }, "skin"_a,
+      "radius"_a = std::numeric_limits<double>::infinity(),
+      R"(The problem of this skin in a phrase that names its value, or None.
+
+It must be from 0 to below the radius; without a radius, 0 or positive and finite.)");
+  m.def(
+      "invalid_for_sectors",
+      [](double kA, double kP, double skin, double tension) {
+        return or_none(invalid_for_sectors(kA, kP, skin, tension));
+      },
+      "kA"_a, "kP"_a, "skin"_a = 0.0, "tension"_a = 0.0,
+      R"(The problem of valid stiffnesses and a skin for the sector law, or None.
+
+One of kA and kP must be inf, the skin and the tension 0.)");
+  m.def(
+      "invalid_for_droplets",
+      [](double kA, double kP, double skin, double tension) {
+        return or_none(invalid_for_droplets(kA, kP, skin, tension));
+      },
+      "kA"_a, "kP"_a, "skin"_a, "tension"_a,
+      R"(The problem of valid stiffnesses and a skin for droplets in three dimensions, or None.
+
+kA must be inf, kP and the skin 0, the tension positive.)");
+  m.def(
+      "invalid_adhesion", [](double adhesion) { return or_none(invalid_adhesion(adhesion)); },
+      "adhesion"_a,
+      R"(The problem of this adhesion in a phrase that names its value, or None: it must be 0 or positive and finite.)");
+  m.def(
+      "invalid_for_adhesion",
+      [](double adhesion, double kA, double kP, double skin, double tension) {
+        return or_none(invalid_for_adhesion(adhesion, {kA, kP, tension}, skin));
+      },
+      "adhesion"_a, "kA"_a, "kP"_a, "skin"_a = 0.0, "tension"_a = 0.0,
+      R"(The problem of valid stiffnesses and a skin for a particle of this adhesion, or None.
+
+Its tension must be above half of the adhesion, kP finite, the skin 0.)");
+}

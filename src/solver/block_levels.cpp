@@ -1,0 +1,60 @@
+#include "solver/block_levels.h"
+
+#include <algorithm>
+
+using namespace LAMMPS_NS;
+
+static constexpr int BATCHES = ForceBatches::BLOCK / deformable::LANES;
+
+void BlockLevels::arrange(const ForceBatches &b, const NearPairs &pairs)
+{
+  batches = b.batches;
+  const int blocks = (batches + BATCHES - 1) / BATCHES;
+  std::vector<int> end(blocks);    // of the contacts
+  for (int k = 0; k < blocks; ++k) end[k] = b.first[std::min((k + 1) * BATCHES, batches)];
+  first.assign(1, 0);
+  neighbors.clear();
+  borders.clear();
+  level.assign(blocks, 0);
+  std::vector<int> seen_by(blocks, -1);
+  for (int k = 0, c = 0; k < blocks; ++k) {
+    bool is_border = false;
+    seen_by[k] = k;
+    for (; c < end[k]; ++c) {
+      const int partner = b.partner[c];
+      is_border |= partner >= b.contacts && partner != b.none();
+      if (partner >= b.contacts || (partner < end[k] && partner >= c)) continue;
+      const auto found = std::upper_bound(end.begin(), end.end(), partner);
+      const int other = static_cast<int>(found - end.begin());
+      if (seen_by[other] == k) continue;
+      seen_by[other] = k;
+      neighbors.push_back(other);
+    }
+    if (is_border) borders.push_back(k);
+    first.push_back(static_cast<int>(neighbors.size()));
+  }
+
+  const int begin_of[KINDS + 1] = {0, pairs.remote, pairs.wall, pairs.size};
+  for (int kind = 0; kind < KINDS; ++kind) {
+    std::vector<int> &of = first_pair[kind];
+    of.assign(1, begin_of[kind]);
+    int k = begin_of[kind];
+    for (int block = 0; block < blocks; ++block) {
+      while (k < begin_of[kind + 1] && b.place[pairs.i[k]] < (block + 1) * ForceBatches::BLOCK) ++k;
+      of.push_back(k);
+    }
+  }
+}
+
+void BlockLevels::choose(deformable::RingBatches &rings, int block) const
+{
+  rings.begin = block * BATCHES;
+  rings.end = std::min(rings.begin + BATCHES, batches);
+}
+
+void BlockLevels::widen(Choice &chosen) const
+{
+  const Choice before = chosen;
+  for (int k = 0; k < count(); ++k)
+    for (int n = first[k]; n < first[k + 1] && before[k]; ++n) chosen[neighbors[n]] = 1;
+}

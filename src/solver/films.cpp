@@ -1,0 +1,198 @@
+#include "solver/films.h"
+
+#include "laws/contact_film.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+using namespace LAMMPS_NS;
+using namespace deformable;
+
+void Films::arrange(ForceBatches &b, NearPairs &p, RemoteSides &r)
+{
+  pairs = &p;
+  batches = &b;
+  remote = &r;
+  for (std::vector<double> *const v : {&next_angle[0], &next_angle[1], &next_pull})
+    v->resize(p.size);
+  has_let_go.assign(p.size, 0);
+  agree();
+  for (int k = 0; k < p.size; ++k) p.least[k] = least_until_taken(k);
+}
+
+// Where new circles just touch, the rounding of a ghost's position decides. Both ranks of a pair must decide alike.
+void Films::agree()
+{
+  NearPairs &p = *pairs;
+  std::vector<double> bits(batches->slope.size(), 0.0);
+  const int *const side = p.side[0].data();
+  for (int k = p.remote; k < p.wall; ++k) bits[side[k]] = p.attached[k];
+  remote->exchange(side + p.remote, batches->contacts, bits.data());
+  for (int k = p.remote; k < p.wall; ++k)
+    p.attached[k] = p.attached[k] || bits[batches->contacts + k - p.remote] != 0.0;
+}
+
+void Films::begin_call()
+{
+  std::fill(has_let_go.begin(), has_let_go.end(), 0);
+}
+
+FilmArrays Films::arrays(const OutlineArrays &outline, double *next_bend, double part)
+{
+  NearPairs &p = *pairs;
+  FilmArrays a;
+  a.force = p.force.data();
+  a.bend = p.bend.data();
+  a.adhesion = p.adhesion.data();
+  a.first = p.side[0].data();
+  a.second = p.side[1].data();
+  a.outline = outline;
+  for (int n = 0; n < 2; ++n) {
+    a.angle[n] = p.film_angle[n].data();
+    a.next_angle[n] = next_angle[n].data();
+  }
+  a.next_pull = next_pull.data();
+  a.next_bend = next_bend;
+  for (int n = 0; n < 4; ++n) a.terms[n] = batches->film[n].data();
+  a.wall = p.wall;
+  a.part = part;
+  return a;
+}
+
+// Angles need T = q p only.
+void Films::begin(const OutlineArrays &outline, double *next_bend)
+{
+  NearPairs &p = *pairs;
+  for (int k = 0; k < p.size; ++k) p.adhesion[k] = p.attached[k] ? p.sticking[k] : 0.0;
+  for (std::size_t ring = 0; ring < batches->particle.size(); ++ring) {
+    const int i = batches->particle[ring];
+    if (i < 0) continue;
+    const double T = batches->film_tension[ring] = batches->tension_of(static_cast<int>(ring));
+    for (int m = 0; m < batches->count[i]; ++m) {
+      const int c = batches->contact(static_cast<int>(ring), m);
+      outline.per_pressure[c] = 1.0;
+      outline.free_radius[c] = T;
+    }
+  }
+  remote->exchange(p.side[0].data() + p.remote, batches->contacts, outline.per_pressure,
+                   outline.free_radius);
+  kernels.find_films(arrays(outline, next_bend, 1.0), 0, p.size);
+}
+
+double Films::find(const OutlineArrays &outline, double *next_bend, double part)
+{
+  double worst = kernels.find_films(arrays(outline, next_bend, part), 0, pairs->size);
+  for (std::size_t ring = 0; ring < batches->particle.size(); ++ring) {
+    if (batches->particle[ring] < 0 || !batches->tense || batches->tension[ring] == 0.0) continue;
+    const double T = batches->tension_of(static_cast<int>(ring));
+    worst = std::max(worst, std::fabs(T - batches->film_tension[ring]));
+  }
+  return worst;
+}
+
+// Forces respond to tensions, and tensions to forces: full steps of both may oscillate.
+void Films::take()
+{
+  constexpr double PART = 0.5;
+  NearPairs &p = *pairs;
+  kernels.take_films(arrays({}, nullptr, 1.0), 0, p.size);
+  for (int k = 0; k < p.size; ++k) {    // what is at the end of its range stays there
+    const bool bears = p.force[k] > p.least[k];
+    p.least[k] = -2.0 * next_pull[k];
+    p.force[k] = bears ? std::max(p.force[k], p.least[k]) : p.least[k];
+  }
+  for (std::size_t ring = 0; ring < batches->particle.size(); ++ring)
+    if (batches->particle[ring] >= 0)
+      batches->film_tension[ring] +=
+          PART * (batches->tension_of(static_cast<int>(ring)) - batches->film_tension[ring]);
+}
+
+bool Films::would_change(int k, bool may_attach) const
+{
+  const NearPairs &p = *pairs;
+  const bool bears = p.force[k] > p.least[k];
+  return p.sticking[k] > 0.0 && bears != (p.attached[k] != 0) &&
+         !(bears && (has_let_go[k] || !may_attach));
+}
+
+bool Films::would_change(bool may_attach) const
+{
+  bool any = false;
+  for (int k = 0; k < pairs->size && !any; ++k) any = would_change(k, may_attach);
+  return remote->largest(any ? 1.0 : 0.0) > 0.0;
+}
+
+void Films::change(bool may_attach)
+{
+  NearPairs &p = *pairs;
+  for (int k = 0; k < p.size; ++k) {
+    if (!would_change(k, may_attach)) continue;
+    has_let_go[k] = p.attached[k];
+    p.attached[k] = !p.attached[k];
+    p.least[k] = least_until_taken(k);
+  }
+}
+
+int Films::pressed_without_film() const
+{
+  for (int k = 0; k < pairs->size; ++k)
+    if (has_let_go[k] && pairs->force[k] > 0.0) return pairs->i[k];
+  return -1;
+}
+
+int Films::ring_of(int k, int side) const
+{
+  return batches->place[side == 0 ? pairs->i[k] : pairs->second(k)];
+}
+
+double Films::length(int k, int side) const
+{
+  const NearPairs &p = *pairs;
+  const int ring = ring_of(k, side);
+  const double u = side == 0 ? p.bend[k] : -p.bend[k];
+  const double L = p.force[k] * batches->per_pressure[ring];
+  const double s = half_chord(L, batches->free_radius(ring), p.film_angle[side][k], u);
+  return 2.0 * s * (1.0 + arc_terms(u).excess);
+}
+
+double Films::energy(int k, int side) const
+{
+  const double w = pairs->adhesion[k];
+  if (w == 0.0) return 0.0;
+  return (k < pairs->wall ? -0.5 : -1.0) * w * length(k, side);
+}
+
+double Films::energy() const
+{
+  double sum = 0.0;
+  for (int k = 0; k < pairs->size; ++k) {
+    sum += energy(k, 0);
+    if (k < pairs->remote) sum += energy(k, 1);
+  }
+  return sum;
+}
+
+double Films::free_arc(int i) const
+{
+  const NearPairs &p = *pairs;
+  std::vector<std::array<double, 2>> ends;    // direction of each contact, and alpha
+  for (int m = 0; m < batches->count[i]; ++m) {
+    const int seat = batches->seat[batches->contact(batches->place[i], m)];
+    const int k = seat >> 1, side = seat & 1;
+    if (!p.attached[k] && !(p.force[k] > 0.0)) continue;
+    const double u = side == 0 ? p.bend[k] : -p.bend[k];
+    ends.push_back(
+        {p.angle[k] + side * PI, 2.0 * (std::atan(p.film_angle[side][k]) + std::atan(u))});
+    if (ends.back()[0] > PI) ends.back()[0] -= 2.0 * PI;
+  }
+  if (ends.empty()) return 2.0 * PI;
+  std::sort(ends.begin(), ends.end());
+  double least = 2.0 * PI;
+  for (std::size_t m = 0; m < ends.size(); ++m) {
+    const std::size_t next = m + 1 < ends.size() ? m + 1 : 0;
+    const double turn = ends[next][0] - ends[m][0] + (next == 0 ? 2.0 * PI : 0.0);
+    least = std::min(least, turn - ends[m][1] - ends[next][1]);
+  }
+  return least;
+}

@@ -1,0 +1,74 @@
+// Films between particles that stick to each other, or to a wall.
+//
+// An attached pair gains its adhesion w for each unit of length of its film. Its outlines meet the film at angles, and its
+// force may be negative, down to the pull that tears the film off (contact_film.h). A pair attaches where free outlines
+// touch, with a finite film at once, and lets go where its film has no length left. Both lose energy.
+//
+// Angles depend on the tensions of the outlines, and act on rings like a load. Both lag one evaluation behind the forces,
+// as the bends of CurvedLines do, whose step they share.
+
+#ifndef LMP_FILMS_H
+#define LMP_FILMS_H
+
+#include "solver/force_batches.h"
+#include "solver/near_pairs.h"
+#include "solver/remote_sides.h"
+
+#include <vector>
+
+namespace LAMMPS_NS {
+
+class Films {
+ public:
+  explicit Films(const deformable::ForceKernels &kernels) : kernels(kernels) {}
+
+  void arrange(ForceBatches &, NearPairs &, RemoteSides &);    // contacts are new
+
+  // A new force call.
+  void begin_call();
+
+  // Of a solution: the first angles, from the tensions of the last call.
+  void begin(const deformable::OutlineArrays &, double *next_bend);
+
+  // The next angles and bends for the present forces, and their largest imbalance, a force.
+  double find(const deformable::OutlineArrays &, double *next_bend, double part);
+  void take();
+
+  // Pairs whose film has no length let go, and pairs that touch attach, if they may. Whether any would, on all ranks.
+  bool would_change(bool may_attach) const;
+  void change(bool may_attach);
+
+  // A pair that presses, but whose film had no length: the law has films of so large an angle only where both are pressed
+  // further (contact_film.h). The local index of one of its particles, or -1.
+  int pressed_without_film() const;
+
+  // -w times the film of a pair: the part of one ring, by its side; and the length of the film as that ring sees it.
+  double energy(int k, int side) const;
+  double length(int k, int side) const;
+
+  double energy() const;    // of all rings of this rank
+
+  // The shortest free arc between two contacts of a particle, an angle: negative where its films leave none.
+  double free_arc(int i) const;
+
+ private:
+  const deformable::ForceKernels &kernels;
+  NearPairs *pairs = nullptr;
+  ForceBatches *batches = nullptr;
+  RemoteSides *remote = nullptr;
+  std::vector<double> next_angle[2], next_pull;
+  std::vector<char> has_let_go;    // in this call: such pairs stay free until the next one
+  deformable::FilmArrays arrays(const deformable::OutlineArrays &, double *next_bend, double part);
+  bool would_change(int k, bool may_attach) const;
+  int ring_of(int k, int side) const;
+  void agree();
+  // The first forces of a solution continue the last ones, whose least force is not known any more.
+  double least_until_taken(int k) const
+  {
+    return pairs->attached[k] ? deformable::UNKNOWN_FORCE : 0.0;
+  }
+};
+
+}    // namespace LAMMPS_NS
+
+#endif

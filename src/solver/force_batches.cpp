@@ -1,0 +1,159 @@
+#include "solver/force_batches.h"
+
+#include <algorithm>
+#include <cstdint>
+
+using namespace LAMMPS_NS;
+using deformable::LANES;
+
+// Rings with equal numbers of contacts share a batch. They are sorted within blocks only, so that neighbors stay
+// close in memory.
+void ForceBatches::arrange(const int *order, int rings, int particles, NearPairs &pairs,
+                           const tagint *tags)
+{
+  count.assign(particles, 0);
+  for (int k = 0; k < pairs.size; ++k) {
+    ++count[pairs.i[k]];
+    if (k < pairs.remote) ++count[pairs.second(k)];
+  }
+  batches = (rings + LANES - 1) / LANES;
+  const int lanes_in_all = batches * LANES;
+
+  // pressures are the first guesses of the next call
+  std::vector<deformable::LoadedRing> last(particles);
+  for (std::size_t ring = 0; ring < particle.size(); ++ring)
+    if (particle[ring] >= 0 && particle[ring] < particles) last[particle[ring]] = loaded(ring);
+  particle.assign(lanes_in_all, -1);
+  std::copy_n(order, rings, particle.begin());
+  for (int begin = 0; begin < rings; begin += BLOCK)
+    std::stable_sort(particle.begin() + begin, particle.begin() + std::min(begin + BLOCK, rings),
+                     [this](int a, int b) { return count[a] < count[b]; });
+
+  for (LargeVector<double> *v : {&pressure, &work, &total, &per_pressure})
+    v->assign(lanes_in_all, 0.0);
+  square.assign(lanes_in_all, 0.0F);
+  for (LargeVector<double> *v : {&radius, &kA}) v->assign(lanes_in_all, 1.0);
+  expansion.clear();    // of rings at other places
+  set_kind(soft, tense, !skin.empty(), !yield.empty());
+  place.assign(particles, -1);
+  for (LargeVector<int> *v : {&size, &first, &first_green}) v->resize(batches + 1);
+  int places = 0, two = 0, longest = 0;
+  for (int b = 0; b < batches; ++b) {
+    int most = 0;
+    for (int w = 0; w < LANES; ++w) {
+      const int i = particle[b * LANES + w];
+      if (i < 0) continue;
+      place[i] = b * LANES + w;
+      pressure[place[i]] = last[i].pressure;
+      if (soft) expansion[place[i]] = last[i].expansion;
+      most = std::max(most, count[i]);
+    }
+    size[b] = most;
+    first[b] = places;
+    first_green[b] = two;
+    places += most * LANES;
+    two += most * (most - 1) / 2 * LANES;
+    longest = std::max(longest, most);
+  }
+  contacts = first[batches] = places;
+  if (static_cast<std::size_t>(two) > green.capacity()) {    // no more than needed, and no copy
+    green = {};
+    green.reserve(two + two / 64);
+  }
+  green.resize(two);
+  scratch.resize(5 * longest * LANES + LANES);
+  seat.assign(contacts, 2 * pairs.size);
+  const int remote = pairs.wall - pairs.remote;
+  for (LargeVector<double> *v : {&indentation, &slope}) v->assign(contacts + remote + 1, 0.0);
+  compliance.assign(contacts + remote + 1, 0.0F);
+  for (LargeVector<float> *v : {&share, &weight, &left, &direction, &step})
+    v->assign(contacts, 0.0F);
+  partner.assign(contacts, contacts + remote);
+  film_tension.assign(pairs.sticks ? lanes_in_all : 0, 0.0);
+  for (LargeVector<double> &v : film) v.assign(pairs.sticks ? slope.size() : 0, 0.0);
+
+  std::fill(count.begin(), count.end(), 0);
+  const auto sit = [this](int i, int of) { seat[contact(place[i], count[i]++)] = of; };
+  for (int k = 0; k < pairs.size; ++k) {
+    sit(pairs.i[k], 2 * k);
+    if (k < pairs.remote) sit(pairs.second(k), 2 * k + 1);
+  }
+  for (int i = 0; i < particles; ++i)
+    if (place[i] >= 0) sort_contacts(i, pairs, tags);
+  for (int c = 0; c < contacts; ++c)
+    if (seat[c] < 2 * pairs.size) pairs.side[seat[c] & 1][seat[c] >> 1] = c;
+  for (int k = 0; k < pairs.size; ++k) {
+    const int first = pairs.side[0][k];
+    int &second = pairs.side[1][k];
+    if (k >= pairs.remote) second = contacts + (k < pairs.wall ? k - pairs.remote : remote);
+    if (k < pairs.wall) partner[first] = second;
+    if (k < pairs.remote) partner[second] = first;
+  }
+}
+
+void ForceBatches::set_kind(bool soft_, bool tense_, bool skinned, bool yielding)
+{
+  soft = soft_;
+  tense = tense_;
+  const std::size_t soft_rings = soft ? particle.size() : 0;
+  for (LargeVector<double> *v : {&kP, &expansion})
+    if (v->size() != soft_rings) v->assign(soft_rings, v == &kP ? 1.0 : 0.0);
+  for (LargeVector<float> *v : {&mixed, &rate})
+    if (v->size() != soft_rings) v->assign(soft_rings, 0.0F);
+  tension.resize(tense ? particle.size() : 0);
+  skin.assign(skinned ? particle.size() : 0, 0.0);
+  yield.assign(yielding ? particle.size() : 0, std::numeric_limits<double>::infinity());
+}
+
+// By the partners' tags: then a ring adds up the same numbers in the same order on any number of ranks.
+void ForceBatches::sort_contacts(int i, const NearPairs &pairs, const tagint *tags)
+{
+  const auto partner_of = [&](int s) -> tagint {
+    const int k = s >> 1;
+    return s & 1 ? tags[pairs.i[k]] : k < pairs.wall ? tags[pairs.j[k]] : pairs.j[k];
+  };
+  for (int m = 1; m < count[i]; ++m) {
+    const int s = seat[contact(place[i], m)];
+    const tagint tag = partner_of(s);
+    int to = m;
+    for (; to > 0; --to) {
+      const int before = seat[contact(place[i], to - 1)];
+      if (partner_of(before) <= tag) break;
+      seat[contact(place[i], to)] = before;
+    }
+    seat[contact(place[i], to)] = s;
+  }
+}
+
+deformable::RingBatches ForceBatches::arrays()
+{
+  // the scratch memory of vectors begins at a multiple of their size
+  const auto address = reinterpret_cast<std::uintptr_t>(scratch.data());
+  constexpr std::uintptr_t SIZE = LANES * sizeof(double);
+  double *const aligned = scratch.data() + (SIZE - address % SIZE) % SIZE / sizeof(double);
+  return {0,
+          batches,
+          size.data(),
+          first.data(),
+          first_green.data(),
+          soft,
+          {radius.data(), kA.data(), pressure.data(), work.data(), total.data(),
+           per_pressure.data(), square.data(), soft ? kP.data() : nullptr,
+           soft ? expansion.data() : nullptr, soft ? mixed.data() : nullptr,
+           soft ? rate.data() : nullptr, tense ? tension.data() : nullptr,
+           skin.empty() ? nullptr : skin.data(), yield.empty() ? nullptr : yield.data(), scale},
+          {seat.data(), indentation.data(), compliance.data(), slope.data(), share.data(),
+           green.data(), aligned},
+          {partner.data(), none(), weight.data(), left.data(), direction.data(), step.data(),
+           products(), products(), none() + 1},
+          {film_tension.empty() ? nullptr : film_tension.data(),
+           {film[0].data(), film[1].data(), film[2].data(), film[3].data()}}};
+}
+
+double ForceBatches::bytes() const
+{
+  return bytes_of(size, first, first_green, particle, radius, kA, kP, tension, skin, yield,
+                  pressure, expansion, work, total, per_pressure, mixed, square, rate, seat,
+                  indentation, compliance, slope, share, partner, weight, left, direction, step,
+                  green, scratch, place, count, film_tension, film[0], film[1], film[2], film[3]);
+}

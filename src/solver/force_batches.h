@@ -1,0 +1,114 @@
+// The rings of this rank in batches (force_kernels.h): which particle is where, and the contacts of each.
+
+#ifndef DEFORMABLE_FORCE_BATCHES_H
+#define DEFORMABLE_FORCE_BATCHES_H
+
+#include "kernels/force_kernels.h"
+#include "laws/ring_forces.h"
+#include "solver/near_pairs.h"
+
+#include "lmptype.h"
+
+#include <limits>
+#include <vector>
+
+namespace LAMMPS_NS {
+
+struct ForceBatches {
+  static constexpr int BLOCK =
+      512;    // rings are sorted by their numbers of contacts within blocks only
+
+  int batches = 0;
+  int contacts =
+      0;    // places for contacts; remote ones follow, then one for walls, which yield nothing
+  bool soft = false;    // some ring does not conserve its perimeter; see set_kind
+
+  // of batches
+  LargeVector<int> size, first,
+      first_green;    // contacts of a ring; in arrays of contacts and of two contacts
+
+  // of rings: batch x LANES + lane
+  LargeVector<int> particle;    // or -1
+  LargeVector<double> radius, kA, pressure, work, total, per_pressure;
+  LargeVector<float> square;
+  // empty unless rings are soft, or some have a tension
+  bool tense = false;
+  LargeVector<double> kP, expansion, tension, skin;
+  LargeVector<double> yield;    // empty unless rings may give way
+  LargeVector<float> mixed, rate;
+
+  // empty unless films stick: T as their angles know it, and FilmTerms by contact
+  LargeVector<double> film_tension, film[4];
+
+  double scale = 1.0;    // see NearPairs
+
+  // of contacts
+  LargeVector<int> seat;
+  LargeVector<double> indentation;
+  LargeVector<double>
+      slope;    // of the outlines, at the end; before, two products for each contact
+  LargeVector<float> compliance, share;
+
+  // for corrections
+  LargeVector<int> partner;
+  LargeVector<float> weight, left, direction, step;
+
+  LargeVector<float> green;
+  LargeVector<double> scratch;
+
+  LargeVector<int> place;    // of each particle, in arrays of rings
+  LargeVector<int> count;    // contacts of each particle
+
+  // Seats all contacts, and tells pairs their places. order: the particles, near ones close to each other.
+  void arrange(const int *order, int rings, int particles, NearPairs &, const tagint *tags);
+
+  // Which rings are soft, have a tension or a skin, or may give way; makes room for what they need.
+  void set_kind(bool soft_, bool tense_, bool skinned, bool yielding);
+  // T = gamma + kP (P - P0), 0 where the perimeter is conserved
+  double tension_of(int ring) const
+  {
+    const deformable::Stiffness k = stiffness(ring);
+    if (k.conserves_perimeter()) return 0.0;
+    return k.tension + 2.0 * deformable::PI * k.kP * loaded(ring).expansion;
+  }
+  // q, the mean radius of curvature of the free outline
+  double free_radius(std::size_t ring) const
+  {
+    return radius[ring] + loaded(static_cast<int>(ring)).expansion -
+           total[ring] * per_pressure[ring] * (0.5 / deformable::PI);
+  }
+  deformable::Stiffness stiffness(int ring) const
+  {
+    constexpr double RIGID = std::numeric_limits<double>::infinity();
+    return {kA[ring], soft ? kP[ring] : RIGID, tense ? tension[ring] : 0.0,
+            yield.empty() ? RIGID : yield[ring]};
+  }
+  deformable::LoadedRing loaded(int ring) const
+  {
+    return {pressure[ring], soft ? expansion[ring] : 0.0};
+  }
+
+  // of contact m of a ring
+  int contact(int ring, int m) const
+  {
+    return first[ring / deformable::LANES] + m * deformable::LANES + ring % deformable::LANES;
+  }
+
+  int none() const { return static_cast<int>(slope.size()) - 1; }    // see CorrectionArrays
+  void clear_none()
+  {
+    products()[none()] = products()[2 * none() + 1] = 0.0F;
+  }    // slopes may have been there
+  float *products() { return reinterpret_cast<float *>(slope.data()); }
+
+  deformable::RingBatches arrays();
+
+  double bytes() const;
+
+ private:
+  void sort_contacts(int i, const NearPairs &, const tagint *tags);
+};
+
+}    // namespace LAMMPS_NS
+
+#endif

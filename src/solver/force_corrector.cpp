@@ -1,0 +1,131 @@
+#include "solver/force_corrector.h"
+
+#include <algorithm>
+#include <cmath>
+
+using namespace LAMMPS_NS;
+using deformable::PairArrays;
+
+int ForceCorrector::begin(const NearPairs &pairs, ForceBatches &batches, RemoteSides &remote,
+                          const PairArrays &arrays, double norm2, double accuracy)
+{
+  if (knows_bounds()) return plan(accuracy);
+  conjugate_gradients(pairs, batches, remote, arrays, norm2, accuracy);
+  return 0;
+}
+
+void ForceCorrector::conjugate_gradients(const NearPairs &pairs, ForceBatches &batches,
+                                         RemoteSides &remote, const PairArrays &arrays,
+                                         double norm2, double accuracy)
+{
+  constexpr int MAX_ITERATIONS = 500;
+  batches.clear_none();
+  const deformable::RingBatches rings = batches.arrays();
+  const double enough = accuracy * accuracy * norm2;
+  std::vector<double> lengths, conjugations;
+  double conjugation = 0.0;
+  for (int iteration = 0; iteration < MAX_ITERATIONS && norm2 > enough; ++iteration) {
+    const double part =
+        iteration == 0 ? kernels.begin(rings, arrays) : kernels.multiply(rings, conjugation);
+    remote.exchange(pairs.side[0].data() + pairs.remote, batches.contacts, batches.products());
+    const double curvature = remote.sum(part);
+    if (!(curvature > 0.0)) break;
+    lengths.push_back(norm2 / curvature);
+    const double next = remote.sum(kernels.advance(rings, lengths.back()));
+    conjugation = next / norm2;
+    conjugations.push_back(conjugation);
+    norm2 = next;
+  }
+  are_doubted = false;
+  find_bounds(lengths, conjugations);
+  // of the logarithm of the error in one iteration; that of Chebyshev's method is for all spectra between the bounds
+  constexpr double WORTH = 0.6;
+  if (highest > 0.0 && decay() < WORTH * std::log(1.0 / accuracy) / lengths.size()) highest = 0.0;
+}
+
+/* ----------------------------------------------------------------------
+   Conjugate gradients are Lanczos' method: the extreme eigenvalues are those
+   of a tridiagonal matrix of their coefficients. Few iterations know them
+   too little.
+------------------------------------------------------------------------- */
+
+void ForceCorrector::find_bounds(const std::vector<double> &lengths,
+                                 const std::vector<double> &conjugations)
+{
+  constexpr int LEAST = 5, PARTS = 1024;
+  constexpr double MARGIN = 0.1;
+  const int n = static_cast<int>(lengths.size());
+  if (n < LEAST) return;
+  std::vector<double> diagonal(n), square(n, 0.0);    // square: of the element before the diagonal
+  double most = 0.0;
+  for (int k = 0; k < n; ++k) {
+    diagonal[k] = 1.0 / lengths[k];
+    if (k > 0) {
+      diagonal[k] += conjugations[k - 1] / lengths[k - 1];
+      square[k] = conjugations[k - 1] / (lengths[k - 1] * lengths[k - 1]);
+    }
+    most = std::max(most, diagonal[k] + 2.0 * std::sqrt(square[k]));
+  }
+  // Not better than this: then rounding, which other numbers of ranks change, does not change the bounds.
+  most = std::exp2(std::ceil(std::log2(2.0 * most)));
+  const double unit = most / PARTS;
+  // eigenvalues below x: negative pivots of Gauss' elimination
+  const auto below = [&](double x) {
+    int found = 0;
+    double pivot = 1.0;
+    for (int k = 0; k < n; ++k) {
+      pivot = diagonal[k] - x - square[k] / pivot;
+      found += pivot < 0.0;
+    }
+    return found;
+  };
+  int low = 0, high = PARTS;
+  while (low < PARTS && below((low + 1) * unit) == 0) ++low;
+  while (high > low + 1 && below((high - 1) * unit) == n) --high;
+  lowest = low * unit;
+  highest = (1.0 + MARGIN) * high * unit;
+}
+
+double ForceCorrector::decay() const
+{
+  return std::acosh((highest + lowest) / (highest - lowest));
+}
+
+// The coefficients of Chebyshev's iteration, as conjugate gradients have them.
+int ForceCorrector::plan(double accuracy)
+{
+  const double center = 0.5 * (highest + lowest), radius = 0.5 * (highest - lowest);
+  const double ratio = center / radius;
+  const int last = std::max(2, static_cast<int>(std::ceil(std::acosh(1.0 / accuracy) / decay())));
+  lengths.assign(last + 1, 1.0 / center);
+  conjugations.assign(last + 1, 0.0);
+  double rho = 1.0 / ratio;
+  for (int k = 2; k <= last; ++k) {
+    const double next = 1.0 / (2.0 * ratio - rho);
+    lengths[k] = 2.0 * next / radius;
+    conjugations[k] = next * rho * lengths[k - 1] / lengths[k];
+    rho = next;
+  }
+  return last;
+}
+
+// Two iterations that follow each other have products of their own: blocks may be one apart.
+float *ForceCorrector::products(const deformable::RingBatches &rings, int k)
+{
+  return rings.corrections.product + (k % 2) * rings.corrections.products;
+}
+
+void ForceCorrector::iterate(deformable::RingBatches b, const PairArrays &arrays, int k) const
+{
+  const int last = static_cast<int>(lengths.size()) - 1;
+  float *const product = products(b, k);
+  b.corrections.last_product = products(b, k - 1);
+  b.corrections.product = product;
+  if (k == 1) {
+    kernels.begin(b, arrays);
+  } else if (k < last) {
+    kernels.advance_and_multiply(b, lengths[k - 1], conjugations[k]);
+  } else {
+    kernels.advance_twice(b, lengths[last - 1], conjugations[last], lengths[last]);
+  }
+}

@@ -1,0 +1,73 @@
+// Pairs that are far from balance, relaxed one by one.
+//
+// Forces are predicted well but where a contact opens or closes: there they are a thousand times worse than elsewhere. What
+// balances such a pair decays within a few rings. So those pairs take a step each, again and again, until they are about as
+// good as the others, before all are corrected together. That is the method of Gauss and Seidel only where something is
+// left to do (R. V. Southwell, Relaxation Methods in Engineering Science, 1940).
+
+#ifndef LMP_PAIR_RELAXATION_H
+#define LMP_PAIR_RELAXATION_H
+
+#include "solver/block_levels.h"
+#include "solver/force_batches.h"
+#include "solver/near_pairs.h"
+
+#include <vector>
+
+namespace LAMMPS_NS {
+
+class PairRelaxation {
+ public:
+  void arrange(const ForceBatches &, const NearPairs &);    // contacts are new
+
+  // A new force call. Pairs are relaxed whose imbalance is above `least` times the largest force. Those that are far off are
+  // left to Newton's method, which knows when it goes astray. Returns whether any imbalance is between these limits.
+  bool begin(double least, double largest_force)
+  {
+    constexpr double MOST = 0.01;    // what is of first order
+    limit = least * largest_force;
+    most = MOST * largest_force;
+    return limit < most;
+  }
+
+  // Relaxes the pairs whose first ring is in the block, then those that this brings out of balance, in this block and its
+  // neighbors. Rings of a batch do not change if one of them touches a ring of another rank, which would not learn of it.
+  // Forces and residuals are those after that, to first order in the changes of forces.
+  void relax(int block, const deformable::ForceKernels &, const BlockLevels &, const NearPairs &,
+             const ForceBatches &, const deformable::PairArrays &);
+
+  // act(batches) for those of a block that have turned since the last time.
+  template <class Act> void take_turned(deformable::RingBatches block, Act &&act)
+  {
+    const int end = block.end;
+    for (int batch = block.begin; batch < end; ++batch) {
+      if (!has_turned[batch]) continue;
+      has_turned[batch] = 0;
+      block.begin = batch;
+      block.end = batch + 1;
+      act(block);
+    }
+  }
+
+  double bytes() const
+  {
+    return bytes_of(waiting, may_turn, has_turned, near_block) +
+           static_cast<double>(waits.size() / 8);
+  }
+
+ private:
+  double limit = 0.0, most = 0.0;    // smaller and larger imbalances stay
+  int pairs = 0;
+
+  std::vector<int> waiting;                  // pairs
+  std::vector<bool> waits;                   // by pair
+  std::vector<char> may_turn, has_turned;    // by batch
+  std::vector<int> near_block;               // of each block, the last one that it was beside
+
+  void turn(const ForceBatches &, const deformable::PairArrays &, int ring, int contact, float by);
+  void wait_for(const deformable::PairArrays &, int pair);
+};
+
+}    // namespace LAMMPS_NS
+
+#endif

@@ -1,0 +1,163 @@
+#include "solver/remote_sides.h"
+
+#include "atom.h"
+#include "comm.h"
+
+#include <algorithm>
+
+using namespace LAMMPS_NS;
+
+double RemoteSides::sum(double of_this_rank) const
+{
+  if (comm->nprocs == 1) return of_this_rank;
+  double all;
+  MPI_Allreduce(&of_this_rank, &all, 1, MPI_DOUBLE, MPI_SUM, world);
+  return all;
+}
+
+double RemoteSides::largest(double of_this_rank) const
+{
+  if (comm->nprocs == 1) return of_this_rank;
+  double all;
+  MPI_Allreduce(&of_this_rank, &all, 1, MPI_DOUBLE, MPI_MAX, world);
+  return all;
+}
+
+bool RemoteSides::all_find(bool sufficient, bool &refused) const
+{
+  enum { SUFFICIENT, INSUFFICIENT, REFUSED };
+  const int here = refused ? REFUSED : sufficient ? SUFFICIENT : INSUFFICIENT;
+  int worst = here;
+  if (comm->nprocs > 1) MPI_Allreduce(&here, &worst, 1, MPI_INT, MPI_MAX, world);
+  refused = worst == REFUSED;
+  return worst == SUFFICIENT;
+}
+
+void RemoteSides::to_ghosts(std::vector<double> &by_particle)
+{
+  const int all = atom->nlocal + atom->nghost;
+  by_particle.resize(all);
+  rows.resize(all);
+  for (int i = 0; i < all; ++i) rows[i] = &by_particle[i];
+  comm->forward_comm_array(1, rows.data());
+}
+
+// Particles of this rank without a pair on another rank need no row of their own: they share the first one.
+void RemoteSides::set_rows(int values)
+{
+  const int all = atom->nlocal + atom->nghost, length = slots * values;
+  int used = 1;
+  for (int i = 0; i < atom->nlocal; ++i) used += sides[i] > 0;
+  buffer.assign(static_cast<std::size_t>(used + atom->nghost) * length, 0.0);
+  rows.resize(all);
+  double *next = buffer.data() + length;
+  for (int i = 0; i < all; ++i) {
+    const bool own_row = i >= atom->nlocal || sides[i] > 0;
+    rows[i] = own_row ? next : buffer.data();
+    if (own_row) next += length;
+  }
+}
+
+void RemoteSides::match(std::vector<Candidate> &candidates, bool curved)
+{
+  constexpr int LINES = PastForces::LINES;
+  enum {
+    PARTNER,
+    X,
+    Y,
+    Z,
+    PAST,
+    EARLIER,
+    TILT = EARLIER + 3,
+    BEND = TILT + LINES,
+    ALL = BEND + LINES
+  };
+  const int values = curved ? ALL : TILT;
+  constexpr double ROUNDING = 1e-12;
+  const auto square = [](double x) { return x * x; };
+  const auto at = [this](int row, int slot, int value) -> double & {
+    return rows[row][value * slots + slot];
+  };
+  const int count = static_cast<int>(candidates.size());
+
+  sides.assign(atom->nlocal, 0);
+  int longest = 1;
+  for (const Candidate &c : candidates) longest = std::max(longest, ++sides[c.i]);
+  MPI_Allreduce(&longest, &slots, 1, MPI_INT, MPI_MAX, world);
+  set_rows(values);
+
+  std::vector<int> slot_here(count), slot_there;
+  std::fill(sides.begin(), sides.end(), 0);
+  for (int c = 0; c < count; ++c) {
+    const Candidate &pair = candidates[c];
+    const int i = pair.i, slot = slot_here[c] = sides[i]++;
+    at(i, slot, PARTNER) = static_cast<double>(atom->tag[pair.j]);
+    at(i, slot, X) = pair.x;
+    at(i, slot, Y) = pair.y;
+    at(i, slot, Z) = pair.z;
+    at(i, slot, PAST) = pair.past.force;
+    for (int n = 0; n < 3; ++n) at(i, slot, EARLIER + n) = pair.past.earlier[n];
+    for (int n = 0; n < LINES && curved; ++n) {
+      at(i, slot, TILT + n) = pair.past.tilt[n];
+      at(i, slot, BEND + n) = pair.past.bend[n];
+    }
+  }
+  comm->forward_comm_array(slots * values, rows.data());
+
+  int kept = 0;
+  for (int c = 0; c < count; ++c) {
+    Candidate pair = candidates[c];
+    double nearest = ROUNDING * (square(pair.x) + square(pair.y) + square(pair.z));
+    int found = -1;
+    const int j = pair.j;
+    for (int slot = 0; slot < slots; ++slot) {
+      if (at(j, slot, PARTNER) != static_cast<double>(atom->tag[pair.i])) continue;
+      const double distance2 = square(at(j, slot, X) + pair.x) + square(at(j, slot, Y) + pair.y) +
+                               square(at(j, slot, Z) + pair.z);
+      if (distance2 >= nearest) continue;
+      nearest = distance2;
+      found = slot;
+    }
+    if (found < 0) continue;    // by rounding at the end of the list: too far to bear a force
+    if (pair.past.force == deformable::UNKNOWN_FORCE) {
+      pair.past.force = at(j, found, PAST);
+      for (int n = 0; n < 3; ++n) pair.past.earlier[n] = at(j, found, EARLIER + n);
+      for (int n = 0; n < LINES && curved; ++n) {
+        pair.past.tilt[n] = at(j, found, TILT + n);
+        pair.past.bend[n] = -at(j, found, BEND + n);    // as this rank sees it
+      }
+    }
+    candidates[kept] = pair;
+    slot_here[kept++] = slot_here[c];
+    slot_there.push_back(found);
+  }
+  candidates.resize(kept);
+
+  set_rows(2);
+  sent.resize(kept);
+  received.resize(kept);
+  for (int c = 0; c < kept; ++c) {
+    sent[c] = rows[candidates[c].i] + slot_here[c];
+    received[c] = rows[candidates[c].j] + slot_there[c];
+  }
+}
+
+template <class Number, class Other>
+void RemoteSides::exchange(const int *side, int own, Number *values, Other *more)
+{
+  if (comm->nprocs == 1) return;
+  const int count = static_cast<int>(sent.size());
+  for (int c = 0; c < count; ++c) {
+    sent[c][0] = values[side[c]];
+    if (more) sent[c][slots] = more[side[c]];
+  }
+  comm->forward_comm_array(more ? 2 * slots : slots, rows.data());
+  for (int c = 0; c < count; ++c) {
+    values[own + c] = static_cast<Number>(received[c][0]);
+    if (more) more[own + c] = static_cast<Other>(received[c][slots]);
+  }
+}
+
+template void RemoteSides::exchange(const int *, int, double *, double *);
+template void RemoteSides::exchange(const int *, int, double *, float *);
+template void RemoteSides::exchange(const int *, int, float *, float *);

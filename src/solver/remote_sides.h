@@ -1,0 +1,58 @@
+// Pairs that two ranks share: each rank has the contact of its own particle, and the values of the other one from
+// the other rank.
+
+#ifndef LMP_REMOTE_SIDES_H
+#define LMP_REMOTE_SIDES_H
+
+#include "pointers.h"
+
+#include "solver/near_pairs.h"
+
+#include <vector>
+
+namespace LAMMPS_NS {
+
+class RemoteSides : protected Pointers {
+ public:
+  explicit RemoteSides(class LAMMPS *lmp) : Pointers(lmp) {}
+
+  // A pair of particle i and ghost j at the relative position (x, y, z).
+  struct Candidate {
+    int i, j;
+    double x, y;
+    PastForces past;
+    double z = 0.0;
+  };
+
+  // Leaves the candidates that the other rank has too, and gives both ranks the same past. Two images of a particle
+  // in one direction are told apart by their positions.
+  void match(std::vector<Candidate> &candidates, bool curved);
+
+  // Appends the values of the other ranks' contacts to those of this rank's, from `own` on, in the order of match.
+  // side: this rank's contacts of the pairs.
+  template <class Number, class Other = Number>
+  void exchange(const int *side, int own, Number *values, Other *more = nullptr);
+
+  double sum(double of_this_rank) const;        // over all ranks
+  double largest(double of_this_rank) const;    // of all ranks
+
+  // Whether all ranks find a list sufficient. `refused`: whether this rank goes no further; then whether any does.
+  bool all_find(bool sufficient, bool &refused) const;
+
+  // From each particle to its ghosts.
+  void to_ghosts(std::vector<double> &by_particle);
+
+  double bytes() const { return bytes_of(buffer, rows, sent, received, sides); }
+
+ private:
+  int slots = 0;    // of a row, the same on all ranks
+  std::vector<double> buffer;
+  std::vector<double *> rows;              // of each particle: value by value, the slots
+  std::vector<double *> sent, received;    // places of each pair in its rows, of the first value
+  std::vector<int> sides;                  // of each particle: its pairs with other ranks
+  void set_rows(int values);
+};
+
+}    // namespace LAMMPS_NS
+
+#endif

@@ -1,0 +1,319 @@
+#include "styles/friction/fix_deformable_friction.h"
+
+#include "laws/trigonometry.h"
+#include "styles/pair/pair_deformable.h"
+
+#include "atom.h"
+#include "comm.h"
+#include "domain.h"
+#include "neighbor.h"
+#include "update.h"
+
+#include <algorithm>
+#include <cmath>
+
+using namespace LAMMPS_NS;
+using namespace FixConst;
+using deformable::Friction;
+using deformable::Rub;
+
+// Between runs the elastic force of a contact may change by this part of it, as contacts are balanced to 1e-8.
+static constexpr double BALANCED = 1e-6;
+
+/* ---------------------------------------------------------------------- */
+
+FixDeformableFriction::FixDeformableFriction(LAMMPS *lmp, int narg, char **arg)
+    : FixPartnerMemory(lmp, narg, arg, STYLE),
+      words(utils::join_words({arg + std::min(3, narg), arg + narg}, " ")),
+      coefficients(lmp, narg, arg),
+      box_rate(lmp)
+{
+  scalar_flag = vector_flag = extscalar = extvector = 1;
+  size_vector = OUTPUTS;
+  global_freq = 1;
+  ecouple_flag = 1;
+  energy_global_flag = 1;    // see FixDeformableWall
+  virial_global_flag = virial_peratom_flag = thermo_virial = 1;
+  local_flag = local_freq = 1;
+  size_local_cols = COLUMNS;
+  size_local_rows = 0;    // until the first run
+  comm_reverse = 6;
+  dynamic_group_allow = 1;
+  begin();
+}
+
+int FixDeformableFriction::setmask()
+{
+  return POST_INTEGRATE | PRE_REVERSE;
+}
+
+/* ----------------------------------------------------------------------
+   Before the first step of a run contacts keep what they have. Snapshots of
+   rerun follow the first one within a run, and do not follow from each other.
+------------------------------------------------------------------------- */
+
+void FixDeformableFriction::setup_pre_reverse(int, int vflag)
+{
+  if (update->ntimestep != update->firststep)
+    for (int i = 0; i < atom->nlocal; ++i) particles[i].rows.clear();
+  dt = 0.0;
+  box_rate.begin_run();
+  rub_all(vflag);
+}
+
+void FixDeformableFriction::pre_reverse(int, int vflag)
+{
+  dt = update->dt;
+  box_rate.remember();
+  rub_all(vflag);
+}
+
+void FixDeformableFriction::rub_all(int vflag)
+{
+  if (coefficients.vary()) {
+    coefficients.evaluate();
+    check_time_step();
+  }
+  if (neighbor->ago == 0) follow();
+  v_init(vflag);
+  if (vflag_atom)
+    for (int i = atom->nlocal; i < atom->nlocal + atom->nghost; ++i) std::fill_n(vatom[i], 6, 0.0);
+  output[CONTACTS] = output[SLIDES] = 0.0;
+  values.clear();
+  for (PairDeformable *pair : pairs)
+    for (const LoadedContact &contact : pair->loaded) rub(contact);
+  sweep();
+  if (vflag_atom) comm->reverse_comm(this);
+
+  size_local_rows = static_cast<int>(values.size());
+  rows.resize(size_local_rows + 1);
+  for (int r = 0; r < size_local_rows; ++r) rows[r] = values[r].data();
+  array_local = rows.data();
+}
+
+/* ----------------------------------------------------------------------
+   Whether this rank and this fix are in charge. Of two images of a particle in
+   its own box, (i, j) is as good as (j, i).
+------------------------------------------------------------------------- */
+
+bool FixDeformableFriction::find_sides(const LoadedContact &c, Sides &sides,
+                                       ContactPlace &place) const
+{
+  const double *const xi = atom->x[c.i];
+  if (!(atom->mask[c.i] & groupbit)) return false;
+  sides = {c.i, c.j, c.i};
+  place = {0.0,  0.0, c.height * c.nx - c.shift * c.ny, c.height * c.ny + c.shift * c.nx,
+           c.nx, c.ny};
+  if (c.j < 0) return true;
+  if (!(atom->mask[c.j] & groupbit)) return false;
+  place.x = atom->x[c.j][0] - xi[0];
+  place.y = atom->x[c.j][1] - xi[1];
+  if (c.one_side || atom->tag[c.i] <= atom->tag[c.j]) return true;
+  sides = {c.j, c.i, c.second};
+  place = place.from_partner();
+  return c.second >= 0;
+}
+
+// Of the half step before.
+FixDeformableFriction::Velocity FixDeformableFriction::velocity(const Sides &s) const
+{
+  const double *const *const v = atom->v, *const *const omega = atom->omega;
+  const double *const own = v[s.particle];
+  Velocity w = {-own[0], -own[1], 0.0, 0.0};
+  if (atom->omega_flag) w.spin = omega[s.particle][2];
+  if (s.partner < 0) return w;
+  w.x += v[s.partner][0];
+  w.y += v[s.partner][1];
+  if (atom->omega_flag) w.other_spin = omega[s.partner][2];
+  return w;
+}
+
+/* ----------------------------------------------------------------------
+   At the middle of a contact: with its present place, or with that at the
+   begin of the step, its age.
+------------------------------------------------------------------------- */
+
+inline FixDeformableFriction::Speeds FixDeformableFriction::speeds(const Sides &s,
+                                                                   const Velocity &w,
+                                                                   const ContactPlace &p,
+                                                                   double age) const
+{
+  const double vx = w.x + w.spin * p.by - w.other_spin * (p.by - p.y);
+  const double vy = w.y - w.spin * p.bx + w.other_spin * (p.bx - p.x);
+  Speeds found = {p.nx * vy - p.ny * vx, p.nx * vx + p.ny * vy, 0.0, 0.0};
+  if (s.partner < 0 && dt > 0.0 && pairs.front()->has_wall(s.partner)) {
+    const double *const x = atom->x[s.particle], *const v = atom->v[s.particle];
+    const Motion::Way way = pairs.front()->wall(s.partner).way(
+        pairs.front()->wall_feature(s.partner), x[0] + p.bx - age * v[0], x[1] + p.by - age * v[1]);
+    found.wall_along = (p.nx * way.y - p.ny * way.x) / dt;
+    found.wall_normal = (p.nx * way.x + p.ny * way.y) / dt;
+    found.along += found.wall_along;
+    found.normal += found.wall_normal;
+  }
+  return found;
+}
+
+/* ---------------------------------------------------------------------- */
+
+void FixDeformableFriction::rub(const LoadedContact &contact)
+{
+  Sides sides;
+  ContactPlace place;
+  if (!find_sides(contact, sides, place)) return;
+  const bool is_wall = sides.partner < 0;
+  const int i = sides.rememberer, *const type = atom->type;
+  const double partner =
+      is_wall ? pairs.front()->wall_key(sides.partner) : atom->tag[sides.partner];
+  const bool own_image = !is_wall && atom->tag[sides.partner] == atom->tag[i];
+
+  Friction c =
+      coefficients.between(type[i], is_wall ? FrictionCoefficients::WALL : type[sides.partner]);
+  const double part = contact.one_side ? 0.5 : 1.0;
+  c.kt *= part;
+  c.gt *= part;
+  c.gn *= part;
+
+  std::vector<RememberedContact> &contacts = particles[i].rows;
+  RememberedContact *remembered = find_contact(contacts, partner, place, own_image);
+  const bool is_new = !remembered;
+  if (is_new) {
+    contacts.push_back({partner, c.kt, place, 0.0, 0.0, 0.0, 0.0, 0.0});
+    remembered = &contacts.back();
+    make_room(i);
+  }
+  RememberedContact &m = *remembered;
+  const Velocity w = velocity(sides);
+  const Speeds now = speeds(sides, w, place, 0.0);
+  const double most = deformable::most_friction(c.mu, contact.force);
+  Rub rubbed = {m.xi, 0.0, false};
+  double damping = 0.0;
+  if (dt > 0.0) {
+    const Speeds before = is_new ? now : speeds(sides, w, m.place, dt);
+    rubbed = deformable::rub(c, m.xi, 0.5 * dt * (before.along + now.along), dt, contact.force);
+    damping = deformable::damping(c.gn, 0.5 * dt * (before.normal + now.normal), dt, contact.force);
+    lose(sides, m, 0.5 * (m.kt + c.kt), rubbed, damping, before, now);
+  } else {
+    rubbed.force = std::clamp(is_new ? c.gt * now.along : m.force, -most, most);
+    damping = std::min(is_new ? c.gn * now.normal : m.damping, std::max(contact.force, 0.0));
+    rubbed.slides = std::fabs(rubbed.force) >= (1.0 - BALANCED) * most;
+  }
+  m = {partner, c.kt, place, rubbed.xi, rubbed.force, damping, contact.one_side ? 1.0 : 0.0, 1.0};
+  push(sides, place, {rubbed.force, damping});
+
+  output[CONTACTS] += part;
+  if (rubbed.slides) output[SLIDES] += part;
+  const double *const x = atom->x[sides.particle];
+  values.push_back({static_cast<double>(atom->tag[i]), is_wall ? 0.0 : partner, x[0] + place.bx,
+                    x[1] + place.by, deformable::angle_of(place.nx, place.ny), contact.force,
+                    rubbed.force, damping, rubbed.xi, rubbed.slides ? 1.0 : 0.0,
+                    is_wall ? partner : 0.0});
+}
+
+/* ----------------------------------------------------------------------
+   Of a step between two forces on this contact. If kt changes it is the mean
+   one: what the change itself does to the spring is no loss.
+------------------------------------------------------------------------- */
+
+void FixDeformableFriction::lose(const Sides &sides, const RememberedContact &m, double kt,
+                                 const Rub &rubbed, double damping, const Speeds &before,
+                                 const Speeds &now)
+{
+  const double half = 0.5 * dt;
+  const deformable::RubLoss loss =
+      deformable::loss(kt, {m.xi, m.force, false}, rubbed, half * (before.along + now.along));
+  output[SLIDING] += loss.sliding;
+  output[DASHPOTS] += loss.dashpot;
+  output[DAMPING] += half * (m.damping * before.normal + damping * now.normal);
+  if (sides.partner >= 0 || !pairs.front()->has_wall(sides.partner)) return;
+  pairs.front()
+      ->wall(sides.partner)
+      .do_work(-half * (m.force * before.wall_along + m.damping * before.wall_normal +
+                        rubbed.force * now.wall_along + damping * now.wall_normal));
+}
+
+/* ----------------------------------------------------------------------
+   The force on the particle at the middle of the contact, the opposite one on
+   its partner.
+------------------------------------------------------------------------- */
+
+void FixDeformableFriction::push(const Sides &s, const ContactPlace &p, const Pushes &force)
+{
+  const double fx = force.normal * p.nx - force.along * p.ny;
+  const double fy = force.normal * p.ny + force.along * p.nx;
+  double *const *const f = atom->f, *const *const torque = atom->torque;
+  const bool spins = atom->torque_flag;
+  if (spins) torque[s.particle][2] += p.bx * fy - p.by * fx;
+  if (s.partner < 0)
+    return pairs.front()->wall(s.partner).add_friction(s.particle, fx, fy, p.bx, p.by);
+  f[s.particle][0] += fx;
+  f[s.particle][1] += fy;
+  f[s.partner][0] -= fx;
+  f[s.partner][1] -= fy;
+  if (spins) torque[s.partner][2] -= (p.bx - p.x) * fy - (p.by - p.y) * fx;
+  if (!evflag) return;
+  int both[] = {s.particle, s.partner};
+  double v[] = {-p.x * fx, -p.y * fy, 0.0, -0.5 * (p.x * fy + p.y * fx), 0.0, 0.0};
+  v_tally(2, both, 2.0, v);
+}
+
+/* ----------------------------------------------------------------------
+   Contacts that have ended lose their springs, and the work of their last
+   forces until then. Between runs nothing is counted.
+------------------------------------------------------------------------- */
+
+void FixDeformableFriction::sweep()
+{
+  double stored = 0.0;
+  for (int i = 0; i < atom->nlocal; ++i) {
+    std::vector<RememberedContact> &contacts = particles[i].rows;
+    for (std::size_t c = 0; c < contacts.size();) {
+      RememberedContact &m = contacts[c];
+      if (m.is_here != 0.0) {
+        m.is_here = 0.0;
+        stored += 0.5 * m.kt * m.xi * m.xi;
+        ++c;
+        continue;
+      }
+      if (dt > 0.0) end(i, m);
+      m = contacts.back();
+      contacts.pop_back();
+    }
+  }
+  output[STORED] = stored;
+}
+
+// Across a sheared boundary images of a partner have velocities of their own.
+void FixDeformableFriction::end(int i, const RememberedContact &m)
+{
+  int partner = static_cast<int>(m.partner);
+  if (m.partner > 0.0) {
+    const double *const x = atom->x[i], there[] = {x[0] + m.place.x, x[1] + m.place.y, x[2]};
+    partner = domain->closest_image(there, atom->map(static_cast<tagint>(m.partner)));
+    if (partner < 0) return;    // it is gone
+  }
+  const Sides sides = {i, partner, i};
+  const Speeds before = speeds(sides, velocity(sides), m.place, dt);
+  lose(sides, m, m.kt, {0.0, 0.0, false}, 0.0, before, before);
+}
+
+/* ----------------------------------------------------------------------
+   The sum of what is lost and stored; each of them, numbers of contacts and of
+   those that slide.
+------------------------------------------------------------------------- */
+
+double FixDeformableFriction::total(int n) const
+{
+  double all;
+  MPI_Allreduce(&output[n], &all, 1, MPI_DOUBLE, MPI_SUM, world);
+  return all;
+}
+
+double FixDeformableFriction::compute_scalar()
+{
+  return total(STORED) + total(SLIDING) + total(DASHPOTS) + total(DAMPING);
+}
+
+double FixDeformableFriction::compute_vector(int n)
+{
+  return total(n);
+}

@@ -1,0 +1,115 @@
+// Friction, rotation and damping of contacts: fix ID group deformable/friction mu kt gt [damp gn] [types I J mu kt gt gn] ...
+//
+// The pair style tells which contacts bear a force, where and along which normal. This fix adds what else acts between their
+// two sides, before ranks sum up the forces on ghosts. Of two particles the rank of the one with the smaller ID does so,
+// for both.
+//
+// Velocities are those of the half step before, v(t - dt/2). The way of a contact in a step is the mean of those that its
+// places at both ends of the step have with them: so work, springs and losses balance to second order in dt.
+
+#ifdef FIX_CLASS
+// clang-format off
+FixStyle(deformable/friction,FixDeformableFriction);
+// clang-format on
+#else
+
+#ifndef LMP_FIX_DEFORMABLE_FRICTION_H
+#define LMP_FIX_DEFORMABLE_FRICTION_H
+
+#include "styles/memory/fix_partner_memory.h"
+
+#include "styles/friction/box_rate.h"
+#include "styles/friction/friction_coefficients.h"
+#include "styles/friction/remembered_contact.h"
+
+#include <array>
+#include <string>
+#include <vector>
+
+namespace LAMMPS_NS {
+
+class PairDeformable;
+struct LoadedContact;
+
+class FixDeformableFriction : public FixPartnerMemory<RememberedContact> {
+ public:
+  FixDeformableFriction(class LAMMPS *, int, char **);
+  static constexpr const char *STYLE = "contact/friction";    // see FixDeformableWall
+
+  const std::string words;    // that define it
+
+  int setmask() override;
+  int modify_param(int, char **) override;
+  void init() override;
+  void reset_dt() override;
+  void setup_pre_reverse(int, int) override;
+  void post_integrate() override { box_rate.measure(); }
+  void pre_reverse(int, int) override;
+  void post_run() override { box_rate.end_run(); }
+  double compute_scalar() override;
+  double compute_vector(int) override;
+
+  double memory_usage() override;
+  int pack_reverse_comm(int, int, double *) override;
+  void unpack_reverse_comm(int, int *, double *) override;
+
+ protected:
+  std::vector<double> all_sums() override;
+  void go_on_from(const std::vector<double> &) override;
+  bool belongs_to_partner(int i, const RememberedContact &) const override;
+  RememberedContact from_partner(int i, const RememberedContact &) const override;
+
+ private:
+  FrictionCoefficients coefficients;
+  std::vector<PairDeformable *> pairs;    // several within a hybrid style
+  bool told = false, told_box = false;    // of spins, of velocities
+  void check_spins();
+  void check_box();
+  void find_partners();
+  double lightest = 0.0;    // mass of a particle of all ranks
+  void find_lightest();
+  void check_time_step() const;
+
+  enum { STORED, SLIDING, DASHPOTS, DAMPING, CONTACTS, SLIDES, OUTPUTS };
+  // Of this rank; losses of all runs so far, others of the last call.
+  double output[OUTPUTS] = {};
+  static constexpr int COLUMNS = 11;
+  std::vector<std::array<double, COLUMNS>> values;    // see array_local
+  std::vector<double *> rows;
+
+  // A particle, which remembers the contact, and its partner. Local indices, of a wall its code < 0.
+  struct Sides {
+    int particle, partner;
+    int rememberer;    // the particle of this rank whose image it may be
+  };
+  struct Pushes {
+    double along, normal;
+  };
+  // Of the partner's center past the particle's, and both spins.
+  struct Velocity {
+    double x, y, spin, other_spin;
+  };
+  // Of the partner's side past the particle's; and of the partner's alone if that is a wall.
+  struct Speeds {
+    double along, normal, wall_along, wall_normal;
+  };
+  BoxRate box_rate;
+  double dt = 0.0;    // 0: before the first step of a run
+  void rub_all(int vflag);
+  void rub(const LoadedContact &);
+  bool find_sides(const LoadedContact &, Sides &, ContactPlace &) const;
+  Velocity velocity(const Sides &) const;
+  Speeds speeds(const Sides &, const Velocity &, const ContactPlace &, double age) const;
+  void lose(const Sides &, const RememberedContact &, double kt, const deformable::Rub &,
+            double damping, const Speeds &before, const Speeds &now);
+  void push(const Sides &, const ContactPlace &, const Pushes &);
+  void sweep();
+  void end(int i, const RememberedContact &);
+  void give_spring(int i, const double *words);
+  double total(int n) const;
+};
+
+}    // namespace LAMMPS_NS
+
+#endif
+#endif

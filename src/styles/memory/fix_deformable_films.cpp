@@ -1,0 +1,100 @@
+#include "styles/memory/fix_deformable_films.h"
+
+#include "domain.h"
+#include "neigh_list.h"
+
+#include <cmath>
+#include <limits>
+
+using namespace LAMMPS_NS;
+
+FixDeformableFilms::FixDeformableFilms(LAMMPS *lmp, int narg, char **arg)
+    : FixPartnerMemory(lmp, narg, arg, STYLE)
+{
+  if (narg != 3) error->all(FLERR, "Fix deformable/films has no arguments");
+  scalar_flag = extscalar = global_freq = ecouple_flag = 1;
+  begin();
+}
+
+/* ----------------------------------------------------------------------
+   fix_modify deformable_films attached none, or attached I J ...: IDs of
+   particles, or the code < 0 of a wall
+------------------------------------------------------------------------- */
+
+int FixDeformableFilms::modify_param(int narg, char **arg)
+{
+  constexpr double NEAREST = std::numeric_limits<double>::quiet_NaN();
+  if (std::string(arg[0]) != "attached" || narg < 2) return 0;
+  follow();
+  if (narg == 2 && std::string(arg[1]) == "none") {
+    forget();
+    return 2;
+  }
+  const std::string command = fmt::format("fix_modify {} attached", id);
+  if (narg % 2 == 0)
+    error->all(FLERR, "{}: expected 'none', or two IDs for each pair, not {} words", command,
+               narg - 1);
+  std::vector<double> partners;
+  for (int n = 1; n < narg; ++n)
+    partners.push_back(static_cast<double>(utils::tnumeric(FLERR, arg[n], false, lmp)));
+  require_partners(partners, command);
+  const std::unordered_map<double, int> here = local_indices();
+  for (std::size_t n = 0; n < partners.size(); ++n) {
+    const auto found = here.find(partners[n]);
+    if (found != here.end())
+      attach(found->second, static_cast<tagint>(partners[n ^ 1]), NEAREST, NEAREST);
+  }
+  return narg;
+}
+
+/* ---------------------------------------------------------------------- */
+
+void FixDeformableFilms::who_knows(std::vector<double> &knows) const
+{
+  knows.resize(atom->nlocal);
+  for (int i = 0; i < atom->nlocal; ++i) knows[i] = particles[i].is_known;
+}
+
+// A particle in a small box may have several images of its partner: the one that has moved by less than its distance.
+bool FixDeformableFilms::is_attached(int i, tagint partner, double x, double y) const
+{
+  const double *const h = domain->h_inv;
+  const auto is_this = [&](const RememberedFilm &film) {
+    if (film.partner != static_cast<double>(partner)) return false;
+    if (partner < 0) return true;
+    if (std::isnan(film.x)) {
+      const auto is_near = [](bool periodic, double part) {
+        return !periodic || std::fabs(part) <= 0.5;
+      };
+      return is_near(domain->xperiodic, h[0] * x + h[5] * y) &&
+             is_near(domain->yperiodic, h[1] * y);
+    }
+    const double dx = film.x - x, dy = film.y - y;
+    return dx * dx + dy * dy <= x * x + y * y;
+  };
+  const std::vector<RememberedFilm> &films = particles[i].rows;
+  return std::any_of(films.begin(), films.end(), is_this);
+}
+
+void FixDeformableFilms::forget(int i)
+{
+  particles[i].id = static_cast<double>(atom->tag[i]);
+  particles[i].is_known = 1.0;
+  particles[i].rows.clear();
+}
+
+void FixDeformableFilms::forget(const NeighList &list)
+{
+  for (int ii = 0; ii < list.inum; ++ii) forget(list.ilist[ii]);
+}
+
+void FixDeformableFilms::forget()
+{
+  for (int i = 0; i < atom->nlocal; ++i) forget(i);
+}
+
+void FixDeformableFilms::attach(int i, tagint partner, double x, double y)
+{
+  particles[i].rows.push_back({static_cast<double>(partner), x, y});
+  make_room(i);
+}

@@ -1,0 +1,59 @@
+// Which pairs are attached (Films), and what attaching and letting go has cost. The pair style makes this fix, with the ID
+// deformable_films: fix ID all deformable/films. Styles of a hybrid one share it, each for its particles, in whatever order they are.
+
+#ifdef FIX_CLASS
+// clang-format off
+FixStyle(deformable/films,FixDeformableFilms);
+// clang-format on
+#else
+
+#ifndef LMP_FIX_DEFORMABLE_FILMS_H
+#define LMP_FIX_DEFORMABLE_FILMS_H
+
+#include "styles/memory/fix_partner_memory.h"
+
+namespace LAMMPS_NS {
+
+// Both particles of a pair have it.
+struct RememberedFilm {
+  double partner, x, y;    // to its center; nan: the nearest image
+};
+
+class FixDeformableFilms : public FixPartnerMemory<RememberedFilm> {
+ public:
+  FixDeformableFilms(class LAMMPS *, int, char **);
+  static constexpr const char *STYLE = "wall/films";    // see FixDeformableWall
+  static constexpr const char *ID = "deformable_films";
+
+  int setmask() override { return 0; }
+  int modify_param(int, char **) override;
+
+  // Whether all films of a particle are known: not of one that is new. 1 or 0, of the particles of this rank.
+  void who_knows(std::vector<double> &) const;
+
+  // Whether particle i of this rank is attached to this partner at the relative position (x, y). A wall has its code < 0
+  // in place of a tag.
+  bool is_attached(int i, tagint partner, double x = 0.0, double y = 0.0) const;
+
+  // From now on the particles of this list are known, and free; or all of this rank.
+  void forget(const class NeighList &);
+  void forget();
+  void attach(int i, tagint partner, double x, double y);
+
+  // Energy lost in runs, on all ranks.
+  void lose(double energy) { lost += energy; }
+  double compute_scalar() override { return lost; }
+
+ protected:
+  std::vector<double> all_sums() override { return {lost}; }
+  void go_on_from(const std::vector<double> &sums) override { lost = sums[0]; }
+
+ private:
+  void forget(int i);
+  double lost = 0.0;
+};
+
+}    // namespace LAMMPS_NS
+
+#endif
+#endif

@@ -1,0 +1,293 @@
+// The base of fixes whose particles remember their partners: other particles, by their IDs, and walls, by codes < 0. What they
+// remember goes with them to other ranks and into restart files, and follows new IDs and other walls.
+//
+// Each particle also remembers its own ID. Where that has changed, the IDs of its partners may have, too: `follow` tells old
+// ones from new ones.
+
+#ifndef LMP_FIX_PARTNER_MEMORY_H
+#define LMP_FIX_PARTNER_MEMORY_H
+
+#include "fix.h"
+
+#include "solver/vector_bytes.h"
+#include "styles/memory/partner_names.h"
+
+#include "atom.h"
+#include "comm.h"
+#include "error.h"
+#include "lammps.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <cstring>
+#include <string>
+#include <type_traits>
+#include <unordered_map>
+#include <vector>
+
+namespace LAMMPS_NS {
+
+// Row: a struct of doubles that begins with `partner`.
+template <class Row> class FixPartnerMemory : public Fix {
+ public:
+  // `name`: the style of this object, see FixDeformableWall.
+  FixPartnerMemory(LAMMPS *lmp, int narg, char **arg, const char *name) : Fix(lmp, narg, arg)
+  {
+    delete[] style;
+    style = utils::strdup(name);
+    restart_global = restart_peratom = create_attribute = maxexchange_dynamic = 1;
+  }
+
+  ~FixPartnerMemory() override
+  {
+    if (!begun) return;
+    atom->delete_callback(id, Atom::GROW);
+    atom->delete_callback(id, Atom::RESTART);
+  }
+
+  // On all ranks, where the neighbor list is new: partners get their present names. Those that are gone are forgotten.
+  void follow()
+  {
+    follow_walls();
+    follow_particles();
+    for (int i = 0; i < atom->nlocal; ++i) particles[i].id = static_cast<double>(atom->tag[i]);
+    hand_over();
+  }
+
+  double memory_usage() override
+  {
+    double sum = bytes_of(particles);
+    for (const Particle &particle : particles) sum += bytes_of(particle.rows);
+    return sum;
+  }
+  void grow_arrays(int size) override { particles.resize(size); }
+  void copy_arrays(int from, int to, int /*delflag*/) override { particles[to] = particles[from]; }
+  void set_arrays(int i) override { particles[i] = {}; }
+
+  int pack_exchange(int i, double *buffer) override
+  {
+    const Particle &p = particles[i];
+    buffer[0] = size_restart(i);
+    buffer[1] = p.id;
+    buffer[2] = p.is_known;
+    std::memcpy(buffer + HEAD, p.rows.data(), p.rows.size() * sizeof(Row));
+    return size_restart(i);
+  }
+  int unpack_exchange(int i, double *buffer) override
+  {
+    unpack(i, buffer);
+    return size_restart(i);
+  }
+
+  int pack_restart(int i, double *buffer) override { return pack_exchange(i, buffer); }
+  // Atom::extra has the numbers of all fixes, one after the other; each begins with its size.
+  void unpack_restart(int i, int fix) override
+  {
+    const double *numbers = atom->extra[i];
+    for (int n = 0; n < fix; ++n) numbers += static_cast<int>(numbers[0]);
+    unpack(i, numbers);
+  }
+  int size_restart(int i) override
+  {
+    return HEAD + WIDTH * static_cast<int>(particles[i].rows.size());
+  }
+  // Of all ranks: the first one tells those that read the file how much room they need.
+  int maxsize_restart() override
+  {
+    int most = HEAD, of_all;
+    for (int i = 0; i < atom->nlocal; ++i) most = std::max(most, size_restart(i));
+    MPI_Allreduce(&most, &of_all, 1, MPI_INT, MPI_MAX, world);
+    return of_all;
+  }
+
+  // The sums of the fix, the number of particles, and the names of the walls.
+  void write_restart(FILE *file) override
+  {
+    std::vector<double> sums = all_sums();
+    sums.push_back(static_cast<double>(atom->natoms));
+    const std::string names = walls.text();
+    if (comm->me != 0) return;
+    const int numbers = static_cast<int>(sums.size() * sizeof(double));
+    const int bytes = numbers + static_cast<int>(names.size()) + 1;
+    std::fwrite(&bytes, sizeof bytes, 1, file);
+    std::fwrite(sums.data(), 1, numbers, file);
+    std::fwrite(names.c_str(), 1, names.size() + 1, file);
+  }
+  void restart(char *buffer) override
+  {
+    std::vector<double> sums = all_sums();
+    sums.push_back(0.0);
+    const std::size_t numbers = sums.size() * sizeof(double);
+    std::memcpy(sums.data(), buffer, numbers);
+    require_all_particles(sums.back());
+    sums.pop_back();
+    go_on_from(sums);
+    walls = WallNames::from_text(buffer + numbers);
+  }
+
+ protected:
+  // At the end of a constructor, which stops where words are wrong: LAMMPS does not know the fix then.
+  void begin()
+  {
+    grow_arrays(atom->nmax);
+    atom->add_callback(Atom::GROW);
+    atom->add_callback(Atom::RESTART);
+    begun = true;
+  }
+
+  struct Particle {
+    double id = 0.0;          // its own, as of the last `follow`; 0: it was not there
+    double is_known = 0.0;    // 0: its rows may not be all
+    std::vector<Row> rows;
+  };
+  std::vector<Particle> particles;    // by local index
+
+  void make_room(int i) { maxexchange = std::max(maxexchange, size_restart(i)); }
+
+  // What the fix sums up, of all ranks, on all ranks.
+  virtual std::vector<double> all_sums() = 0;
+  virtual void go_on_from(const std::vector<double> &sums) = 0;
+
+  // Whether another particle remembers this now, as seen from there.
+  virtual bool belongs_to_partner(int, const Row &) const { return false; }
+  virtual Row from_partner(int, const Row &row) const { return row; }
+
+  // By ID, of the particles of this rank.
+  std::unordered_map<double, int> local_indices() const
+  {
+    std::unordered_map<double, int> indices;
+    for (int i = 0; i < atom->nlocal; ++i) indices[static_cast<double>(atom->tag[i])] = i;
+    return indices;
+  }
+
+  // Stops if one of these partners, which a command names on all ranks, does not exist.
+  void require_partners(const std::vector<double> &partners, const std::string &command) const
+  {
+    const std::unordered_map<double, int> here = local_indices();
+    std::vector<int> exists, anywhere(partners.size());
+    for (const double partner : partners)
+      exists.push_back(partner < 0.0 ? walls.has(partner) : here.count(partner) > 0);
+    MPI_Allreduce(exists.data(), anywhere.data(), static_cast<int>(exists.size()), MPI_INT, MPI_MAX,
+                  world);
+    const auto missing = std::find(anywhere.begin(), anywhere.end(), 0);
+    if (missing == anywhere.end()) return;
+    const double partner = partners[missing - anywhere.begin()];
+    error->all(FLERR, "{}: {:.0f} is neither the ID of an atom nor the number < 0 of a wall",
+               command, partner);
+  }
+
+ private:
+  // LAMMPS gives particles what the file says of them when this fix is made, by their indices at read_restart.
+  void require_all_particles(double number) const
+  {
+    if (number != static_cast<double>(atom->natoms))
+      error->all(
+          FLERR,
+          "Fix {}: the restart file has {:.0f} atoms, but there are {}. It would mix up what "
+          "they remember: create and delete atoms after pair_coeff and this fix",
+          id, number, atom->natoms);
+  }
+
+  static_assert(std::is_trivially_copyable<Row>::value && sizeof(Row) % sizeof(double) == 0, "");
+  static constexpr int HEAD = 3, WIDTH = sizeof(Row) / sizeof(double);
+  bool begun = false;
+  WallNames walls;    // that the codes in rows are of
+
+  void unpack(int i, const double *buffer)
+  {
+    Particle &p = particles[i];
+    p.id = buffer[1];
+    p.is_known = buffer[2];
+    p.rows.resize((static_cast<int>(buffer[0]) - HEAD) / WIDTH);
+    std::memcpy(p.rows.data(), buffer + HEAD, p.rows.size() * sizeof(Row));
+    make_room(i);
+  }
+
+  // Calls rename(partner), which may return 0 for one that is gone. Returns how many are.
+  template <class Rename> int rename(Rename &&new_name)
+  {
+    int gone = 0;
+    for (int i = 0; i < atom->nlocal; ++i) {
+      std::vector<Row> &rows = particles[i].rows;
+      for (Row &row : rows) row.partner = new_name(row.partner);
+      const auto end = std::remove_if(rows.begin(), rows.end(),
+                                      [](const Row &row) { return row.partner == 0.0; });
+      gone += static_cast<int>(rows.end() - end);
+      rows.erase(end, rows.end());
+    }
+    return gone;
+  }
+
+  void follow_walls()
+  {
+    const WallNames now = WallNames::present(lmp);
+    if (now == walls) return;
+    double lost = 0.0;    // code of a wall, 0: none
+    const int gone = rename([&](double partner) {
+      if (partner > 0.0) return partner;
+      const double code = walls.code_in(now, partner);
+      if (code == 0.0) lost = partner;
+      return code;
+    });
+    double counts[] = {lost, -1.0 * gone}, of_all[2];
+    MPI_Allreduce(&counts, &of_all, 2, MPI_DOUBLE, MPI_MIN, world);
+    if (of_all[1] < 0.0 && comm->me == 0)
+      error->warning(FLERR, "Fix {}: contacts end at walls that are not there any more, as at {}",
+                     id, walls.name_of(of_all[0]));
+    walls = now;
+  }
+
+  void follow_particles()
+  {
+    int here[] = {0, 0}, any[2];    // new IDs, rows
+    std::vector<double> own(atom->nlocal);
+    for (int i = 0; i < atom->nlocal; ++i) {
+      own[i] = particles[i].id;
+      here[0] |= own[i] != static_cast<double>(atom->tag[i]);
+      here[1] |= !particles[i].rows.empty();
+    }
+    MPI_Allreduce(here, any, 2, MPI_INT, MPI_MAX, world);
+    if (!any[0] || !any[1]) return;
+    const NewIDs ids(lmp, own);
+    rename([&](double partner) { return partner < 0.0 ? partner : ids.of(partner); });
+    renamed = true;
+  }
+
+  // Each row to the particle that remembers it: an order of IDs may have changed.
+  bool renamed = false;
+  void hand_over()
+  {
+    if (!renamed) return;
+    renamed = false;
+    std::vector<double> here;    // IDs and rows
+    for (int i = 0; i < atom->nlocal; ++i) {
+      std::vector<Row> &rows = particles[i].rows;
+      for (std::size_t n = 0; n < rows.size();) {
+        if (!belongs_to_partner(i, rows[n])) {
+          ++n;
+          continue;
+        }
+        const Row row = from_partner(i, rows[n]);
+        here.push_back(rows[n].partner);
+        here.resize(here.size() + WIDTH);
+        std::memcpy(&here[here.size() - WIDTH], &row, sizeof row);
+        rows.erase(rows.begin() + n);
+      }
+    }
+    const std::vector<double> all = of_all_ranks(lmp, here);
+    if (all.empty()) return;
+    const std::unordered_map<double, int> index = local_indices();
+    for (std::size_t n = 0; n < all.size(); n += 1 + WIDTH) {
+      const auto found = index.find(all[n]);
+      if (found == index.end()) continue;
+      Row row;
+      std::memcpy(&row, &all[n + 1], sizeof row);
+      particles[found->second].rows.push_back(row);
+      make_room(found->second);
+    }
+  }
+};
+
+}    // namespace LAMMPS_NS
+
+#endif

@@ -1,0 +1,63 @@
+#include "styles/pair/compute_deformable_contact.h"
+
+#include "styles/lammps_release.h"
+#include "styles/pair/deformable_pairs.h"
+
+#include "error.h"
+#include "update.h"
+
+using namespace LAMMPS_NS;
+
+/* ---------------------------------------------------------------------- */
+
+ComputeDeformableContact::ComputeDeformableContact(LAMMPS *lmp, int narg, char **arg)
+    : Compute(lmp, narg, arg)
+{
+  if (narg > 3)
+    error->all(FLERR_WORD(3), "Unknown compute deformable/contact argument '{}': it takes none",
+               arg[3]);
+  local_flag = 1;
+  size_local_rows = 0;
+  size_local_cols = PairDeformable::CONTACT_COLUMNS;
+}
+
+/* ---------------------------------------------------------------------- */
+
+void ComputeDeformableContact::init()
+{
+  pairs = deformable_pairs(*force);
+  if (pairs.empty())
+    error->all(
+        FLERR,
+        "Compute {} deformable/contact needs pair_style deformable/ring, deformable/sector or "
+        "deformable/droplet, but pair_style is {}",
+        id, force->pair_style ? force->pair_style : "none");
+}
+
+/* ----------------------------------------------------------------------
+   A variable may ask between runs, when the pair style of the last one is gone.
+------------------------------------------------------------------------- */
+
+void ComputeDeformableContact::compute_local()
+{
+  if (deformable_pairs(*force) != pairs)
+    error->all(FLERR,
+               "Compute {} deformable/contact: the pair style is another one since the last run, "
+               "use 'run 0' first",
+               id);
+  invoked_local = update->ntimestep;
+  values.clear();
+  for (const PairDeformable *pair : pairs) pair->list_contacts(groupbit, values);
+  size_local_rows = static_cast<int>(values.size()) / size_local_cols;
+  rows.resize(size_local_rows + 1);
+  for (int r = 0; r < size_local_rows; ++r) rows[r] = &values[r * size_local_cols];
+  array_local = rows.data();
+}
+
+/* ---------------------------------------------------------------------- */
+
+double ComputeDeformableContact::memory_usage()
+{
+  return static_cast<double>(values.capacity() * sizeof(double) +
+                             rows.capacity() * sizeof(double *));
+}

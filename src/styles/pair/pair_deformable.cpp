@@ -1,0 +1,343 @@
+#include "styles/pair/pair_deformable.h"
+
+#include "styles/friction/fix_deformable_friction.h"
+#include "styles/input_checks.h"
+#include "styles/lammps_release.h"
+#include "styles/memory/fix_deformable_restart.h"
+#include "styles/pair/compute_deformable_contact.h"
+#include "styles/refusals.h"
+
+#include "laws/parameter_rules.h"
+#include "laws/trigonometry.h"
+
+#include "comm.h"
+#include "domain.h"
+#include "error.h"
+#include "force.h"
+#include "memory.h"
+#include "modify.h"
+#include "neighbor.h"
+#include "update.h"
+
+#include <cstdlib>
+#include <limits>
+
+using namespace LAMMPS_NS;
+using deformable::unstable_radius;
+
+/* ---------------------------------------------------------------------- */
+
+PairDeformable::PairDeformable(LAMMPS *lmp, int outputs, int dimension)
+    : Pair(lmp),
+      refusals(lmp),
+      results(dimension),
+      beyond_model(0),
+      bulge_over_reach(0.0),
+      dimension(dimension)
+{
+  single_enable = 0;
+  restartinfo = 0;
+  one_coeff = 1;
+  manybody_flag = 1;
+  centroidstressflag = CENTROID_NOTAVAIL;
+  nextra = outputs;
+  pvector = new double[nextra]();
+
+  const char *const level = std::getenv("DEFORMABLE_SIMD");
+  kernels = deformable::batch_kernels(level ? level : "");
+  if (!kernels)
+    error->all(FLERR,
+               "DEFORMABLE_SIMD is '{}': it must be 'plain', or 'avx2' or 'avx512' on a processor "
+               "that has these instructions",
+               level);
+}
+
+/* ---------------------------------------------------------------------- */
+
+PairDeformable::~PairDeformable()
+{
+  if (copymode) return;
+  delete[] pvector;
+  if (allocated) {
+    memory->destroy(setflag);
+    memory->destroy(cutsq);
+  }
+}
+
+/* ---------------------------------------------------------------------- */
+
+void PairDeformable::allocate()
+{
+  allocated = 1;
+  const int n = atom->ntypes;
+  memory->create(setflag, n + 1, n + 1, "pair:setflag");
+  memory->create(cutsq, n + 1, n + 1, "pair:cutsq");
+  for (int i = 1; i <= n; ++i)
+    for (int j = 1; j <= n; ++j) setflag[i][j] = 0;
+  map = new int[n + 1];
+}
+
+/* ----------------------------------------------------------------------
+   pair_coeff * * FILE species1 species2 ... After an error that the caller has
+   caught all is as before.
+------------------------------------------------------------------------- */
+
+void PairDeformable::coeff(int narg, char **arg)
+{
+  if (!allocated) allocate();
+  refuse_data_coefficients(lmp);
+  number_definition();
+  if (narg < 4) utils::missing_cmd_args(FLERR, "pair_coeff", error);
+  if (narg != 3 + atom->ntypes)
+    error->all(FLERR,
+               "pair_coeff of {} names {} species for {} atom types: give one (or NULL) a type",
+               force->pair_style, narg - 3, atom->ntypes);
+  const SpeciesFile known = read_species(lmp, arg[2]);
+  std::vector<Species> of_types(atom->ntypes + 1);
+  for (int type = 1; type <= atom->ntypes; ++type) {
+    const std::string name = arg[2 + type];
+    if (name == "NULL") continue;
+    for (const Species &candidate : known.species)
+      if (candidate.name == name) of_types[type] = candidate;
+    if (of_types[type].name.empty()) {
+      std::string names;
+      for (const Species &candidate : known.species) names += " " + shown(candidate.name);
+      error->all(FLERR_WORD(2 + type), "Species '{}' is not in the file '{}', which has:{}", name,
+                 arg[2], names);
+    }
+    check_species(of_types[type]);
+  }
+  map_element2type(narg - 3, arg + 3);
+  species = of_types;
+  radius.clear();
+  for (const Species &s : species) radius.push_back(s.radius);
+  adhesions.assign(species, known.adhesions);
+  describe_species();
+  check_lines_bend("Species", adhesions.any());
+}
+
+/* ---------------------------------------------------------------------- */
+
+void PairDeformable::check_lines_bend(const std::string &whose, bool sticks) const
+{
+  if (sticks && !bends_lines())
+    error->all(FLERR,
+               dimension == 3 ? "{}: droplets in three dimensions do not stick: use adhesion 0"
+                              : "{}: adhesion needs contact lines that bend, to meet outlines at "
+                                "an angle. Use 'pair_style deformable/ring contact curved', or "
+                                "adhesion 0",
+               whose);
+}
+
+/* ---------------------------------------------------------------------- */
+
+void PairDeformable::init_style()
+{
+  refusals.forget();
+  if (domain->dimension != dimension)
+    error->all(FLERR,
+               dimension == 3
+                   ? "Pair style deformable/droplet is three-dimensional: use 'dimension 3', or "
+                     "'pair_style deformable/ring' for droplets in two dimensions"
+                   : "Pair styles deformable/* are two-dimensional: use 'dimension 2', or "
+                     "'pair_style deformable/droplet' for droplets in three dimensions");
+  if (force->newton_pair == 0)
+    error->all(FLERR, "Pair styles deformable/* need 'newton on': their forces act on ghost atoms");
+  if (radius_by_atom && !atom->radius_flag)
+    error->all(FLERR,
+               "Pair styles deformable/* with 'radius atom' need atoms that have radii: use "
+               "'atom_style sphere', not {}",
+               atom->get_style());
+  // or each pair of this rank's particles once, pairs with a ghost on both ranks
+  neighbor->add_request(this, whole_list ? NeighConst::REQ_FULL : NeighConst::REQ_NEWTON_OFF);
+
+  // false again after unfix; extract_peratom sets it for a new fix pair
+  results.requested = !modify->get_fix_by_style("^pair$").empty();
+
+  recording = !modify->get_compute_by_style(ComputeDeformableContact::STYLE).empty();
+  rubbing = !modify->get_fix_by_style(FixDeformableFriction::STYLE).empty();
+
+  const char *const id = FixDeformableRestart::ID;
+  if (!modify->get_fix_by_id(id)) modify->add_fix(fmt::format("{} all deformable/restart", id));
+
+  walls.clear();
+  for (Fix *fix : modify->get_fix_by_style(FixDeformableWall::STYLE))
+    walls.push_back(static_cast<FixDeformableWall *>(fix));
+  check_lines_bend("Species", adhesions.any());
+  for (const FixDeformableWall *wall : walls)
+    check_lines_bend(fmt::format("Fix {} deformable/wall", wall->id), wall->adhesion() > 0.0);
+}
+
+/* ---------------------------------------------------------------------- */
+
+double PairDeformable::init_one(int i, int j)
+{
+  if (setflag[i][j] == 0) error->all(FLERR, "All pair coeffs are not set");
+  return (1.0 + reach) * (radius[i] + radius[j]);
+}
+
+/* ---------------------------------------------------------------------- */
+
+void PairDeformable::begin_call(int eflag, int vflag)
+{
+  ev_init(eflag, vflag);
+  beyond_model = 0;
+  recorded.clear();
+  materials.species = species.data();
+  materials.type = atom->type;
+  loaded.clear();
+  if (neighbor->ago == 0) {
+    refusals.collect([this] { check_contacts(lmp, *list, species); });
+    if (atom->radius_flag && !radius_by_atom && !warned_unused_radii)
+      warned_unused_radii = warn_unused_radii(lmp, *list, species);
+    bulge_over_reach = 0.0;
+  }
+  if (neighbor->ago == 0 || radius_by_atom) {
+    radii.resize(atom->nlocal + atom->nghost);
+    for (std::size_t i = 0; i < radii.size(); ++i)
+      radii[i] = radius_by_atom ? atom->radius[i] : radius[atom->type[i]];
+  }
+  if (radius_by_atom) refusals.collect([this] { check_radii(); });
+  if (neighbor->ago == 0 || radius_by_atom) refusals.agree();
+  for (FixDeformableWall *wall : walls) wall->begin_call(this);
+
+  if (!results.requested) return;
+  results.resize(atom->nmax);
+  if (list->inum < atom->nlocal) results.clear(atom->nlocal);    // particles of other pair styles
+}
+
+/* ----------------------------------------------------------------------
+   Compute pair sums pvector over ranks. Ranks compare their values only when
+   the neighbor list is new, so that other steps need no communication.
+------------------------------------------------------------------------- */
+
+void PairDeformable::end_call()
+{
+  // laws whose ranks do not share forces have not agreed on anything yet
+  if (whole_list || eflag_global || neighbor->ago == 0) refusals.agree();
+  if (vflag_fdotr) virial_fdotr_compute();
+
+  // also at the end of each run, after which particles may be written to a file
+  const bool output = eflag_global && update->whichflag == 1;
+  if (dimension == 2 && !warned_out_of_plane && (neighbor->ago == 0 || output))
+    warned_out_of_plane = warn_out_of_plane(lmp, *list);
+
+  pvector[0] = beyond_model;
+  if (neighbor->ago != 0) return;
+  double local[2] = {bulge_over_reach, static_cast<double>(beyond_model)}, largest[2];
+  MPI_Allreduce(local, largest, 2, MPI_DOUBLE, MPI_MAX, world);
+  pvector[1] = comm->me == 0 ? largest[0] : 0.0;
+  if (largest[1] > 0.0 && !warned_beyond_model) {
+    warned_beyond_model = true;
+    int all = 0;
+    MPI_Reduce(&beyond_model, &all, 1, MPI_INT, MPI_SUM, 0, world);
+    if (comm->me == 0)
+      error->warning(FLERR,
+                     "{} of {} particles are beyond the model: {} energy and forces continue the "
+                     "law without a known error. 'compute ID all pair' counts them",
+                     all, atom->natoms, what_is_beyond());
+  }
+}
+
+/* ---------------------------------------------------------------------- */
+
+void PairDeformable::check_own_image(int i, int j)
+{
+  if (atom->tag[j] != atom->tag[i] || atom->tag[i] == 0) return;
+  refuse("Atom {} of radius {:.6g} has no area left between its own images: the box, {:.6g} "
+         "x {:.6g}, is too small for it",
+         atom->tag[i], radii[i], domain->xprd, domain->yprd);
+}
+
+/* ----------------------------------------------------------------------
+   Contacts without length and force, which the outline does not touch, are
+   left out.
+------------------------------------------------------------------------- */
+
+void PairDeformable::record(int i, int partner, const deformable::Contact &contact, double length,
+                            double force, const Push &push, double distance,
+                            const RecordedLine &line)
+{
+  if (!recording || (length == 0.0 && force == 0.0)) return;
+  const double height = radii[i] - contact.indentation;
+  const double *x = atom->x[i];
+  recorded.push_back({i, partner < 0 ? 0 : atom->tag[partner], contact.indentation, length, force,
+                      x[0] + height * contact.nx, x[1] + height * contact.ny, contact.angle,
+                      distance, line, push});
+}
+
+/* ---------------------------------------------------------------------- */
+
+void PairDeformable::list_contacts(int groupbit, std::vector<double> &rows) const
+{
+  for (const RecordedContact &contact : recorded) {
+    if (!(atom->mask[contact.atom] & groupbit)) continue;
+    rows.insert(rows.end(),
+                {static_cast<double>(atom->tag[contact.atom]), static_cast<double>(contact.partner),
+                 contact.indentation, contact.length, contact.force, contact.x, contact.y,
+                 contact.angle, contact.distance, contact.line.tilt, contact.line.half_angle,
+                 contact.push.fx, contact.push.fy, contact.line.contact_angle,
+                 contact.line.attached});
+  }
+}
+
+/* ---------------------------------------------------------------------- */
+
+bool PairDeformable::is_by_atom(int iarg, char **arg) const
+{
+  const std::string choice = arg[iarg];
+  if (choice != "type" && choice != "atom")
+    error->all(FLERR_WORD(iarg), "pair_style deformable/* {} '{}' is neither 'type' nor 'atom'",
+               arg[iarg - 1], choice);
+  return choice == "atom";
+}
+
+/* ----------------------------------------------------------------------
+   Radii may change between runs and in a run, but must not exceed the radius
+   of the species, which sets the cutoff. Data files round them to 16 digits.
+------------------------------------------------------------------------- */
+
+void PairDeformable::check_radii()
+{
+  constexpr double ROUNDING = 1.0 + 1e-12;
+  int largest = -1;    // of the atoms whose radius is too large
+  for (int ii = 0; ii < list->inum; ++ii) {
+    const int i = list->ilist[ii];
+    const double r = radii[i];
+    const Species &s = species[atom->type[i]];
+    if (r > s.skin && r <= s.radius * ROUNDING) {
+      const std::string unstable = unstable_radius(r - s.skin, stiffness_of(i));
+      if (unstable.empty()) continue;
+      refuse("Atom {} of species {}: {}", atom->tag[i], s.name, unstable);
+    }
+    if (!(r > 0.0)) refuse("Atom {} has a radius of {:.6g}: it must be positive", atom->tag[i], r);
+    if (r <= s.skin)
+      refuse("Atom {} has a radius of {:.6g}: it must be larger than the skin of species {}, "
+             "which is {}",
+             atom->tag[i], r, s.name, s.skin);
+    if (largest < 0 || r > radii[largest]) largest = i;
+  }
+  if (largest < 0) return;
+  const Species &s = species[atom->type[largest]];
+  refuse("Atom {} has a radius of {:.6g}, but species {} allows {} at most: set the radius in "
+         "the species file to the largest one of its atoms",
+         atom->tag[largest], radii[largest], s.name, s.radius);
+}
+
+/* ---------------------------------------------------------------------- */
+
+double PairDeformable::smallest_radius() const
+{
+  double here = std::numeric_limits<double>::infinity(), smallest;
+  for (int ii = 0; ii < list->inum; ++ii) here = std::min(here, radii[list->ilist[ii]]);
+  MPI_Allreduce(&here, &smallest, 1, MPI_DOUBLE, MPI_MIN, world);
+  return smallest;
+}
+
+/* ---------------------------------------------------------------------- */
+
+double PairDeformable::memory_usage()
+{
+  return Pair::memory_usage() + block.bytes() + bytes_of(recorded, loaded, radii, rows, partners) +
+         results.bytes();
+}

@@ -1,0 +1,272 @@
+// The base of the pair styles: parameters, contacts from the neighbor list and the walls, forces from the
+// derivatives of the shape, per-particle results. A contact law adds how contacts become a shape.
+
+#ifndef LMP_PAIR_DEFORMABLE_H
+#define LMP_PAIR_DEFORMABLE_H
+
+#include "pair.h"
+
+#include "kernels/block_walk.h"
+#include "laws/shape.h"
+#include "laws/stiffness.h"
+#include "solver/adhesions.h"
+#include "solver/materials.h"
+#include "solver/vector_bytes.h"
+#include "styles/pair/particle_results.h"
+#include "styles/refusals.h"
+#include "styles/species.h"
+#include "styles/walls/fix_deformable_wall.h"
+
+#include "atom.h"
+#include "neigh_list.h"
+#include "neighbor.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace LAMMPS_NS {
+
+struct Push {
+  double fx, fy;
+};
+
+// Of a contact line, beside its place.
+struct RecordedLine {
+  double tilt = 0.0;             // its normal turns by this from the line of centers
+  double half_angle = 0.0;       // of an arc: positive where it is convex
+  double contact_angle = 0.0;    // at which the outline meets a film that sticks
+  double attached = 0.0;         // 0 or 1; of a wall: 0 or its code < 0, see FixDeformableFilms
+};
+
+// A contact from one of its two sides.
+struct RecordedContact {
+  int atom;
+  tagint partner;    // 0: a wall
+  double indentation, length, force;
+  double x, y;        // point of the line that is nearest to the center
+  double angle;       // of the direction to the line
+  double distance;    // of the partner's center, or of the wall
+  RecordedLine line;
+  Push push;    // force on the particle from its own energy; from a wall all of it
+};
+
+// A contact that bears a force, for fix deformable/friction.
+struct LoadedContact {
+  int i, j;         // local indices; of a wall its code < 0
+  int second;       // local index of the particle whose image j is, or -1: it is on another rank
+  double nx, ny;    // normal of the contact line, from i to j
+  // of the middle of its film from the center of i: along (nx, ny) and (-ny, nx)
+  double height, shift;
+  double force;
+  bool one_side;    // the other side has a row, and a force, of its own
+};
+
+class PairDeformable : public Pair {
+ public:
+  // Contacts of this rank's particles at the last call, if a compute deformable/contact is defined.
+  std::vector<RecordedContact> recorded;
+
+  // All contacts of this rank's particles that bear a force at the last call, if a fix deformable/friction is defined.
+  // Those of two ranks are on both.
+  std::vector<LoadedContact> loaded;
+  virtual bool slips() const { return true; }    // along its contacts
+
+  // What a restart file must be continued with, by what it belongs to: the law, and the species of each type.
+  virtual std::string law() const = 0;
+  std::map<std::string, std::string> description() const;
+
+  int wall_count() const { return static_cast<int>(walls.size()); }
+  bool has_wall(int code) const { return code < 0 && !walls.empty(); }
+  // Of a wall's code.
+  FixDeformableWall &wall(int code) const { return *walls[(-1 - code) % walls.size()]; }
+  int wall_feature(int code) const { return (-1 - code) / static_cast<int>(walls.size()); }
+  // The code of the first feature of the same obstacle: it stays where a particle turns around a corner.
+  int wall_key(int code) const
+  {
+    const int n = static_cast<int>(walls.size());
+    return code - n * (wall(code).first_feature(wall_feature(code)) - wall_feature(code));
+  }
+
+  PairDeformable(class LAMMPS *, int outputs = 2, int dimension = 2);
+  ~PairDeformable() override;
+
+  void coeff(int, char **) override;
+  void init_style() override;
+  double init_one(int, int) override;
+  void *extract(const char *, int &) override;
+  void *extract_peratom(const char *, int &) override;
+
+  // Appends the rows of compute deformable/contact: of contacts of this rank's particles in the group.
+  static constexpr int CONTACT_COLUMNS = 15;
+  virtual void list_contacts(int groupbit, std::vector<double> &rows) const;
+  double memory_usage() override;
+
+ protected:
+  // Stops with an error if the style does not support this species.
+  virtual void check_species(const Species &) const {}
+
+  // Whether contact lines bend, without which nothing can stick: stops if the owner of an adhesion does.
+  virtual bool bends_lines() const { return false; }
+  void check_lines_bend(const std::string &whose, bool sticks) const;
+
+  // Gives each pair_style and pair_coeff command of this process a number of its own.
+  void number_definition();
+
+  double reach = 0.0;    // largest distance of contacts over R_i + R_j, minus 1
+  bool bulges() const { return reach > 0.0; }    // else contacts are the lines inside of the circle
+  std::vector<Species>
+      species;            // by atom type; without a name if the type belongs to another style
+  Materials materials;    // as of this call
+  Adhesions adhesions;    // of all pairs of types
+  std::map<std::string, std::string> defined;    // by pair_coeff
+  void describe_species();
+  std::vector<FixDeformableWall *> walls;
+
+  // The force of a wall on particle i at this contact, at `shift` beside the point nearest to the center.
+  void push_wall(int i, int partner, double fx, double fy, const deformable::Contact &contact,
+                 double shift)
+  {
+    const double ri = radii[i], height = ri - contact.indentation;
+    wall(partner).add_force(
+        i, wall_feature(partner), fx, fy, -height * contact.nx + shift * contact.ny,
+        -height * contact.ny - shift * contact.nx, -contact.ny, contact.nx, (1.0 + reach) * ri);
+  }
+  const char *wall_id(int partner) const { return wall(partner).id; }
+
+  // Undeformed radii: of the species or, with `radius atom`, of each atom.
+  bool is_by_atom(int iarg, char **arg) const;    // the value of a keyword, 'type' or 'atom'
+  bool radius_by_atom = false;
+  std::vector<double> radii;    // of all particles, ghosts included
+  double ring_radius_of(int i) const { return radii[i] - species[atom->type[i]].skin; }
+  double smallest_radius() const;    // of all particles of all ranks
+  deformable::Stiffness stiffness_of(int i) const
+  {
+    return materials.stiffness_of(i, ring_radius_of(i));
+  }
+
+  deformable::Shape shape;    // of the particle that is evaluated
+
+  // A force call is begin_call, then the forces, e.g. of blocks of particles, then end_call.
+  void begin_call(int eflag, int vflag);
+  // Shapes and forces of all particles in blocks. prepare(particle) may take out its contacts, group_of(particle)
+  // chooses a kernel or 0 for law(particle, contacts), and finish(particle) follows its forces.
+  template <class Prepare, class GroupOf, class Law, class Finish>
+  void for_each_block(const deformable::BatchKernel *chosen, Prepare &&prepare, GroupOf &&group_of,
+                      Law &&law, Finish &&finish);
+  void check_lines(const deformable::BlockParticle &);    // all in front of the center?
+  void load_shape(const deformable::BlockParticle &);     // into `shape`
+  const deformable::BatchKernels *kernels;
+  bool whole_list = true;    // blocks need each pair at both of its particles
+  deformable::ContactBlock block;
+  // The neighbors of each particle: in front those of contacts that were active at the last call.
+  struct Row {
+    int first, size, active;    // first: in partners
+  };
+  std::vector<Row> rows;    // by local index
+  std::vector<int> partners;
+  struct WallContact {
+    int wall;    // -1 - (w + n feature) for wall fix w of n
+    double nx, ny, height, per_lever;
+  };
+  std::vector<WallContact> wall_contacts;    // of the block; a place has -1 minus the index
+
+  void end_call();
+  Refusals refusals;
+
+  ParticleResults results;
+  bool recording = false;    // for compute deformable/contact
+  bool rubbing = false;      // whether `loaded` is asked for
+
+  // Whether anyone asks for shapes and contacts of single particles in this call.
+  bool needs_shapes() const { return recording || results.requested; }
+
+  // For compute deformable/contact, if there is one.
+  void record(int i, int partner, const deformable::Contact &, double length, double force,
+              const Push &push, double distance, const RecordedLine &line = {});
+
+  // Results of a deformed particle, and of one that is still a circle.
+  void store_shape(int i, const deformable::Contacts &contacts, double pressure)
+  {
+    if (results.requested)
+      results.store_shape(i, ring_radius_of(i), contacts.size, shape, pressure);
+  }
+  void store_circle(int i, double pressure)
+  {
+    if (results.requested) results.store_circle(i, ring_radius_of(i), pressure);
+  }
+
+  // Of particle i, whose contact line does not lie in front of its center.
+  [[noreturn]] void refuse_behind_center(int i, int j, double dx, double dy);
+  // Stops if j is an image of particle i, which has no area left.
+  void check_own_image(int i, int j);
+
+  int beyond_model;    // particles of this rank
+  virtual const char *what_is_beyond() const
+  {
+    return "part of their outline has a negative radius of curvature (past confluence, or contacts "
+           "too close to each "
+           "other). Their shape does not exist, their";
+  }
+  double bulge_over_reach;    // the largest of this rank, at the last new neighbor list
+
+ private:
+  std::vector<double> radius;    // by atom type; the largest one if radii are by atom
+  void check_radii();
+
+  static constexpr int BLOCK = 256;
+  template <bool WALLS> void gather_block(int begin, int end);
+  void push_block();
+  void take_neighbors();
+  void remember_active(const deformable::BlockParticle &);
+  void push_mirror(const deformable::BlockParticle &, const deformable::Place &);
+  struct WallPush {
+    Push push;
+    double shift;    // of its line from the point of the wall nearest to the center
+  };
+  static WallPush push_of(const WallContact &, const deformable::Place &);
+  void observe(const deformable::BlockParticle &);
+  LoadedContact loaded_contact(const deformable::BlockParticle &, const deformable::Place &) const;
+  void check_own_images(const deformable::BlockParticle &);
+
+  struct {
+    double definition, walls, friction, exclusions, forces_of_motion;
+    std::vector<double> by_type;
+  } asked{};    // for extract
+
+  const int dimension;
+  bool warned_beyond_model = false, warned_out_of_plane = false, warned_unused_radii = false;
+
+  void allocate();
+};
+
+template <class Prepare, class GroupOf, class Law, class Finish>
+void PairDeformable::for_each_block(const deformable::BatchKernel *chosen, Prepare &&prepare,
+                                    GroupOf &&group_of, Law &&law, Finish &&finish)
+{
+  const bool shapes = results.requested || recording || neighbor->ago == 0;
+  const bool observing = results.requested || recording || rubbing || eflag_atom || vflag_either;
+  if (neighbor->ago == 0) take_neighbors();
+  for (int begin = 0; begin < list->inum; begin += BLOCK) {
+    const int end = std::min(begin + BLOCK, list->inum);
+    walls.empty() ? gather_block<false>(begin, end) : gather_block<true>(begin, end);
+    for (deformable::BlockParticle &p : block.particles) prepare(p);
+    shape_block(block, chosen, shapes, shape, group_of,
+                [&](deformable::BlockParticle &p, const deformable::Contacts &contacts) {
+                  check_lines(p);
+                  return law(p, contacts);
+                });
+    push_block();
+    for (const deformable::BlockParticle &p : block.particles) {
+      if (p.moved && bulges()) remember_active(p);
+      if (observing) observe(p);
+      finish(p);
+    }
+  }
+}
+
+}    // namespace LAMMPS_NS
+
+#endif

@@ -1,0 +1,322 @@
+#include "styles/pair/pair_deformable_droplet.h"
+
+#include "styles/lammps_release.h"
+#include "styles/refusals.h"
+
+#include "laws/droplet.h"
+#include "laws/parameter_rules.h"
+
+#include "comm.h"
+#include "domain.h"
+#include "error.h"
+#include "group.h"
+#include "neighbor.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <string>
+
+using namespace LAMMPS_NS;
+using namespace deformable;
+
+/* ---------------------------------------------------------------------- */
+
+void PairDeformableDroplet::settings(int narg, char **arg)
+{
+  number_definition();
+  reach = LARGEST_BULGE;
+  radius_by_atom = false;
+  double tolerance = 1e-8;
+  int most = 1000;
+  for (int iarg = 0; iarg < narg;) {
+    const std::string keyword = arg[iarg];
+    const int values = keyword == "balance" ? 2 : 1;
+    if (keyword != "balance" && keyword != "reach" && keyword != "radius")
+      error->all(FLERR_WORD(iarg),
+                 "Unknown pair_style deformable/droplet keyword '{}': it must be 'balance', "
+                 "'reach' or 'radius'",
+                 keyword);
+    if (iarg + values >= narg)
+      utils::missing_cmd_args(FLERR, "pair_style deformable/droplet " + keyword, error);
+    if (keyword == "radius") {
+      radius_by_atom = is_by_atom(iarg + 1, arg);
+    } else if (keyword == "reach") {
+      reach = utils::numeric(FLERR, arg[iarg + 1], false, lmp);
+      if (!(reach > 0.0 && reach <= LARGEST_BULGE))
+        error->all(FLERR_WORD(iarg + 1),
+                   "pair_style deformable/droplet reach {} must be positive, and {} at most: no "
+                   "droplet bulges farther",
+                   arg[iarg + 1], LARGEST_BULGE);
+    } else {
+      tolerance = utils::numeric(FLERR, arg[iarg + 1], false, lmp);
+      most = utils::inumeric(FLERR, arg[iarg + 2], false, lmp);
+      if (!(tolerance > 0.0 && tolerance < 1.0))
+        error->all(
+            FLERR_WORD(iarg + 1),
+            "pair_style deformable/droplet balance: the tolerance {} must lie between 0 and 1",
+            arg[iarg + 1]);
+      if (most < 1)
+        error->all(FLERR_WORD(iarg + 2),
+                   "pair_style deformable/droplet balance: {} iterations are too few, give 1 or "
+                   "more",
+                   arg[iarg + 2]);
+    }
+    iarg += 1 + values;
+  }
+  near = std::make_unique<DropletList>(lmp);
+  solver = std::make_unique<DropletSolver>(lmp, kernels->droplets, tolerance, most);
+  whole_list = false;
+}
+
+/* ---------------------------------------------------------------------- */
+
+void PairDeformableDroplet::check_species(const Species &s) const
+{
+  const Stiffness &k = s.stiffness;
+  const std::string problem = invalid_for_droplets(k.kA, k.kP, s.skin, k.tension);
+  if (!problem.empty()) error->all(FLERR, "Species {}: {}", s.name, problem);
+}
+
+void PairDeformableDroplet::coeff(int narg, char **arg)
+{
+  PairDeformable::coeff(narg, arg);
+  ramps.fill(species);
+}
+
+void PairDeformableDroplet::init_style()
+{
+  PairDeformable::init_style();
+  check_room();
+  if (!atom->tag_enable)
+    error->all(FLERR, "Pair style deformable/droplet needs atom IDs: use 'atom_modify id yes'");
+  if (rubbing)
+    error->all(FLERR, "Fix deformable/friction is two-dimensional: droplets in three dimensions "
+                      "have no friction");
+}
+
+/* ----------------------------------------------------------------------
+   Of what fix adapt may change only the tension is not fixed by the theory.
+------------------------------------------------------------------------- */
+
+void *PairDeformableDroplet::extract(const char *name, int &dim)
+{
+  if (std::strcmp(name, "tension") != 0) return PairDeformable::extract(name, dim);
+  take_ramps();    // values that no force call has seen yet
+  dim = 2;
+  return ramps.array_of(name, species);
+}
+
+bool PairDeformableDroplet::take_ramps()
+{
+  const std::string odd = ramps.of_two_types(species);
+  if (!odd.empty())
+    error->all(FLERR,
+               "A fix adapt sets {}, but tensions belong to one type: give it the same type twice",
+               odd);
+  if (ramps.take(species) == 0) return false;
+  ramps.fill(species);
+  for (const Species &s : species) {
+    if (s.name.empty()) continue;
+    const std::string wrong = invalid_values(s);
+    if (!wrong.empty()) error->all(FLERR, "Species {} in a run: {}", s.name, wrong);
+    check_species(s);
+  }
+  number_definition();
+  return true;
+}
+
+/* ---------------------------------------------------------------------- */
+
+void PairDeformableDroplet::compute(int eflag, int vflag)
+{
+  const bool new_material = take_ramps(), new_list = neighbor->ago == 0;
+  begin_call(eflag, vflag);
+  if (new_list) {
+    smallest = smallest_radius();
+    check_room();
+  }
+  const DropletScene scene = {list, &materials, radii.data(), smallest, &walls, reach, &refusals};
+  if (!new_list && (new_material || radius_by_atom)) solver->set_material(scene);
+  solve(scene, new_list);
+  push_pairs();
+  if (!walls.empty()) push_walls();
+  if (eflag_atom || needs_shapes()) finish_droplets();
+  if (comm->me == 0) {    // compute pair sums over ranks
+    pvector[2] = solver->steps;
+    pvector[3] = solver->imbalance;
+  }
+  end_call();
+}
+
+/* ----------------------------------------------------------------------
+   Where droplets have no room, contacts would be many, and mean nothing; far
+   too many, LAMMPS finds no memory for its neighbor lists. Across a side that
+   is not periodic a droplet reaches as far as it bulges.
+------------------------------------------------------------------------- */
+
+void PairDeformableDroplet::check_room()
+{
+  double volume = 0.0, largest = 0.0;
+  for (int i = 0; i < atom->nlocal; ++i) {
+    if (neighbor->includegroup && !(atom->mask[i] & group->bitmask[neighbor->includegroup]))
+      continue;
+    const Species &s = species[atom->type[i]];
+    if (s.name.empty()) continue;    // of another style
+    double r = s.radius;
+    if (radius_by_atom) r = std::min(r, atom->radius[i]);
+    volume += 4.0 * PI / 3.0 * r * r * r;
+    largest = std::max(largest, r);
+  }
+  MPI_Allreduce(MPI_IN_PLACE, &volume, 1, MPI_DOUBLE, MPI_SUM, world);
+  MPI_Allreduce(MPI_IN_PLACE, &largest, 1, MPI_DOUBLE, MPI_MAX, world);
+  double room = 1.0;
+  for (int axis = 0; axis < 3; ++axis)
+    room *= domain->prd[axis] +
+            (domain->periodicity[axis] ? 0.0 : 2.0 * (1.0 + LARGEST_BULGE) * largest);
+  if (volume > room)
+    error->all(FLERR,
+               "The droplets have {:.4g} times the volume of their box, {:.6g} x {:.6g} x {:.6g}: "
+               "as they keep their volumes, use a larger box, or fewer or smaller droplets",
+               volume / (domain->xprd * domain->yprd * domain->zprd), domain->xprd, domain->yprd,
+               domain->zprd);
+}
+
+/* ----------------------------------------------------------------------
+   Bulges grow with the forces: then other pairs may bear some, too.
+------------------------------------------------------------------------- */
+
+void PairDeformableDroplet::solve(const DropletScene &scene, bool new_list)
+{
+  constexpr int MOST = 20;
+  bool sufficient = false;
+  if (!new_list) {
+    refusals.collect([&] { near->locate_walls(scene); });
+    refusals.collect([&] { locate(scene); });
+    bool refused = refusals.any_here();
+    sufficient = near->is_sufficient(scene, true, refused);
+    if (refused) refusals.stop();
+  }
+  if (!sufficient) {
+    near->build(scene, new_list);
+    solver->arrange(scene, *near);
+    refusals.collect([&] { locate(scene); });
+    refusals.agree();
+  }
+  solver->begin_call();
+  bool balanced = solver->solve();
+  const auto covers_bulges = [&] {
+    refusals.collect([&] { find_bulges(scene); });
+    bool refused = refusals.any_here();
+    const bool enough = near->is_sufficient(scene, false, refused);
+    if (refused) refusals.stop();
+    return enough;
+  };
+  for (int n = 0; !covers_bulges() && n < MOST; ++n) {
+    near->pairs.past = near->pairs.force;
+    near->pairs.past.resize(near->pairs.size);
+    near->build(scene, false);
+    solver->arrange(scene, *near);
+    refusals.collect([&] { locate(scene); });
+    solver->take_past();
+    solver->forget();
+    balanced = solver->solve();
+  }
+  solver->remember();
+  if (balanced || warned_unbalanced) return;
+  warned_unbalanced = true;
+  if (comm->me == 0)
+    error->warning(FLERR,
+                   "Contacts are not balanced: after {} iterations forces are off by up to {:.2g} "
+                   "of the largest. Loads may be beyond the model; else allow more iterations, or "
+                   "a larger tolerance than {:.2g} (pair_style deformable/droplet balance)",
+                   solver->steps, solver->imbalance, solver->tolerance);
+}
+
+void PairDeformableDroplet::locate(const DropletScene &scene)
+{
+  DropletPairs &p = near->pairs;
+  const int wrong = p.locate(atom->nmax > 0 ? atom->x[0] : nullptr, scene.radius);
+  if (wrong < 0) return;
+  const double *const a = atom->x[p.i[wrong]], *const b = atom->x[p.j[wrong]];
+  refuse_behind_center(p.i[wrong], p.j[wrong], b[0] - a[0], b[1] - a[1] + b[2] - a[2]);
+}
+
+void PairDeformableDroplet::find_bulges(const DropletScene &scene)
+{
+  beyond_model = 0;
+  double most = 0.0;
+  for (int ii = 0; ii < list->inum; ++ii) {
+    const int i = list->ilist[ii];
+    const double load = solver->load(i);
+    near->bulge[i] = droplet_bulge(scene.radius[i], load);
+    beyond_model += load > LARGEST_LOAD || solver->facet(i) > LARGEST_FACET;
+    most = std::max(most, near->bulge[i] / scene.radius[i]);
+    if (near->bulge[i] > reach * scene.radius[i])
+      refuse("The load of atom {} is {:.4g}, but 'reach {}' covers loads to {:.4g}: separate "
+             "droplets that overlap first, take smaller steps or a smaller timestep, or use a "
+             "reach of {:.2g} or more",
+             atom->tag[i], load, reach, reach / BULGE_PER_LOAD,
+             std::min(1.2 * BULGE_PER_LOAD * load, LARGEST_BULGE));
+  }
+  if (neighbor->ago == 0) bulge_over_reach = std::max(bulge_over_reach, most / reach);
+}
+
+/* ----------------------------------------------------------------------
+   The force F along the line of centers, and dW/dn over the distance across
+   it, of both droplets. Of a pair that two ranks share each adds the part of
+   its own droplet, and half of F.
+------------------------------------------------------------------------- */
+
+void PairDeformableDroplet::push_pairs()
+{
+  const DropletPairs &p = near->pairs;
+  double *const f = atom->nmax > 0 ? atom->f[0] : nullptr;
+  double energy = 0.0;
+  for (int k = 0; k < p.wall; ++k) {
+    const double force = p.force[k];
+    if (force == 0.0) continue;
+    const int i = p.i[k], j = p.j[k];
+    const double along = p.part(k) * force, over = 1.0 / p.distance[k];
+    energy += along * p.overlap[k];
+    const Vector3 n = p.normal(k);
+    Vector3 turning = torque(k, 0);
+    if (k < p.remote) turning = turning - torque(k, 1);
+    const Vector3 push = along * n + over * turning;    // on j
+    double *const fi = f + 3 * i, *const fj = f + 3 * j;
+    fi[0] -= push.x;
+    fi[1] -= push.y;
+    fi[2] -= push.z;
+    fj[0] += push.x;
+    fj[1] += push.y;
+    fj[2] += push.z;
+    if (vflag_either) {
+      const double d = p.distance[k];
+      ev_tally_xyz(i, j, atom->nlocal, 1, 0.0, 0.0, -push.x, -push.y, -push.z, -d * p.nx[k],
+                   -d * p.ny[k], -d * p.nz[k]);
+    }
+  }
+  if (!eflag_global) return;
+  for (int ii = 0; ii < list->inum; ++ii) energy -= solver->work(list->ilist[ii]);
+  eng_vdwl += energy;
+}
+
+// A wall bears no energy of its own.
+void PairDeformableDroplet::push_walls()
+{
+  const DropletPairs &p = near->pairs;
+  for (int k = p.wall; k < p.size; ++k) {
+    if (p.force[k] == 0.0) continue;
+    const int i = p.i[k], code = p.j[k];
+    wall(code).add_contact(i, wall_feature(code), p.force[k], torque(k, 0), p.surfaces[k - p.wall],
+                           (1.0 + reach) * radii[i]);
+    if (eflag_global) eng_vdwl += p.force[k] * p.overlap[k];
+  }
+}
+
+/* ---------------------------------------------------------------------- */
+
+double PairDeformableDroplet::memory_usage()
+{
+  return PairDeformable::memory_usage() + near->memory_usage() + solver->memory_usage();
+}

@@ -1,0 +1,76 @@
+// Droplets in three dimensions: pair_style deformable/droplet [reach f] [balance tol maxiter] [radius type|atom]
+
+#ifdef PAIR_CLASS
+// clang-format off
+PairStyle(deformable/droplet,PairDeformableDroplet);
+// clang-format on
+#else
+
+#ifndef LMP_PAIR_DEFORMABLE_DROPLET_H
+#define LMP_PAIR_DEFORMABLE_DROPLET_H
+
+#include "styles/pair/pair_deformable.h"
+
+#include "solver/droplet_solver.h"
+#include "styles/species_ramps.h"
+
+#include <memory>
+
+namespace LAMMPS_NS {
+
+class PairDeformableDroplet : public PairDeformable {
+ public:
+  PairDeformableDroplet(class LAMMPS *lmp) : PairDeformable(lmp, 4, 3) {}
+  void settings(int, char **) override;
+  std::string law() const override { return "deformable/droplet"; }
+  void coeff(int, char **) override;
+  void init_style() override;
+  void *extract(const char *, int &) override;
+  void compute(int, int) override;
+  void list_contacts(int groupbit, std::vector<double> &rows) const override;
+  double memory_usage() override;
+
+ protected:
+  void check_species(const Species &) const override;
+  const char *what_is_beyond() const override
+  {
+    return "forces cover more than 0.4 of their surface with facets, or, where contacts are few "
+           "and "
+           "strong, more than 0.05 with the mean facet. Such loads are outside of the range of the "
+           "theory; their";
+  }
+
+ private:
+  std::unique_ptr<DropletList> near;
+  std::unique_ptr<DropletSolver> solver;
+  SpeciesRamps ramps;
+  bool take_ramps();
+  bool warned_unbalanced = false;
+  double smallest = 0.0;    // radius of all particles, as of the last new neighbor list
+
+  void check_room();
+  void solve(const DropletScene &, bool new_list);
+  void locate(const DropletScene &);
+  void find_bulges(const DropletScene &);
+  void push_pairs();
+  void push_walls();
+  void finish_droplets();
+  void store_droplet(int i, double energy);
+  deformable::Vector3 torque(int k, int side) const;
+  deformable::Vector3 force_of_contact(int k, int side) const;
+};
+
+// The derivative of a droplet's work by the normal of this contact, across it.
+inline deformable::Vector3 PairDeformableDroplet::torque(int k, int side) const
+{
+  const DropletPairs &p = near->pairs;
+  const int place = solver->place(k, side), i = side == 0 ? p.i[k] : p.second(k);
+  const deformable::Vector3 turn = {solver->turn(place, 0), solver->turn(place, 1),
+                                    solver->turn(place, 2)};
+  return (radii[i] * p.force[k]) * deformable::across(turn, p.normal(k));
+}
+
+}    // namespace LAMMPS_NS
+
+#endif
+#endif

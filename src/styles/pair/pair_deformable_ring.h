@@ -1,0 +1,96 @@
+// The ring laws, whose contacts slip: pair_style deformable/ring [contact balanced|curved|radical]
+// [balance tol maxeval] [reach f] [radius type|atom] [kA type|atom] [tension type|atom]
+
+#ifdef PAIR_CLASS
+// clang-format off
+PairStyle(deformable/ring,PairDeformableRing);
+// clang-format on
+#else
+
+#ifndef LMP_PAIR_DEFORMABLE_RING_H
+#define LMP_PAIR_DEFORMABLE_RING_H
+
+#include "styles/pair/pair_deformable.h"
+
+#include "laws/soft_ring.h"
+#include "solver/balanced_forces.h"
+#include "styles/species_ramps.h"
+
+#include <memory>
+#include <string>
+
+namespace LAMMPS_NS {
+
+class PairDeformableRing : public PairDeformable {
+ public:
+  PairDeformableRing(class LAMMPS *lmp) : PairDeformable(lmp, 7) {}
+  void settings(int, char **) override;
+  std::string law() const override;
+  void coeff(int, char **) override;
+  void *extract(const char *, int &) override;
+  void init_style() override;
+  void compute(int, int) override;
+  void finish() override;
+  double memory_usage() override;
+
+ protected:
+  bool bends_lines() const override { return balanced && balanced->pairs().curved; }
+
+ private:
+  std::unique_ptr<BalancedForces> balanced;     // null: contacts stay on their radical axes
+  class FixDeformableFilms *films = nullptr;    // null: no contact sticks
+  SpeciesRamps ramps;
+  bool take_ramps();         // whether a species or an adhesion has changed
+  bool unchecked = false;    // values of ramps, also after an error that the caller has caught
+  void check_sticky_walls();
+  // Stiffness and tension of single particles, of fix property/atom
+  bool kA_by_atom = false, tension_by_atom = false;
+  int kA_of_atoms = -1, tension_of_atoms = -1;    // indices of custom properties
+  int property_of_atoms(const std::string &name) const;
+  void find_properties();
+  void check_properties();
+
+  // Particles without room
+  static constexpr bigint NEVER = -1;
+  bigint soft_since = NEVER;    // iteration of a minimization since which areas give way
+  int giving_way = 0;           // particles of this rank, in this call
+  bool warned_no_room = false;
+  bool may_give_way() const;
+  bool choose_yield();
+  void begin_to_give_way();
+  deformable::Energy shape_without_room(int i, const deformable::Contacts &);
+  int all_giving_way() const;
+  void tell_room();
+
+  double smallest = 0.0;    // radius of all particles, as of the last new neighbor list
+
+  deformable::RingLCP lcp;
+  std::vector<char> is_active;    // of one ring
+
+  void stick();
+  void evaluate_radical();
+  deformable::Energy shape_ring(int i, const deformable::Contacts &, const deformable::Stiffness &);
+
+  std::vector<deformable::Contact> contacts;    // of one particle
+  std::vector<int> seats;
+  void evaluate_balanced(bool new_material);
+  double push_part = 1.0;    // where films change, forces are the mean of those before and after
+  Push push_of(int k, const NearPairs::Centers &, double share, double slope) const;
+  void push_pairs(int begin, int end);
+  void refuse_pair(int k);
+  void finish_balanced(int i);
+  void load_contacts_of_pairs();
+
+  // Whether all lines that the outline in `shape` may touch are known.
+  bool is_within_reach(int i, const deformable::Contacts &);
+  double depth_of_reach(int i) const;
+  static int deepest(const deformable::Contacts &);
+  [[noreturn]] void refuse_bulge(int i, const deformable::Contacts &, int partner);
+  double largest_adhesion(int i) const;
+  [[noreturn]] void no_shape(int i, int contacts);
+};
+
+}    // namespace LAMMPS_NS
+
+#endif
+#endif

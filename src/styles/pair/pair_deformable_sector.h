@@ -1,0 +1,55 @@
+// Contacts that stick: pair_style deformable/sector [radius type|atom]
+
+#ifdef PAIR_CLASS
+// clang-format off
+PairStyle(deformable/sector,PairDeformableSector);
+// clang-format on
+#else
+
+#ifndef LMP_PAIR_DEFORMABLE_SECTOR_H
+#define LMP_PAIR_DEFORMABLE_SECTOR_H
+
+#include "laws/sector.h"
+#include "styles/pair/pair_deformable.h"
+
+namespace LAMMPS_NS {
+
+class PairDeformableSector : public PairDeformable {
+ public:
+  PairDeformableSector(class LAMMPS *);
+  ~PairDeformableSector() override;
+  void settings(int, char **) override;
+  std::string law() const override { return "deformable/sector"; }
+  void init_style() override;
+  void compute(int, int) override;
+  double memory_usage() override;
+  bool slips() const override { return false; }
+  int pack_forward_comm(int, int *, double *, int, int *) override;
+  void unpack_forward_comm(int, int, double *) override;
+
+ protected:
+  void check_species(const Species &) const override;
+
+ private:
+  std::vector<int> by_angle;    // the contacts of one particle
+
+  // A particle with one contact has no sector: the pair repels as soft disks, once. The partner's number of
+  // contacts, which only its own rank knows, decides whether both particles add one half.
+  struct SingleContact {
+    int atom, partner;    // negative: a wall
+    deformable::Contact contact;
+    double distance;
+  };
+  std::vector<SingleContact> singles;
+  double *ncontacts = nullptr;    // per atom, ghosts included
+  int maxcontacts = 0;            // entries of it
+
+  void repel(const SingleContact &);
+  void set_aside(deformable::BlockParticle &);
+  deformable::Energy deform(deformable::BlockParticle &, const deformable::Contacts &);
+};
+
+}    // namespace LAMMPS_NS
+
+#endif
+#endif

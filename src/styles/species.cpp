@@ -1,0 +1,311 @@
+#include "styles/species.h"
+
+#include "laws/parameter_rules.h"
+
+#include "comm.h"
+#include "error.h"
+#include "lammps.h"
+#include "platform.h"
+#include "pointers.h"
+#include "update.h"
+#include "utils.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <dlfcn.h>
+#include <limits>
+#include <set>
+
+using namespace LAMMPS_NS;
+
+namespace {
+
+// `inf` is a number; any other word that is not a finite number becomes nan.
+double number_of(const std::string &word)
+{
+  using Limits = std::numeric_limits<double>;
+  const std::string lower = utils::lowercase(word);
+  if (lower == "inf" || lower == "+inf") return Limits::infinity();
+  const double value = utils::is_double(word) ? std::strtod(word.c_str(), nullptr) : HUGE_VAL;
+  return std::isfinite(value) ? value : Limits::quiet_NaN();
+}
+
+// Folders of the species files of the package: `potentials` beside the library that this code is in, and those that
+// CMake knows where it is compiled for a LAMMPS of one's own, between colons.
+std::vector<std::string> shipped_folders()
+{
+  std::vector<std::string> folders;
+  Dl_info library;
+  if (dladdr(reinterpret_cast<void *>(&read_species), &library) != 0) {
+    const std::string path = library.dli_fname;
+    const std::size_t end = path.rfind('/');
+    if (end != std::string::npos) folders.push_back(path.substr(0, end) + "/potentials");
+  }
+  const std::string known = DEFORMABLE_POTENTIALS;
+  for (std::size_t begin = 0; begin < known.size();) {
+    const std::size_t end = std::min(known.find(':', begin), known.size());
+    folders.push_back(known.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return folders;
+}
+
+// The file of this name that comes with the package; empty if there is none, and for a name with a folder, which says
+// where the file is.
+std::string shipped_file(const std::string &name)
+{
+  if (name.find('/') == std::string::npos)
+    for (const std::string &folder : shipped_folders())
+      if (platform::file_is_readable(folder + "/" + name)) return folder + "/" + name;
+  return "";
+}
+
+// The species files of the package, as the end of an error.
+std::string shipped_names()
+{
+  std::set<std::string> names;
+  for (const std::string &folder : shipped_folders())
+    for (const std::string &name : platform::list_directory(folder))
+      if (utils::strmatch(name, "\\.deformable$")) names.insert(name);
+  std::string text;
+  for (const std::string &name : names) text += (text.empty() ? ". The package has " : ", ") + name;
+  return text;
+}
+
+std::string read_text(LAMMPS *lmp, const std::string &file)
+{
+  std::string text;
+  int size = -1;
+  if (lmp->comm->me == 0) {
+    std::string path = utils::get_potential_file_path(file);
+    const bool shipped = path.empty();
+    if (shipped) path = shipped_file(file);
+    errno = ENOENT;
+    if (FILE *fp = path.empty() ? nullptr : std::fopen(path.c_str(), "rb")) {
+      if (shipped) utils::logmesg(lmp, "Species file {} comes with the package: {}\n", file, path);
+      char buffer[4096];
+      while (const std::size_t n = std::fread(buffer, 1, sizeof buffer, fp)) text.append(buffer, n);
+      // fopen opens a folder too, which cannot be read
+      if (!std::ferror(fp)) size = static_cast<int>(text.size());
+      std::fclose(fp);
+    }
+  }
+  MPI_Bcast(&size, 1, MPI_INT, 0, lmp->world);
+  if (size < 0) {
+    const std::string reason = utils::getsyserror();
+    lmp->error->all(FLERR, "Cannot open the species file '{}': {}{}", file, reason,
+                    shipped_names());
+  }
+  text.resize(size);
+  MPI_Bcast(&text[0], size, MPI_CHAR, 0, lmp->world);
+  return text;
+}
+
+// The first line of a potential file names its units and date. (LAMMPS' own reader of that line does not mask
+// characters that cannot be printed.)
+void check_head(LAMMPS *lmp, const std::string &file, const std::string &head)
+{
+  const std::vector<std::string> words = utils::split_words(head);
+  const auto after = [&words](const char *tag) {
+    const auto found = std::find(words.begin(), words.end(), tag);
+    return found == words.end() || found + 1 == words.end() ? "" : *(found + 1);
+  };
+  const std::string units = after("UNITS:"), date = after("DATE:");
+  if (!units.empty() && units != lmp->update->unit_style)
+    lmp->error->all(FLERR, "Species file '{}' is for units {}, but units {} are in use", file,
+                    shown(units), lmp->update->unit_style);
+  if (!date.empty() && lmp->comm->me == 0)
+    utils::logmesg(lmp, "Reading species file {} with DATE: {}\n", file, shown(date));
+}
+
+bool is_keyword(const std::string &word)
+{
+  return word == "tension" || word == "skin";
+}
+
+// After kP a number is the skin, and keywords with a value follow in any order. Returns the first word that should be
+// a keyword but is none.
+std::size_t misplaced_word(const std::vector<std::string> &words)
+{
+  std::size_t k = 4;
+  if (words.size() > k && !is_keyword(words[k]) &&
+      (words.size() == 5 || !std::isnan(number_of(words[k]))))
+    ++k;
+  while (k < words.size() && is_keyword(words[k])) k += 2;
+  return k;
+}
+
+template <class ValueOf>
+void read_options(Error *error, const std::string &of_species,
+                  const std::vector<std::string> &words, ValueOf &&value_of, double &tension,
+                  double &skin)
+{
+  std::vector<std::string> seen;
+  const auto see = [&](const std::string &keyword) {
+    if (std::find(seen.begin(), seen.end(), keyword) != seen.end())
+      error->all(FLERR, of_species + keyword + " is given twice");
+    seen.push_back(keyword);
+  };
+  std::size_t k = 4;
+  if (k < words.size() && !is_keyword(words[k])) {
+    skin = value_of("skin", words[k]);
+    see("skin");
+    ++k;
+  }
+  for (; k < words.size(); k += 2) {
+    const std::string &keyword = words[k];
+    if (k + 1 == words.size()) error->all(FLERR, of_species + keyword + " has no value");
+    see(keyword);
+    (keyword == "skin" ? skin : tension) = value_of(keyword.c_str(), words[k + 1]);
+  }
+}
+
+double value_of(Error *error, const std::string &place, const std::string &what,
+                const std::string &word)
+{
+  const double value = number_of(word);
+  if (std::isnan(value))
+    error->all(FLERR, place + what + " is '" + shown(word) + "', which is not a number");
+  return value;
+}
+
+Species read_line(Error *error, const std::string &place, const std::vector<std::string> &words,
+                  const std::string &line)
+{
+  const std::size_t odd = misplaced_word(words);
+  if (words.size() < 4 || odd < words.size())
+    error->all(FLERR,
+               place + "expected 'name radius kA kP [skin] [tension value]', got " +
+                   std::to_string(words.size()) + " words: '" + shown(line) + "'" +
+                   (words.size() < 4 ? "" : ", where '" + shown(words[odd]) + "' is no keyword"));
+  const std::string name = shown(words[0]), of_species = place + "species " + name + ": ";
+  const auto value = [&](const std::string &what, const std::string &word) {
+    return value_of(error, place, what + " of species " + name, word);
+  };
+  const double radius = value("radius", words[1]);
+  deformable::Stiffness stiffness = {value("kA", words[2]), value("kP", words[3])};
+  double skin = 0.0;
+  read_options(error, of_species, words, value, stiffness.tension, skin);
+  const Species found = {words[0], radius, stiffness, skin};
+  const std::string problem = invalid_values(found);
+  // a number without its word is taken for the skin, where a tension may be meant
+  const bool unnamed = words.size() == 5 && stiffness.kP == 0.0;
+  if (!problem.empty())
+    error->all(FLERR, of_species + problem +
+                          (unnamed ? ": a fifth number is the skin, and a tension is written as "
+                                     "'tension " +
+                                         shown(words[4]) + "'"
+                                   : ""));
+  return found;
+}
+
+Adhesion read_adhesion(Error *error, const std::string &place,
+                       const std::vector<std::string> &words, const std::string &line, int number)
+{
+  if (words.size() != 4)
+    error->all(FLERR, place + "expected 'adhesion species species value', got " +
+                          std::to_string(words.size()) + " words: '" + shown(line) +
+                          "' (no species can be called adhesion)");
+  return {words[1], words[2],
+          value_of(error, place, "adhesion of " + shown(words[1]) + " and " + shown(words[2]),
+                   words[3]),
+          number};
+}
+
+// The problem of an adhesion among all lines of the file, in a phrase; empty if there is none.
+std::string problem_of(const Adhesion &adhesion, const SpeciesFile &file)
+{
+  const Species *of[2] = {nullptr, nullptr};
+  for (const Species &s : file.species) {
+    if (s.name == adhesion.first) of[0] = &s;
+    if (s.name == adhesion.second) of[1] = &s;
+  }
+  for (int side = 0; side < 2; ++side)
+    if (!of[side])
+      return "species " + shown(side == 0 ? adhesion.first : adhesion.second) +
+             " is not defined in this file (and no species can be called adhesion)";
+  for (const Adhesion &other : file.adhesions)
+    if (other.line < adhesion.line && other.is_of(adhesion.first, adhesion.second))
+      return "it is given twice, in line " + std::to_string(other.line) + " too";
+  return invalid_adhesion(adhesion.energy, *of[0], *of[1]);
+}
+
+}    // namespace
+
+std::string LAMMPS_NS::invalid_values(const Species &s)
+{
+  using namespace deformable;
+  const Stiffness &k = s.stiffness;
+  for (const std::string &problem :
+       {invalid_radius(s.radius), invalid_stiffness(k.kA, k.kP, k.tension),
+        invalid_skin(s.skin, s.radius)})
+    if (!problem.empty()) return problem;
+  return unstable_radius(s.radius - s.skin, k);
+}
+
+std::string LAMMPS_NS::invalid_adhesion(double adhesion, const Species &a, const Species &b)
+{
+  using namespace deformable;
+  const std::string invalid = deformable::invalid_adhesion(adhesion);
+  if (!invalid.empty()) return invalid;
+  for (const Species *s : {&a, &b}) {
+    const std::string problem = invalid_for_adhesion(adhesion, s->stiffness, s->skin);
+    if (!problem.empty()) return "species " + shown(s->name) + ": " + problem;
+  }
+  return "";
+}
+
+std::string LAMMPS_NS::shown(const std::string &text)
+{
+  constexpr std::size_t LONGEST = 80;
+  std::string plain = text.size() > LONGEST ? text.substr(0, LONGEST) + "..." : text;
+  for (char &c : plain)
+    if (c < ' ' || c > '~') c = '?';
+  return plain;
+}
+
+SpeciesFile LAMMPS_NS::read_species(LAMMPS *lmp, const std::string &file)
+{
+  const std::string text = read_text(lmp, file);
+  Error *error = lmp->error;
+  SpeciesFile found;
+
+  if (text.find('\0') != std::string::npos)
+    error->all(FLERR, "Species file '{}' is not plain text, it has zero bytes: save it as UTF-8",
+               file);
+  check_head(lmp, file, text.substr(0, text.find('\n')));
+  const std::string byte_order_mark = "\xEF\xBB\xBF";    // some editors begin a text with it
+
+  int number = 0;
+  for (std::size_t begin = text.compare(0, 3, byte_order_mark) == 0 ? 3 : 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    std::string line = text.substr(begin, end - begin);
+    begin = end + 1;
+    ++number;
+    line.resize(std::min(line.find('#'), line.size()));
+    const std::vector<std::string> words = utils::split_words(line);
+    if (words.empty()) continue;
+
+    const std::string place = fmt::format("Species file '{}', line {}: ", file, number);
+    const std::string plain = utils::trim(line);
+    if (words[0] == "adhesion") {
+      found.adhesions.push_back(read_adhesion(error, place, words, plain, number));
+      continue;
+    }
+    found.species.push_back(read_line(error, place, words, plain));
+    for (std::size_t k = 0; k + 1 < found.species.size(); ++k)
+      if (found.species[k].name == words[0])
+        error->all(FLERR, place + "species " + shown(words[0]) + " is defined twice");
+  }
+  if (found.species.empty()) error->all(FLERR, "Species file '{}' defines no species", file);
+  for (const Adhesion &a : found.adhesions) {
+    const std::string problem = problem_of(a, found);
+    if (!problem.empty())
+      error->all(FLERR, "Species file '{}', line {}: adhesion of {} and {}: {}", file, a.line,
+                 shown(a.first), shown(a.second), problem);
+  }
+  return found;
+}

@@ -1,0 +1,52 @@
+// The species of a parameter file: one line each, `name radius kA kP [skin] [keyword value ...]` with the keywords
+// tension and skin. And lines `adhesion name name value` for pairs of them, in any place.
+
+#ifndef DEFORMABLE_SPECIES_H
+#define DEFORMABLE_SPECIES_H
+
+#include "laws/stiffness.h"
+
+#include <string>
+#include <vector>
+
+namespace LAMMPS_NS {
+
+class LAMMPS;
+
+struct Species {
+  std::string name;
+  double radius;
+  deformable::Stiffness stiffness;
+  double skin;    // thickness of the rigid shell around the ring
+};
+
+struct Adhesion {
+  std::string first, second;    // names of species
+  double energy;                // for each unit of length of a film
+  int line;                     // of the file
+
+  bool is_of(const std::string &a, const std::string &b) const
+  {
+    return (first == a && second == b) || (first == b && second == a);
+  }
+};
+
+struct SpeciesFile {
+  std::vector<Species> species;
+  std::vector<Adhesion> adhesions;    // a pair once at most
+};
+
+// Reads the file on rank 0 and sends it to all ranks. Stops with LAMMPS' error on all of them if the file is missing
+// or invalid.
+SpeciesFile read_species(LAMMPS *lmp, const std::string &file);
+
+// The problem of a species, or of the adhesion of two, in a phrase that names its value, empty if there is none.
+std::string invalid_values(const Species &);
+std::string invalid_adhesion(double adhesion, const Species &, const Species &);
+
+// A text for error messages: shortened, with printable characters only.
+std::string shown(const std::string &text);
+
+}    // namespace LAMMPS_NS
+
+#endif

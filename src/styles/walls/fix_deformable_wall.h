@@ -1,0 +1,215 @@
+// Walls for deformable particles: fix ID group deformable/wall region-ID [adhesion w] [shear dim v], or words for shapes in the
+// place of the region; one side may bear a load: [load F m].
+//
+// The pair style asks this fix for the contacts of a particle with the walls, computes the shape with all
+// contacts of the particle, and returns the forces of the walls. The fix adds them in post_force.
+
+#ifdef FIX_CLASS
+// clang-format off
+FixStyle(deformable/wall,FixDeformableWall);
+// clang-format on
+#else
+
+#ifndef LMP_FIX_DEFORMABLE_WALL_H
+#define LMP_FIX_DEFORMABLE_WALL_H
+
+#include "fix.h"
+
+#include "laws/contact.h"
+#include "styles/walls/space_scene.h"
+#include "styles/walls/wall_scene.h"
+
+#include "atom.h"
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+namespace LAMMPS_NS {
+
+class FixDeformableWall : public Fix {
+ public:
+  FixDeformableWall(class LAMMPS *, int, char **);
+  ~FixDeformableWall() override;
+  // LAMMPS takes every fix whose style contains "deform" for a fix deform: Domain::init() crashes if the name
+  // begins so. The style of this object therefore has another name.
+  static constexpr const char *STYLE = "wall/flat";
+
+  const std::string words;    // that define it
+
+  int setmask() override;
+  void init() override;
+  void setup(int) override;
+  void min_setup(int) override;
+  void initial_integrate(int) override;
+  void setup_pre_force(int) override;
+  void pre_force(int) override;
+  void min_pre_force(int) override;
+  void post_force(int) override;
+  void min_post_force(int) override;
+  void final_integrate() override;
+  void end_of_step() override;
+  double compute_scalar() override;
+  double compute_vector(int) override;
+  double memory_usage() override;
+  void write_restart(FILE *) override;
+  void restart(char *) override;
+
+  // Energy that a particle gains for each unit of length of its film with the wall.
+  double adhesion() const { return stickiness; }
+
+  // A pair style begins a force call. Only its first call of a step counts: fixes and computes such as fix
+  // numdiff ask for more calls, which must not change the forces.
+  void begin_call(const class Pair *caller)
+  {
+    first_call = std::find(callers.begin(), callers.end(), caller) == callers.end();
+    if (first_call) callers.push_back(caller);
+  }
+
+  static constexpr double NARROWEST =
+      1.0 - 1e-9;    // of a radius: a round container, but for the rounding of its region
+  // Calls visitor(nearest point) for each wall within (1 + reach) radii of atom i.
+  template <class Visitor> void visit(int i, double radius, double reach, Visitor &&visitor)
+  {
+    if (!(atom->mask[i] & groupbit)) return;
+    constexpr double ABOUT =
+        1.0 + 1e-12;    // before the line of a wall is refused as that of a pair
+    const RefusedCenter refused =
+        scene.visit(atom->x[i][0], atom->x[i][1], NARROWEST * radius,
+                    ABOUT * deformable::NEAREST_LINE * radius, (1.0 + reach) * radius, visitor);
+    if (refused.wall >= 0) refuse_center(i, radius, refused);
+  }
+
+  // The same in three dimensions, where a wall has one feature: visitor(feature, nearest point).
+  template <class Visitor>
+  void visit_in_space(int i, double radius, double reach, Visitor &&visitor)
+  {
+    if (!(atom->mask[i] & groupbit)) return;
+    const double *const x = atom->x[i];
+    const RefusedCenter refused =
+        space.visit({x[0], x[1], x[2]}, NARROWEST * radius, deformable::NEAREST_LINE * radius,
+                    (1.0 + reach) * radius, visitor);
+    if (refused.wall >= 0) refuse_center(i, radius, refused);
+  }
+
+  // A droplet presses with this force at a point of a wall; `torque`: the derivative of its work by the normal. Returns the
+  // force of the wall on it.
+  deformable::Vector3 add_contact(int i, int feature, double force,
+                                  const deformable::Vector3 &torque,
+                                  const deformable::SurfacePoint &, double cutoff);
+
+  // The force of a feature of a wall on atom i, at (dx, dy) from its point of application to the
+  // atom. (tx, ty) is the direction along the wall.
+  void add_force(int i, int feature, double fx, double fy, double dx, double dy, double tx,
+                 double ty, double cutoff)
+  {
+    if (!first_call) return;
+    WallForce &force = wall_forces[i];
+    force.fx += fx;
+    force.fy += fy;
+    // The derivative of the energy by a strain that shifts and rotates the wall. At a round wall the force across
+    // the direction acts at the nearest point; what acts beside it is the force along.
+    const double beside = (fx * tx + fy * ty) * (dx * tx + dy * ty);
+    force.vxx += dx * fx - beside * tx * tx;
+    force.vyy += dy * fy - beside * ty * ty;
+    force.vxy += dx * fy - beside * tx * ty;
+    if (scene.moves())
+      scene.add_force(feature, -fx, -fy, atom->x[i][0], atom->x[i][1], dx, dy, cutoff);
+  }
+
+  // The force of friction on atom i, at (bx, by) from its center. It moves no line: the virial is that of a force at a point.
+  void add_friction(int i, double fx, double fy, double bx, double by)
+  {
+    WallForce &force = wall_forces[i];
+    force.fx += fx;
+    force.fy += fy;
+    force.vxx -= bx * fx;
+    force.vyy -= by * fy;
+    force.vxy -= 0.5 * (bx * fy + by * fx);
+  }
+  Motion::Way way(int feature, double x, double y) const { return scene.way(feature, x, y); }
+  int first_feature(int feature) const { return scene.first_feature(feature); }
+  std::vector<std::string> feature_names() const { return scene.feature_names(); }
+  void do_work(double energy) { scene.do_work(energy); }
+
+ private:
+  const int dimension;
+  std::string region_id;    // empty: shapes from words
+  Region *region = nullptr;
+  WallScene scene;     // in two dimensions
+  SpaceScene space;    // in three
+  bool moves() const { return scene.moves() || space.moves(); }
+  WallSources &sources() { return dimension == 2 ? scene.sources : space.sources; }
+  void restore_energy(double energy)
+  {
+    dimension == 2 ? scene.restore(energy) : space.restore(energy);
+  }
+
+  double stickiness = 0.0;
+  struct {
+    int axis = -1;    // none
+    WallVariable speed;
+  } shear;
+  // A wall that moves by Newton's equation.
+  struct {
+    double mass = 0.0;    // none
+    WallVariable force;
+    double v = 0.0, pushed = 0.0;    // along the axis of the side; by the particles
+  } load;
+
+  struct WallForce {
+    double fx, fy, fz, vxx, vyy, vzz, vxy, vxz, vyz;
+  };
+  // of the present step
+  std::vector<WallForce> wall_forces;    // by local index
+  std::vector<const class Pair *> callers;
+  bool first_call = false;
+  double on_wall[3] = {0.0, 0.0, 0.0};
+
+  void place(bool counts);
+  void require(const std::string &problem);
+  int read_keywords(int narg, char **arg);
+  int read_keyword(int iarg, int narg, char **arg);
+  void check_keywords(WallSources &) const;
+  std::vector<WallVariable *> variables();
+  void evaluate_at_the_end();
+  void check_places();
+  void kick();
+  std::vector<double *> moving_places();
+  void read_region();
+  void match_region();
+  void take(WallSources &&);
+  void warn_of_box() const;
+  [[noreturn]] void refuse_center(int i, double radius, const RefusedCenter &);
+};
+
+// Calls visitor(code, nearest point) for each wall within (1 + reach) radii of atom i. The code of a feature of wall w of n
+// is -1 - (w + n feature).
+template <class Visitor>
+void visit_walls(const std::vector<FixDeformableWall *> &walls, int i, double radius, double reach,
+                 Visitor &&visitor)
+{
+  const int count = static_cast<int>(walls.size());
+  for (int w = 0; w < count; ++w)
+    walls[w]->visit(i, radius, reach, [&](const deformable::NearestPoint &point) {
+      visitor(-1 - (w + count * point.feature), point);
+    });
+}
+
+// The same in three dimensions.
+template <class Visitor>
+void visit_walls_in_space(const std::vector<FixDeformableWall *> &walls, int i, double radius,
+                          double reach, Visitor &&visitor)
+{
+  const int count = static_cast<int>(walls.size());
+  for (int w = 0; w < count; ++w)
+    walls[w]->visit_in_space(i, radius, reach,
+                             [&](int feature, const deformable::SurfacePoint &point) {
+                               visitor(-1 - (w + count * feature), point);
+                             });
+}
+
+}    // namespace LAMMPS_NS
+
+#endif
+#endif
