@@ -264,3 +264,13 @@ def test_a_run_reaches_its_targets(tmp_path: Path) -> None:
     assert float(reached["phi"]) == pytest.approx(0.87, rel=1e-9)
     assert float(last["pressure"]) == pytest.approx(0.005, rel=1e-6)
     assert ld.Run(tmp_path / "run").parameters["pressure"] == 0.005
+
+
+def test_steps_that_are_appended_are_counted_on(tmp_path: Path) -> None:
+    words = ("compress", "--out", "run", "--steps")
+    first = command(*words, 2, "--number", 6, "--strain", 0.02, cwd=tmp_path)
+    second = command(*words, 1, "--strain", 0.01, "--append", cwd=tmp_path)
+    for done, expected in ((first, [1, 2]), (second, [3])):
+        assert done.returncode == 0, done.stderr
+        rows = re.findall(r"^ *(\d+) ", done.stdout, re.MULTILINE)
+        assert list(map(int, rows)) == expected
