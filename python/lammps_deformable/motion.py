@@ -435,7 +435,8 @@ def _begin(sim: Any, settings: Mapping[str, Any]) -> tuple[Any, dict[str, Any]]:
     step = steps_so_far(sim)
     of_start, _ = seeds(settings["seed"], step)
     # in a bath, particles keep the velocities that they have
-    drawn = not dynamics.drag or not gather(lmp, "v", 3).any()
+    velocities, directions = gather(lmp, "v", 3), sim.directions
+    drawn = not dynamics.drag or not velocities.any()
     if dynamics.inertia and temperature is not None and lmp.get_natoms() > 1 and drawn:
         run(lmp, f"velocity all create {temperature!r} {of_start} loop all mom yes dist gaussian")
     if dynamics.persistence is not None:
@@ -447,6 +448,12 @@ def _begin(sim: Any, settings: Mapping[str, Any]) -> tuple[Any, dict[str, Any]]:
     state = _with_directions(sim, dynamics)
     if settings.get("pressure") is None:
         start["timestep"] = dynamics.timestep or dynamics.default_step(state)
+        try:
+            dynamics.check(state, start["timestep"])
+        except ParameterError:  # a call that is refused leaves the simulation as it was
+            place(lmp, "v", velocities)
+            sim.directions = directions
+            raise
     return state, start
 
 

@@ -140,6 +140,7 @@ def test_refusals(loose: ld.Packing) -> None:
         ):
             with refused(message):
                 sim.run(**{"steps": 100, "temperature": 1e-5} | values)
+            assert not sim.state().velocities.any()  # those of the heat bath are gone
 
 
 def test_a_short_motion_is_one_state(loose: ld.Packing) -> None:
