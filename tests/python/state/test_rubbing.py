@@ -162,3 +162,12 @@ def test_no_spins_to_draw() -> None:
         state = disks.state()
     with pytest.raises(ld.ParameterError, match="no spins: give the simulation"):
         state.plot(spins=True)
+
+
+def test_a_simulation_of_a_state_has_its_friction() -> None:
+    friction = ld.Friction(0.3, kt=0.1)
+    with ld.Simulation(ld.crystal("hex", (2, 1), phi=0.95), ld.Ring(), friction=friction) as sim:
+        state = sim.state()
+    for given, expected in ((state, friction), (state.packing, None)):
+        with ld.Simulation(given, state.law) as sim:
+            assert sim.friction == sim.state().friction == expected
