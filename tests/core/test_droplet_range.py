@@ -127,7 +127,7 @@ def test_facet_is_the_mean_weighted_by_force():
 
 
 def test_page_and_source_name_the_same_limits():
-    source = (PAGE.parents[1] / "src" / "core" / "droplet.h").read_text()
+    source = (PAGE.parents[1] / "src" / "laws" / "droplet.h").read_text()
     for name, value in (("LOAD", LARGEST_LOAD), ("FACET", LARGEST_FACET)):
         assert re.search(rf"LARGEST_{name} = {value:g};", source)
         assert getattr(laws, f"LARGEST_{name}") == value

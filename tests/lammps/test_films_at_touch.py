@@ -38,7 +38,7 @@ def test_limit():
     """The pages and the source have its digits."""
     assert pytest.approx(LIMIT, abs=0.005) == 0.41
     root = Path(__file__).parents[2]
-    assert "LARGEST_AT_TOUCH = 0.41;" in (root / "src" / "core" / "contact_film.h").read_text()
+    assert "LARGEST_AT_TOUCH = 0.41;" in (root / "src" / "laws" / "contact_film.h").read_text()
     page = (root / "docs" / "pair_deformable_ring.md").read_text()
     w, d = (
         [float(word) for word in re.search(rf"\| {name}/[TR] \| (.*) \|", page)[1].split("|")]

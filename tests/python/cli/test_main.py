@@ -206,7 +206,7 @@ def test_another_lammps_is_refused_in_one_line(
 def test_info_of_a_complete_installation(tmp_path: Path) -> None:
     result = program("deformable", "info", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
-    source = Path(__file__).parents[3] / "src" / "lammps"  # whose headers name the styles
+    source = Path(__file__).parents[3] / "src"  # whose headers name the styles
     names = {
         f"{kind.lower()} style {style}"
         for header in source.rglob("*.h")

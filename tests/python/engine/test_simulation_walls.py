@@ -178,7 +178,7 @@ def test_further_walls_by_hand(packing) -> None:
     """Through `lmp`: they act, but are none of the simulation's."""
     with ld.Simulation(packing.replace(walls=packing.walls[:3]), Ring()) as sim:
         line = packing.walls[3]
-        words = " ".join(map(repr, line.values))
+        words = " ".join(map(repr, line._values))
         sim.lmp.command(f"fix mine all deformable/wall segment {words}")
         sim.lmp.command("fix_modify mine virial yes")
         state = sim.state()

@@ -73,7 +73,7 @@ def test_directions_go_on(free: ld.Packing, tmp_path: Path) -> None:
     data.write_text(data.read_text().rpartition("# direction")[0])
     with pytest.raises(ld.FileError, match="it has directions of 1599 of 1600 atoms"):
         ld.Run(tmp_path / "run").simulation()
-    assert first.values("direction") == pytest.approx(np.arctan2(*first.directions.T[::-1]))
+    assert first._values("direction") == pytest.approx(np.arctan2(*first.directions.T[::-1]))
     ax = first.plot(color="direction")
     assert ax.collections[0].get_clim() == pytest.approx((-np.pi, np.pi))
     assert ax.collections[0].get_cmap().name == "twilight"

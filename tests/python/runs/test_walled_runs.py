@@ -77,7 +77,7 @@ def test_compression_scales_walls_with_particles(jammed, run) -> None:
     last = states[-1].packing
     assert last.volume / jammed.volume == pytest.approx(0.97**2)
     for wall, first in zip(last.walls, jammed.walls, strict=True):
-        assert wall.values == pytest.approx(0.97 * np.array(first.values))
+        assert wall._values == pytest.approx(0.97 * np.array(first._values))
 
 
 def test_saved_runs_are_read_back(run) -> None:

@@ -71,7 +71,7 @@ def test_disks_have_the_words_of_states(disks: ld.State) -> None:
     assert set((widths / widths.max()).round(9)) == set((largest / largest.max()).round(9))
     assert len(widths) >= 2 * len(largest)
     held = disks.particle_stress[:, [0, 1], [0, 1]].mean(axis=1)
-    assert disks.values("pressures") == pytest.approx(held, rel=1e-12)
+    assert disks._values("pressures") == pytest.approx(held, rel=1e-12)
     assert np.sum(held * disks.volumes) / disks.packing.volume == pytest.approx(disks.pressure)
 
 
