@@ -124,7 +124,8 @@ def test_places_between_walls(loose) -> None:
     dense = packing.at(0.6)
     factor = (packing.phi / 0.6) ** (1 / 3)
     assert dense.phi == pytest.approx(0.6)
-    assert dense.walls[0]._values == pytest.approx(np.array([1, 2, 0, 0, 0, 1 / factor, 5]) * factor)
+    tube = np.array([1, 2, 0, 0, 0, 1 / factor, 5])
+    assert dense.walls[0]._values == pytest.approx(tube * factor)
     assert dense.walls[3]._values == pytest.approx(np.array([2, 2, 2, 1]) * factor)
 
 
