@@ -16,7 +16,7 @@ from ._files import reading
 from .errors import FileError, ParameterError
 from .files import UNTYPED, read_particles
 from .lammps import close_lammps, run, silent_lammps
-from .laws import ALL_LAWS, AnyLaw, Droplet, Ring, Sector, SpeciesParameters
+from .laws import ALL_LAWS, AnyLaw, Droplet, Ring, Sector, SoftContact, SpeciesParameters
 from .packing import Packing
 from .simulation import Simulation
 from .store import (
@@ -102,7 +102,8 @@ def law_of_run(path: str | Path, species: str | Path, frame: int) -> AnyLaw | No
             number = frame if frame >= 0 else frames_in(folder) + frame
             saved = setup_of(setups_in(folder), max(number, 0))
         with reading(folder / SUMMARY):
-            return read_setup(saved).law
+            law = read_setup(saved).law
+            return None if isinstance(law, SoftContact) else law
     return None
 
 

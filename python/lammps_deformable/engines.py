@@ -15,7 +15,6 @@
 
 from __future__ import annotations
 
-from itertools import combinations_with_replacement
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -24,11 +23,13 @@ from numpy.typing import NDArray
 
 from .box import fractional
 from .commands import (
+    SOFT_STEP,
     film_commands,
     law_commands,
     memory_commands,
     minimizer_commands,
     pair_style,
+    soft_commands,
     species_file,
 )
 from .contacts import DROPLET_ROWS, ROWS, ContactTable, attached, contact_table, droplet_table
@@ -536,20 +537,9 @@ def others_push(sim: Simulation, largest: float, total: float) -> bool:
     return largest > total and has_other_fixes(sim.lmp, sim._setup)
 
 
-# Times count in contact periods sqrt(m/k): a step of 0.05 was fastest, from 0.1 on FIRE is at its
-# stability limit.
-_SOFT_STEP = 0.05
 _CONTACTS = """
 compute overlaps all pair/local dist force cutoff {cutoff}
 timestep {timestep!r}
-"""
-
-# The same disks with radii of their own: grains without friction and damping. LAMMPS has no energy
-# for them, but FIRE needs their forces only.
-_GRAINS = """
-comm_modify vel yes
-pair_style gran/hooke {k!r} NULL 0.0 NULL 0.0 0
-pair_coeff * *
 """
 
 # Walls repel particles as other particles do, U = k/2 (R - h)^2 at the distance h.
@@ -740,19 +730,9 @@ def open_disks(
     """A LAMMPS with soft disks or spheres, U = k/2 overlap^2 of each pair, ready for FIRE."""
     smallest = float(packing.radii.min())
     lmp = open_lammps(packing, comm, former)
-    by_species = not packing._own_radii
-    if by_species:
-        run(lmp, "pair_style harmonic/cut")
-        for (i, a), (j, b) in combinations_with_replacement(
-            enumerate(packing._species_radii, start=1), 2
-        ):
-            run(
-                lmp, f"pair_coeff {i} {j} {0.5 * k!r} {float(a + b)!r}"
-            )  # LAMMPS' energy has no 1/2
-    else:
-        run(lmp, _GRAINS.format(k=k))
-    cutoff = "type" if by_species else "radius"
-    run(lmp, _CONTACTS.format(cutoff=cutoff, timestep=_SOFT_STEP / k**0.5))
+    run(lmp, soft_commands(packing, k))
+    cutoff = "radius" if packing._own_radii else "type"
+    run(lmp, _CONTACTS.format(cutoff=cutoff, timestep=SOFT_STEP / k**0.5))
     run(
         lmp,
         virial_command()

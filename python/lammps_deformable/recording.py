@@ -21,10 +21,9 @@ from mpi4py import MPI
 from . import store
 from ._checks import expect, positive, shown
 from ._files import check_parameters, make_folder
-from .engines import go_on
 from .errors import FileError, ParameterError
 from .lammps import has_commands_of_a_user
-from .laws import Droplet, Ring, Sector
+from .laws import Droplet, Ring, Sector, SoftContact
 from .ranks import progress
 
 if TYPE_CHECKING:
@@ -161,7 +160,7 @@ def resume(run: Run, sim: Any, callback: Callback | None = None) -> None:
         sim.relax(np.finfo(float).max)  # relaxed already: this only finds whether it is rigid
         packing, *_ = store.read(run.folder)
         sim.reset(packing)
-        go_on(sim, store.read_motion(run.folder, packing))
+        sim._engine.go_on(sim, store.read_motion(run.folder, packing))
     _steps(sim, told, start, done, start["frame"], None, run.folder, callback, [], False)
 
 
@@ -181,7 +180,7 @@ def _taken(
     if record is None:
         return None, 0, {}
     expect("record", record, str, Path)
-    if not isinstance(sim.law, Ring | Sector | Droplet):
+    if not isinstance(sim.law, Ring | Sector | Droplet | SoftContact):
         raise ParameterError(
             f"states of {type(sim.law).__name__} cannot be written yet: leave out record, or take "
             "another law"
@@ -325,7 +324,7 @@ def _write(folder: Path, number: int, state: Any, parameters: Mapping[str, Any])
     """Write a frame, and the state behind it. Only one rank calls this."""
     made_of = store.setup(state.packing, state.law, state.friction) | store.memory(state._motion)
     store.append_setup(folder, number, made_of)
-    images = dict(zip(("ix", "iy", "iz"), state.images.T, strict=False))
-    values = images | state._particle_values()
+    images = () if state.images is None else state.images.T
+    values = dict(zip(("ix", "iy", "iz"), images, strict=False)) | state._particle_values()
     store.append_frame(folder, number, state.packing, values, recorded_numbers(state))
     state._write(folder, parameters, frames=number + 1)

@@ -29,10 +29,9 @@ from numpy.typing import NDArray
 from . import recording, store
 from ._checks import expect, shown
 from ._files import from_json, reading, refuse_present, replaces, write_whole
-from .engines import go_on
 from .errors import FileError, ParameterError, StalledWarning
 from .lammps import communicator
-from .laws import AnyLaw, Droplet
+from .laws import AnyLaw, Droplet, SoftContact
 from .packing import Packing
 from .ranks import world
 from .recording import recorded_numbers
@@ -124,9 +123,16 @@ _RINGS = ("area", "perimeters", "pressures", "n_contacts", "arc_radii")
 _DROPLETS = ("surface_areas", "pressures", "loads", "contact_areas", "n_contacts")
 
 
+def _results_of(law: AnyLaw | SoftContact) -> tuple[str, ...]:
+    """Names of what the law computes for each particle."""
+    if isinstance(law, SoftContact):  # they follow from the centers
+        return ()
+    return _DROPLETS if isinstance(law, Droplet) else _RINGS
+
+
 def _recorded_state(
     packing: Packing,
-    law: AnyLaw,
+    law: AnyLaw | SoftContact,
     friction: Friction | None,
     motion: Motion,
     columns: Mapping[str, NDArray[Any]],
@@ -137,7 +143,7 @@ def _recorded_state(
         name: columns[COLUMNS.get(name, name)].astype(
             np.int64 if name == "n_contacts" else np.float64
         )
-        for name in (_DROPLETS if isinstance(law, Droplet) else _RINGS)
+        for name in _results_of(law)
     }
     known: dict[str, Any] = {
         "results": results,
@@ -149,12 +155,14 @@ def _recorded_state(
         "energy": float(row["energy"]),
         "residual": float(row["residual"]),
         "converged": row["stalled"] != str(True),
-        "beyond": int(row["beyond"]),
+        "beyond": int(row.get("beyond") or 0),
         "pressure_tensor": _stress_in(row, packing.dimension),
         "lost_energy": float(row.get("lost_energy") or 0.0),
         "films": motion.films,
         "directions": motion.directions,
     }
+    if isinstance(law, SoftContact):
+        return State(packing, law, **known)
     evaluate = partial(_evaluated, packing, law, friction, motion)
     if friction is None:
         return State(packing, law, **known, _evaluate=evaluate)
@@ -172,7 +180,7 @@ def _stress_in(row: Mapping[str, str], dimension: int) -> NDArray[np.float64]:
 def _evaluated(packing: Packing, law: AnyLaw, friction: Friction | None, motion: Motion) -> State:
     """The state of recorded particles, on this rank alone."""
     with Simulation(packing, law, comm=MPI.COMM_SELF, friction=friction) as sim:
-        go_on(sim, motion)
+        sim._engine.go_on(sim, motion)
         return sim.state()
 
 
@@ -286,13 +294,11 @@ class Run(Sequence[Any]):
             return self._states[number]
         with reading(f"frame {number} of {self.folder / TRAJECTORY}"):
             saved, text = self._frames.setup(number), self._frames.text(number)
-            law, radii, walls, friction = read_setup(saved)
+            law, radii, walls, friction, dimension = read_setup(saved)
             rows = self._frames.rows()
             if number >= len(rows):
                 raise LookupError(f"its row in {SERIES}")
-            packing, motion, columns = store.read_frame(
-                text, radii, saved, rows[number], law.dimension
-            )
+            packing, motion, columns = store.read_frame(text, radii, saved, rows[number], dimension)
             packing = packing.replace(walls=walls)
             return _recorded_state(packing, law, friction, motion, columns, rows[number])
 
@@ -345,7 +351,7 @@ class Run(Sequence[Any]):
         packing, law, friction = read(folder)
         motion = read_motion(folder, packing)
         sim = Simulation(packing, law, comm=comm, friction=friction)
-        go_on(sim, motion)
+        sim._engine.go_on(sim, motion)
         return sim
 
     def resume(

@@ -21,6 +21,7 @@ from . import analysis, contacts, shapes, tracking
 from ._checks import count, numbers, positive, shown
 from ._files import check_parameters, replaces
 from .analysis import Cells, cells_of, space_cells_of
+from .commands import SOFT_STEP
 from .contacts import ContactForces, ContactTable
 from .errors import ParameterError, UndefinedError, UnsavedWarning
 from .friction import Friction, Rubbing, spin_column
@@ -53,13 +54,15 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
-# Laws with particles that deform and move, of which states can be saved.
+# Laws with particles that deform and move; those of which states can be saved.
 _MOVING = (Ring, Sector, Droplet)
+_SAVED = (*_MOVING, SoftContact)
 
 # The laws that have an attribute, and what the message calls them.
 _LAWS: dict[str, tuple[tuple[type, ...], str]] = {
     "rings": ((Ring, Sector), "Ring and Sector"),
     "moving": (_MOVING, "Ring, Sector and Droplet"),
+    "saved": (_SAVED, "Ring, Sector, Droplet and SoftContact"),
     "droplets": ((Droplet,), "Droplet"),
 }
 
@@ -1118,15 +1121,13 @@ class State:
             "residual": self.residual,
             "stalled": not self.converged,
         }
-        if not isinstance(self.law, _MOVING):
-            return found
-        name = "load" if isinstance(self.law, Droplet) else "shape_parameter"
-        return found | {
-            "temperature": self.temperature,
-            "time": self.time,
-            name: float(np.mean(self.loads if name == "load" else self.shape_parameter)),
-            "beyond": self.beyond,
-        }
+        if isinstance(self.law, _SAVED):
+            found |= {"temperature": self.temperature, "time": self.time}
+        if isinstance(self.law, _MOVING):
+            name = "load" if isinstance(self.law, Droplet) else "shape_parameter"
+            mean = np.mean(self.loads if name == "load" else self.shape_parameter)
+            found |= {name: float(mean), "beyond": self.beyond}
+        return found
 
     def _particle_values(self) -> dict[str, NDArray[Any]]:
         """Values of the particles by their names in a trajectory, arrays of shape (N,)."""
@@ -1137,7 +1138,7 @@ class State:
         for name, values in self.results.items():
             found[COLUMNS.get(name, name)] = values
         found["rattler"] = self.rattlers.astype(int)
-        if isinstance(self.law, _MOVING):
+        if isinstance(self.law, _SAVED):
             found |= dict(zip(("vx", "vy", "vz"), self.velocities.T, strict=False))
             found |= {**as_columns(self.directions), **spin_column(self.rubbing)}
         return found
@@ -1225,7 +1226,7 @@ class State:
         """
         shapes.export(self, path, forces, mode)
 
-    @_only("moving")
+    @_only("saved")
     def save(
         self,
         folder: str | Path,
@@ -1267,14 +1268,21 @@ class State:
         self, folder: Path, parameters: Mapping[str, Any] | None, frames: int | None = None
     ) -> None:
         """Write the state behind so many recorded frames up to it, if any."""
+        steps = self._time_steps()
+        numbers = self._numbers()
+        packing, law = self.packing, self.law
+        save(folder, packing, law, steps, numbers, self._motion, parameters, frames, self.friction)
+
+    def _time_steps(self) -> tuple[float, float]:
+        """For the script in the folder: of a minimization, and of a motion [time]."""
+        if isinstance(self.law, SoftContact):
+            return (SOFT_STEP / self.law.k**0.5,) * 2
         packing, law, squeeze, now = self._step_limits()
         longest = self.friction._accurate_step if self.friction else np.inf
-        steps = (
+        return (
             min(accurate_step(packing, law, squeeze, now), longest),
             min(accurate_step(packing, law, squeeze, max(now, TEMPERATURE)), longest),
         )
-        numbers = self._numbers()
-        save(folder, packing, law, steps, numbers, self._motion, parameters, frames, self.friction)
 
 
 def soft_state(packing: Packing, law: SoftContact, residual: float, converged: bool) -> State:

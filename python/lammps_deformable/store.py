@@ -28,6 +28,7 @@ from .commands import (
     films_in,
     law_commands,
     setup_commands,
+    soft_commands,
     species_file,
     wall_commands,
 )
@@ -51,7 +52,7 @@ from .friction import (
     rubbing_lines,
     spring_commands,
 )
-from .laws import ALL_LAWS, AnyLaw
+from .laws import ALL_LAWS, AnyLaw, SoftContact
 from .packing import Packing
 from .room import closed
 from .versions import versions
@@ -248,6 +249,9 @@ run 0
 """
 
 
+# For soft contacts Python computes the forces of walls.
+_WITHOUT_WALLS = "# LAMMPS has no walls for soft contacts: these are left out\n"
+
 _RELAXING = """# To relax it:
 # minimize 0 1e-12 10000 20000
 
@@ -256,7 +260,7 @@ _RELAXING = """# To relax it:
 
 def script(
     packing: Packing,
-    law: AnyLaw,
+    law: AnyLaw | SoftContact,
     timestep: float,
     moving: float,
     motion: Motion,
@@ -272,8 +276,11 @@ def script(
         motion: of the saved particles, with films and springs of contacts.
         friction: of the contacts, if they rub.
     """
-    commands = law_commands(packing, law, SPECIES) + wall_commands(packing.walls)
-    commands += film_commands(law, packing.walls, motion.films)
+    if isinstance(law, SoftContact):
+        commands = _WITHOUT_WALLS * bool(packing.walls) + soft_commands(packing, law.k)
+    else:
+        commands = law_commands(packing, law, SPECIES) + wall_commands(packing.walls)
+        commands += film_commands(law, packing.walls, motion.films)
     commands += friction_commands(friction, len(packing._species_radii)) + spring_commands(
         motion.rubbing
     )
@@ -688,7 +695,7 @@ def read_frame(
 def save(
     folder: str | Path,
     packing: Packing,
-    law: AnyLaw,
+    law: AnyLaw | SoftContact,
     timesteps: tuple[float, float],
     numbers: Mapping[str, Any],
     motion: Motion,
@@ -716,7 +723,8 @@ def save(
         "parameters": as_json("parameters", parameters or {}),
         "versions": versions(),
     }
-    write_whole(folder / SPECIES, species_file(law, packing._species_radii))
+    if not isinstance(law, SoftContact):  # LAMMPS' own pair styles have no species file
+        write_whole(folder / SPECIES, species_file(law, packing._species_radii))
     write_whole(folder / SCRIPT, script(packing, law, *timesteps, motion, friction))
     write_whole(folder / SUMMARY, json.dumps(summary, indent=2, allow_nan=False) + "\n")
     # last: it completes the state
@@ -726,17 +734,19 @@ def save(
 class Setup(NamedTuple):
     """What a state is made of besides its particles."""
 
-    law: AnyLaw
+    law: AnyLaw | SoftContact
     radii: list[float]
     walls: tuple[Wall, ...]
     friction: Friction | None
+    dimension: int
 
 
-def setup(packing: Packing, law: AnyLaw, friction: Friction | None) -> dict[str, Any]:
+def setup(packing: Packing, law: AnyLaw | SoftContact, friction: Friction | None) -> dict[str, Any]:
     """Law, radii of species, walls, and friction if contacts rub, as JSON."""
     settings = {name: value for name, value in asdict(law).items() if name != "contact"}
     return {
         "law": {"name": law.name} | as_json("law", settings),
+        "dimension": packing.dimension,
         "radii": packing._species_radii.tolist(),
         "walls": [{"shape": type(wall).__name__, **asdict(wall)} for wall in packing.walls],
         **({} if friction is None else {"friction": as_json("friction", asdict(friction))}),
@@ -757,12 +767,13 @@ def read_setup(saved: Mapping[str, Any]) -> Setup:
     """
     settings = dict(saved["law"])
     name: str = settings.pop("name")
-    if name not in ALL_LAWS:
+    laws = {**ALL_LAWS, "soft": SoftContact()}
+    if name not in laws:
         raise ValueError(f"there is no law {name!r}")
-    law = replace(ALL_LAWS[name], **from_json(settings))
+    law = replace(laws[name], **from_json(settings))
     walls = tuple(_wall(**each) for each in saved.get("walls", []))
     friction = _friction(saved["friction"]) if "friction" in saved else None
-    return Setup(law, saved["radii"], walls, friction)
+    return Setup(law, saved["radii"], walls, friction, int(saved["dimension"]))
 
 
 def summary_in(folder: Path) -> dict[str, Any]:
@@ -801,7 +812,7 @@ def _wall(shape: str, **values: Any) -> Wall:
     return SHAPES[shape](**values)
 
 
-def read(folder: Path) -> tuple[Packing, AnyLaw, Friction | None]:
+def read(folder: Path) -> tuple[Packing, AnyLaw | SoftContact, Friction | None]:
     """The packing in a folder, with every digit, its contact law, and friction if contacts rub.
 
     Raises:
@@ -809,9 +820,9 @@ def read(folder: Path) -> tuple[Packing, AnyLaw, Friction | None]:
     """
     summary = summary_in(refuse(folder, but="compression"))
     with reading(folder / SUMMARY):
-        law, radii, walls, friction = read_setup(summary)
+        law, radii, walls, friction, dimension = read_setup(summary)
     with reading(folder / DATA):
-        packing = packing_in(_text(folder / DATA, folder), radii, law.dimension)
+        packing = packing_in(_text(folder / DATA, folder), radii, dimension)
         return (packing.replace(walls=walls) if walls else packing), law, friction
 
 

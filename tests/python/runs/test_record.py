@@ -10,6 +10,7 @@ from pathlib import Path
 import lammps_deformable as ld
 import numpy as np
 import pytest
+from programs import program
 from protocol_helpers import written
 
 
@@ -230,3 +231,23 @@ def test_a_run_goes_on_to_another_target(jammed: ld.Packing, tmp_path: Path) -> 
     same = sim.compress(pressure=1e-3, record=tmp_path, mode="a")
     assert (len(run), len(same)) == (before + 2, 1)
     assert len(run.resume()) == before + 2
+
+
+@pytest.mark.parametrize("own", [False, True], ids=["species", "own radii"])
+def test_soft_contacts(own: bool, tmp_path: Path) -> None:
+    """Frames have what was computed, and LAMMPS finds the same stress by itself."""
+    sizes = np.linspace(0.4, 0.6, 16) if own else [0.5, 0.6] * 8
+    start = ld.jam(ld.polydisperse(16, sizes, phi=0.3, seed=2)).packing
+    law = ld.SoftContact(k=2.0)
+    with ld.Simulation(start, law) as sim:
+        run = sim.compress(strain=0.02, steps=2, record=tmp_path / "run")
+        state = sim.state()
+    last = ld.Run(tmp_path / "run")[-1]
+    assert (len(run), last.law) == (3, law)
+    assert last.pressure == pytest.approx(state.pressure, rel=1e-12)
+    assert last.forces == pytest.approx(state.forces, abs=1e-9)
+    assert np.array_equal(last.n_contacts, state.n_contacts)
+    assert ld.Run(tmp_path / "run").simulation().state().energy == pytest.approx(state.energy)
+    done = program("lmp", "-in", "in.lammps", "-log", "none", cwd=tmp_path / "run")
+    *_, pressure = done.stdout.partition(" Press")[2].splitlines()[1].split()
+    assert float(pressure) == pytest.approx(state.pressure, rel=1e-9)

@@ -31,6 +31,7 @@ PROTOCOLS: dict[str, Callable[..., Any]] = {
         **{"propulsion": 1e-3, "persistence": 10.0},
         **how,
     ),
+    "soft contacts": lambda sim, **how: sim.shear(0.8, steps=5, **how),
     "rest": lambda sim, **how: sim.run(
         4000, every=1000, pressure=1e-3, inertial_number=0.02, seed=2, **how
     ),
@@ -52,11 +53,12 @@ def contents(folder: Path) -> dict[str, bytes]:
 @pytest.mark.filterwarnings("ignore::lammps_deformable.UnjammedWarning")
 @pytest.mark.parametrize("name", PROTOCOLS)
 def test_the_files_of_a_whole_run(name: str, start: ld.Packing, tmp_path: Path) -> None:
-    whole = PROTOCOLS[name](ld.Simulation(start, ld.Ring()), record=tmp_path / "whole")
+    law = ld.SoftContact(k=2.0) if name == "soft contacts" else ld.Ring()
+    whole = PROTOCOLS[name](ld.Simulation(start, law), record=tmp_path / "whole")
     assert len(whole) > 3
     folder = tmp_path / "broken"
     with pytest.raises(Stop):
-        PROTOCOLS[name](ld.Simulation(start, ld.Ring()), record=folder, callback=stop_after(2))
+        PROTOCOLS[name](ld.Simulation(start, law), record=folder, callback=stop_after(2))
     run = ld.Run(folder)
     assert (len(run), run.steps_done) == (3, 2)
     seen: list[ld.State] = []
@@ -168,8 +170,9 @@ def test_refusals(start: ld.Packing, tmp_path: Path) -> None:
             sim.shear(0.02, record=place, mode="a")
         assert ld.Run.exists(place)
         assert not ld.Run.exists(tmp_path / "none")
+    apart = ld.Packing([[1, 1], [3, 1]], 0.5, (4, 2))
     with (
-        ld.Simulation(start, ld.SoftContact()) as disks,
+        ld.Simulation(apart, ld.DeformablePolygon()) as polygons,
         pytest.raises(ld.ParameterError, match="cannot be written yet"),
     ):
-        disks.shear(0.1, record=tmp_path / "disks")
+        polygons.shear(0.1, record=tmp_path / "polygons")
