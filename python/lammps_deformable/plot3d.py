@@ -6,7 +6,7 @@ horizontal plane cuts, a picture in the plane. The surfaces of the balls are pol
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -24,6 +24,7 @@ from .room import bounds, closed, lines_around, section_between
 from .walls import Sphere, Wall
 
 if TYPE_CHECKING:
+    from .packing import Packing
     from .state import State
 
 Floats = NDArray[np.float64]
@@ -279,19 +280,6 @@ _WALL = 0.75
 # Where light comes from, to the right, up, and to the viewer; light that is everywhere; light on
 # facets over that on the rest.
 _LIGHT, _EVERYWHERE, _FACETS = np.array([-0.35, 0.5, 0.8]), 0.35, 0.8
-
-
-class Packing(Protocol):
-    """What a picture shows of a packing."""
-
-    @property
-    def positions(self) -> Floats: ...
-    @property
-    def radii(self) -> Floats: ...
-    @property
-    def box(self) -> Floats: ...
-    @property
-    def walls(self) -> tuple[Wall, ...]: ...
 
 
 class Chains(NamedTuple):

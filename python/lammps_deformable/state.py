@@ -50,7 +50,7 @@ if TYPE_CHECKING:
     from .moduli import ElasticModuli
     from .packing import Packing
     from .secondary import SecondaryOutlines
-    from .tracking import LocalStrain, Snapshot
+    from .tracking import LocalStrain
 
 Floats = NDArray[np.float64]
 
@@ -858,7 +858,7 @@ class State:
 
     # motion since an earlier state
 
-    def displacements(self, before: Snapshot | Packing) -> Floats:
+    def displacements(self, before: State | Packing) -> Floats:
         """Displacements of the particles since an earlier state, shape (N, d) [length].
 
         Particles may have crossed the boundaries of the box. Each is followed by the image that is
@@ -876,14 +876,14 @@ class State:
         """
         return tracking.displacements(before, self)
 
-    def nonaffine(self, before: Snapshot | Packing) -> Floats:
+    def nonaffine(self, before: State | Packing) -> Floats:
         """`displacements` without the strain of the box, shape (N, d) [length].
 
         Without them the centers would keep their places in units of the lattice vectors.
         """
         return tracking.nonaffine(before, self)
 
-    def local_strain(self, before: Snapshot | Packing, r_max: float | None = None) -> LocalStrain:
+    def local_strain(self, before: State | Packing, r_max: float | None = None) -> LocalStrain:
         """Strain around each particle since an earlier state, and D^2_min.
 
             gradient, d2min, neighbors = state.local_strain(before)

@@ -6,7 +6,7 @@ Periodic images and boxes that changed are taken into account.
 from __future__ import annotations
 
 import warnings
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,18 +21,13 @@ from .room import closed
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
+    from .state import State
+
 Floats = NDArray[np.float64]
 
 # Steps of this part of the box, beside its strain, tell that others are beyond half of it, where
 # the nearest image is another one.
 _FAR = 0.4
-
-
-class Snapshot(Protocol):
-    """A state of any kind."""
-
-    @property
-    def packing(self) -> Packing: ...
 
 
 def packing_of(name: str, given: Any) -> Packing:
@@ -43,7 +38,7 @@ def packing_of(name: str, given: Any) -> Packing:
     return packing
 
 
-def affine(before: Snapshot | Packing, now: Snapshot, points: Floats) -> Floats:
+def affine(before: State | Packing, now: State, points: Floats) -> Floats:
     """Points that follow the box from a state to a later one, shape (n, d) [length].
 
     Boxes whose tilts differ by their widths have the same images. Of the boxes that are equivalent
@@ -71,7 +66,7 @@ def _unflipped(old: Floats, box: Floats, added: float) -> Floats:
     return box
 
 
-def nonaffine(before: Snapshot | Packing, now: Snapshot) -> Floats:
+def nonaffine(before: State | Packing, now: State) -> Floats:
     """See `State.nonaffine`."""
     old, new = packing_of("before", before), packing_of("now", now)
     if len(old) != len(new):
@@ -90,17 +85,17 @@ def nonaffine(before: Snapshot | Packing, now: Snapshot) -> Floats:
     return nearest_image(moved, new.box, shut)
 
 
-def displacements(before: Snapshot | Packing, now: Snapshot) -> Floats:
+def displacements(before: State | Packing, now: State) -> Floats:
     """See `State.displacements`."""
     moved = nonaffine(before, now)
     start = packing_of("before", before).positions
     return affine(before, now, start) - start + moved
 
 
-def unwrapped(states: Iterable[Snapshot]) -> Floats:
+def unwrapped(states: Iterable[State]) -> Floats:
     """See `Run.unwrapped`."""
     found: list[Floats] = []
-    former: Snapshot | None = None
+    former: State | None = None
     farthest, last = 0.0, 0
     for number, state in enumerate(states):
         packing = packing_of("a state", state)
@@ -191,7 +186,7 @@ class LocalStrain(NamedTuple):
         return 0.5 * (self.gradient + np.swapaxes(self.gradient, 1, 2))
 
 
-def local_strain(before: Snapshot | Packing, now: Snapshot, r_max: float) -> LocalStrain:
+def local_strain(before: State | Packing, now: State, r_max: float) -> LocalStrain:
     """See `State.local_strain`."""
     beside, start = nonaffine(before, now), packing_of("before", before)
     i, j, shift = pairs_within(start, r_max)
