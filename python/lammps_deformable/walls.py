@@ -104,14 +104,14 @@ class Wall(ABC):
         return ()
 
     @property
+    @abstractmethod
     def _middle(self) -> Floats:
-        """The center of an obstacle, shape (d,) [length]."""
-        raise NotImplementedError
+        """A point of the wall, the center of an obstacle, shape (d,) [length]."""
 
     @property
     def _extent(self) -> float:
-        """Radius of a circle or sphere around an obstacle, about the middle [length]."""
-        raise NotImplementedError
+        """Radius of a circle or sphere around it, about the middle; infinite without [length]."""
+        return math.inf
 
     def _set_point(self, name: str, dimension: int) -> None:
         """Check an attribute that is a point; 0 is the origin."""
@@ -159,6 +159,10 @@ class Plane(Wall):
     @property
     def dimension(self) -> int:
         return len(self.normal)
+
+    @property
+    def _middle(self) -> Floats:
+        return np.array(self.origin)
 
     @property
     def _values(self) -> tuple[float, ...]:
@@ -560,6 +564,10 @@ class BoxWall(Wall):
             for axis, n in enumerate(units)
             for sign, corner in ((1.0, low), (-1.0, np.where(n > 0.0, high, low)))
         )
+
+    @property
+    def _middle(self) -> Floats:
+        return np.array(self.origin) + 0.5 * np.array(self.lengths)
 
     @property
     def _values(self) -> tuple[float, ...]:
