@@ -246,15 +246,15 @@ def shear_command(
     A run has its law; options of the law are for a packing from a file.
 
     Writes the same files as `deformable compress` into the output folder, for the packing before
-    the first step and after each step. The column strain of series.csv is the shear strain, and
-    shear_stress the stress that resists.
+    the first step and after each step. The columns shear_strain and shear_stress of series.csv
+    are the strain and the stress that resists.
     """
     began = time.perf_counter()
     if resume and overwrite:
         raise ParameterError("give one of --resume and --overwrite")
     material = material.usual(given)
     folder = refuse(out, "compression" if resume or overwrite else None, _WAYS_OUT)
-    columns = ("strain", "shear_stress", *_COLUMNS[1:])
+    columns = ("shear_strain", "shear_stress", *_COLUMNS[1:])
     done, sim = 0, None
     if resume:
         check_same(folder, given)

@@ -864,7 +864,7 @@ class State:
         Particles may have crossed the boundaries of the box. Each is followed by the image that is
         nearest to where the strain of the box alone would have brought it: in a box of the lengths
         lx and ly it may move by up to lx/2 and ly/2 beside that. Of boxes whose tilts differ by
-        their width, the one is meant that the `strain` of both states leads to or, if that is
+        their width, the one is meant that the `shear_strain` of both states leads to or, if that is
         None, the one with the tilt nearest to the earlier one.
 
         Args:
@@ -1101,7 +1101,7 @@ class State:
     # numbers, tables and files
 
     def _numbers(self) -> dict[str, Any]:
-        """The state in numbers, by name; `strain` is None without shear."""
+        """The state in numbers, by name; `shear_strain` is None without shear."""
         box, axes = self.packing.box, "xyz"[: self.packing.dimension]
         sides = {f"l{axis}": float(box[k, k]) for k, axis in enumerate(axes)}
         tilts = {
@@ -1111,7 +1111,7 @@ class State:
             "particles": len(self.packing),
             **sides,
             **tilts,
-            "strain": self.shear_strain,
+            "shear_strain": self.shear_strain,
             "phi": self.phi,
             "pressure": self.pressure,
             "shear_stress": self.shear_stress,

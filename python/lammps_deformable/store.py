@@ -501,7 +501,7 @@ def clock_of(folder: Path) -> list[tuple[float, float | None]]:
 
 
 def _clock(row: Mapping[str, str]) -> tuple[float, float | None]:
-    strain = row.get("strain") or None
+    strain = row.get("shear_strain") or None
     return float(row.get("time") or 0.0), None if strain is None else float(strain)
 
 

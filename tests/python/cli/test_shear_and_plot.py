@@ -26,7 +26,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     done = run("shear", "run", "--strain", "0.02", "--steps", "4", cwd=folder)
     assert done.returncode == 0, done.stderr
     head, *rows = done.stdout.splitlines()[:-1]
-    assert head.split()[:4] == ["step", "strain", "shear_stress", "pressure"]
+    assert head.split()[:4] == ["step", "shear_strain", "shear_stress", "pressure"]
     assert [row.split()[:2] for row in rows] == [[str(n), f"{0.005 * n:g}"] for n in range(1, 5)]
     return folder
 
@@ -34,7 +34,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_shear_starts_from_the_last_packing(folder: Path) -> None:
     with (folder / "shear" / "series.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
-    assert [float(row["strain"]) for row in rows] == [0.0, 0.005, 0.01, 0.015, 0.02]
+    assert [float(row["shear_strain"]) for row in rows] == [0.0, 0.005, 0.01, 0.015, 0.02]
     with ld.Run(folder / "run").simulation() as sim:
         states = [sim.state(), *sim.shear(0.02, steps=4)[1:]]
     assert [state.shear_strain for state in states] == [None, 0.005, 0.01, 0.015, 0.02]

@@ -63,7 +63,7 @@ def test_table(run: tuple[Path, list[ld.State]]) -> None:
     recorded = ld.Run(run[0])
     table, states = recorded.table(), list(recorded)
     assert table["frame"].tolist() == list(range(len(states)))
-    kinds = {"particles": "i", "beyond": "i", "stalled": "b", "phi": "f", "strain": "f"}
+    kinds = {"particles": "i", "beyond": "i", "stalled": "b", "phi": "f", "shear_strain": "f"}
     assert {name: table[name].dtype.kind for name in kinds} == kinds
     memory = ld.Run(states).table()
     assert memory.keys() == table.keys()

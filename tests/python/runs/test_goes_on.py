@@ -107,7 +107,7 @@ def test_strain_goes_on(tmp_path: Path) -> None:
         assert last.shear_strain == pytest.approx(-0.01)
     expected = pytest.approx([0.0, 0.01, 0.02, 0.01, 0.0, -0.01], abs=1e-15)
     series = np.genfromtxt(tmp_path / "series.csv", delimiter=",", names=True)
-    assert series["strain"] == expected
+    assert series["shear_strain"] == expected
     assert [state.shear_strain for state in ld.Run(tmp_path)] == expected
 
 
