@@ -399,9 +399,9 @@ class Run(Sequence[Any]):
             run.table(order=lambda state: abs(state.hexatic()).mean()).to_pandas()
 
         There are `frame`, the box, `shear_strain`, `phi`, `pressure`, `shear_stress`, the pressure
-        tensor `pxx`, `pxy`, ..., `energy`, `lost_energy`, `temperature`, `time`, `coordination`, the
-        numbers of `rattlers` and of particles `beyond` the model, the mean `shape_parameter`, or
-        `load` of droplets in space, `residual` and `stalled`, as they were recorded.
+        tensor `pxx`, `pxy`, ..., `energy`, `lost_energy`, `temperature`, `time`, `coordination`,
+        the numbers of `rattlers` and of particles `beyond` the model, the mean `shape_parameter`,
+        or `load` of droplets in space, `residual` and `stalled`, as they were recorded.
 
         Args:
             columns: further ones: functions that return a number for a state.
