@@ -130,7 +130,7 @@ def _tell(line: str) -> None:
 
 
 def _printing(columns: Sequence[str], done: int = 0) -> Callable[[State], None]:
-    """A callback that prints these of `State.numbers`, after so many steps before."""
+    """A callback that prints these of `State._numbers`, after so many steps before."""
     steps = itertools.count(done + 1)
 
     def show(state: State) -> None:

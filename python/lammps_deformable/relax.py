@@ -35,7 +35,6 @@ if TYPE_CHECKING:
 
     from .packing import Packing
     from .simulation import Simulation
-    from .state import State
     from .walls import Wall
 
 
