@@ -68,27 +68,25 @@ class FixDeformableWall : public Fix {
 
   static constexpr double NARROWEST =
       1.0 - 1e-9;    // of a radius: a round container, but for the rounding of its region
-  // Calls visitor(nearest point) for each wall within (1 + reach) radii of atom i.
+  // Calls visitor(feature, nearest point) for each wall within (1 + reach) radii of atom i. In the plane the point has n.z = 0,
+  // and turns by `turn` only. In space a wall has one feature.
   template <class Visitor> void visit(int i, double radius, double reach, Visitor &&visitor)
   {
     if (!(atom->mask[i] & groupbit)) return;
     constexpr double ABOUT =
         1.0 + 1e-12;    // before the line of a wall is refused as that of a pair
-    const RefusedCenter refused =
-        scene.visit(atom->x[i][0], atom->x[i][1], NARROWEST * radius,
-                    ABOUT * deformable::NEAREST_LINE * radius, (1.0 + reach) * radius, visitor);
-    if (refused.wall >= 0) refuse_center(i, radius, refused);
-  }
-
-  // The same in three dimensions, where a wall has one feature: visitor(feature, nearest point).
-  template <class Visitor>
-  void visit_in_space(int i, double radius, double reach, Visitor &&visitor)
-  {
-    if (!(atom->mask[i] & groupbit)) return;
     const double *const x = atom->x[i];
+    const double narrowest = NARROWEST * radius, nearest = deformable::NEAREST_LINE * radius,
+                 cutoff = (1.0 + reach) * radius;
     const RefusedCenter refused =
-        space.visit({x[0], x[1], x[2]}, NARROWEST * radius, deformable::NEAREST_LINE * radius,
-                    (1.0 + reach) * radius, visitor);
+        dimension == 2
+            ? scene.visit(x[0], x[1], narrowest, ABOUT * nearest, cutoff,
+                          [&](const deformable::NearestPoint &p) {
+                            visitor(p.feature,
+                                    deformable::SurfacePoint{
+                                        {p.nx, p.ny, 0.0}, p.height, p.per_lever, 0.0, {}});
+                          })
+            : space.visit({x[0], x[1], x[2]}, narrowest, nearest, cutoff, visitor);
     if (refused.wall >= 0) refuse_center(i, radius, refused);
   }
 
@@ -183,30 +181,17 @@ class FixDeformableWall : public Fix {
   [[noreturn]] void refuse_center(int i, double radius, const RefusedCenter &);
 };
 
-// Calls visitor(code, nearest point) for each wall within (1 + reach) radii of atom i. The code of a feature of wall w of n
-// is -1 - (w + n feature).
+// Calls visitor(code, nearest point) for each wall within (1 + reach) radii of atom i, in the plane and in space. The code of a
+// feature of wall w of n is -1 - (w + n feature).
 template <class Visitor>
 void visit_walls(const std::vector<FixDeformableWall *> &walls, int i, double radius, double reach,
                  Visitor &&visitor)
 {
   const int count = static_cast<int>(walls.size());
   for (int w = 0; w < count; ++w)
-    walls[w]->visit(i, radius, reach, [&](const deformable::NearestPoint &point) {
-      visitor(-1 - (w + count * point.feature), point);
+    walls[w]->visit(i, radius, reach, [&](int feature, const deformable::SurfacePoint &point) {
+      visitor(-1 - (w + count * feature), point);
     });
-}
-
-// The same in three dimensions.
-template <class Visitor>
-void visit_walls_in_space(const std::vector<FixDeformableWall *> &walls, int i, double radius,
-                          double reach, Visitor &&visitor)
-{
-  const int count = static_cast<int>(walls.size());
-  for (int w = 0; w < count; ++w)
-    walls[w]->visit_in_space(i, radius, reach,
-                             [&](int feature, const deformable::SurfacePoint &point) {
-                               visitor(-1 - (w + count * feature), point);
-                             });
 }
 
 }    // namespace LAMMPS_NS
