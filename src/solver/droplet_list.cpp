@@ -91,18 +91,17 @@ void DropletList::add_walls(const DropletScene &scene, bool new_list, const Drop
   for (int ii = 0; ii < scene.list->inum; ++ii) {
     const int i = scene.list->ilist[ii];
     const double near = scene.radius[i] + bulge[i] + margin;
-    visit_walls_in_space(*scene.walls, i, scene.radius[i], scene.reach,
-                         [&](int code, const auto &point) {
-                           if (point.height > near) return;
-                           PastForces past;
-                           if (new_list) {
-                             past = history.find(atom->tag[i], code, 0.0, 0.0);
-                           } else {
-                             for (int k = first[i]; k < old.size && old.i[k] == i; ++k)
-                               if (old.j[k] == code) past = old.past_of(k);
-                           }
-                           pairs.add(i, code, past);
-                         });
+    visit_walls(*scene.walls, i, scene.radius[i], scene.reach, [&](int code, const auto &point) {
+      if (point.height > near) return;
+      PastForces past;
+      if (new_list) {
+        past = history.find(atom->tag[i], code, 0.0, 0.0);
+      } else {
+        for (int k = first[i]; k < old.size && old.i[k] == i; ++k)
+          if (old.j[k] == code) past = old.past_of(k);
+      }
+      pairs.add(i, code, past);
+    });
   }
 }
 
@@ -118,15 +117,14 @@ void DropletList::locate_walls(const DropletScene &scene)
   for (int ii = 0; ii < scene.list->inum; ++ii) {
     const int i = scene.list->ilist[ii];
     const double near = scene.radius[i] + bulge_then[i] + 0.5 * margin;
-    visit_walls_in_space(*scene.walls, i, scene.radius[i], scene.reach,
-                         [&](int code, const auto &point) {
-                           int k = first_wall[i];
-                           while (k < pairs.size && pairs.i[k] == i && pairs.j[k] != code) ++k;
-                           if (k < pairs.size && pairs.i[k] == i)
-                             pairs.place(k, scene.radius[i], point);
-                           else
-                             missed_wall |= point.height <= near;
-                         });
+    visit_walls(*scene.walls, i, scene.radius[i], scene.reach, [&](int code, const auto &point) {
+      int k = first_wall[i];
+      while (k < pairs.size && pairs.i[k] == i && pairs.j[k] != code) ++k;
+      if (k < pairs.size && pairs.i[k] == i)
+        pairs.place(k, scene.radius[i], point);
+      else
+        missed_wall |= point.height <= near;
+    });
   }
 }
 
@@ -204,7 +202,7 @@ void DropletList::add_bulges_at_walls(const DropletScene &scene, const std::vect
   for (int ii = 0; ii < scene.list->inum; ++ii) {
     const int i = scene.list->ilist[ii];
     if (!unknown[i]) continue;
-    visit_walls_in_space(*scene.walls, i, scene.radius[i], 0.0, [&](int, const auto &point) {
+    visit_walls(*scene.walls, i, scene.radius[i], 0.0, [&](int, const auto &point) {
       bulge[i] += 2.0 * BULGE_PER_OVERLAP * (scene.radius[i] - point.height);
     });
   }

@@ -298,10 +298,10 @@ void NearList::locate_walls(const DeformableParticles &p)
         return;
       }
       pairs.overlap[k] = p.radius[i] - point.height;
-      pairs.nx[k] = point.nx;
-      pairs.ny[k] = point.ny;
-      pairs.angle[k] = deformable::angle_of(point.nx, point.ny);
-      pairs.per_distance[k] = point.per_lever;
+      pairs.nx[k] = point.n.x;
+      pairs.ny[k] = point.n.y;
+      pairs.angle[k] = deformable::angle_of(point.n.x, point.n.y);
+      pairs.per_distance[k] = point.turn;
     });
   }
 }
