@@ -78,8 +78,8 @@ Droplet droplet(nb::handle given_normals, nb::handle given_forces, double radius
                             forces = vector_of("forces", given_forces);
   const std::size_t z = forces.size();
   if (normals.size() != 3 * z) refuse("forces must have one value for each normal");
-  const BatchKernels *const kernels = batch_kernels(level.c_str());
-  if (!kernels) refuse("level '" + level + "' is unknown, or too high for this processor");
+  const BatchKernels *const kernels = batch_kernels(level);
+  if (!kernels) refuse(why_no_kernels("level", level));
 
   std::vector<double> force(z + 1), x(z + 1), y(z + 1), n(z + 1);
   for (std::size_t c = 0; c < z; ++c) {
