@@ -31,9 +31,9 @@ struct WallShape {
 
 // One wall: a face of a container, the rim of a round container, or an obstacle, round or with faces.
 struct Wall {
-  enum Kind { FACE, RIM, DISK, POLYGON } kind;
-  std::string name;    // for messages
-  int shape;           // of a rim and of a disk
+  enum Kind { FACE, RIM, DISK, POLYGON } kind;    // a disk, ball or body; a polygon or polyhedron
+  std::string name;                               // for messages
+  int shape;                                      // of a rim and of a disk
   // of a face and of a polygon: half spaces of shapes; those that face the other way are the outside of a shape
   struct Side {
     int shape, plane;

@@ -191,3 +191,13 @@ def test_scene_inside_of_a_polygon():
     assert scene.nearest([1.9], [0.5]).tolist() == [pytest.approx([-1, 0, -0.1, 0])]
     with pytest.raises(ValueError, match="one value for each"):
         scene.nearest([1.0], [0.5, 2.0])
+
+
+def test_middles_have_any_direction():
+    scene = core.Scene(0, 0, 0)
+    scene.add_round(1, 2, 2.0, True)
+    scene.add_round(1, 2, 2.0, False)
+    found = scene.nearest([1], [2])
+    assert np.linalg.norm(found[:, :2], axis=1) == pytest.approx(1)
+    assert found[:, 2].tolist() == [2, -2]
+    assert np.isinf(found[:, 3]).all()
