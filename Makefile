@@ -73,20 +73,24 @@ $(VENV)/bin/python:
 	  { rm -rf $(VENV); \
 	    echo "$(PYTHON) cannot make virtual environments (Debian, Ubuntu: apt install python3-venv)" >&2; exit 1; }
 
-# Compilation uses both cores for a minute; what the package needs at run time is downloaded meanwhile.
-$(VENV)/installed: $(VENV)/requirements-build $(SOURCES)
+# For this machine's processor, or for tests with all levels of SIMD instructions, which takes twice as long.
+$(VENV)/installed: LEVELS := native
+$(VENV)/installed-all: LEVELS := all
+
+# What the package needs at run time is downloaded meanwhile.
+$(VENV)/installed $(VENV)/installed-all: $(VENV)/requirements-build $(SOURCES)
 	@command -v $${CXX:-c++} >/dev/null || command -v g++ >/dev/null || command -v clang++ >/dev/null || \
 	  { echo "No C++ compiler found: install g++ or clang++, or name one: make CXX=..." >&2; exit 1; }
 	@echo "Compiling, and installing into $(VENV)" >&2
-	@rm -rf $(VENV)/wheel
-	@$(MAKE) --no-print-directory -j2 $(VENV)/wheel $(VENV)/requirements-run-plot
+	@rm -rf $(VENV)/wheel $(VENV)/installed-all
+	@$(MAKE) --no-print-directory -j2 $(VENV)/wheel $(VENV)/requirements-run-plot LEVELS=$(LEVELS)
 	@$(PIP_INSTALL) --no-deps --force-reinstall $(VENV)/wheel/*.whl
-	@touch $@
+	@touch $(VENV)/installed $@
 
 # without an environment of its own, whose path is another each time, so that only what has changed is compiled
 $(VENV)/wheel:
 	@PATH="$(CURDIR)/$(BIN):$$PATH" SKBUILD_BUILD_DIR=build/make \
-	  SKBUILD_CMAKE_DEFINE=DEFORMABLE_WERROR=$(WERROR) \
+	  SKBUILD_CMAKE_DEFINE="DEFORMABLE_WERROR=$(WERROR);DEFORMABLE_SIMD_LEVELS=$(LEVELS)" \
 	  $(PIP) wheel --no-build-isolation --no-deps --wheel-dir $@ .
 
 # requirements of pyproject.toml: to build, to run, and of an extra
@@ -94,5 +98,5 @@ $(VENV)/requirements-%: $(VENV)/bin/python pyproject.toml
 	@$(BIN)/python cmake/requirements.py $(subst -, ,$*) | xargs $(PIP_INSTALL)
 	@touch $@
 
-$(VENV)/installed-%: $(VENV)/installed $(VENV)/requirements-run-%
+$(VENV)/installed-%: $(VENV)/installed-all $(VENV)/requirements-run-%
 	@touch $@

@@ -5,7 +5,12 @@ get_filename_component(DEFORMABLE_DIR ${CMAKE_CURRENT_LIST_DIR} DIRECTORY)
 file(STRINGS ${DEFORMABLE_DIR}/pyproject.toml DEFORMABLE_VERSION REGEX "^version = ")
 string(REGEX REPLACE ".*\"(.*)\".*" "\\1" DEFORMABLE_VERSION "${DEFORMABLE_VERSION}")
 option(DEFORMABLE_WERROR "Treat warnings in our own code as errors" OFF)
-option(DEFORMABLE_NATIVE "Compile for this machine's processor only" OFF)
+# What goes to other machines has all levels; a clone that pip compiles is for this machine.
+set(levels all)
+if(BY_PIP AND EXISTS ${DEFORMABLE_DIR}/.git)
+  set(levels native)
+endif()
+set(DEFORMABLE_SIMD_LEVELS ${levels} CACHE STRING "SIMD instructions: native, of this processor, or all")
 
 add_library(deformable_core INTERFACE)
 target_include_directories(deformable_core INTERFACE ${DEFORMABLE_DIR}/src)
@@ -18,8 +23,7 @@ target_compile_definitions(deformable_core
 target_compile_options(
   deformable_core INTERFACE -Wall -Wextra -Wsuggest-override -fno-math-errno -fno-trapping-math
                             -ffp-contract=off -Wno-psabi
-                            $<$<BOOL:${DEFORMABLE_WERROR}>:-Werror>
-                            $<$<BOOL:${DEFORMABLE_NATIVE}>:-march=native>)
+                            $<$<BOOL:${DEFORMABLE_WERROR}>:-Werror>)
 
 # The contact laws for batches of particles, once for each level of SIMD instructions. -O3 makes them no faster.
 add_library(deformable_batches OBJECT ${DEFORMABLE_DIR}/src/kernels/levels.cpp)
@@ -37,14 +41,34 @@ function(add_level level lanes)
   set_target_properties(${library} PROPERTIES POSITION_INDEPENDENT_CODE ON)
   set(BATCH_OBJECTS ${BATCH_OBJECTS} $<TARGET_OBJECTS:${library}> PARENT_SCOPE)
 endfunction()
-add_level(plain 2)
+set(LEVELS plain)
 include(CheckCXXCompilerFlag)
 check_cxx_compiler_flag(-march=x86-64-v4 DEFORMABLE_KNOWS_X86_LEVELS)
 if(DEFORMABLE_KNOWS_X86_LEVELS)
-  target_compile_definitions(deformable_batches PRIVATE DEFORMABLE_X86_LEVELS)
-  add_level(avx2 4 -march=x86-64-v3)
+  set(LEVELS avx512 avx2 plain)
+endif()
+if(DEFORMABLE_SIMD_LEVELS STREQUAL native)
+  unset(DEFORMABLE_LEVEL_STATUS CACHE) # or CMake would not run it again
+  try_run(DEFORMABLE_LEVEL_STATUS DEFORMABLE_LEVEL_COMPILED ${CMAKE_BINARY_DIR}/processor_level
+          ${DEFORMABLE_DIR}/cmake/processor_level.cpp RUN_OUTPUT_VARIABLE DEFORMABLE_LEVEL)
+  if(DEFORMABLE_LEVEL IN_LIST LEVELS)
+    set(LEVELS ${DEFORMABLE_LEVEL})
+  endif()
+elseif(NOT DEFORMABLE_SIMD_LEVELS STREQUAL all)
+  message(FATAL_ERROR "DEFORMABLE_SIMD_LEVELS=${DEFORMABLE_SIMD_LEVELS}: it is native or all")
+endif()
+message(STATUS "SIMD instructions: ${LEVELS}")
+if(avx512 IN_LIST LEVELS)
   add_level(avx512 8 -march=x86-64-v4 -mprefer-vector-width=512)
 endif()
+if(avx2 IN_LIST LEVELS)
+  add_level(avx2 4 -march=x86-64-v3)
+endif()
+if(plain IN_LIST LEVELS)
+  add_level(plain 2)
+endif()
+string(REGEX REPLACE "([^;]+);?" "LEVEL(\\1)" LEVELS "${LEVELS}")
+target_compile_definitions(deformable_batches PRIVATE "DEFORMABLE_LEVELS=${LEVELS}")
 
 # The LAMMPS styles, and what only the plugin needs.
 set(STYLE_FOLDERS ${DEFORMABLE_DIR}/src/styles/pair ${DEFORMABLE_DIR}/src/polygons

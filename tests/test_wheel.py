@@ -109,10 +109,12 @@ def test_the_wheel_in_a_new_environment_without_a_compiler(dist, pythons, tmp_pa
     run("python", "-m", "pip", "install", "--quiet", "--only-binary", ":all:", str(wheel))
     version = "{}.{}".format(*pythons[1])
     code = (
-        "import lammps_deformable as ld, sys; print(*sys.version_info[:2], sep='.'); print(ld.core)"
+        "import lammps_deformable as ld, sys; print(*sys.version_info[:2], sep='.');"
+        "print(ld.core); print(ld.core.simd_levels()[0])"
     )
-    first, module = run("python", "-c", code).splitlines()
+    first, module, lowest = run("python", "-c", code).splitlines()
     assert first == version
+    assert lowest == "plain"
     assert ("abi3" in module) == (pythons[0] >= STABLE)
     assert str(environment) in module
 

@@ -7,6 +7,8 @@
 #include "kernels/droplet_kernels.h"
 #include "kernels/force_kernels.h"
 
+#include <string>
+
 namespace deformable {
 
 // The largest number of active contacts that has kernels.
@@ -18,7 +20,6 @@ using BatchKernel = void (*)(BlockParticle *const *particles, int count, Place *
 
 // Kernels by the number of active contacts.
 struct BatchKernels {
-  const char *level;
   const BatchKernel *sector;
   // Beyond MOST_IN_BATCH: rings that change their perimeter; beyond twice that: with a tension.
   const BatchKernel *ring;
@@ -26,9 +27,11 @@ struct BatchKernels {
   const DropletKernels &droplets;
 };
 
-// The kernels of this level, or the fastest ones of this processor for an empty name. Null if the level is unknown,
-// or too high for this processor or this build.
-const BatchKernels *batch_kernels(const char *level);
+// The kernels of this level, or the fastest ones of this processor for an empty name. Null if the level is unknown, too high
+// for this processor, or not compiled.
+const BatchKernels *batch_kernels(const std::string &level);
+// What to say then; `name`: of the setting that has this value.
+std::string why_no_kernels(const char *name, const std::string &level);
 
 }    // namespace deformable
 

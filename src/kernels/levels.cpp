@@ -1,48 +1,54 @@
-// The choice of a level for this processor.
+// The choice of a level for this processor. DEFORMABLE_LEVELS: LEVEL(name) for each that is compiled, the highest one first.
 
 #include "kernels/batch_kernels.h"
+#include "kernels/processor.h"
 
-#include <cstring>
+#include <iterator>
 
 namespace deformable {
 
-#define DEFORMABLE_KERNELS_OF(LEVEL)                                                               \
-  namespace LEVEL {                                                                                \
+#define LEVEL(NAME)                                                                                \
+  namespace NAME {                                                                                 \
   extern const BatchKernel sector_kernels[], ring_kernels[];                                       \
   extern const ForceKernels force_kernels;                                                         \
   extern const DropletKernels droplet_kernels;                                                     \
-  static const BatchKernels kernels = {#LEVEL, sector_kernels, ring_kernels, force_kernels,        \
+  static const BatchKernels kernels = {sector_kernels, ring_kernels, force_kernels,                \
                                        droplet_kernels};                                           \
   }
+DEFORMABLE_LEVELS
+#undef LEVEL
 
-DEFORMABLE_KERNELS_OF(plain)
-#ifdef DEFORMABLE_X86_LEVELS
-DEFORMABLE_KERNELS_OF(avx2)
-DEFORMABLE_KERNELS_OF(avx512)
-#endif
+struct CompiledLevel {
+  Level level;
+  const BatchKernels *kernels;
+  const char *name() const { return LEVEL_NAMES[static_cast<int>(level)]; }
+};
 
-const BatchKernels *batch_kernels(const char *level)
+#define LEVEL(NAME) {Level::NAME, &NAME::kernels},
+static const CompiledLevel compiled[] = {DEFORMABLE_LEVELS};
+#undef LEVEL
+
+const BatchKernels *batch_kernels(const std::string &level)
 {
-  struct Level {
-    const BatchKernels *kernels;
-    bool runs;
-  };
-#ifdef DEFORMABLE_X86_LEVELS    // x86-64-v3 and x86-64-v4
-  const bool has_avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&
-                        __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2");
-#endif
-  const Level levels[] = {
-#ifdef DEFORMABLE_X86_LEVELS
-      {&avx512::kernels,
-       has_avx2 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
-           __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512dq") &&
-           __builtin_cpu_supports("avx512vl")},
-      {&avx2::kernels, has_avx2},
-#endif
-      {&plain::kernels, true}};
-  for (const Level &l : levels)
-    if (l.runs && (level[0] == 0 || std::strcmp(level, l.kernels->level) == 0)) return l.kernels;
+  for (const CompiledLevel &c : compiled)
+    if (c.level <= processor_level() && (level.empty() || level == c.name())) return c.kernels;
   return nullptr;
+}
+
+std::string why_no_kernels(const char *name, const std::string &level)
+{
+  std::string names;
+  for (const CompiledLevel &c : compiled) names = c.name() + (names.empty() ? "" : ", " + names);
+  const std::string here = LEVEL_NAMES[static_cast<int>(processor_level())];
+  if (!level.empty())
+    return std::string(name) + " is '" + level + "': compiled are " + names +
+           (std::size(compiled) < std::size(LEVEL_NAMES) ? " (-D DEFORMABLE_SIMD_LEVELS=all: all)"
+                                                         : "") +
+           ", of which this processor has those up to " + here;
+  return "lammps-deformable was compiled for processors with " + names + ", but this one has " +
+         here +
+         ": compile it on this machine, or for all with -D DEFORMABLE_SIMD_LEVELS=all, see "
+         "docs/install.md";
 }
 
 }    // namespace deformable

@@ -18,7 +18,8 @@ using namespace FixConst;
 
 /* ---------------------------------------------------------------------- */
 
-FixDeformableStick::FixDeformableStick(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg)
+FixDeformableStick::FixDeformableStick(LAMMPS *lmp, int narg, char **arg)
+    : FixMemory(lmp, narg, arg, "stick/wall")
 {
   if (narg < 5) utils::missing_cmd_args(FLERR, "fix deformable/stick", error);
   region_id = arg[3];
@@ -42,10 +43,6 @@ FixDeformableStick::FixDeformableStick(LAMMPS *lmp, int narg, char **arg) : Fix(
   if (narg > 7)
     error->all(FLERR_WORD(7), "Unknown fix deformable/stick argument '{}' after 'radius'", arg[7]);
 
-  // see fix_deformable_wall.h
-  delete[] style;
-  style = utils::strdup("stick/wall");
-
   scalar_flag = 1;
   extscalar = 1;
   vector_flag = 1;
@@ -56,18 +53,7 @@ FixDeformableStick::FixDeformableStick(LAMMPS *lmp, int narg, char **arg) : Fix(
   thermo_energy = 1;
   virial_global_flag = virial_peratom_flag = 1;
   dynamic_group_allow = 1;
-  restart_peratom = 1;
-  create_attribute = 1;
-
-  FixDeformableStick::grow_arrays(atom->nmax);
-  atom->add_callback(Atom::GROW);
-  atom->add_callback(Atom::RESTART);
-}
-
-FixDeformableStick::~FixDeformableStick()
-{
-  atom->delete_callback(id, Atom::GROW);
-  atom->delete_callback(id, Atom::RESTART);
+  begin();
 }
 
 /* ---------------------------------------------------------------------- */
@@ -122,7 +108,7 @@ void FixDeformableStick::post_force(int vflag)
   region->prematch();
   Refusals(lmp).check([this] {
     for (int i = 0; i < atom->nlocal; ++i)
-      anchors[i] = atom->mask[i] & groupbit ? find_anchors(i) : Anchors{};
+      particles[i] = atom->mask[i] & groupbit ? find_anchors(i) : Anchors{};
   });
 }
 
@@ -136,7 +122,7 @@ void FixDeformableStick::min_post_force(int vflag)
    anchor at the position of the bead.
 ------------------------------------------------------------------------- */
 
-FixDeformableStick::Anchors FixDeformableStick::find_anchors(int i)
+Anchors FixDeformableStick::find_anchors(int i)
 {
   const double *x = atom->x[i], radius = radii[atom->type[i]];
   if (!(radius > 0.0))
@@ -163,8 +149,8 @@ FixDeformableStick::Anchors FixDeformableStick::find_anchors(int i)
                             "region with 'side in'",
                             region_id));
     Anchor &anchor = found[touching++];
-    anchor = {face.iwall, x[0], x[1]};
-    for (const Anchor &old : anchors[i])
+    anchor = {static_cast<double>(face.iwall), x[0], x[1]};
+    for (const Anchor &old : particles[i])
       if (old.face == face.iwall) anchor = old;
     add_springs(i, radius, face, anchor);
   }
@@ -233,76 +219,4 @@ double FixDeformableStick::compute_vector(int n)
   double all;
   MPI_Allreduce(&on_wall[n], &all, 1, MPI_DOUBLE, MPI_SUM, world);
   return all;
-}
-
-/* ----------------------------------------------------------------------
-   Anchors move with their beads: in memory, to other ranks, and into restart
-   files.
-------------------------------------------------------------------------- */
-
-void FixDeformableStick::grow_arrays(int nmax)
-{
-  anchors.resize(nmax);
-}
-
-void FixDeformableStick::copy_arrays(int i, int j, int)
-{
-  anchors[j] = anchors[i];
-}
-
-void FixDeformableStick::set_arrays(int i)
-{
-  anchors[i] = {};
-}
-
-int FixDeformableStick::pack_exchange(int i, double *buf)
-{
-  int m = 0;
-  for (const Anchor &anchor : anchors[i]) {
-    buf[m++] = anchor.face;
-    buf[m++] = anchor.x;
-    buf[m++] = anchor.y;
-  }
-  return m;
-}
-
-int FixDeformableStick::unpack_exchange(int i, double *buf)
-{
-  int m = 0;
-  for (Anchor &anchor : anchors[i]) {
-    anchor.face = static_cast<int>(buf[m++]);
-    anchor.x = buf[m++];
-    anchor.y = buf[m++];
-  }
-  return m;
-}
-
-int FixDeformableStick::pack_restart(int i, double *buf)
-{
-  const int n = 1 + pack_exchange(i, buf + 1);
-  buf[0] = n;
-  return n;
-}
-
-void FixDeformableStick::unpack_restart(int i, int nth)
-{
-  double *extra =
-      atom->extra[i];    // each fix has its number of values first, this number included
-  for (int n = 0; n < nth; ++n) extra += static_cast<int>(extra[0]);
-  unpack_exchange(i, extra + 1);
-}
-
-int FixDeformableStick::size_restart(int)
-{
-  return maxsize_restart();
-}
-
-int FixDeformableStick::maxsize_restart()
-{
-  return 1 + 3 * static_cast<int>(Anchors{}.size());
-}
-
-double FixDeformableStick::memory_usage()
-{
-  return static_cast<double>(anchors.capacity() * sizeof(Anchors));
 }

@@ -12,7 +12,7 @@ FixStyle(deformable/stick,FixDeformableStick);
 #ifndef LMP_FIX_DEFORMABLE_STICK_H
 #define LMP_FIX_DEFORMABLE_STICK_H
 
-#include "fix.h"
+#include "styles/memory/fix_memory.h"
 
 #include "region.h"
 
@@ -22,10 +22,15 @@ FixStyle(deformable/stick,FixDeformableStick);
 
 namespace LAMMPS_NS {
 
-class FixDeformableStick : public Fix {
+struct Anchor {
+  double face = -1.0;         // Region::Contact::iwall; -1: none
+  double x = 0.0, y = 0.0;    // position of the bead at the first touch
+};
+using Anchors = std::array<Anchor, 2>;    // a corner has two faces
+
+class FixDeformableStick : public FixMemory<Anchors> {
  public:
   FixDeformableStick(class LAMMPS *, int, char **);
-  ~FixDeformableStick() override;
 
   int setmask() override;
   void init() override;
@@ -36,32 +41,12 @@ class FixDeformableStick : public Fix {
   double compute_scalar() override;
   double compute_vector(int) override;
 
-  void grow_arrays(int) override;
-  void copy_arrays(int, int, int) override;
-  void set_arrays(int) override;
-  int pack_exchange(int, double *) override;
-  int unpack_exchange(int, double *) override;
-  int pack_restart(int, double *) override;
-  void unpack_restart(int, int) override;
-  int size_restart(int) override;
-  int maxsize_restart() override;
-  double memory_usage() override;
-
  private:
-  static constexpr int NO_FACE = -1;
-
-  struct Anchor {
-    int face = NO_FACE;         // Region::Contact::iwall
-    double x = 0.0, y = 0.0;    // position of the bead at the first touch
-  };
-  using Anchors = std::array<Anchor, 2>;    // a corner has two faces
-
   std::string region_id;
   Region *region = nullptr;
   double stiffness;
-  double given_radius = 0.0;       // 0: from the pair style
-  std::vector<double> radii;       // by atom type
-  std::vector<Anchors> anchors;    // by local index
+  double given_radius = 0.0;    // 0: from the pair style
+  std::vector<double> radii;    // by atom type
   double energy = 0.0;
   double on_wall[2] = {0.0, 0.0};
 

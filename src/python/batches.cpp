@@ -1,6 +1,7 @@
 #include "python/laws.h"
 
 #include "kernels/block_walk.h"
+#include "kernels/processor.h"
 #include "laws/soft_ring.h"
 
 #include <nanobind/stl/string.h>
@@ -59,8 +60,8 @@ BatchResult batch(const std::string &law, const std::string &level,
 {
   const bool is_ring = law == "ring";
   if (!is_ring && law != "sector") refuse("law: '" + law + "' is neither 'ring' nor 'sector'");
-  const BatchKernels *const kernels = batch_kernels(level == "one" ? "plain" : level.c_str());
-  if (!kernels) refuse("level: '" + level + "' is none that runs here");
+  const BatchKernels *const kernels = batch_kernels(level == "one" ? "" : level);
+  if (!kernels) refuse(why_no_kernels("level", level));
 
   const std::vector<double> dx = vector_of("dx", dx_), dy = vector_of("dy", dy_);
   const std::vector<double> rj = vector_of("partner_radius", partner_radius);
@@ -163,11 +164,12 @@ void deformable::bind_batches(nb::module_ &m)
       "simd_levels",
       [] {
         std::vector<std::string> found;
-        for (const char *level : {"plain", "avx2", "avx512"})
+        for (const char *level : LEVEL_NAMES)
           if (batch_kernels(level)) found.emplace_back(level);
         return found;
       },
-      "Levels of SIMD instructions that this processor has; the last one is the default.");
+      "Levels of SIMD instructions that are compiled and that this processor has; the last one is "
+      "the default.");
   m.def("batch", &batch, "law"_a, "level"_a, "contacts"_a, "dx"_a, "dy"_a, "partner_radius"_a,
         "radius"_a, "kA"_a, "kP"_a, "skin"_a, "tension"_a = std::vector<double>{},
         R"(Shapes and forces of many particles by the code that the pair styles run.

@@ -368,3 +368,44 @@ def test_styles_are_defined_otherwise(style, then, tmp_path):
         found.append(float((tmp_path / "energy").read_text()))
     assert found[1] == pytest.approx(found[0], rel=1e-9)
     assert found[0] > 0.01
+
+
+# far droplets, the first of which has films with all: it moves to the one in the middle
+MANY = """units lj
+dimension 2
+boundary p p p
+atom_style atomic
+atom_modify map yes
+processors {grid}
+read_data ../data
+mass * 1
+pair_style deformable/ring contact curved
+pair_coeff * * ../species drop0
+compute contacts all deformable/contact
+compute attached all reduce sum c_contacts[15] inputs local
+thermo_style custom step pe c_attached
+run 0
+fix_modify deformable_films attached {films}
+set atom 1 x {x} y {x}
+"""
+
+
+def test_a_particle_with_many_films_changes_ranks(tmp_path):
+    """It goes along x and y at once, by way of a rank that knows no particle of this size."""
+    side, number = 6.0, 60
+    (tmp_path / "species").write_text(
+        f"# UNITS: lj\ndrop0 1.0 inf 0 tension 1\nadhesion drop0 drop0 {W}\n"
+    )
+    x = side * np.stack(np.meshgrid(np.arange(number), np.arange(number)), -1).reshape(-1, 2)
+    end = number * side - 1.0
+    rows = "\n".join(f"{n} 1 {a} {b} 0" for n, (a, b) in enumerate(x, 1))
+    (tmp_path / "data").write_text(
+        f"droplets\n\n{len(x)} atoms\n1 atom types\n-1 {end} xlo xhi\n-1 {end} ylo yhi\n"
+        f"-0.5 0.5 zlo zhi\n\nAtoms\n\n{rows}\n"
+    )
+    films = " ".join(f"1 {n}" for n in range(2, len(x) + 1))
+    middle = side * (number // 2) + STRETCHED / np.sqrt(2)
+    script = MANY + report(0, "pe c_attached", "x y fx fy")
+    found = reported(on_grids(script, tmp_path, ("1 1 1", "2 2 1"), films=films, x=middle), 0)
+    assert found["1 1 1"][0][1] == 2  # seen from both sides
+    assert_same(found)

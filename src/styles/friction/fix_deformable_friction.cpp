@@ -1,16 +1,21 @@
 #include "styles/friction/fix_deformable_friction.h"
 
 #include "laws/trigonometry.h"
+#include "styles/pair/deformable_pairs.h"
 #include "styles/pair/pair_deformable.h"
 
 #include "atom.h"
 #include "comm.h"
 #include "domain.h"
+#include "error.h"
+#include "force.h"
+#include "modify.h"
 #include "neighbor.h"
 #include "update.h"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 using namespace LAMMPS_NS;
 using namespace FixConst;
@@ -44,7 +49,121 @@ FixDeformableFriction::FixDeformableFriction(LAMMPS *lmp, int narg, char **arg)
 
 int FixDeformableFriction::setmask()
 {
-  return POST_INTEGRATE | PRE_REVERSE;
+  return POST_INTEGRATE | PRE_REVERSE | FixPartnerMemory::setmask();
+}
+
+/* ----------------------------------------------------------------------
+   What it needs before a run, and what it refuses.
+------------------------------------------------------------------------- */
+
+void FixDeformableFriction::init()
+{
+  FixPartnerMemory::init();
+  if (utils::strmatch(update->integrate_style, "^respa"))
+    error->all(FLERR, "Fix {} deformable/friction cannot be used with run_style respa", id);
+  if (thermo_energy)
+    error->all(FLERR,
+               "Fix {} deformable/friction: 'fix_modify {} energy yes' would count its losses as "
+               "potential energy. Use the thermo keyword econserve, or f_{}[1] for the springs",
+               id, id, id);
+  pairs = deformable_pairs(*force);
+  if (pairs.empty())
+    error->all(FLERR,
+               "Fix {} deformable/friction needs pair_style deformable/ring, but pair_style is {}",
+               id, force->pair_style ? force->pair_style : "none");
+  for (const PairDeformable *pair : pairs)
+    if (!pair->slips())
+      error->all(FLERR,
+                 "Fix {} deformable/friction needs contacts that slip, but those of pair_style "
+                 "deformable/sector stick: use deformable/ring",
+                 id);
+  if (!atom->tag_enable)
+    error->all(FLERR, "Fix {} deformable/friction needs atom IDs: use 'atom_modify id yes'", id);
+  comm->ghost_velocity = 1;
+  find_partners();
+  check_spins();
+  check_box();
+  coefficients.find_variables();
+  find_lightest();
+  if (!coefficients.vary()) check_time_step();    // variables have no values before the first step
+}
+
+/* ----------------------------------------------------------------------
+   Particles by their IDs: partners that are not in contact any more.
+------------------------------------------------------------------------- */
+
+void FixDeformableFriction::find_partners()
+{
+  if (atom->map_style != Atom::MAP_NONE) return;
+  atom->map_init();
+  atom->map_set();
+}
+
+/* ----------------------------------------------------------------------
+   What LAMMPS does not say by itself.
+------------------------------------------------------------------------- */
+
+void FixDeformableFriction::check_spins()
+{
+  if (told) return;
+  told = true;
+  if (comm->me != 0) return;
+  if (!atom->omega_flag || !atom->torque_flag) {
+    utils::logmesg(
+        lmp,
+        "Fix {} deformable/friction: atoms of atom_style {} have no spins, so that they "
+        "only translate. For rotation use 'atom_style sphere' and 'fix nve/sphere disc'\n",
+        id, atom->get_style());
+    return;
+  }
+  const std::vector<Fix *> &fixes = modify->get_fix_list();
+  const bool any = std::any_of(fixes.begin(), fixes.end(), [](const Fix *fix) {
+    return utils::strmatch(fix->style, "sphere") || utils::strmatch(fix->style, "^rigid");
+  });
+  if (!any)
+    error->warning(FLERR,
+                   "Fix {} deformable/friction: no fix turns the particles, so that their spins do "
+                   "not change. Use 'fix nve/sphere disc' or another style with 'sphere'",
+                   id);
+}
+
+void FixDeformableFriction::check_box()
+{
+  if (told_box || !domain->deform_flag || domain->deform_vremap) return;
+  told_box = true;
+  if (comm->me == 0)
+    error->warning(
+        FLERR,
+        "Fix {} deformable/friction: fix deform without 'remap v' leaves its shear out of "
+        "the velocities, so that contacts do not rub by it",
+        id);
+}
+
+void FixDeformableFriction::find_lightest()
+{
+  double least = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < atom->nlocal; ++i)
+    if (atom->mask[i] & groupbit)
+      least = std::min(least, atom->rmass ? atom->rmass[i] : atom->mass[atom->type[i]]);
+  MPI_Allreduce(&least, &lightest, 1, MPI_DOUBLE, MPI_MIN, world);
+}
+
+void FixDeformableFriction::check_time_step() const
+{
+  if (update->whichflag != 1) return;             // minimizers pass over friction
+  constexpr double SPHERE = 3.5;                  // 1 + m R^2/I; 3 of a disk
+  const double mass = lightest / force->ftm2v;    // force time^2/distance units
+  const double longest = coefficients.largest_time_step(mass, atom->omega_flag ? SPHERE : 1.0);
+  if (update->dt > longest)
+    error->all(FLERR,
+               "Fix {} deformable/friction: the time step {:.6g} is too long for these stiffnesses "
+               "and particles of mass {:.6g}: use {:.3g} or less, or smaller kt, gt or damp",
+               id, update->dt, lightest, longest);
+}
+
+void FixDeformableFriction::reset_dt()
+{
+  check_time_step();
 }
 
 /* ----------------------------------------------------------------------
@@ -177,9 +296,8 @@ void FixDeformableFriction::rub(const LoadedContact &contact)
   RememberedContact *remembered = find_contact(contacts, partner, place, own_image);
   const bool is_new = !remembered;
   if (is_new) {
-    contacts.push_back({partner, c.kt, place, 0.0, 0.0, 0.0, 0.0, 0.0});
+    remember(i, {partner, c.kt, place, 0.0, 0.0, 0.0, 0.0, 0.0});
     remembered = &contacts.back();
-    make_room(i);
   }
   RememberedContact &m = *remembered;
   const Velocity w = velocity(sides);
@@ -316,4 +434,110 @@ double FixDeformableFriction::compute_scalar()
 double FixDeformableFriction::compute_vector(int n)
 {
   return total(n);
+}
+
+/* ---------------------------------------------------------------------- */
+
+double FixDeformableFriction::memory_usage()
+{
+  return FixPartnerMemory::memory_usage() + bytes_of(values, rows);
+}
+
+/* ----------------------------------------------------------------------
+   What was lost so far goes on with rank 0.
+------------------------------------------------------------------------- */
+
+std::vector<double> FixDeformableFriction::all_sums()
+{
+  std::vector<double> sums(OUTPUTS);
+  MPI_Allreduce(output, sums.data(), OUTPUTS, MPI_DOUBLE, MPI_SUM, world);
+  return sums;
+}
+
+void FixDeformableFriction::go_on_from(const std::vector<double> &sums)
+{
+  if (comm->me == 0) std::copy(sums.begin(), sums.end(), output);
+}
+
+/* ---------------------------------------------------------------------- */
+
+bool FixDeformableFriction::belongs_to_partner(int i, const RememberedContact &contact) const
+{
+  return contact.one_side == 0.0 && contact.partner > 0.0 &&
+         contact.partner < static_cast<double>(atom->tag[i]);
+}
+
+RememberedContact FixDeformableFriction::from_partner(int i, const RememberedContact &contact) const
+{
+  RememberedContact seen = contact;
+  seen.partner = static_cast<double>(atom->tag[i]);
+  seen.place = contact.place.from_partner();
+  return seen;
+}
+
+/* ----------------------------------------------------------------------
+   The same from a text: fix_modify ID springs none, or springs I J x y xi f_t f_d ...,
+   and fix_modify ID lost E_sliding E_dashpots E_damping
+------------------------------------------------------------------------- */
+
+int FixDeformableFriction::modify_param(int narg, char **arg)
+{
+  constexpr int LOSSES = 3, WORDS = 7;
+  const std::string word = arg[0];
+  const auto number = [&](int n) { return utils::numeric(FLERR, arg[n], false, lmp); };
+  if (word == "lost" && narg > LOSSES) {
+    for (int n = 0; n < LOSSES; ++n) output[SLIDING + n] = comm->me == 0 ? number(1 + n) : 0.0;
+    return 1 + LOSSES;
+  }
+  if (word != "springs" || narg < 2) return 0;
+  follow();
+  if (narg == 2 && std::string(arg[1]) == "none") {
+    for (int i = 0; i < atom->nlocal; ++i) particles[i].rows.clear();
+    return narg;
+  }
+  const std::string command = fmt::format("fix_modify {} springs", id);
+  if ((narg - 1) % WORDS)
+    error->all(FLERR, "{}: expected 'none', or {} numbers for each contact, not {} words", command,
+               WORDS, narg - 1);
+  std::vector<double> words, partners;
+  for (int n = 1; n < narg; ++n) words.push_back(number(n));
+  for (std::size_t n = 0; n < words.size(); n += WORDS)
+    partners.insert(partners.end(), {words[n], words[n + 1]});
+  require_partners(partners, command);
+  const std::unordered_map<double, int> here = local_indices();
+  for (std::size_t n = 0; n < words.size(); n += WORDS) {
+    const auto found = here.find(words[n]);    // or another rank has it
+    if (found != here.end()) give_spring(found->second, &words[n]);
+  }
+  return narg;
+}
+
+// With contact radical both particles of a pair have a spring: a row of the larger ID is one of those.
+void FixDeformableFriction::give_spring(int i, const double *words)
+{
+  RememberedContact m = {};
+  m.partner = words[1];
+  m.place.x = words[2];
+  m.place.y = words[3];
+  m.xi = words[4];
+  m.force = words[5];
+  m.damping = words[6];
+  m.one_side = m.partner > 0.0 && m.partner < words[0] ? 1.0 : 0.0;
+  remember(i, m);
+}
+
+/* ----------------------------------------------------------------------
+   Stresses of particles, also of those that are ghosts here.
+------------------------------------------------------------------------- */
+
+int FixDeformableFriction::pack_reverse_comm(int n, int first, double *buffer)
+{
+  for (int i = first; i < first + n; ++i) buffer = std::copy_n(vatom[i], 6, buffer);
+  return 6 * n;
+}
+
+void FixDeformableFriction::unpack_reverse_comm(int n, int *list, double *buffer)
+{
+  for (int k = 0; k < n; ++k)
+    for (int c = 0; c < 6; ++c) vatom[list[k]][c] += *buffer++;
 }

@@ -95,6 +95,5 @@ void FixDeformableFilms::forget()
 
 void FixDeformableFilms::attach(int i, tagint partner, double x, double y)
 {
-  particles[i].rows.push_back({static_cast<double>(partner), x, y});
-  make_room(i);
+  remember(i, {static_cast<double>(partner), x, y});
 }

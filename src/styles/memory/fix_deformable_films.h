@@ -25,7 +25,6 @@ class FixDeformableFilms : public FixPartnerMemory<RememberedFilm> {
   static constexpr const char *STYLE = "wall/films";    // see FixDeformableWall
   static constexpr const char *ID = "deformable_films";
 
-  int setmask() override { return 0; }
   int modify_param(int, char **) override;
 
   // Whether all films of a particle are known: not of one that is new. 1 or 0, of the particles of this rank.

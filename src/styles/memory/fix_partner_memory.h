@@ -1,5 +1,5 @@
 // The base of fixes whose particles remember their partners: other particles, by their IDs, and walls, by codes < 0. What they
-// remember goes with them to other ranks and into restart files, and follows new IDs and other walls.
+// remember follows new IDs and other walls.
 //
 // Each particle also remembers its own ID. Where that has changed, the IDs of its partners may have, too: `follow` tells old
 // ones from new ones.
@@ -7,12 +7,9 @@
 #ifndef LMP_FIX_PARTNER_MEMORY_H
 #define LMP_FIX_PARTNER_MEMORY_H
 
-#include "fix.h"
-
-#include "solver/vector_bytes.h"
+#include "styles/memory/fix_memory.h"
 #include "styles/memory/partner_names.h"
 
-#include "atom.h"
 #include "comm.h"
 #include "error.h"
 #include "lammps.h"
@@ -21,29 +18,50 @@
 #include <cstdio>
 #include <cstring>
 #include <string>
-#include <type_traits>
 #include <unordered_map>
 #include <vector>
 
 namespace LAMMPS_NS {
 
 // Row: a struct of doubles that begins with `partner`.
-template <class Row> class FixPartnerMemory : public Fix {
+template <class Row> struct PartnerMemory {
+  double id = 0.0;          // its own, as of the last `follow`; 0: it was not there
+  double is_known = 0.0;    // 0: its rows may not be all
+  std::vector<Row> rows;
+};
+
+template <class Row> int count_of(const PartnerMemory<Row> &memory)
+{
+  return 2 + count_of(Row{}) * static_cast<int>(memory.rows.size());
+}
+template <class Row> void write(const PartnerMemory<Row> &memory, double *numbers)
+{
+  numbers[0] = memory.id;
+  numbers[1] = memory.is_known;
+  std::memcpy(numbers + 2, memory.rows.data(), memory.rows.size() * sizeof(Row));
+}
+template <class Row> void read(PartnerMemory<Row> &memory, const double *numbers, int count)
+{
+  memory.id = numbers[0];
+  memory.is_known = numbers[1];
+  memory.rows.resize((count - 2) / count_of(Row{}));
+  std::memcpy(memory.rows.data(), numbers + 2, memory.rows.size() * sizeof(Row));
+}
+
+template <class Row> class FixPartnerMemory : public FixMemory<PartnerMemory<Row>> {
+  using Base = FixMemory<PartnerMemory<Row>>;
+
  public:
-  // `name`: the style of this object, see FixDeformableWall.
-  FixPartnerMemory(LAMMPS *lmp, int narg, char **arg, const char *name) : Fix(lmp, narg, arg)
+  FixPartnerMemory(LAMMPS *lmp, int narg, char **arg, const char *name) : Base(lmp, narg, arg, name)
   {
-    delete[] style;
-    style = utils::strdup(name);
-    restart_global = restart_peratom = create_attribute = maxexchange_dynamic = 1;
+    this->restart_global = this->maxexchange_dynamic = 1;
   }
 
-  ~FixPartnerMemory() override
-  {
-    if (!begun) return;
-    atom->delete_callback(id, Atom::GROW);
-    atom->delete_callback(id, Atom::RESTART);
-  }
+  // LAMMPS makes its buffers before it sends particles along x, then y: a large one that comes along x may go on along y.
+  int setmask() override { return FixConst::PRE_EXCHANGE | FixConst::MIN_PRE_EXCHANGE; }
+  void init() override { make_room_everywhere(); }
+  void pre_exchange() override { make_room_everywhere(); }
+  void min_pre_exchange() override { make_room_everywhere(); }
 
   // On all ranks, where the neighbor list is new: partners get their present names. Those that are gone are forgotten.
   void follow()
@@ -56,48 +74,9 @@ template <class Row> class FixPartnerMemory : public Fix {
 
   double memory_usage() override
   {
-    double sum = bytes_of(particles);
-    for (const Particle &particle : particles) sum += bytes_of(particle.rows);
+    double sum = Base::memory_usage();
+    for (const PartnerMemory<Row> &particle : particles) sum += bytes_of(particle.rows);
     return sum;
-  }
-  void grow_arrays(int size) override { particles.resize(size); }
-  void copy_arrays(int from, int to, int /*delflag*/) override { particles[to] = particles[from]; }
-  void set_arrays(int i) override { particles[i] = {}; }
-
-  int pack_exchange(int i, double *buffer) override
-  {
-    const Particle &p = particles[i];
-    buffer[0] = size_restart(i);
-    buffer[1] = p.id;
-    buffer[2] = p.is_known;
-    std::memcpy(buffer + HEAD, p.rows.data(), p.rows.size() * sizeof(Row));
-    return size_restart(i);
-  }
-  int unpack_exchange(int i, double *buffer) override
-  {
-    unpack(i, buffer);
-    return size_restart(i);
-  }
-
-  int pack_restart(int i, double *buffer) override { return pack_exchange(i, buffer); }
-  // Atom::extra has the numbers of all fixes, one after the other; each begins with its size.
-  void unpack_restart(int i, int fix) override
-  {
-    const double *numbers = atom->extra[i];
-    for (int n = 0; n < fix; ++n) numbers += static_cast<int>(numbers[0]);
-    unpack(i, numbers);
-  }
-  int size_restart(int i) override
-  {
-    return HEAD + WIDTH * static_cast<int>(particles[i].rows.size());
-  }
-  // Of all ranks: the first one tells those that read the file how much room they need.
-  int maxsize_restart() override
-  {
-    int most = HEAD, of_all;
-    for (int i = 0; i < atom->nlocal; ++i) most = std::max(most, size_restart(i));
-    MPI_Allreduce(&most, &of_all, 1, MPI_INT, MPI_MAX, world);
-    return of_all;
   }
 
   // The sums of the fix, the number of particles, and the names of the walls.
@@ -126,27 +105,17 @@ template <class Row> class FixPartnerMemory : public Fix {
   }
 
  protected:
-  // At the end of a constructor, which stops where words are wrong: LAMMPS does not know the fix then.
-  void begin()
-  {
-    grow_arrays(atom->nmax);
-    atom->add_callback(Atom::GROW);
-    atom->add_callback(Atom::RESTART);
-    begun = true;
-  }
-
-  struct Particle {
-    double id = 0.0;          // its own, as of the last `follow`; 0: it was not there
-    double is_known = 0.0;    // 0: its rows may not be all
-    std::vector<Row> rows;
-  };
-  std::vector<Particle> particles;    // by local index
-
-  void make_room(int i) { maxexchange = std::max(maxexchange, size_restart(i)); }
+  using Base::atom, Base::comm, Base::error, Base::id, Base::lmp, Base::particles, Base::world;
 
   // What the fix sums up, of all ranks, on all ranks.
   virtual std::vector<double> all_sums() = 0;
   virtual void go_on_from(const std::vector<double> &sums) = 0;
+
+  void remember(int i, const Row &row)
+  {
+    particles[i].rows.push_back(row);
+    this->make_room(i);
+  }
 
   // Whether another particle remembers this now, as seen from there.
   virtual bool belongs_to_partner(int, const Row &) const { return false; }
@@ -188,19 +157,12 @@ template <class Row> class FixPartnerMemory : public Fix {
           id, number, atom->natoms);
   }
 
-  static_assert(std::is_trivially_copyable<Row>::value && sizeof(Row) % sizeof(double) == 0, "");
-  static constexpr int HEAD = 3, WIDTH = sizeof(Row) / sizeof(double);
-  bool begun = false;
   WallNames walls;    // that the codes in rows are of
 
-  void unpack(int i, const double *buffer)
+  void make_room_everywhere()
   {
-    Particle &p = particles[i];
-    p.id = buffer[1];
-    p.is_known = buffer[2];
-    p.rows.resize((static_cast<int>(buffer[0]) - HEAD) / WIDTH);
-    std::memcpy(p.rows.data(), buffer + HEAD, p.rows.size() * sizeof(Row));
-    make_room(i);
+    const int here = Base::maxexchange;
+    MPI_Allreduce(&here, &this->maxexchange, 1, MPI_INT, MPI_MAX, world);
   }
 
   // Calls rename(partner), which may return 0 for one that is gone. Returns how many are.
@@ -259,6 +221,7 @@ template <class Row> class FixPartnerMemory : public Fix {
   {
     if (!renamed) return;
     renamed = false;
+    const int WIDTH = count_of(Row{});
     std::vector<double> here;    // IDs and rows
     for (int i = 0; i < atom->nlocal; ++i) {
       std::vector<Row> &rows = particles[i].rows;
@@ -270,7 +233,7 @@ template <class Row> class FixPartnerMemory : public Fix {
         const Row row = from_partner(i, rows[n]);
         here.push_back(rows[n].partner);
         here.resize(here.size() + WIDTH);
-        std::memcpy(&here[here.size() - WIDTH], &row, sizeof row);
+        write(row, &here[here.size() - WIDTH]);
         rows.erase(rows.begin() + n);
       }
     }
@@ -281,9 +244,8 @@ template <class Row> class FixPartnerMemory : public Fix {
       const auto found = index.find(all[n]);
       if (found == index.end()) continue;
       Row row;
-      std::memcpy(&row, &all[n + 1], sizeof row);
-      particles[found->second].rows.push_back(row);
-      make_room(found->second);
+      read(row, &all[n + 1], WIDTH);
+      remember(found->second, row);
     }
   }
 };

@@ -7,7 +7,6 @@
 #include "atom.h"
 #include "domain.h"
 #include "error.h"
-#include "memory.h"
 #include "update.h"
 
 #include <cmath>
@@ -18,7 +17,8 @@ using namespace FixConst;
 
 /* ---------------------------------------------------------------------- */
 
-FixDeformablePropel::FixDeformablePropel(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg)
+FixDeformablePropel::FixDeformablePropel(LAMMPS *lmp, int narg, char **arg)
+    : FixMemory(lmp, narg, arg, "propel/active")
 {
   if (narg < 6) utils::missing_cmd_args(FLERR, "fix deformable/propel", error);
   if (narg > 6)
@@ -41,31 +41,12 @@ FixDeformablePropel::FixDeformablePropel(LAMMPS *lmp, int narg, char **arg) : Fi
                "belongs to an atom: use 'atom_modify id yes'",
                id);
 
-  // see fix_deformable_wall.h
-  delete[] style;
-  style = utils::strdup("propel/active");
-
   peratom_flag = 1;
   size_peratom_cols = 2;
   peratom_freq = 1;
   dynamic_group_allow = 1;
-  restart_peratom = 1;
-  create_attribute = 1;
-
-  FixDeformablePropel::grow_arrays(atom->nmax);
-  atom->add_callback(Atom::GROW);
-  atom->add_callback(Atom::RESTART);
-  for (int i = 0; i < atom->nlocal; ++i) {
-    FixDeformablePropel::set_arrays(i);
-    direction_of(i);
-  }
-}
-
-FixDeformablePropel::~FixDeformablePropel()
-{
-  atom->delete_callback(id, Atom::GROW);
-  atom->delete_callback(id, Atom::RESTART);
-  memory->destroy(directions);
+  begin();
+  for (int i = 0; i < atom->nlocal; ++i) direction_of(i);
 }
 
 /* ---------------------------------------------------------------------- */
@@ -106,15 +87,15 @@ void FixDeformablePropel::push(double angle_per_deviation)
 {
   for (int i = 0; i < atom->nlocal; ++i) {
     if (!(atom->mask[i] & groupbit)) continue;
-    double *n = direction_of(i);
+    Direction &n = direction_of(i);
     if (angle_per_deviation > 0.0) {
       deformable::CountedRandom random(seed, atom->tag[i], update->ntimestep);
-      const double angle = std::atan2(n[1], n[0]) + angle_per_deviation * random.gaussian();
-      n[0] = std::cos(angle);
-      n[1] = std::sin(angle);
+      const double angle = std::atan2(n.y, n.x) + angle_per_deviation * random.gaussian();
+      n.x = std::cos(angle);
+      n.y = std::sin(angle);
     }
-    atom->f[i][0] += strength * n[0];
-    atom->f[i][1] += strength * n[1];
+    atom->f[i][0] += strength * n.x;
+    atom->f[i][1] += strength * n.y;
   }
 }
 
@@ -122,77 +103,23 @@ void FixDeformablePropel::push(double angle_per_deviation)
    A particle that is new gets one, which depends on its ID alone.
 ------------------------------------------------------------------------- */
 
-double *FixDeformablePropel::direction_of(int i)
+Direction &FixDeformablePropel::direction_of(int i)
 {
-  double *n = directions[i];
-  if (n[0] == 0.0 && n[1] == 0.0) {
+  Direction &n = particles[i];
+  if (n.x == 0.0 && n.y == 0.0) {
     deformable::CountedRandom random(seed, atom->tag[i], ~std::uint64_t{0});
     const double angle = 2.0 * deformable::PI * random.uniform();
-    n[0] = std::cos(angle);
-    n[1] = std::sin(angle);
+    n.x = std::cos(angle);
+    n.y = std::sin(angle);
   }
   return n;
 }
 
-/* ----------------------------------------------------------------------
-   Directions move with their particles: in memory, to other ranks, and into
-   restart files.
-------------------------------------------------------------------------- */
-
-void FixDeformablePropel::grow_arrays(int nmax)
+// For the output of each particle.
+void FixDeformablePropel::grow_arrays(int size)
 {
-  memory->grow(directions, nmax, 2, "deformable/propel:directions");
-  array_atom = directions;
-}
-
-void FixDeformablePropel::copy_arrays(int i, int j, int)
-{
-  pack_exchange(i, directions[j]);
-}
-
-void FixDeformablePropel::set_arrays(int i)
-{
-  directions[i][0] = directions[i][1] = 0.0;
-}
-
-int FixDeformablePropel::pack_exchange(int i, double *buf)
-{
-  buf[0] = directions[i][0];
-  buf[1] = directions[i][1];
-  return 2;
-}
-
-int FixDeformablePropel::unpack_exchange(int i, double *buf)
-{
-  directions[i][0] = buf[0];
-  directions[i][1] = buf[1];
-  return 2;
-}
-
-int FixDeformablePropel::pack_restart(int i, double *buf)
-{
-  buf[0] = 1 + pack_exchange(i, buf + 1);
-  return maxsize_restart();
-}
-
-void FixDeformablePropel::unpack_restart(int i, int nth)
-{
-  double *extra = atom->extra[i];    // see FixDeformableStick
-  for (int n = 0; n < nth; ++n) extra += static_cast<int>(extra[0]);
-  unpack_exchange(i, extra + 1);
-}
-
-int FixDeformablePropel::size_restart(int)
-{
-  return maxsize_restart();
-}
-
-int FixDeformablePropel::maxsize_restart()
-{
-  return 3;
-}
-
-double FixDeformablePropel::memory_usage()
-{
-  return 2.0 * atom->nmax * sizeof(double);
+  FixMemory::grow_arrays(size);
+  rows.resize(size);
+  for (int i = 0; i < size; ++i) rows[i] = &particles[i].x;
+  array_atom = rows.data();
 }

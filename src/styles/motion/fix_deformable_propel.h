@@ -9,40 +9,35 @@ FixStyle(deformable/propel,FixDeformablePropel);
 #ifndef LMP_FIX_DEFORMABLE_PROPEL_H
 #define LMP_FIX_DEFORMABLE_PROPEL_H
 
-#include "fix.h"
+#include "styles/memory/fix_memory.h"
 
 #include <cstdint>
+#include <vector>
 
 namespace LAMMPS_NS {
 
-class FixDeformablePropel : public Fix {
+struct Direction {
+  double x = 0.0, y = 0.0;    // a unit vector; (0, 0) of a particle that has none yet
+};
+
+class FixDeformablePropel : public FixMemory<Direction> {
  public:
   FixDeformablePropel(class LAMMPS *, int, char **);
-  ~FixDeformablePropel() override;
 
   int setmask() override;
   void init() override;
   void setup(int) override;
   void post_force(int) override;
 
-  double memory_usage() override;
   void grow_arrays(int) override;
-  void copy_arrays(int, int, int) override;
-  void set_arrays(int) override;
-  int pack_exchange(int, double *) override;
-  int unpack_exchange(int, double *) override;
-  int pack_restart(int, double *) override;
-  void unpack_restart(int, int) override;
-  int size_restart(int) override;
-  int maxsize_restart() override;
 
  private:
   double strength, persistence;
   std::uint64_t seed;
-  double **directions = nullptr;    // unit vectors; (0, 0) of a particle that has none yet
+  std::vector<double *> rows;    // see array_atom
 
   void push(double angle_per_deviation);
-  double *direction_of(int i);
+  Direction &direction_of(int i);
 };
 
 }    // namespace LAMMPS_NS

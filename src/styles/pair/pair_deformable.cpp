@@ -43,13 +43,10 @@ PairDeformable::PairDeformable(LAMMPS *lmp, int outputs, int dimension)
   nextra = outputs;
   pvector = new double[nextra]();
 
-  const char *const level = std::getenv("DEFORMABLE_SIMD");
-  kernels = deformable::batch_kernels(level ? level : "");
-  if (!kernels)
-    error->all(FLERR,
-               "DEFORMABLE_SIMD is '{}': it must be 'plain', or 'avx2' or 'avx512' on a processor "
-               "that has these instructions",
-               level);
+  const char *const given = std::getenv("DEFORMABLE_SIMD");
+  const std::string level = given ? given : "";
+  kernels = deformable::batch_kernels(level);
+  if (!kernels) error->all(FLERR, "{}", deformable::why_no_kernels("DEFORMABLE_SIMD", level));
 }
 
 /* ---------------------------------------------------------------------- */

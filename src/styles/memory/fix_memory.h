@@ -1,0 +1,118 @@
+// The base of fixes that remember something of each particle, which stays with it: in LAMMPS' arrays, on other ranks, in
+// restart files. A fix says only what that is.
+//
+// Memory: a struct of doubles, or another one with functions `count_of`, `write` and `read` beside it, as PartnerMemory. A
+// particle that is new has Memory{}. On the way it is one record of doubles: their number, then the memory.
+
+#ifndef LMP_FIX_MEMORY_H
+#define LMP_FIX_MEMORY_H
+
+#include "fix.h"
+
+#include "solver/vector_bytes.h"
+
+#include "atom.h"
+
+#include <algorithm>
+#include <cstring>
+#include <type_traits>
+#include <vector>
+
+namespace LAMMPS_NS {
+
+template <class Memory> int count_of(const Memory &)
+{
+  static_assert(std::is_trivially_copyable<Memory>::value && sizeof(Memory) % sizeof(double) == 0,
+                "a struct of doubles");
+  return sizeof(Memory) / sizeof(double);
+}
+template <class Memory> void write(const Memory &memory, double *numbers)
+{
+  std::memcpy(numbers, &memory, sizeof memory);
+}
+template <class Memory> void read(Memory &memory, const double *numbers, int /*count*/)
+{
+  std::memcpy(static_cast<void *>(&memory), numbers, sizeof memory);
+}
+
+template <class Memory> class FixMemory : public Fix {
+ public:
+  // `name`: the style of this object, see FixDeformableWall.
+  FixMemory(LAMMPS *lmp, int narg, char **arg, const char *name) : Fix(lmp, narg, arg)
+  {
+    delete[] style;
+    style = utils::strdup(name);
+    restart_peratom = create_attribute = 1;
+  }
+
+  ~FixMemory() override
+  {
+    if (!begun) return;
+    atom->delete_callback(id, Atom::GROW);
+    atom->delete_callback(id, Atom::RESTART);
+  }
+
+  double memory_usage() override { return bytes_of(particles); }
+  void grow_arrays(int size) override { particles.resize(size); }
+  void copy_arrays(int from, int to, int /*delflag*/) override { particles[to] = particles[from]; }
+  void set_arrays(int i) override { particles[i] = {}; }
+
+  int pack_exchange(int i, double *record) override
+  {
+    record[0] = size_restart(i);
+    write(particles[i], record + 1);
+    return size_restart(i);
+  }
+  int unpack_exchange(int i, double *record) override
+  {
+    unpack(i, record);
+    return size_restart(i);
+  }
+
+  int pack_restart(int i, double *record) override { return pack_exchange(i, record); }
+  // Atom::extra has the records of all fixes, one after the other.
+  void unpack_restart(int i, int fix) override
+  {
+    const double *record = atom->extra[i];
+    for (int n = 0; n < fix; ++n) record += static_cast<int>(record[0]);
+    unpack(i, record);
+  }
+  int size_restart(int i) override { return 1 + count_of(particles[i]); }
+  // Of all ranks: the first one tells those that read the file how much room they need.
+  int maxsize_restart() override
+  {
+    int most = 1 + count_of(Memory{}), of_all;
+    for (int i = 0; i < atom->nlocal; ++i) most = std::max(most, size_restart(i));
+    MPI_Allreduce(&most, &of_all, 1, MPI_INT, MPI_MAX, world);
+    return of_all;
+  }
+
+ protected:
+  std::vector<Memory> particles;    // by local index
+
+  // At the end of a constructor, which stops where words are wrong: LAMMPS does not know the fix then.
+  void begin()
+  {
+    grow_arrays(atom->nmax);
+    maxexchange = 1 + count_of(Memory{});
+    atom->add_callback(Atom::GROW);
+    atom->add_callback(Atom::RESTART);
+    begun = true;
+  }
+
+  // Where this particle remembers more. LAMMPS' buffers have room for one particle of the largest size.
+  void make_room(int i) { maxexchange = std::max(maxexchange, size_restart(i)); }
+
+ private:
+  bool begun = false;
+
+  void unpack(int i, const double *record)
+  {
+    read(particles[i], record + 1, static_cast<int>(record[0]) - 1);
+    make_room(i);
+  }
+};
+
+}    // namespace LAMMPS_NS
+
+#endif
