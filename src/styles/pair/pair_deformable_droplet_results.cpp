@@ -81,7 +81,7 @@ void PairDeformableDroplet::list_contacts(int groupbit, std::vector<double> &row
                     at = Vector3{atom->x[i][0], atom->x[i][1], atom->x[i][2]} +
                          (radii[i] - solver->indentation(c)) * n;
       const double distance = k >= p.wall ? p.surfaces[k - p.wall].height : 1.0 / p.per_distance[k];
-      const tagint partner = k >= p.wall ? 0 : atom->tag[side ? p.i[k] : p.j[k]];
+      const tagint partner = k >= p.wall ? wall_number(p.j[k]) : atom->tag[side ? p.i[k] : p.j[k]];
       rows.insert(rows.end(),
                   {static_cast<double>(atom->tag[i]), static_cast<double>(partner),
                    solver->indentation(c), facet_radius(force, radii[i], stiffness_of(i).tension),
