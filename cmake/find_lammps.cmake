@@ -66,6 +66,7 @@ elseif(LAMMPS_FOUND)
   foreach(folder IN LISTS folders)
     target_include_directories(lammps_headers SYSTEM INTERFACE ${folder}/lammps)
   endforeach()
+  target_include_directories(lammps_headers SYSTEM INTERFACE ${CMAKE_CURRENT_LIST_DIR}/missing)
   target_compile_definitions(
     lammps_headers INTERFACE $<TARGET_PROPERTY:LAMMPS::lammps,INTERFACE_COMPILE_DEFINITIONS>)
   get_target_property(links LAMMPS::lammps INTERFACE_LINK_LIBRARIES)

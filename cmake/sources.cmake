@@ -80,8 +80,9 @@ set(STYLE_FOLDERS ${DEFORMABLE_DIR}/src/styles/pair ${DEFORMABLE_DIR}/src/polygo
                   ${DEFORMABLE_DIR}/src/styles/walls ${DEFORMABLE_DIR}/src/styles/motion
                   ${DEFORMABLE_DIR}/src/styles/friction ${DEFORMABLE_DIR}/src/styles/memory)
 file(GLOB STYLE_SOURCES CONFIGURE_DEPENDS
-     ${DEFORMABLE_DIR}/src/solver/*.cpp ${DEFORMABLE_DIR}/src/styles/*.cpp
-     ${DEFORMABLE_DIR}/src/styles/*/*.cpp ${DEFORMABLE_DIR}/src/polygons/*.cpp)
+     ${DEFORMABLE_DIR}/src/geometry/*.cpp ${DEFORMABLE_DIR}/src/solver/*.cpp
+     ${DEFORMABLE_DIR}/src/styles/*.cpp ${DEFORMABLE_DIR}/src/styles/*/*.cpp
+     ${DEFORMABLE_DIR}/src/polygons/*.cpp)
 set(PLUGIN_SOURCES ${DEFORMABLE_DIR}/src/styles/host_check.cpp
                    ${DEFORMABLE_DIR}/src/styles/plugin.cpp)
 list(REMOVE_ITEM STYLE_SOURCES ${PLUGIN_SOURCES})

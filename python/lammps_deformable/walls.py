@@ -232,10 +232,11 @@ class Sphere(_Round):
 
     def __post_init__(self) -> None:
         self._set_radius()
-        if (shape := np.shape(self.origin)) == () and number_or_nan(self.origin) == 0.0:
+        if number_or_nan(self.origin) == 0.0:
             object.__setattr__(self, "origin", 0.0)
         else:
-            self._set_point("origin", 3 if shape == (3,) else 2)
+            in_space = numbers("origin of a Sphere", self.origin).shape == (3,)
+            self._set_point("origin", 3 if in_space else 2)
         super().__post_init__()
 
     def _placed(self, dimension: int) -> Sphere:

@@ -65,7 +65,7 @@ struct TurnBy {
 };
 
 // C d/scale of each ring. Conjugate gradients also need the sum of d C d/scale, Chebyshev's iteration (ADVANCE) does not.
-template <int SIZE, bool SOFT, Turn TURN>
+template <int SIZE, bool SOFT, bool OWN, Turn TURN>
 DEFORMABLE_LANE_FUNCTION void multiply_lanes(const TurnBy &by, int contacts, const ContactArrays &c,
                                              const CorrectionArrays &g, const RingArrays &rings,
                                              Sum &curvature, int first)
@@ -94,7 +94,10 @@ DEFORMABLE_LANE_FUNCTION void multiply_lanes(const TurnBy &by, int contacts, con
     if constexpr (TURN != Turn::FIRST) own[m] += by.conjugation * load<Floats>(g.direction + at);
     store_floats(g.direction + at, own[m]);
     share[m] = load<Floats>(c.share + at);
-    product[m] = static_cast<float>(GREEN_AT_ZERO) * own[m];
+    if constexpr (OWN)
+      product[m] = load<Floats>(c.own + at) * own[m];
+    else
+      product[m] = static_cast<float>(GREEN_AT_ZERO) * own[m];
     along += share[m] * own[m];
     if constexpr (SOFT) sum += own[m];
 #pragma GCC unroll 8
@@ -137,14 +140,29 @@ template <bool SOFT, Turn TURN> static double multiply_all(RingBatches b, TurnBy
   for_all<FLOATS>(
       b, [&](auto size, int n, const ContactArrays &c, const RingArrays &r) DEFORMABLE_LANE_LAMBDA {
         const int first = static_cast<int>(c.seat - b.contacts.seat);
-        multiply_lanes<decltype(size)::value, SOFT, TURN>(
+        multiply_lanes<decltype(size)::value, SOFT, false, TURN>(
             by, n, c, corrections_of(b.corrections, first), r, sum, first % LANES);
+      });
+  return sum.total();
+}
+
+// Contacts with compliances of their own, of any number.
+template <Turn TURN> static double multiply_own(RingBatches b, TurnBy by)
+{
+  Sum sum;
+  by.per_scale = 1.0 / b.rings.scale;
+  for_each_vector<FLOATS>(
+      b, [&](int n, const ContactArrays &c, const RingArrays &r) DEFORMABLE_LANE_LAMBDA {
+        const int first = static_cast<int>(c.seat - b.contacts.seat);
+        multiply_lanes<0, true, true, TURN>(by, n, c, corrections_of(b.corrections, first), r, sum,
+                                            first % LANES);
       });
   return sum.total();
 }
 
 template <Turn TURN> static double multiply_rings(RingBatches b, TurnBy by)
 {
+  if (b.contacts.own) return multiply_own<TURN>(b, by);
   return b.soft ? multiply_all<true, TURN>(b, by) : multiply_all<false, TURN>(b, by);
 }
 

@@ -6,6 +6,6 @@ namespace deformable::DEFORMABLE_LEVEL {
 
 extern const DropletKernels droplet_kernels;
 
-const DropletKernels droplet_kernels = {evaluate_droplets, adapt_droplets, multiply_droplets};
+const DropletKernels droplet_kernels = {shape_droplets, adapt_droplets};
 
 }    // namespace deformable::DEFORMABLE_LEVEL

@@ -6,6 +6,8 @@
 
 #include "laws/trigonometry.h"
 
+#include <cstddef>
+
 namespace deformable {
 
 // A batch has so many rings, with equal numbers of places for contacts, on every level. An array of contacts has the
@@ -37,6 +39,7 @@ struct RingArrays {
 // iterations that only correct forces and mostly wait for memory. They have the compliances of
 // RingCompliance in units in which nothing is large or small: v_c = (a_c + expansion)/(sum of contact lengths), and
 //   p C_ck = G(theta_c - theta_k) + rate - mixed (v_c + v_k) - square v_c v_k.
+// Droplets have the same with the forces as v, the tension as p, and an `own` of each contact in place of G(0).
 struct ContactArrays {
   const int *seat;        // 2 x the index of the pair, + 1 for its second ring
   double *indentation;    // a
@@ -44,7 +47,8 @@ struct ContactArrays {
   double *slope;          // of the outline
   float *share;           // v
   float *green;
-  double *scratch;    // for the rings that have more contacts than any kernel knows, aligned
+  float *own;       // null: G(0) for all contacts
+  void *scratch;    // for the rings that have more contacts than any kernel knows, aligned
 };
 
 // What films that stick do to rings: T of each, and FilmTerms of each contact (contact_film.h).
@@ -67,16 +71,17 @@ struct CorrectionArrays {
 
 struct RingBatches {
   int begin, end;    // the batches that are meant
-  const int *size, *first,
-      *first_green;    // contacts of a ring; begin of a batch in ContactArrays, also of `end`
-  bool soft;           // some ring does not conserve its perimeter
+  // contacts of a ring; begin of a batch in arrays of contacts and in `green`, also of `end`
+  const int *size, *first;
+  const std::size_t *first_green;
+  bool soft;    // some ring does not conserve its perimeter
   RingArrays rings;
   ContactArrays contacts;
   CorrectionArrays corrections;
   StickArrays films;
 };
 
-// Pairs as ForceSolver sees them. Numbers in single precision are in units in which nothing is large or small:
+// Pairs as DualSolver sees them. Numbers in single precision are in units in which nothing is large or small:
 // residuals in `length`, weights in 1/scale, steps in unit = length/scale, and k in 1/(scale length^2).
 struct PairArrays {
   const double *overlap;

@@ -23,11 +23,12 @@ DEFORMABLE_LANE_FUNCTION RingArrays rings_of(RingArrays r, int ring)
   return r;
 }
 
-DEFORMABLE_LANE_FUNCTION ContactArrays contacts_of(ContactArrays c, int contact, int green)
+DEFORMABLE_LANE_FUNCTION ContactArrays contacts_of(ContactArrays c, int contact, std::size_t green)
 {
   c.seat += contact;
   for (double **p : {&c.indentation, &c.slope}) *p += contact;
   for (float **p : {&c.compliance, &c.share}) *p += contact;
+  if (c.own) c.own += contact;
   c.green += green;
   return c;
 }
@@ -35,14 +36,14 @@ DEFORMABLE_LANE_FUNCTION ContactArrays contacts_of(ContactArrays c, int contact,
 // COUNT vectors for each of n contacts.
 template <class Vector, int SIZE, int COUNT> struct OfContacts {
   Vector memory[COUNT][SIZE];
-  OfContacts(int, double *) {}
+  OfContacts(int, void *) {}
   Vector *operator[](int k) { return memory[k]; }
 };
 
 template <class Vector, int COUNT> struct OfContacts<Vector, 0, COUNT> {
   int n;
   Vector *memory;
-  OfContacts(int n, double *scratch) : n(n), memory(reinterpret_cast<Vector *>(scratch)) {}
+  OfContacts(int n, void *scratch) : n(n), memory(static_cast<Vector *>(scratch)) {}
   Vector *operator[](int k) { return memory + k * n; }
 };
 
@@ -256,25 +257,32 @@ DEFORMABLE_LANE_FUNCTION void slope_lanes(const PairDirections &pairs, int conta
   }
 }
 
+// kernel(n, contacts, rings) for each vector of rings, with n contacts each.
+template <int STEP = W, class Kernel>
+DEFORMABLE_LANE_FUNCTION void for_each_vector(const RingBatches &b, Kernel &&kernel)
+{
+  for (int batch = b.begin; batch < b.end; ++batch)
+    for (int w = 0; w < LANES; w += STEP)
+      kernel(b.size[batch], contacts_of(b.contacts, b.first[batch] + w, b.first_green[batch] + w),
+             rings_of(b.rings, batch * LANES + w));
+}
+
 // kernel(n, number of contacts, contacts, rings) for each vector of rings, n a constant for the usual numbers.
 template <int STEP = W, class Kernel>
 DEFORMABLE_LANE_FUNCTION void for_all(const RingBatches &b, Kernel &&kernel)
 {
-  for (int batch = b.begin; batch < b.end; ++batch)
-    for (int w = 0; w < LANES; w += STEP) {
-      const int n = b.size[batch];
-      const RingArrays r = rings_of(b.rings, batch * LANES + w);
-      const ContactArrays c = contacts_of(b.contacts, b.first[batch] + w, b.first_green[batch] + w);
-      switch (n) {
-        case 3: kernel(std::integral_constant<int, 3>(), n, c, r); break;
-        case 4: kernel(std::integral_constant<int, 4>(), n, c, r); break;
-        case 5: kernel(std::integral_constant<int, 5>(), n, c, r); break;
-        case 6: kernel(std::integral_constant<int, 6>(), n, c, r); break;
-        case 7: kernel(std::integral_constant<int, 7>(), n, c, r); break;
-        case 8: kernel(std::integral_constant<int, 8>(), n, c, r); break;
-        default: kernel(std::integral_constant<int, 0>(), n, c, r);
-      }
-    }
+  for_each_vector<STEP>(b, [&](int n, const ContactArrays &c, const RingArrays &r)
+                               DEFORMABLE_LANE_LAMBDA {
+                                 switch (n) {
+                                   case 3: kernel(std::integral_constant<int, 3>(), n, c, r); break;
+                                   case 4: kernel(std::integral_constant<int, 4>(), n, c, r); break;
+                                   case 5: kernel(std::integral_constant<int, 5>(), n, c, r); break;
+                                   case 6: kernel(std::integral_constant<int, 6>(), n, c, r); break;
+                                   case 7: kernel(std::integral_constant<int, 7>(), n, c, r); break;
+                                   case 8: kernel(std::integral_constant<int, 8>(), n, c, r); break;
+                                   default: kernel(std::integral_constant<int, 0>(), n, c, r);
+                                 }
+                               });
 }
 
 template <bool SOFT, bool STICK> static bool shape_all(RingBatches b, PairDirections pairs)

@@ -1,4 +1,4 @@
-// Loops over the pairs that bear forces, for ForceSolver and NearList (src/solver).
+// Loops over the pairs that bear forces, for DualSolver and PairList (src/solver).
 //
 // A loop takes vectors, then the rest one by one: T is Lanes or double. Sums have LANES parts on every level, so that
 // all levels add in the same order.
@@ -66,7 +66,7 @@ DEFORMABLE_LANE_FUNCTION T of_both(const Number *x, const Arrays &p, int k)
          gather<T>(x, [&](int w) DEFORMABLE_LANE_LAMBDA { return p.second[k + w]; });
 }
 
-// The imbalance of a pair, see ForceSolver: r, 1/(C_i + C_j), k, and f beyond the least force.
+// The imbalance of a pair, see DualSolver: r, 1/(C_i + C_j), k, and f beyond the least force.
 template <class T>
 DEFORMABLE_LANE_FUNCTION T imbalance_of(T residual, T weight, T stiffening, T force)
 {

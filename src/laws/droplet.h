@@ -67,7 +67,10 @@ inline double droplet_bulge(double radius, double load)
 }
 
 // Contacts that bear nothing have the logarithm of this force.
-constexpr double NO_FORCE = 1e-300, LOG_NO_FORCE = -690.77552789821368;
+constexpr double NO_FORCE = 1e-300;
+// The compliance of a contact grows without bound as its force vanishes. The solver takes that of this part of the mean force
+// at least, or of LEAST_ALONE where a droplet bears nothing: then a contact that opens takes a step of the right size.
+constexpr double LEAST_OF_MEAN = 1e-3, LEAST_ALONE = 1e-2;
 
 // What all contacts of a droplet share. log: ln of a T.
 template <class T> struct DropletLoad {

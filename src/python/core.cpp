@@ -14,8 +14,7 @@ NB_MODULE(core, m)
   deformable::bind_ring_forces(m);
   deformable::bind_outlines(m);
   deformable::bind_rules(m);
-  deformable::bind_obstacles(m);
-  deformable::bind_surfaces(m);
+  deformable::bind_walls(m);
   deformable::bind_edge_contacts(m);
   deformable::bind_friction(m);
   deformable::bind_smooth_polygons(m);

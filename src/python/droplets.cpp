@@ -92,28 +92,42 @@ Droplet droplet(nb::handle given_normals, nb::handle given_forces, double radius
   }
   // the other lanes of its batch have no contacts
   const std::size_t places = z * LANES, greens = z * (z - std::min<std::size_t>(z, 1)) / 2 * LANES,
-                    first_green = 0;
-  const int first[] = {0, static_cast<int>(z)}, none = 2 * static_cast<int>(z);
+                    first_green[] = {0, greens};
+  const int size = static_cast<int>(z), first[] = {0, size * LANES}, none = 2 * size;
   std::vector<int> seat(places, none);
   for (std::size_t c = 0; c < z; ++c) seat[c * LANES] = 2 * static_cast<int>(c);
   const auto room = [&] { return std::vector<double>(places); };
   std::vector<double> nx = room(), ny = room(), nz = room(), f = room(), response = room(),
                       a = room(), tx = room(), ty = room(), tz = room();
-  std::vector<double> radii(LANES, 1.0), tensions(LANES, 1.0), load(LANES), facet(LANES),
-      work(LANES);
+  std::vector<double> radii(LANES, 1.0), tensions(LANES, 1.0), per_tension(LANES, 1.0), load(LANES),
+      facet(LANES), work(LANES), total(LANES);
   radii[0] = radius;
   tensions[0] = tension;
-  std::vector<float> slope(LANES), bend(LANES), rounded(places), compliance(places), green(greens),
-      d_green(greens), scratch(DropletKernels::SCRATCH * places);
-  const DropletArrays arrays = {first,           &first_green,   radii.data(),
-                                tensions.data(), load.data(),    facet.data(),
-                                work.data(),     slope.data(),   bend.data(),
-                                seat.data(),     nx.data(),      ny.data(),
-                                nz.data(),       f.data(),       rounded.data(),
-                                response.data(), a.data(),       tx.data(),
-                                ty.data(),       tz.data(),      compliance.data(),
-                                green.data(),    d_green.data(), scratch.data()};
-  kernels->droplets.evaluate(arrays, {force.data(), x.data(), y.data(), n.data()}, 0, 1);
+  per_tension[0] = 1.0 / tension;
+  std::vector<float> mixed(LANES), rate(LANES), share(places), compliance(places), each(places),
+      green(greens), d_green(greens);
+  RingBatches batch = {};
+  batch.end = 1;
+  batch.size = &size;
+  batch.first = first;
+  batch.first_green = first_green;
+  batch.rings.radius = radii.data();
+  batch.rings.work = work.data();
+  batch.rings.total = total.data();
+  batch.rings.per_pressure = per_tension.data();
+  batch.rings.mixed = mixed.data();
+  batch.rings.rate = rate.data();
+  batch.rings.scale = 1.0;
+  batch.contacts.seat = seat.data();
+  batch.contacts.indentation = a.data();
+  batch.contacts.compliance = compliance.data();
+  batch.contacts.share = share.data();
+  batch.contacts.green = green.data();
+  batch.contacts.own = each.data();
+  const DropletArrays arrays = {tensions.data(), load.data(), facet.data(), nx.data(),
+                                ny.data(),       nz.data(),   f.data(),     response.data(),
+                                tx.data(),       ty.data(),   tz.data(),    d_green.data()};
+  kernels->droplets.shape(batch, arrays, {force.data(), x.data(), y.data(), n.data()});
   const auto own = [&](const std::vector<double> &by_place) {
     std::vector<double> found(z);
     for (std::size_t c = 0; c < z; ++c) found[c] = by_place[c * LANES];
@@ -127,6 +141,7 @@ Droplet droplet(nb::handle given_normals, nb::handle given_forces, double radius
 
 void deformable::bind_droplets(nb::module_ &m)
 {
+  m.attr("largest_bulge") = LARGEST_BULGE;
   nb::class_<Droplet>(m, "Droplet", "A droplet in three dimensions that bears given forces.")
       .def_ro("load", &Droplet::load, "x = sum F/(8 pi g R), the part that facets would cover")
       .def_ro("facet", &Droplet::facet,

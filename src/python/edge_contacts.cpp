@@ -1,6 +1,6 @@
 #include "python/laws.h"
 
-#include "geometry/convex_polygon.h"
+#include "geometry/polygon.h"
 #include "polygons/edge_contact.h"
 
 #include <cmath>

@@ -11,7 +11,7 @@ namespace deformable {
 
 // The vector v = (x, y) from the center of a particle to that of a neighbor, or to the nearest point of a wall, and
 // the angle by which its direction n turns for a step of v along t, which is n turned by 90 degrees: 1/|v| for a
-// neighbor, NearestPoint::per_lever for a wall. Where a wall is near, v changes by -dr_i.
+// neighbor, SurfacePoint::turn for a wall. Where a wall is near, v changes by -dr_i.
 //   d|v|/dv = n,   d^2|v|/dv dv = turn t t^T,   dtheta/dv = turn t,   d^2theta/dv dv = -turn^2 (n t^T + t n^T)
 struct SideVector {
   double x, y, turn;

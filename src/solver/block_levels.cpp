@@ -4,10 +4,12 @@
 
 using namespace LAMMPS_NS;
 
-static constexpr int BATCHES = ForceBatches::BLOCK / deformable::LANES;
+static constexpr int BATCHES = ContactBatches::BLOCK / deformable::LANES;
 
-void BlockLevels::arrange(const ForceBatches &b, const NearPairs &pairs)
+void BlockLevels::arrange(const ContactBatches &b, const NearPairs &pairs, const Tuning &tuning)
 {
+  group_size = std::max(1, static_cast<int>(tuning.group));
+  chunk_size = std::max(1, static_cast<int>(tuning.chunk));
   batches = b.batches;
   const int blocks = (batches + BATCHES - 1) / BATCHES;
   std::vector<int> end(blocks);    // of the contacts
@@ -40,7 +42,8 @@ void BlockLevels::arrange(const ForceBatches &b, const NearPairs &pairs)
     of.assign(1, begin_of[kind]);
     int k = begin_of[kind];
     for (int block = 0; block < blocks; ++block) {
-      while (k < begin_of[kind + 1] && b.place[pairs.i[k]] < (block + 1) * ForceBatches::BLOCK) ++k;
+      while (k < begin_of[kind + 1] && b.place[pairs.i[k]] < (block + 1) * ContactBatches::BLOCK)
+        ++k;
       of.push_back(k);
     }
   }
@@ -50,11 +53,4 @@ void BlockLevels::choose(deformable::RingBatches &rings, int block) const
 {
   rings.begin = block * BATCHES;
   rings.end = std::min(rings.begin + BATCHES, batches);
-}
-
-void BlockLevels::widen(Choice &chosen) const
-{
-  const Choice before = chosen;
-  for (int k = 0; k < count(); ++k)
-    for (int n = first[k]; n < first[k + 1] && before[k]; ++n) chosen[neighbors[n]] = 1;
 }

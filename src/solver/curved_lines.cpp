@@ -10,7 +10,7 @@ using deformable::LARGEST_BEND;
 using deformable::LARGEST_SINE;
 using deformable::UNKNOWN_FORCE;
 
-void CurvedLines::arrange(ForceBatches &b, NearPairs &p, RemoteSides &r)
+void CurvedLines::arrange(ContactBatches &b, NearPairs &p, RemoteSides &r)
 {
   pairs = &p;
   batches = &b;

@@ -13,8 +13,8 @@
 #ifndef LMP_CURVED_LINES_H
 #define LMP_CURVED_LINES_H
 
+#include "solver/contact_batches.h"
 #include "solver/films.h"
-#include "solver/force_batches.h"
 #include "solver/near_pairs.h"
 #include "solver/remote_sides.h"
 
@@ -31,7 +31,7 @@ class CurvedLines {
   // Lines of the last solution that bear a force at a limit. A line that two ranks share counts half on each.
   double limited = 0.0;
 
-  void arrange(ForceBatches &, NearPairs &, RemoteSides &);    // contacts are new
+  void arrange(ContactBatches &, NearPairs &, RemoteSides &);    // contacts are new
 
   // Extrapolates tilts and bends of the last two calls, which the pairs have: by this part of their difference.
   void predict(double slope);
@@ -64,7 +64,7 @@ class CurvedLines {
  private:
   const deformable::ForceKernels &kernels;
   NearPairs *pairs = nullptr;
-  ForceBatches *batches = nullptr;
+  ContactBatches *batches = nullptr;
   RemoteSides *remote = nullptr;
   std::vector<double> next_sine, next_bend;                     // see LineArrays
   std::vector<double> slope_rate, per_pressure, free_radius;    // see OutlineArrays

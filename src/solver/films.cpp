@@ -9,7 +9,7 @@
 using namespace LAMMPS_NS;
 using namespace deformable;
 
-void Films::arrange(ForceBatches &b, NearPairs &p, RemoteSides &r)
+void Films::arrange(ContactBatches &b, NearPairs &p, RemoteSides &r)
 {
   pairs = &p;
   batches = &b;

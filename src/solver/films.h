@@ -10,7 +10,7 @@
 #ifndef LMP_FILMS_H
 #define LMP_FILMS_H
 
-#include "solver/force_batches.h"
+#include "solver/contact_batches.h"
 #include "solver/near_pairs.h"
 #include "solver/remote_sides.h"
 
@@ -22,7 +22,7 @@ class Films {
  public:
   explicit Films(const deformable::ForceKernels &kernels) : kernels(kernels) {}
 
-  void arrange(ForceBatches &, NearPairs &, RemoteSides &);    // contacts are new
+  void arrange(ContactBatches &, NearPairs &, RemoteSides &);    // contacts are new
 
   // A new force call.
   void begin_call();
@@ -54,7 +54,7 @@ class Films {
  private:
   const deformable::ForceKernels &kernels;
   NearPairs *pairs = nullptr;
-  ForceBatches *batches = nullptr;
+  ContactBatches *batches = nullptr;
   RemoteSides *remote = nullptr;
   std::vector<double> next_angle[2], next_pull;
   std::vector<char> has_let_go;    // in this call: such pairs stay free until the next one

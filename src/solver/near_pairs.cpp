@@ -1,6 +1,7 @@
 #include "solver/near_pairs.h"
 
 #include "laws/contact.h"
+#include "laws/trigonometry.h"
 
 #include <cmath>
 
@@ -11,14 +12,15 @@ void NearPairs::clear(const KnownPairs &old)
 {
   const std::size_t most = old.size + old.size / 64 + 16;
   static_cast<KnownPairs &>(*this) = KnownPairs();
+  in_space = old.in_space;
   curved = old.curved;
   sticks = old.sticks;
   scale = old.scale;
   length = old.length;
-  const auto make_room = [most](auto &...v) { (v.reserve(most), ...); };
-  make_room(i, j, past, earlier[0], earlier[1], earlier[2]);
+  const auto reserve = [most](auto &...v) { (v.reserve(most), ...); };
+  reserve(i, j, past, earlier[0], earlier[1], earlier[2]);
   if (curved)
-    for (int n = 0; n < PastForces::LINES; ++n) make_room(past_tilt[n], past_bend[n]);
+    for (int n = 0; n < PastForces::LINES; ++n) reserve(past_tilt[n], past_bend[n]);
 }
 
 void NearPairs::set_units(double scale_, double length_)
@@ -36,9 +38,11 @@ void NearPairs::make_room()
 {
   const std::size_t pairs = size, one_more = pairs + 1;
   stiffening.assign(pairs, 0.0F);
-  for (LargeVector<double> *v : {&force, &overlap, &per_distance, &angle, &ny})
-    v->assign(one_more, 0.0);
+  for (LargeVector<double> *v : {&force, &overlap, &per_distance, &ny}) v->assign(one_more, 0.0);
   nx.assign(one_more, 1.0);
+  nz.assign(in_space ? one_more : 0, 0.0);
+  angle.assign(in_space ? 0 : one_more, 0.0);
+  surfaces.resize(in_space ? size - wall : 0);
   for (LargeVector<double> *v : {&tilt, &bend}) v->assign(curved ? one_more : 0, 0.0);
   for (LargeVector<int> &v : side) v.assign(pairs, 0);
   attached.assign(sticks ? pairs : 0, 0);
@@ -46,20 +50,58 @@ void NearPairs::make_room()
     v->assign(sticks ? one_more : 0, 0.0);
 }
 
-deformable::PairPlaces NearPairs::places(const double *x, const double *radius)
+int NearPairs::locate(const deformable::ForceKernels &kernels, const double *x,
+                      const double *radius)
 {
-  return {i.data(),       j.data(),     x,         radius,   per_distance.data(),
-          overlap.data(), angle.data(), nx.data(), ny.data()};
+  int wrong = -1;
+  if (!in_space) {
+    if (wall == 0 || kernels.locate({i.data(), j.data(), x, radius, per_distance.data(),
+                                     overlap.data(), angle.data(), nx.data(), ny.data()},
+                                    0, wall))
+      return -1;
+    // the kernel compares squares of distances, which round differently
+    constexpr double ROUNDING = 1e-14;
+    for (int k = 0; k < wall; ++k) {
+      const double ri = radius[i[k]], rj = radius[j[k]], d = 1.0 / per_distance[k];
+      const double least = deformable::nearest_square(ri + rj, std::fabs(ri - rj));
+      if (!(d * d > (1.0 + ROUNDING) * least)) return k;
+    }
+    return -1;
+  }
+  for (int k = 0; k < wall; ++k) {
+    const double *const xi = x + 3 * i[k], *const xj = x + 3 * j[k];
+    const double dx = xj[0] - xi[0], dy = xj[1] - xi[1], dz = xj[2] - xi[2];
+    const double d = std::sqrt(dx * dx + dy * dy + dz * dz), over = 1.0 / d;
+    per_distance[k] = over;
+    nx[k] = over * dx;
+    ny[k] = over * dy;
+    nz[k] = over * dz;
+    overlap[k] = radius[i[k]] + radius[j[k]] - d;
+    if (!(d > 0.0 && d < HUGE_VAL)) wrong = k;
+  }
+  return wrong;
 }
 
-// The kernel that has found one compares squares of distances, which round differently.
-int NearPairs::first_behind(const double *radius) const
+void NearPairs::locate_wall(int k, double radius, const deformable::SurfacePoint &point)
 {
-  constexpr double ROUNDING = 1e-14;
-  for (int k = 0; k < wall; ++k) {
-    const double ri = radius[i[k]], rj = radius[j[k]], d = 1.0 / per_distance[k];
-    const double least = deformable::nearest_square(ri + rj, std::fabs(ri - rj));
-    if (!(d * d > (1.0 + ROUNDING) * least)) return k;
+  overlap[k] = radius - point.height;
+  nx[k] = point.n.x;
+  ny[k] = point.n.y;
+  per_distance[k] = point.turn;
+  if (in_space) {
+    nz[k] = point.n.z;
+    surfaces[k - wall] = point;
+  } else {
+    angle[k] = deformable::angle_of(point.n.x, point.n.y);
   }
-  return -1;
+}
+
+double NearPairs::bytes() const
+{
+  double of_lines = 0.0;
+  for (int n = 0; n < PastForces::LINES; ++n) of_lines += bytes_of(past_tilt[n], past_bend[n]);
+  return of_lines + bytes_of(i, j, owned, stiffening, past, earlier[0], earlier[1], earlier[2],
+                             force, overlap, per_distance, angle, nx, ny, nz, tilt, bend, side[0],
+                             side[1], surfaces, attached, sticking, adhesion, film_angle[0],
+                             film_angle[1], least);
 }

@@ -1,9 +1,10 @@
-// Pairs that bear a force or may do so soon: of two particles, or of a particle and a wall. Balanced contacts have
-// one unknown for each of them.
+// Pairs that bear a force or may do so soon: of two particles, or of a particle and a wall. The solver has one unknown for each
+// of them, its force.
 
 #ifndef DEFORMABLE_NEAR_PAIRS_H
 #define DEFORMABLE_NEAR_PAIRS_H
 
+#include "geometry/surface.h"
 #include "kernels/force_kernels.h"
 #include "solver/large_vector.h"
 #include "solver/vector_bytes.h"
@@ -14,7 +15,7 @@
 
 namespace LAMMPS_NS {
 
-// The force of a pair at the last call; negative: see ForceSolver. Its differences from call to call, further and further
+// The force of a pair at the last call; negative: see DualSolver. Its differences from call to call, further and further
 // back, see PairArrays. The sines of the tilts of its contact line and its bends at the last two calls, see CurvedLines.
 struct PastForces {
   double force = deformable::UNKNOWN_FORCE;
@@ -34,16 +35,21 @@ struct PastForces {
 // Which pairs there are. Pairs with both particles on this rank come first, then those whose second particle is a
 // ghost from another rank, then particles and walls.
 struct KnownPairs {
+  bool in_space = false;
+  bool curved = false;    // contact lines tilt and bend: without, those arrays are empty
+  bool sticks = false;    // some pairs may have films that stick, as well
+
   int remote = 0, wall = 0, size = 0;    // first remote pair, first pair with a wall, end
 
   LargeVector<int> i,
       j;    // local indices, as in the neighbor list; of a wall: its code, -1 - (w + n feature)
-  bool curved = false;    // contact lines tilt and bend: without, those arrays are empty
-  bool sticks = false;    // some pairs may have films that stick, as well
   LargeVector<double> past, past_tilt[PastForces::LINES], past_bend[PastForces::LINES];
   LargeVector<float> earlier[3];       // in `unit`; see PastForces
   double scale = 1.0, length = 1.0;    // powers of two, of 1/(k R^2) and R: see PairArrays
   double unit() const { return length / scale; }
+
+  // Both ranks have a pair with a remote side: each counts half of it.
+  double part(int k) const { return k >= remote && k < wall ? 0.5 : 1.0; }
 
   PastForces past_of(int k) const
   {
@@ -68,12 +74,14 @@ struct NearPairs : KnownPairs {
 
   // one more than pairs: the last one stands for places of contacts that are empty
   LargeVector<double> force;
-  LargeVector<double> overlap,
-      per_distance;                     // of walls: the rotation of the direction per sideways step
-  LargeVector<double> angle, nx, ny;    // normal of the contact line, from i to j
-  LargeVector<double> tilt;             // sine of its angle with the line of centers
-  LargeVector<double> bend;             // tan(beta/2), see contact_curve.h
-  LargeVector<int> side[2];             // index of the contact of i and of that of j
+  LargeVector<double> overlap;
+  LargeVector<double> per_distance;    // of walls: the rotation of the direction per sideways step
+  LargeVector<double> nx, ny, nz;      // normal of the contact, from i to j; nz: in space
+  LargeVector<double> angle;           // of the normal, in the plane
+  LargeVector<double> tilt;            // sine of its angle with the line of centers
+  LargeVector<double> bend;            // tan(beta/2), see contact_curve.h
+  LargeVector<int> side[2];            // index of the contact of i and of that of j
+  std::vector<deformable::SurfacePoint> surfaces;    // of walls in space, from the first one on
 
   // of films that stick, see Films
   LargeVector<char> attached;
@@ -94,6 +102,7 @@ struct NearPairs : KnownPairs {
     return size++;
   }
 
+  deformable::Vector3 normal(int k) const { return {nx[k], ny[k], in_space ? nz[k] : 0.0}; }
   // The direction from i to j, and the cosine of the tilt.
   struct Centers {
     double nx, ny, cosine;
@@ -107,27 +116,20 @@ struct NearPairs : KnownPairs {
   // Removes all pairs; room for about as many, in the same units.
   void clear(const KnownPairs &old);
   void set_units(double scale, double length);
+  void make_room();    // for the arrays that add() does not fill
+
+  // Distances, normals and overlaps of pairs of particles: of positions x and radii. Returns a pair whose contact line cannot
+  // lie between the centers, in space one without a direction; or -1.
+  int locate(const deformable::ForceKernels &, const double *x, const double *radius);
+  // The point of a wall that is nearest to the center of a pair.
+  void locate_wall(int k, double radius, const deformable::SurfacePoint &);
+
   deformable::PairDirections directions() const
   {
     return {force.data(), angle.data(), nx.data(), ny.data(), curved ? bend.data() : nullptr};
   }
-  void make_room();    // for the arrays that add() does not fill
 
-  // Distances, directions and overlaps of pairs of particles.
-  deformable::PairPlaces places(const double *x, const double *radius);
-
-  // The first pair whose contact line cannot lie between the centers, or -1.
-  int first_behind(const double *radius) const;
-
-  double bytes() const
-  {
-    double of_lines = 0.0;
-    for (int n = 0; n < PastForces::LINES; ++n) of_lines += bytes_of(past_tilt[n], past_bend[n]);
-    return of_lines + bytes_of(i, j, owned, stiffening, past, earlier[0], earlier[1], earlier[2],
-                               force, overlap, per_distance, angle, nx, ny, tilt, bend, side[0],
-                               side[1], attached, sticking, adhesion, film_angle[0], film_angle[1],
-                               least);
-  }
+  double bytes() const;
 };
 
 }    // namespace LAMMPS_NS

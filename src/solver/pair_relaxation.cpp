@@ -8,14 +8,14 @@ using namespace LAMMPS_NS;
 using deformable::LANES;
 using deformable::PairArrays;
 
-void PairRelaxation::arrange(const ForceBatches &b, const NearPairs &p)
+void PairRelaxation::arrange(const ContactBatches &b, const NearPairs &p)
 {
   pairs = p.size;
   waits.assign(p.size, false);
   has_turned.assign(b.batches, 0);
   may_turn.assign(b.batches, 1);
   for (int k = p.remote; k < p.wall; ++k) may_turn[b.place[p.i[k]] / LANES] = 0;
-  near_block.assign(b.batches * LANES / ForceBatches::BLOCK + 1, -1);
+  near_block.assign(b.batches * LANES / ContactBatches::BLOCK + 1, -1);
 }
 
 // The change of the force of a pair that balances it if all others stay.
@@ -34,7 +34,7 @@ void PairRelaxation::wait_for(const PairArrays &a, int k)
 
 // The residuals of all pairs of a ring after the force of its contact c has changed: those of CorrectionArrays, with C of
 // ContactArrays.
-void PairRelaxation::turn(const ForceBatches &b, const PairArrays &a, int ring, int c, float by)
+void PairRelaxation::turn(const ContactBatches &b, const PairArrays &a, int ring, int c, float by)
 {
   const int batch = ring / LANES, first = b.first[batch] + ring % LANES, m = (c - first) / LANES;
   const float *const green = b.green.data() + b.first_green[batch] + ring % LANES;
@@ -52,19 +52,18 @@ void PairRelaxation::turn(const ForceBatches &b, const PairArrays &a, int ring, 
     const int k = seat[q * LANES] >> 1;
     if (k == pairs) continue;    // an empty place
     const int low = std::min(q, m), high = std::max(q, m);
-    const float between = q == m ? static_cast<float>(deformable::GREEN_AT_ZERO)
-                                 : green[(high * (high - 1) / 2 + low) * LANES];
+    const float between = q != m          ? green[(high * (high - 1) / 2 + low) * LANES]
+                          : b.own.empty() ? static_cast<float>(deformable::GREEN_AT_ZERO)
+                                          : b.own[c];
     a.residual[k] -= (between * by - of_share * share[q * LANES] + constant) * per_p;
     wait_for(a, k);
   }
 }
 
 void PairRelaxation::relax(int block, const deformable::ForceKernels &kernels,
-                           const BlockLevels &blocks, const NearPairs &p, const ForceBatches &b,
+                           const BlockLevels &blocks, const NearPairs &p, const ContactBatches &b,
                            const PairArrays &a)
 {
-  constexpr double CROWD = 0.1;    // of the pairs
-  constexpr double PART = 0.3;     // of what a ring bears
   constexpr std::size_t OFTEN = 50, ANY = 1000;
   std::size_t of_block = 0, first_ones = 0;
   blocks.for_pairs(block, [&](int begin, int end, double) {
@@ -75,14 +74,14 @@ void PairRelaxation::relax(int block, const deformable::ForceKernels &kernels,
   });
   waiting.resize(first_ones);
   for (const int k : waiting) waits[k] = true;
-  const bool is_crowded = first_ones > CROWD * of_block + 10;
+  const bool is_crowded = first_ones > crowd * of_block + 10;
   const std::size_t last = is_crowded ? 0 : OFTEN * first_ones + ANY;
 
   near_block[block] = block;
   blocks.for_neighbors(block, [&](int other) { near_block[other] = block; });
   const auto may_change = [&](int ring, double by) {
     return may_turn[ring / LANES] && near_block[BlockLevels::of_ring(ring)] == block &&
-           by < PART * b.total[ring];
+           by < of_ring * b.total[ring];
   };
   for (std::size_t next = 0; next < waiting.size(); ++next) {
     const int k = waiting[next];

@@ -9,7 +9,7 @@
 #define LMP_PAIR_RELAXATION_H
 
 #include "solver/block_levels.h"
-#include "solver/force_batches.h"
+#include "solver/contact_batches.h"
 #include "solver/near_pairs.h"
 
 #include <vector>
@@ -18,15 +18,16 @@ namespace LAMMPS_NS {
 
 class PairRelaxation {
  public:
-  void arrange(const ForceBatches &, const NearPairs &);    // contacts are new
+  void arrange(const ContactBatches &, const NearPairs &);    // contacts are new
 
-  // A new force call. Pairs are relaxed whose imbalance is above `least` times the largest force. Those that are far off are
+  // A new force call. Pairs are relaxed whose imbalance is above a limit. Those that are far off are
   // left to Newton's method, which knows when it goes astray. Returns whether any imbalance is between these limits.
-  bool begin(double least, double largest_force)
+  bool begin(const Tuning &tuning, double tolerance, double largest_force)
   {
-    constexpr double MOST = 0.01;    // what is of first order
-    limit = least * largest_force;
-    most = MOST * largest_force;
+    crowd = tuning.crowd;
+    of_ring = tuning.of_ring;
+    limit = tuning.relaxed * tolerance * largest_force;
+    most = tuning.relaxed_to * largest_force;    // what is of first order
     return limit < most;
   }
 
@@ -34,7 +35,7 @@ class PairRelaxation {
   // neighbors. Rings of a batch do not change if one of them touches a ring of another rank, which would not learn of it.
   // Forces and residuals are those after that, to first order in the changes of forces.
   void relax(int block, const deformable::ForceKernels &, const BlockLevels &, const NearPairs &,
-             const ForceBatches &, const deformable::PairArrays &);
+             const ContactBatches &, const deformable::PairArrays &);
 
   // act(batches) for those of a block that have turned since the last time.
   template <class Act> void take_turned(deformable::RingBatches block, Act &&act)
@@ -56,7 +57,8 @@ class PairRelaxation {
   }
 
  private:
-  double limit = 0.0, most = 0.0;    // smaller and larger imbalances stay
+  double limit = 0.0, most = 0.0;       // smaller and larger imbalances stay
+  double crowd = 0.0, of_ring = 0.0;    // see Tuning
   int pairs = 0;
 
   std::vector<int> waiting;                  // pairs
@@ -64,7 +66,8 @@ class PairRelaxation {
   std::vector<char> may_turn, has_turned;    // by batch
   std::vector<int> near_block;               // of each block, the last one that it was beside
 
-  void turn(const ForceBatches &, const deformable::PairArrays &, int ring, int contact, float by);
+  void turn(const ContactBatches &, const deformable::PairArrays &, int ring, int contact,
+            float by);
   void wait_for(const deformable::PairArrays &, int pair);
 };
 

@@ -26,7 +26,7 @@ double RemoteSides::largest(double of_this_rank) const
 bool RemoteSides::all_find(bool sufficient, bool &refused) const
 {
   enum { SUFFICIENT, INSUFFICIENT, REFUSED };
-  const int here = refused ? REFUSED : sufficient ? SUFFICIENT : INSUFFICIENT;
+  int here = refused ? REFUSED : sufficient ? SUFFICIENT : INSUFFICIENT;
   int worst = here;
   if (comm->nprocs > 1) MPI_Allreduce(&here, &worst, 1, MPI_INT, MPI_MAX, world);
   refused = worst == REFUSED;
@@ -37,9 +37,9 @@ void RemoteSides::to_ghosts(std::vector<double> &by_particle)
 {
   const int all = atom->nlocal + atom->nghost;
   by_particle.resize(all);
-  rows.resize(all);
-  for (int i = 0; i < all; ++i) rows[i] = &by_particle[i];
-  comm->forward_comm_array(1, rows.data());
+  std::vector<double *> each(all);    // `rows` are those of pairs
+  for (int i = 0; i < all; ++i) each[i] = &by_particle[i];
+  comm->forward_comm_array(1, each.data());
 }
 
 // Particles of this rank without a pair on another rank need no row of their own: they share the first one.
@@ -92,9 +92,9 @@ void RemoteSides::match(std::vector<Candidate> &candidates, bool curved)
     const Candidate &pair = candidates[c];
     const int i = pair.i, slot = slot_here[c] = sides[i]++;
     at(i, slot, PARTNER) = static_cast<double>(atom->tag[pair.j]);
-    at(i, slot, X) = pair.x;
-    at(i, slot, Y) = pair.y;
-    at(i, slot, Z) = pair.z;
+    at(i, slot, X) = pair.x.x;
+    at(i, slot, Y) = pair.x.y;
+    at(i, slot, Z) = pair.x.z;
     at(i, slot, PAST) = pair.past.force;
     for (int n = 0; n < 3; ++n) at(i, slot, EARLIER + n) = pair.past.earlier[n];
     for (int n = 0; n < LINES && curved; ++n) {
@@ -107,13 +107,14 @@ void RemoteSides::match(std::vector<Candidate> &candidates, bool curved)
   int kept = 0;
   for (int c = 0; c < count; ++c) {
     Candidate pair = candidates[c];
-    double nearest = ROUNDING * (square(pair.x) + square(pair.y) + square(pair.z));
+    double nearest = ROUNDING * dot(pair.x, pair.x);
     int found = -1;
     const int j = pair.j;
     for (int slot = 0; slot < slots; ++slot) {
       if (at(j, slot, PARTNER) != static_cast<double>(atom->tag[pair.i])) continue;
-      const double distance2 = square(at(j, slot, X) + pair.x) + square(at(j, slot, Y) + pair.y) +
-                               square(at(j, slot, Z) + pair.z);
+      const double distance2 = square(at(j, slot, X) + pair.x.x) +
+                               square(at(j, slot, Y) + pair.x.y) +
+                               square(at(j, slot, Z) + pair.x.z);
       if (distance2 >= nearest) continue;
       nearest = distance2;
       found = slot;

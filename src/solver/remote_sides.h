@@ -16,12 +16,11 @@ class RemoteSides : protected Pointers {
  public:
   explicit RemoteSides(class LAMMPS *lmp) : Pointers(lmp) {}
 
-  // A pair of particle i and ghost j at the relative position (x, y, z).
+  // A pair of particle i and ghost j at the relative position x.
   struct Candidate {
     int i, j;
-    double x, y;
+    deformable::Vector3 x;
     PastForces past;
-    double z = 0.0;
   };
 
   // Leaves the candidates that the other rank has too, and gives both ranks the same past. Two images of a particle

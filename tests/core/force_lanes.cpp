@@ -98,7 +98,7 @@ struct Batch {
   ContactArrays contacts(int w)
   {
     return contacts_of({seat.data(), indentation.data(), compliance.data(), slope.data(),
-                        share.data(), green.data(), scratch},
+                        share.data(), green.data(), nullptr, scratch},
                        w, w);
   }
   CorrectionArrays corrections(int w)
@@ -135,8 +135,8 @@ void check(int n, std::mt19937 &random, Tensions tensions, bool curved)
   by.per_scale = 1.0 / b.rings(0).scale;
   Sum none, curvature;
   for (int w = 0; w < LANES; w += FLOATS)
-    multiply_lanes<SIZE, SOFT, Turn::ADVANCE>(by, n, b.contacts(w), b.corrections(w), b.rings(w),
-                                              none, w);
+    multiply_lanes<SIZE, SOFT, false, Turn::ADVANCE>(by, n, b.contacts(w), b.corrections(w),
+                                                     b.rings(w), none, w);
   const std::vector<float> product = b.product, direction = b.direction;
   for (int c = 0; c < n * LANES; ++c) {
     const float both = b.last_product[c] + b.last_product[b.partner[c]];
@@ -145,8 +145,8 @@ void check(int n, std::mt19937 &random, Tensions tensions, bool curved)
   }
   b.direction = before;
   for (int w = 0; w < LANES; w += FLOATS)
-    multiply_lanes<SIZE, SOFT, Turn::ANOTHER>(by, n, b.contacts(w), b.corrections(w), b.rings(w),
-                                              curvature, w);
+    multiply_lanes<SIZE, SOFT, false, Turn::ANOTHER>(by, n, b.contacts(w), b.corrections(w),
+                                                     b.rings(w), curvature, w);
   if (b.product != product || b.direction != direction) std::exit(4);
   double curvatures = 0.0, size = 0.0;
   for (int place = 0; place < n * LANES; ++place) {

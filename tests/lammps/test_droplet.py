@@ -258,7 +258,7 @@ def test_refused_arguments(tmp_path):
     for style, message in (
         ("reach 0.6", "reach 0.6 must be positive, and 0.5 at most"),
         ("balance 2 10", "tolerance 2 must lie"),
-        ("balance 1e-8 0", "0 iterations are too few"),
+        ("balance 1e-8 0", "0 evaluations are too few"),
         ("contact curved", "keyword 'contact'"),
         ("reach 0.01", "but 'reach 0.01' covers loads to"),
     ):

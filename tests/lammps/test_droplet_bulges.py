@@ -61,8 +61,8 @@ def test_a_gap_that_both_bulges_fill(tmp_path):
 
 @pytest.mark.parametrize("number", [0, 3])
 def test_newtons_method_squares_its_error(number, tmp_path):
-    """From forces that know nothing of each other, by the compliances of all."""
-    assert Droplets(CASES[number], tmp_path).outputs()[2] <= 4
+    """From no forces at all, by the compliances of all."""
+    assert Droplets(CASES[number], tmp_path).outputs()[2] <= 8
 
 
 def test_droplets_that_grow_meet(tmp_path):
@@ -142,7 +142,7 @@ def test_a_wall_that_comes_near_a_bulge(tmp_path):
     assert len(at_walls(scene)) == 2
     scene.run("run 7")
     rows = at_walls(scene)
-    assert rows[:, 11] == pytest.approx([0.9, 0.9, 1.015])
+    assert sorted(rows[:, 11]) == pytest.approx([0.9, 0.9, 1.015])
     assert core.droplet(rows[:, 8:11], rows[:, 4]).indentation == pytest.approx(rows[:, 2])
 
 

@@ -262,7 +262,7 @@ inline FixDeformableFriction::Speeds FixDeformableFriction::speeds(const Sides &
   Speeds found = {p.nx * vy - p.ny * vx, p.nx * vx + p.ny * vy, 0.0, 0.0};
   if (s.partner < 0 && dt > 0.0 && pairs.front()->has_wall(s.partner)) {
     const double *const x = atom->x[s.particle], *const v = atom->v[s.particle];
-    const Motion::Way way = pairs.front()->wall(s.partner).way(
+    const deformable::Point way = pairs.front()->wall(s.partner).way(
         pairs.front()->wall_feature(s.partner), x[0] + p.bx - age * v[0], x[1] + p.by - age * v[1]);
     found.wall_along = (p.nx * way.y - p.ny * way.x) / dt;
     found.wall_normal = (p.nx * way.x + p.ny * way.y) / dt;

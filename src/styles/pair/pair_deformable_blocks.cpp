@@ -47,8 +47,8 @@ template <bool WALLS> void PairDeformable::gather_block(int begin, int end)
     const int *const neighbors = partners.data() + row.first;
     const auto first_wall = wall_contacts.size();
     if constexpr (WALLS)
-      visit_walls(walls, i, ri, reach, [this](int code, const NearestPoint &point) {
-        wall_contacts.push_back({code, point.nx, point.ny, point.height, point.per_lever});
+      visit_walls(walls, i, ri, reach, [this](int code, const SurfacePoint &point) {
+        wall_contacts.push_back({code, point.n.x, point.n.y, point.height, point.turn});
       });
     const int room = row.size + static_cast<int>(wall_contacts.size() - first_wall);
     BlockParticle &p = block.particles[ii - begin];

@@ -58,14 +58,14 @@ void PairDeformableDroplet::settings(int narg, char **arg)
             arg[iarg + 1]);
       if (most < 1)
         error->all(FLERR_WORD(iarg + 2),
-                   "pair_style deformable/droplet balance: {} iterations are too few, give 1 or "
+                   "pair_style deformable/droplet balance: {} evaluations are too few, give 1 or "
                    "more",
                    arg[iarg + 2]);
     }
     iarg += 1 + values;
   }
-  near = std::make_unique<DropletList>(lmp);
-  solver = std::make_unique<DropletSolver>(lmp, kernels->droplets, tolerance, most);
+  solver =
+      std::make_unique<DropletSolver>(lmp, kernels->forces, kernels->droplets, tolerance, most);
   whole_list = false;
 }
 
@@ -136,15 +136,12 @@ void PairDeformableDroplet::compute(int eflag, int vflag)
     smallest = smallest_radius();
     check_room();
   }
-  const DropletScene scene = {list, &materials, radii.data(), smallest, &walls, reach, &refusals};
-  if (!new_list && (new_material || radius_by_atom)) solver->set_material(scene);
-  solve(scene, new_list);
-  push_pairs();
-  if (!walls.empty()) push_walls();
+  solve(new_material);
   if (eflag_atom || needs_shapes()) finish_droplets();
   if (comm->me == 0) {    // compute pair sums over ranks
-    pvector[2] = solver->steps;
-    pvector[3] = solver->imbalance;
+    pvector[2] = solver->summary.evaluations;
+    pvector[3] = solver->summary.imbalance;
+    pvector[4] = static_cast<int>(solver->summary.termination);
   }
   end_call();
 }
@@ -182,84 +179,27 @@ void PairDeformableDroplet::check_room()
                domain->zprd);
 }
 
-/* ----------------------------------------------------------------------
-   Bulges grow with the forces: then other pairs may bear some, too.
-------------------------------------------------------------------------- */
+/* ---------------------------------------------------------------------- */
 
-void PairDeformableDroplet::solve(const DropletScene &scene, bool new_list)
+void PairDeformableDroplet::solve(bool new_material)
 {
-  constexpr int MOST = 20;
-  bool sufficient = false;
-  if (!new_list) {
-    refusals.collect([&] { near->locate_walls(scene); });
-    refusals.collect([&] { locate(scene); });
-    bool refused = refusals.any_here();
-    sufficient = near->is_sufficient(scene, true, refused);
-    if (refused) refusals.stop();
+  const Particles particles = {list,  &materials, radii.data(),       radius_by_atom, &walls,
+                               reach, smallest,   neighbor->ago == 0, new_material,   &refusals};
+  if (!solver->solve(particles, [this](int begin, int end, double, bool) { push(begin, end); })) {
+    refusals.collect([&] {
+      const int k = solver->refused_pair();
+      if (k < 0) return;
+      const int i = solver->pairs().i[k], j = solver->pairs().j[k];
+      const double *const a = atom->x[i], *const b = atom->x[j];
+      refuse_behind_center(i, j, b[0] - a[0], b[1] - a[1] + b[2] - a[2]);
+    });
+    refusals.stop();
   }
-  if (!sufficient) {
-    near->build(scene, new_list);
-    solver->arrange(scene, *near);
-    refusals.collect([&] { locate(scene); });
-    refusals.agree();
-  }
-  solver->begin_call();
-  bool balanced = solver->solve();
-  const auto covers_bulges = [&] {
-    refusals.collect([&] { find_bulges(scene); });
-    bool refused = refusals.any_here();
-    const bool enough = near->is_sufficient(scene, false, refused);
-    if (refused) refusals.stop();
-    return enough;
-  };
-  for (int n = 0; !covers_bulges() && n < MOST; ++n) {
-    near->pairs.past = near->pairs.force;
-    near->pairs.past.resize(near->pairs.size);
-    near->build(scene, false);
-    solver->arrange(scene, *near);
-    refusals.collect([&] { locate(scene); });
-    solver->take_past();
-    solver->forget();
-    balanced = solver->solve();
-  }
-  solver->remember();
-  if (balanced || warned_unbalanced) return;
-  warned_unbalanced = true;
-  if (comm->me == 0)
-    error->warning(FLERR,
-                   "Contacts are not balanced: after {} iterations forces are off by up to {:.2g} "
-                   "of the largest. Loads may be beyond the model; else allow more iterations, or "
-                   "a larger tolerance than {:.2g} (pair_style deformable/droplet balance)",
-                   solver->steps, solver->imbalance, solver->tolerance);
-}
-
-void PairDeformableDroplet::locate(const DropletScene &scene)
-{
-  DropletPairs &p = near->pairs;
-  const int wrong = p.locate(atom->nmax > 0 ? atom->x[0] : nullptr, scene.radius);
-  if (wrong < 0) return;
-  const double *const a = atom->x[p.i[wrong]], *const b = atom->x[p.j[wrong]];
-  refuse_behind_center(p.i[wrong], p.j[wrong], b[0] - a[0], b[1] - a[1] + b[2] - a[2]);
-}
-
-void PairDeformableDroplet::find_bulges(const DropletScene &scene)
-{
-  beyond_model = 0;
-  double most = 0.0;
-  for (int ii = 0; ii < list->inum; ++ii) {
-    const int i = list->ilist[ii];
-    const double load = solver->load(i);
-    near->bulge[i] = droplet_bulge(scene.radius[i], load);
-    beyond_model += load > LARGEST_LOAD || solver->facet(i) > LARGEST_FACET;
-    most = std::max(most, near->bulge[i] / scene.radius[i]);
-    if (near->bulge[i] > reach * scene.radius[i])
-      refuse("The load of atom {} is {:.4g}, but 'reach {}' covers loads to {:.4g}: separate "
-             "droplets that overlap first, take smaller steps or a smaller timestep, or use a "
-             "reach of {:.2g} or more",
-             atom->tag[i], load, reach, reach / BULGE_PER_LOAD,
-             std::min(1.2 * BULGE_PER_LOAD * load, LARGEST_BULGE));
-  }
-  if (neighbor->ago == 0) bulge_over_reach = std::max(bulge_over_reach, most / reach);
+  beyond_model = solver->beyond_model;
+  if (neighbor->ago == 0)
+    bulge_over_reach = std::max(bulge_over_reach, solver->largest_bulge / reach);
+  if (!eflag_global) return;
+  for (int ii = 0; ii < list->inum; ++ii) eng_vdwl -= solver->work(list->ilist[ii]);
 }
 
 /* ----------------------------------------------------------------------
@@ -268,21 +208,25 @@ void PairDeformableDroplet::find_bulges(const DropletScene &scene)
    its own droplet, and half of F.
 ------------------------------------------------------------------------- */
 
-void PairDeformableDroplet::push_pairs()
+void PairDeformableDroplet::push(int begin, int end)
 {
-  const DropletPairs &p = near->pairs;
-  double *const f = atom->nmax > 0 ? atom->f[0] : nullptr;
+  const NearPairs &p = solver->pairs();
+  double *const f = atom->f[0];
   double energy = 0.0;
-  for (int k = 0; k < p.wall; ++k) {
+  for (int k = begin; k < end; ++k) {
     const double force = p.force[k];
     if (force == 0.0) continue;
     const int i = p.i[k], j = p.j[k];
-    const double along = p.part(k) * force, over = 1.0 / p.distance[k];
-    energy += along * p.overlap[k];
+    energy += p.part(k) * force * p.overlap[k];
+    if (k >= p.wall) {    // which bears no energy of its own
+      wall(j).add_contact(i, wall_feature(j), force, torque(k, 0), p.surfaces[k - p.wall],
+                          (1.0 + reach) * radii[i]);
+      continue;
+    }
     const Vector3 n = p.normal(k);
     Vector3 turning = torque(k, 0);
     if (k < p.remote) turning = turning - torque(k, 1);
-    const Vector3 push = along * n + over * turning;    // on j
+    const Vector3 push = p.part(k) * force * n + p.per_distance[k] * turning;    // on j
     double *const fi = f + 3 * i, *const fj = f + 3 * j;
     fi[0] -= push.x;
     fi[1] -= push.y;
@@ -291,32 +235,16 @@ void PairDeformableDroplet::push_pairs()
     fj[1] += push.y;
     fj[2] += push.z;
     if (vflag_either) {
-      const double d = p.distance[k];
-      ev_tally_xyz(i, j, atom->nlocal, 1, 0.0, 0.0, -push.x, -push.y, -push.z, -d * p.nx[k],
-                   -d * p.ny[k], -d * p.nz[k]);
+      const Vector3 d = (1.0 / p.per_distance[k]) * n;
+      ev_tally_xyz(i, j, atom->nlocal, 1, 0.0, 0.0, -push.x, -push.y, -push.z, -d.x, -d.y, -d.z);
     }
   }
-  if (!eflag_global) return;
-  for (int ii = 0; ii < list->inum; ++ii) energy -= solver->work(list->ilist[ii]);
-  eng_vdwl += energy;
-}
-
-// A wall bears no energy of its own.
-void PairDeformableDroplet::push_walls()
-{
-  const DropletPairs &p = near->pairs;
-  for (int k = p.wall; k < p.size; ++k) {
-    if (p.force[k] == 0.0) continue;
-    const int i = p.i[k], code = p.j[k];
-    wall(code).add_contact(i, wall_feature(code), p.force[k], torque(k, 0), p.surfaces[k - p.wall],
-                           (1.0 + reach) * radii[i]);
-    if (eflag_global) eng_vdwl += p.force[k] * p.overlap[k];
-  }
+  if (eflag_global) eng_vdwl += energy;
 }
 
 /* ---------------------------------------------------------------------- */
 
 double PairDeformableDroplet::memory_usage()
 {
-  return PairDeformable::memory_usage() + near->memory_usage() + solver->memory_usage();
+  return PairDeformable::memory_usage() + solver->memory_usage();
 }

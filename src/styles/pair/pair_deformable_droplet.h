@@ -20,7 +20,7 @@ namespace LAMMPS_NS {
 
 class PairDeformableDroplet : public PairDeformable {
  public:
-  PairDeformableDroplet(class LAMMPS *lmp) : PairDeformable(lmp, 4, 3) {}
+  PairDeformableDroplet(class LAMMPS *lmp) : PairDeformable(lmp, 5, 3) {}
   void settings(int, char **) override;
   std::string law() const override { return "deformable/droplet"; }
   void coeff(int, char **) override;
@@ -41,19 +41,14 @@ class PairDeformableDroplet : public PairDeformable {
   }
 
  private:
-  std::unique_ptr<DropletList> near;
   std::unique_ptr<DropletSolver> solver;
   SpeciesRamps ramps;
   bool take_ramps();
-  bool warned_unbalanced = false;
   double smallest = 0.0;    // radius of all particles, as of the last new neighbor list
 
   void check_room();
-  void solve(const DropletScene &, bool new_list);
-  void locate(const DropletScene &);
-  void find_bulges(const DropletScene &);
-  void push_pairs();
-  void push_walls();
+  void solve(bool new_material);
+  void push(int begin, int end);
   void finish_droplets();
   void store_droplet(int i, double energy);
   deformable::Vector3 torque(int k, int side) const;
@@ -63,11 +58,9 @@ class PairDeformableDroplet : public PairDeformable {
 // The derivative of a droplet's work by the normal of this contact, across it.
 inline deformable::Vector3 PairDeformableDroplet::torque(int k, int side) const
 {
-  const DropletPairs &p = near->pairs;
-  const int place = solver->place(k, side), i = side == 0 ? p.i[k] : p.second(k);
-  const deformable::Vector3 turn = {solver->turn(place, 0), solver->turn(place, 1),
-                                    solver->turn(place, 2)};
-  return (radii[i] * p.force[k]) * deformable::across(turn, p.normal(k));
+  const NearPairs &p = solver->pairs();
+  const int i = side == 0 ? p.i[k] : p.second(k);
+  return (radii[i] * p.force[k]) * deformable::across(solver->turn(k, side), p.normal(k));
 }
 
 }    // namespace LAMMPS_NS

@@ -91,9 +91,9 @@ void PairDeformableRing::settings(int narg, char **arg)
   if (radical && balance_keyword >= 0)
     error->all(FLERR_WORD(balance_keyword),
                "pair_style deformable/ring balance is for 'contact balanced' and 'curved' only");
-  balanced.reset(radical ? nullptr
-                         : new BalancedForces(lmp, kernels->forces, law == "curved", tolerance,
-                                              max_evaluations));
+  balanced.reset(
+      radical ? nullptr
+              : new RingSolver(lmp, kernels->forces, law == "curved", tolerance, max_evaluations));
   films = nullptr;
   whole_list = radical;
 }

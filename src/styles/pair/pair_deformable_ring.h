@@ -13,7 +13,7 @@ PairStyle(deformable/ring,PairDeformableRing);
 #include "styles/pair/pair_deformable.h"
 
 #include "laws/soft_ring.h"
-#include "solver/balanced_forces.h"
+#include "solver/ring_solver.h"
 #include "styles/species_ramps.h"
 
 #include <memory>
@@ -23,7 +23,7 @@ namespace LAMMPS_NS {
 
 class PairDeformableRing : public PairDeformable {
  public:
-  PairDeformableRing(class LAMMPS *lmp) : PairDeformable(lmp, 7) {}
+  PairDeformableRing(class LAMMPS *lmp) : PairDeformable(lmp, 8) {}
   void settings(int, char **) override;
   std::string law() const override;
   void coeff(int, char **) override;
@@ -37,7 +37,7 @@ class PairDeformableRing : public PairDeformable {
   bool bends_lines() const override { return balanced && balanced->pairs().curved; }
 
  private:
-  std::unique_ptr<BalancedForces> balanced;     // null: contacts stay on their radical axes
+  std::unique_ptr<RingSolver> balanced;         // null: contacts stay on their radical axes
   class FixDeformableFilms *films = nullptr;    // null: no contact sticks
   SpeciesRamps ramps;
   bool take_ramps();         // whether a species or an adhesion has changed
@@ -74,9 +74,9 @@ class PairDeformableRing : public PairDeformable {
   std::vector<deformable::Contact> contacts;    // of one particle
   std::vector<int> seats;
   void evaluate_balanced(bool new_material);
-  double push_part = 1.0;    // where films change, forces are the mean of those before and after
+  double push_part = 1.0;    // of forces, see DualSolver::Push
   Push push_of(int k, const NearPairs::Centers &, double share, double slope) const;
-  void push_pairs(int begin, int end);
+  void push_pairs(int begin, int end, bool counts_energy);
   void refuse_pair(int k);
   void finish_balanced(int i);
   void load_contacts_of_pairs();

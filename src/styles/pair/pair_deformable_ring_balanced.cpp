@@ -13,33 +13,21 @@ using namespace deformable;
 
 void PairDeformableRing::evaluate_balanced(bool new_material)
 {
-  DeformableParticles particles = {list,       &materials, radii.data(), radius_by_atom,
-                                   &walls,     reach,      smallest,     new_material,
-                                   &adhesions, films,      &refusals};
-  // In motion: then the energy, with what is lost, is constant to second order in the time step.
-  push_part = 1.0;
-  const bool moves = update->whichflag == 1 && !update->setupflag;
-  const auto before_change = [&] {
-    if (!moves) return;
-    push_part = 0.5;
-    const int eflags[] = {eflag_global, eflag_atom};
-    eflag_global = eflag_atom = 0;
-    push_pairs(0, balanced->pairs().size);
-    eflag_global = eflags[0];
-    eflag_atom = eflags[1];
+  Particles particles = {list,         &materials, radii.data(), radius_by_atom,
+                         &walls,       reach,      smallest,     neighbor->ago == 0,
+                         new_material, &refusals,  &adhesions,   films};
+  const auto push = [this](int begin, int end, double part, bool is_final) {
+    push_part = part;
+    push_pairs(begin, end, is_final);
   };
-  bool goes_on = balanced->solve(particles, neighbor->ago == 0, before_change);
-  if (goes_on && balanced->lacks_room() && materials.yield == 0.0 && may_give_way()) {
+  bool goes_on = balanced->solve(particles, push);
+  if (balanced->lacks_room() && materials.yield == 0.0 && may_give_way()) {
     begin_to_give_way();
     balanced->forget();
+    particles.new_list = false;
     particles.new_material = true;
-    goes_on = balanced->solve(particles, false, before_change);
+    goes_on = balanced->solve(particles, push);
   }
-  if (!goes_on) {
-    refusals.collect([this] { refuse_pair(balanced->refused_pair()); });
-    refusals.stop();
-  }
-  if (moves && films) films->lose(balanced->lost_energy());
   if (balanced->lacks_room()) {
     const int crushed = balanced->without_room();
     const int contacts_of_it = crushed < 0 ? 0 : balanced->ring(crushed).contacts;
@@ -49,7 +37,11 @@ void PairDeformableRing::evaluate_balanced(bool new_material)
     });
     refusals.stop();
   }
-  balanced->finish([this](int begin, int end) { push_pairs(begin, end); });
+  if (!goes_on) {
+    refusals.collect([this] { refuse_pair(balanced->refused_pair()); });
+    refusals.stop();
+  }
+  if (films && update->whichflag == 1 && !update->setupflag) films->lose(balanced->lost_energy());
   push_part = 1.0;
   if (rubbing) load_contacts_of_pairs();
   pvector[4] = balanced->limited_lines();
@@ -63,8 +55,9 @@ void PairDeformableRing::evaluate_balanced(bool new_material)
   });
   if (comm->me != 0) return;    // compute pair sums over ranks
   pvector[5] = films ? films->compute_scalar() : 0.0;
-  pvector[2] = balanced->evaluations();
-  pvector[3] = balanced->imbalance();
+  pvector[2] = balanced->summary.evaluations;
+  pvector[3] = balanced->summary.imbalance;
+  pvector[7] = static_cast<int>(balanced->summary.termination);
 }
 
 // The line lies behind the smaller one.
@@ -99,15 +92,16 @@ Push PairDeformableRing::push_of(int k, const NearPairs::Centers &centers, doubl
    completes the energy to that of the dual, whose error is of second order.
 ------------------------------------------------------------------------- */
 
-void PairDeformableRing::push_pairs(int begin, int end)
+void PairDeformableRing::push_pairs(int begin, int end, bool counts_energy)
 {
   const NearPairs &p = balanced->pairs();
   double *const f = atom->f[0];
   const bool plain = begin < p.remote && !p.curved && !eflag_atom && !vflag_either;
+  const bool sums_energy = counts_energy && eflag_either;
   const int usual = plain ? end : begin;
   double rest_of_usual = 0.0;
-  for (int k = begin; k < usual && eflag_global; ++k)
-    rest_of_usual += p.force[k] * balanced->residual(k);
+  for (int k = begin; k < usual && sums_energy && eflag_global; ++k)
+    rest_of_usual += p.force[k] * balanced->left(k);
   eng_vdwl += rest_of_usual;
   // usual pairs of which only forces count: the same sums as below
   for (int k = begin; k < usual; ++k) {
@@ -130,7 +124,7 @@ void PairDeformableRing::push_pairs(int begin, int end)
     const NearPairs::Centers centers = p.centers(k);
     const double nx = centers.nx, ny = centers.ny;
     const auto [px, py] = push_of(k, centers, is_remote ? 0.5 : 1.0, slope);
-    if (eflag_either) {
+    if (sums_energy) {
       const double rest = balanced->energy_left(k);
       if (eflag_global) eng_vdwl += is_remote ? 0.5 * rest : rest;
       if (eflag_atom) {
@@ -184,7 +178,7 @@ void PairDeformableRing::load_contacts_of_pairs()
 
 void PairDeformableRing::finish_balanced(int i)
 {
-  const BalancedForces::Ring ring = balanced->ring(i);
+  const RingSolver::Ring ring = balanced->ring(i);
   if (eflag_atom) eatom[i] += ring.energy.value;
   const bool is_circle = ring.energy.value == 0.0, is_beyond = ring.arc_radius < 0.0;
   beyond_model += is_beyond;

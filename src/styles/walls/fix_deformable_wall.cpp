@@ -4,35 +4,41 @@
 #include "styles/lammps_release.h"
 #include "styles/pair/deformable_pairs.h"
 
+#include "laws/parameter_rules.h"
+
 #include "comm.h"
 #include "domain.h"
 #include "error.h"
+#include "force.h"
 #include "modify.h"
 #include "update.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <iterator>
 #include <utility>
 
 using namespace LAMMPS_NS;
 using namespace FixConst;
 using deformable::SurfacePoint;
 using deformable::Vector3;
+using deformable::Wall;
 
 /* ---------------------------------------------------------------------- */
 
 FixDeformableWall::FixDeformableWall(LAMMPS *lmp, int narg, char **arg)
     : Fix(lmp, narg, arg),
       words(utils::join_words({arg + std::min(3, narg), arg + narg}, " ")),
-      dimension(domain->dimension)
+      dimension(domain->dimension),
+      walls(dimension)
 {
   if (narg < 4) utils::missing_cmd_args(FLERR, "fix deformable/wall", error);
   narg = read_keywords(narg, arg);
-  if (narg > 4 && WallSources::is_word(arg[3])) {
-    WallSources sources;
-    sources.dimension = dimension;
-    require(sources.read_words(narg - 3, arg + 3, lmp));
-    check_keywords(sources);
-    take(std::move(sources));
+  if (narg > 4 && Walls::is_word(arg[3])) {
+    Walls found(dimension);
+    require(found.read_words(narg - 3, arg + 3, lmp));
+    take(std::move(found));
   } else {
     region_id = arg[3];
     const bool exists = domain->get_region_by_id(region_id);
@@ -40,7 +46,7 @@ FixDeformableWall::FixDeformableWall(LAMMPS *lmp, int narg, char **arg)
       error->all(FLERR_WORD(exists ? 4 : 3),
                  "Unknown fix deformable/wall argument '{}': it needs a region ID only, or shapes "
                  "that begin with {}",
-                 arg[exists ? 4 : 3], WallSources::known_words(dimension));
+                 arg[exists ? 4 : 3], Walls::known_words(dimension));
     if (!exists)
       error->all(FLERR_WORD(3), "Region '{}' of fix deformable/wall does not exist", region_id);
   }
@@ -111,17 +117,20 @@ void FixDeformableWall::read_region()
   region = domain->get_region_by_id(region_id);
   if (!region)
     error->all(FLERR, "Region '{}' of fix {} deformable/wall does not exist", region_id, id);
-  WallSources sources;
-  sources.dimension = dimension;
-  require(sources.read_region(region, 0.5 * (domain->boxlo[0] + domain->boxhi[0]),
-                              0.5 * (domain->boxlo[1] + domain->boxhi[1])));
-  check_keywords(sources);
-  take(std::move(sources));
+  Walls found(dimension);
+  require(found.read_region(region, 0.5 * (domain->boxlo[0] + domain->boxhi[0]),
+                            0.5 * (domain->boxlo[1] + domain->boxhi[1])));
+  take(std::move(found));
 }
 
-void FixDeformableWall::take(WallSources &&sources)
+void FixDeformableWall::take(Walls &&found)
 {
-  require(dimension == 2 ? scene.assign(std::move(sources)) : space.assign(std::move(sources)));
+  check_keywords(found);
+  found.moves = shear.axis >= 0;
+  for (const WallSource &source : found.sources) found.moves |= source.moves();
+  found.restore(walls.energy_given());
+  walls = std::move(found);
+  require(walls.follow());
 }
 
 // A shrink-wrapped boundary follows the particles; others hold them up before they meet the wall.
@@ -135,15 +144,13 @@ void FixDeformableWall::warn_of_box() const
     const double rest = ROUNDING * (high - low);
     const double from = kind[0] <= FIXED ? low - rest : -INFINITY,
                  to = kind[1] <= FIXED ? high + rest : INFINITY;
-    const int wall =
-        dimension == 2 ? scene.first_outside(axis, from, to) : space.first_outside(axis, from, to);
+    const int wall = walls.first_outside(axis, from, to);
     if (wall < 0) continue;
     error->warning(FLERR,
                    "Fix {} deformable/wall: '{}' lies outside of the simulation box in {} ({:.6g} "
                    "to {:.6g}): particles leave the box before they meet it. Enlarge the box "
                    "(change_box), or use a boundary s or m",
-                   id, dimension == 2 ? scene.source(wall).name : space.source(wall).name,
-                   "xyz"[axis], low, high);
+                   id, walls.walls[wall].name, "xyz"[axis], low, high);
   }
 }
 
@@ -166,6 +173,141 @@ void FixDeformableWall::setup(int vflag)
 void FixDeformableWall::min_setup(int vflag)
 {
   post_force(vflag);
+}
+
+static constexpr const char *KEYWORDS[] = {"adhesion", "shear", "load"};
+
+/* ----------------------------------------------------------------------
+   Keywords come last. Returns the number of words before them.
+------------------------------------------------------------------------- */
+
+int FixDeformableWall::read_keywords(int narg, char **arg)
+{
+  const auto is_keyword = [&](const char *word) {
+    return std::any_of(std::begin(KEYWORDS), std::end(KEYWORDS),
+                       [&](const char *keyword) { return std::strcmp(word, keyword) == 0; });
+  };
+  int words = 4;    // a region may be called adhesion
+  while (words < narg && !is_keyword(arg[words])) ++words;
+  for (int iarg = words; iarg < narg;) {
+    if (!is_keyword(arg[iarg]))
+      error->all(FLERR_WORD(iarg),
+                 "Fix {} deformable/wall: unknown word '{}' after {}: only adhesion w, shear dim v "
+                 "and load F m come last",
+                 id, arg[iarg], arg[words]);
+    for (int before = words; before < iarg; ++before)
+      if (!std::strcmp(arg[before], arg[iarg]))
+        error->all(FLERR_WORD(iarg), "Fix {} deformable/wall: {} is there twice", id, arg[iarg]);
+    iarg = read_keyword(iarg, narg, arg);
+  }
+  return words;
+}
+
+// Returns the place of what follows it.
+int FixDeformableWall::read_keyword(int iarg, int narg, char **arg)
+{
+  const std::string keyword = arg[iarg];
+  const int values = keyword == "adhesion" ? 1 : 2;
+  if (iarg + values >= narg)
+    utils::missing_cmd_args(FLERR, "fix deformable/wall " + keyword, error);
+  const char *const first = arg[iarg + 1];
+  if (keyword == "adhesion") {
+    stickiness = utils::numeric(FLERR, first, false, lmp);
+    require(deformable::invalid_adhesion(stickiness));
+    if (dimension == 3 && stickiness > 0.0)
+      error->all(FLERR_WORD(iarg + 1),
+                 "Fix {} deformable/wall: droplets in three dimensions do not stick to walls: use "
+                 "adhesion 0, not {}",
+                 id, first);
+  } else if (keyword == "shear") {
+    if (dimension == 3)
+      error->all(FLERR_WORD(iarg),
+                 "Fix {} deformable/wall: shear moves nothing in three dimensions, where droplets "
+                 "slip along walls without friction",
+                 id);
+    shear.axis = first[0] - 'x';
+    if (std::strlen(first) != 1 || shear.axis < 0 || shear.axis > 1)
+      error->all(FLERR_WORD(iarg + 1), "Fix {} deformable/wall: shear goes along x or y, not '{}'",
+                 id, first);
+    require(shear.speed.read("shear", arg[iarg + 2], lmp));
+  } else {
+    require(load.force.read("load", first, lmp));
+    load.mass = utils::numeric(FLERR, arg[iarg + 2], false, lmp);
+    if (!(load.mass > 0.0) || !std::isfinite(load.mass))
+      error->all(FLERR_WORD(iarg + 2),
+                 "Fix {} deformable/wall: the mass of a wall under a load must be positive and "
+                 "finite, not {}",
+                 id, arg[iarg + 2]);
+  }
+  return iarg + values + 1;
+}
+
+/* ----------------------------------------------------------------------
+   Whether the walls are such as can slide, or bear a load.
+------------------------------------------------------------------------- */
+
+void FixDeformableWall::check_keywords(Walls &given) const
+{
+  if (load.mass > 0.0) {
+    const bool one = given.walls.size() == 1 && given.sources[0].side.sign != 0;
+    if (!one || given.sources[0].moves())
+      error->all(
+          FLERR,
+          "Fix {} deformable/wall: load needs one side, such as zhi 20, with the number where "
+          "it begins: give other walls fixes of their own",
+          id);
+    given.sources[0].side.is_loaded = true;
+  }
+  for (const Wall &wall : given.walls) {
+    if (shear.axis < 0) break;
+    const bool straight = wall.kind == Wall::FACE;
+    const Region *const its_region = given.sources[wall.shape].region;
+    const Vector3 n = straight ? given.shapes[wall.shape].planes[wall.sides[0].plane].n : Vector3{};
+    if (!straight || std::fabs(shear.axis == 0 ? n.x : n.y) > 1e-12 ||
+        (its_region && its_region->rotateflag))
+      error->all(FLERR,
+                 "Fix {} deformable/wall: '{}' cannot slide along {}, as sides and planes along it "
+                 "do: give it a fix of its own without shear, or a region that rotates",
+                 id, wall.name, "xy"[shear.axis]);
+  }
+}
+
+/* ---------------------------------------------------------------------- */
+
+std::vector<WallVariable *> FixDeformableWall::variables()
+{
+  std::vector<WallVariable *> found = {&shear.speed, &load.force};
+  for (WallSource &source : walls.sources) found.push_back(&source.side.place);
+  found.erase(std::remove_if(found.begin(), found.end(),
+                             [](const WallVariable *variable) { return !variable->varies(); }),
+              found.end());
+  return found;
+}
+
+void FixDeformableWall::end_of_step()
+{
+  evaluate_at_the_end();
+}
+
+void FixDeformableWall::evaluate_at_the_end()
+{
+  const std::vector<WallVariable *> all = variables();
+  if (std::none_of(all.begin(), all.end(), [](const WallVariable *v) { return v->waits(); }))
+    return;
+  modify->clearstep_compute();
+  for (WallVariable *variable : all) require(variable->end_step(lmp));
+  modify->addstep_compute(update->ntimestep + 1);
+}
+
+// Minimizers need the wall from their first energy on.
+void FixDeformableWall::check_places()
+{
+  for (const WallSource &source : walls.sources)
+    if (source.side.sign != 0 && !source.side.place.is_known())
+      error->all(FLERR,
+                 "Fix {} deformable/wall: the place of {} depends on what computes, fixes or "
+                 "thermo keywords find in a run: use 'run 0' before minimize",
+                 id, source.name);
 }
 
 /* ----------------------------------------------------------------------
@@ -194,22 +336,20 @@ void FixDeformableWall::place(bool counts)
   wall_forces.assign(atom->nlocal, WallForce{});
   callers.clear();
   const bool tilted = domain->triclinic != 0;
-  const double lx = domain->xperiodic ? domain->xprd : 0.0,
-               ly = domain->yperiodic ? domain->yprd : 0.0,
-               lz = domain->zperiodic ? domain->zprd : 0.0, xy = tilted ? domain->xy : 0.0,
-               xz = tilted ? domain->xz : 0.0, yz = tilted ? domain->yz : 0.0;
-  scene.period = {lx, ly, xy};
-  space.period = {{{lx, 0.0, 0.0}, {xy, ly, 0.0}, {xz, yz, lz}}};
-  if (!moves()) return;
-  require(sources().place_sides(lmp, counts));
+  if (domain->xperiodic) walls.period[0] = {domain->xprd, 0.0, 0.0};
+  if (domain->yperiodic) walls.period[1] = {tilted ? domain->xy : 0.0, domain->yprd, 0.0};
+  if (domain->zperiodic && dimension == 3)
+    walls.period[2] = {tilted ? domain->xz : 0.0, tilted ? domain->yz : 0.0, domain->zprd};
+  if (!walls.moves) return;
+  require(walls.place_sides(lmp, counts));
   if (update->whichflag == 2) check_places();
   require(shear.speed.begin_step(lmp, counts));
   if (shear.axis >= 0)
-    (shear.axis == 0 ? scene.slide.x : scene.slide.y) = shear.speed.now * update->dt;
+    (shear.axis == 0 ? walls.slide.x : walls.slide.y) = shear.speed.now * update->dt;
   require(load.force.begin_step(lmp, counts));
   if (region) match_region();
-  require(dimension == 2 ? scene.update() : space.update());
-  dimension == 2 ? scene.begin_step(counts) : space.begin_step(counts);
+  require(walls.follow());
+  walls.begin_step(counts);
 }
 
 /* ----------------------------------------------------------------------
@@ -253,8 +393,7 @@ Vector3 FixDeformableWall::add_contact(int i, int feature, double force, const V
   sum.vxy += n.x * a.y + b.x * n.y;
   sum.vxz += n.x * a.z + b.x * n.z;
   sum.vyz += n.y * a.z + b.y * n.z;
-  const double *const x = atom->x[i];
-  if (space.moves()) space.add_force(feature, {x[0], x[1], x[2]}, force, beside, cutoff);
+  if (walls.moves) walls.add_force(feature, center(i), force, beside, cutoff);
   return push;
 }
 
@@ -282,8 +421,8 @@ void FixDeformableWall::post_force(int vflag)
       v_tally(i, v);
     }
   }
-  if (moves()) dimension == 2 ? scene.end_step() : space.end_step();
-  if (load.mass > 0.0) load.pushed = compute_vector(sources().shapes[0].side.axis);
+  if (walls.moves) walls.end_step();
+  if (load.mass > 0.0) load.pushed = compute_vector(walls.sources[0].side.axis);
 }
 
 void FixDeformableWall::min_post_force(int vflag)
@@ -297,7 +436,7 @@ void FixDeformableWall::min_post_force(int vflag)
 
 double FixDeformableWall::compute_scalar()
 {
-  double here = dimension == 2 ? scene.energy_given() : space.energy_given();
+  double here = walls.energy_given();
   double all;
   MPI_Allreduce(&here, &all, 1, MPI_DOUBLE, MPI_SUM, world);
   return all;
@@ -309,25 +448,94 @@ double FixDeformableWall::compute_scalar()
 
 double FixDeformableWall::compute_vector(int n)
 {
-  if (n >= 3) return n == 3 ? sources().shapes[0].side.place.now : load.v;
+  if (n >= 3) return n == 3 ? walls.sources[0].side.place.now : load.v;
   double all;
   MPI_Allreduce(&on_wall[n], &all, 1, MPI_DOUBLE, MPI_SUM, world);
   return all;
 }
 
+/* ----------------------------------------------------------------------
+   A wall under a load: m a = f - F along its axis, with the force f of the
+   particles, by velocity Verlet as they are.
+------------------------------------------------------------------------- */
+
+// Half a step of the velocity.
+void FixDeformableWall::kick()
+{
+  const int sign = walls.sources[0].side.sign;
+  load.v += 0.5 * update->dt * force->ftm2v * (load.pushed - sign * load.force.now) / load.mass;
+}
+
+void FixDeformableWall::initial_integrate(int)
+{
+  kick();
+  walls.sources[0].side.place.now += update->dt * load.v;
+}
+
+void FixDeformableWall::final_integrate()
+{
+  kick();
+}
+
+/* ----------------------------------------------------------------------
+   Places of the sides that move by variables or a load; velocity; and the
+   energy that particles have given.
+------------------------------------------------------------------------- */
+
+std::vector<double *> FixDeformableWall::moving_places()
+{
+  std::vector<double *> found;
+  for (WallSource &source : walls.sources)
+    if (source.side.is_loaded || source.side.place.varies())
+      found.push_back(&source.side.place.now);
+  return found;
+}
+
+void FixDeformableWall::write_restart(FILE *file)
+{
+  const std::vector<double *> places = moving_places();
+  std::vector<double> list = {static_cast<double>(places.size()), load.mass, load.v,
+                              compute_scalar()};
+  for (const double *place : places) list.push_back(*place);
+  if (comm->me != 0) return;
+  const int size = static_cast<int>(list.size() * sizeof(double));
+  fwrite(&size, sizeof(int), 1, file);
+  fwrite(list.data(), sizeof(double), list.size(), file);
+}
+
+void FixDeformableWall::restart(char *buffer)
+{
+  const auto *list = reinterpret_cast<const double *>(buffer);
+  const std::vector<double *> places = moving_places();
+  const bool was_loaded = list[1] > 0.0, is_loaded = load.mass > 0.0;
+  if (list[0] != static_cast<double>(places.size()) || was_loaded != is_loaded) {
+    if (comm->me == 0)
+      error->warning(FLERR,
+                     "Fix {} deformable/wall: the restart file has {:.0f} sides of it that move{}, "
+                     "here are {}{}, which begin anew",
+                     id, list[0], was_loaded ? " under a load" : "", places.size(),
+                     is_loaded ? " under a load" : "");
+    return;
+  }
+  load.v = list[2];
+  walls.restore(comm->me == 0 ? list[3] : 0.0);
+  list += 4;
+  for (double *place : places) *place = *list++;
+}
+
 /* ---------------------------------------------------------------------- */
 
-void FixDeformableWall::refuse_center(int i, double radius, const RefusedCenter &refused)
+void FixDeformableWall::refuse_center(int i, double radius,
+                                      const deformable::RefusedCenter &refused)
 {
   const double *x = atom->x[i];
-  const WallSource &source =
-      dimension == 2 ? scene.source(refused.wall) : space.source(refused.wall);
-  const bool solid = source.kind == WallSource::DISK || source.kind == WallSource::POLYGON ||
-                     (source.kind == WallSource::FACE && source.sides[0].reversed);
-  const std::string name = region_id.empty() ? "'" + source.name + "'"
-                           : source.name == region_id
+  const Wall &wall = walls.walls[refused.wall];
+  const bool solid = wall.kind == Wall::DISK || wall.kind == Wall::POLYGON ||
+                     (wall.kind == Wall::FACE && wall.sides[0].reversed);
+  const std::string name = region_id.empty() ? "'" + wall.name + "'"
+                           : wall.name == region_id
                                ? "region '" + region_id + "'"
-                               : "part '" + source.name + "' of region '" + region_id + "'";
+                               : "part '" + wall.name + "' of region '" + region_id + "'";
   if (refused.room > 0.0)
     refuse("Atom {} of radius {:.6g} is wider than {} of fix {} deformable/wall, whose radius is "
            "{:.6g} there: it would have one contact or none. Use a wider container, or planes",
@@ -345,6 +553,5 @@ void FixDeformableWall::refuse_center(int i, double radius, const RefusedCenter 
 
 double FixDeformableWall::memory_usage()
 {
-  return static_cast<double>(wall_forces.capacity() * sizeof(WallForce)) + scene.memory_usage() +
-         space.memory_usage();
+  return static_cast<double>(wall_forces.capacity() * sizeof(WallForce)) + walls.memory_usage();
 }

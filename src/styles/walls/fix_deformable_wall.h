@@ -16,8 +16,7 @@ FixStyle(deformable/wall,FixDeformableWall);
 #include "fix.h"
 
 #include "laws/contact.h"
-#include "styles/walls/space_scene.h"
-#include "styles/walls/wall_scene.h"
+#include "styles/walls/walls.h"
 
 #include "atom.h"
 
@@ -66,28 +65,16 @@ class FixDeformableWall : public Fix {
     if (first_call) callers.push_back(caller);
   }
 
-  static constexpr double NARROWEST =
-      1.0 - 1e-9;    // of a radius: a round container, but for the rounding of its region
-  // Calls visitor(nearest point) for each wall within (1 + reach) radii of atom i.
+  // Calls visitor(feature, nearest point) for each wall within (1 + reach) radii of atom i. In the plane the point has n.z = 0,
+  // and turns by `turn` only. In space a wall has one feature.
   template <class Visitor> void visit(int i, double radius, double reach, Visitor &&visitor)
   {
     if (!(atom->mask[i] & groupbit)) return;
+    constexpr double NARROWEST = 1.0 - 1e-9;    // a round container, but for rounding of its region
     constexpr double ABOUT =
         1.0 + 1e-12;    // before the line of a wall is refused as that of a pair
-    const RefusedCenter refused =
-        scene.visit(atom->x[i][0], atom->x[i][1], NARROWEST * radius,
-                    ABOUT * deformable::NEAREST_LINE * radius, (1.0 + reach) * radius, visitor);
-    if (refused.wall >= 0) refuse_center(i, radius, refused);
-  }
-
-  // The same in three dimensions, where a wall has one feature: visitor(feature, nearest point).
-  template <class Visitor>
-  void visit_in_space(int i, double radius, double reach, Visitor &&visitor)
-  {
-    if (!(atom->mask[i] & groupbit)) return;
-    const double *const x = atom->x[i];
-    const RefusedCenter refused =
-        space.visit({x[0], x[1], x[2]}, NARROWEST * radius, deformable::NEAREST_LINE * radius,
+    const deformable::RefusedCenter refused =
+        walls.visit(center(i), NARROWEST * radius, ABOUT * deformable::NEAREST_LINE * radius,
                     (1.0 + reach) * radius, visitor);
     if (refused.wall >= 0) refuse_center(i, radius, refused);
   }
@@ -113,8 +100,9 @@ class FixDeformableWall : public Fix {
     force.vxx += dx * fx - beside * tx * tx;
     force.vyy += dy * fy - beside * ty * ty;
     force.vxy += dx * fy - beside * tx * ty;
-    if (scene.moves())
-      scene.add_force(feature, -fx, -fy, atom->x[i][0], atom->x[i][1], dx, dy, cutoff);
+    if (!walls.moves) return;
+    const double torque = dx * fy - dy * fx;    // about the center, of the force on the wall
+    walls.add_force(feature, center(i), tx * fy - ty * fx, {torque * tx, torque * ty, 0.0}, cutoff);
   }
 
   // The force of friction on atom i, at (bx, by) from its center. It moves no line: the virial is that of a force at a point.
@@ -127,22 +115,20 @@ class FixDeformableWall : public Fix {
     force.vyy -= by * fy;
     force.vxy -= 0.5 * (bx * fy + by * fx);
   }
-  Motion::Way way(int feature, double x, double y) const { return scene.way(feature, x, y); }
-  int first_feature(int feature) const { return scene.first_feature(feature); }
-  std::vector<std::string> feature_names() const { return scene.feature_names(); }
-  void do_work(double energy) { scene.do_work(energy); }
+  deformable::Point way(int feature, double x, double y) const { return walls.way(feature, x, y); }
+  int first_feature(int feature) const { return walls.first_feature(feature); }
+  std::vector<std::string> feature_names() const { return walls.feature_names(); }
+  void do_work(double energy) { walls.do_work(energy); }
 
  private:
   const int dimension;
   std::string region_id;    // empty: shapes from words
   Region *region = nullptr;
-  WallScene scene;     // in two dimensions
-  SpaceScene space;    // in three
-  bool moves() const { return scene.moves() || space.moves(); }
-  WallSources &sources() { return dimension == 2 ? scene.sources : space.sources; }
-  void restore_energy(double energy)
+  Walls walls;
+  deformable::Vector3 center(int i) const
   {
-    dimension == 2 ? scene.restore(energy) : space.restore(energy);
+    const double *const x = atom->x[i];
+    return {x[0], x[1], dimension == 2 ? 0.0 : x[2]};
   }
 
   double stickiness = 0.0;
@@ -170,7 +156,7 @@ class FixDeformableWall : public Fix {
   void require(const std::string &problem);
   int read_keywords(int narg, char **arg);
   int read_keyword(int iarg, int narg, char **arg);
-  void check_keywords(WallSources &) const;
+  void check_keywords(Walls &) const;
   std::vector<WallVariable *> variables();
   void evaluate_at_the_end();
   void check_places();
@@ -178,35 +164,22 @@ class FixDeformableWall : public Fix {
   std::vector<double *> moving_places();
   void read_region();
   void match_region();
-  void take(WallSources &&);
+  void take(Walls &&);
   void warn_of_box() const;
-  [[noreturn]] void refuse_center(int i, double radius, const RefusedCenter &);
+  [[noreturn]] void refuse_center(int i, double radius, const deformable::RefusedCenter &);
 };
 
-// Calls visitor(code, nearest point) for each wall within (1 + reach) radii of atom i. The code of a feature of wall w of n
-// is -1 - (w + n feature).
+// Calls visitor(code, nearest point) for each wall within (1 + reach) radii of atom i, in the plane and in space. The code of a
+// feature of wall w of n is -1 - (w + n feature).
 template <class Visitor>
 void visit_walls(const std::vector<FixDeformableWall *> &walls, int i, double radius, double reach,
                  Visitor &&visitor)
 {
   const int count = static_cast<int>(walls.size());
   for (int w = 0; w < count; ++w)
-    walls[w]->visit(i, radius, reach, [&](const deformable::NearestPoint &point) {
-      visitor(-1 - (w + count * point.feature), point);
+    walls[w]->visit(i, radius, reach, [&](int feature, const deformable::SurfacePoint &point) {
+      visitor(-1 - (w + count * feature), point);
     });
-}
-
-// The same in three dimensions.
-template <class Visitor>
-void visit_walls_in_space(const std::vector<FixDeformableWall *> &walls, int i, double radius,
-                          double reach, Visitor &&visitor)
-{
-  const int count = static_cast<int>(walls.size());
-  for (int w = 0; w < count; ++w)
-    walls[w]->visit_in_space(i, radius, reach,
-                             [&](int feature, const deformable::SurfacePoint &point) {
-                               visitor(-1 - (w + count * feature), point);
-                             });
 }
 
 }    // namespace LAMMPS_NS

@@ -20,6 +20,7 @@ from refusals import refused
 WRONG = {
     "normal": (lambda: Plane((0, 0), (0, 0)), "normal of a Plane"),
     "inf": (lambda: Plane((0, np.inf), (0, 1)), "origin of a Plane must be finite"),
+    "ragged": (lambda: Sphere(1, (0.0, [1])), "origin of a Sphere must be finite numbers"),
     "inside": (lambda: Sphere(1, inside="no"), "inside of a Sphere must be of the kind bool"),
     "adhesion": (lambda: Sphere(1, (0, 0), adhesion=-1), "adhesion"),
     "in space": (lambda: Plane(0, (0, 0, 1), adhesion=0.1), "adhesion of a Plane is for the plane"),

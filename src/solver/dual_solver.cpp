@@ -1,0 +1,662 @@
+#include "solver/dual_solver.h"
+
+#include "atom.h"
+#include "comm.h"
+#include "update.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+using namespace LAMMPS_NS;
+using deformable::PairArrays;
+
+DualSolver::DualSolver(LAMMPS *lmp, const deformable::ForceKernels &kernels, bool in_space,
+                       bool curved, double bulge_per_overlap, double most_bulge, double tolerance,
+                       int max_evaluations)
+    : Pointers(lmp),
+      tolerance(tolerance),
+      kernels(kernels),
+      tuning(Tuning::from_environment()),
+      list(lmp, kernels, tuning, in_space, curved, bulge_per_overlap, most_bulge),
+      max_evaluations(max_evaluations),
+      linear(kernels, tuning)
+{
+  if (curved) lines = std::make_unique<CurvedLines>(kernels);
+}
+
+const char *Summary::why() const
+{
+  switch (termination) {
+    case Termination::BALANCED: return "";
+    case Termination::STUCK:
+      return "Further evaluations do not reduce that, as where particles are beyond the model";
+    case Termination::NO_SHAPE: return "Some particle has no shape under the forces on it";
+    case Termination::OUT_OF_EVALUATIONS: return "Allow more evaluations, or a larger tolerance";
+  }
+  return "";
+}
+
+/* ----------------------------------------------------------------------
+   A force call. Outlines may bulge so far that the list of near pairs is not
+   sufficient: then pairs are found again. Films that come or go change the
+   forces of others, which may let others come or go.
+------------------------------------------------------------------------- */
+
+bool DualSolver::solve(const Particles &p, const Push &push)
+{
+  constexpr int MOST_LISTS = 20, MOST_CHANGES = 100;
+  const bool begins_to_stick = p.films && !list.pairs.sticks;    // an adhesion has grown from 0
+  if (!find_pairs(p)) return false;
+
+  begin_call();
+  if (films) films->begin_call();
+  const bool moves = update->whichflag == 1 && !update->setupflag;
+  double before = 0.0, part = 1.0;
+  int changes = 0;
+  for (int lists = 0;; ++lists) {
+    are_balanced = balance();
+    if (!has_room()) return false;
+    find_bulges(p);
+    bool refused = p.refusals->any_here();
+    const bool sufficient = list.is_sufficient_after(p, refused);
+    if (refused) return false;
+    if (!sufficient && lists < MOST_LISTS) {
+      remember();
+      list.build(p, false);
+      arrange(p, false);
+      list.locate(p);
+      continue;
+    }
+    // forces that do not balance may be those of films that should have gone
+    if (films && changes < MOST_CHANGES && films->would_change(are_balanced)) {
+      if (changes++ == 0) {
+        before = total_energy();
+        // In a run a pair that attaches or lets go in this step pushes with the mean of its forces before and after: energy plus
+        // lost energy is then constant to second order in the time step.
+        if (moves) push(0, list.pairs.size, part = 0.5, false);
+      }
+      films->change(are_balanced);
+      list.store_films(p);    // for lists that are made anew in this call, too
+      begin_again();
+      continue;
+    }
+    break;
+  }
+  warn(p, changes > 0);
+  lost = changes > 0 ? before - total_energy() : 0.0;
+  if (films && (p.new_list || begins_to_stick)) list.store_films(p);
+  finish(push, part);
+  return true;
+}
+
+bool DualSolver::find_pairs(const Particles &p)
+{
+  if (p.new_list || (p.films && !list.pairs.sticks)) {
+    list.build(p, p.new_list);
+    arrange(p, p.new_list);
+  } else if (p.radii_vary || p.new_material || p.materials->vary()) {
+    set_material(p, false);
+  }
+  bool refused = locate(p);
+  if (p.new_list) {
+    refused = list.remote_sides.largest(refused) > 0.0;
+  } else if (!list.is_sufficient(p, refused) && !refused) {
+    list.build(p, false);
+    arrange(p, false);
+    refused = list.remote_sides.largest(locate(p)) > 0.0;
+  }
+  return !refused;
+}
+
+// Whether this rank goes no further.
+bool DualSolver::locate(const Particles &p)
+{
+  wrong = list.locate(p);
+  return wrong >= 0 || p.refusals->any_here();
+}
+
+// Contacts are new.
+void DualSolver::arrange(const Particles &p, bool new_list)
+{
+  NearPairs &pairs = list.pairs;
+  batches.arrange(list.order(*p.list), p.list->inum, atom->nlocal, pairs, atom->tag,
+                  has_own_compliances());
+  blocks.arrange(batches, pairs, tuning);
+  relaxation.arrange(batches, pairs);
+  set_material(p, true);
+  batches.scale = pairs.scale;
+  // nothing happens in the last one, which stays zero
+  for (LargeVector<float> *v : {&residual, &weight, &step}) v->assign(pairs.size + 1, 0.0F);
+  pairs_of_all = 1.0 + sum_over_pairs([](int begin, int end) { return end - begin; });
+  if (lines) lines->arrange(batches, pairs, list.remote_sides);
+  if (new_list) linear.doubt_bounds();
+}
+
+double DualSolver::total_energy() const
+{
+  double sum = energy();
+  for (int k = 0; k < list.pairs.size; ++k) sum += list.pairs.part(k) * energy_left(k);
+  return list.remote_sides.sum(sum);
+}
+
+bool DualSolver::minimizing() const
+{
+  return update->whichflag == 2;
+}
+
+/* ----------------------------------------------------------------------
+   Predict: a polynomial through the last calls at successive time steps, at
+   most a cubic. The error of a cubic is even in time, so what corrections
+   leave of it neither heats nor cools. With a quadratic energies drift. In a
+   minimization velocities jump, and a quadratic is as good. Behind a kink,
+   which the force of a contact has that opened or closed, a cubic goes astray:
+   there a straight line is taken.
+------------------------------------------------------------------------- */
+
+void DualSolver::begin_call()
+{
+  NearPairs &p = list.pairs;
+  const bigint now = update->ntimestep;
+  successive_calls = now == last_step + 1 ? std::min(successive_calls + 1, CUBIC) : 0;
+  last_step = now;
+  const double slope = successive_calls >= LINEAR ? 1.0 : 0.0,
+               bend = successive_calls >= QUADRATIC ? 1.0 : 0.0;
+  const bool is_cubic = successive_calls == CUBIC && !minimizing() && tuning.cubic != 0.0;
+  // third differences of forces that are no kink; after forces that no particle could bear each one counts
+  const double smooth = tuning.smooth * limit(planned_from) / p.unit();
+  constexpr double INFINITE = std::numeric_limits<double>::infinity();
+  batches.scale = p.scale;
+  kernels.extrapolate(arrays(),
+                      {slope, bend, is_cubic ? 1.0 : 0.0,
+                       !is_cubic               ? INFINITE
+                       : std::isfinite(smooth) ? smooth
+                                               : 0.0},
+                      0, p.size);
+  for (int k = 0; k < p.size && p.sticks; ++k)
+    if (p.past[k] == deformable::UNKNOWN_FORCE) p.force[k] = 0.0;
+  if (lines) lines->predict(slope);
+  summary.evaluations = 0;
+  is_first = true;
+  is_remembered = is_corrected = false;
+  allowed = max_evaluations;
+}
+
+// Another solution of this call begins with the last forces.
+void DualSolver::take_past()
+{
+  const PairArrays a = arrays();
+  for (int k = 0; k < list.pairs.size; ++k)
+    a.force[k] = a.past[k] == deformable::UNKNOWN_FORCE
+                     ? 0.0
+                     : std::max(a.past[k], deformable::least_force<double>(a, k));
+  --summary.evaluations;    // the next one has the same forces as the last one
+}
+
+/* ----------------------------------------------------------------------
+   The overlaps of both ranks of a pair differ by the rounding of ghosts'
+   positions, and their first forces by their pasts: both take the mean.
+   Otherwise the residuals of both would never vanish together, and the
+   difference of their forces would grow from call to call: no residual
+   depends on it.
+------------------------------------------------------------------------- */
+
+void DualSolver::agree()
+{
+  if (comm->nprocs == 1) return;
+  NearPairs &p = list.pairs;
+  const int own = batches.contacts, *const side = p.side[0].data() + p.remote;
+  const int count = p.wall - p.remote;
+  // an evaluation replaces them
+  double *const here = batches.indentation.data(), *const there = here + own;
+  const auto take_means = [&](LargeVector<double> &of_pairs) {
+    double *const value = of_pairs.data() + p.remote;
+    for (int c = 0; c < count; ++c) here[side[c]] = value[c];
+    list.remote_sides.exchange(side, own, here);
+    for (int c = 0; c < count; ++c) value[c] = 0.5 * (value[c] + there[c]);
+  };
+  take_means(p.overlap);
+  take_means(p.force);
+  if (p.curved) take_means(p.per_distance);
+}
+
+/* ----------------------------------------------------------------------
+   The loop. Pairs know their overlaps. May be called again in the same call,
+   with other pairs, after `remember`. Returns whether forces are balanced.
+------------------------------------------------------------------------- */
+
+bool DualSolver::balance()
+{
+  if (!is_first) take_past();
+  agree();
+  if (lines) lines->begin();
+  Evaluation now = first_evaluation();
+
+  int anew = 0;
+  // beyond confluence there may be no balance
+  double halved = std::numeric_limits<double>::infinity();
+  int since = summary.evaluations;
+  for (;;) {
+    // Forces were extrapolated too far: anew, even beyond maxeval. Where curved lines lead astray once more, straight ones.
+    if (!now.exists && anew < (lines ? 2 : 1)) {
+      ++anew;
+      halved = std::numeric_limits<double>::infinity();
+      since = summary.evaluations;
+      lose_track();
+      std::fill(list.pairs.force.begin(), list.pairs.force.end(), 0.0);
+      if (lines) lines->straighten(anew == 2);
+      if (anew == 2) allowed = summary.evaluations + max_evaluations;
+      now = evaluate();
+    }
+    if (is_balanced(now)) {
+      summary.termination = Termination::BALANCED;
+      break;
+    }
+    if (!may_go_on()) {
+      summary.termination = Termination::OUT_OF_EVALUATIONS;
+      break;
+    }
+    if (now.worst() < 0.5 * halved) {
+      halved = now.worst();
+      since = summary.evaluations;
+    } else if (summary.evaluations > since + tuning.stuck) {
+      summary.termination = Termination::STUCK;
+      break;
+    }
+    if (!std::isfinite(now.force)) break;
+    lose_track();
+    now = correct(now);
+  }
+  if (!now.exists) summary.termination = Termination::NO_SHAPE;
+  if (lines) {
+    if (now.of_lines < 0.0) now.of_lines = lines->imbalance();
+    lines->remember();
+  }
+  shapes_exist = now.exists;
+  summary.imbalance = !now.exists ? 1.0 : now.worst() > 0.0 ? now.worst() / now.force : 0.0;
+  return now.exists && now.worst() <= limit(now);
+}
+
+// The forces of a minimizer vanish. Those of contacts go on with them below the tolerance if each call corrects them.
+// Lines count only where forces balance: before, they are not worth their evaluation.
+bool DualSolver::is_balanced(Evaluation &now)
+{
+  if (!now.exists || now.imbalance > limit(now)) return false;
+  if (minimizing() && !is_corrected && now.imbalance > 0.0) return false;
+  if (lines && now.of_lines < 0.0) now.of_lines = lines->imbalance();
+  return now.of_lines <= limit(now);
+}
+
+Evaluation DualSolver::first_evaluation()
+{
+  const bool is_planned = tuning.planned != 0.0 && is_first && successive_calls >= QUADRATIC &&
+                          !minimizing() && !lines && linear.knows_bounds() && planned_from.exists &&
+                          planned_from.norm2 > 0.0 && planned_from.force > 0.0;
+  if (is_planned) {
+    is_first = false;
+    return evaluate_and_correct();
+  }
+  const Evaluation now = evaluate();
+  if (is_first) planned_from = now;
+  is_first = false;
+  return now;
+}
+
+/* ----------------------------------------------------------------------
+   In motion each call needs about the same correction as the last one: it is
+   one more run through the blocks if nobody waits for the imbalance before it.
+------------------------------------------------------------------------- */
+
+Evaluation DualSolver::evaluate_and_correct()
+{
+  is_corrected = true;
+  Stages stages = {Stage::SHAPE, Stage::LOOK};
+  if (relaxation.begin(tuning, tolerance, planned_from.force))
+    stages.insert(stages.end(), {Stage::WAIT, Stage::RELAX, Stage::RESHAPE, Stage::LOOK});
+  stages.insert(stages.end(), linear.plan(accuracy(planned_from)), Stage::CORRECT);
+  const Stage shape = shape_after(planned_from);
+  stages.insert(stages.end(), {Stage::STEP, shape, Stage::LOOK});
+  Evaluation now = run(stages, &planned_from);
+  if (!planned_from.exists) return now;
+  if (shape == Stage::ADAPT && shape_after(planned_from) != shape) {    // larger than planned
+    const double slope = now.slope;
+    now = evaluate();
+    now.slope = slope;
+  }
+  constexpr double BETTER = 0.5;
+  return line_search(accept(now, planned_from, true, true), BETTER * planned_from.imbalance);
+}
+
+Evaluation DualSolver::correct(const Evaluation &from)
+{
+  constexpr double BETTER = 0.5, NO_WORSE = 2.0;    // than before a step, that needs no search
+  if (from.of_lines > 0.0) {                        // only lines are missing
+    lines->take();
+    return evaluate();
+  }
+  is_corrected = true;
+  const bool moves = lines && from.imbalance <= tuning.close * from.force;
+  int corrections = 0;
+  if (from.norm2 > 0.0)
+    corrections =
+        linear.begin(list.pairs, batches, list.remote_sides, arrays(), from.norm2, accuracy(from));
+  else    // only particles without force touch
+    std::fill(batches.step.begin(), batches.step.end(), 0.0F);
+  Stages stages(corrections, Stage::CORRECT);
+  stages.push_back(Stage::STEP);
+  if (!moves) stages.insert(stages.end(), {shape_after(from), Stage::LOOK});
+  const Evaluation stepped = accept(run(stages), from, corrections > 0, !moves);
+  if (!moves) return line_search(stepped, BETTER * from.imbalance);
+  const double of_lines = lines->imbalance();
+  lines->adapt(of_lines);
+  lines->take();
+  Evaluation now = evaluate();
+  now.slope = stepped.slope;
+  // between films lines alone seldom make it worse: iterations may diverge slowly
+  if (films && now.imbalance > from.imbalance) linear.doubt_bounds();
+  return line_search(now, NO_WORSE * std::max(from.imbalance, of_lines));
+}
+
+/* ----------------------------------------------------------------------
+   Newton's method squares its relative error in each step: its direction need
+   not be better than that, nor much better than the tolerance. The margin is
+   for the energy: what is left acts in each of millions of steps. Lines that
+   follow bring back about `of_lines` of a correction.
+------------------------------------------------------------------------- */
+
+double DualSolver::accuracy(const Evaluation &from) const
+{
+  // the weighted root mean square of r, times the mean weight
+  const double typical = std::sqrt(from.norm2 * from.weights) / pairs_of_all * list.pairs.unit();
+  const double most =
+      std::max(tuning.of_square * typical / from.force, lines ? tuning.of_lines : 0.0);
+  return std::min(tuning.coarse,
+                  std::max(tuning.of_tolerance * limit(from) / from.imbalance, most));
+}
+
+// New shapes from small steps have the rounding of single precision, a part of the step: 6e-4 of the tolerance at most.
+// They know straight lines only.
+DualSolver::Stage DualSolver::shape_after(const Evaluation &from) const
+{
+  return !lines && from.imbalance <= tuning.small_step * limit(from) ? Stage::ADAPT : Stage::SHAPE;
+}
+
+/* ----------------------------------------------------------------------
+   Accept: the state after a step; where that leads astray, the one before it,
+   or one after a step of each pair alone. Within the bounds of the spectrum no
+   step has another slope; outside of them iterations diverge.
+------------------------------------------------------------------------- */
+
+Evaluation DualSolver::accept(Evaluation now, const Evaluation &from, bool iterated,
+                              bool has_shapes)
+{
+  const double most = linear.largest_slope(from.norm2) * unit_of_energy();
+  if (iterated && !(now.slope > 0.0 && now.slope <= most)) {
+    linear.doubt_bounds();
+    move(1.0, 0.0);
+    return evaluate();
+  }
+  if (now.slope > 0.0) return now;
+  // single precision is not enough
+  move(1.0, 0.0);
+  if (has_shapes) evaluate();
+  const double slope = step_alone();
+  if (has_shapes) now = evaluate();
+  now.slope = slope;
+  return now;
+}
+
+/* ----------------------------------------------------------------------
+   The dual energy is concave along the step. A step that is much too long
+   has a negative slope at its end, and the search looks for the place where
+   the slope vanishes. What single precision leaves of a small step is far
+   below the tolerance.
+------------------------------------------------------------------------- */
+
+Evaluation DualSolver::line_search(Evaluation now, double enough)
+{
+  constexpr double SMALL_SLOPE = 0.5;
+  const double slope = now.slope;
+  if (!(slope > 0.0)) return now;    // no step
+  double low = 0.0, low_slope = slope, high = 1.0, at = 1.0;
+  for (;;) {
+    if (now.exists && now.imbalance <= std::max(enough, limit(now))) return now;
+    linear.doubt_bounds();
+    const double here = now.exists ? slope_at_end() : -std::numeric_limits<double>::infinity();
+    if (here >= -SMALL_SLOPE * slope && (at == 1.0 || here <= SMALL_SLOPE * slope)) return now;
+    if (!may_go_on()) return now;
+
+    double next;
+    if (here > 0.0) {
+      low = at;
+      low_slope = here;
+      next = 0.5 * (low + high);
+    } else {
+      high = at;
+      next = low + (high - low) * (std::isinf(here) ? 0.25 : low_slope / (low_slope - here));
+    }
+    next = std::clamp(next, low + 0.1 * (high - low), high - 0.1 * (high - low));
+    if (!(next > low && next < high) || high - low < 1e-10) return now;
+    move(at, next);
+    at = next;
+    now = evaluate();
+  }
+}
+
+// Along the last step, from this part of it to that one. Single precision has the smaller one of two numbers well.
+void DualSolver::move(double from, double to)
+{
+  const PairArrays a = arrays();
+  for (int k = 0; k < list.pairs.size; ++k) {
+    const double before = a.before[k], change = a.step[k], force = a.force[k];
+    const bool is_small = std::fabs(change) < std::fabs(before);
+    const double moved = is_small    ? force + (to - from) * change * a.unit
+                         : to == 0.0 ? before * a.unit
+                                     : (before + to * change) * a.unit;
+    a.force[k] = std::max(moved, deformable::least_force<double>(a, k));
+  }
+}
+
+double DualSolver::slope_at_end()
+{
+  return unit_of_energy() * sum_over_pairs([this](int begin, int end) {
+           return kernels.dot(residual.data(), step.data(), begin, end);
+         });
+}
+
+// A step of each pair for itself, instead of Newton's method. Returns the slope where it begins.
+double DualSolver::step_alone()
+{
+  return sum_over_pairs(
+      [this](int begin, int end) { return kernels.take_step(arrays(), true, begin, end); });
+}
+
+/* ----------------------------------------------------------------------
+   Remember
+------------------------------------------------------------------------- */
+
+void DualSolver::remember()
+{
+  if (!is_remembered) kernels.remember(arrays(), 0, list.pairs.size);
+  is_remembered = true;
+}
+
+// The next solution of this call is another problem: it may take as many evaluations.
+void DualSolver::begin_again()
+{
+  remember();
+  allowed = summary.evaluations + max_evaluations;
+}
+
+// A step overwrites what the forces of the last call were.
+void DualSolver::lose_track()
+{
+  if (is_remembered) successive_calls = 0;
+  is_remembered = false;
+}
+
+void DualSolver::forget()
+{
+  NearPairs &p = list.pairs;
+  const auto fill = [](auto value, auto &...v) { (std::fill(v.begin(), v.end(), value), ...); };
+  fill(deformable::UNKNOWN_FORCE, p.past);
+  for (LargeVector<double> &past : p.past_tilt) fill(deformable::UNKNOWN_FORCE, past);
+  fill(0.0F, p.earlier[0], p.earlier[1], p.earlier[2]);
+}
+
+// The forces are past ones, outlines have slopes, and pairs push.
+void DualSolver::finish(const Push &push, double part)
+{
+  deformable::RingBatches here = batches.arrays();
+  const bool remembers = !is_remembered;
+  const auto work = [&](int block, int stage) {
+    blocks.choose(here, block);
+    if (stage == 1 && !lines) find_slopes(here);    // those have slopes
+    blocks.for_pairs(block, [&](int begin, int end, double) {
+      if (stage == 2)
+        push(begin, end, part, true);
+      else if (remembers)
+        kernels.remember(arrays(), begin, end);
+    });
+  };
+  blocks.run(2, work, [](int) {});
+  is_remembered = true;
+}
+
+/* ----------------------------------------------------------------------
+   Stages: what happens to particles and pairs, block by block.
+------------------------------------------------------------------------- */
+
+PairArrays DualSolver::arrays()
+{
+  NearPairs &p = list.pairs;
+  PairArrays a;
+  a.overlap = p.overlap.data();
+  a.stiffening = p.stiffening.data();
+  a.first = p.side[0].data();
+  a.second = p.side[1].data();
+  a.indentation = batches.indentation.data();
+  a.compliance = batches.compliance.data();
+  a.correction = batches.step.data();
+  a.force = p.force.data();
+  a.residual = residual.data();
+  a.weight = weight.data();
+  a.step = step.data();
+  a.length = p.length;
+  a.unit = p.unit();
+  a.past = p.past.data();
+  for (int n = 0; n < 3; ++n) a.earlier[n] = p.earlier[n].data();
+  a.before = a.earlier[0];
+  a.least = p.least.empty() ? nullptr : p.least.data();
+  return a;
+}
+
+// Returns what the last stage LOOK has found in all blocks; the one before the corrections, unless null.
+Evaluation DualSolver::run(const Stages &stages, Evaluation *before)
+{
+  const deformable::RingBatches rings = batches.arrays();
+  deformable::RingBatches here = rings;    // of the block that has its turn
+  const int corrections =
+      static_cast<int>(std::count(stages.begin(), stages.end(), Stage::CORRECT));
+  const int first = static_cast<int>(std::find(stages.begin(), stages.end(), Stage::CORRECT) -
+                                     stages.begin());    // from 0; stages count from 1
+  of_blocks.assign((before ? 2 : 1) * blocks.count(), {});
+  bool exist = true;
+  blocks.run(
+      static_cast<int>(stages.size()),
+      [&](int block, int stage) {
+        const bool is_before = before && stage <= first;
+        blocks.choose(here, block);
+        work(stages[stage - 1], block, stage - first, here,
+             of_blocks[is_before ? blocks.count() + block : block], exist);
+      },
+      [&](int stage) {
+        const int *const side = list.pairs.side[0].data() + list.pairs.remote;
+        const Stage done = stages[stage - 1];
+        if (done == Stage::CORRECT && stage < first + corrections)
+          list.remote_sides.exchange(side, batches.contacts,
+                                     LinearSolver::products(rings, stage - first));
+        else if (done == Stage::SHAPE || done == Stage::ADAPT)
+          list.remote_sides.exchange(side, batches.contacts, batches.indentation.data(),
+                                     batches.compliance.data());
+      });
+  if (stages.back() == Stage::LOOK) ++summary.evaluations;
+  if (before) {
+    ++summary.evaluations;
+    *before = sum_up(blocks.count(), true);
+  }
+  return sum_up(0, exist);
+}
+
+void DualSolver::work(Stage stage, int block, int iteration, deformable::RingBatches &here,
+                      OfBlock &found, bool &exist)
+{
+  const PairArrays loop = arrays();
+  switch (stage) {
+    case Stage::SHAPE: exist &= shape(here); break;
+    case Stage::ADAPT: exist &= adapt(here, step.data(), loop.unit); break;
+    case Stage::LOOK:
+      blocks.for_pairs(block, [&](int begin, int end, double part) {
+        found.add(kernels.find_residuals(loop, begin, end), part);
+      });
+      break;
+    case Stage::WAIT: break;
+    case Stage::RELAX:
+      found = {};
+      relaxation.relax(block, kernels, blocks, list.pairs, batches, loop);
+      break;
+    case Stage::RESHAPE:
+      relaxation.take_turned(
+          here, [&](const deformable::RingBatches &turned) { exist &= shape(turned); });
+      break;
+    case Stage::CORRECT: linear.iterate(here, loop, iteration); break;
+    case Stage::STEP:
+      blocks.for_pairs(block, [&](int begin, int end, double part) {
+        found.slope += part * kernels.take_step(loop, false, begin, end);
+      });
+  }
+}
+
+void DualSolver::OfBlock::add(const deformable::Residuals &r, double part)
+{
+  error = std::max(error, r.error);
+  force = std::max(force, r.force);
+  left = std::max(left, r.left);
+  norm2 += part * r.norm2;
+  weights += part * r.weights;
+}
+
+// What the blocks have found, from this place on.
+Evaluation DualSolver::sum_up(int first, bool exist) const
+{
+  double largest[4] = {0.0, 0.0, 0.0, exist ? 0.0 : 1.0}, sum[3] = {0.0, 0.0, 0.0};
+  for (int block = first; block < first + blocks.count(); ++block) {
+    const OfBlock &found = of_blocks[block];
+    largest[0] = std::max(largest[0], found.error);
+    largest[1] = std::max(largest[1], found.force);
+    largest[2] = std::max(largest[2], found.left);
+    sum[0] += found.norm2;
+    sum[1] += found.weights;
+    sum[2] += found.slope;
+  }
+  if (comm->nprocs > 1) {
+    MPI_Allreduce(MPI_IN_PLACE, largest, 4, MPI_DOUBLE, MPI_MAX, world);
+    MPI_Allreduce(MPI_IN_PLACE, sum, 3, MPI_DOUBLE, MPI_SUM, world);
+  }
+  // Overlaps are not known better than this.
+  constexpr double ROUNDING = 8.0 * std::numeric_limits<double>::epsilon();
+  Evaluation now;
+  now.imbalance = largest[2] <= ROUNDING ? 0.0 : largest[0];
+  now.force = std::max(largest[1], std::isinf(largest[2]) ? largest[2] : 0.0);
+  now.exists = largest[3] == 0.0 && std::isfinite(now.force);
+  now.norm2 = sum[0];
+  now.weights = sum[1];
+  now.slope = sum[2];
+  return now;
+}
+
+double DualSolver::memory_usage() const
+{
+  return list.memory_usage() + batches.bytes() + blocks.bytes() + relaxation.bytes() +
+         bytes_of(residual, weight, step, of_blocks) + (lines ? lines->bytes() : 0.0);
+}

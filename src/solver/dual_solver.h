@@ -1,0 +1,212 @@
+// The forces of all pairs, from positions: what LAMMPS' force call is, once contacts are known.
+//
+// A particle under the forces f of its contacts has the conjugate energy W(f), and its outline gives way by a = dW/df at each of
+// them (laws/ring_forces.h, laws/droplet.h). The forces of a packing are the largest value of
+//   sum over pairs of f o - sum over particles of W(f),   f >= 0,
+// with the overlaps o: the dual problem of the energy that is smallest over all splits of the overlaps. Its gradient is what is
+// left of an overlap,
+//   r = o - a_i - a_j,   0 where f > 0, not positive where f = 0;   of a wall r = o - a.
+// The imbalance of a pair is the change of its force that would remove r if all others stayed. Forces are balanced when no
+// imbalance exceeds the tolerance times the largest force. `solve` is a loop, and this file is read in its order:
+//
+//   predict   The first forces are a polynomial in time through those of the last calls.
+//   evaluate  Kernels find the shapes of all particles, which give a and the compliances C = da/df, and what is left.
+//   correct   A step of Newton's method: C x = r for the pairs that take part (LinearSolver). One whose own force would become
+//             negative takes none, and its force vanishes. A few pairs that are far off, since contacts open and close, are
+//             relaxed one by one before (PairRelaxation).
+//   accept    The dual energy is concave along the step: a step that is too long is shortened.
+//   remember  The forces are past ones of the next call. A pair without force has its imbalance instead, which is negative:
+//             extrapolated in time it becomes positive when the contact forms.
+//
+// Stages go through the particles block by block, and near blocks run ahead of far ones, so that memory is read once for a whole
+// correction (BlockLevels). All ranks take the same steps, and both ranks of a pair compute the same bits for it.
+//
+// RingSolver and DropletSolver say what W is: shapes, compliances, bulges. Contact lines that tilt and bend (CurvedLines) take a
+// step with each of Newton's method. Films that come or go change the problem: then it is solved again.
+
+#ifndef LMP_DUAL_SOLVER_H
+#define LMP_DUAL_SOLVER_H
+
+#include "pointers.h"
+
+#include "solver/block_levels.h"
+#include "solver/contact_batches.h"
+#include "solver/curved_lines.h"
+#include "solver/linear_solver.h"
+#include "solver/pair_list.h"
+#include "solver/pair_relaxation.h"
+#include "solver/tuning.h"
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+namespace LAMMPS_NS {
+
+// How a solution ends; compute pair shows the number, warnings the words.
+enum class Termination { BALANCED, STUCK, NO_SHAPE, OUT_OF_EVALUATIONS };
+
+struct Summary {
+  Termination termination = Termination::BALANCED;
+  int evaluations = 0;        // of shapes of all particles, in the call
+  double imbalance = 0.0;     // the largest of a pair, over the largest force
+  const char *why() const;    // forces are not balanced, and what helps
+};
+
+// What is found in all particles and pairs with their present forces.
+struct Evaluation {
+  double imbalance = 0.0, force = 0.0;    // the largest ones of a pair
+  double norm2 = 0.0, weights = 0.0;      // see deformable::Residuals
+  double slope = 0.0;        // of the dual energy along the last step, where that began
+  bool exists = false;       // every particle has a shape
+  double of_lines = -1.0;    // the largest imbalance of a line, CurvedLines; negative: not known
+  double worst() const { return std::max(imbalance, of_lines); }
+};
+
+class DualSolver : protected Pointers {
+ public:
+  virtual ~DualSolver() = default;
+
+  const double tolerance;    // of the imbalance over the largest force
+  Summary summary;           // of the last call
+
+  // push(begin, end, part, is_final) adds this part of the forces of pairs to those of their particles. Not final: films come or
+  // go afterwards, and other forces follow.
+  using Push = std::function<void(int begin, int end, double part, bool is_final)>;
+
+  // A force call. Returns false on all ranks if one goes no further: a wall has refused a center, or this pair has a contact
+  // line that cannot lie between the centers; or if particles have no room (RingSolver). Else all forces have been pushed.
+  bool solve(const Particles &, const Push &);
+  int refused_pair() const { return wrong; }    // or -1
+
+  const NearPairs &pairs() const { return list.pairs; }
+
+  // What is left of an overlap, r; and what a pair adds to the energy of its particles: with f r the sum is that of the dual
+  // problem, whose error is of second order in r.
+  double left(int k) const { return residual[k] * list.pairs.length; }
+  double energy_left(int k) const
+  {
+    return list.pairs.force[k] * left(k) + (lines ? lines->energy_left(k) : 0.0);
+  }
+
+  // For calls after an error that the caller has caught: they must not start from forces without bound.
+  void forget();
+
+  double memory_usage() const;
+
+ protected:
+  // See PairList for the bulges.
+  DualSolver(class LAMMPS *, const deformable::ForceKernels &, bool in_space, bool curved,
+             double bulge_per_overlap, double most_bulge, double tolerance, int max_evaluations);
+
+  // The law. Radii and stiffnesses of all particles, and the units of pairs; `arranged`: contacts are new, and `batches` has
+  // other places.
+  virtual void set_material(const Particles &, bool arranged) = 0;
+  virtual bool has_own_compliances() const { return false; }
+  // Shapes of the particles of some batches from the forces of their pairs; the same after small changes; and slopes of
+  // outlines. False: a particle has no shape.
+  virtual bool shape(const deformable::RingBatches &) = 0;
+  virtual bool adapt(const deformable::RingBatches &, const float *changes, double unit) = 0;
+  virtual void find_slopes(const deformable::RingBatches &) {}
+  // After a solution: how far outlines bulge; false on all ranks: particles have no room, and forces no limit.
+  virtual bool has_room() { return true; }
+  virtual void find_bulges(const Particles &) = 0;
+  virtual double energy() const = 0;    // of all particles of this rank, without what is left
+  // Of what a user should know after a solution.
+  virtual void warn(const Particles &, bool films_changed) = 0;
+
+  const deformable::ForceKernels &kernels;
+  const Tuning tuning;
+  PairList list;
+  ContactBatches batches;
+  std::unique_ptr<CurvedLines> lines;    // null: perpendicular to lines of centers
+  std::unique_ptr<Films> films;          // null: no contact sticks
+  bool are_balanced = false;
+  bool shapes_exist = true;
+  double lost = 0.0;    // energy, when films came or went in this call
+
+ private:
+  enum class Stage {
+    SHAPE,      // of particles, for the forces of their pairs
+    ADAPT,      // the same after a small step
+    LOOK,       // what is left of overlaps
+    WAIT,       // until the blocks that are two away have looked, whose pairs RELAX may change
+    RELAX,      // a few pairs that are far from balance
+    RESHAPE,    // of particles whose pairs were relaxed
+    CORRECT,    // an iteration for C x = r
+    STEP        // all forces take their corrections
+  };
+  using Stages = std::vector<Stage>;
+
+  const int max_evaluations;    // of a call, without changes of films
+  int allowed = 0;
+  int wrong = -1;
+
+  // prediction
+  static constexpr int LINEAR = 2, QUADRATIC = 3, CUBIC = 4;
+  int successive_calls = 0;    // at successive time steps before this one
+  bigint last_step = -2;
+  bool is_first = true;    // solution of this call
+  bool is_remembered = false, is_corrected = false;
+  // Before the correction of the last call, and then of this one, which is planned from it.
+  Evaluation planned_from;
+
+  LinearSolver linear;
+  PairRelaxation relaxation;
+  BlockLevels blocks;
+  LargeVector<float> residual, weight, step;    // by pair, see PairArrays
+  struct OfBlock : deformable::Residuals {
+    double slope = 0.0;
+    void add(const deformable::Residuals &, double part);
+  };
+  std::vector<OfBlock> of_blocks;
+  double pairs_of_all = 1.0;    // ranks
+
+  bool minimizing() const;
+  void arrange(const Particles &, bool new_list);
+  bool locate(const Particles &);
+  bool find_pairs(const Particles &);
+  double total_energy() const;
+
+  void begin_call();
+  void take_past();
+  void agree();
+  void remember();
+  void begin_again();
+  void lose_track();
+
+  bool balance();
+  Evaluation first_evaluation();
+  Evaluation evaluate_and_correct();
+  Evaluation correct(const Evaluation &);
+  double accuracy(const Evaluation &) const;
+  Stage shape_after(const Evaluation &) const;
+  Evaluation accept(Evaluation now, const Evaluation &from, bool iterated, bool has_shapes);
+  Evaluation line_search(Evaluation now, double enough);
+  bool is_balanced(Evaluation &now);
+  double limit(const Evaluation &now) const { return tolerance * now.force; }
+  bool may_go_on() const { return summary.evaluations < allowed; }
+
+  deformable::PairArrays arrays();
+  Evaluation run(const Stages &, Evaluation *before = nullptr);
+  Evaluation evaluate() { return run({Stage::SHAPE, Stage::LOOK}); }
+  void work(Stage, int block, int iteration, deformable::RingBatches &, OfBlock &, bool &exist);
+  Evaluation sum_up(int first, bool exist) const;
+  void move(double from, double to);
+  double slope_at_end();
+  double step_alone();
+  double unit_of_energy() const { return list.pairs.length * list.pairs.unit(); }
+  void finish(const Push &, double part);
+
+  // Pairs that two ranks share count half on each.
+  template <class Sum> double sum_over_pairs(Sum &&sum) const
+  {
+    const NearPairs &p = list.pairs;
+    return list.remote_sides.sum(sum(0, p.remote) + 0.5 * sum(p.remote, p.wall) +
+                                 sum(p.wall, p.size));
+  }
+};
+
+}    // namespace LAMMPS_NS
+
+#endif

@@ -1,0 +1,62 @@
+// The linear equations of a step of Newton's method: C x = r to an accuracy, for the pairs that take part. C are the
+// compliances of the particles, r what is left of the overlaps, w the weights of pairs (see PairArrays). C is an operator, never
+// a matrix of all pairs: kernels multiply, particle by particle.
+//
+// Where the bounds of the spectrum are known, Chebyshev's iteration, whose coefficients follow from them alone: without sums
+// over all pairs, ranks wait for their neighbors only, and each block of particles may run ahead of the others (BlockLevels).
+// Conjugate gradients find the bounds.
+
+#ifndef LMP_LINEAR_SOLVER_H
+#define LMP_LINEAR_SOLVER_H
+
+#include "solver/contact_batches.h"
+#include "solver/near_pairs.h"
+#include "solver/remote_sides.h"
+#include "solver/tuning.h"
+
+#include <vector>
+
+namespace LAMMPS_NS {
+
+class LinearSolver {
+ public:
+  LinearSolver(const deformable::ForceKernels &kernels, const Tuning &tuning)
+      : kernels(kernels),
+        tuning(tuning)
+  {
+  }
+
+  void doubt_bounds() { are_doubted = true; }    // then conjugate gradients come next
+
+  // Returns the number of iterations that are still to be done: 0 if conjugate gradients have solved the equations already.
+  // norm2: the sum of w r^2/length^2. In the end x is in `batches.step`.
+  int begin(const NearPairs &, ContactBatches &batches, RemoteSides &,
+            const deformable::PairArrays &, double norm2, double accuracy);
+
+  bool knows_bounds() const { return highest > 0.0 && !are_doubted; }
+  int plan(double accuracy);    // the same without conjugate gradients
+
+  // r x of all pairs cannot be larger within the bounds, but for what steps do to pairs that open or close.
+  double largest_slope(double norm2) const { return 2.0 * norm2 / lowest; }
+
+  // Iteration k of some rings, from 1 on, and the products that it leaves, by contact.
+  void iterate(deformable::RingBatches, const deformable::PairArrays &, int k) const;
+  static float *products(const deformable::RingBatches &, int k);
+
+ private:
+  const deformable::ForceKernels &kernels;
+  const Tuning &tuning;
+  // bounds of the eigenvalues of C, with the weights; unknown if highest = 0
+  double lowest = 0.0, highest = 0.0;
+  bool are_doubted = false;
+  std::vector<double> lengths, conjugations;    // of each iteration
+
+  void conjugate_gradients(const NearPairs &, ContactBatches &, RemoteSides &,
+                           const deformable::PairArrays &, double norm2, double accuracy);
+  double decay() const;
+  void find_bounds(const std::vector<double> &lengths, const std::vector<double> &conjugations);
+};
+
+}    // namespace LAMMPS_NS
+
+#endif

@@ -1,0 +1,108 @@
+// Rings in the plane: the law of DualSolver whose contacts slip, with lines that are straight or curved, and films that stick.
+
+#ifndef LMP_RING_SOLVER_H
+#define LMP_RING_SOLVER_H
+
+#include "solver/dual_solver.h"
+
+#include "laws/shape.h"
+#include "laws/trigonometry.h"
+
+#include <cmath>
+#include <vector>
+
+namespace LAMMPS_NS {
+
+class RingSolver : public DualSolver {
+ public:
+  // curved: contact lines may also tilt and bend
+  RingSolver(class LAMMPS *lmp, const deformable::ForceKernels &kernels, bool curved,
+             double tolerance, int max_evaluations);
+
+  // Some contacts may stick: with curved lines only.
+  void stick();
+
+  // A particle of infinite kA that cannot keep its area between its contacts, if the forces have grown without a limit
+  // or do not exist for that reason; or -1.
+  int without_room() const { return crushed; }
+  bool lacks_room() const { return lacking; }    // on any rank
+  int giving_way() const;                        // rings of this rank
+
+  // L G' summed over the other contacts of that side's ring, the slope of its outline at the contact.
+  double outline_slope(int k, int side) const { return batches.slope[list.pairs.side[side][k]]; }
+  // Of this side, with its share of what is left of the overlap: both sides share it by their compliances.
+  double indentation(int k, int side) const;
+
+  // The line of a pair: its tilt, the same from both sides, and its half angle, positive where it is convex for the first
+  // one [rad]. And the number of lines that would tilt or bend further.
+  double tilt(int k) const { return lines ? std::asin(list.pairs.tilt[k]) : 0.0; }
+  double half_angle(int k) const { return lines ? 2.0 * std::atan(list.pairs.bend[k]) : 0.0; }
+  double limited_lines() const { return lines ? lines->limited : 0.0; }
+
+  double energy() const override;    // of rings and films
+
+  // That attaching and letting go have cost in this call, on all ranks.
+  double lost_energy() const { return lost; }
+
+  // The rings whose smallest radius of curvature may be negative.
+  const std::vector<int> &crowded_rings() const { return crowded; }
+
+  // Of ring i. The radius of curvature is the smallest one if that is negative, otherwise a lower bound; also negative
+  // where films leave no free outline between them.
+  struct Ring {
+    deformable::Energy energy;
+    double expansion, arc_radius;
+    int contacts;
+  };
+  Ring ring(int i) const;
+
+  // Contacts of ring i, their partners, and its shape, whose lengths are those of straight lines. Returns their number.
+  int shape_of(int i, std::vector<deformable::Contact> &, std::vector<int> &seats,
+               deformable::Shape &) const;
+
+  // The length of the line of pair k, of the length L from ring i.
+  double line_length(int i, int k, double length) const;
+
+ private:
+  std::vector<int> crowded;
+  int crushed = -1;
+  bool lacking = false;
+  bool warned = false, warned_limited = false, warned_films = false;
+  std::vector<double> softness;    // by type; of particles and ghosts, if these vary
+
+  void set_material(const Particles &, bool arranged) override;
+  void set_units(const Particles &);
+  bool shape(const deformable::RingBatches &) override;
+  bool adapt(const deformable::RingBatches &, const float *changes, double unit) override;
+  void find_slopes(const deformable::RingBatches &) override;
+  void find_bulges(const Particles &) override;
+  double bulge_with_films(std::size_t ring, double &lengths) const;
+  void warn(const Particles &, bool films_changed) override;
+  void warn_limited();
+  void warn_films();
+
+  struct Crowded {
+    int particle = -1;         // none
+    double overlaps = -1.0;    // of its contacts, in its radii
+    bool keeps_area = false;
+  };
+  bool has_room() override;
+  Crowded find_crushed_here() const;
+  bool fits(int i) const;
+  bool has_collapsed() const;
+  Crowded most_crowded(bool of_bubbles) const;
+
+  // q - (1/pi) sum L: no direction has a smaller radius of curvature
+  double arc_radius_at_least(std::size_t ring, double lengths) const
+  {
+    return batches.free_radius(ring) - lengths * (1.0 / deformable::PI);
+  }
+  double energy_of(std::size_t ring, const deformable::LoadedRing &loaded) const
+  {
+    return loaded.energy(batches.radius[ring], batches.stiffness(ring), batches.work[ring]);
+  }
+};
+
+}    // namespace LAMMPS_NS
+
+#endif

@@ -1,0 +1,321 @@
+#include "styles/walls/walls.h"
+
+#include "domain.h"
+#include "lammps.h"
+#include "utils.h"
+
+#include <cmath>
+#include <limits>
+
+using namespace LAMMPS_NS;
+using namespace deformable;
+
+/* ----------------------------------------------------------------------
+   Adds the walls of the points that match a region, or of those that do not.
+   De Morgan: points in none of several regions are outside of each of them.
+------------------------------------------------------------------------- */
+
+std::string Walls::add(Region *region, bool matching, double x, double y)
+{
+  const bool inside = matching == (region->interior != 0);
+  const std::string name = region->id;
+  if (region->reglist) {
+    const bool is_union = std::string(region->style) == "union";
+    if (is_union == inside) return add_obstacle(region, inside, x, y);
+    for (int n = 0; n < region->nregion; ++n) {
+      std::string problem = add(region->reglist[n], inside, x, y);
+      if (!problem.empty()) return problem;
+    }
+    return "";
+  }
+
+  WallShape shape;
+  const std::string problem = read_shape(region, dimension, x, y, shape);
+  if (!problem.empty()) return "region '" + name + "' " + problem;
+  const int index = static_cast<int>(shapes.size()), n = static_cast<int>(shape.planes.size());
+  const bool is_round = shape.is_round();
+  if (is_round) walls.push_back({inside ? Wall::RIM : Wall::DISK, name, index, {}});
+  if (inside || (n == 1 && !is_round)) {
+    for (int k = 0; k < n; ++k) walls.push_back({Wall::FACE, name, index, {{index, k, !inside}}});
+  } else if (!is_round) {
+    Wall obstacle = {Wall::POLYGON, name, index, {}};
+    for (int k = 0; k < n; ++k) obstacle.sides.push_back({index, k, false});
+    walls.push_back(obstacle);
+  }
+  shapes.push_back(shape);
+  sources.push_back({name, region, shape});
+  return "";
+}
+
+/* ----------------------------------------------------------------------
+   Particles may be in any of several regions. That is the outside of an
+   obstacle if the outsides of these regions intersect in a convex polygon, as
+   those of planes that face away from it do.
+------------------------------------------------------------------------- */
+
+std::string Walls::add_obstacle(Region *region, bool inside, double x, double y)
+{
+  const std::string name = region->id;
+  const std::size_t first = walls.size();
+  for (int n = 0; n < region->nregion; ++n) {
+    const std::string problem = add(region->reglist[n], !inside, x, y);
+    if (!problem.empty()) return problem;
+  }
+  Wall obstacle = {Wall::POLYGON, name, 0, {}};
+  for (std::size_t w = first; w < walls.size(); ++w) {
+    if (walls[w].kind != Wall::FACE)
+      return "region '" + name +
+             "' is neither a container nor a convex obstacle: particles could be in part '" +
+             walls[w].name +
+             "' or in another part of it. Write a container as an intersect of planes, blocks and "
+             "prisms, an obstacle as a union of planes that face away from it or as a block, "
+             "prism, cylinder or sphere with 'side out', and several of these as an intersect, or "
+             "each in a fix of its own";
+    obstacle.sides.push_back(walls[w].sides[0]);
+  }
+  walls.erase(walls.begin() + first, walls.end());
+  walls.push_back(obstacle);
+  return check_obstacle(obstacle);
+}
+
+/* ---------------------------------------------------------------------- */
+
+std::string Walls::check_obstacle(const Wall &obstacle) const
+{
+  for (const Wall::Side &side : obstacle.sides)
+    if (sources[side.shape].region->dynamic_check()) return "";
+  if (has_surface(obstacle)) return "";
+  return "region '" + obstacle.name + "' has no surface: its parts cover " +
+         (dimension == 2 ? "the whole plane" : "all of space") +
+         ". An obstacle is a union of planes that face away from it, a container an intersect of "
+         "planes";
+}
+
+/* ----------------------------------------------------------------------
+   Sides of the box.
+------------------------------------------------------------------------- */
+
+static bool is_side(const std::string &word)
+{
+  return word.size() == 3 && word[0] >= 'x' && word[0] <= 'z' &&
+         (word.substr(1) == "lo" || word.substr(1) == "hi");
+}
+
+std::string Walls::add_side(const std::string &word, const std::string &place, LAMMPS *lmp)
+{
+  WallSource source = {word};
+  const int axis = source.side.axis = word[0] - 'x';
+  const double sign = source.side.sign = word[1] == 'l' ? -1 : 1;
+  source.side.is_edge = place == "EDGE";
+  if (!source.side.is_edge) {
+    const std::string problem = source.side.place.read(word, place, lmp);
+    if (!problem.empty()) return problem;
+  }
+  WallShape shape;
+  shape.planes = {{{axis == 0 ? sign : 0.0, axis == 1 ? sign : 0.0, axis == 2 ? sign : 0.0}, 0.0}};
+  Scene::add(Wall::FACE, word, shape);
+  sources.push_back(source);
+  return place_side(static_cast<int>(sources.size()) - 1, lmp);
+}
+
+std::string Walls::place_side(int shape, LAMMPS *lmp)
+{
+  auto &side = sources[shape].side;
+  if (side.is_edge) {
+    if (lmp->domain->triclinic)
+      return sources[shape].name +
+             " EDGE: a side of a tilted box is no plane across an axis, use 'plane'";
+    side.place.now = side.sign < 0 ? lmp->domain->boxlo[side.axis] : lmp->domain->boxhi[side.axis];
+  }
+  shapes[shape].planes[0].offset =
+      side.place.is_known() ? side.sign * side.place.now : std::numeric_limits<double>::infinity();
+  return "";
+}
+
+std::string Walls::place_sides(LAMMPS *lmp, bool goes_on)
+{
+  for (std::size_t k = 0; k < sources.size(); ++k) {
+    if (sources[k].side.sign == 0) continue;
+    std::string problem = sources[k].side.place.begin_step(lmp, goes_on);
+    if (problem.empty()) problem = place_side(static_cast<int>(k), lmp);
+    if (!problem.empty()) return problem;
+  }
+  return "";
+}
+
+/* ---------------------------------------------------------------------- */
+
+std::string Walls::follow()
+{
+  motions.resize(shapes.size());
+  for (std::size_t k = 0; k < sources.size(); ++k) {
+    WallSource &source = sources[k];
+    Region *const region = source.region;
+    if (source.side.sign != 0)
+      (source.side.axis == 0 ? motions[k].x : motions[k].y) = source.side.place.now;
+    if (!region) continue;
+    if (dimension == 2 && region->dz != 0.0 && region->moveflag)
+      return "region '" + source.name + "' leaves the xy plane: it must not move along z";
+    if (region->varshape) {
+      const std::string problem = read_shape(region, dimension, 0.0, 0.0, source.at_rest);
+      if (!problem.empty()) return "region '" + source.name + "' " + problem;
+      if (source.at_rest.planes.size() != shapes[k].planes.size())
+        return "region '" + source.name + "' gains or loses a face";
+    }
+    shapes[k] = moved_with(region, source.at_rest);
+    motions[k] = motion_of(region);
+  }
+  return update();
+}
+
+/* ----------------------------------------------------------------------
+   Shapes in words.
+------------------------------------------------------------------------- */
+
+namespace {
+
+// Returns what is wrong with the corners, or nothing.
+std::string read_polygon(const std::vector<Point> &corners, WallShape &shape)
+{
+  std::vector<HalfPlane> sides;
+  Point wrong;
+  switch (polygon_planes(corners, sides, wrong)) {
+    case Corners::CONVEX: shape.set_planes(sides); return "";
+    case Corners::NOT_CONVEX:
+      return fmt::format("is not convex at its corner ({:.6g}, {:.6g}): divide it into convex "
+                         "polygons, and leave out corners within its sides",
+                         wrong.x, wrong.y);
+    default: return "crosses itself: give its corners in the order around it";
+  }
+}
+
+void read_plane_shape(const std::string &word, const std::vector<double> &value, WallShape &shape,
+                      std::string &problem)
+{
+  const Point a = {value[0], value[1]};
+  if (word == "circle" || word == "disk") {
+    shape.center = {a.x, a.y, 0.0};
+    shape.radius = value[2];
+    if (!(shape.radius > 0.0)) problem = fmt::format("has a radius of {:.6g}", shape.radius);
+  } else if (word == "plane") {
+    const double nx = value[2], ny = value[3];
+    if (nx == 0.0 && ny == 0.0) problem = "has a normal of zero length";
+    shape.set_planes({left_of(a, {a.x + ny, a.y - nx})});
+  } else if (word == "segment") {
+    const Point b = {value[2], value[3]};
+    if (a.x == b.x && a.y == b.y) problem = "has no length";
+    shape.set_planes(segment_planes(a, b));
+  } else {
+    std::vector<Point> corners;
+    for (std::size_t k = 0; k < value.size(); k += 2) corners.push_back({value[k], value[k + 1]});
+    problem = read_polygon(corners, shape);
+  }
+}
+
+void read_space_shape(const std::string &word, const std::vector<double> &value, WallShape &shape,
+                      std::string &problem)
+{
+  const Vector3 a = {value[0], value[1], value[2]};
+  if (word == "sphere" || word == "ball") {
+    shape.center = a;
+    shape.radius = value[3];
+  } else {
+    const Vector3 given = {value[3], value[4], value[5]};
+    const double size = length(given);
+    if (!(size > 0.0)) problem = "has a direction of zero length";
+    const Vector3 direction = (1.0 / size) * given;
+    if (word == "plane") {
+      shape.planes.push_back({-direction, -dot(direction, a)});
+      return;
+    }
+    shape.radius = value[6];
+    const double slope = word == "cone" ? value[7] : 0.0;
+    if (word == "cone" && slope == 0.0) problem = "has a slope of 0: use 'cylinder'";
+    shape.set_body({a, direction, cone_side(shape.radius, slope), {}});
+  }
+  if (!(shape.radius > 0.0)) problem = fmt::format("has a radius of {:.6g}", shape.radius);
+}
+
+// The words of walls, and how many numbers follow: in the plane, and in space.
+struct Word {
+  const char *name;
+  int numbers[2];
+  bool is_obstacle;
+};
+constexpr Word WORDS[] = {
+    {"plane", {4, 6}, false},  {"circle", {3, 0}, false}, {"disk", {3, 0}, true},
+    {"segment", {4, 0}, true}, {"polygon", {1, 0}, true},    // and as many corners
+    {"sphere", {0, 4}, false}, {"ball", {0, 4}, true},    {"cylinder", {0, 7}, false},
+    {"cone", {0, 8}, false},   {"post", {0, 7}, true}};
+
+const Word *find_word(const std::string &name)
+{
+  for (const Word &word : WORDS)
+    if (name == word.name) return &word;
+  return nullptr;
+}
+
+}    // namespace
+
+/* ---------------------------------------------------------------------- */
+
+bool Walls::is_word(const std::string &word)
+{
+  return find_word(word) || is_side(word);
+}
+
+const char *Walls::known_words(int dimension)
+{
+  return dimension == 2
+             ? "'plane', 'circle', 'disk', 'segment', 'polygon', or a side 'xlo' to 'yhi'"
+             : "'plane', 'sphere', 'cylinder', 'cone', 'ball', 'post', or a side 'xlo' to 'zhi'";
+}
+
+/* ---------------------------------------------------------------------- */
+
+std::string Walls::read_words(int narg, char **arg, LAMMPS *lmp)
+{
+  for (int iarg = 0; iarg < narg;) {
+    const std::string name = arg[iarg];
+    const Word *const word = find_word(name);
+    if (is_side(name) && (dimension == 3 || name[0] != 'z')) {
+      if (iarg + 1 == narg) return name + " needs its place: a number, EDGE or v_name";
+      const std::string problem = add_side(name, arg[iarg + 1], lmp);
+      if (!problem.empty()) return problem;
+      iarg += 2;
+      continue;
+    }
+    int first = iarg + 1, values = word ? word->numbers[dimension - 2] : 0;
+    if (values == 0)
+      return (is_word(name) ? fmt::format("'{}' is no wall in {} dimensions", name, dimension)
+                            : "unknown word '" + name + "'") +
+             ": it must be " + known_words(dimension);
+    if (name == "polygon") {
+      if (first >= narg) return "polygon: missing its number of corners";
+      const int corners = utils::inumeric(FLERR, arg[first++], false, lmp);
+      if (corners < 3)
+        return fmt::format("polygon: {} corners are too few, give 3 or more", corners);
+      values = 2 * corners;
+    }
+    if (first + values > narg)
+      return fmt::format("{} needs {} numbers, but {} follow", name, values, narg - first);
+    std::vector<double> value;
+    for (int k = 0; k < values; ++k) {
+      value.push_back(utils::numeric(FLERR, arg[first + k], false, lmp));
+      if (!std::isfinite(value.back())) return name + ": '" + arg[first + k] + "' is not finite";
+    }
+    iarg = first + values;
+
+    WallShape shape;
+    const std::string label = fmt::format("{} {}", name, walls.size() + 1);
+    std::string problem;
+    (dimension == 2 ? read_plane_shape : read_space_shape)(name, value, shape, problem);
+    if (!problem.empty()) return label + " " + problem;
+    Scene::add(shape.is_round()           ? (word->is_obstacle ? Wall::DISK : Wall::RIM)
+               : shape.planes.size() == 1 ? Wall::FACE
+                                          : Wall::POLYGON,
+               label, shape);
+    sources.push_back({label});
+  }
+  return "";
+}
