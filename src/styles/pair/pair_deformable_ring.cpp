@@ -407,8 +407,8 @@ Push PairDeformableRing::push_of(int k, const NearPairs::Centers &centers, doubl
    The force f cos(tilt) along the line of centers, and dU/dtheta over the lever
    across it, of both rings. That is f along the normal of a line whose torques
    balance, and the derivative of the energy for any tilt. Of a pair that two
-   ranks share each adds the part of its own ring. What is left of the balance
-   completes the energy to that of the dual, whose error is of second order.
+   ranks share each adds the part of its own ring. With f r the sum of energies
+   is the dual energy, whose error is O(r^2).
 ------------------------------------------------------------------------- */
 
 void PairDeformableRing::push_pairs(int begin, int end, bool counts_energy)
