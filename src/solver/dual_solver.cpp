@@ -11,6 +11,9 @@
 using namespace LAMMPS_NS;
 using deformable::PairArrays;
 
+// Imbalances over those before a step, which need no search; where others follow, as lines or blocks beside.
+static constexpr double BETTER = 0.5, NO_WORSE = 2.0;
+
 DualSolver::DualSolver(LAMMPS *lmp, const deformable::ForceKernels &kernels, bool in_space,
                        bool curved, double bulge_per_overlap, double most_bulge, double tolerance,
                        int max_evaluations, const Tuning &tuned)
@@ -324,7 +327,6 @@ Evaluation DualSolver::evaluate_and_correct()
     now = evaluate();
     now.slope = slope;
   }
-  constexpr double BETTER = 0.5;
   return line_search(accept(now, planned_from, true, true), BETTER * planned_from.imbalance);
 }
 
@@ -338,7 +340,6 @@ Evaluation DualSolver::evaluate_and_correct()
 
 bool DualSolver::correct_some(Evaluation &now)
 {
-  constexpr double NO_WORSE = 2.0;
   constexpr int OFTEN = 4;
   if (local_corrections == OFTEN || summary.evaluations + 2 >= allowed || lines ||
       !linear.knows_bounds() || !now.exists || now.imbalance <= limit(now) ||
@@ -410,7 +411,6 @@ void DualSolver::hold_others(const BlockLevels::Choice &chosen)
 
 Evaluation DualSolver::correct(const Evaluation &from)
 {
-  constexpr double BETTER = 0.5, NO_WORSE = 2.0;    // than before a step, that needs no search
   if (from.of_lines > 0.0) {                        // only lines are missing
     lines->take();
     return evaluate();
