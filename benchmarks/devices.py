@@ -39,13 +39,8 @@ TIMES = {
     "space": {1000: (1, 1, 1), 10_000: (2, 1, 5), 100_000: (4, 5, 5)},
 }
 SWITCHES = [
-    "relaxed=1e300",
-    "planned=0",
-    "small_step=0",
-    "cubic=0",
-    "smooth=1e300",
-    "chebyshev=1e300",
-    "group=1000",
+    *("relaxed=1e300", "planned=0", "small_step=0", "cubic=0", "smooth=1e300"),
+    *("few=0", "chebyshev=1e300", "group=1000"),
 ]
 LAWS = ("balanced", "curved", "droplet")
 STEPS = 10

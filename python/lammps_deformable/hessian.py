@@ -328,7 +328,7 @@ class Lines:
         particles = np.column_stack(
             [number, radius, material.kA, material.kP, material.skin, material.tension]
         )
-        partner = np.where(self.sides.j < 0, 0.0, radius[self.sides.j])
+        partner = np.where(self.sides.j < 0, 0.0, radius[np.maximum(self.sides.j, 0)])
         sides = [self.sides.vector, self.sides.turn, partner]
         if self.law.contact == "curved":
             sides += [self.force, self.direction, self.half_angle]
