@@ -242,7 +242,7 @@ void PairDeformableRing::evaluate_radical()
         return energy;
       },
       [this](const BlockParticle &p) {
-        giving_way += p.pressure > p.yield;
+        giving_way += p.stiffness.gives_way(p.pressure);
         if (neighbor->ago != 0 || p.energy == 0.0) return;
         load_shape(p);
         const Contacts contacts = load_contacts(block, p);
@@ -257,14 +257,9 @@ void PairDeformableRing::evaluate_radical()
 Energy PairDeformableRing::shape_ring(int i, const Contacts &contacts, const Stiffness &stiffness)
 {
   is_active.assign(contacts.size, 0);
-  char *const active = is_active.data();
-  if (!stiffness.conserves_perimeter()) {
-    Energy energy;
-    soft_ring_shape(ring_radius_of(i), stiffness, contacts, active, lcp, shape, energy);
-    return energy;
-  }
-  ring_shape(ring_radius_of(i), contacts, active, lcp, shape);
-  return harmonic(stiffness.kA, shape.area_deficit);
+  Energy energy;
+  soft_ring_shape(ring_radius_of(i), stiffness, contacts, is_active.data(), lcp, shape, energy);
+  return energy;
 }
 
 /* ----------------------------------------------------------------------

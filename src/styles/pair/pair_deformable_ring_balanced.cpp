@@ -45,7 +45,7 @@ void PairDeformableRing::evaluate_balanced(bool new_material)
   push_part = 1.0;
   if (rubbing) load_contacts_of_pairs();
   pvector[4] = balanced->limited_lines();
-  giving_way = balanced->giving_way();
+  giving_way = materials.yield > 0.0 ? balanced->giving_way() : 0;
   if (eflag_global) eng_vdwl += balanced->energy();
   refusals.collect([this] {
     if (eflag_atom || needs_shapes() || neighbor->ago == 0)

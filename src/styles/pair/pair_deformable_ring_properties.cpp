@@ -51,7 +51,7 @@ void PairDeformableRing::check_properties()
     const int i = list->ilist[ii];
     const Stiffness k = stiffness_of(i);
     const Species &s = materials.species_of(i);
-    std::string wrong = invalid_stiffness(k.kA, k.kP, k.tension);
+    std::string wrong = invalid_stiffness(k);
     if (wrong.empty()) wrong = unstable_radius(ring_radius_of(i), k);
     if (wrong.empty()) wrong = invalid_for_adhesion(adhesion[atom->type[i]], k, s.skin);
     if (wrong.empty()) continue;
