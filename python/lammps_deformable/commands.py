@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._files import comment_lines, rows_in_comments
-from .laws import AnyLaw, Droplet, Ring, pair_matrix, sticks
+from .laws import AnyLaw, Droplet, Ring, SpeciesParameters, pair_matrix, sticks
 from .room import closed
 from .walls import PolygonWall, Wall
 
@@ -125,9 +125,11 @@ def species_file(law: AnyLaw, radii: Sequence[float] | NDArray[np.float64]) -> s
         "# UNITS: lj CONTRIBUTOR: written by lammps-deformable",
         f"# name radius[length] {units}",
     ]
-    for n, (*values, tension) in enumerate(columns.tolist(), start=1):
-        words = [f"s{n}", *map(repr, values)]
-        lines.append(" ".join(words + ["tension", repr(tension)] * (tension != 0.0)))
+    for n, row in enumerate(columns.tolist(), start=1):
+        words = [f"s{n}", *map(repr, row[:4])]
+        for name, value in zip(SpeciesParameters._fields[3:], row[4:], strict=True):
+            words += [name, repr(value)] * (value != 0.0)
+        lines.append(" ".join(words))
     if isinstance(law, Ring) and law._sticks:
         matrix = pair_matrix("adhesion", law.adhesion, len(radii)).tolist()
         lines += [

@@ -325,9 +325,7 @@ class Lines:
         packing, radius = self.packing, self.packing.radii
         number = np.bincount(self.sides.i, minlength=len(packing))
         material = self.law._species_parameters(packing._species_radii).of(packing.species)
-        particles = np.column_stack(
-            [number, radius, material.kA, material.kP, material.skin, material.tension]
-        )
+        particles = np.column_stack([number, radius, *material])
         partner = np.where(self.sides.j < 0, 0.0, radius[np.maximum(self.sides.j, 0)])
         sides = [self.sides.vector, self.sides.turn, partner]
         if self.law.contact == "curved":

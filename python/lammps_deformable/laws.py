@@ -130,6 +130,9 @@ _REACH = {"balanced": 0.6, "curved": 0.6, "radical": 0.3}
 class SpeciesParameters(NamedTuple):
     """Parameters of a law, each one an array of shape (species,).
 
+    They have the order in which functions of `core` take them. A new one has the name that it has
+    in `src/laws/stiffness.h`, and is a field of `Ring` too.
+
     Attributes:
         kA: area stiffness [energy/length^4].
         kP: perimeter stiffness [energy/length^2].
@@ -145,6 +148,14 @@ class SpeciesParameters(NamedTuple):
     def of(self, species: NDArray[np.int64]) -> SpeciesParameters:
         """The parameters of particles of these species, arrays of shape (N,)."""
         return SpeciesParameters(*(values[species] for values in self))
+
+    @classmethod
+    def like(cls, species: int, **given: ArrayLike) -> SpeciesParameters:
+        """Parameters of so many species: numbers, or one for each; 0 if they are not given."""
+        zero = dict.fromkeys(cls._fields, 0.0)
+        return cls(
+            *(np.broadcast_to(value, species).astype(float) for value in (zero | given).values())
+        )
 
 
 @dataclass(frozen=True, repr=False)
@@ -220,19 +231,21 @@ class Ring:
             )
         for name in SpeciesParameters._fields:
             object.__setattr__(self, name, one_or_each(name, getattr(self, name)))
-        kA, kP, skin, tension = (np.atleast_1d(value) for value in self._parameters)
-        sizes = [values.size for values in (kA, kP, skin, tension)]
+        parameters = [np.atleast_1d(value) for value in self._parameters]
+        sizes = [values.size for values in parameters]
         if len({*sizes} - {1}) > 1:
-            raise ParameterError(
-                "kA, kP, skin and tension must be numbers, or one number for each species, not "
-                f"{sizes[0]}, {sizes[1]}, {sizes[2]} and {sizes[3]} numbers"
+            names, numbers = (
+                f"{', '.join(words[:-1])} and {words[-1]}"
+                for words in (SpeciesParameters._fields, [*map(str, sizes)])
             )
-        for stiffnesses in np.broadcast(kA, kP, tension):
-            _refuse(core.invalid_stiffness(*stiffnesses))
-        for thickness in skin:
-            _refuse(core.invalid_skin(thickness))
+            raise ParameterError(
+                f"{names} must be numbers, or one number for each species, not {numbers} numbers"
+            )
+        for kA, kP, skin, *more in np.broadcast(*parameters):
+            _refuse(core.invalid_stiffness(kA, kP, *more))
+            _refuse(core.invalid_skin(skin))
         object.__setattr__(self, "adhesion", adhesion_of(self.adhesion))
-        check_adhesion(self.adhesion, self.contact, kA, kP, skin, tension)
+        check_adhesion(self.adhesion, self.contact, *parameters)
 
     def __repr__(self) -> str:
         return as_call(self, reach=_REACH[self.contact])
@@ -266,9 +279,9 @@ class Ring:
         """
         found = [per_species(values, len(radii)) for values in self._parameters]
         pair_matrix("adhesion", self.adhesion, len(radii))
-        for kA, kP, skin, tension, radius in zip(*found, radii, strict=True):
+        for radius, kA, kP, skin, *more in zip(radii, *found, strict=True):
             _refuse(core.invalid_skin(skin, radius))
-            _refuse(core.unstable_radius(radius - skin, kA, kP, tension))
+            _refuse(core.unstable_radius(radius - skin, kA, kP, *more))
         return SpeciesParameters(*map(np.array, found))
 
     def outline(
@@ -299,10 +312,10 @@ class Ring:
             contact_angle: of each contact, likewise, shape (z,) [rad].
         """
         a = np.asarray(indentation, dtype=np.float64)
-        kA, kP, skin, tension = (_at(values, species) for values in self._parameters)
+        _, kP, skin, *_ = own = [_at(values, species) for values in self._parameters]
         if self.contact == "curved":
             ring = core.forced_ring(
-                radius, angle, force, kA, kP, skin, tension, half_angle, contact_angle
+                radius, angle, force, *own, half_angle=half_angle, contact_angle=contact_angle
             )
             whole, length = ring.support_radius + skin - inset, ring.contact_length
             return core.curved_outline(
@@ -310,7 +323,7 @@ class Ring:
             )
         expansion = 0.0
         if math.isfinite(kP):  # the radius changes, and with it all indentations
-            expansion = core.soft_ring(radius, angle, a, kA, kP, skin, tension).delta
+            expansion = core.soft_ring(radius, angle, a, *own).delta
         whole, deeper = radius - inset + expansion, a + expansion
         return core.outline("ring", whole, angle, deeper, points, same_area)
 
@@ -376,7 +389,7 @@ class Sector:
         self, radii: Sequence[float] | NDArray[np.float64]
     ) -> SpeciesParameters:
         """As for `Ring`: the same for all species, without skin and tension."""
-        return SpeciesParameters(*np.tile([[self.kA], [self.kP], [0.0], [0.0]], len(radii)))
+        return SpeciesParameters.like(len(radii), kA=self.kA, kP=self.kP)
 
     def outline(
         self,
@@ -510,9 +523,8 @@ class Droplet:
         Raises:
             ParameterError: there is another number of species.
         """
-        tension = np.array(per_species(self.tension, len(radii)))
-        none = np.zeros(len(radii))
-        return SpeciesParameters(np.full(len(radii), np.inf), none, none, tension)
+        tension = per_species(self.tension, len(radii))
+        return SpeciesParameters.like(len(radii), kA=np.inf, tension=tension)
 
 
 @dataclass(frozen=True, repr=False)
@@ -677,7 +689,7 @@ def longest_step(packing: Packing, law: AnyLaw, squeeze: float, temperature: flo
         energy = float(np.min(tension * packing.radii**2))
         load = max(squeeze, 0.5 * float(np.sqrt(_HOT * temperature / energy)))
         return float(2.0 / np.sqrt((_LOOSE + _BY_LOAD * load) * tension.max()))
-    kA, kP, skin, tension = law._species_parameters(packing._species_radii).of(packing.species)
+    kA, kP, skin, tension, *_ = law._species_parameters(packing._species_radii).of(packing.species)
     radius = packing.radii - skin
     by_tension = 2.0 * tension / radius**3
     stiffness = np.minimum(kA, kP / radius**2 + by_tension)
@@ -717,7 +729,7 @@ def squeeze_under(force: float, packing: Packing, law: AnyLaw) -> float:
     """
     if not force:
         return 0.0
-    kA, kP, skin, tension = law._species_parameters(packing._species_radii).of(packing.species)
+    kA, kP, skin, tension, *_ = law._species_parameters(packing._species_radii).of(packing.species)
     radius = packing.radii - skin
     if isinstance(law, Droplet):  # two contacts
         return float(np.max(2.0 * _TOGETHER * force / (8.0 * np.pi * tension * radius)))
@@ -746,7 +758,7 @@ def natural_pressure(packing: Packing, law: Jamming) -> float:
     r0 = float(packing.radii.mean())
     if isinstance(law, SoftContact):
         return law.k if packing.dimension == 2 else 0.5 * law.k / r0
-    kA, kP, _, tension = law._species_parameters(packing._species_radii).of(packing.species)
+    kA, kP, _, tension, *_ = law._species_parameters(packing._species_radii).of(packing.species)
     compliance = 1.0 / (kA * r0**2) + 1.0 / np.where(kP > 0.0, kP, np.inf)
     stiffness = np.where(kP > 0.0, 1.0 / np.where(compliance > 0.0, compliance, 1.0), 0.0)
     return float(np.mean(stiffness + tension / r0))

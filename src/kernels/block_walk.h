@@ -35,10 +35,7 @@ struct ContactBlock {
     if (end > places.size()) places.resize(2 * end);
     p.radius = radius;
     p.ring_radius = radius - skin;
-    p.kA = stiffness.kA;
-    p.kP = stiffness.kP;
-    p.tension = stiffness.tension;
-    p.yield = stiffness.yield;
+    p.stiffness = stiffness;
     p.first = used;
     p.active = 0;
     p.others = p.last = used += room;
@@ -67,13 +64,13 @@ struct ContactBlock {
 inline int ring_group(const BlockParticle &p)
 {
   if (p.active == 0 || p.active > MOST_IN_BATCH) return 0;
-  if (p.tension > 0.0) return 2 * MOST_IN_BATCH + p.active;
-  return Stiffness{p.kA, p.kP}.conserves_perimeter() ? p.active : MOST_IN_BATCH + p.active;
+  if (p.stiffness.tension > 0.0) return 2 * MOST_IN_BATCH + p.active;
+  return p.stiffness.conserves_perimeter() ? p.active : MOST_IN_BATCH + p.active;
 }
 
 inline int sector_group(const BlockParticle &p)
 {
-  return std::isinf(p.kP) && p.active >= 2 && p.active <= MOST_IN_BATCH ? p.active : 0;
+  return std::isinf(p.stiffness.kP) && p.active >= 2 && p.active <= MOST_IN_BATCH ? p.active : 0;
 }
 
 // Calls visit(place) for the contacts of a particle: the active ones, then the others.

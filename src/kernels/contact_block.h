@@ -4,6 +4,8 @@
 #ifndef DEFORMABLE_CONTACT_BLOCK_H
 #define DEFORMABLE_CONTACT_BLOCK_H
 
+#include "laws/stiffness.h"
+
 namespace deformable {
 
 // A contact from one of its sides: what the law needs, and what it finds. A flat wall is the mirror image of the
@@ -27,7 +29,7 @@ enum class Outcome : char {
 // from `others` on, are lines outside of the circle that the outline may reach. Places between them are not used.
 struct BlockParticle {
   double radius, ring_radius;    // R, and R - c with the thickness c of the skin
-  double kA, kP, tension, yield;
+  Stiffness stiffness;
   int first, active, others, last;
   int name;    // a number for the caller
   Outcome outcome;
@@ -40,7 +42,7 @@ struct BlockParticle {
   {
     outcome = Outcome::DONE;
     energy = area_deficit = perimeter_excess = 0.0;
-    pressure = tension > 0.0 ? tension / ring_radius : 0.0;
+    pressure = stiffness.tension > 0.0 ? stiffness.rest_pressure(ring_radius) : 0.0;
     arc_radius = ring_radius;
   }
 };

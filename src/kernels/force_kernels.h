@@ -4,6 +4,7 @@
 #ifndef DEFORMABLE_FORCE_KERNELS_H
 #define DEFORMABLE_FORCE_KERNELS_H
 
+#include "laws/stiffness.h"
 #include "laws/trigonometry.h"
 
 #include <cstddef>
@@ -23,16 +24,15 @@ struct PairDirections {
 
 // Rings: batch x LANES + lane.
 struct RingArrays {
-  const double *radius, *kA;    // of the ring without skin
+  const double *radius;    // of the ring without skin
+  StiffnessArrays stiffness;
   double *pressure, *work, *total, *per_pressure;
   float *square;    // see ContactArrays
   // null unless rings are soft
-  const double *kP;
   double *expansion;
   float *mixed, *rate;
-  const double *tension, *skin;    // also null where no ring has any
-  const double *yield;             // of stiffness.h, in minimizations; else null
-  double scale;    // compliances are in units of it, for the range of single precision
+  const double *skin;    // null where no ring has any
+  double scale;          // compliances are in units of it, for the range of single precision
 };
 
 // Contacts, and G of each two contacts of a ring: the lower triangle by rows. Numbers in single precision are for

@@ -18,8 +18,9 @@ namespace deformable::DEFORMABLE_LEVEL {
 DEFORMABLE_LANE_FUNCTION RingArrays rings_of(RingArrays r, int ring)
 {
   const auto move = [ring](auto &...p) DEFORMABLE_LANE_LAMBDA { ((p ? p += ring : p), ...); };
-  move(r.radius, r.kA, r.pressure, r.work, r.total, r.per_pressure, r.square);
-  move(r.kP, r.expansion, r.mixed, r.rate, r.tension, r.skin, r.yield);
+  move(r.radius, r.pressure, r.work, r.total, r.per_pressure, r.square);
+  move(r.expansion, r.mixed, r.rate, r.skin);
+  for (const Parameter &p : PARAMETERS) move(r.stiffness.*p.of_rings);
   return r;
 }
 

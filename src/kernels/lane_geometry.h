@@ -16,6 +16,11 @@ DEFORMABLE_LANE_FUNCTION Lanes of_particles(BlockParticle *const *p, double Bloc
   return each_lane([&](int w) DEFORMABLE_LANE_LAMBDA { return p[w]->*member; });
 }
 
+DEFORMABLE_LANE_FUNCTION Lanes of_particles(BlockParticle *const *p, double Stiffness::*member)
+{
+  return each_lane([&](int w) DEFORMABLE_LANE_LAMBDA { return p[w]->stiffness.*member; });
+}
+
 DEFORMABLE_LANE_FUNCTION Lanes of_places(Place *const *at, int m, double Place::*member)
 {
   return each_lane([&](int w) DEFORMABLE_LANE_LAMBDA { return at[w][m].*member; });

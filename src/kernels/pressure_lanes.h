@@ -35,7 +35,7 @@ struct ComplianceLanes {
 // Pressure and compliance of rings that conserve their perimeter.
 DEFORMABLE_LANE_FUNCTION ComplianceLanes press_rigid(const RingArrays &r)
 {
-  const Lanes kA = load<Lanes>(r.kA);
+  const Lanes kA = load<Lanes>(r.stiffness.kA);
   const Lanes p = cube_root(kA * load<Lanes>(r.work), load<Lanes>(r.pressure));
   const Lanes per_p = select(p > 0.0, 1.0 / select(p > 0.0, p, all(1.0)), Lanes{});
   store(r.pressure, p);
@@ -50,14 +50,15 @@ DEFORMABLE_LANE_FUNCTION Mask expand(const RingArrays &r, Lanes &pressure, Lanes
 {
   constexpr double CLOSE = 1e-8, NOTHING = 1e-280;
   constexpr int ITERATIONS = 8;
-  const Lanes radius = load<Lanes>(r.radius), kA = load<Lanes>(r.kA), kP = load<Lanes>(r.kP);
+  const Lanes radius = load<Lanes>(r.radius), kA = load<Lanes>(r.stiffness.kA),
+              kP = load<Lanes>(r.stiffness.kP);
   const Lanes work = load<Lanes>(r.work), most = LARGEST_EXPANSION * radius;
   const Lanes per_kA = 1.0 / kA, spring = 2.0 * PI * kP;
   const Lanes pull = load<Lanes>(r.total) * (0.5 / PI);
   Lanes tension = pull, p0 = Lanes{};
   if constexpr (TENSE) {
-    tension += load<Lanes>(r.tension);
-    p0 = load<Lanes>(r.tension) / radius;
+    tension += load<Lanes>(r.stiffness.tension);
+    p0 = load<Lanes>(r.stiffness.tension) / radius;
   }
   Lanes low = larger(-radius, -tension / spring), high = all(__builtin_inf());
   Lanes delta = load<Lanes>(r.expansion);
@@ -117,24 +118,23 @@ template <bool SOFT> DEFORMABLE_LANE_FUNCTION bool press(const RingArrays &r, Co
   } else {
     Lanes p, delta;
     bool exist = true;
-    Mask found = r.tension ? expand<true>(r, p, delta) : expand<false>(r, p, delta);
-    if (r.yield) found &= p <= load<Lanes>(r.yield);
+    Mask found = r.stiffness.tension ? expand<true>(r, p, delta) : expand<false>(r, p, delta);
+    if (r.stiffness.yield) found &= p <= load<Lanes>(r.stiffness.yield);
     if (!all_true(found))    // also rings of constant perimeter, which are rare beside others
       for (int w = 0; w < W; ++w) {
         if (found[w]) continue;
         LoadedRing ring = {r.pressure[w], r.expansion[w]};
-        Stiffness k = {r.kA[w], r.kP[w], r.tension ? r.tension[w] : 0.0};
-        if (r.yield) k.yield = r.yield[w];
+        const Stiffness k = stiffness_at(r.stiffness, w);
         exist &= find_pressure(r.radius[w], k, {r.work[w], r.total[w]}, ring);
         p[w] = ring.pressure;
         delta[w] = ring.expansion;
       }
     // compliance_of in ring_forces.h
-    const Lanes kP = load<Lanes>(r.kP), zero = Lanes{};
-    Lanes kA = load<Lanes>(r.kA);
-    if (r.yield)
+    const Lanes kP = load<Lanes>(r.stiffness.kP), zero = Lanes{};
+    Lanes kA = load<Lanes>(r.stiffness.kA);
+    if (r.stiffness.yield)
       for (int w = 0; w < W; ++w) {
-        const Stiffness k = {r.kA[w], r.kP[w], 0.0, r.yield[w]};
+        const Stiffness k = stiffness_at(r.stiffness, w);
         if (k.gives_way(p[w])) kA[w] = k.yielding_kA(r.radius[w], p[w]);
       }
     const Mask loaded = p > 0.0, rigid = ~(kP / kA < all(__builtin_inf()));

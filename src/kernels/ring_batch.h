@@ -197,14 +197,14 @@ DEFORMABLE_LANE_FUNCTION void ring_batch(BlockParticle *const *p, Place *places,
   odd |= factor_lanes(factors, length);
 
   const Lanes ring_radius = of_particles(p, &BlockParticle::ring_radius);
-  const Lanes kA = of_particles(p, &BlockParticle::kA);
+  const Lanes kA = of_particles(p, &Stiffness::kA);
   Lanes kP, rest, expansion = Lanes{};
   Mask soft = Mask{};
   if constexpr (CHANGES) {
-    kP = of_particles(p, &BlockParticle::kP);
+    kP = of_particles(p, &Stiffness::kP);
     const Lanes ratio = kP / kA;
     soft = ratio < all(__builtin_inf());
-    if constexpr (TENSE) rest = of_particles(p, &BlockParticle::tension) / ring_radius;
+    if constexpr (TENSE) rest = of_particles(p, &Stiffness::tension) / ring_radius;
     Lanes rate[N], deficit = Lanes{}, sum = Lanes{}, sum_rate = Lanes{};
 #pragma GCC unroll 8
     for (int m = 0; m < N; ++m) rate[m] = all(1.0);
@@ -272,7 +272,7 @@ DEFORMABLE_LANE_FUNCTION void ring_batch(BlockParticle *const *p, Place *places,
     energy = select(soft, 0.5 * (pressure * deficit + kP * excess * excess), energy);
   }
   odd |= ~(magnitude(pressure) < all(__builtin_inf()));
-  if constexpr (CHANGES) odd |= pressure > of_particles(p, &BlockParticle::yield);
+  if constexpr (CHANGES) odd |= pressure > of_particles(p, &Stiffness::yield);
 #pragma GCC unroll 8
   for (int m = 0; m < N; ++m) {
     const Lanes by_indentation = pressure * length[m];

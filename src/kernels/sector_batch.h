@@ -114,7 +114,7 @@ DEFORMABLE_LANE_FUNCTION void sector_batch(BlockParticle *const *p, Place *place
   const Lanes deficit = 0.5 * (twice_deficit + line[0].indentation * length_before);
   odd |= ~(magnitude(deficit) < all(__builtin_inf()));
 
-  const Lanes kA = of_particles(p, &BlockParticle::kA), pressure = kA * deficit;
+  const Lanes kA = of_particles(p, &Stiffness::kA), pressure = kA * deficit;
 #pragma GCC unroll 8
   for (int m = 0; m < N; ++m) {
     const Lanes by_indentation = pressure * length[m];

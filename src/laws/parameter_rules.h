@@ -26,8 +26,9 @@ inline std::string invalid_radius(double radius)
   return "radius must be positive and finite, not " + shown_number(radius);
 }
 
-inline std::string invalid_stiffness(double kA, double kP, double tension = 0.0)
+inline std::string invalid_stiffness(const Stiffness &k)
 {
+  const double kA = k.kA, kP = k.kP, tension = k.tension;
   if (!(kA > 0.0)) return "kA must be positive or inf, not " + shown_number(kA);
   if (tension < 0.0)
     return "tension must not be negative, not " + shown_number(tension) +
@@ -40,7 +41,7 @@ inline std::string invalid_stiffness(double kA, double kP, double tension = 0.0)
   if (!(kP >= 0.0)) return "kP must be 0, positive or inf, not " + shown_number(kP);
   if (std::isinf(kA) && std::isinf(kP))
     return "kA and kP must not both be inf, as in a rigid disk: give one of them a finite value";
-  if (tension > 0.0 && Stiffness{kA, kP}.conserves_perimeter())
+  if (tension > 0.0 && k.conserves_perimeter())
     return "kP must be finite beside a tension, such as 0, not " + shown_number(kP) +
            ": a perimeter that is conserved bears any tension";
   return "";
@@ -69,32 +70,40 @@ inline std::string invalid_skin(double skin, double radius)
   return range + ", not " + shown_number(skin);
 }
 
-// For the sector law, besides the rules above: it conserves the perimeter or the area, and has neither skin nor tension.
-inline std::string invalid_for_sectors(double kA, double kP, double skin, double tension = 0.0)
+// A law has none of the parameters from `first` on, or no skin: those must be their defaults.
+inline std::string without(const std::string &law, int first, const Stiffness &k, double skin)
 {
-  if (tension != 0.0)
-    return "the sector law has no tension: it must be 0, not " + shown_number(tension);
-  if (std::isinf(kA) == std::isinf(kP))
-    return "the sector law needs kP = inf (perimeter conserved) or kA = inf (area conserved), not "
-           "kA = " +
-           shown_number(kA) + " and kP = " + shown_number(kP);
-  if (skin != 0.0) return "the sector law has no skin: it must be 0, not " + shown_number(skin);
+  for (int n = first; n < MEMBERS; ++n) {
+    const Parameter &p = PARAMETERS[n];
+    if (p.name && k.*p.of_ring != Stiffness().*p.of_ring)
+      return law + " has no " + p.name + ": it must be " + shown_number(Stiffness().*p.of_ring) +
+             ", not " + shown_number(k.*p.of_ring);
+  }
+  if (skin != 0.0) return law + " has no skin: it must be 0, not " + shown_number(skin);
   return "";
 }
 
-// For droplets in three dimensions, besides the rules above: they keep their volume under a tension, and have no skin.
-inline std::string invalid_for_droplets(double kA, double kP, double skin, double tension)
+// For the sector law, besides the rules above: it conserves the perimeter or the area.
+inline std::string invalid_for_sectors(const Stiffness &k, double skin)
 {
-  if (!std::isinf(kA))
+  if (std::isinf(k.kA) == std::isinf(k.kP))
+    return "the sector law needs kP = inf (perimeter conserved) or kA = inf (area conserved), not "
+           "kA = " +
+           shown_number(k.kA) + " and kP = " + shown_number(k.kP);
+  return without("the sector law", FIRST_KEYWORD, k, skin);
+}
+
+// For droplets in three dimensions, besides the rules above: they keep their volume under a tension.
+inline std::string invalid_for_droplets(const Stiffness &k, double skin)
+{
+  if (!std::isinf(k.kA))
     return "a droplet in three dimensions keeps its volume: kA must be inf, not " +
-           shown_number(kA);
-  if (kP != 0.0)
-    return "a droplet in three dimensions has no kP: it must be 0, not " + shown_number(kP);
-  if (!(tension > 0.0))
-    return "a droplet in three dimensions needs a positive tension, not " + shown_number(tension);
-  if (skin != 0.0)
-    return "a droplet in three dimensions has no skin: it must be 0, not " + shown_number(skin);
-  return "";
+           shown_number(k.kA);
+  if (k.kP != 0.0)
+    return "a droplet in three dimensions has no kP: it must be 0, not " + shown_number(k.kP);
+  if (!(k.tension > 0.0))
+    return "a droplet in three dimensions needs a positive tension, not " + shown_number(k.tension);
+  return without("a droplet in three dimensions", FIRST_KEYWORD + 1, k, skin);
 }
 
 inline std::string invalid_adhesion(double adhesion)

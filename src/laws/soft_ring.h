@@ -228,11 +228,16 @@ inline Energy gas_ring_shape(double radius, const Stiffness &k, const Contacts &
           pressure};
 }
 
-// Shape and energy of a ring of radius R - c. The derivatives of the energy are those in `shape` times the
-// pressure. Returns whether the shape exists: with infinite kA the contacts may leave too little area.
+// Shape and energy of a ring of radius R - c, also of one that conserves its perimeter. The derivatives of the energy are
+// those in `shape` times the pressure. Returns whether the shape exists: with infinite kA the contacts may leave too little area.
 inline bool soft_ring_shape(double radius, const Stiffness &stiffness, const Contacts &contacts,
                             char *is_active, RingLCP &p, Shape &shape, Energy &energy)
 {
+  if (stiffness.conserves_perimeter()) {
+    ring_shape(radius, contacts, is_active, p, shape);
+    energy = harmonic(stiffness.kA, shape.area_deficit);
+    return true;
+  }
   if (std::isfinite(stiffness.yield)) {
     Stiffness firm = stiffness;
     firm.yield = std::numeric_limits<double>::infinity();

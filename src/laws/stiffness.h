@@ -14,10 +14,11 @@ namespace deformable {
 // kA or kP may be infinite: kA = inf conserves the area, kP = inf the perimeter, which then has no gamma. The last
 // term is the pressure gamma/r that a free ring of radius r holds against its tension, so that r is at rest.
 struct Stiffness {
-  double kA;               // of the area, energy/length^4
-  double kP;               // of the perimeter, energy/length^2
+  static constexpr double INF = std::numeric_limits<double>::infinity();
+  double kA = 0.0;         // of the area, energy/length^4
+  double kP = INF;         // of the perimeter, energy/length^2
   double tension = 0.0;    // gamma of the perimeter at rest, energy/length
-  double yield = std::numeric_limits<double>::infinity();    // of a ring that gives way, see below
+  double yield = INF;      // of a ring that gives way, see below
 
   // All of a shape depends on this alone, 0 (area conserved) to infinity (perimeter conserved).
   double ratio() const { return kP / kA; }
@@ -33,6 +34,35 @@ struct Stiffness {
     return pressure * pressure / (PI * ring_radius * ring_radius * yield);
   }
 };
+
+// The same of many rings: an array of each member, null where all rings have its default.
+struct StiffnessArrays {
+  const double *kA, *kP, *tension, *yield;
+};
+
+// All members in their order. Those with a name are the parameters of a species: species files, fix adapt, restarts and Python
+// go through this table, and so do batches of rings.
+struct Parameter {
+  const char *name;
+  double Stiffness::*of_ring;
+  const double *StiffnessArrays::*of_rings;
+};
+constexpr Parameter PARAMETERS[] = {
+    {"kA", &Stiffness::kA, &StiffnessArrays::kA},
+    {"kP", &Stiffness::kP, &StiffnessArrays::kP},
+    {"tension", &Stiffness::tension, &StiffnessArrays::tension},
+    {nullptr, &Stiffness::yield, &StiffnessArrays::yield},
+};
+constexpr int MEMBERS = sizeof PARAMETERS / sizeof *PARAMETERS;
+constexpr int FIRST_KEYWORD = 2;    // kA and kP must be given, those from here on have defaults
+
+DEFORMABLE_INLINE Stiffness stiffness_at(const StiffnessArrays &arrays, int ring)
+{
+  Stiffness k;
+  for (const Parameter &p : PARAMETERS)
+    if (arrays.*p.of_rings) k.*p.of_ring = (arrays.*p.of_rings)[ring];
+  return k;
+}
 
 // A minimization may start where contacts leave a ring of kA = inf no room. So that there are forces then, its area gives
 // way beyond a pressure y, as that of an ideal gas:  p A = y A0,  with y A0 ln(A0/A) in place of kA/2 (A - A0)^2. That is

@@ -30,26 +30,21 @@ struct OneByOne {
   Energy ring(const BlockParticle &p, const Contacts &contacts)
   {
     is_active.assign(contacts.size, 0);
-    const Stiffness stiffness = {p.kA, p.kP, p.tension};
     Energy energy;
-    if (!stiffness.conserves_perimeter()) {
-      if (!soft_ring_shape(p.ring_radius, stiffness, contacts, is_active.data(), lcp, shape,
-                           energy))
-        refuse("dx: these contacts leave no room for a ring of this area");
-      return energy;
-    }
-    ring_shape(p.ring_radius, contacts, is_active.data(), lcp, shape);
-    return harmonic(p.kA, shape.area_deficit);
+    if (!soft_ring_shape(p.ring_radius, p.stiffness, contacts, is_active.data(), lcp, shape,
+                         energy))
+      refuse("dx: these contacts leave no room for a ring of this area");
+    return energy;
   }
 
   Energy sector(const BlockParticle &p, const Contacts &contacts)
   {
     order.resize(contacts.size);
     std::iota(order.begin(), order.end(), 0);
-    if (!std::isinf(p.kP)) refuse("kP: these sectors conserve their perimeter");
+    if (!std::isinf(p.stiffness.kP)) refuse("kP: these sectors conserve their perimeter");
     sector_shape(p.radius, contacts, order.data(), shape);
     refuse_coincident(shape.area_deficit);
-    return harmonic(p.kA, shape.area_deficit);
+    return harmonic(p.stiffness.kA, shape.area_deficit);
   }
 };
 

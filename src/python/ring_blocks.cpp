@@ -3,6 +3,7 @@
 
 #include "response/ring_blocks.h"
 
+#include <algorithm>
 #include <cmath>
 
 using namespace deformable;
@@ -10,8 +11,16 @@ using namespace deformable;
 namespace {
 
 // Columns of the tables of particles and of sides.
-enum ParticleColumn { SIDES, RADIUS, KA, KP, SKIN, TENSION, PARTICLE_COLUMNS };
+enum ParticleColumn { SIDES, RADIUS, KA, KP, SKIN, MORE };
 enum SideColumn { X, Y, TURN, PARTNER, PLACE, SIDE_COLUMNS };
+
+// As many columns as particles have parameters.
+Table particles_of(nb::handle given)
+{
+  const auto is_named = [](const Parameter &p) { return p.name != nullptr; };
+  return table_of("particles", given,
+                  MORE - FIRST_KEYWORD + std::count_if(PARAMETERS, PARAMETERS + MEMBERS, is_named));
+}
 
 // Of sides with curved lines.
 enum CurvedColumn { FORCE = PLACE, DIRECTED, HALF_ANGLE, CURVED_COLUMNS };
@@ -21,7 +30,9 @@ template <class Ring> void for_rings(const Table &particles, const Table &sides,
 {
   for_particles(
       particles, sides, [&](std::size_t i, const double *of, std::size_t begin, std::size_t end) {
-        const Stiffness stiffness = {of[KA], of[KP], of[TENSION]};
+        Stiffness stiffness = {of[KA], of[KP]};
+        for (int n = FIRST_KEYWORD, column = MORE; n < MEMBERS; ++n)
+          if (PARAMETERS[n].name) stiffness.*PARAMETERS[n].of_ring = of[column++];
         refuse_invalid(of[RADIUS], stiffness, of[SKIN]);
         if (!ring(of, stiffness, begin, end))
           refuse("particle " + std::to_string(i) + ": its contacts leave no room for its area");
@@ -32,7 +43,7 @@ RingBlocks ring_blocks(const std::string &law, nb::handle given_particles, nb::h
 {
   if (law != "radical" && law != "balanced") refuse("law must be radical or balanced, not " + law);
   const bool radical = law == "radical";
-  const Table particles = table_of("particles", given_particles, PARTICLE_COLUMNS),
+  const Table particles = particles_of(given_particles),
               sides = table_of("sides", given_sides, SIDE_COLUMNS);
   RingBlocks result;
   std::vector<Line> lines;
@@ -59,7 +70,7 @@ RingBlocks ring_blocks(const std::string &law, nb::handle given_particles, nb::h
 
 RingBlocks curved_blocks(nb::handle given_particles, nb::handle given_sides)
 {
-  const Table particles = table_of("particles", given_particles, PARTICLE_COLUMNS),
+  const Table particles = particles_of(given_particles),
               sides = table_of("sides", given_sides, CURVED_COLUMNS);
   RingBlocks result;
   std::vector<Line> lines;
@@ -112,7 +123,7 @@ Parameters
 law : str
     radical or balanced.
 particles : array, shape (N, 6)
-    Number of sides, radius R, kA, kP, skin and tension of each particle.
+    Number of sides, radius R, kA, kP, skin, tension and all other parameters of a ring of each particle.
 sides : array, shape (S, 5)
     Of each side v_x, v_y [length], the turn of `disk_blocks` [1/length], the radius R_j of the neighbor, 0 for a wall
     [length], and the shift s [length]; the sides of the first particle come first. The other side of a contact has the

@@ -44,8 +44,8 @@ RingLoad load_with_films(const CurvedLoad<double> &without, const std::vector<do
 }
 
 ForcedRing forced_ring(double radius, nb::handle angles, nb::handle forces, double kA, double kP,
-                       double skin, double tension, nb::handle half_angles,
-                       nb::handle contact_angles)
+                       double skin, const nb::args &more, nb::handle half_angles,
+                       nb::handle contact_angles, const nb::kwargs &named)
 {
   require_positive("radius", radius);
   const std::vector<double> angle = vector_of("angle", angles), force = vector_of("force", forces);
@@ -61,7 +61,8 @@ ForcedRing forced_ring(double radius, nb::handle angles, nb::handle forces, doub
   const std::vector<double> contact_angle = contact_angles_of(contact_angles, force.size());
   const bool sticks = std::any_of(contact_angle.begin(), contact_angle.end(),
                                   [](double theta) { return theta > 0.0; });
-  const Stiffness stiffness = {kA, kP, tension};
+  const Stiffness stiffness = stiffness_of(kA, kP, more, named);
+  const double tension = stiffness.tension;
   refuse_invalid(radius, stiffness, skin);
   if (sticks && (tension == 0.0 || skin != 0.0))
     refuse("contact_angle: needs a tension and a skin of 0, not " + shown_number(tension) +
@@ -178,8 +179,8 @@ void deformable::bind_ring_forces(nb::module_ &m)
           nb::rv_policy::move, "C = da/df [length^2/energy], (z, z)");
 
   m.def("forced_ring", &forced_ring, "radius"_a, "angle"_a, "force"_a, "kA"_a, "kP"_a,
-        "skin"_a = 0.0, "tension"_a = 0.0, "half_angle"_a = nb::none(),
-        "contact_angle"_a = nb::none(),
+        "skin"_a = 0.0, "more"_a, "half_angle"_a = nb::none(), "contact_angle"_a = nb::none(),
+        "named"_a,
         R"(The ring of `soft_ring` with given forces in place of given indentations.
 
 W(f) = max over a of f.a - U(a) is the convex conjugate of the energy U(a). Its derivatives are the

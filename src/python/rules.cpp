@@ -2,6 +2,9 @@
 
 #include "laws/parameter_rules.h"
 
+#include <nanobind/stl/string.h>
+
+#include <algorithm>
 #include <limits>
 
 using namespace deformable;
@@ -16,10 +19,35 @@ nb::object or_none(const std::string &problem)
 
 }    // namespace
 
+Stiffness deformable::stiffness_of(double kA, double kP, const nb::args &more,
+                                   const nb::kwargs &named)
+{
+  Stiffness k = {kA, kP};
+  std::size_t place = 0, found = 0;
+  for (int n = FIRST_KEYWORD; n < MEMBERS; ++n) {
+    const Parameter &p = PARAMETERS[n];
+    if (!p.name) continue;
+    const bool by_name = named.contains(p.name), by_place = place < more.size();
+    if (by_name && by_place)
+      throw nb::type_error((std::string(p.name) + " is given twice").c_str());
+    if (by_place) k.*p.of_ring = nb::cast<double>(more[place++]);
+    if (by_name) k.*p.of_ring = nb::cast<double>(named[p.name]);
+    found += by_name;
+  }
+  if (place < more.size()) throw nb::type_error("too many parameters of a ring");
+  if (found < named.size())
+    for (const auto &[name, value] : named) {
+      const std::string given = nb::cast<std::string>(name);
+      if (std::none_of(PARAMETERS, PARAMETERS + MEMBERS,
+                       [&](const Parameter &p) { return p.name && given == p.name; }))
+        throw nb::type_error((given + " is no parameter of a ring").c_str());
+    }
+  return k;
+}
+
 void deformable::refuse_invalid(double radius, const Stiffness &k, double skin)
 {
-  for (const std::string &problem :
-       {invalid_stiffness(k.kA, k.kP, k.tension), invalid_skin(skin, radius)})
+  for (const std::string &problem : {invalid_stiffness(k), invalid_skin(skin, radius)})
     if (!problem.empty()) refuse(problem);
   const std::string unstable = unstable_radius(radius - skin, k);
   if (!unstable.empty()) refuse(unstable);
@@ -32,19 +60,19 @@ void deformable::bind_rules(nb::module_ &m)
       R"(The problem of this radius in a phrase that names its value, or None: it must be positive and finite.)");
   m.def(
       "invalid_stiffness",
-      [](double kA, double kP, double tension) {
-        return or_none(invalid_stiffness(kA, kP, tension));
+      [](double kA, double kP, const nb::args &more, const nb::kwargs &named) {
+        return or_none(invalid_stiffness(stiffness_of(kA, kP, more, named)));
       },
-      "kA"_a, "kP"_a, "tension"_a = 0.0,
+      "kA"_a, "kP"_a, "more"_a, "named"_a,
       R"(The problem of these stiffnesses in a phrase that names the value, or None.
 
-kA and kP must be positive; one of them may be inf. Beside a positive tension kP is finite, and may be 0.)");
+Here and below all parameters of a ring but the skin, such as `tension`, follow in their order or by name. kA and kP must be positive; one of them may be inf. Beside a positive tension kP is finite, and may be 0.)");
   m.def(
       "unstable_radius",
-      [](double radius, double kA, double kP, double tension) {
-        return or_none(unstable_radius(radius, {kA, kP, tension}));
+      [](double radius, double kA, double kP, const nb::args &more, const nb::kwargs &named) {
+        return or_none(unstable_radius(radius, stiffness_of(kA, kP, more, named)));
       },
-      "radius"_a, "kA"_a, "kP"_a, "tension"_a = 0.0,
+      "radius"_a, "kA"_a, "kP"_a, "more"_a, "named"_a,
       R"(The problem of valid stiffnesses for a ring of this radius, without its skin, or None.
 
 kP + kA R^2 must be above tension/(2 pi R): otherwise the ring collapses without any contact.)");
@@ -57,32 +85,33 @@ kP + kA R^2 must be above tension/(2 pi R): otherwise the ring collapses without
 It must be from 0 to below the radius; without a radius, 0 or positive and finite.)");
   m.def(
       "invalid_for_sectors",
-      [](double kA, double kP, double skin, double tension) {
-        return or_none(invalid_for_sectors(kA, kP, skin, tension));
+      [](double kA, double kP, double skin, const nb::args &more, const nb::kwargs &named) {
+        return or_none(invalid_for_sectors(stiffness_of(kA, kP, more, named), skin));
       },
-      "kA"_a, "kP"_a, "skin"_a = 0.0, "tension"_a = 0.0,
+      "kA"_a, "kP"_a, "skin"_a = 0.0, "more"_a, "named"_a,
       R"(The problem of valid stiffnesses and a skin for the sector law, or None.
 
-One of kA and kP must be inf, the skin and the tension 0.)");
+One of kA and kP must be inf, the skin and all other parameters 0.)");
   m.def(
       "invalid_for_droplets",
-      [](double kA, double kP, double skin, double tension) {
-        return or_none(invalid_for_droplets(kA, kP, skin, tension));
+      [](double kA, double kP, double skin, const nb::args &more, const nb::kwargs &named) {
+        return or_none(invalid_for_droplets(stiffness_of(kA, kP, more, named), skin));
       },
-      "kA"_a, "kP"_a, "skin"_a, "tension"_a,
+      "kA"_a, "kP"_a, "skin"_a = 0.0, "more"_a, "named"_a,
       R"(The problem of valid stiffnesses and a skin for droplets in three dimensions, or None.
 
-kA must be inf, kP and the skin 0, the tension positive.)");
+kA must be inf, the tension positive, the skin and all other parameters 0.)");
   m.def(
       "invalid_adhesion", [](double adhesion) { return or_none(invalid_adhesion(adhesion)); },
       "adhesion"_a,
       R"(The problem of this adhesion in a phrase that names its value, or None: it must be 0 or positive and finite.)");
   m.def(
       "invalid_for_adhesion",
-      [](double adhesion, double kA, double kP, double skin, double tension) {
-        return or_none(invalid_for_adhesion(adhesion, {kA, kP, tension}, skin));
+      [](double adhesion, double kA, double kP, double skin, const nb::args &more,
+         const nb::kwargs &named) {
+        return or_none(invalid_for_adhesion(adhesion, stiffness_of(kA, kP, more, named), skin));
       },
-      "adhesion"_a, "kA"_a, "kP"_a, "skin"_a = 0.0, "tension"_a = 0.0,
+      "adhesion"_a, "kA"_a, "kP"_a, "skin"_a = 0.0, "more"_a, "named"_a,
       R"(The problem of valid stiffnesses and a skin for a particle of this adhesion, or None.
 
 Its tension must be above half of the adhesion, kP finite, the skin 0.)");

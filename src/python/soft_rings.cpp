@@ -25,27 +25,23 @@ SoftResult soft_ring(const Call &call, const Stiffness &stiffness, double skin)
   std::vector<char> is_active(call.contacts.size(), 0);
   RingLCP lcp;
   SoftResult result = {radius - skin, {}, call.contacts.size(), {}};
-  if (stiffness.conserves_perimeter()) {
-    ring_shape(result.radius, call.view(), is_active.data(), lcp, result.shape);
-    result.energy = harmonic(stiffness.kA, result.shape.area_deficit);
-  } else if (!soft_ring_shape(result.radius, stiffness, call.view(), is_active.data(), lcp,
-                              result.shape, result.energy)) {
+  if (!soft_ring_shape(result.radius, stiffness, call.view(), is_active.data(), lcp, result.shape,
+                       result.energy))
     refuse("indentation: these contacts leave no room for a ring of this stiffness and area");
-  }
   return result;
 }
 
 SoftResult soft_ring_result(double radius, nb::handle angle, nb::handle indentation, double kA,
-                            double kP, double skin, double tension)
+                            double kP, double skin, const nb::args &more, const nb::kwargs &named)
 {
-  return soft_ring(checked(radius, angle, indentation), {kA, kP, tension}, skin);
+  return soft_ring(checked(radius, angle, indentation), stiffness_of(kA, kP, more, named), skin);
 }
 
-Matrix stiffness_of(double radius, nb::handle angle, nb::handle indentation, double kA, double kP,
-                    double skin, double tension)
+Matrix stiffness_of_contacts(double radius, nb::handle angle, nb::handle indentation, double kA,
+                             double kP, double skin, const nb::args &more, const nb::kwargs &named)
 {
   const Call call = checked(radius, angle, indentation);
-  const Stiffness stiffness = {kA, kP, tension};
+  const Stiffness stiffness = stiffness_of(kA, kP, more, named);
   const SoftResult result = soft_ring(call, stiffness, skin);
   const Shape &shape = result.shape;
   std::vector<int> active;
@@ -113,7 +109,7 @@ void deformable::bind_soft_rings(nb::module_ &m)
                    nb::rv_policy::move, "dU/dtheta of each contact [energy], (z,)");
 
   m.def("soft_ring", &soft_ring_result, "radius"_a, "angle"_a, "indentation"_a, "kA"_a, "kP"_a,
-        "skin"_a = 0.0, "tension"_a = 0.0,
+        "skin"_a = 0.0, "more"_a, "named"_a,
         R"(Contacts that slip, of a ring that resists a change of area and one of perimeter.
 
 The ring of radius r = R - skin expands by the delta that minimizes
@@ -132,7 +128,7 @@ kP : float
 skin : float
     Thickness of the rigid shell around the ring [length].
 tension : float
-    Line tension of the perimeter at rest [energy/length].
+    Line tension of the perimeter at rest [energy/length]; 0 if omitted.
 
 Returns
 -------
@@ -146,8 +142,8 @@ ValueError
     beside kP = inf, or above 2 pi r (kP + kA r^2); a skin outside [0, radius); contacts that leave no room.
 
 Source: docs/theory.md, "Rings that expand".)");
-  m.def("contact_stiffness", &stiffness_of, "radius"_a, "angle"_a, "indentation"_a, "kA"_a, "kP"_a,
-        "skin"_a = 0.0, "tension"_a = 0.0,
+  m.def("contact_stiffness", &stiffness_of_contacts, "radius"_a, "angle"_a, "indentation"_a, "kA"_a,
+        "kP"_a, "skin"_a = 0.0, "more"_a, "named"_a,
         R"(Derivatives of the forces of `soft_ring` with respect to the indentations.
 
 Returns the symmetric matrix dF_c/da_c' (z, z) of F_c = dU/da_c [energy/length^2], zero in rows and columns

@@ -32,9 +32,11 @@ void ContactBatches::arrange(const int *order, int rings, int particles, NearPai
   for (LargeVector<double> *v : {&pressure, &work, &total, &per_pressure})
     v->assign(lanes_in_all, 0.0);
   square.assign(lanes_in_all, 0.0F);
-  for (LargeVector<double> *v : {&radius, &kA}) v->assign(lanes_in_all, 1.0);
+  radius.assign(lanes_in_all, 1.0);
   expansion.clear();    // of rings at other places
-  set_kind(soft, tense, !skin.empty(), !yield.empty());
+  Members given;
+  for (int m = 0; m < deformable::MEMBERS; ++m) given[m] = !stiffness[m].empty();
+  set_kind(soft, !skin.empty(), given);
   place.assign(particles, -1);
   for (LargeVector<int> *v : {&size, &first}) v->resize(batches + 1);
   first_green.resize(batches + 1);
@@ -95,18 +97,20 @@ void ContactBatches::arrange(const int *order, int rings, int particles, NearPai
   }
 }
 
-void ContactBatches::set_kind(bool soft_, bool tense_, bool skinned, bool yielding)
+void ContactBatches::set_kind(bool soft_, bool skinned, const Members &given)
 {
   soft = soft_;
-  tense = tense_;
   const std::size_t soft_rings = soft ? particle.size() : 0;
-  for (LargeVector<double> *v : {&kP, &expansion})
-    if (v->size() != soft_rings) v->assign(soft_rings, v == &kP ? 1.0 : 0.0);
+  if (expansion.size() != soft_rings) expansion.assign(soft_rings, 0.0);
   for (LargeVector<float> *v : {&mixed, &rate})
     if (v->size() != soft_rings) v->assign(soft_rings, 0.0F);
-  tension.resize(tense ? particle.size() : 0);
   skin.assign(skinned ? particle.size() : 0, 0.0);
-  yield.assign(yielding ? particle.size() : 0, std::numeric_limits<double>::infinity());
+  const deformable::Stiffness empty = {1.0, 1.0};    // of lanes without a particle
+  for (int m = 0; m < deformable::MEMBERS; ++m) {
+    const std::size_t rings = given[m] ? particle.size() : 0;
+    if (stiffness[m].size() != rings)
+      stiffness[m].assign(rings, empty.*deformable::PARAMETERS[m].of_ring);
+  }
 }
 
 // By the partners' tags: then a ring adds up the same numbers in the same order on any number of ranks.
@@ -129,6 +133,14 @@ void ContactBatches::sort_contacts(int i, const NearPairs &pairs, const tagint *
   }
 }
 
+deformable::StiffnessArrays ContactBatches::stiffnesses() const
+{
+  deformable::StiffnessArrays arrays = {};
+  for (int m = 0; m < deformable::MEMBERS; ++m)
+    if (!stiffness[m].empty()) arrays.*deformable::PARAMETERS[m].of_rings = stiffness[m].data();
+  return arrays;
+}
+
 deformable::RingBatches ContactBatches::arrays()
 {
   // the scratch memory of vectors begins at a multiple of their size
@@ -141,11 +153,10 @@ deformable::RingBatches ContactBatches::arrays()
           first.data(),
           first_green.data(),
           soft,
-          {radius.data(), kA.data(), pressure.data(), work.data(), total.data(),
-           per_pressure.data(), square.data(), soft ? kP.data() : nullptr,
-           soft ? expansion.data() : nullptr, soft ? mixed.data() : nullptr,
-           soft ? rate.data() : nullptr, tense ? tension.data() : nullptr,
-           skin.empty() ? nullptr : skin.data(), yield.empty() ? nullptr : yield.data(), scale},
+          {radius.data(), stiffnesses(), pressure.data(), work.data(), total.data(),
+           per_pressure.data(), square.data(), soft ? expansion.data() : nullptr,
+           soft ? mixed.data() : nullptr, soft ? rate.data() : nullptr,
+           skin.empty() ? nullptr : skin.data(), scale},
           {seat.data(), indentation.data(), compliance.data(), slope.data(), share.data(),
            green.data(), own.empty() ? nullptr : own.data(), aligned},
           {partner.data(), none(), weight.data(), left.data(), direction.data(), step.data(),
@@ -156,9 +167,10 @@ deformable::RingBatches ContactBatches::arrays()
 
 double ContactBatches::bytes() const
 {
-  return bytes_of(size, first, first_green, particle, radius, kA, kP, tension, skin, yield,
-                  pressure, expansion, work, total, per_pressure, mixed, square, rate, seat,
-                  indentation, compliance, slope, share, own, product, partner, weight, left,
-                  direction, step, green, scratch, place, count, film_tension, film[0], film[1],
-                  film[2], film[3]);
+  double all = 0.0;
+  for (const LargeVector<double> &v : stiffness) all += bytes_of(v);
+  return all + bytes_of(size, first, first_green, particle, radius, skin, pressure, expansion, work,
+                        total, per_pressure, mixed, square, rate, seat, indentation, compliance,
+                        slope, share, own, product, partner, weight, left, direction, step, green,
+                        scratch, place, count, film_tension, film[0], film[1], film[2], film[3]);
 }

@@ -10,8 +10,8 @@
 
 #include "lmptype.h"
 
+#include <array>
 #include <cstddef>
-#include <limits>
 #include <vector>
 
 namespace LAMMPS_NS {
@@ -31,12 +31,12 @@ struct ContactBatches {
 
   // of rings: batch x LANES + lane
   LargeVector<int> particle;    // or -1
-  LargeVector<double> radius, kA, pressure, work, total, per_pressure;
+  LargeVector<double> radius, pressure, work, total, per_pressure;
   LargeVector<float> square;
-  // empty unless rings are soft, or some have a tension
-  bool tense = false;
-  LargeVector<double> kP, expansion, tension, skin;
-  LargeVector<double> yield;    // empty unless rings may give way
+  LargeVector<double> stiffness[deformable::MEMBERS];    // empty where all rings have the default
+  LargeVector<double> skin;                              // the same
+  // empty unless rings are soft
+  LargeVector<double> expansion;
   LargeVector<float> mixed, rate;
 
   // empty unless films stick: T as their angles know it, and FilmTerms by contact
@@ -66,12 +66,13 @@ struct ContactBatches {
   void arrange(const int *order, int rings, int particles, NearPairs &, const tagint *tags,
                bool own);
 
-  // Which rings are soft, have a tension or a skin, or may give way; makes room for what they need.
-  void set_kind(bool soft_, bool tense_, bool skinned, bool yielding);
+  // Whether some rings are soft or have a skin, and the members of Stiffness that some have; makes room for what they need.
+  using Members = std::array<bool, deformable::MEMBERS>;
+  void set_kind(bool soft_, bool skinned, const Members &);
   // T = gamma + kP (P - P0), 0 where the perimeter is conserved
   double tension_of(int ring) const
   {
-    const deformable::Stiffness k = stiffness(ring);
+    const deformable::Stiffness k = stiffness_of(ring);
     if (k.conserves_perimeter()) return 0.0;
     return k.tension + 2.0 * deformable::PI * k.kP * loaded(ring).expansion;
   }
@@ -81,11 +82,14 @@ struct ContactBatches {
     return radius[ring] + loaded(static_cast<int>(ring)).expansion -
            total[ring] * per_pressure[ring] * (0.5 / deformable::PI);
   }
-  deformable::Stiffness stiffness(int ring) const
+  deformable::Stiffness stiffness_of(int ring) const
   {
-    constexpr double RIGID = std::numeric_limits<double>::infinity();
-    return {kA[ring], soft ? kP[ring] : RIGID, tense ? tension[ring] : 0.0,
-            yield.empty() ? RIGID : yield[ring]};
+    return deformable::stiffness_at(stiffnesses(), ring);
+  }
+  void set_stiffness(std::size_t ring, const deformable::Stiffness &k)
+  {
+    for (int m = 0; m < deformable::MEMBERS; ++m)
+      if (!stiffness[m].empty()) stiffness[m][ring] = k.*deformable::PARAMETERS[m].of_ring;
   }
   deformable::LoadedRing loaded(int ring) const
   {
@@ -105,6 +109,7 @@ struct ContactBatches {
   double bytes() const;
 
  private:
+  deformable::StiffnessArrays stiffnesses() const;
   void sort_contacts(int i, const NearPairs &, const tagint *tags);
 };
 

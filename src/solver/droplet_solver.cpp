@@ -61,7 +61,7 @@ void DropletSolver::set_material(const Particles &p, bool arranged)
 {
   const std::size_t rows = batches.particle.size(), places = batches.contacts;
   if (arranged) {
-    batches.set_kind(true, false, false, false);
+    batches.set_kind(true, false, {});
     tension.assign(rows, 1.0);
     for (auto *const v : {&of_load, &of_facet}) v->assign(rows, 0.0);
     for (auto *const v : {&normals[0], &normals[1], &normals[2], &force, &response, &turns[0],

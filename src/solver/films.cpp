@@ -84,8 +84,9 @@ double Films::find(const OutlineArrays &outline, double *next_bend, double part)
 {
   double worst = kernels.find_films(arrays(outline, next_bend, part), 0, pairs->size);
   for (std::size_t ring = 0; ring < batches->particle.size(); ++ring) {
-    if (batches->particle[ring] < 0 || !batches->tense || batches->tension[ring] == 0.0) continue;
-    const double T = batches->tension_of(static_cast<int>(ring));
+    const int r = static_cast<int>(ring);
+    if (batches->particle[ring] < 0 || batches->stiffness_of(r).tension == 0.0) continue;
+    const double T = batches->tension_of(r);
     worst = std::max(worst, std::fabs(T - batches->film_tension[ring]));
   }
   return worst;

@@ -50,27 +50,25 @@ void RingSolver::find_slopes(const RingBatches &rings)
 
 void RingSolver::set_material(const Particles &p, bool arranged)
 {
-  bool soft = false, tense = false, skinned = false;
+  bool soft = false, skinned = false;
+  ContactBatches::Members given = {};
   for (const int i : batches.particle) {
     if (i < 0) continue;
     const Species &s = p.materials->species_of(i);
     const Stiffness k = p.materials->stiffness_of(i, p.radius[i] - s.skin);
     soft |= !k.conserves_perimeter();
-    tense |= k.tension > 0.0;
     skinned |= lines && s.skin > 0.0;
+    for (int m = 0; m < MEMBERS; ++m)
+      given[m] |= k.*PARAMETERS[m].of_ring != Stiffness().*PARAMETERS[m].of_ring;
   }
-  batches.set_kind(soft, tense, skinned, soft && p.materials->yield > 0.0);
+  batches.set_kind(soft, skinned, given);
   for (std::size_t ring = 0; ring < batches.particle.size(); ++ring) {
     const int i = batches.particle[ring];
     if (i < 0) continue;
     const Species &s = p.materials->species_of(i);
     batches.radius[ring] = p.radius[i] - s.skin;
-    const Stiffness k = p.materials->stiffness_of(i, batches.radius[ring]);
-    batches.kA[ring] = k.kA;
-    if (soft) batches.kP[ring] = k.kP;
-    if (tense) batches.tension[ring] = k.tension;
+    batches.set_stiffness(ring, p.materials->stiffness_of(i, batches.radius[ring]));
     if (skinned) batches.skin[ring] = s.skin;
-    if (!batches.yield.empty()) batches.yield[ring] = k.yield;
   }
   if (arranged || p.new_material) set_units(p);
 }
@@ -202,7 +200,7 @@ int RingSolver::shape_of(int i, std::vector<Contact> &contacts, std::vector<int>
   const int ring = batches.place[i], n = batches.count[i];
   const double per_p = batches.per_pressure[ring];
   const LoadedRing loaded = batches.loaded(ring);
-  const Stiffness k = batches.stiffness(ring);
+  const Stiffness k = batches.stiffness_of(ring);
   contacts.resize(n);
   seats.resize(n);
   shape.reset(n, batches.radius[ring]);
@@ -322,7 +320,7 @@ RingSolver::Crowded RingSolver::find_crushed_here() const
   for (std::size_t ring = 0; ring < batches.particle.size(); ++ring) {
     const int i = batches.particle[ring];
     if (i < 0) continue;
-    const Stiffness k = batches.stiffness(static_cast<int>(ring));
+    const Stiffness k = batches.stiffness_of(static_cast<int>(ring));
     const bool keeps_area = std::isinf(k.kA), gives_way = std::isfinite(k.yield);
     if (!keeps_area && k.tension == 0.0) continue;
     const double free = batches.free_radius(ring);
@@ -343,7 +341,7 @@ bool RingSolver::fits(int i) const
   std::vector<char> is_active(n, 0);
   RingLCP lcp;
   Energy energy;
-  return soft_ring_shape(batches.radius[ring], batches.stiffness(ring), {n, contacts.data()},
+  return soft_ring_shape(batches.radius[ring], batches.stiffness_of(ring), {n, contacts.data()},
                          is_active.data(), lcp, shape, energy);
 }
 
@@ -351,8 +349,8 @@ bool RingSolver::fits(int i) const
 int RingSolver::giving_way() const
 {
   int number = 0;
-  for (std::size_t ring = 0; ring < batches.yield.size(); ++ring)
-    number += batches.pressure[ring] > batches.yield[ring];
+  for (std::size_t ring = 0; ring < batches.particle.size(); ++ring)
+    number += batches.stiffness_of(static_cast<int>(ring)).gives_way(batches.pressure[ring]);
   return number;
 }
 
@@ -371,7 +369,7 @@ RingSolver::Crowded RingSolver::most_crowded(bool of_bubbles) const
   for (std::size_t ring = 0; ring < batches.particle.size(); ++ring) {
     const int i = batches.particle[ring];
     if (i < 0) continue;
-    const Stiffness k = batches.stiffness(static_cast<int>(ring));
+    const Stiffness k = batches.stiffness_of(static_cast<int>(ring));
     if (std::isinf(k.kA) ? of_bubbles : k.tension == 0.0) continue;
     const double overlaps = crowd[i] / batches.radius[ring];
     const bool keeps_area = std::isinf(k.kA) && overlaps > 0.0;
@@ -386,10 +384,11 @@ bool RingSolver::has_collapsed() const
 {
   constexpr double MUCH = 0.02;    // of a radius
   constexpr int MANY = 20;         // evaluations that usually balance anything
-  if (!batches.tense || summary.evaluations < MANY) return false;
+  if (summary.evaluations < MANY) return false;
   const auto is_bubble = [this](int i) {
-    return i >= 0 && batches.tension[batches.place[i]] > 0.0 &&
-           std::isfinite(batches.kA[batches.place[i]]);
+    if (i < 0) return false;
+    const Stiffness k = batches.stiffness_of(batches.place[i]);
+    return k.tension > 0.0 && std::isfinite(k.kA);
   };
   for (int k = 0; k < list.pairs.size; ++k) {
     if (left(k) < MUCH * batches.radius[batches.place[list.pairs.i[k]]]) continue;

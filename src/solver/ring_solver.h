@@ -99,7 +99,7 @@ class RingSolver : public DualSolver {
   }
   double energy_of(std::size_t ring, const deformable::LoadedRing &loaded) const
   {
-    return loaded.energy(batches.radius[ring], batches.stiffness(ring), batches.work[ring]);
+    return loaded.energy(batches.radius[ring], batches.stiffness_of(ring), batches.work[ring]);
   }
 };
 

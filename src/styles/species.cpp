@@ -121,9 +121,21 @@ void check_head(LAMMPS *lmp, const std::string &file, const std::string &head)
     utils::logmesg(lmp, "Reading species file {} with DATE: {}\n", file, shown(date));
 }
 
+// The number that a keyword of a line sets; null if the word is none.
+double *number_of_keyword(const std::string &word, Species &s)
+{
+  if (word == "skin") return &s.skin;
+  for (int n = deformable::FIRST_KEYWORD; n < deformable::MEMBERS; ++n) {
+    const deformable::Parameter &p = deformable::PARAMETERS[n];
+    if (p.name && word == p.name) return &(s.stiffness.*p.of_ring);
+  }
+  return nullptr;
+}
+
 bool is_keyword(const std::string &word)
 {
-  return word == "tension" || word == "skin";
+  Species any = {};
+  return number_of_keyword(word, any) != nullptr;
 }
 
 // After kP a number is the skin, and keywords with a value follow in any order. Returns the first word that should be
@@ -140,8 +152,7 @@ std::size_t misplaced_word(const std::vector<std::string> &words)
 
 template <class ValueOf>
 void read_options(Error *error, const std::string &of_species,
-                  const std::vector<std::string> &words, ValueOf &&value_of, double &tension,
-                  double &skin)
+                  const std::vector<std::string> &words, ValueOf &&value_of, Species &found)
 {
   std::vector<std::string> seen;
   const auto see = [&](const std::string &keyword) {
@@ -151,7 +162,7 @@ void read_options(Error *error, const std::string &of_species,
   };
   std::size_t k = 4;
   if (k < words.size() && !is_keyword(words[k])) {
-    skin = value_of("skin", words[k]);
+    found.skin = value_of("skin", words[k]);
     see("skin");
     ++k;
   }
@@ -159,7 +170,7 @@ void read_options(Error *error, const std::string &of_species,
     const std::string &keyword = words[k];
     if (k + 1 == words.size()) error->all(FLERR, of_species + keyword + " has no value");
     see(keyword);
-    (keyword == "skin" ? skin : tension) = value_of(keyword.c_str(), words[k + 1]);
+    *number_of_keyword(keyword, found) = value_of(keyword.c_str(), words[k + 1]);
   }
 }
 
@@ -185,14 +196,15 @@ Species read_line(Error *error, const std::string &place, const std::vector<std:
   const auto value = [&](const std::string &what, const std::string &word) {
     return value_of(error, place, what + " of species " + name, word);
   };
-  const double radius = value("radius", words[1]);
-  deformable::Stiffness stiffness = {value("kA", words[2]), value("kP", words[3])};
-  double skin = 0.0;
-  read_options(error, of_species, words, value, stiffness.tension, skin);
-  const Species found = {words[0], radius, stiffness, skin};
+  Species found = {words[0], value("radius", words[1]), {}, 0.0};
+  for (int n = 0; n < deformable::FIRST_KEYWORD; ++n) {
+    const deformable::Parameter &p = deformable::PARAMETERS[n];
+    found.stiffness.*p.of_ring = value(p.name, words[2 + n]);
+  }
+  read_options(error, of_species, words, value, found);
   const std::string problem = invalid_values(found);
   // a number without its word is taken for the skin, where a tension may be meant
-  const bool unnamed = words.size() == 5 && stiffness.kP == 0.0;
+  const bool unnamed = words.size() == 5 && found.stiffness.kP == 0.0;
   if (!problem.empty())
     error->all(FLERR, of_species + problem +
                           (unnamed ? ": a fifth number is the skin, and a tension is written as "
@@ -235,15 +247,24 @@ std::string problem_of(const Adhesion &adhesion, const SpeciesFile &file)
 
 }    // namespace
 
+std::vector<std::pair<std::string, double>> LAMMPS_NS::numbers_of(const Species &s)
+{
+  std::vector<std::pair<std::string, double>> numbers = {{"radius", s.radius}};
+  for (int n = 0; n < deformable::MEMBERS; ++n) {
+    const deformable::Parameter &p = deformable::PARAMETERS[n];
+    if (n == deformable::FIRST_KEYWORD) numbers.emplace_back("skin", s.skin);
+    if (p.name) numbers.emplace_back(p.name, s.stiffness.*p.of_ring);
+  }
+  return numbers;
+}
+
 std::string LAMMPS_NS::invalid_values(const Species &s)
 {
   using namespace deformable;
-  const Stiffness &k = s.stiffness;
   for (const std::string &problem :
-       {invalid_radius(s.radius), invalid_stiffness(k.kA, k.kP, k.tension),
-        invalid_skin(s.skin, s.radius)})
+       {invalid_radius(s.radius), invalid_stiffness(s.stiffness), invalid_skin(s.skin, s.radius)})
     if (!problem.empty()) return problem;
-  return unstable_radius(s.radius - s.skin, k);
+  return unstable_radius(s.radius - s.skin, s.stiffness);
 }
 
 std::string LAMMPS_NS::invalid_adhesion(double adhesion, const Species &a, const Species &b)

@@ -1,5 +1,5 @@
-// The species of a parameter file: one line each, `name radius kA kP [skin] [keyword value ...]` with the keywords
-// tension and skin. And lines `adhesion name name value` for pairs of them, in any place.
+// The species of a parameter file: one line each, `name radius kA kP [skin] [keyword value ...]` with the keyword skin and
+// those of PARAMETERS (laws/stiffness.h). And lines `adhesion name name value` for pairs of them, in any place.
 
 #ifndef DEFORMABLE_SPECIES_H
 #define DEFORMABLE_SPECIES_H
@@ -7,6 +7,7 @@
 #include "laws/stiffness.h"
 
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace LAMMPS_NS {
@@ -19,6 +20,9 @@ struct Species {
   deformable::Stiffness stiffness;
   double skin;    // thickness of the rigid shell around the ring
 };
+
+// All numbers of a species with their names, in the order of a line of the file.
+std::vector<std::pair<std::string, double>> numbers_of(const Species &);
 
 struct Adhesion {
   std::string first, second;    // names of species

@@ -5,16 +5,12 @@
 #include <cstring>
 
 using namespace LAMMPS_NS;
-using deformable::Stiffness;
-
-static constexpr const char *NAMES[] = {"kA", "kP", "tension"};
-static constexpr double Stiffness::*MEMBERS[] = {&Stiffness::kA, &Stiffness::kP,
-                                                 &Stiffness::tension};
+using deformable::PARAMETERS;
 
 double **SpeciesRamps::array_of(const char *name, const std::vector<Species> &species)
 {
   for (std::size_t k = 0; k < arrays.size(); ++k) {
-    if (std::strcmp(name, NAMES[k]) != 0) continue;
+    if (!PARAMETERS[k].name || std::strcmp(name, PARAMETERS[k].name) != 0) continue;
     Array &a = arrays[k];
     const std::size_t types = species.size();
     a.values.resize(types * types);
@@ -31,7 +27,7 @@ void SpeciesRamps::fill(const std::vector<Species> &species)
   for (std::size_t k = 0; k < arrays.size(); ++k)
     for (std::size_t i = 0; i < arrays[k].rows.size(); ++i)
       for (std::size_t j = 0; j < arrays[k].rows.size(); ++j)
-        arrays[k].rows[i][j] = species[i].stiffness.*MEMBERS[k];
+        arrays[k].rows[i][j] = species[i].stiffness.*PARAMETERS[k].of_ring;
 }
 
 // Wildcards of fix adapt write the value of a type to its pairs with others too.
@@ -42,8 +38,9 @@ std::string SpeciesRamps::of_two_types(const std::vector<Species> &species) cons
     for (std::size_t i = 1; i < rows.size(); ++i)
       for (std::size_t j = i + 1; j < rows.size(); ++j) {
         const double value = rows[i][j];
-        if (value != species[i].stiffness.*MEMBERS[k] && value != rows[i][i] && value != rows[j][j])
-          return fmt::format("{} of types {} and {}", NAMES[k], i, j);
+        if (value != species[i].stiffness.*PARAMETERS[k].of_ring && value != rows[i][i] &&
+            value != rows[j][j])
+          return fmt::format("{} of types {} and {}", PARAMETERS[k].name, i, j);
       }
   }
   return "";
@@ -55,7 +52,7 @@ int SpeciesRamps::take(std::vector<Species> &species) const
   for (std::size_t k = 0; k < arrays.size(); ++k)
     for (std::size_t i = arrays[k].rows.size(); i-- > 1;) {
       if (species[i].name.empty()) continue;
-      double &value = species[i].stiffness.*MEMBERS[k];
+      double &value = species[i].stiffness.*PARAMETERS[k].of_ring;
       if (value == arrays[k].rows[i][i]) continue;
       value = arrays[k].rows[i][i];
       if (first == 0) first = static_cast<int>(i);

@@ -15,7 +15,7 @@ namespace LAMMPS_NS {
 // species has the value of its type with itself.
 class SpeciesRamps {
  public:
-  // The array of `kA`, `kP` or `tension`, filled with the present values; null for any other name.
+  // The array of a parameter by its name, filled with the present values; null for any other name.
   double **array_of(const char *name, const std::vector<Species> &);
 
   // The present values, where something else has changed them.
@@ -33,7 +33,7 @@ class SpeciesRamps {
     std::vector<double> values;
     std::vector<double *> rows;    // by type
   };
-  std::array<Array, 3> arrays;    // empty until someone asks for them
+  std::array<Array, deformable::MEMBERS> arrays;    // empty until someone asks for them
 };
 
 }    // namespace LAMMPS_NS

@@ -109,10 +109,11 @@ struct Batch {
   }
   RingArrays rings(int w)
   {
-    return rings_of({radius.data(), kA.data(), ring[0].data(), ring[2].data(), ring[3].data(),
-                     ring[4].data(), response[1].data(), kP.data(), ring[1].data(),
-                     response[0].data(), response[2].data(), is_tense ? tension.data() : nullptr,
-                     skin.data(), nullptr, 0.25},
+    const StiffnessArrays stiffness = {kA.data(), kP.data(), is_tense ? tension.data() : nullptr,
+                                       nullptr};
+    return rings_of({radius.data(), stiffness, ring[0].data(), ring[2].data(), ring[3].data(),
+                     ring[4].data(), response[1].data(), ring[1].data(), response[0].data(),
+                     response[2].data(), skin.data(), 0.25},
                     w);
   }
 };

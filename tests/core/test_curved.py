@@ -129,7 +129,7 @@ def test_packing(case):
         k, angle, bend, side = (np.array(column) for column in zip(*its, strict=True))
         material = [float(values[name][n]) for name in ("kA", "kP", "skin")]
         gamma, radius = case["tension"][n], values["radius"][n]
-        ring = core.forced_ring(radius, angle, force[k], *material, gamma, bend)
+        ring = core.forced_ring(radius, angle, force[k], *material, gamma, half_angle=bend)
         energy += ring.energy
         assert ring.pressure == pytest.approx(case["pressure"][n], rel=1e-10)
         assert ring.tension == pytest.approx(case["line_tension"][n], rel=1e-10)

@@ -36,7 +36,9 @@ def test_packing(case):
     for n, rows in enumerate(sides):
         angle, force, bend, theta, film = np.transpose(rows)
         material = (float(case[name][n]) for name in ("kA", "kP", "skin", "tension"))
-        ring = core.forced_ring(case["radius"][n], angle, force, *material, bend, theta)
+        ring = core.forced_ring(
+            case["radius"][n], angle, force, *material, half_angle=bend, contact_angle=theta
+        )
         assert ring.pressure == pytest.approx(case["pressure"][n], rel=1e-9)
         assert ring.tension == pytest.approx(tension[n], rel=1e-9)
         q = ring.tension / ring.pressure
@@ -55,7 +57,9 @@ def test_area_and_perimeter_of_the_outline(kA, kP, force):
     angle, theta = np.arange(n) * 2 * np.pi / n, np.full(n, 0.35)
     bends = np.array([0.1, -0.05, 0.0, 0.02, -0.1])
     forces = np.full(n, force)
-    ring = core.forced_ring(1.0, angle, forces, kA, kP, 0.0, gamma, bends, theta)
+    ring = core.forced_ring(
+        1.0, angle, forces, kA, kP, 0.0, gamma, half_angle=bends, contact_angle=theta
+    )
     assert ring.tension == pytest.approx(gamma + kP * 2 * np.pi * ring.delta, rel=1e-12)
     shape = ring.support_radius, angle, ring.contact_length, bends
     fine = core.curved_outline(*shape, 20_000, contact_angle=theta)
@@ -71,7 +75,7 @@ def test_a_corner_has_the_angle():
     theta = 0.5
     angle, force = np.array([0.0, 2.0, 4.0]), np.array([0.1, 0.1, 0.1])
     contact = np.array([theta, 0.0, 0.0])
-    ring = core.forced_ring(1.0, angle, force, INF, 0.0, 0.0, 1.0, None, contact)
+    ring = core.forced_ring(1.0, angle, force, INF, 0.0, 0.0, 1.0, contact_angle=contact)
     points = 20_000
     outline = core.curved_outline(
         ring.support_radius, angle, ring.contact_length, np.zeros(3), points, contact_angle=contact

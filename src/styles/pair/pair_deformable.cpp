@@ -389,19 +389,14 @@ void *PairDeformable::extract(const char *name, int &dim)
     return &asked.forces_of_motion;
   }
   // what the species file says, by atom type: "species radius"
-  const char *const names[] = {"radius", "kA", "kP", "skin", "tension"};
-  for (const char *of_species : names) {
-    if (name != std::string("species ") + of_species) continue;
-    dim = 1;
-    asked.by_type.clear();
-    for (const Species &s : species) {
-      const deformable::Stiffness &k = s.stiffness;
-      const double values[] = {s.radius, k.kA, k.kP, s.skin, k.tension};
-      asked.by_type.push_back(values[std::find(names, names + 5, of_species) - names]);
-    }
-    return asked.by_type.data();
-  }
-  return nullptr;
+  if (!utils::strmatch(name, "^species ")) return nullptr;
+  asked.by_type.clear();
+  for (const Species &s : species)
+    for (const auto &[of_species, value] : numbers_of(s))
+      if (name == "species " + of_species) asked.by_type.push_back(value);
+  if (asked.by_type.empty()) return nullptr;
+  dim = 1;
+  return asked.by_type.data();
 }
 
 void *PairDeformable::extract_peratom(const char *name, int &ncol)
@@ -420,10 +415,9 @@ void PairDeformable::describe_species()
   for (std::size_t type = 1; type < species.size(); ++type) {
     const Species &s = species[type];
     if (s.name.empty()) continue;
-    const deformable::Stiffness &k = s.stiffness;
-    defined[fmt::format("type {}", type)] =
-        fmt::format("{} radius {} kA {} kP {} skin {} tension {}", s.name, s.radius, k.kA, k.kP,
-                    s.skin, k.tension);
+    std::string text = s.name;
+    for (const auto &[name, value] : numbers_of(s)) text += fmt::format(" {} {}", name, value);
+    defined[fmt::format("type {}", type)] = text;
     for (std::size_t other = type; other < species.size(); ++other)
       if (const double w = adhesions.between(static_cast<int>(type), static_cast<int>(other)))
         defined[fmt::format("adhesion of types {} and {}", type, other)] = fmt::format("{}", w);

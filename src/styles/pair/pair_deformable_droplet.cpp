@@ -72,8 +72,7 @@ void PairDeformableDroplet::settings(int narg, char **arg)
 
 void PairDeformableDroplet::check_species(const Species &s) const
 {
-  const Stiffness &k = s.stiffness;
-  const std::string problem = invalid_for_droplets(k.kA, k.kP, s.skin, k.tension);
+  const std::string problem = invalid_for_droplets(s.stiffness, s.skin);
   if (!problem.empty()) error->all(FLERR, "Species {}: {}", s.name, problem);
 }
 

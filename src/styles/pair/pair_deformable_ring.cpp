@@ -241,7 +241,7 @@ void PairDeformableRing::evaluate_radical()
         return energy;
       },
       [this](const BlockParticle &p) {
-        giving_way += p.pressure > p.yield;
+        giving_way += p.stiffness.gives_way(p.pressure);
         if (neighbor->ago != 0 || p.energy == 0.0) return;
         load_shape(p);
         const Contacts contacts = load_contacts(block, p);
@@ -256,14 +256,9 @@ void PairDeformableRing::evaluate_radical()
 Energy PairDeformableRing::shape_ring(int i, const Contacts &contacts, const Stiffness &stiffness)
 {
   is_active.assign(contacts.size, 0);
-  char *const active = is_active.data();
-  if (!stiffness.conserves_perimeter()) {
-    Energy energy;
-    soft_ring_shape(ring_radius_of(i), stiffness, contacts, active, lcp, shape, energy);
-    return energy;
-  }
-  ring_shape(ring_radius_of(i), contacts, active, lcp, shape);
-  return harmonic(stiffness.kA, shape.area_deficit);
+  Energy energy;
+  soft_ring_shape(ring_radius_of(i), stiffness, contacts, is_active.data(), lcp, shape, energy);
+  return energy;
 }
 
 /* ----------------------------------------------------------------------
@@ -364,7 +359,7 @@ void PairDeformableRing::evaluate_balanced(bool new_material)
   push_part = 1.0;
   if (rubbing) load_contacts_of_pairs();
   pvector[4] = balanced->limited_lines();
-  giving_way = balanced->giving_way();
+  giving_way = materials.yield > 0.0 ? balanced->giving_way() : 0;
   if (eflag_global) eng_vdwl += balanced->energy();
   refusals.collect([this] {
     if (eflag_atom || needs_shapes() || neighbor->ago == 0)
@@ -576,7 +571,7 @@ void PairDeformableRing::check_properties()
     const int i = list->ilist[ii];
     const Stiffness k = stiffness_of(i);
     const Species &s = materials.species_of(i);
-    std::string wrong = invalid_stiffness(k.kA, k.kP, k.tension);
+    std::string wrong = invalid_stiffness(k);
     if (wrong.empty()) wrong = unstable_radius(ring_radius_of(i), k);
     if (wrong.empty()) wrong = invalid_for_adhesion(adhesion[atom->type[i]], k, s.skin);
     if (wrong.empty()) continue;

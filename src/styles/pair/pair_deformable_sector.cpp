@@ -57,8 +57,7 @@ void PairDeformableSector::settings(int narg, char **arg)
 
 void PairDeformableSector::check_species(const Species &s) const
 {
-  const std::string problem =
-      invalid_for_sectors(s.stiffness.kA, s.stiffness.kP, s.skin, s.stiffness.tension);
+  const std::string problem = invalid_for_sectors(s.stiffness, s.skin);
   if (!problem.empty())
     error->all(FLERR,
                "Species {} cannot be used with pair_style deformable/sector: {}. "
@@ -132,7 +131,8 @@ Energy PairDeformableSector::deform(BlockParticle &p, const Contacts &contacts)
 {
   by_angle.resize(contacts.size);
   std::iota(by_angle.begin(), by_angle.end(), 0);
-  const bool conserves_perimeter = std::isinf(p.kP);
+  const Stiffness &k = p.stiffness;
+  const bool conserves_perimeter = std::isinf(k.kP);
   if (conserves_perimeter)
     sector_shape(p.radius, contacts, by_angle.data(), shape);
   else if (!area_sector_shape(p.radius, contacts, by_angle.data(), shape))
@@ -145,7 +145,7 @@ Energy PairDeformableSector::deform(BlockParticle &p, const Contacts &contacts)
            "them: use pair_style deformable/ring",
            atom->tag[p.name]);
 
-  const Energy energy = harmonic(conserves_perimeter ? p.kA : p.kP, change);
+  const Energy energy = harmonic(conserves_perimeter ? k.kA : k.kP, change);
   p.pressure = energy.derivative;
   if (!conserves_perimeter) {    // each arc has its own pressure, tension/radius: take the mean over contacts
     double force = 0.0, length = 0.0;
