@@ -411,7 +411,7 @@ void DualSolver::hold_others(const BlockLevels::Choice &chosen)
 
 Evaluation DualSolver::correct(const Evaluation &from)
 {
-  if (from.of_lines > 0.0) {                        // only lines are missing
+  if (from.of_lines > 0.0) {    // only lines are missing
     lines->take();
     return evaluate();
   }
