@@ -56,7 +56,7 @@ bool DropletSolver::adapt(const RingBatches &batch, const float *changes, double
   return true;
 }
 
-// Pairs are in units of the mean tension and the smallest radius.
+// Pairs are in units of the largest tension and the smallest radius.
 void DropletSolver::set_material(const Particles &p, bool arranged)
 {
   const std::size_t rows = batches.particle.size(), places = batches.contacts;

@@ -26,7 +26,13 @@ class RingSolver : public DualSolver {
   // or do not exist for that reason; or -1.
   int without_room() const { return crushed; }
   bool lacks_room() const { return lacking; }    // on any rank
-  int giving_way() const;                        // rings of this rank
+  // Nor must they find a particle without room where a wrong pair has stopped them before a solution.
+  void forget()
+  {
+    DualSolver::forget();
+    lacking = false;
+  }
+  int giving_way() const;    // rings of this rank
 
   // L G' summed over the other contacts of that side's ring, the slope of its outline at the contact.
   double outline_slope(int k, int side) const { return batches.slope[list.pairs.side[side][k]]; }

@@ -52,6 +52,20 @@ def test_forces_without_room(law, species):
         assert slope == pytest.approx(-np.sum(force * direction), abs=1e-7 * len(x) * scale)
 
 
+@pytest.mark.parametrize("law", ["balanced", "curved"])
+def test_the_next_error_is_about_what_is_wrong_then(law):
+    """Also of fewer particles: what had no room is forgotten."""
+    x, length = lattice(0.84, 0.03)
+    scene = scene_of(EXACT[law], "drop", x, length)
+    with pytest.raises(Exception, match=refuses):
+        scene.run("run 0")
+    scene.run("delete_atoms group all")
+    for at in (1.0, 1.0001):
+        scene.run(f"create_atoms 1 single {at} 1 0")
+    with pytest.raises(Exception, match="contact line of atoms"):
+        scene.run("run 0")
+
+
 @pytest.mark.parametrize(("law", "species"), in_turn(RING_LAWS, MATERIALS))
 def test_minimizer_makes_room(law, species, tmp_path):
     """From shaken places, closer than the circles allow: then all areas are conserved again."""

@@ -55,9 +55,9 @@ void PairDeformableDroplet::settings(int narg, char **arg)
             FLERR_WORD(iarg + 1),
             "pair_style deformable/droplet balance: the tolerance {} must lie between 0 and 1",
             arg[iarg + 1]);
-      if (most < 1)
+      if (most < 2)    // forces change after the first one
         error->all(FLERR_WORD(iarg + 2),
-                   "pair_style deformable/droplet balance: {} evaluations are too few, give 1 or "
+                   "pair_style deformable/droplet balance: {} evaluations are too few, give 2 or "
                    "more",
                    arg[iarg + 2]);
     }
