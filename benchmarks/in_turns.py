@@ -1,12 +1,11 @@
 """Is a step faster than before? Several versions of the package and soft disks, side by side.
 
-    python benchmarks/in_turns.py BEFORE AFTER [--laws radical sector] [--sizes 1000 10000 100000]
+    python benchmarks/in_turns.py BEFORE AFTER [--laws radical droplet] [--sizes 1000 10000 100000]
 
 BEFORE, AFTER: folders that hold a compiled package. Each version has a process of its own with the
-packing of loop_time.py in motion, and disks have one: they run a few steps in turn, so that a
-machine whose speed drifts does not favor one. A row has nanoseconds per particle and step, medians
-of the times over disks, and medians of the times over the first version. `reach` is the default,
-0.3 for `radical`.
+packing of devices.py in motion, and soft disks or spheres have one: they run a few steps in turn,
+so that a machine whose speed drifts does not favor one. A row has nanoseconds per particle and
+step, medians of the times over disks, and medians of the times over the first version.
 """
 
 from __future__ import annotations
@@ -21,22 +20,16 @@ import tempfile
 import time
 from pathlib import Path
 
-from loop_time import LEVELS, SIZES, SPECIES, TEMPERATURES, TIMESTEP, relaxed_cell, start, styles
+from devices import IN_SPACE, LAWS, cells, start
+from loop_time import LEVELS, SIZES
 
-TURNS, FIRST = 30, 100
+TURNS = 30
 PARTICLE_STEPS = 20_000  # of a turn, which has ten steps at least; `sector` heats up
 
 
-def move(data: Path, law: str, n: int, motion: str) -> None:
+def move(folder: Path, law: str, n: int, motion: str) -> None:
     """Steps as often as a line comes in, and tells their processor time."""
-    nx, ny = SIZES[n]
-    style = styles(data.with_name("species"))[law].replace(" reach 0.1", "")
-    lmp = start()
-    lmp.commands_string(
-        f"read_data {data}\nreplicate {nx} {ny} 1\n{style}\nneighbor 0.2 bin\n"
-        f"velocity all create {TEMPERATURES[motion]!r} 1 loop geom\nfix nve all nve\n"
-        f"timestep {TIMESTEP!r}\nthermo 0\nrun {FIRST} post no"
-    )
+    lmp = start(folder, law, motion, n)
     for steps in sys.stdin:
         begin = time.process_time()
         lmp.command(f"run {steps.strip()} pre no post no")
@@ -44,16 +37,17 @@ def move(data: Path, law: str, n: int, motion: str) -> None:
 
 
 def compare(
-    data: Path, versions: list[str], law: str, n: int, motion: str, simd: str
+    folder: Path, versions: list[str], law: str, n: int, motion: str, simd: str
 ) -> dict[str, object]:
     """Times of disks and of each version, in turns."""
     processes = []
-    for version, style in [(versions[0], "disk"), *((v, law) for v in versions)]:
+    soft = "sphere" if law in IN_SPACE else "disk"
+    for version, style in [(versions[0], soft), *((v, law) for v in versions)]:
         environment = os.environ | {
             "PYTHONPATH": os.pathsep.join([version, *sys.path]),
             "DEFORMABLE_SIMD": simd,
         }
-        command = [sys.executable, __file__, "--move", str(data), style, str(n), motion]
+        command = [sys.executable, __file__, "--move", str(folder), style, str(n), motion]
         pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}
         processes.append(subprocess.Popen(command, env=environment, **pipes))
     steps = max(10, PARTICLE_STEPS // n)
@@ -82,25 +76,25 @@ def compare(
 
 def main() -> None:
     if sys.argv[1:2] == ["--move"]:
-        _, _, data, law, n, motion = sys.argv
-        return move(Path(data), law, int(n), motion)
+        _, _, folder, law, n, motion = sys.argv
+        return move(Path(folder), law, int(n), motion)
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("versions", nargs="+", help="folders with a compiled package")
-    parser.add_argument("--laws", nargs="+", default=["radical", "sector"])
+    parser.add_argument("--laws", nargs="+", default=["radical", *LAWS])
     parser.add_argument("--sizes", nargs="+", type=int, choices=SIZES, default=list(SIZES)[:3])
+    parser.add_argument("--motions", nargs="+", default=["slow", "fast"])
     parser.add_argument("--simd", choices=LEVELS, default=LEVELS[0])
     parser.add_argument("--out", type=Path)
     options = parser.parse_args()
     rows = []
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        (folder / "species").write_text(SPECIES)
-        data = relaxed_cell(folder)
+        cells(folder, options.laws)
         versions = [str(Path(version).resolve()) for version in options.versions]
         for n in options.sizes:
-            for motion in TEMPERATURES:
+            for motion in options.motions:
                 for law in options.laws:
-                    rows.append(compare(data, versions, law, n, motion, options.simd))
+                    rows.append(compare(folder, versions, law, n, motion, options.simd))
                     print(json.dumps(rows[-1]), flush=True)
     if options.out:
         options.out.write_text(json.dumps(rows, indent=1) + "\n")

@@ -29,7 +29,7 @@ target_include_directories(deformable_styles SYSTEM
 target_compile_definitions(
   deformable_styles PRIVATE $<TARGET_PROPERTY:lammps,COMPILE_DEFINITIONS>
                             DEFORMABLE_LAMMPS_RELEASE=${LAMMPS_RELEASE})
-target_sources(lammps PRIVATE $<TARGET_OBJECTS:deformable_styles> ${BATCH_OBJECTS})
+target_sources(lammps PRIVATE $<TARGET_OBJECTS:deformable_styles> ${SHARED_OBJECTS})
 
 # LAMMPS' lists of styles include our headers.
 target_include_directories(lammps PRIVATE ${STYLE_FOLDERS} ${DEFORMABLE_DIR}/src)

@@ -176,7 +176,7 @@ def soft_sides(packing: Packing) -> tuple[Sides, Floats]:
     i, j, shift = near_pairs(packing, 0.0)
     pairs = between(i, j, packing.positions[j] + shift - packing.positions[i])
     sides = joined(pairs, with_walls(packing, 0.0))
-    return sides, radius[sides.i] + np.where(sides.j < 0, 0.0, radius[sides.j])
+    return sides, radius[sides.i] + np.where(sides.j < 0, 0.0, radius[np.maximum(sides.j, 0)])
 
 
 def bearing(
@@ -186,7 +186,7 @@ def bearing(
 
     Args:
         i: particle of each side, both of a contact, shape (S,).
-        j: its partner, -1 for a wall, shape (S,).
+        j: its partner, negative for a wall, shape (S,).
         force: of the contact, shape (S,) [energy/length].
         number: of particles.
         of_rattlers: contacts of a rattler at most.
@@ -324,7 +324,7 @@ def sides_of(rows: NDArray[np.float64], packing: Packing) -> ContactTable:
     """
     told = dict(zip(ROWS, rows.T, strict=True))
     table = np.zeros(len(rows), COLUMNS)
-    table["i"], table["j"] = told["i"] - 1, told["j"] - 1
+    table["i"], table["j"] = told["i"] - 1, _indices(told["j"])
     for name in set(ROWS) & set(COLUMNS.names or ()) - {"i", "j"}:
         table[name] = told[name]
     table["position"] = np.column_stack([told["x"], told["y"]])
@@ -338,6 +338,11 @@ def sides_of(rows: NDArray[np.float64], packing: Packing) -> ContactTable:
     table["image"][pair] = np.rint(apart @ np.linalg.inv(packing.box)).astype(np.int64)
     table = np.concatenate([table, _missing_sides(table[pair], packing)])
     return table[_order(table["i"], table["j"], table["image"])]
+
+
+def _indices(partner: Floats) -> Floats:
+    """Of particles from IDs; those of walls stay, -1 - k for wall k."""
+    return np.where(partner > 0.0, partner - 1.0, partner)
 
 
 def react(table: ContactTable) -> None:
@@ -425,7 +430,7 @@ def droplet_table(rows: NDArray[np.float64], packing: Packing) -> DropletTable:
     """
     told = dict(zip(DROPLET_ROWS, rows.T, strict=True))
     table = np.zeros(len(rows), DROPLET_COLUMNS)
-    table["i"], table["j"] = told["i"] - 1, np.maximum(told["j"] - 1, -1)
+    table["i"], table["j"] = told["i"] - 1, _indices(told["j"])
     for name in ("indentation", "facet_radius", "force", "distance"):
         table[name] = told[name]
     for name, columns in _VECTORS.items():
@@ -451,7 +456,7 @@ def forces_of_droplets(packing: Packing, table: DropletTable) -> ContactForces:
     part = (packing.radii[rows["i"]] - rows["indentation"]) / distance
     return ContactForces(
         i=rows["i"],
-        j=rows["j"],
+        j=np.maximum(rows["j"], -1),
         vector=distance[:, None] * rows["normal"],
         part=np.where(rows["j"] < 0, 1.0, part),
         force=rows["force_vector"],
@@ -572,7 +577,7 @@ def forces_of_table(packing: Packing, table: ContactTable) -> ContactForces:
     within = (packing.radii[i] - rows["indentation"]) / np.cos(rows["tilt"])
     return ContactForces(
         i=i,
-        j=j,
+        j=np.maximum(j, -1),
         vector=rows["distance"][:, None] * unit_vectors(rows["angle"] - rows["tilt"]),
         part=np.where(j < 0, 1.0, within / rows["distance"]),
         force=rows["force_vector"],
@@ -631,7 +636,7 @@ def chords(packing: Packing, contacts: ContactForces) -> list[list[Floats]]:
     disk, other, vector, _ = _sides(contacts)
     radius, d = packing.radii, np.hypot(*vector.T)
     r = radius[disk]
-    height = np.where(other < 0, d, (d**2 + r**2 - radius[other] ** 2) / (2.0 * d))
+    height = np.where(other < 0, d, (d**2 + r**2 - radius[np.maximum(other, 0)] ** 2) / (2.0 * d))
     out = vector / d[:, None]
     along = np.sqrt(np.maximum(r**2 - height**2, 0.0))[:, None] * (out[:, ::-1] * [-1.0, 1.0])
     middle = packing.positions[disk] + height[:, None] * out

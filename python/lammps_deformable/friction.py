@@ -338,7 +338,7 @@ def rubbing_table(
 def _sides_in(table: ContactTable, i: Floats, j: Floats, angle: Floats) -> NDArray[np.int64]:
     """Sides with these IDs, j = 0 for a wall; a pair in a small box has several directions."""
     out = unit_vectors(np.ascontiguousarray(table["angle"]))
-    given = np.column_stack([table["i"] + 1, table["j"] + 1, out])
+    given = np.column_stack([table["i"] + 1, np.maximum(table["j"] + 1, 0), out])
     _, at = cKDTree(given).query(np.column_stack([i, j, unit_vectors(angle)]))
     return np.asarray(at, np.int64)
 

@@ -326,7 +326,7 @@ class Lines:
         number = np.bincount(self.sides.i, minlength=len(packing))
         material = self.law._species_parameters(packing._species_radii).of(packing.species)
         particles = np.column_stack([number, radius, *material])
-        partner = np.where(self.sides.j < 0, 0.0, radius[self.sides.j])
+        partner = np.where(self.sides.j < 0, 0.0, radius[np.maximum(self.sides.j, 0)])
         sides = [self.sides.vector, self.sides.turn, partner]
         if self.law.contact == "curved":
             sides += [self.force, self.direction, self.half_angle]

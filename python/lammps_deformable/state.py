@@ -533,8 +533,8 @@ class State:
     def contacts(self) -> ContactTable:
         """Active contacts, with a row for each side, sorted by (i, j, image): structured array.
 
-        All laws have the fields i, j (-1 for a wall), image (d,), force and force_vector (d,), the
-        force on i. But for polygons there are distance, indentation of i and position (d,), in
+        All laws have the fields i, j (-1 - k for wall k), image (d,), force and force_vector (d,),
+        the force on i. But for polygons there are distance, indentation of i and position (d,), in
         space and of soft particles normal (d,); of rings angle, length, tilt, half_angle,
         contact_angle and attached, see `contacts.COLUMNS`; of droplets facet_radius, see
         `contacts.DROPLET_COLUMNS`. With friction there are friction, damping, spring, sliding too,

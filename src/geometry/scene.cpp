@@ -208,21 +208,36 @@ SurfacePoint Scene::nearest_point(const Present &wall, const Vector3 &from, int 
 
 SurfacePoint Scene::nearest_point(int wall, const Vector3 &x) const
 {
+  const Present &now = present[wall];
+  Vector3 from = x - now.middle;
+  for (int axis = 2; axis >= 0 && now.is_obstacle(); --axis) {
+    const double length = part(period[axis], axis);
+    if (length > 0.0 && std::isfinite(part(now.half, axis)))
+      from = from - std::rint(part(from, axis) / length) * period[axis];
+  }
   int feature = 0;
-  return nearest_point(present[wall], from_middle(present[wall], x, -INFINITE), feature);
+  return nearest_point(now, from, feature);
 }
 
-/* ----------------------------------------------------------------------
-   Its change, as walls move, is that of the energy of the particles.
-------------------------------------------------------------------------- */
+/* ---------------------------------------------------------------------- */
 
+void Scene::add_force(int feature, const Vector3 &x, double force, const Vector3 &torque,
+                      double cutoff)
+{
+  const int wall = wall_of(feature);
+  Vector3 from = x - present[wall].middle;
+  approach(present[wall], cutoff, from);
+  loads.push_back({wall, present[wall].middle + from, force, torque});
+}
+
+// Its change, as walls move, is that of the energy of the particles.
 double Scene::potential(const std::vector<Present> &at) const
 {
   double sum = 0.0;
   for (const Load &load : loads) {
     int feature = 0;
     const Present &wall = at[load.wall];
-    const SurfacePoint point = nearest_point(wall, from_middle(wall, load.x, load.cutoff), feature);
+    const SurfacePoint point = nearest_point(wall, load.x - wall.middle, feature);
     sum -= load.force * point.height + dot(load.torque, point.n);
   }
   return sum;

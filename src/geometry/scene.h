@@ -31,9 +31,9 @@ struct WallShape {
 
 // One wall: a face of a container, the rim of a round container, or an obstacle, round or with faces.
 struct Wall {
-  enum Kind { FACE, RIM, DISK, POLYGON } kind;
-  std::string name;    // for messages
-  int shape;           // of a rim and of a disk
+  enum Kind { FACE, RIM, DISK, POLYGON } kind;    // a disk, ball or body; a polygon or polyhedron
+  std::string name;                               // for messages
+  int shape;                                      // of a rim and of a disk
   // of a face and of a polygon: half spaces of shapes; those that face the other way are the outside of a shape
   struct Side {
     int shape, plane;
@@ -87,17 +87,18 @@ class Scene {
                       Visitor &&visitor) const
   {
     for (const Present &wall : present) {
-      SurfacePoint point;
-      int feature = wall.first_feature;
       if (wall.kind == Wall::FACE) {
-        point = nearest_on_plane(wall.face, x);
-      } else {
-        const Vector3 from = from_middle(wall, x, cutoff);
-        if (wall.kind == Wall::RIM && wall.room(x) < narrowest)
-          return {index_of(wall), 0.0, wall.room(x)};
-        if (wall.is_obstacle() && !wall.is_within(cutoff, from)) continue;
-        point = nearest_point(wall, from, feature);
+        const SurfacePoint point = nearest_on_plane(wall.face, x);
+        if (!(point.height > nearest)) return {index_of(wall), point.height};
+        if (point.height < cutoff) visitor(wall.first_feature, point);
+        continue;
       }
+      if (wall.kind == Wall::RIM && wall.room(x) < narrowest)
+        return {index_of(wall), 0.0, wall.room(x)};
+      Vector3 from = x - wall.middle;
+      if (!approach(wall, cutoff, from)) continue;
+      int feature = wall.first_feature;
+      const SurfacePoint point = nearest_point(wall, from, feature);
       if (!(point.height > nearest)) return {index_of(wall), point.height};
       if (point.height < cutoff && std::isfinite(point.turn)) visitor(feature, point);
     }
@@ -107,11 +108,9 @@ class Scene {
   // The nearest point of a wall, at any distance: of the image of an obstacle whose middle is nearest.
   SurfacePoint nearest_point(int wall, const Vector3 &x) const;
 
-  // A particle at x presses with this force; `torque`: the derivative of its work by the normal. Only while walls move.
-  void add_force(int feature, const Vector3 &x, double force, const Vector3 &torque, double cutoff)
-  {
-    loads.push_back({wall_of(feature), x, force, torque, cutoff});
-  }
+  // A particle at x, within the cutoff, presses with this force; `torque`: the derivative of its work by the normal. Only while
+  // walls move.
+  void add_force(int feature, const Vector3 &x, double force, const Vector3 &torque, double cutoff);
   // The energy that particles have given to moving walls. A wall that moves while particles stay changes their energy by
   // -F dh - torque.dn: half of it counts with the forces before a step, half of it with those after it, which is exact to the
   // second order in the step. A wall that was infinitely far away does no work.
@@ -155,18 +154,12 @@ class Scene {
       if (!is_body) return radius;
       return body.side.offset - body.side.ny * dot(x - body.center, body.axis);
     }
-    bool is_within(double cutoff, const Vector3 &from) const
-    {
-      return !(std::fabs(from.x) >= half.x + cutoff || std::fabs(from.y) >= half.y + cutoff ||
-               std::fabs(from.z) >= half.z + cutoff);
-    }
   };
   struct Load {
     int wall;
-    Vector3 x;
+    Vector3 x;    // as its nearest image sees it
     double force;
     Vector3 torque;
-    double cutoff;
   };
 
   std::vector<Present> present, before;
@@ -186,20 +179,21 @@ class Scene {
   static SurfacePoint nearest_point(const Present &, const Vector3 &from, int &feature);
   double potential(const std::vector<Present> &) const;
 
-  // The way from the middle of a wall to x. An obstacle that fits, with the cutoff on both sides, into a period has its images
-  // with the box: x is then seen from the nearest one.
-  Vector3 from_middle(const Present &wall, const Vector3 &x, double cutoff) const
+  // `from`: from the middle of a wall to a center. An obstacle that fits, with the cutoff on both sides, into a period has its
+  // images with the box: the center is then seen from the nearest one. Returns false if it is out of reach.
+  bool approach(const Present &wall, double cutoff, Vector3 &from) const
   {
-    Vector3 from = x - wall.middle;
-    if (!wall.is_obstacle()) return from;
-    const auto unwrap = [&](double along, double length, double half, const Vector3 &edge) {
-      if (length > 0.0 && 0.5 * length >= half + cutoff && std::fabs(along) > 0.5 * length)
+    if (!wall.is_obstacle()) return true;
+    const auto reaches = [&](const double &along, double reach, double length,
+                             const Vector3 &edge) {
+      if (!(std::fabs(along) >= reach)) return true;
+      if (std::fabs(along) > 0.5 * length && length > 0.0 && 0.5 * length >= reach)
         from = from - std::rint(along / length) * edge;
+      return std::fabs(along) < reach;
     };
-    unwrap(from.z, period[2].z, wall.half.z, period[2]);
-    unwrap(from.y, period[1].y, wall.half.y, period[1]);
-    unwrap(from.x, period[0].x, wall.half.x, period[0]);
-    return from;
+    return (dimension == 2 || reaches(from.z, wall.half.z + cutoff, period[2].z, period[2])) &&
+           reaches(from.y, wall.half.y + cutoff, period[1].y, period[1]) &&
+           reaches(from.x, wall.half.x + cutoff, period[0].x, period[0]);
   }
 };
 

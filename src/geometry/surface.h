@@ -30,10 +30,10 @@ struct HalfSpace {
 // with the unit vector t across n: 0 on a plane, turn = 1/(rho + height) outside of a sphere, -1/(rho - height) inside of it.
 // In the middle of a round surface, where all of its points are as near, n is any direction and turn is infinite.
 struct SurfacePoint {
-  Vector3 n{};
-  double height = -std::numeric_limits<double>::infinity();
-  double turn = 0.0, more = 0.0;
-  Vector3 t{};
+  Vector3 n;
+  double height;
+  double turn, more;
+  Vector3 t;
 
   // minus dn for this step. It is symmetric: also the force, if a torque of the contact is the derivative by n.
   Vector3 turned(const Vector3 &step) const
@@ -126,7 +126,7 @@ inline SurfacePoint nearest_on_polyhedron(const std::vector<HalfSpace> &planes, 
 {
   constexpr double PARALLEL = 1e-12;
   const std::size_t n = planes.size();
-  SurfacePoint point;
+  SurfacePoint point = {{}, -std::numeric_limits<double>::infinity(), 0.0, 0.0, {}};
   double farthest = 0.0;
   const auto above = [&](std::size_t k) { return dot(planes[k].n, x) - planes[k].offset; };
   const auto compare = [&](double square, const Vector3 &to, int faces, const Vector3 &t) {

@@ -61,8 +61,8 @@ struct StickArrays {
 // C d of the contact's own ring. Both contacts of a pair have the same numbers, except products. So each ring finds its
 // own side by side, and only products have to be fetched from the other ring.
 struct CorrectionArrays {
-  const int *partner;    // the other contact of the pair, or `none`: a place that yields nothing
-  int none;
+  const int *partner;    // the other contact of the pair, or `none`
+  int none;              // index of a dummy contact, whose product is always 0
   float *weight, *left, *direction, *step;
   // the same array, unless a kernel reads the last products and finds new ones
   float *product, *last_product;
@@ -97,7 +97,7 @@ struct PairArrays {
   double *past;    // forces of the last call
   // f(-2) - f(-1), f(-3) - f(-2) and f(-4) - f(-3), in `unit`, if f(-1) are those of the last call
   float *earlier[3];
-  // the forces before a step, at the place of earlier[0], which is made anew at the end of a call
+  // Forces before the step. Shares memory with earlier[0]: `remember` writes earlier[0] again after the solve.
   float *before;
   const double *least;    // see least_force; null: 0
 };

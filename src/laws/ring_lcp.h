@@ -105,8 +105,8 @@ DEFORMABLE_INLINE void solve_factored(int n, const double *g, int stride, const 
   }
 }
 
-// Whether the outline, moved out by `expansion`, may reach a contact line outside of the circle. False only
-// where it certainly does not.
+// Whether the outline, moved out by `expansion`, may reach a contact line outside of the circle. May return true
+// by mistake, never false.
 DEFORMABLE_INLINE bool may_reach(const Contacts &contacts, int c, int n, const RingCandidates &r,
                                  const double *length, double expansion)
 {

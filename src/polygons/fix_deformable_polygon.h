@@ -15,7 +15,7 @@ FixStyle(deformable/polygon,FixDeformablePolygon);
 
 #include "fix.h"
 
-#include "polygons/bead_polygons.h"
+#include "polygons/polygon_edges.h"
 
 #include <vector>
 

@@ -14,7 +14,7 @@ PairStyle(deformable/edge,PairDeformableEdge);
 #include "pair.h"
 
 #include "polygons/edge_contact.h"
-#include "polygons/edge_list.h"
+#include "polygons/polygon_edges.h"
 #include "styles/refusals.h"
 
 #include <vector>

@@ -1,10 +1,17 @@
 #include "polygons/polygon_edges.h"
 
+#include "styles/lammps_release.h"
 #include "styles/refusals.h"
 
 #include "atom.h"
+#include "comm.h"
 #include "domain.h"
 #include "error.h"
+#include "force.h"
+#include "group.h"
+#include "lammps.h"
+#include "neigh_list.h"
+#include "neighbor.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +19,129 @@
 
 using namespace LAMMPS_NS;
 
+namespace {
+
+// A bead as all ranks get it.
+struct Bead {
+  double tag, molecule, image_x, image_y, x, y;
+};
+
+std::vector<Bead> gather_beads(LAMMPS *lmp, const BeadSelection &selection)
+{
+  const Atom *atom = lmp->atom;
+  std::vector<Bead> mine;
+  for (int i = 0; i < atom->nlocal; ++i) {
+    if (!selection.has(i)) continue;
+    const imageint image = atom->image[i];
+    mine.push_back({static_cast<double>(atom->tag[i]), static_cast<double>(atom->molecule[i]),
+                    static_cast<double>(image_x(image)), static_cast<double>(image_y(image)),
+                    atom->x[i][0], atom->x[i][1]});
+  }
+  constexpr int PER_BEAD = sizeof(Bead) / sizeof(double);
+  int length = PER_BEAD * static_cast<int>(mine.size());
+  std::vector<int> lengths(lmp->comm->nprocs), offsets(lmp->comm->nprocs);
+  MPI_Allgather(&length, 1, MPI_INT, lengths.data(), 1, MPI_INT, lmp->world);
+  int total = 0;
+  for (int rank = 0; rank < lmp->comm->nprocs; ++rank) {
+    offsets[rank] = total;
+    total += lengths[rank];
+  }
+  std::vector<Bead> beads(total / PER_BEAD);
+  MPI_Allgatherv(mine.data(), length, MPI_DOUBLE, beads.data(), lengths.data(), offsets.data(),
+                 MPI_DOUBLE, lmp->world);
+  std::sort(beads.begin(), beads.end(), [](const Bead &a, const Bead &b) {
+    return a.molecule != b.molecule ? a.molecule < b.molecule : a.tag < b.tag;
+  });
+  return beads;
+}
+
+// From bead a to bead b, with their image flags.
+void from_to(const Domain *domain, const Bead &a, const Bead &b, double &dx, double &dy)
+{
+  const int across = boxes_between(static_cast<int>(a.image_x), static_cast<int>(b.image_x));
+  const int up = boxes_between(static_cast<int>(a.image_y), static_cast<int>(b.image_y));
+  dx = b.x - a.x + across * domain->xprd + (domain->triclinic ? up * domain->xy : 0.0);
+  dy = b.y - a.y + up * domain->yprd;
+}
+
+}    // namespace
+
 /* ---------------------------------------------------------------------- */
+
+bool LAMMPS_NS::is_nearest_image(const Domain *domain, double dx, double dy)
+{
+  double nearest[3] = {dx, dy, 0.0};
+  minimum_image_big(domain, nearest);
+  return nearest[0] == dx && nearest[1] == dy;
+}
+
+/* ---------------------------------------------------------------------- */
+
+std::vector<BeadPolygon> LAMMPS_NS::find_bead_polygons(LAMMPS *lmp, const BeadSelection &selection)
+{
+  const Atom *atom = lmp->atom;
+  const Domain *domain = lmp->domain;
+  Error *error = lmp->error;
+  const std::vector<Bead> beads = gather_beads(lmp, selection);
+  const std::string &style = selection.style;
+
+  std::vector<BeadPolygon> found;
+  for (std::size_t begin = 0, end; begin < beads.size(); begin = end) {
+    const Bead &first = beads[begin];
+    if (first.molecule <= 0.0)
+      error->all(FLERR, "{}: atom {:.0f} belongs to no molecule", style, first.tag);
+    for (end = begin; end < beads.size() && beads[end].molecule == first.molecule; ++end)
+      if (beads[end].tag != first.tag + static_cast<double>(end - begin))
+        error->all(FLERR,
+                   "{}: the beads of polygon {:.0f} are not consecutive, atom "
+                   "{:.0f} follows {:.0f}; number them around the polygon",
+                   style, first.molecule, beads[end].tag, beads[end - 1].tag);
+    const int count = static_cast<int>(end - begin);
+    if (count < 3)
+      error->all(FLERR, "{}: polygon {:.0f} has {} beads, at least 3 are needed", style,
+                 first.molecule, count);
+    double area = 0.0, perimeter = 0.0, sum_x = 0.0, sum_y = 0.0;
+    for (std::size_t k = begin; k < end; ++k) {
+      const Bead &bead = beads[k], &next = k + 1 < end ? beads[k + 1] : first;
+      double x, y, dx, dy;
+      from_to(domain, first, bead, x, y);
+      from_to(domain, bead, next, dx, dy);
+      if (!is_nearest_image(domain, dx, dy))
+        error->all(
+            FLERR,
+            "{}: by their image flags atoms {:.0f} and {:.0f} of "
+            "polygon {:.0f} are {:.6g} apart, more than half the box; set flags that make the "
+            "polygon whole (set image, or read_data)",
+            style, bead.tag, next.tag, first.molecule, std::hypot(dx, dy));
+      area += 0.5 * (x * dy - y * dx);
+      perimeter += std::hypot(dx, dy);
+      sum_x += x;
+      sum_y += y;
+    }
+    found.push_back({static_cast<tagint>(first.molecule), static_cast<tagint>(first.tag), count,
+                     area, perimeter, static_cast<int>(first.image_x),
+                     static_cast<int>(first.image_y), first.x + sum_x / count,
+                     first.y + sum_y / count});
+  }
+
+  Refusals(lmp).check([&] {
+    for (int i = 0; i < atom->nlocal; ++i) {
+      if (selection.has(i)) continue;
+      const tagint molecule = atom->molecule[i];
+      const auto polygon =
+          std::lower_bound(found.begin(), found.end(), molecule,
+                           [](const BeadPolygon &a, tagint sought) { return a.molecule < sought; });
+      if (polygon != found.end() && polygon->molecule == molecule)
+        refuse("{}: atom {} belongs to polygon {} but not to {}", style, atom->tag[i], molecule,
+               selection.name);
+    }
+  });
+  return found;
+}
+
+/* ----------------------------------------------------------------------
+   Edges of the polygons that a rank sees
+------------------------------------------------------------------------- */
 
 void PolygonEdges::find(const BeadSelection &selection)
 {
@@ -173,4 +302,177 @@ double PolygonEdges::memory_usage() const
   return static_cast<double>(polygons.capacity() * sizeof(BeadPolygon) +
                              edges.capacity() * sizeof(RingEdge) +
                              extents.capacity() * sizeof(double));
+}
+
+/* ----------------------------------------------------------------------
+   Contacts that may act before the next neighbor list
+------------------------------------------------------------------------- */
+
+namespace {
+
+struct Vector {
+  double x, y;
+};
+
+double dot(const Vector &a, const Vector &b)
+{
+  return a.x * b.x + a.y * b.y;
+}
+
+double cross(const Vector &a, const Vector &b)
+{
+  return a.x * b.y - a.y * b.x;
+}
+
+Vector difference(const double *to, const double *from)
+{
+  return {to[0] - from[0], to[1] - from[1]};
+}
+
+/* ----------------------------------------------------------------------
+   Whether a vertex may come within the range of an edge while both move by
+   less than skin/2: the distance then changes by less than the skin, and p.e
+   by less than skin (|p| + |e| + skin). Nothing acts while p.e <= 0. p: from
+   the first vertex of the edge e to the vertex.
+------------------------------------------------------------------------- */
+
+bool may_touch(const Vector &p, const Vector &e, double range, double skin)
+{
+  const double along = dot(p, e), square = dot(e, e);
+  const double lengths = std::sqrt(dot(p, p)) + std::sqrt(square);
+  if (along <= -skin * (lengths + skin)) return false;
+  const double t = along <= 0.0 ? 0.0 : along >= square ? 1.0 : along / square;
+  const Vector foot = {p.x - t * e.x, p.y - t * e.y};
+  return dot(foot, foot) < (range + skin) * (range + skin);
+}
+
+/* ----------------------------------------------------------------------
+   Whether the edges a and b cross. p: from the begin of b to that of a.
+------------------------------------------------------------------------- */
+
+bool edges_cross(const Vector &p, const Vector &a, const Vector &b)
+{
+  const double turn = cross(b, a), side_of_b = cross(b, p), side_of_a = cross(p, a);
+  return side_of_b * (side_of_b + turn) < 0.0 && side_of_a * (side_of_a - turn) < 0.0;
+}
+
+}    // namespace
+
+/* ----------------------------------------------------------------------
+   A vertex that has crossed an edge is pushed farther inward, and its own two
+   edges cross that edge or the next ones. The list may be shared with styles
+   of larger cutoffs.
+------------------------------------------------------------------------- */
+
+void LAMMPS_NS::list_edge_contacts(LAMMPS *lmp, const NeighList &list, const PolygonEdges &edges,
+                                   const double *const *c, double longest, const std::string &style,
+                                   std::vector<VertexAndEdge> &found)
+{
+  const Atom *atom = lmp->atom;
+  const double *const *x = atom->x;
+  const int *type = atom->type;
+  const tagint *tag = atom->tag;
+  const double skin = lmp->neighbor->skin;
+  found.clear();
+  for (int ii = 0; ii < list.inum; ++ii) {
+    const int i = list.ilist[ii];
+    if (edges[i].polygon < 0)
+      refuse("{}: atom {} is in no polygon that was there when the run began", style, tag[i]);
+    const Vector ei = difference(x[edges[i].next], x[i]);
+    for (int jj = 0; jj < list.numneigh[i]; ++jj) {
+      const int j = list.firstneigh[i][jj] & NEIGHMASK;
+      if (edges[j].polygon == edges[i].polygon) continue;
+      const double range = c[type[i]][type[j]], cutoff = range + longest + skin;
+      const Vector p = difference(x[i], x[j]);
+      if (dot(p, p) >= cutoff * cutoff) continue;
+      if (edges[j].next < 0)
+        refuse("{}: the atom that follows atom {} in its polygon is not found beside it: "
+               "lost, or farther away than l, the longest edge allowed, {:.6g}",
+               style, tag[j], longest);
+      const Vector ej = difference(x[edges[j].next], x[j]);
+      if (edges_cross(p, ei, ej))
+        refuse("{}: polygons {} and {} have crossed: the edge from atom {} to atom {} and "
+               "that from atom {} to atom {}. Start from polygons that do not overlap, and "
+               "take smaller steps (timestep, min_modify dmax), or a larger c or kr",
+               style, edges.molecule(edges[i].polygon), edges.molecule(edges[j].polygon), tag[i],
+               tag[edges[i].next], tag[j], tag[edges[j].next]);
+      const int types = atom->ntypes + 1;
+      if (may_touch(p, ej, range, skin))
+        found.push_back({i, j, edges[j].next, type[i] * types + type[j]});
+      if (may_touch({-p.x, -p.y}, ei, range, skin))
+        found.push_back({j, i, edges[i].next, type[j] * types + type[i]});
+    }
+  }
+}
+
+/* ----------------------------------------------------------------------
+   What would make contacts wrong or incomplete
+------------------------------------------------------------------------- */
+
+namespace {
+
+/* ----------------------------------------------------------------------
+   Partners along a polygon have no contacts. Others come from bonds between
+   polygons. The factors are those in a call: pair_style hybrid may set its own.
+------------------------------------------------------------------------- */
+
+void check_special_bonds(LAMMPS *lmp, const PolygonEdges &edges, const std::string &style)
+{
+  const Atom *atom = lmp->atom;
+  const double *factors = lmp->force->special_lj;
+  if (atom->molecular != Atom::MOLECULAR) return;
+  for (int i = 0; i < atom->nlocal; ++i) {
+    const int polygon = edges[i].polygon;
+    if (polygon < 0) continue;
+    for (int k = 1, n = 0; k <= 3; ++k)    // 1-2, 1-3 and 1-4 partners
+      for (; n < atom->nspecial[i][k - 1]; ++n) {
+        if (factors[k] == 1.0) continue;
+        const tagint partner = atom->special[i][n];
+        const int other = edges.polygon_of(partner, polygon);
+        if (other >= 0 && other != polygon)
+          refuse("{}: special_bonds gives atoms {} and {} of polygons {} and {} the factor "
+                 "{:.6g}, but contacts are not scaled: use 'special_bonds lj/coul 1 1 1'",
+                 style, atom->tag[i], partner, edges.molecule(polygon), edges.molecule(other),
+                 factors[k]);
+      }
+  }
+}
+
+/* ----------------------------------------------------------------------
+   Contacts of whole polygons may be excluded. Without a part of its edges the
+   energy of a polygon would jump.
+------------------------------------------------------------------------- */
+
+void check_groups(LAMMPS *lmp, const PolygonEdges &edges, const std::string &style)
+{
+  const Atom *atom = lmp->atom;
+  const Neighbor *neighbor = lmp->neighbor;
+  const Group *group = lmp->group;
+  int bits = neighbor->includegroup ? group->bitmask[neighbor->includegroup] : 0;
+  for (int n = 0; n < neighbor->nex_group; ++n)
+    bits |= group->bitmask[neighbor->ex1_group[n]] | group->bitmask[neighbor->ex2_group[n]];
+  if (bits == 0) return;
+  for (int i = 0; i < atom->nlocal; ++i) {
+    const RingEdge &edge = edges[i];
+    if (edge.next < 0) continue;
+    const int split = (atom->mask[i] ^ atom->mask[edge.next]) & bits;
+    if (split == 0) continue;
+    int which = 0;
+    while (!(split & group->bitmask[which])) ++which;
+    refuse("{}: group {} of neigh_modify has a part of polygon {} only, not both atoms {} "
+           "and {}: put polygons into groups as a whole",
+           style, group->names[which], edges.molecule(edge.polygon), atom->tag[i],
+           atom->tag[edge.next]);
+  }
+}
+
+}    // namespace
+
+/* ---------------------------------------------------------------------- */
+
+void LAMMPS_NS::check_removed_contacts(LAMMPS *lmp, const PolygonEdges &edges,
+                                       const std::string &style)
+{
+  check_special_bonds(lmp, edges, style);
+  check_groups(lmp, edges, style);
 }

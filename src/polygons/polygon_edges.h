@@ -1,15 +1,56 @@
 // Edges of polygons: each vertex of this rank, ghosts included, and its successor along the polygon.
+//
+// Bead polygons: molecules whose beads have consecutive atom IDs along the polygon.
 
 #ifndef LMP_POLYGON_EDGES_H
 #define LMP_POLYGON_EDGES_H
 
+#include "lmptype.h"
 #include "pointers.h"
 
-#include "polygons/bead_polygons.h"
-
+#include <functional>
+#include <string>
 #include <vector>
 
 namespace LAMMPS_NS {
+
+struct BeadPolygon {
+  tagint molecule, first;
+  int beads;
+  double area;    // negative if the beads run clockwise
+  double perimeter;
+  int image_x, image_y;    // image flags of the first bead
+  double x, y;             // mean of the beads in that image
+};
+
+// The beads of a style, and how its errors name both: "Fix area deformable/polygon", "the group of the fix".
+struct BeadSelection {
+  std::string style, name;
+  std::function<bool(int)> has;    // this atom of the rank
+};
+
+// The polygons of the selected beads at present, by rising molecule ID; the same on every rank.
+std::vector<BeadPolygon> find_bead_polygons(class LAMMPS *lmp, const BeadSelection &);
+
+// Image flags as LAMMPS stores them, not negative.
+inline int image_x(imageint image)
+{
+  return image & IMGMASK;
+}
+
+inline int image_y(imageint image)
+{
+  return image >> IMGBITS & IMGMASK;
+}
+
+// Image flags wrap around at the end of their range.
+inline int boxes_between(int from, int to)
+{
+  return ((to - from + IMGMAX) & IMGMASK) - IMGMAX;
+}
+
+// Whether no periodic image of the vector (dx, dy) is shorter.
+bool is_nearest_image(const class Domain *domain, double dx, double dy);
 
 struct RingEdge {
   int polygon;    // -1 if the vertex is in none
@@ -50,6 +91,22 @@ class PolygonEdges : protected Pointers {
   double across() const;
   void refuse_own_images(double range);
 };
+
+// The contacts that may act before the next neighbor list: a vertex and an edge of another polygon.
+struct VertexAndEdge {
+  int vertex, begin, end;
+  int types;    // (type of the vertex) * (number of types + 1) + (type of the edge)
+};
+
+// From the neighbor list, which has all pairs of vertices within c + longest + skin; c: of each pair of types.
+// Stops with an error if edges cross or if a successor is missing.
+void list_edge_contacts(class LAMMPS *, const class NeighList &, const PolygonEdges &,
+                        const double *const *c, double longest, const std::string &style,
+                        std::vector<VertexAndEdge> &);
+
+// Stops with an error if special_bonds removes or scales contacts of different polygons, or if neigh_modify removes
+// contacts of a part of a polygon. To be called with new polygons, when they are linked.
+void check_removed_contacts(class LAMMPS *, const PolygonEdges &, const std::string &style);
 
 }    // namespace LAMMPS_NS
 

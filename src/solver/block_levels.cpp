@@ -54,3 +54,10 @@ void BlockLevels::choose(deformable::RingBatches &rings, int block) const
   rings.begin = block * BATCHES;
   rings.end = std::min(rings.begin + BATCHES, batches);
 }
+
+void BlockLevels::widen(Choice &chosen) const
+{
+  const Choice before = chosen;
+  for (int k = 0; k < count(); ++k)
+    for (int n = first[k]; n < first[k + 1] && before[k]; ++n) chosen[neighbors[n]] = 1;
+}

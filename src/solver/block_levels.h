@@ -40,13 +40,21 @@ class BlockLevels {
     for (int n = first[block]; n < first[block + 1]; ++n) visit(neighbors[n]);
   }
 
+  using Choice = std::vector<char>;
+  // Adds the blocks that have contacts with chosen ones.
+  void widen(Choice &) const;
+  void add_borders(Choice &chosen) const
+  {
+    for (const int k : borders) chosen[k] = 1;
+  }
   static int of_ring(int ring) { return ring / ContactBatches::BLOCK; }
 
-  // work(block, iteration) for all blocks and iterations from 1 to `last`; exchange(iteration) between ranks after each one
-  // but the last.
-  template <class Work, class Exchange> void run(int last, Work &&work, Exchange &&exchange)
+  // work(block, iteration) for the chosen blocks, all if it is null, and iterations from 1 to `last`; exchange(iteration)
+  // between ranks after each one but the last.
+  template <class Work, class Exchange>
+  void run(int last, Work &&work, Exchange &&exchange, const Choice *chosen = nullptr)
   {
-    std::fill(level.begin(), level.end(), 0);
+    for (int k = 0; k < count(); ++k) level[k] = !chosen || (*chosen)[k] ? 0 : last;
     for (int next = 1; next < last; ++next) {
       for (const int k : borders)
         if (level[k] < next) raise(k, work);

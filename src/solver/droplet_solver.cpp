@@ -15,10 +15,18 @@ using namespace deformable;
 // Of a droplet that no solution has seen: as of facets with four times half of the overlap as their force.
 static constexpr double BULGE_PER_OVERLAP = BULGE_PER_LOAD * 2.0 / (8.0 * PI);
 
+// The forces of droplets have kinks everywhere: a cubic is no worse behind one.
+static Tuning tuned_for_droplets()
+{
+  Tuning t;
+  t.smooth = 1e300;
+  return t;
+}
+
 DropletSolver::DropletSolver(LAMMPS *lmp, const ForceKernels &kernels,
                              const DropletKernels &droplets, double tolerance, int max_evaluations)
     : DualSolver(lmp, kernels, true, false, BULGE_PER_OVERLAP, LARGEST_BULGE, tolerance,
-                 max_evaluations),
+                 max_evaluations, tuned_for_droplets()),
       droplets(droplets)
 {
 }

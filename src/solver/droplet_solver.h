@@ -51,6 +51,10 @@ class DropletSolver : public DualSolver {
   void set_material(const Particles &, bool arranged) override;
   bool shape(const deformable::RingBatches &) override;
   bool adapt(const deformable::RingBatches &, const float *changes, double unit) override;
+  bool reshape(const deformable::RingBatches &batch, const float *changes, double unit) override
+  {
+    return adapt(batch, changes, unit);
+  }
   void find_bulges(const Particles &) override;
   double energy() const override;
   void warn(const Particles &, bool films_changed) override;

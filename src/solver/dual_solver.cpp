@@ -11,13 +11,16 @@
 using namespace LAMMPS_NS;
 using deformable::PairArrays;
 
+// Imbalances over those before a step, which need no search; where others follow, as lines or blocks beside.
+static constexpr double BETTER = 0.5, NO_WORSE = 2.0;
+
 DualSolver::DualSolver(LAMMPS *lmp, const deformable::ForceKernels &kernels, bool in_space,
                        bool curved, double bulge_per_overlap, double most_bulge, double tolerance,
-                       int max_evaluations)
+                       int max_evaluations, const Tuning &tuned)
     : Pointers(lmp),
       tolerance(tolerance),
       kernels(kernels),
-      tuning(Tuning::from_environment()),
+      tuning(tuned.changed_by_environment()),
       list(lmp, kernels, tuning, in_space, curved, bulge_per_overlap, most_bulge),
       max_evaluations(max_evaluations),
       linear(kernels, tuning)
@@ -164,14 +167,12 @@ void DualSolver::begin_call()
                bend = successive_calls >= QUADRATIC ? 1.0 : 0.0;
   const bool is_cubic = successive_calls == CUBIC && !minimizing() && tuning.cubic != 0.0;
   // third differences of forces that are no kink; after forces that no particle could bear each one counts
-  const double smooth = tuning.smooth * limit(planned_from) / p.unit();
-  constexpr double INFINITE = std::numeric_limits<double>::infinity();
+  const double small = limit(planned_from) / p.unit();
+  const double smooth = std::isfinite(small) ? tuning.smooth * small : 0.0;
   batches.scale = p.scale;
   kernels.extrapolate(arrays(),
                       {slope, bend, is_cubic ? 1.0 : 0.0,
-                       !is_cubic               ? INFINITE
-                       : std::isfinite(smooth) ? smooth
-                                               : 0.0},
+                       is_cubic ? smooth : std::numeric_limits<double>::infinity()},
                       0, p.size);
   for (int k = 0; k < p.size && p.sticks; ++k)
     if (p.past[k] == deformable::UNKNOWN_FORCE) p.force[k] = 0.0;
@@ -232,6 +233,7 @@ bool DualSolver::balance()
   if (lines) lines->begin();
   Evaluation now = first_evaluation();
 
+  local_corrections = 0;
   int anew = 0;
   // beyond confluence there may be no balance
   double halved = std::numeric_limits<double>::infinity();
@@ -265,7 +267,7 @@ bool DualSolver::balance()
     }
     if (!std::isfinite(now.force)) break;
     lose_track();
-    now = correct(now);
+    if (!correct_some(now)) now = correct(now);
   }
   if (!now.exists) summary.termination = Termination::NO_SHAPE;
   if (lines) {
@@ -311,8 +313,10 @@ Evaluation DualSolver::evaluate_and_correct()
 {
   is_corrected = true;
   Stages stages = {Stage::SHAPE, Stage::LOOK};
-  if (relaxation.begin(tuning, tolerance, planned_from.force))
+  if (relaxation.begin(tuning, tolerance, planned_from.force)) {
+    std::fill(step.begin(), step.end(), 0.0F);
     stages.insert(stages.end(), {Stage::WAIT, Stage::RELAX, Stage::RESHAPE, Stage::LOOK});
+  }
   stages.insert(stages.end(), linear.plan(accuracy(planned_from)), Stage::CORRECT);
   const Stage shape = shape_after(planned_from);
   stages.insert(stages.end(), {Stage::STEP, shape, Stage::LOOK});
@@ -323,13 +327,90 @@ Evaluation DualSolver::evaluate_and_correct()
     now = evaluate();
     now.slope = slope;
   }
-  constexpr double BETTER = 0.5;
   return line_search(accept(now, planned_from, true, true), BETTER * planned_from.imbalance);
+}
+
+/* ----------------------------------------------------------------------
+   Where a contact opens or closes, or a particle bears hardly anything, the
+   imbalance is many times that of all others, and what corrects it decays
+   within a few particles. So its block and the neighbors of that are corrected
+   on their own, with the forces on all others held. False: all have to be
+   corrected. The state may be another one then too.
+------------------------------------------------------------------------- */
+
+bool DualSolver::correct_some(Evaluation &now)
+{
+  constexpr int OFTEN = 4;
+  if (local_corrections == OFTEN || summary.evaluations + 2 >= allowed || lines ||
+      !linear.knows_bounds() || !now.exists || now.imbalance <= limit(now) ||
+      now.norm2 == 0.0)    // only particles without force touch
+    return false;
+  BlockLevels::Choice chosen(blocks.count());
+  for (int k = 0; k < blocks.count(); ++k) chosen[k] = of_blocks[k].error > limit(now);
+  blocks.widen(chosen);
+  const bool many = std::count(chosen.begin(), chosen.end(), 1) > tuning.few * blocks.count();
+  if (list.remote_sides.largest(many) > 0.0) return false;
+
+  ++local_corrections;
+  const Evaluation from = now;
+  Stages stages(linear.plan(accuracy(from)), Stage::CORRECT);
+  stages.insert(stages.end(), {Stage::STEP, shape_after(from)});
+  hold_others(chosen);
+  for (OfBlock &of : of_blocks) of.slope = 0.0;
+  const Evaluation stepped = run(stages, nullptr, &chosen);
+  list.remote_sides.exchange(list.pairs.side[0].data() + list.pairs.remote, batches.contacts,
+                             batches.indentation.data(), batches.compliance.data());
+  BlockLevels::Choice seen = chosen;
+  blocks.widen(seen);
+  blocks.add_borders(seen);
+  now = run({Stage::LOOK}, nullptr, &seen);
+  now.exists &= stepped.exists;
+  now.slope = stepped.slope;
+  if (now.exists && linear.is_sound(now.slope, from.norm2 * unit_of_energy()) &&
+      now.imbalance <= NO_WORSE * from.imbalance)
+    return true;
+  for (int block = 0; block < blocks.count(); ++block)
+    if (chosen[block])
+      blocks.for_pairs(block, [this](int begin, int end, double) { move(1.0, 0.0, begin, end); });
+  now = evaluate();
+  local_corrections = OFTEN;
+  return false;
+}
+
+// Pairs with particles of other blocks take no part: no step changes them. The products of the other particles are set to 0,
+// because nobody computes them.
+void DualSolver::hold_others(const BlockLevels::Choice &chosen)
+{
+  const NearPairs &p = list.pairs;
+  const ContactBatches &b = batches;
+  const deformable::RingBatches all = batches.arrays();
+  const auto is_chosen = [&](int particle) {
+    return chosen[BlockLevels::of_ring(b.place[particle])] != 0;
+  };
+  const auto drop_product = [&](int contact) {
+    for (const int k : {0, 1}) LinearSolver::products(all, k)[contact] = 0.0F;
+  };
+  // of other ranks, as their contacts
+  std::vector<double> are_chosen(comm->nprocs > 1 ? b.indentation.size() : 0);
+  const int *const side = p.side[0].data();
+  for (int k = p.remote; k < p.wall; ++k) are_chosen[side[k]] = is_chosen(p.i[k]);
+  list.remote_sides.exchange(side + p.remote, b.contacts, are_chosen.data());
+  for (int k = p.remote; k < p.wall; ++k)
+    if (!is_chosen(p.i[k])) drop_product(side[k]);
+  for (int c = 0; c < b.contacts; ++c) {
+    const int k = b.seat[c] >> 1;
+    if (k >= p.wall || !is_chosen(b.seat[c] & 1 ? p.second(k) : p.i[k])) continue;
+    if (k >= p.remote ? are_chosen[b.partner[c]] != 0.0
+                      : is_chosen(b.seat[c] & 1 ? p.i[k] : p.second(k)))
+      continue;
+    residual[k] = step[k] = 0.0F;
+    weight[k] = -std::fabs(weight[k]);
+    drop_product(b.partner[c]);
+  }
 }
 
 Evaluation DualSolver::correct(const Evaluation &from)
 {
-  constexpr double BETTER = 0.5, NO_WORSE = 2.0;    // than before a step, that needs no search
   if (from.of_lines > 0.0) {                        // only lines are missing
     lines->take();
     return evaluate();
@@ -383,15 +464,13 @@ DualSolver::Stage DualSolver::shape_after(const Evaluation &from) const
 
 /* ----------------------------------------------------------------------
    Accept: the state after a step; where that leads astray, the one before it,
-   or one after a step of each pair alone. Within the bounds of the spectrum no
-   step has another slope; outside of them iterations diverge.
+   or one after a step of each pair alone.
 ------------------------------------------------------------------------- */
 
 Evaluation DualSolver::accept(Evaluation now, const Evaluation &from, bool iterated,
                               bool has_shapes)
 {
-  const double most = linear.largest_slope(from.norm2) * unit_of_energy();
-  if (iterated && !(now.slope > 0.0 && now.slope <= most)) {
+  if (iterated && !linear.is_sound(now.slope, from.norm2 * unit_of_energy())) {
     linear.doubt_bounds();
     move(1.0, 0.0);
     return evaluate();
@@ -444,10 +523,10 @@ Evaluation DualSolver::line_search(Evaluation now, double enough)
 }
 
 // Along the last step, from this part of it to that one. Single precision has the smaller one of two numbers well.
-void DualSolver::move(double from, double to)
+void DualSolver::move(double from, double to, int begin, int end)
 {
   const PairArrays a = arrays();
-  for (int k = 0; k < list.pairs.size; ++k) {
+  for (int k = begin; k < end; ++k) {
     const double before = a.before[k], change = a.step[k], force = a.force[k];
     const bool is_small = std::fabs(change) < std::fabs(before);
     const double moved = is_small    ? force + (to - from) * change * a.unit
@@ -551,8 +630,10 @@ PairArrays DualSolver::arrays()
   return a;
 }
 
-// Returns what the last stage LOOK has found in all blocks; the one before the corrections, unless null.
-Evaluation DualSolver::run(const Stages &stages, Evaluation *before)
+// Returns what the last stage LOOK has found in all blocks; the one before the corrections, unless null. If only some blocks
+// are chosen, the others stay as they are.
+Evaluation DualSolver::run(const Stages &stages, Evaluation *before,
+                           const BlockLevels::Choice *chosen)
 {
   const deformable::RingBatches rings = batches.arrays();
   deformable::RingBatches here = rings;    // of the block that has its turn
@@ -560,7 +641,9 @@ Evaluation DualSolver::run(const Stages &stages, Evaluation *before)
       static_cast<int>(std::count(stages.begin(), stages.end(), Stage::CORRECT));
   const int first = static_cast<int>(std::find(stages.begin(), stages.end(), Stage::CORRECT) -
                                      stages.begin());    // from 0; stages count from 1
-  of_blocks.assign((before ? 2 : 1) * blocks.count(), {});
+  of_blocks.resize((before ? 2 : 1) * blocks.count());
+  for (std::size_t block = 0; block < of_blocks.size(); ++block)
+    if (!chosen || (*chosen)[block]) of_blocks[block] = {};
   bool exist = true;
   blocks.run(
       static_cast<int>(stages.size()),
@@ -579,7 +662,8 @@ Evaluation DualSolver::run(const Stages &stages, Evaluation *before)
         else if (done == Stage::SHAPE || done == Stage::ADAPT)
           list.remote_sides.exchange(side, batches.contacts, batches.indentation.data(),
                                      batches.compliance.data());
-      });
+      },
+      chosen);
   if (stages.back() == Stage::LOOK) ++summary.evaluations;
   if (before) {
     ++summary.evaluations;
@@ -606,8 +690,9 @@ void DualSolver::work(Stage stage, int block, int iteration, deformable::RingBat
       relaxation.relax(block, kernels, blocks, list.pairs, batches, loop);
       break;
     case Stage::RESHAPE:
-      relaxation.take_turned(
-          here, [&](const deformable::RingBatches &turned) { exist &= shape(turned); });
+      relaxation.take_turned(here, [&](const deformable::RingBatches &turned) {
+        exist &= reshape(turned, step.data(), loop.unit);
+      });
       break;
     case Stage::CORRECT: linear.iterate(here, loop, iteration); break;
     case Stage::STEP:

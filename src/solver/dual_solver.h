@@ -97,7 +97,8 @@ class DualSolver : protected Pointers {
  protected:
   // See PairList for the bulges.
   DualSolver(class LAMMPS *, const deformable::ForceKernels &, bool in_space, bool curved,
-             double bulge_per_overlap, double most_bulge, double tolerance, int max_evaluations);
+             double bulge_per_overlap, double most_bulge, double tolerance, int max_evaluations,
+             const Tuning &tuning = {});
 
   // The law. Radii and stiffnesses of all particles, and the units of pairs; `arranged`: contacts are new, and `batches` has
   // other places.
@@ -107,6 +108,11 @@ class DualSolver : protected Pointers {
   // outlines. False: a particle has no shape.
   virtual bool shape(const deformable::RingBatches &) = 0;
   virtual bool adapt(const deformable::RingBatches &, const float *changes, double unit) = 0;
+  // The same after pairs were relaxed, by these changes.
+  virtual bool reshape(const deformable::RingBatches &batch, const float *, double)
+  {
+    return shape(batch);
+  }
   virtual void find_slopes(const deformable::RingBatches &) {}
   // After a solution: how far outlines bulge; false on all ranks: particles have no room, and forces no limit.
   virtual bool has_room() { return true; }
@@ -178,6 +184,8 @@ class DualSolver : protected Pointers {
   bool balance();
   Evaluation first_evaluation();
   Evaluation evaluate_and_correct();
+  int local_corrections = 0;    // of this solution
+  bool correct_some(Evaluation &);
   Evaluation correct(const Evaluation &);
   double accuracy(const Evaluation &) const;
   Stage shape_after(const Evaluation &) const;
@@ -188,11 +196,14 @@ class DualSolver : protected Pointers {
   bool may_go_on() const { return summary.evaluations < allowed; }
 
   deformable::PairArrays arrays();
-  Evaluation run(const Stages &, Evaluation *before = nullptr);
+  Evaluation run(const Stages &, Evaluation *before = nullptr,
+                 const BlockLevels::Choice *chosen = nullptr);
   Evaluation evaluate() { return run({Stage::SHAPE, Stage::LOOK}); }
   void work(Stage, int block, int iteration, deformable::RingBatches &, OfBlock &, bool &exist);
   Evaluation sum_up(int first, bool exist) const;
-  void move(double from, double to);
+  void hold_others(const BlockLevels::Choice &);
+  void move(double from, double to) { move(from, to, 0, list.pairs.size); }
+  void move(double from, double to, int begin, int end);
   double slope_at_end();
   double step_alone();
   double unit_of_energy() const { return list.pairs.length * list.pairs.unit(); }

@@ -98,7 +98,8 @@ void Films::take()
   constexpr double PART = 0.5;
   NearPairs &p = *pairs;
   kernels.take_films(arrays({}, nullptr, 1.0), 0, p.size);
-  for (int k = 0; k < p.size; ++k) {    // what is at the end of its range stays there
+  // a force that was at its lower bound is set to the new bound
+  for (int k = 0; k < p.size; ++k) {
     const bool bears = p.force[k] > p.least[k];
     p.least[k] = -2.0 * next_pull[k];
     p.force[k] = bears ? std::max(p.force[k], p.least[k]) : p.least[k];

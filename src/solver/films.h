@@ -62,7 +62,7 @@ class Films {
   bool would_change(int k, bool may_attach) const;
   int ring_of(int k, int side) const;
   void agree();
-  // The first forces of a solution continue the last ones, whose least force is not known any more.
+  // At the start of a solution the lower bound of an attached pair is not known yet: there is none.
   double least_until_taken(int k) const
   {
     return pairs->attached[k] ? deformable::UNKNOWN_FORCE : 0.0;

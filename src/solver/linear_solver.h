@@ -36,8 +36,12 @@ class LinearSolver {
   bool knows_bounds() const { return highest > 0.0 && !are_doubted; }
   int plan(double accuracy);    // the same without conjugate gradients
 
-  // r x of all pairs cannot be larger within the bounds, but for what steps do to pairs that open or close.
-  double largest_slope(double norm2) const { return 2.0 * norm2 / lowest; }
+  // Whether a step x may have this slope r x. Within the bounds of the spectrum none has another one, but for what steps do to
+  // pairs that open or close; outside of them iterations diverge. norm2: in units of the slope.
+  bool is_sound(double slope, double norm2) const
+  {
+    return slope > 0.0 && slope <= 2.0 * norm2 / lowest;
+  }
 
   // Iteration k of some rings, from 1 on, and the products that it leaves, by contact.
   void iterate(deformable::RingBatches, const deformable::PairArrays &, int k) const;

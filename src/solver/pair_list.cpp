@@ -188,7 +188,7 @@ void PairList::guess_bulges(const Particles &p)
       if (j < nlocal && unknown[j]) bulge[j] += bulge_per_overlap * overlap;
     }
   }
-  if (!p.walls->empty())
+  if (pairs.in_space && !p.walls->empty())
     p.refusals->collect([&] {
       for (int ii = 0; ii < p.list->inum; ++ii) {
         const int i = p.list->ilist[ii];

@@ -92,6 +92,7 @@ void PairRelaxation::relax(int block, const deformable::ForceKernels &kernels,
     if (!may_change(i, size) || !may_change(j, size)) continue;
     a.force[k] += change;
     const float by = static_cast<float>(change / a.unit);
+    a.step[k] += by;
     turn(b, a, i, p.side[0][k], by);
     if (k < p.wall) turn(b, a, j, p.side[1][k], by);
   }

@@ -33,7 +33,7 @@ class PairRelaxation {
 
   // Relaxes the pairs whose first ring is in the block, then those that this brings out of balance, in this block and its
   // neighbors. Rings of a batch do not change if one of them touches a ring of another rank, which would not learn of it.
-  // Forces and residuals are those after that, to first order in the changes of forces.
+  // Forces and residuals are those after that, to first order in the changes of forces, which are added to steps.
   void relax(int block, const deformable::ForceKernels &, const BlockLevels &, const NearPairs &,
              const ContactBatches &, const deformable::PairArrays &);
 

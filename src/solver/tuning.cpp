@@ -7,9 +7,9 @@
 using namespace LAMMPS_NS;
 
 // An unknown name, or a value that is no number, ends the program: this is for developers.
-Tuning Tuning::from_environment()
+Tuning Tuning::changed_by_environment() const
 {
-  Tuning t;
+  Tuning t = *this;
   const char *const given = std::getenv("DEFORMABLE_TUNING");
   if (!given) return t;
   const std::map<std::string, double *> members = {{"margin", &t.margin},
@@ -27,6 +27,7 @@ Tuning Tuning::from_environment()
                                                    {"of_tolerance", &t.of_tolerance},
                                                    {"of_square", &t.of_square},
                                                    {"of_lines", &t.of_lines},
+                                                   {"few", &t.few},
                                                    {"small_step", &t.small_step},
                                                    {"chebyshev", &t.chebyshev},
                                                    {"spectrum", &t.spectrum},

@@ -23,7 +23,7 @@ struct Tuning {
 
   // The first forces of a call
   double cubic = 1.0;       // 0: a quadratic
-  double smooth = 300.0;    // of the tolerance: smaller third differences are no kink [0, infinity]
+  double smooth = 300.0;    // of the tolerance: smaller third differences are no kink [0, 1e300]
   double planned = 1.0;     // 0: evaluate before it is known how far to correct
 
   // Pairs that are relaxed one by one before all are corrected (PairRelaxation)
@@ -38,6 +38,9 @@ struct Tuning {
   double of_square = 10.0;      // nor than so many squares, which Newton's method leaves [0.1, 10]
   double of_lines = 0.03;       // nor than what lines bring back of it
 
+  // A correction of some blocks alone: where no more than this part of them is not balanced, with their neighbors; 0: never
+  double few = 0.25;    // [0.1, 0.25]
+
   // After small steps shapes are adapted in single precision
   double small_step = 1e4;    // of the tolerance; 0: never [0, 1e4]
 
@@ -51,7 +54,7 @@ struct Tuning {
   // Evaluations that do not halve the imbalance, after which there may be no balance
   double stuck = 200.0;
 
-  static Tuning from_environment();
+  Tuning changed_by_environment() const;
 };
 
 }    // namespace LAMMPS_NS

@@ -49,13 +49,13 @@ def test_distance_of_any_polygon(sides, x, y):
     if found is None:
         assert expected < 1e-9
         return
-    nx, ny, height, per_lever = found
+    nx, ny, height, turn = found
     assert height == pytest.approx(expected, abs=1e-9)
     assert np.hypot(nx, ny) == pytest.approx(1, rel=4 * EPSILON)
     # the point is on the polygon, and no point of the polygon is beyond its contact line
     at = np.array([x + height * nx, y + height * ny])
     assert clipped(*planes).distance(Point(at)) < 1e-9
-    assert per_lever in (0, pytest.approx(1 / height))
+    assert turn in (0, pytest.approx(1 / height))
 
 
 @given(sides=polygons, x=coordinates, y=coordinates, direction=st.floats(0, 2 * np.pi))
@@ -95,10 +95,10 @@ def test_segment(angle, length, x, y):
     planes = [c, -s, -c, s], [s, c, -s, -c], [1 + length, 0.2, -1.0, -0.2]
     along, across = c * x + s * y, -s * x + c * y - 0.2
     assume(abs(across) > 1e-9)
-    height, per_lever = core.nearest_on_polygon(*planes, x, y)[2:]
+    height, turn = core.nearest_on_polygon(*planes, x, y)[2:]
     beyond = max(1 - along, 0.0, along - 1 - length)
     assert height == pytest.approx(np.hypot(beyond, across), rel=1e-12, abs=1e-14)
-    assert per_lever == pytest.approx(0 if beyond < 1e-13 else 1 / height)
+    assert turn == pytest.approx(0 if beyond < 1e-13 else 1 / height)
 
 
 def test_center_on_the_line_of_a_segment():
@@ -191,3 +191,13 @@ def test_scene_inside_of_a_polygon():
     assert scene.nearest([1.9], [0.5]).tolist() == [pytest.approx([-1, 0, -0.1, 0])]
     with pytest.raises(ValueError, match="one value for each"):
         scene.nearest([1.0], [0.5, 2.0])
+
+
+def test_middles_have_any_direction():
+    scene = core.Scene(0, 0, 0)
+    scene.add_round(1, 2, 2.0, True)
+    scene.add_round(1, 2, 2.0, False)
+    found = scene.nearest([1], [2])
+    assert np.linalg.norm(found[:, :2], axis=1) == pytest.approx(1)
+    assert found[:, 2].tolist() == [2, -2]
+    assert np.isinf(found[:, 3]).all()

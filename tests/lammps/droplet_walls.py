@@ -53,7 +53,7 @@ def force_on_walls(scene, fix="walls"):
 def at_walls(scene):
     """The rows of contacts with walls."""
     rows = scene.contacts()
-    return rows[rows[:, 1] == 0]
+    return rows[rows[:, 1] < 0]
 
 
 # Eight droplets around the origin touch all of their walls.

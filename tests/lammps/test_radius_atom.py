@@ -87,7 +87,7 @@ def test_walls(style):
     radii = np.array([0.5, 0.49, 0.505, 0.497])
     options = {"boundary": "f f p", "commands": ROOM_OF_FOUR + CONTACTS, "radii": radii}
     found = contacts(Scene(FOUR, ["any"] * 4, BOX, f"{style} radius atom", **options))
-    wall = found["partner"] == 0
+    wall = found["partner"] < 0
     assert wall.sum() == 8
     i, turn = found["atom"][wall].astype(int) - 1, np.rint(found["angle"][wall] / (np.pi / 2))
     side = turn.astype(int) % 4  # right, up, left, down

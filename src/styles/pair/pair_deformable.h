@@ -44,7 +44,7 @@ struct RecordedLine {
 // A contact from one of its two sides.
 struct RecordedContact {
   int atom;
-  tagint partner;    // 0: a wall
+  tagint partner;    // its ID, or the number of a wall
   double indentation, length, force;
   double x, y;        // point of the line that is nearest to the center
   double angle;       // of the direction to the line
@@ -83,6 +83,8 @@ class PairDeformable : public Pair {
   // Of a wall's code.
   FixDeformableWall &wall(int code) const { return *walls[(-1 - code) % walls.size()]; }
   int wall_feature(int code) const { return (-1 - code) / static_cast<int>(walls.size()); }
+  // In tables of contacts: -1 - k of all walls of fix k, from 0.
+  int wall_number(int code) const { return -1 - (-1 - code) % wall_count(); }
   // The code of the first feature of the same obstacle: it stays where a particle turns around a corner.
   int wall_key(int code) const
   {

@@ -147,9 +147,9 @@ void PairDeformable::push_block()
 }
 
 /* ----------------------------------------------------------------------
-   The mirror image comes nearer by twice the way of the wall. The wall exerts
-   the torque dU/dtheta about the center: beyond that of (along, across) at the
-   nearest point, its force acts beside this point.
+   d(mirror image)/d(wall) = 2. If dU/dtheta is not the torque of the force at
+   the nearest point, the point of action lies beside it, by `shift` along the
+   wall.
 ------------------------------------------------------------------------- */
 
 PairDeformable::WallPush PairDeformable::push_of(const WallContact &wall, const Place &place)

@@ -1,11 +1,10 @@
 #include "styles/pair/pair_deformable_ring.h"
 
-#include "styles/lammps_release.h"
-#include "styles/refusals.h"
-
 #include "laws/contact.h"
 #include "laws/parameter_rules.h"
 #include "laws/support.h"
+#include "styles/lammps_release.h"
+#include "styles/refusals.h"
 
 #include "comm.h"
 #include "error.h"
@@ -320,4 +319,382 @@ void PairDeformableRing::refuse_bulge(int i, const Contacts &contacts, int partn
 double PairDeformableRing::memory_usage()
 {
   return PairDeformable::memory_usage() + (balanced ? balanced->memory_usage() : 0.0);
+}
+
+/* ----------------------------------------------------------------------
+   Forces and results of balanced contacts.
+------------------------------------------------------------------------- */
+
+void PairDeformableRing::evaluate_balanced(bool new_material)
+{
+  Particles particles = {list,         &materials, radii.data(), radius_by_atom,
+                         &walls,       reach,      smallest,     neighbor->ago == 0,
+                         new_material, &refusals,  &adhesions,   films};
+  const auto push = [this](int begin, int end, double part, bool is_final) {
+    push_part = part;
+    push_pairs(begin, end, is_final);
+  };
+  bool goes_on = balanced->solve(particles, push);
+  if (balanced->lacks_room() && materials.yield == 0.0 && may_give_way()) {
+    begin_to_give_way();
+    balanced->forget();
+    particles.new_list = false;
+    particles.new_material = true;
+    goes_on = balanced->solve(particles, push);
+  }
+  if (balanced->lacks_room()) {
+    const int crushed = balanced->without_room();
+    const int contacts_of_it = crushed < 0 ? 0 : balanced->ring(crushed).contacts;
+    balanced->forget();
+    refusals.collect([&] {
+      if (crushed >= 0) no_shape(crushed, contacts_of_it);
+    });
+    refusals.stop();
+  }
+  if (!goes_on) {
+    refusals.collect([this] { refuse_pair(balanced->refused_pair()); });
+    refusals.stop();
+  }
+  if (films && update->whichflag == 1 && !update->setupflag) films->lose(balanced->lost_energy());
+  push_part = 1.0;
+  if (rubbing) load_contacts_of_pairs();
+  pvector[4] = balanced->limited_lines();
+  giving_way = materials.yield > 0.0 ? balanced->giving_way() : 0;
+  if (eflag_global) eng_vdwl += balanced->energy();
+  refusals.collect([this] {
+    if (eflag_atom || needs_shapes() || neighbor->ago == 0)
+      for (int ii = 0; ii < list->inum; ++ii) finish_balanced(list->ilist[ii]);
+    else
+      for (const int i : balanced->crowded_rings()) finish_balanced(i);
+  });
+  if (comm->me != 0) return;    // compute pair sums over ranks
+  pvector[5] = films ? films->compute_scalar() : 0.0;
+  pvector[2] = balanced->summary.evaluations;
+  pvector[3] = balanced->summary.imbalance;
+  pvector[7] = static_cast<int>(balanced->summary.termination);
+}
+
+// The line lies behind the smaller one.
+void PairDeformableRing::refuse_pair(int k)
+{
+  if (k < 0) return;
+  int i = balanced->pairs().i[k], j = balanced->pairs().j[k];
+  if (radii[i] > radii[j]) std::swap(i, j);
+  const double *const *const x = atom->x;
+  refuse_behind_center(i, j, x[j][0] - x[i][0], x[j][1] - x[i][1]);
+}
+
+/* ----------------------------------------------------------------------
+   The force on the first particle of a pair: this share of the one along the
+   line of centers, and the one across it from these slopes.
+------------------------------------------------------------------------- */
+
+Push PairDeformableRing::push_of(int k, const NearPairs::Centers &centers, double share,
+                                 double slope) const
+{
+  const NearPairs &p = balanced->pairs();
+  const double force = push_part * p.force[k];
+  const double along = -share * force * centers.cosine, across = -force * slope * p.per_distance[k];
+  return {along * centers.nx - across * centers.ny, along * centers.ny + across * centers.nx};
+}
+
+/* ----------------------------------------------------------------------
+   The force f cos(tilt) along the line of centers, and dU/dtheta over the lever
+   across it, of both rings. That is f along the normal of a line whose torques
+   balance, and the derivative of the energy for any tilt. Of a pair that two
+   ranks share each adds the part of its own ring. With f r the sum of energies
+   is the dual energy, whose error is O(r^2).
+------------------------------------------------------------------------- */
+
+void PairDeformableRing::push_pairs(int begin, int end, bool counts_energy)
+{
+  const NearPairs &p = balanced->pairs();
+  double *const f = atom->f[0];
+  const bool plain = begin < p.remote && !p.curved && !eflag_atom && !vflag_either;
+  const bool sums_energy = counts_energy && eflag_either;
+  const int usual = plain ? end : begin;
+  double rest_of_usual = 0.0;
+  for (int k = begin; k < usual && sums_energy && eflag_global; ++k)
+    rest_of_usual += p.force[k] * balanced->left(k);
+  eng_vdwl += rest_of_usual;
+  // usual pairs of which only forces count: the same sums as below
+  for (int k = begin; k < usual; ++k) {
+    const double force = p.force[k], nx = p.nx[k], ny = p.ny[k];
+    const double slope = balanced->outline_slope(k, 0) + balanced->outline_slope(k, 1);
+    const double across = force * slope * p.per_distance[k];
+    const double px = -force * nx + across * ny, py = -force * ny - across * nx;
+    double *const of_i = f + 3 * p.i[k], *const of_j = f + 3 * p.j[k];
+    of_i[0] += px;
+    of_i[1] += py;
+    of_j[0] -= px;
+    of_j[1] -= py;
+  }
+  for (int k = usual; k < end; ++k) {
+    const double force = p.force[k];
+    const int i = p.i[k], j = p.j[k];
+    const bool is_wall = k >= p.wall, is_remote = !is_wall && k >= p.remote;
+    double slope = balanced->outline_slope(k, 0);
+    if (!is_wall && !is_remote) slope += balanced->outline_slope(k, 1);
+    const NearPairs::Centers centers = p.centers(k);
+    const double nx = centers.nx, ny = centers.ny;
+    const auto [px, py] = push_of(k, centers, is_remote ? 0.5 : 1.0, slope);
+    if (sums_energy) {
+      const double rest = balanced->energy_left(k);
+      if (eflag_global) eng_vdwl += is_remote ? 0.5 * rest : rest;
+      if (eflag_atom) {
+        eatom[i] += is_wall ? rest : 0.5 * rest;
+        if (!is_wall && !is_remote) eatom[p.second(k)] += 0.5 * rest;
+      }
+    }
+    if (is_wall) {
+      if (force == 0.0) continue;
+      // The wall exerts the torque dU/dtheta about the center: its force acts beside the nearest point.
+      const double height = radii[i] - p.overlap[k];
+      const double shift = -(1.0 - height * p.per_distance[k]) * slope;
+      push_wall(i, j, px, py, {p.angle[k], nx, ny, p.overlap[k]}, shift);
+      continue;
+    }
+    f[3 * i] += px;
+    f[3 * i + 1] += py;
+    f[3 * j] -= px;
+    f[3 * j + 1] -= py;
+    if (vflag_either) {
+      const double d = 1.0 / p.per_distance[k];
+      ev_tally_xyz(i, j, atom->nlocal, 1, 0.0, 0.0, px, py, 0.0, -nx * d, -ny * d, 0.0);
+    }
+  }
+}
+
+/* ----------------------------------------------------------------------
+   The film of a line that is at rest lies beside the foot of the center by the
+   slope of its outline. A line that stays perpendicular to the line of centers
+   is loaded there.
+------------------------------------------------------------------------- */
+
+void PairDeformableRing::load_contacts_of_pairs()
+{
+  const NearPairs &p = balanced->pairs();
+  for (int k = 0; k < p.size; ++k) {
+    if (!(p.force[k] > 0.0) && !(p.sticks && p.attached[k])) continue;
+    const int i = p.i[k];
+    const double height = radii[i] - balanced->indentation(k, 0);
+    double shift = 0.0;
+    if (k >= p.wall)
+      shift = -(1.0 - height * p.per_distance[k]) * balanced->outline_slope(k, 0);
+    else if (p.curved)
+      shift = -balanced->outline_slope(k, 0);
+    loaded.push_back({i, p.j[k], k < p.wall ? p.second(k) : -1, p.nx[k], p.ny[k], height, shift,
+                      p.force[k], false});
+  }
+}
+
+/* ---------------------------------------------------------------------- */
+
+void PairDeformableRing::finish_balanced(int i)
+{
+  const RingSolver::Ring ring = balanced->ring(i);
+  if (eflag_atom) eatom[i] += ring.energy.value;
+  const bool is_circle = ring.energy.value == 0.0, is_beyond = ring.arc_radius < 0.0;
+  beyond_model += is_beyond;
+  if (is_circle) return store_circle(i, ring.energy.derivative);
+  if (!needs_shapes() && !is_beyond && neighbor->ago != 0) return;
+
+  const NearPairs &p = balanced->pairs();
+  const Contacts row = {balanced->shape_of(i, contacts, seats, shape), contacts.data()};
+  // the particle or wall of a contact
+  const auto partner = [&](int c) {
+    const int k = seats[c] >> 1;
+    return seats[c] & 1 ? p.i[k] : p.j[k];
+  };
+  if (neighbor->ago == 0 && !is_within_reach(i, row)) refuse_bulge(i, row, partner(deepest(row)));
+  for (int c = 0; c < row.size; ++c) {
+    const int k = seats[c] >> 1, other = partner(c);
+    double &length = shape.contact[c].length;
+    length = balanced->line_length(i, k, length);
+    const double distance = other < 0 ? radii[i] - row[c].indentation : 1.0 / p.per_distance[k];
+    // each of two particles has half of the force along the line of centers
+    const int side = seats[c] & 1;
+    Push push = push_of(k, p.centers(k), other < 0 ? 1.0 : 0.5, balanced->outline_slope(k, side));
+    if (side) push = {-push.fx, -push.fy};
+    RecordedLine line = {balanced->tilt(k), balanced->half_angle(k)};
+    if (side) line.half_angle = -line.half_angle;
+    if (p.sticks && p.attached[k]) {
+      line.contact_angle = 2.0 * std::atan(p.film_angle[side][k]);
+      line.attached = other < 0 ? other : 1.0;
+    }
+    record(i, other, row[c], length, p.force[k], push, distance, line);
+  }
+  store_shape(i, row, ring.energy.derivative);
+  const double r = ring_radius_of(i);
+  if (is_beyond && PI * r * r <= shape.area_deficit)
+    for (int c = 0; c < row.size; ++c)
+      if (partner(c) >= 0 && shape.contact[c].length > 0.0) check_own_image(i, partner(c));
+}
+
+/* ----------------------------------------------------------------------
+   Stiffness and line tension of single particles: the custom properties d_kA
+   and d_tension of fix property/atom.
+------------------------------------------------------------------------- */
+
+int PairDeformableRing::property_of_atoms(const std::string &name) const
+{
+  int is_double = 0, columns = 0;
+  const int index = atom->find_custom(name.c_str(), is_double, columns);
+  if (index < 0 || !is_double || columns > 0)
+    error->all(
+        FLERR,
+        "pair_style deformable/ring {0} atom needs a value of each particle: use 'fix ID all "
+        "property/atom d_{0}', and give values by 'set' or a data file",
+        name);
+  return index;
+}
+
+// Fixes may have come and gone since the last run.
+void PairDeformableRing::find_properties()
+{
+  if (kA_by_atom) kA_of_atoms = property_of_atoms("kA");
+  if (tension_by_atom) tension_of_atoms = property_of_atoms("tension");
+}
+
+/* ----------------------------------------------------------------------
+   The rules of species files, for each particle, as values may change at any
+   time.
+------------------------------------------------------------------------- */
+
+void PairDeformableRing::check_properties()
+{
+  std::vector<double> adhesion(species.size(), 0.0);    // the largest one of a type
+  for (std::size_t i = 1; i < species.size() && adhesions.any(); ++i)
+    for (std::size_t j = 1; j < species.size(); ++j)
+      adhesion[i] = std::max(adhesion[i], adhesions.between(i, j));
+  for (int ii = 0; ii < list->inum; ++ii) {
+    const int i = list->ilist[ii];
+    const Stiffness k = stiffness_of(i);
+    const Species &s = materials.species_of(i);
+    std::string wrong = invalid_stiffness(k);
+    if (wrong.empty()) wrong = unstable_radius(ring_radius_of(i), k);
+    if (wrong.empty()) wrong = invalid_for_adhesion(adhesion[atom->type[i]], k, s.skin);
+    if (wrong.empty()) continue;
+    refuse("Atom {} of species {}: {} ({} of fix property/atom)", atom->tag[i], s.name, wrong,
+           kA_by_atom ? tension_by_atom ? "d_kA and d_tension" : "d_kA" : "d_tension");
+  }
+}
+
+/* ----------------------------------------------------------------------
+   Particles of kA = inf whose contacts leave no room for their area: motion
+   stops, a minimization separates them.
+------------------------------------------------------------------------- */
+
+/* ----------------------------------------------------------------------
+   From the first force call without room on, until the end of a minimization,
+   areas give way beyond a pressure (stiffness.h): hardly above the one at rest
+   at first, because the outlines of firmer particles bulge too far between
+   their neighbors. It grows in each iteration, so that particles of any
+   pressure that are left at the end are incompressible.
+------------------------------------------------------------------------- */
+
+static double yield_after(bigint iterations)
+{
+  constexpr double FIRST = 1.5, GROWTH = 1.01, MOST = 100.0;    // where no pressure of a shape is
+  return std::min(FIRST * std::pow(GROWTH, static_cast<double>(iterations)), MOST);
+}
+
+bool PairDeformableRing::may_give_way() const
+{
+  if (update->whichflag != 2) return false;
+  if (kA_by_atom) return true;
+  return std::any_of(species.begin(), species.end(), [](const Species &s) {
+    return !s.name.empty() && std::isinf(s.stiffness.kA);
+  });
+}
+
+// Returns whether materials are others than at the last call.
+bool PairDeformableRing::choose_yield()
+{
+  const double before = materials.yield;
+  const bool soft = soft_since != NEVER && may_give_way();
+  materials.yield = soft ? yield_after(update->ntimestep - soft_since) : 0.0;
+  giving_way = 0;
+  return materials.yield != before;
+}
+
+void PairDeformableRing::begin_to_give_way()
+{
+  soft_since = update->ntimestep;
+  materials.yield = yield_after(0);
+}
+
+// Others on all ranks follow at the next call.
+Energy PairDeformableRing::shape_without_room(int i, const Contacts &contacts)
+{
+  Materials soft = materials;
+  if (soft.yield == 0.0 && may_give_way()) soft.yield = yield_after(0);
+  const Energy energy = shape_ring(i, contacts, soft.stiffness_of(i, ring_radius_of(i)));
+  if (!std::isfinite(energy.derivative)) no_shape(i, contacts.size);
+  ++giving_way;
+  return energy;
+}
+
+// The largest adhesion of the contacts that a particle may have.
+double PairDeformableRing::largest_adhesion(int i) const
+{
+  double largest = 0.0;
+  for (int type = 1; type <= atom->ntypes; ++type)
+    largest = std::max(largest, adhesions.between(atom->type[i], type));
+  for (const FixDeformableWall *wall : walls)
+    if (atom->mask[i] & wall->groupbit) largest = std::max(largest, wall->adhesion());
+  return largest;
+}
+
+void PairDeformableRing::no_shape(int i, int contacts)
+{
+  const bool keeps_area = std::isinf(stiffness_of(i).kA);
+  const double adhesion = largest_adhesion(i);
+  refuse("Atom {} has no {}: its {} contacts{} leave no room. {}ompress less, {}or give "
+         "{} a {} kA",
+         atom->tag[i], keeps_area ? "shape that keeps its area" : "stable shape", contacts,
+         adhesion > 0.0 ? fmt::format(" of adhesion {:g}", adhesion) : "",
+         keeps_area && update->whichflag == 1 ? "Begin with 'minimize', which makes room, c" : "C",
+         adhesion > 0.0 ? "take a smaller adhesion, " : "",
+         kA_by_atom ? "it" : "species '" + materials.species_of(i).name + "'",
+         keeps_area ? "finite" : "larger");
+}
+
+int PairDeformableRing::all_giving_way() const
+{
+  int all = 0;
+  MPI_Allreduce(&giving_way, &all, 1, MPI_INT, MPI_SUM, world);
+  return all;
+}
+
+void PairDeformableRing::tell_room()
+{
+  pvector[6] = giving_way;
+  const bool soft = materials.yield > 0.0;
+  if (soft && warned_no_room) return;
+  if (!soft && (balanced || !may_give_way())) return;    // balanced contacts have told all ranks
+  const int number = all_giving_way();
+  if (number == 0) return;
+  if (!soft) begin_to_give_way();
+  if (!warned_no_room && comm->me == 0)
+    error->warning(
+        FLERR,
+        "The contacts of {} of {} particles leave no room for the area that kA = inf "
+        "conserves: in this minimization areas give way until there is room. 'compute ID "
+        "all pair' counts them",
+        number, atom->natoms);
+  warned_no_room = true;
+}
+
+// LAMMPS calls this at the end of each run and minimization.
+void PairDeformableRing::finish()
+{
+  if (soft_since == NEVER) return;
+  soft_since = NEVER;
+  const int number = all_giving_way();
+  if (number > 0 && comm->me == 0)
+    error->warning(FLERR,
+                   "At the end of the minimization the contacts of {} particles of kA = inf still "
+                   "leave no room for their area: minimize further, or compress less",
+                   number);
 }

@@ -70,6 +70,103 @@ FixDeformableWall::FixDeformableWall(LAMMPS *lmp, int narg, char **arg)
   dynamic_group_allow = 1;
 }
 
+static constexpr const char *KEYWORDS[] = {"adhesion", "shear", "load"};
+
+/* ----------------------------------------------------------------------
+   Keywords come last. Returns the number of words before them.
+------------------------------------------------------------------------- */
+
+int FixDeformableWall::read_keywords(int narg, char **arg)
+{
+  const auto is_keyword = [&](const char *word) {
+    return std::any_of(std::begin(KEYWORDS), std::end(KEYWORDS),
+                       [&](const char *keyword) { return std::strcmp(word, keyword) == 0; });
+  };
+  int words = 4;    // a region may be called adhesion
+  while (words < narg && !is_keyword(arg[words])) ++words;
+  for (int iarg = words; iarg < narg;) {
+    if (!is_keyword(arg[iarg]))
+      error->all(FLERR_WORD(iarg),
+                 "Fix {} deformable/wall: unknown word '{}' after {}: only adhesion w, shear dim v "
+                 "and load F m come last",
+                 id, arg[iarg], arg[words]);
+    for (int before = words; before < iarg; ++before)
+      if (!std::strcmp(arg[before], arg[iarg]))
+        error->all(FLERR_WORD(iarg), "Fix {} deformable/wall: {} is there twice", id, arg[iarg]);
+    iarg = read_keyword(iarg, narg, arg);
+  }
+  return words;
+}
+
+// Returns the place of what follows it.
+int FixDeformableWall::read_keyword(int iarg, int narg, char **arg)
+{
+  const std::string keyword = arg[iarg];
+  const int values = keyword == "adhesion" ? 1 : 2;
+  if (iarg + values >= narg)
+    utils::missing_cmd_args(FLERR, "fix deformable/wall " + keyword, error);
+  const char *const first = arg[iarg + 1];
+  if (keyword == "adhesion") {
+    stickiness = utils::numeric(FLERR, first, false, lmp);
+    require(deformable::invalid_adhesion(stickiness));
+    if (dimension == 3 && stickiness > 0.0)
+      error->all(FLERR_WORD(iarg + 1),
+                 "Fix {} deformable/wall: droplets in three dimensions do not stick to walls: use "
+                 "adhesion 0, not {}",
+                 id, first);
+  } else if (keyword == "shear") {
+    if (dimension == 3)
+      error->all(FLERR_WORD(iarg),
+                 "Fix {} deformable/wall: shear moves nothing in three dimensions, where droplets "
+                 "slip along walls without friction",
+                 id);
+    shear.axis = first[0] - 'x';
+    if (std::strlen(first) != 1 || shear.axis < 0 || shear.axis > 1)
+      error->all(FLERR_WORD(iarg + 1), "Fix {} deformable/wall: shear goes along x or y, not '{}'",
+                 id, first);
+    require(shear.speed.read("shear", arg[iarg + 2], lmp));
+  } else {
+    require(load.force.read("load", first, lmp));
+    load.mass = utils::numeric(FLERR, arg[iarg + 2], false, lmp);
+    if (!(load.mass > 0.0) || !std::isfinite(load.mass))
+      error->all(FLERR_WORD(iarg + 2),
+                 "Fix {} deformable/wall: the mass of a wall under a load must be positive and "
+                 "finite, not {}",
+                 id, arg[iarg + 2]);
+  }
+  return iarg + values + 1;
+}
+
+/* ----------------------------------------------------------------------
+   Whether the walls are such as can slide, or bear a load.
+------------------------------------------------------------------------- */
+
+void FixDeformableWall::check_keywords(Walls &given) const
+{
+  if (load.mass > 0.0) {
+    const bool one = given.walls.size() == 1 && given.sources[0].side.sign != 0;
+    if (!one || given.sources[0].moves())
+      error->all(
+          FLERR,
+          "Fix {} deformable/wall: load needs one side, such as zhi 20, with the number where "
+          "it begins: give other walls fixes of their own",
+          id);
+    given.sources[0].side.is_loaded = true;
+  }
+  for (const Wall &wall : given.walls) {
+    if (shear.axis < 0) break;
+    const bool straight = wall.kind == Wall::FACE;
+    const Region *const its_region = given.sources[wall.shape].region;
+    const Vector3 n = straight ? given.shapes[wall.shape].planes[wall.sides[0].plane].n : Vector3{};
+    if (!straight || std::fabs(shear.axis == 0 ? n.x : n.y) > 1e-12 ||
+        (its_region && its_region->rotateflag))
+      error->all(FLERR,
+                 "Fix {} deformable/wall: '{}' cannot slide along {}, as sides and planes along it "
+                 "do: give it a fix of its own without shear, or a region that rotates",
+                 id, wall.name, "xy"[shear.axis]);
+  }
+}
+
 /* ---------------------------------------------------------------------- */
 
 // 'run ... pre no' would call this fix once more: the next run has its setup in any case.
@@ -175,103 +272,6 @@ void FixDeformableWall::min_setup(int vflag)
   post_force(vflag);
 }
 
-static constexpr const char *KEYWORDS[] = {"adhesion", "shear", "load"};
-
-/* ----------------------------------------------------------------------
-   Keywords come last. Returns the number of words before them.
-------------------------------------------------------------------------- */
-
-int FixDeformableWall::read_keywords(int narg, char **arg)
-{
-  const auto is_keyword = [&](const char *word) {
-    return std::any_of(std::begin(KEYWORDS), std::end(KEYWORDS),
-                       [&](const char *keyword) { return std::strcmp(word, keyword) == 0; });
-  };
-  int words = 4;    // a region may be called adhesion
-  while (words < narg && !is_keyword(arg[words])) ++words;
-  for (int iarg = words; iarg < narg;) {
-    if (!is_keyword(arg[iarg]))
-      error->all(FLERR_WORD(iarg),
-                 "Fix {} deformable/wall: unknown word '{}' after {}: only adhesion w, shear dim v "
-                 "and load F m come last",
-                 id, arg[iarg], arg[words]);
-    for (int before = words; before < iarg; ++before)
-      if (!std::strcmp(arg[before], arg[iarg]))
-        error->all(FLERR_WORD(iarg), "Fix {} deformable/wall: {} is there twice", id, arg[iarg]);
-    iarg = read_keyword(iarg, narg, arg);
-  }
-  return words;
-}
-
-// Returns the place of what follows it.
-int FixDeformableWall::read_keyword(int iarg, int narg, char **arg)
-{
-  const std::string keyword = arg[iarg];
-  const int values = keyword == "adhesion" ? 1 : 2;
-  if (iarg + values >= narg)
-    utils::missing_cmd_args(FLERR, "fix deformable/wall " + keyword, error);
-  const char *const first = arg[iarg + 1];
-  if (keyword == "adhesion") {
-    stickiness = utils::numeric(FLERR, first, false, lmp);
-    require(deformable::invalid_adhesion(stickiness));
-    if (dimension == 3 && stickiness > 0.0)
-      error->all(FLERR_WORD(iarg + 1),
-                 "Fix {} deformable/wall: droplets in three dimensions do not stick to walls: use "
-                 "adhesion 0, not {}",
-                 id, first);
-  } else if (keyword == "shear") {
-    if (dimension == 3)
-      error->all(FLERR_WORD(iarg),
-                 "Fix {} deformable/wall: shear moves nothing in three dimensions, where droplets "
-                 "slip along walls without friction",
-                 id);
-    shear.axis = first[0] - 'x';
-    if (std::strlen(first) != 1 || shear.axis < 0 || shear.axis > 1)
-      error->all(FLERR_WORD(iarg + 1), "Fix {} deformable/wall: shear goes along x or y, not '{}'",
-                 id, first);
-    require(shear.speed.read("shear", arg[iarg + 2], lmp));
-  } else {
-    require(load.force.read("load", first, lmp));
-    load.mass = utils::numeric(FLERR, arg[iarg + 2], false, lmp);
-    if (!(load.mass > 0.0) || !std::isfinite(load.mass))
-      error->all(FLERR_WORD(iarg + 2),
-                 "Fix {} deformable/wall: the mass of a wall under a load must be positive and "
-                 "finite, not {}",
-                 id, arg[iarg + 2]);
-  }
-  return iarg + values + 1;
-}
-
-/* ----------------------------------------------------------------------
-   Whether the walls are such as can slide, or bear a load.
-------------------------------------------------------------------------- */
-
-void FixDeformableWall::check_keywords(Walls &given) const
-{
-  if (load.mass > 0.0) {
-    const bool one = given.walls.size() == 1 && given.sources[0].side.sign != 0;
-    if (!one || given.sources[0].moves())
-      error->all(
-          FLERR,
-          "Fix {} deformable/wall: load needs one side, such as zhi 20, with the number where "
-          "it begins: give other walls fixes of their own",
-          id);
-    given.sources[0].side.is_loaded = true;
-  }
-  for (const Wall &wall : given.walls) {
-    if (shear.axis < 0) break;
-    const bool straight = wall.kind == Wall::FACE;
-    const Region *const its_region = given.sources[wall.shape].region;
-    const Vector3 n = straight ? given.shapes[wall.shape].planes[wall.sides[0].plane].n : Vector3{};
-    if (!straight || std::fabs(shear.axis == 0 ? n.x : n.y) > 1e-12 ||
-        (its_region && its_region->rotateflag))
-      error->all(FLERR,
-                 "Fix {} deformable/wall: '{}' cannot slide along {}, as sides and planes along it "
-                 "do: give it a fix of its own without shear, or a region that rotates",
-                 id, wall.name, "xy"[shear.axis]);
-  }
-}
-
 /* ---------------------------------------------------------------------- */
 
 std::vector<WallVariable *> FixDeformableWall::variables()
@@ -336,6 +336,7 @@ void FixDeformableWall::place(bool counts)
   wall_forces.assign(atom->nlocal, WallForce{});
   callers.clear();
   const bool tilted = domain->triclinic != 0;
+  walls.period = {};
   if (domain->xperiodic) walls.period[0] = {domain->xprd, 0.0, 0.0};
   if (domain->yperiodic) walls.period[1] = {tilted ? domain->xy : 0.0, domain->yprd, 0.0};
   if (domain->zperiodic && dimension == 3)
@@ -384,15 +385,9 @@ Vector3 FixDeformableWall::add_contact(int i, int feature, double force, const V
   const double h = point.height;
   const Vector3 a = force * h * n + h * turned, b = h * turned - beside;    // n a + b n
   WallForce &sum = wall_forces[i];
-  sum.fx += push.x;
-  sum.fy += push.y;
-  sum.fz += push.z;
-  sum.vxx += n.x * a.x + b.x * n.x;
-  sum.vyy += n.y * a.y + b.y * n.y;
-  sum.vzz += n.z * a.z + b.z * n.z;
-  sum.vxy += n.x * a.y + b.x * n.y;
-  sum.vxz += n.x * a.z + b.x * n.z;
-  sum.vyz += n.y * a.z + b.y * n.z;
+  sum.force = sum.force + push;
+  sum.add_virial({n.x * a.x + b.x * n.x, n.y * a.y + b.y * n.y, n.z * a.z + b.z * n.z,
+                  n.x * a.y + b.x * n.y, n.x * a.z + b.x * n.z, n.y * a.z + b.y * n.z});
   if (walls.moves) walls.add_force(feature, center(i), force, beside, cutoff);
   return push;
 }
@@ -403,23 +398,19 @@ void FixDeformableWall::post_force(int vflag)
 {
   v_init(vflag);
   double *const *const f = atom->f;
-  for (double &sum : on_wall) sum = 0.0;
+  on_wall = {};
   for (int i = 0; i < static_cast<int>(wall_forces.size()); ++i) {
-    const WallForce &force = wall_forces[i];
+    WallForce &wall = wall_forces[i];
     // forces of opposite walls may cancel to the last bit
-    if (force.fx == 0.0 && force.fy == 0.0 && force.fz == 0.0 && force.vxx == 0.0 &&
-        force.vyy == 0.0 && force.vzz == 0.0)
+    const Vector3 &push = wall.force;
+    if (push.x == 0.0 && push.y == 0.0 && push.z == 0.0 && wall.virial[0] == 0.0 &&
+        wall.virial[1] == 0.0 && wall.virial[2] == 0.0)
       continue;
-    f[i][0] += force.fx;
-    f[i][1] += force.fy;
-    f[i][2] += force.fz;
-    on_wall[0] -= force.fx;
-    on_wall[1] -= force.fy;
-    on_wall[2] -= force.fz;
-    if (evflag) {
-      double v[6] = {force.vxx, force.vyy, force.vzz, force.vxy, force.vxz, force.vyz};
-      v_tally(i, v);
-    }
+    f[i][0] += push.x;
+    f[i][1] += push.y;
+    f[i][2] += push.z;
+    on_wall = on_wall - push;
+    if (evflag) v_tally(i, wall.virial.data());
   }
   if (walls.moves) walls.end_step();
   if (load.mass > 0.0) load.pushed = compute_vector(walls.sources[0].side.axis);
@@ -450,7 +441,8 @@ double FixDeformableWall::compute_vector(int n)
 {
   if (n >= 3) return n == 3 ? walls.sources[0].side.place.now : load.v;
   double all;
-  MPI_Allreduce(&on_wall[n], &all, 1, MPI_DOUBLE, MPI_SUM, world);
+  const double here = n == 0 ? on_wall.x : n == 1 ? on_wall.y : on_wall.z;
+  MPI_Allreduce(&here, &all, 1, MPI_DOUBLE, MPI_SUM, world);
   return all;
 }
 

@@ -21,6 +21,7 @@ FixStyle(deformable/wall,FixDeformableWall);
 #include "atom.h"
 
 #include <algorithm>
+#include <array>
 #include <string>
 #include <vector>
 
@@ -91,15 +92,13 @@ class FixDeformableWall : public Fix {
                  double ty, double cutoff)
   {
     if (!first_call) return;
-    WallForce &force = wall_forces[i];
-    force.fx += fx;
-    force.fy += fy;
+    WallForce &sum = wall_forces[i];
+    sum.force = sum.force + deformable::Vector3{fx, fy, 0.0};
     // The derivative of the energy by a strain that shifts and rotates the wall. At a round wall the force across
     // the direction acts at the nearest point; what acts beside it is the force along.
     const double beside = (fx * tx + fy * ty) * (dx * tx + dy * ty);
-    force.vxx += dx * fx - beside * tx * tx;
-    force.vyy += dy * fy - beside * ty * ty;
-    force.vxy += dx * fy - beside * tx * ty;
+    sum.add_virial({dx * fx - beside * tx * tx, dy * fy - beside * ty * ty, 0.0,
+                    dx * fy - beside * tx * ty, 0.0, 0.0});
     if (!walls.moves) return;
     const double torque = dx * fy - dy * fx;    // about the center, of the force on the wall
     walls.add_force(feature, center(i), tx * fy - ty * fx, {torque * tx, torque * ty, 0.0}, cutoff);
@@ -108,12 +107,9 @@ class FixDeformableWall : public Fix {
   // The force of friction on atom i, at (bx, by) from its center. It moves no line: the virial is that of a force at a point.
   void add_friction(int i, double fx, double fy, double bx, double by)
   {
-    WallForce &force = wall_forces[i];
-    force.fx += fx;
-    force.fy += fy;
-    force.vxx -= bx * fx;
-    force.vyy -= by * fy;
-    force.vxy -= 0.5 * (bx * fy + by * fx);
+    WallForce &sum = wall_forces[i];
+    sum.force = sum.force + deformable::Vector3{fx, fy, 0.0};
+    sum.add_virial({-bx * fx, -by * fy, 0.0, -0.5 * (bx * fy + by * fx), 0.0, 0.0});
   }
   deformable::Point way(int feature, double x, double y) const { return walls.way(feature, x, y); }
   int first_feature(int feature) const { return walls.first_feature(feature); }
@@ -144,13 +140,18 @@ class FixDeformableWall : public Fix {
   } load;
 
   struct WallForce {
-    double fx, fy, fz, vxx, vyy, vzz, vxy, vxz, vyz;
+    deformable::Vector3 force;
+    std::array<double, 6> virial;    // xx, yy, zz, xy, xz, yz
+    void add_virial(const std::array<double, 6> &v)
+    {
+      for (int k = 0; k < 6; ++k) virial[k] += v[k];
+    }
   };
   // of the present step
   std::vector<WallForce> wall_forces;    // by local index
   std::vector<const class Pair *> callers;
   bool first_call = false;
-  double on_wall[3] = {0.0, 0.0, 0.0};
+  deformable::Vector3 on_wall{};
 
   void place(bool counts);
   void require(const std::string &problem);

@@ -15,9 +15,6 @@ namespace LAMMPS_NS {
 
 class WallVariable {
  public:
-  WallVariable() = default;
-  explicit WallVariable(double number) : now(number) {}
-
   // A number or v_name, for `what` in messages. Each of these functions returns what is wrong, or nothing.
   std::string read(const std::string &what, const std::string &word, class LAMMPS *);
   std::string init(class LAMMPS *);

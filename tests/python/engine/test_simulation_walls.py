@@ -104,6 +104,7 @@ def test_walls_bear_the_total_force(packing, law) -> None:
         # a flat wall turns no contact: its force is the sum of those of its contacts
         by_wall = np.isclose(table["position"][:, 1], state.packing.walls[3].a[1])
         rows = table[by_wall & (table["j"] < 0)]
+        assert (rows["j"] == -1 - 3).all()
         ends = [p[0] for p in (state.packing.walls[3].a, state.packing.walls[3].b)]
         inner = rows[(rows["position"][:, 0] > ends[0]) & (rows["position"][:, 0] < ends[1])]
         if len(inner) == len(rows) > 0:
