@@ -20,6 +20,7 @@ DEFORMABLE_LANE_FUNCTION RingArrays rings_of(RingArrays r, int ring)
   const auto move = [ring](auto &...p) DEFORMABLE_LANE_LAMBDA { ((p ? p += ring : p), ...); };
   move(r.radius, r.pressure, r.work, r.total, r.per_pressure, r.square);
   move(r.expansion, r.mixed, r.rate, r.skin);
+#pragma GCC unroll 8
   for (const Parameter &p : PARAMETERS) move(r.stiffness.*p.of_rings);
   return r;
 }

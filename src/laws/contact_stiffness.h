@@ -110,7 +110,8 @@ inline ExpansionTerms expansion_terms(const RingState &ring, double lengths, dou
   const double p = ring.pressure, kA = ring.stiffness.kA;
   if (ring.stiffness.conserves_perimeter()) return {kA, 0.0, 0.0};
   const double two_pi_q = 2.0 * PI * (ring.radius + ring.expansion) - lengths;
-  const double w = p * (rates - 2.0 * PI) + 4.0 * PI * PI * ring.stiffness.kP;
+  const double w =
+      p * (rates - 2.0 * PI) + 4.0 * PI * PI * ring.stiffness.perimeter_stiffness(ring.expansion);
   const double per = 1.0 / (two_pi_q * two_pi_q + w / kA);
   return {w * per, two_pi_q * p * per, p / kA * p * per};
 }

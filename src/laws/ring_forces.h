@@ -76,77 +76,70 @@ DEFORMABLE_INLINE double area_stiffness(double radius, const Stiffness &k)
 // the next load.
 constexpr double LARGEST_EXPANSION = 1e6;
 
-// The root delta of h(delta) = p/kA + pi delta (2 r + delta) - Q/p^2, with p = (2 pi kP delta + F/2 pi)/E and
+// A ring that has expanded by delta, see find_expansion. T is double, or several numbers side by side.
+template <class T> struct Expanded {
+  T E, above, p, deficit, h, slope;
+};
+
+template <class T>
+DEFORMABLE_INLINE Expanded<T> expanded(T radius, T per_kA, T spring, T p0, T pull, T work, T delta)
+{
+  Expanded<T> at;
+  at.E = radius + delta;
+  at.above = ((spring - p0) * delta + pull) / at.E;
+  at.p = p0 + at.above;
+  at.deficit = work / (at.p * at.p);
+  at.h = at.above * per_kA + PI * delta * (2.0 * radius + delta) - at.deficit;
+  at.slope = 2.0 * PI * at.E + (per_kA + 2.0 * at.deficit / at.p) * (spring - at.p) / at.E;
+  return at;
+}
+
+// The root delta of h(delta) = (p - p0)/kA + pi delta (2 r + delta) - Q/p^2, with
+//   p - p0 = ((2 pi kP - p0) delta + F/2 pi)/E,
+// so that no difference of large numbers remains in h, and
 //   E h' = D = 2 pi E^2 + (2 pi kP - p) e,   e = 1/kA + 2 Q/p^3.
-// Stable rings have D > 0; h < 0, or D < 0, to the left of that root. Newton's method starts from the expansion of
-// `ring` if its pressure is positive. Returns false if there is no such ring: a negative area would be needed.
+// Stable rings have D > 0; h < 0, or D < 0, to the left of that root. For kA = inf and kP = 0 the root is E = r/sqrt(1 - x),
+// x = Q/pi (gamma + F/2 pi)^2. Newton's method starts from the expansion of `ring` if its pressure is positive. Returns false
+// if there is no such ring: a negative area would be needed.
 DEFORMABLE_INLINE bool find_expansion(double radius, const Stiffness &k, const RingLoad &load,
                                       LoadedRing &ring)
 {
   constexpr double CLOSE = 1e-8;    // each step doubles the digits, so this one is the last
-  const double per_kA = 1.0 / k.kA, spring = 2.0 * PI * k.kP, tension = load.total / (2.0 * PI);
-  double low = std::max(-radius, -tension / spring);    // E > 0 and p > 0
-  double high = std::numeric_limits<double>::infinity();
-  double delta = ring.expansion;
-  if (!(ring.pressure > 0.0 && delta > low && delta < LARGEST_EXPANSION * radius)) {
-    // without the terms of second order in delta:  p^3 <= K (Q + p^2 r F/(2 pi kP))
-    const double K = area_stiffness(radius, k);
-    const double p = std::cbrt(K * load.work) + K * radius / k.kP * tension;
-    delta = std::max((p * radius - tension) / spring, 0.5 * low);
-  }
-  for (int iteration = 0; iteration < 200; ++iteration) {
-    const double E = radius + delta, p = (spring * delta + tension) / E;
-    const double deficit = load.work / (p * p);
-    const double h = p * per_kA + PI * delta * (2.0 * radius + delta) - deficit;
-    const double slope = 2.0 * PI * E + (per_kA + 2.0 * deficit / p) * (spring - p) / E;
-    ring = {p, delta};
-    (slope > 0.0 && h > 0.0 ? high : low) = delta;
-    double next = delta - h / slope;
-    const bool inside = slope > 0.0 && low <= next && next <= high;
-    if (!inside) next = std::isinf(high) ? 2.0 * E - radius : 0.5 * (low + high);
-    const bool close = std::fabs(next - delta) <= CLOSE * (std::fabs(next) + E * p / spring);
-    delta = next;
-    if (inside && close) {
-      ring = {(spring * delta + tension) / (radius + delta), delta};
-      return true;
-    }
-  }
-  return false;
-}
-
-// The same with a line tension: p - p0 = ((2 pi kP - p0) delta + F/2 pi)/E, so that no difference of large numbers
-// remains in h. For kA = inf and kP = 0 the root is E = r/sqrt(1 - x), x = Q/pi (gamma + F/2 pi)^2.
-DEFORMABLE_INLINE bool find_expansion_under_tension(double radius, const Stiffness &k,
-                                                    const RingLoad &load, LoadedRing &ring)
-{
-  constexpr double CLOSE = 1e-8;
   const double pull = load.total / (2.0 * PI), spring = 2.0 * PI * k.kP;
-  const double p0 = k.rest_pressure(radius), tension = k.tension + pull;
+  const double p0 = k.rest_pressure(radius), tension = k.tension + pull, per_kA = 1.0 / k.kA;
   if (k.kP == 0.0 && std::isinf(k.kA)) {
     const double x = load.work / (PI * tension * tension), root = std::sqrt(1.0 - x);
     if (!(x < 1.0)) return false;
     ring = {tension * root / radius, radius * x / (root * (1.0 + root))};
     return true;
   }
-  const double per_kA = 1.0 / k.kA;
   double low = -radius, high = std::numeric_limits<double>::infinity();    // E > 0 and p > 0
   if (k.kP > 0.0) low = std::max(low, -tension / spring);
   double delta = ring.expansion;
-  if (!(ring.pressure > 0.0 && delta > low && delta < LARGEST_EXPANSION * radius)) delta = 0.0;
+  if (!(ring.pressure > 0.0 && delta > low && delta < LARGEST_EXPANSION * radius)) {
+    delta = 0.0;
+    if (k.tension ==
+        0.0) {    // without the terms of second order in delta:  p^3 <= K (Q + p^2 r F/(2 pi kP))
+      const double K = area_stiffness(radius, k);
+      const double p = std::cbrt(K * load.work) + K * radius / k.kP * tension;
+      delta = std::max((p * radius - tension) / spring, 0.5 * low);
+    }
+  }
   for (int iteration = 0; iteration < 200; ++iteration) {
-    const double E = radius + delta, above = ((spring - p0) * delta + pull) / E, p = p0 + above;
-    const double deficit = load.work / (p * p);
-    const double h = above * per_kA + PI * delta * (2.0 * radius + delta) - deficit;
-    const double slope = 2.0 * PI * E + (per_kA + 2.0 * deficit / p) * (spring - p) / E;
-    (slope > 0.0 && h > 0.0 ? high : low) = delta;
-    double next = delta - h / slope;
-    const bool inside = slope > 0.0 && low <= next && next <= high;
-    if (!inside) next = std::isinf(high) ? 2.0 * E - radius : 0.5 * (low + high);
-    // delta may vanish; a deficit of which little is balanced says nothing about its size
-    const double lacks = std::fabs(deficit);
-    const bool balanced = std::fabs(h) <= 0.1 * lacks + 1e-14 * std::fabs(above) * per_kA;
-    const double size = std::fabs(next) + (balanced ? lacks / (2.0 * PI * radius) : 0.0);
-    const bool close = std::fabs(next - delta) <= CLOSE * size;
+    const Expanded<double> at = expanded(radius, per_kA, spring, p0, pull, load.work, delta);
+    ring = {at.p, delta};
+    (at.slope > 0.0 && at.h > 0.0 ? high : low) = delta;
+    double next = delta - at.h / at.slope;
+    const bool inside = at.slope > 0.0 && low <= next && next <= high;
+    if (!inside) next = std::isinf(high) ? 2.0 * at.E - radius : 0.5 * (low + high);
+    double least = at.E * at.p / spring;
+    if (k.tension > 0.0) {
+      // delta may vanish; a deficit of which little is balanced says nothing about its size
+      const double lacks = std::fabs(at.deficit);
+      const bool balanced = std::fabs(at.h) <= 0.1 * lacks + 1e-14 * std::fabs(at.above) * per_kA;
+      least = balanced ? lacks / (2.0 * PI * radius) : 0.0;
+    }
+    const bool close = std::fabs(next - delta) <= CLOSE * (std::fabs(next) + least);
     delta = next;
     if (inside && close) {
       ring = {p0 + ((spring - p0) * delta + pull) / (radius + delta), delta};
@@ -199,8 +192,7 @@ DEFORMABLE_INLINE bool find_pressure(double radius, const Stiffness &k, const Ri
     return true;
   }
   const LoadedRing guess = ring;
-  bool found = k.tension > 0.0 ? find_expansion_under_tension(radius, k, load, ring)
-                               : find_expansion(radius, k, load, ring);
+  bool found = find_expansion(radius, k, load, ring);
   if (std::isfinite(k.yield) && (!found || k.gives_way(ring.pressure))) {
     ring = guess;
     found = find_expansion_of_gas(radius, k, load, ring);
@@ -211,25 +203,39 @@ DEFORMABLE_INLINE bool find_pressure(double radius, const Stiffness &k, const Ri
 // C = da/df = G/p - mixed (b 1^T + 1 b^T) - square b b^T + rate 1 1^T, b = Gf/p, with
 //   mixed = E/pD,   square = (2 pi kP - p)/p^2 D,   rate = e/2 pi D;   for kP = inf: 0, kA/3p^2, 0.
 // C is positive semidefinite, the inverse of the stiffness of the active contacts.
-struct RingCompliance {
-  double per_pressure = 0.0, mixed = 0.0, square = 0.0, rate = 0.0;
+template <class T> struct ComplianceOf {
+  T per_pressure{}, mixed{}, square{}, rate{};
 
-  double diagonal(double b) const
+  T diagonal(T b) const
   {
     return GREEN_AT_ZERO * per_pressure - (2.0 * mixed + square * b) * b + rate;
   }
 };
+using RingCompliance = ComplianceOf<double>;
+
+template <class T> DEFORMABLE_INLINE ComplianceOf<T> rigid_compliance(T p, T kA)
+{
+  const T per_p = 1.0 / p;
+  return {per_p, T{}, kA * per_p * per_p * (1.0 / 3.0), T{}};
+}
+
+template <class T>
+DEFORMABLE_INLINE ComplianceOf<T> soft_compliance(T p, T E, T work, T kA, T spring)
+{
+  const T per_p = 1.0 / p, e = 1.0 / kA + 2.0 * work / (p * p * p);
+  const T excess = spring - p, per_D = 1.0 / (2.0 * PI * E * E + excess * e);
+  return {per_p, E * per_p * per_D, excess * per_p * per_D * per_p, e * per_D * (0.5 / PI)};
+}
 
 DEFORMABLE_INLINE RingCompliance compliance_of(double radius, const Stiffness &k, double work,
                                                const LoadedRing &ring)
 {
   const double p = ring.pressure;
   if (!(p > 0.0)) return {};
-  if (k.conserves_perimeter()) return {1.0 / p, 0.0, k.kA / (3.0 * p * p), 0.0};
-  const double kA = k.gives_way(p) ? k.yielding_kA(radius, p) : k.kA;
-  const double E = radius + ring.expansion, e = 1.0 / kA + 2.0 * work / (p * p * p);
-  const double excess = 2.0 * PI * k.kP - p, per_D = 1.0 / (2.0 * PI * E * E + excess * e);
-  return {1.0 / p, E / p * per_D, excess / p * per_D / p, e * per_D / (2.0 * PI)};
+  if (k.conserves_perimeter()) return rigid_compliance(p, k.kA);
+  return soft_compliance(p, radius + ring.expansion, work,
+                         k.gives_way(p) ? k.yielding_kA(radius, p) : k.kA,
+                         2.0 * PI * k.perimeter_stiffness(ring.expansion));
 }
 
 }    // namespace deformable

@@ -27,6 +27,13 @@ struct Stiffness {
   // Laplace's pressure of a free ring.
   double rest_pressure(double ring_radius) const { return tension / ring_radius; }
 
+  // T = gamma + kP (P - P0) of the outline of a ring that has expanded by delta, and dT/dP
+  template <class Number> Number line_tension(const Number &delta) const
+  {
+    return tension + 2.0 * PI * kP * delta;
+  }
+  double perimeter_stiffness(double /* delta */) const { return kP; }
+
   bool gives_way(double pressure) const { return pressure > yield; }
   // dp/dD of such a ring, below
   double yielding_kA(double ring_radius, double pressure) const
@@ -59,6 +66,7 @@ constexpr int FIRST_KEYWORD = 2;    // kA and kP must be given, those from here 
 DEFORMABLE_INLINE Stiffness stiffness_at(const StiffnessArrays &arrays, int ring)
 {
   Stiffness k;
+#pragma GCC unroll 8
   for (const Parameter &p : PARAMETERS)
     if (arrays.*p.of_rings) k.*p.of_ring = (arrays.*p.of_rings)[ring];
   return k;

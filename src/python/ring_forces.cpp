@@ -98,7 +98,7 @@ ForcedRing forced_ring(double radius, nb::handle angles, nb::handle forces, doub
     if (!find_pressure(result.radius, result.stiffness, result.load, result.ring))
       refuse("force: no ring of this stiffness bears these forces");
     before = T;
-    if (sticks) T = tension + 2.0 * PI * kP * result.ring.expansion;
+    if (sticks) T = stiffness.line_tension(result.ring.expansion);
   }
 
   const double p = result.ring.pressure;

@@ -106,7 +106,7 @@ inline bool curved_hessian(double radius, const Stiffness &k,
   const Dual T = p * (radius + delta) - sums.load.total * (0.5 / PI);
 
   std::vector<Dual> zero(inner), value(outer);
-  zero[0] = k.conserves_perimeter() ? delta : T - k.tension - (2.0 * PI * k.kP) * delta;
+  zero[0] = k.conserves_perimeter() ? delta : T - k.line_tension(delta);
   zero[1] = (p - k.rest_pressure(radius)) / k.kA - sums.load.work / (p * p) +
             PI * delta * (2.0 * radius + delta);
   for (int c = 0; c < n; ++c) {

@@ -73,8 +73,7 @@ struct ContactBatches {
   double tension_of(int ring) const
   {
     const deformable::Stiffness k = stiffness_of(ring);
-    if (k.conserves_perimeter()) return 0.0;
-    return k.tension + 2.0 * deformable::PI * k.kP * loaded(ring).expansion;
+    return k.conserves_perimeter() ? 0.0 : k.line_tension(loaded(ring).expansion);
   }
   // q, the mean radius of curvature of the free outline
   double free_radius(std::size_t ring) const
