@@ -13,7 +13,7 @@ void Adhesions::set(std::size_t i, std::size_t j, double adhesion)
 
 void Adhesions::update()
 {
-  sticks = std::any_of(values.begin(), values.end(), [](double w) { return w != 0.0; });
+  adhesive = std::any_of(values.begin(), values.end(), [](double w) { return w != 0.0; });
   std::copy_n(values.begin(), written.size(), written.begin());
 }
 

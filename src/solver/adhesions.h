@@ -16,7 +16,7 @@ class Adhesions {
   void assign(const std::vector<Species> &, const std::vector<Adhesion> &);
 
   double between(int itype, int jtype) const { return values[itype * types + jtype]; }
-  bool any() const { return sticks; }
+  bool any() const { return adhesive; }
 
   // The array that fix adapt writes to, at [i][j] with i <= j only; null as long as there are no types.
   double **array();
@@ -30,7 +30,7 @@ class Adhesions {
  private:
   std::size_t types = 0;         // and one more, since they begin with 1
   std::vector<double> values;    // symmetric
-  bool sticks = false;
+  bool adhesive = false;
   std::vector<double> written;    // the array; empty until someone asks for it
   std::vector<double *> rows;
   void set(std::size_t i, std::size_t j, double adhesion);

@@ -75,8 +75,8 @@ void ContactBatches::arrange(const int *order, int rings, int particles, NearPai
     v->assign(contacts, 0.0F);
   own.assign(has_own ? contacts : 0, 0.0F);
   partner.assign(contacts, contacts + remote);
-  film_tension.assign(pairs.sticks ? lanes_in_all : 0, 0.0);
-  for (LargeVector<double> &v : film) v.assign(pairs.sticks ? slope.size() : 0, 0.0);
+  film_tension.assign(pairs.adhesive ? lanes_in_all : 0, 0.0);
+  for (LargeVector<double> &v : film) v.assign(pairs.adhesive ? slope.size() : 0, 0.0);
 
   std::fill(count.begin(), count.end(), 0);
   const auto sit = [this](int i, int of) { seat[contact(place[i], count[i]++)] = of; };

@@ -87,7 +87,7 @@ deformable::LineArrays CurvedLines::arrays()
   a.nx = p.nx.data();
   a.ny = p.ny.data();
   a.part = part;
-  a.adhesion = p.sticks ? p.adhesion.data() : nullptr;
+  a.adhesion = p.adhesive ? p.adhesion.data() : nullptr;
   return a;
 }
 
@@ -132,14 +132,14 @@ void CurvedLines::remember()
   const auto count = [&](int begin, int end) {
     int found = 0;
     for (int k = begin; k < end; ++k)
-      found += ((p.force[k] > 0.0 || (p.sticks && p.attached[k])) &&
+      found += ((p.force[k] > 0.0 || (p.adhesive && p.attached[k])) &&
                 (held || std::fabs(p.tilt[k]) >= LARGEST_SINE ||
                  std::fabs(p.bend[k]) >= LARGEST_BEND)) ||
-               (p.sticks && p.attached[k] && is_held(k));
+               (p.adhesive && p.attached[k] && is_held(k));
     return found;
   };
   limited = count(0, p.remote) + 0.5 * count(p.remote, p.wall);
-  if (p.sticks) limited += count(p.wall, p.size);
+  if (p.adhesive) limited += count(p.wall, p.size);
 }
 
 // Whether the tensions leave no triangle, so that the angle of the film is held.

@@ -26,7 +26,7 @@ class CurvedLines {
  public:
   explicit CurvedLines(const deformable::ForceKernels &kernels) : kernels(kernels) {}
 
-  Films *films = nullptr;    // of contacts that stick
+  Films *films = nullptr;    // of adhesive contacts
 
   // Lines of the last solution that bear a force at a limit. A line that two ranks share counts half on each.
   double limited = 0.0;

@@ -49,7 +49,7 @@ const char *Summary::why() const
 bool DualSolver::solve(const Particles &p, const Push &push)
 {
   constexpr int MOST_LISTS = 20, MOST_CHANGES = 100;
-  const bool begins_to_stick = p.films && !list.pairs.sticks;    // an adhesion has grown from 0
+  const bool begins_to_adhere = p.films && !list.pairs.adhesive;    // an adhesion has grown from 0
   if (!find_pairs(p)) return false;
 
   begin_call();
@@ -88,14 +88,14 @@ bool DualSolver::solve(const Particles &p, const Push &push)
   }
   warn(p, changes > 0);
   lost = changes > 0 ? before - total_energy() : 0.0;
-  if (films && (p.new_list || begins_to_stick)) list.store_films(p);
+  if (films && (p.new_list || begins_to_adhere)) list.store_films(p);
   finish(push, part);
   return true;
 }
 
 bool DualSolver::find_pairs(const Particles &p)
 {
-  if (p.new_list || (p.films && !list.pairs.sticks)) {
+  if (p.new_list || (p.films && !list.pairs.adhesive)) {
     list.build(p, p.new_list);
     arrange(p, p.new_list);
   } else if (p.radii_vary || p.new_material || p.materials->vary()) {
@@ -174,7 +174,7 @@ void DualSolver::begin_call()
                       {slope, bend, is_cubic ? 1.0 : 0.0,
                        is_cubic ? smooth : std::numeric_limits<double>::infinity()},
                       0, p.size);
-  for (int k = 0; k < p.size && p.sticks; ++k)
+  for (int k = 0; k < p.size && p.adhesive; ++k)
     if (p.past[k] == deformable::UNKNOWN_FORCE) p.force[k] = 0.0;
   if (lines) lines->predict(slope);
   summary.evaluations = 0;
@@ -690,8 +690,8 @@ void DualSolver::work(Stage stage, int block, int iteration, deformable::RingBat
       relaxation.relax(block, kernels, blocks, list.pairs, batches, loop);
       break;
     case Stage::RESHAPE:
-      relaxation.take_turned(here, [&](const deformable::RingBatches &turned) {
-        exist &= reshape(turned, step.data(), loop.unit);
+      relaxation.for_changed(here, [&](const deformable::RingBatches &changed) {
+        exist &= reshape(changed, step.data(), loop.unit);
       });
       break;
     case Stage::CORRECT: linear.iterate(here, loop, iteration); break;

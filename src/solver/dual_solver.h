@@ -126,7 +126,7 @@ class DualSolver : protected Pointers {
   PairList list;
   ContactBatches batches;
   std::unique_ptr<CurvedLines> lines;    // null: perpendicular to lines of centers
-  std::unique_ptr<Films> films;          // null: no contact sticks
+  std::unique_ptr<Films> films;          // null: no adhesion
   bool are_balanced = false;
   bool shapes_exist = true;
   double lost = 0.0;    // energy, when films came or went in this call

@@ -64,7 +64,7 @@ FilmArrays Films::arrays(const OutlineArrays &outline, double *next_bend, double
 void Films::begin(const OutlineArrays &outline, double *next_bend)
 {
   NearPairs &p = *pairs;
-  for (int k = 0; k < p.size; ++k) p.adhesion[k] = p.attached[k] ? p.sticking[k] : 0.0;
+  for (int k = 0; k < p.size; ++k) p.adhesion[k] = p.attached[k] ? p.adhesion_if_attached[k] : 0.0;
   for (std::size_t ring = 0; ring < batches->particle.size(); ++ring) {
     const int i = batches->particle[ring];
     if (i < 0) continue;
@@ -114,7 +114,7 @@ bool Films::would_change(int k, bool may_attach) const
 {
   const NearPairs &p = *pairs;
   const bool bears = p.force[k] > p.least[k];
-  return p.sticking[k] > 0.0 && bears != (p.attached[k] != 0) &&
+  return p.adhesion_if_attached[k] > 0.0 && bears != (p.attached[k] != 0) &&
          !(bears && (has_let_go[k] || !may_attach));
 }
 

@@ -14,7 +14,7 @@ void NearPairs::clear(const KnownPairs &old)
   static_cast<KnownPairs &>(*this) = KnownPairs();
   in_space = old.in_space;
   curved = old.curved;
-  sticks = old.sticks;
+  adhesive = old.adhesive;
   scale = old.scale;
   length = old.length;
   const auto reserve = [most](auto &...v) { (v.reserve(most), ...); };
@@ -45,9 +45,10 @@ void NearPairs::make_room()
   surfaces.resize(in_space ? size - wall : 0);
   for (LargeVector<double> *v : {&tilt, &bend}) v->assign(curved ? one_more : 0, 0.0);
   for (LargeVector<int> &v : side) v.assign(pairs, 0);
-  attached.assign(sticks ? pairs : 0, 0);
-  for (LargeVector<double> *v : {&sticking, &adhesion, &film_angle[0], &film_angle[1], &least})
-    v->assign(sticks ? one_more : 0, 0.0);
+  attached.assign(adhesive ? pairs : 0, 0);
+  for (LargeVector<double> *v :
+       {&adhesion_if_attached, &adhesion, &film_angle[0], &film_angle[1], &least})
+    v->assign(adhesive ? one_more : 0, 0.0);
 }
 
 int NearPairs::locate(const deformable::ForceKernels &kernels, const double *x,
@@ -102,6 +103,6 @@ double NearPairs::bytes() const
   for (int n = 0; n < PastForces::LINES; ++n) of_lines += bytes_of(past_tilt[n], past_bend[n]);
   return of_lines + bytes_of(i, j, owned, stiffening, past, earlier[0], earlier[1], earlier[2],
                              force, overlap, per_distance, angle, nx, ny, nz, tilt, bend, side[0],
-                             side[1], surfaces, attached, sticking, adhesion, film_angle[0],
-                             film_angle[1], least);
+                             side[1], surfaces, attached, adhesion_if_attached, adhesion,
+                             film_angle[0], film_angle[1], least);
 }

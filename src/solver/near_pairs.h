@@ -36,8 +36,8 @@ struct PastForces {
 // ghost from another rank, then particles and walls.
 struct KnownPairs {
   bool in_space = false;
-  bool curved = false;    // contact lines tilt and bend: without, those arrays are empty
-  bool sticks = false;    // some pairs may have films that stick, as well
+  bool curved = false;      // contact lines tilt and bend: without, those arrays are empty
+  bool adhesive = false;    // some pairs may have films, as well
 
   int remote = 0, wall = 0, size = 0;    // first remote pair, first pair with a wall, end
 
@@ -83,11 +83,11 @@ struct NearPairs : KnownPairs {
   LargeVector<int> side[2];            // index of the contact of i and of that of j
   std::vector<deformable::SurfacePoint> surfaces;    // of walls in space, from the first one on
 
-  // of films that stick, see Films
+  // of films, see Films
   LargeVector<char> attached;
-  LargeVector<double> sticking, adhesion;    // w if attached, and w or 0
-  LargeVector<double> film_angle[2];         // tan(theta/2) of both sides
-  LargeVector<double> least;                 // see least_force
+  LargeVector<double> adhesion_if_attached, adhesion;    // w if attached, and w or 0
+  LargeVector<double> film_angle[2];                     // tan(theta/2) of both sides
+  LargeVector<double> least;                             // see least_force
 
   int add(int i_, int j_, const PastForces &past_)
   {

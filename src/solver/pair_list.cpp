@@ -36,8 +36,8 @@ void PairList::build(const Particles &p, bool new_list)
     find_order(p);
   }
   remote_sides.to_ghosts(bulge);
-  pairs.sticks = p.films != nullptr;
-  if (pairs.sticks) {
+  pairs.adhesive = p.films != nullptr;
+  if (pairs.adhesive) {
     if (new_list) p.films->follow();
     p.films->who_knows(knows_films);
     remote_sides.to_ghosts(knows_films);
@@ -61,7 +61,7 @@ void PairList::build(const Particles &p, bool new_list)
       const Vector3 d = relative(x[i], x[j]);
       const double near = of_i + p.radius[j] + bulge[j];
       if (d.x * d.x + d.y * d.y + d.z * d.z > near * near &&    // a film may be stretched
-          !(pairs.sticks && is_attached(p, i, j, d)))
+          !(pairs.adhesive && is_attached(p, i, j, d)))
         continue;
       const int owner = pairs.owned[j];
       if (j >= nlocal && owner >= 0) {    // an image of this rank's particle: the list has it twice
@@ -96,7 +96,7 @@ void PairList::build(const Particles &p, bool new_list)
     first_wall = first_of(pairs, pairs.wall, pairs.size);
   }
   pairs.make_room();
-  if (pairs.sticks) recall_films(p);
+  if (pairs.adhesive) recall_films(p);
   history = PairHistory();    // gives its memory back
 
   const int dimension = pairs.in_space ? 3 : 2;
@@ -214,8 +214,8 @@ void PairList::add_walls(const Particles &p, bool new_list, const KnownPairs &ol
     visit_walls(*p.walls, own, p.radius[own], p.reach,
                 [&](int code, const deformable::SurfacePoint &point) {
                   const bool is_attached =
-                      pairs.sticks && (p.films->is_attached(own, code) ||
-                                       (knows_films[own] == 0.0 && point.height < p.radius[own]));
+                      pairs.adhesive && (p.films->is_attached(own, code) ||
+                                         (knows_films[own] == 0.0 && point.height < p.radius[own]));
                   if (point.height > near && !is_attached) return;
                   at_walls.push_back(is_attached);
                   PastForces past;

@@ -41,7 +41,7 @@ struct Particles {
   bool new_material;    // a species has changed since the last call
   Refusals *refusals;
   const Adhesions *adhesions = nullptr;
-  FixDeformableFilms *films = nullptr;    // null: no contact sticks
+  FixDeformableFilms *films = nullptr;    // null: no adhesion
 };
 
 // What is remembered of pairs and particles by their tags, while a new neighbor list gives them other indices and ranks.

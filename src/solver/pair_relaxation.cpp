@@ -12,9 +12,9 @@ void PairRelaxation::arrange(const ContactBatches &b, const NearPairs &p)
 {
   pairs = p.size;
   waits.assign(p.size, false);
-  has_turned.assign(b.batches, 0);
-  may_turn.assign(b.batches, 1);
-  for (int k = p.remote; k < p.wall; ++k) may_turn[b.place[p.i[k]] / LANES] = 0;
+  is_changed.assign(b.batches, 0);
+  is_free.assign(b.batches, 1);
+  for (int k = p.remote; k < p.wall; ++k) is_free[b.place[p.i[k]] / LANES] = 0;
   near_block.assign(b.batches * LANES / ContactBatches::BLOCK + 1, -1);
 }
 
@@ -34,7 +34,8 @@ void PairRelaxation::wait_for(const PairArrays &a, int k)
 
 // The residuals of all pairs of a ring after the force of its contact c has changed: those of CorrectionArrays, with C of
 // ContactArrays.
-void PairRelaxation::turn(const ContactBatches &b, const PairArrays &a, int ring, int c, float by)
+void PairRelaxation::change_particle(const ContactBatches &b, const PairArrays &a, int ring, int c,
+                                     float by)
 {
   const int batch = ring / LANES, first = b.first[batch] + ring % LANES, m = (c - first) / LANES;
   const float *const green = b.green.data() + b.first_green[batch] + ring % LANES;
@@ -47,7 +48,7 @@ void PairRelaxation::turn(const ContactBatches &b, const PairArrays &a, int ring
     constant = b.rate[ring] * by - b.mixed[ring] * along;
   }
   const float per_p = static_cast<float>(b.per_pressure[ring] / b.scale);
-  has_turned[batch] = 1;
+  is_changed[batch] = 1;
   for (int q = 0; q < b.size[batch]; ++q) {
     const int k = seat[q * LANES] >> 1;
     if (k == pairs) continue;    // an empty place
@@ -80,7 +81,7 @@ void PairRelaxation::relax(int block, const deformable::ForceKernels &kernels,
   near_block[block] = block;
   blocks.for_neighbors(block, [&](int other) { near_block[other] = block; });
   const auto may_change = [&](int ring, double by) {
-    return may_turn[ring / LANES] && near_block[BlockLevels::of_ring(ring)] == block &&
+    return is_free[ring / LANES] && near_block[BlockLevels::of_ring(ring)] == block &&
            by < of_ring * b.total[ring];
   };
   for (std::size_t next = 0; next < waiting.size(); ++next) {
@@ -93,7 +94,7 @@ void PairRelaxation::relax(int block, const deformable::ForceKernels &kernels,
     a.force[k] += change;
     const float by = static_cast<float>(change / a.unit);
     a.step[k] += by;
-    turn(b, a, i, p.side[0][k], by);
-    if (k < p.wall) turn(b, a, j, p.side[1][k], by);
+    change_particle(b, a, i, p.side[0][k], by);
+    if (k < p.wall) change_particle(b, a, j, p.side[1][k], by);
   }
 }

@@ -37,13 +37,13 @@ class PairRelaxation {
   void relax(int block, const deformable::ForceKernels &, const BlockLevels &, const NearPairs &,
              const ContactBatches &, const deformable::PairArrays &);
 
-  // act(batches) for those of a block that have turned since the last time.
-  template <class Act> void take_turned(deformable::RingBatches block, Act &&act)
+  // act(batches) for those of a block that have changed since the last time.
+  template <class Act> void for_changed(deformable::RingBatches block, Act &&act)
   {
     const int end = block.end;
     for (int batch = block.begin; batch < end; ++batch) {
-      if (!has_turned[batch]) continue;
-      has_turned[batch] = 0;
+      if (!is_changed[batch]) continue;
+      is_changed[batch] = 0;
       block.begin = batch;
       block.end = batch + 1;
       act(block);
@@ -52,7 +52,7 @@ class PairRelaxation {
 
   double bytes() const
   {
-    return bytes_of(waiting, may_turn, has_turned, near_block) +
+    return bytes_of(waiting, is_free, is_changed, near_block) +
            static_cast<double>(waits.size() / 8);
   }
 
@@ -61,13 +61,13 @@ class PairRelaxation {
   double crowd = 0.0, of_ring = 0.0;    // see Tuning
   int pairs = 0;
 
-  std::vector<int> waiting;                  // pairs
-  std::vector<bool> waits;                   // by pair
-  std::vector<char> may_turn, has_turned;    // by batch
-  std::vector<int> near_block;               // of each block, the last one that it was beside
+  std::vector<int> waiting;                 // pairs
+  std::vector<bool> waits;                  // by pair
+  std::vector<char> is_free, is_changed;    // by batch
+  std::vector<int> near_block;              // of each block, the last one that it was beside
 
-  void turn(const ContactBatches &, const deformable::PairArrays &, int ring, int contact,
-            float by);
+  void change_particle(const ContactBatches &, const deformable::PairArrays &, int ring,
+                       int contact, float by);
   void wait_for(const deformable::PairArrays &, int pair);
 };
 

@@ -25,7 +25,7 @@ RingSolver::RingSolver(LAMMPS *lmp, const ForceKernels &kernels, bool curved, do
 {
 }
 
-void RingSolver::stick()
+void RingSolver::use_films()
 {
   films = std::make_unique<Films>(kernels);
   lines->films = films.get();
@@ -119,12 +119,12 @@ void RingSolver::set_units(const Particles &p)
   const double unit = pairs.scale * pairs.length * pairs.length;
   for (int k = 0; k < pairs.size; ++k)
     pairs.stiffening[k] = static_cast<float>(stiffening(k) * unit);
-  if (!pairs.sticks) return;
+  if (!pairs.adhesive) return;
   const std::vector<FixDeformableWall *> &walls = *p.walls;
   for (int k = 0; k < pairs.size; ++k)
-    pairs.sticking[k] = k < pairs.wall
-                            ? p.adhesions->between(atom->type[pairs.i[k]], atom->type[pairs.j[k]])
-                            : walls[(-1 - pairs.j[k]) % walls.size()]->adhesion();
+    pairs.adhesion_if_attached[k] =
+        k < pairs.wall ? p.adhesions->between(atom->type[pairs.i[k]], atom->type[pairs.j[k]])
+                       : walls[(-1 - pairs.j[k]) % walls.size()]->adhesion();
 }
 
 void RingSolver::find_bulges(const Particles &)

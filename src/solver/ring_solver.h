@@ -1,4 +1,4 @@
-// Rings in the plane: the law of DualSolver whose contacts slip, with lines that are straight or curved, and films that stick.
+// Rings in the plane: the law of DualSolver whose contacts slip, with lines that are straight or curved, and films.
 
 #ifndef LMP_RING_SOLVER_H
 #define LMP_RING_SOLVER_H
@@ -19,8 +19,8 @@ class RingSolver : public DualSolver {
   RingSolver(class LAMMPS *lmp, const deformable::ForceKernels &kernels, bool curved,
              double tolerance, int max_evaluations);
 
-  // Some contacts may stick: with curved lines only.
-  void stick();
+  // Some contacts may have films: with curved lines only.
+  void use_films();
 
   // A particle of infinite kA that cannot keep its area between its contacts, if the forces have grown without a limit
   // or do not exist for that reason; or -1.

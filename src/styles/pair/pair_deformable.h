@@ -37,7 +37,7 @@ struct Push {
 struct RecordedLine {
   double tilt = 0.0;             // its normal turns by this from the line of centers
   double half_angle = 0.0;       // of an arc: positive where it is convex
-  double contact_angle = 0.0;    // at which the outline meets a film that sticks
+  double contact_angle = 0.0;    // at which the outline meets a film
   double attached = 0.0;         // 0 or 1; of a wall: 0 or its code < 0, see FixDeformableFilms
 };
 

@@ -116,11 +116,11 @@ void PairDeformableRing::init_style()
   if (balanced && !atom->tag_enable)
     error->all(FLERR, "Pair style deformable/ring needs atom IDs: use 'atom_modify id yes', or "
                       "'contact radical'");
-  stick();
+  find_films();
 }
 
 // Which pairs are attached outlives this pair style, for those that continue its run.
-void PairDeformableRing::stick()
+void PairDeformableRing::find_films()
 {
   bool sticks = adhesions.any();
   for (const FixDeformableWall *wall : walls) sticks |= wall->adhesion() > 0.0;
@@ -134,7 +134,7 @@ void PairDeformableRing::stick()
                "'fix_modify {} attached none' lets them go",
                name, name);
   if (!fix) fix = modify->add_fix(fmt::format("{} all deformable/films", name));
-  if (!films) balanced->stick();
+  if (!films) balanced->use_films();
   films = dynamic_cast<FixDeformableFilms *>(fix);
   if (!films) error->all(FLERR, "A fix has the ID {}, which contacts that stick need", name);
 }
@@ -143,7 +143,7 @@ void PairDeformableRing::coeff(int narg, char **arg)
 {
   PairDeformable::coeff(narg, arg);
   ramps.fill(species);
-  if (bends_lines()) stick();
+  if (bends_lines()) find_films();
 }
 
 void *PairDeformableRing::extract(const char *name, int &dim)
@@ -182,7 +182,7 @@ bool PairDeformableRing::take_ramps()
   const std::string wrong = adhesions.problem(species);
   if (!wrong.empty()) error->all(FLERR, "Adhesion in a run: {}", wrong);
   check_lines_bend("Species", adhesions.any());
-  stick();
+  find_films();
   unchecked = false;
   number_definition();
   return true;
@@ -192,7 +192,7 @@ bool PairDeformableRing::take_ramps()
    Species that touch a wall with adhesion are those of the atoms in its group.
 ------------------------------------------------------------------------- */
 
-void PairDeformableRing::check_sticky_walls()
+void PairDeformableRing::check_adhesive_walls()
 {
   for (const FixDeformableWall *wall : walls) {
     if (wall->adhesion() == 0.0) continue;
@@ -218,7 +218,7 @@ void PairDeformableRing::compute(int eflag, int vflag)
   begin_call(eflag, vflag);
   if (materials.vary()) refusals.check([this] { check_properties(); });
   if (films && (neighbor->ago == 0 || new_material || materials.vary()))
-    refusals.check([this] { check_sticky_walls(); });
+    refusals.check([this] { check_adhesive_walls(); });
   if (neighbor->ago == 0) smallest = smallest_radius();
   if (balanced)
     evaluate_balanced(new_material);
@@ -475,7 +475,7 @@ void PairDeformableRing::load_contacts_of_pairs()
 {
   const NearPairs &p = balanced->pairs();
   for (int k = 0; k < p.size; ++k) {
-    if (!(p.force[k] > 0.0) && !(p.sticks && p.attached[k])) continue;
+    if (!(p.force[k] > 0.0) && !(p.adhesive && p.attached[k])) continue;
     const int i = p.i[k];
     const double height = radii[i] - balanced->indentation(k, 0);
     double shift = 0.0;
@@ -518,7 +518,7 @@ void PairDeformableRing::finish_balanced(int i)
     if (side) push = {-push.fx, -push.fy};
     RecordedLine line = {balanced->tilt(k), balanced->half_angle(k)};
     if (side) line.half_angle = -line.half_angle;
-    if (p.sticks && p.attached[k]) {
+    if (p.adhesive && p.attached[k]) {
       line.contact_angle = 2.0 * std::atan(p.film_angle[side][k]);
       line.attached = other < 0 ? other : 1.0;
     }

@@ -38,11 +38,11 @@ class PairDeformableRing : public PairDeformable {
 
  private:
   std::unique_ptr<RingSolver> balanced;         // null: contacts stay on their radical axes
-  class FixDeformableFilms *films = nullptr;    // null: no contact sticks
+  class FixDeformableFilms *films = nullptr;    // null: no adhesion
   SpeciesRamps ramps;
   bool take_ramps();         // whether a species or an adhesion has changed
   bool unchecked = false;    // values of ramps, also after an error that the caller has caught
-  void check_sticky_walls();
+  void check_adhesive_walls();
   // Stiffness and tension of single particles, of fix property/atom
   bool kA_by_atom = false, tension_by_atom = false;
   int kA_of_atoms = -1, tension_of_atoms = -1;    // indices of custom properties
@@ -67,7 +67,7 @@ class PairDeformableRing : public PairDeformable {
   deformable::RingLCP lcp;
   std::vector<char> is_active;    // of one ring
 
-  void stick();
+  void find_films();
   void evaluate_radical();
   deformable::Energy shape_ring(int i, const deformable::Contacts &, const deformable::Stiffness &);
 

@@ -1,4 +1,4 @@
-// Contacts that stick: pair_style deformable/sector [radius type|atom]
+// Contacts without slip: pair_style deformable/sector [radius type|atom]
 
 #ifdef PAIR_CLASS
 // clang-format off
