@@ -20,7 +20,8 @@ VENV := .venv
 BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 PIP_INSTALL := $(PIP) install --no-compile
-SOURCES := $(shell find cmake potentials python src -type f -not -name '*.pyc') CMakeLists.txt pyproject.toml
+SOURCES := $(shell find cmake potentials python src -type f -not -name '*.pyc') CMakeLists.txt pyproject.toml \
+           tests/core/core_for_tests.cpp
 
 # Containers often set it. Without bytecode each process compiles all that it imports, for two seconds.
 export PYTHONDONTWRITEBYTECODE :=
@@ -73,9 +74,11 @@ $(VENV)/bin/python:
 	  { rm -rf $(VENV); \
 	    echo "$(PYTHON) cannot make virtual environments (Debian, Ubuntu: apt install python3-venv)" >&2; exit 1; }
 
-# For this machine's processor, or for tests with all levels of SIMD instructions, which takes twice as long.
+# For this machine's processor, or for tests with all levels of SIMD instructions, which takes twice as long, and with
+# what only tests need.
 $(VENV)/installed: LEVELS := native
 $(VENV)/installed-all: LEVELS := all
+FOR_TESTS = $(if $(filter all,$(LEVELS)),ON,OFF)
 
 # What the package needs at run time is downloaded meanwhile.
 $(VENV)/installed $(VENV)/installed-all: $(VENV)/requirements-build $(SOURCES)
@@ -90,7 +93,7 @@ $(VENV)/installed $(VENV)/installed-all: $(VENV)/requirements-build $(SOURCES)
 # without an environment of its own, whose path is another each time, so that only what has changed is compiled
 $(VENV)/wheel:
 	@PATH="$(CURDIR)/$(BIN):$$PATH" SKBUILD_BUILD_DIR=build/make \
-	  SKBUILD_CMAKE_DEFINE="DEFORMABLE_WERROR=$(WERROR);DEFORMABLE_SIMD_LEVELS=$(LEVELS)" \
+	  SKBUILD_CMAKE_DEFINE="DEFORMABLE_WERROR=$(WERROR);DEFORMABLE_SIMD_LEVELS=$(LEVELS);DEFORMABLE_FOR_TESTS=$(FOR_TESTS)" \
 	  $(PIP) wheel --no-build-isolation --no-deps --wheel-dir $@ .
 
 # requirements of pyproject.toml: to build, to run, and of an extra

@@ -3,6 +3,9 @@
 #include "laws/parameter_rules.h"
 #include "python/tables.h"
 
+#include <nanobind/stl/string.h>
+
+#include <algorithm>
 #include <cmath>
 
 using namespace deformable;
@@ -47,6 +50,54 @@ std::vector<double> deformable::contact_angles_of(nb::handle given, std::size_t 
     if (!(angle >= 0.0 && angle < PI))
       refuse("contact_angle must lie between 0 and pi, not " + shown_number(angle));
   return angles;
+}
+
+Stiffness deformable::stiffness_of(double kA, double kP, const nb::args &more,
+                                   const nb::kwargs &named)
+{
+  Stiffness k = {kA, kP};
+  std::size_t place = 0, found = 0;
+  for (int n = FIRST_KEYWORD; n < MEMBERS; ++n) {
+    const Parameter &p = PARAMETERS[n];
+    if (!p.name) continue;
+    const bool by_name = named.contains(p.name), by_place = place < more.size();
+    if (by_name && by_place)
+      throw nb::type_error((std::string(p.name) + " is given twice").c_str());
+    if (by_place) k.*p.of_ring = nb::cast<double>(more[place++]);
+    if (by_name) k.*p.of_ring = nb::cast<double>(named[p.name]);
+    found += by_name;
+  }
+  if (place < more.size()) throw nb::type_error("too many parameters of a ring");
+  if (found < named.size())
+    for (const auto &[name, value] : named) {
+      const std::string given = nb::cast<std::string>(name);
+      if (std::none_of(PARAMETERS, PARAMETERS + MEMBERS,
+                       [&](const Parameter &p) { return p.name && given == p.name; }))
+        throw nb::type_error((given + " is no parameter of a ring").c_str());
+    }
+  return k;
+}
+
+nb::object deformable::or_none(const std::string &problem)
+{
+  return problem.empty() ? nb::none() : nb::object(nb::str(problem.c_str()));
+}
+
+std::vector<Edge> deformable::polygon_of(nb::handle nx, nb::handle ny, nb::handle offset)
+{
+  const std::vector<double> x = vector_of("nx", nx), y = vector_of("ny", ny),
+                            o = vector_of("offset", offset);
+  if (x.size() != y.size() || x.size() != o.size() || x.empty())
+    refuse("nx, ny and offset must have one value for each of at least one half plane");
+  std::vector<HalfPlane> planes;
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    const double length = std::hypot(x[k], y[k]);
+    if (!(length > 0.0)) refuse("nx and ny are both 0: the normal needs a direction");
+    planes.push_back({x[k] / length, y[k] / length, o[k] / length});
+  }
+  std::vector<Edge> edges;
+  if (!intersect(planes, edges)) refuse("the half planes have no point in common");
+  return edges;
 }
 
 void deformable::require_positive(const std::string &name, double value)

@@ -3,7 +3,9 @@
 #ifndef DEFORMABLE_ARGUMENTS_H
 #define DEFORMABLE_ARGUMENTS_H
 
+#include "geometry/polygon.h"
 #include "laws/shape.h"
+#include "laws/stiffness.h"
 
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
@@ -48,6 +50,15 @@ std::vector<double> vector_of(const std::string &name, nb::handle given);
 
 // Angles at which an outline meets its contacts, 0 if not given.
 std::vector<double> contact_angles_of(nb::handle given, std::size_t contacts);
+
+// The stiffness of a call: kA and kP, then the other parameters of stiffness.h in their order or by name.
+Stiffness stiffness_of(double kA, double kP, const nb::args &more, const nb::kwargs &named);
+
+// None if there is no problem.
+nb::object or_none(const std::string &problem);
+
+// The polygon nx x + ny y <= offset.
+std::vector<Edge> polygon_of(nb::handle nx, nb::handle ny, nb::handle offset);
 
 void require_positive(const std::string &name, double value);
 

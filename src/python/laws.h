@@ -28,9 +28,6 @@ Sector perimeter_part(const Opening &o, double ai, double ak);
 // Refuses two contacts in one direction: the area deficit or perimeter excess is then not finite.
 void refuse_coincident(double change);
 
-// The stiffness of a call: kA and kP, then the other parameters of stiffness.h in their order or by name.
-Stiffness stiffness_of(double kA, double kP, const nb::args &more, const nb::kwargs &named);
-
 // Refuses a stiffness, a tension or a skin that no ring of this radius has.
 void refuse_invalid(double radius, const Stiffness &stiffness, double skin);
 
@@ -43,7 +40,6 @@ void bind_walls(nb::module_ &m);
 void bind_edge_contacts(nb::module_ &m);
 void bind_friction(nb::module_ &m);
 void bind_smooth_polygons(nb::module_ &m);
-void bind_batches(nb::module_ &m);
 void bind_disk_pairs(nb::module_ &m);
 void bind_arithmetic(nb::module_ &m);
 void bind_energy_blocks(nb::module_ &m);

@@ -2,48 +2,9 @@
 
 #include "laws/parameter_rules.h"
 
-#include <nanobind/stl/string.h>
-
-#include <algorithm>
 #include <limits>
 
 using namespace deformable;
-
-namespace {
-
-// None if there is no problem.
-nb::object or_none(const std::string &problem)
-{
-  return problem.empty() ? nb::none() : nb::object(nb::str(problem.c_str()));
-}
-
-}    // namespace
-
-Stiffness deformable::stiffness_of(double kA, double kP, const nb::args &more,
-                                   const nb::kwargs &named)
-{
-  Stiffness k = {kA, kP};
-  std::size_t place = 0, found = 0;
-  for (int n = FIRST_KEYWORD; n < MEMBERS; ++n) {
-    const Parameter &p = PARAMETERS[n];
-    if (!p.name) continue;
-    const bool by_name = named.contains(p.name), by_place = place < more.size();
-    if (by_name && by_place)
-      throw nb::type_error((std::string(p.name) + " is given twice").c_str());
-    if (by_place) k.*p.of_ring = nb::cast<double>(more[place++]);
-    if (by_name) k.*p.of_ring = nb::cast<double>(named[p.name]);
-    found += by_name;
-  }
-  if (place < more.size()) throw nb::type_error("too many parameters of a ring");
-  if (found < named.size())
-    for (const auto &[name, value] : named) {
-      const std::string given = nb::cast<std::string>(name);
-      if (std::none_of(PARAMETERS, PARAMETERS + MEMBERS,
-                       [&](const Parameter &p) { return p.name && given == p.name; }))
-        throw nb::type_error((given + " is no parameter of a ring").c_str());
-    }
-  return k;
-}
 
 void deformable::refuse_invalid(double radius, const Stiffness &k, double skin)
 {
@@ -55,9 +16,6 @@ void deformable::refuse_invalid(double radius, const Stiffness &k, double skin)
 
 void deformable::bind_rules(nb::module_ &m)
 {
-  m.def(
-      "invalid_radius", [](double radius) { return or_none(invalid_radius(radius)); }, "radius"_a,
-      R"(The problem of this radius in a phrase that names its value, or None: it must be positive and finite.)");
   m.def(
       "invalid_stiffness",
       [](double kA, double kP, const nb::args &more, const nb::kwargs &named) {

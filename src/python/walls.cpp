@@ -9,23 +9,6 @@ using namespace deformable;
 
 namespace {
 
-std::vector<Edge> polygon(nb::handle nx, nb::handle ny, nb::handle offset)
-{
-  const std::vector<double> x = vector_of("nx", nx), y = vector_of("ny", ny),
-                            o = vector_of("offset", offset);
-  if (x.size() != y.size() || x.size() != o.size() || x.empty())
-    refuse("nx, ny and offset must have one value for each of at least one half plane");
-  std::vector<HalfPlane> planes;
-  for (std::size_t k = 0; k < x.size(); ++k) {
-    const double length = std::hypot(x[k], y[k]);
-    if (!(length > 0.0)) refuse("nx and ny are both 0: the normal needs a direction");
-    planes.push_back({x[k] / length, y[k] / length, o[k] / length});
-  }
-  std::vector<Edge> edges;
-  if (!intersect(planes, edges)) refuse("the half planes have no point in common");
-  return edges;
-}
-
 std::vector<HalfPlane> planes_of_corners(nb::handle px, nb::handle py)
 {
   const std::vector<double> x = vector_of("x", px), y = vector_of("y", py);
@@ -128,7 +111,7 @@ void deformable::bind_walls(nb::module_ &m)
       "polygon_edges",
       [](nb::handle nx, nb::handle ny, nb::handle offset) {
         std::vector<double> ends;
-        for (const Edge &edge : polygon(nx, ny, offset)) {
+        for (const Edge &edge : polygon_of(nx, ny, offset)) {
           const double missing = std::numeric_limits<double>::quiet_NaN();
           for (const double end : {edge.low, edge.high}) {
             const bool there = edge.bounds() && std::isfinite(end);
@@ -142,18 +125,6 @@ void deformable::bind_walls(nb::module_ &m)
       R"(Both ends (x, y, x, y) of each side of the polygon nx x + ny y <= offset.
 
 nan where a side has no end, or is none because other half planes enclose the polygon alone.)");
-  m.def(
-      "nearest_on_polygon",
-      [](nb::handle nx, nb::handle ny, nb::handle offset, double x, double y) {
-        const NearestPoint point = nearest_on_polygon(polygon(nx, ny, offset), x, y);
-        if (!(point.height > 0.0)) return nb::object(nb::none());
-        return nb::object(nb::make_tuple(point.nx, point.ny, point.height, point.turn));
-      },
-      "nx"_a, "ny"_a, "offset"_a, "x"_a, "y"_a,
-      R"(The contact of a particle at (x, y) with the polygon nx x + ny y <= offset, None inside.
-
-Direction (two components), distance, and rotation of the direction per sideways step: 0 on a side,
-1/distance at a corner.)");
   m.def(
       "polygon_planes",
       [](nb::handle x, nb::handle y) {

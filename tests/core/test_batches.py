@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
-from lammps_deformable import core
+from lammps_deformable import core, core_for_tests
 
 LEVELS = core.simd_levels()
 OUTPUTS = ("energy", "pressure", "area_deficit", "perimeter_excess", "arc_radius", "force")
@@ -25,7 +25,9 @@ class Particles:
     tension: np.ndarray
 
     def shaped(self, law, level):
-        return core.batch(law, level, **{f: getattr(self, f) for f in self.__dataclass_fields__})
+        return core_for_tests.batch(
+            law, level, **{f: getattr(self, f) for f in self.__dataclass_fields__}
+        )
 
 
 def particles(seed, n=400, least=0, most=7, overlap=(-0.05, 0.12), spread=0.8, scale=1.0, turns=1):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from lammps_deformable import core
+from lammps_deformable import core, core_for_tests
 from shapely import LineString, MultiPoint, Point, Polygon
 from shapely.geometry import box
 
@@ -45,7 +45,7 @@ def test_distance_of_any_polygon(sides, x, y):
     """Bounded or not, with redundant half planes or without."""
     planes = half_planes(sides)
     expected = clipped(*planes).distance(Point(x, y))
-    found = core.nearest_on_polygon(*planes, x, y)
+    found = core_for_tests.nearest_on_polygon(*planes, x, y)
     if found is None:
         assert expected < 1e-9
         return
@@ -64,7 +64,7 @@ def test_continuous(sides, x, y, direction):
     planes = half_planes(sides)
     center = np.array([x, y])
     step = 1e-6 * np.array([np.cos(direction), np.sin(direction)])
-    found = [core.nearest_on_polygon(*planes, *p) for p in (center, center + step)]
+    found = [core_for_tests.nearest_on_polygon(*planes, *p) for p in (center, center + step)]
     assume(None not in found)
     heights = [f[2] for f in found]
     assert abs(heights[1] - heights[0]) <= 1e-6 * (1 + 1e-6)
@@ -84,7 +84,7 @@ def test_square():
         ((0.3, 0.9), None),
         ((1, 0), None),  # on the surface
     ):
-        found = core.nearest_on_polygon(*SQUARE, *center)
+        found = core_for_tests.nearest_on_polygon(*SQUARE, *center)
         assert found == (contact if contact is None else pytest.approx(contact, rel=1e-15, abs=0))
 
 
@@ -95,7 +95,7 @@ def test_segment(angle, length, x, y):
     planes = [c, -s, -c, s], [s, c, -s, -c], [1 + length, 0.2, -1.0, -0.2]
     along, across = c * x + s * y, -s * x + c * y - 0.2
     assume(abs(across) > 1e-9)
-    height, turn = core.nearest_on_polygon(*planes, x, y)[2:]
+    height, turn = core_for_tests.nearest_on_polygon(*planes, x, y)[2:]
     beyond = max(1 - along, 0.0, along - 1 - length)
     assert height == pytest.approx(np.hypot(beyond, across), rel=1e-12, abs=1e-14)
     assert turn == pytest.approx(0 if beyond < 1e-13 else 1 / height)
@@ -103,8 +103,8 @@ def test_segment(angle, length, x, y):
 
 def test_center_on_the_line_of_a_segment():
     planes = [1, 0, -1, 0], [0, 1, 0, -1], [1, 0, 1, 0]
-    assert core.nearest_on_polygon(*planes, 1.25, 0) == (-1, 0, 0.25, 4)
-    assert core.nearest_on_polygon(*planes, 0.5, 0) is None
+    assert core_for_tests.nearest_on_polygon(*planes, 1.25, 0) == (-1, 0, 0.25, 4)
+    assert core_for_tests.nearest_on_polygon(*planes, 0.5, 0) is None
 
 
 def test_edges():
@@ -128,7 +128,7 @@ def test_refusals():
         (([0], [0], [1]), "both 0"),
     ):
         with pytest.raises(ValueError, match=message):
-            core.nearest_on_polygon(*planes, 0.0, 0.0)
+            core_for_tests.nearest_on_polygon(*planes, 0.0, 0.0)
 
 
 grid = st.integers(-4, 4)

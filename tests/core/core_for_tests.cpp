@@ -1,7 +1,14 @@
-#include "python/laws.h"
+// What only tests call: kernels for particles side by side, and parts of laws that Python has no use for. Compiled for the tests
+// (DEFORMABLE_FOR_TESTS), into lammps_deformable.core_for_tests.
 
+#include "python/arguments.h"
+
+#include "geometry/polygon.h"
 #include "kernels/block_walk.h"
 #include "kernels/processor.h"
+#include "laws/friction.h"
+#include "laws/parameter_rules.h"
+#include "laws/sector.h"
 #include "laws/soft_ring.h"
 
 #include <nanobind/stl/string.h>
@@ -43,7 +50,7 @@ struct OneByOne {
     std::iota(order.begin(), order.end(), 0);
     if (!std::isinf(p.stiffness.kP)) refuse("kP: these sectors conserve their perimeter");
     sector_shape(p.radius, contacts, order.data(), shape);
-    refuse_coincident(shape.area_deficit);
+    if (!std::isfinite(shape.area_deficit)) refuse("angle: two contacts have the same direction");
     return harmonic(p.stiffness.kA, shape.area_deficit);
   }
 };
@@ -114,9 +121,7 @@ BatchResult batch(const std::string &law, const std::string &level,
   return result;
 }
 
-}    // namespace
-
-void deformable::bind_batches(nb::module_ &m)
+void bind_batches(nb::module_ &m)
 {
   const auto particles = [](double BlockParticle::*member) {
     return [member](const BatchResult &r) {
@@ -155,16 +160,6 @@ void deformable::bind_batches(nb::module_ &m)
       .def_ro("one_by_one", &BatchResult::one_by_one,
               "number of particles that the law for one particle has shaped");
 
-  m.def(
-      "simd_levels",
-      [] {
-        std::vector<std::string> found;
-        for (const char *level : LEVEL_NAMES)
-          if (batch_kernels(level)) found.emplace_back(level);
-        return found;
-      },
-      "Levels of SIMD instructions that are compiled and that this processor has; the last one is "
-      "the default.");
   m.def("batch", &batch, "law"_a, "level"_a, "contacts"_a, "dx"_a, "dy"_a, "partner_radius"_a,
         "radius"_a, "kA"_a, "kP"_a, "skin"_a, "tension"_a = std::vector<double>{},
         R"(Shapes and forces of many particles by the code that the pair styles run.
@@ -198,4 +193,75 @@ Raises
 ValueError
     Unknown law or level, lengths that do not fit, a contact line behind the center, or contacts that
     leave no shape.)");
+}
+
+void require(const Friction &c, double dt)
+{
+  const std::string problem = invalid_friction(c);
+  if (!problem.empty()) refuse(problem);
+  require_positive("dt", dt);
+}
+
+void bind_friction(nb::module_ &m)
+{
+  m.def(
+      "rub",
+      [](double mu, double kt, double gt, double xi, double way, double dt, double normal) {
+        const Friction c = {mu, kt, gt, 0.0};
+        require(c, dt);
+        const Rub now = rub(c, xi, way, dt, normal);
+        return nb::make_tuple(now.xi, now.force, now.slides);
+      },
+      "mu"_a, "kt"_a, "gt"_a, "xi"_a, "way"_a, "dt"_a, "normal"_a,
+      R"(A step of the spring of length xi along a contact whose sides move by `way` against each other.
+
+f = kt xi + gt dxi/dt, held to abs(f) <= mu max(normal, 0); where it slides, dxi/dt = (f - kt xi)/gt. Returns xi and f at the
+end of the step, and whether it slides. `normal` is the force that presses then.
+
+Raises
+------
+ValueError
+    A coefficient that is negative or no number, or a step dt that is not positive.)");
+  m.def(
+      "rub_loss",
+      [](double kt, double xi_before, double force_before, double xi, double force, double way) {
+        const RubLoss lost = loss(kt, {xi_before, force_before, false}, {xi, force, false}, way);
+        return nb::make_tuple(lost.sliding, lost.dashpot);
+      },
+      "kt"_a, "xi_before"_a, "force_before"_a, "xi"_a, "force"_a, "way"_a,
+      R"(Energies that a step loses by sliding, F (way - dxi), and in the dashpot, (F - kt mean(xi)) dxi.
+
+F is the mean force of both ends of the step. With the change of kt xi^2/2 their sum is the work F way.)");
+  m.def(
+      "contact_damping",
+      [](double damp, double way, double dt, double normal) {
+        require({0.0, 0.0, 0.0, damp}, dt);
+        return damping(damp, way, dt, normal);
+      },
+      "damp"_a, "way"_a, "dt"_a, "normal"_a,
+      R"(Force damp way/dt along the normal, positive where the sides separate, at most max(normal, 0).)");
+}
+
+}    // namespace
+
+NB_MODULE(core_for_tests, m)
+{
+  m.doc() = "What only the tests of lammps-deformable call.";
+  bind_batches(m);
+  bind_friction(m);
+  m.def(
+      "nearest_on_polygon",
+      [](nb::handle nx, nb::handle ny, nb::handle offset, double x, double y) {
+        const NearestPoint point = nearest_on_polygon(polygon_of(nx, ny, offset), x, y);
+        if (!(point.height > 0.0)) return nb::object(nb::none());
+        return nb::object(nb::make_tuple(point.nx, point.ny, point.height, point.turn));
+      },
+      "nx"_a, "ny"_a, "offset"_a, "x"_a, "y"_a,
+      R"(The contact of a particle at (x, y) with the polygon nx x + ny y <= offset, None inside.
+
+Direction (two components), distance, and rotation of the direction per sideways step: 0 on a side,
+1/distance at a corner.)");
+  m.def(
+      "invalid_radius", [](double radius) { return or_none(invalid_radius(radius)); }, "radius"_a,
+      R"(The problem of this radius in a phrase that names its value, or None: it must be positive and finite.)");
 }
