@@ -30,13 +30,7 @@ from relaxation import summary
 
 HERE = Path(__file__).parent
 NUMBERS, SEEDS = (16, 32, 64, 128), (1, 2)
-SHAPES = (
-    {"ratio": 1.0},
-    {"ratio": 1.2},
-    {"ratio": 1.4},
-    {"ratio": 3.0},
-    {"ratio": 1.2, "tilt": 0.4},
-)
+SHAPES = ((1.0, 0.0), (1.2, 0.0), (1.4, 0.0), (3.0, 0.0), (1.2, 0.4))  # ratios of sizes, tilts
 ABOVE, PHIS = 0.005, (0.70, 0.75, 0.80, 0.85)
 TOLERANCE = 1e-8
 # commands, and the imbalance of contacts that they leave; None: the default
@@ -75,11 +69,13 @@ def main() -> None:
     warnings.simplefilter("ignore", UserWarning)  # the rows have what they report
     rows: list[dict[str, Any]] = []
     same = 0
-    for number, seed, shape in itertools.product(options.numbers, SEEDS, SHAPES):
-        jammed = ld.jam(ld.bidisperse(number, seed=seed, dimension=3, **shape)).packing
+    for number, seed, (ratio, tilt) in itertools.product(options.numbers, SEEDS, SHAPES):
+        sizes = 0.5, 0.5 * ratio
+        start = ld.bidisperse(number, seed=seed, dimension=3, sizes=sizes, tilt=tilt)
+        jammed = ld.jam(start).packing
         for phi in (jammed.phi + ABOVE, *PHIS):
             pair = [relax(jammed.at(phi), minimizer) for minimizer in MINIMIZERS]
-            rows += [{"seed": seed, **shape, **row} for row in pair]
+            rows += [{"seed": seed, "ratio": ratio, "tilt": tilt, **row} for row in pair]
             first, second = (row["energy"] for row in pair)
             same += abs(first - second) <= 1e-9 * first
     result = {
