@@ -2,6 +2,7 @@
 
 #include "python/laws.h"
 
+#include "kernels/batch_kernels.h"
 #include "kernels/processor.h"
 
 #include <nanobind/stl/string.h>
