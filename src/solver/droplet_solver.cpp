@@ -86,7 +86,7 @@ void DropletSolver::set_material(const Particles &p, bool arranged)
 
 void DropletSolver::find_bulges(const Particles &p)
 {
-  list.forget_growth();
+  list.reset_growth();
   beyond_model = 0;
   largest_bulge = 0.0;
   int too_far = -1;

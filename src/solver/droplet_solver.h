@@ -16,7 +16,6 @@ class DropletSolver : public DualSolver {
 
   // Of a droplet, by local index.
   double load(int i) const { return of_load[batches.place[i]]; }
-  double facet(int i) const { return of_facet[batches.place[i]]; }
   double work(int i) const { return batches.work[batches.place[i]]; }
   int contacts_of(int i) const { return batches.count[i]; }
   int place_of_contact(int i, int contact) const

@@ -11,7 +11,7 @@
 using namespace LAMMPS_NS;
 using deformable::PairArrays;
 
-// Imbalances over those before a step, which need no search; where others follow, as lines or blocks beside.
+// A step needs no line search if the imbalance is at most this part of that before; if lines or other blocks change too.
 static constexpr double BETTER = 0.5, NO_WORSE = 2.0;
 
 DualSolver::DualSolver(LAMMPS *lmp, const deformable::ForceKernels &kernels, bool in_space,
@@ -49,10 +49,10 @@ const char *Summary::why() const
 bool DualSolver::solve(const Particles &p, const Push &push)
 {
   constexpr int MOST_LISTS = 20, MOST_CHANGES = 100;
-  const bool begins_to_adhere = p.films && !list.pairs.adhesive;    // an adhesion has grown from 0
+  const bool adhesion_begins = p.films && !list.pairs.adhesive;    // an adhesion has grown from 0
   if (!find_pairs(p)) return false;
 
-  begin_call();
+  predict();
   if (films) films->begin_call();
   const bool moves = update->whichflag == 1 && !update->setupflag;
   double before = 0.0, part = 1.0;
@@ -88,7 +88,7 @@ bool DualSolver::solve(const Particles &p, const Push &push)
   }
   warn(p, changes > 0);
   lost = changes > 0 ? before - total_energy() : 0.0;
-  if (films && (p.new_list || begins_to_adhere)) list.store_films(p);
+  if (films && (p.new_list || adhesion_begins)) list.store_films(p);
   finish(push, part);
   return true;
 }
@@ -133,7 +133,7 @@ void DualSolver::arrange(const Particles &p, bool new_list)
   for (LargeVector<float> *v : {&residual, &weight, &step}) v->assign(pairs.size + 1, 0.0F);
   pairs_of_all = 1.0 + sum_over_pairs([](int begin, int end) { return end - begin; });
   if (lines) lines->arrange(batches, pairs, list.remote_sides);
-  if (new_list) linear.doubt_bounds();
+  if (new_list) linear.invalidate_bounds();
 }
 
 double DualSolver::total_energy() const
@@ -157,7 +157,7 @@ bool DualSolver::minimizing() const
    there a straight line is taken.
 ------------------------------------------------------------------------- */
 
-void DualSolver::begin_call()
+void DualSolver::predict()
 {
   NearPairs &p = list.pairs;
   const bigint now = update->ntimestep;
@@ -191,7 +191,7 @@ void DualSolver::take_past()
     a.force[k] = a.past[k] == deformable::UNKNOWN_FORCE
                      ? 0.0
                      : std::max(a.past[k], deformable::least_force<double>(a, k));
-  --summary.evaluations;    // the next one has the same forces as the last one
+  --summary.evaluations;    // the next one repeats the last one, and does not count
 }
 
 /* ----------------------------------------------------------------------
@@ -202,7 +202,7 @@ void DualSolver::take_past()
    depends on it.
 ------------------------------------------------------------------------- */
 
-void DualSolver::agree()
+void DualSolver::average_over_ranks()
 {
   if (comm->nprocs == 1) return;
   NearPairs &p = list.pairs;
@@ -229,9 +229,12 @@ void DualSolver::agree()
 bool DualSolver::balance()
 {
   if (!is_first) take_past();
-  agree();
+  average_over_ranks();
   if (lines) lines->begin();
-  Evaluation now = first_evaluation();
+  const bool is_planned = may_plan();
+  Evaluation now = is_planned ? evaluate_and_correct() : evaluate();
+  if (is_first && !is_planned) planned_from = now;
+  is_first = false;
 
   local_corrections = 0;
   int anew = 0;
@@ -244,7 +247,7 @@ bool DualSolver::balance()
       ++anew;
       halved = std::numeric_limits<double>::infinity();
       since = summary.evaluations;
-      lose_track();
+      invalidate_history();
       std::fill(list.pairs.force.begin(), list.pairs.force.end(), 0.0);
       if (lines) lines->straighten(anew == 2);
       if (anew == 2) allowed = summary.evaluations + max_evaluations;
@@ -266,12 +269,12 @@ bool DualSolver::balance()
       break;
     }
     if (!std::isfinite(now.force)) break;
-    lose_track();
+    invalidate_history();
     if (!correct_some(now)) now = correct(now);
   }
   if (!now.exists) summary.termination = Termination::NO_SHAPE;
   if (lines) {
-    if (now.of_lines < 0.0) now.of_lines = lines->imbalance();
+    if (now.line_imbalance < 0.0) now.line_imbalance = lines->imbalance();
     lines->remember();
   }
   shapes_exist = now.exists;
@@ -279,47 +282,40 @@ bool DualSolver::balance()
   return now.exists && now.worst() <= limit(now);
 }
 
-// The forces of a minimizer vanish. Those of contacts go on with them below the tolerance if each call corrects them.
+// In a minimization each call makes a correction at least, so that contact forces converge with the total forces.
 // Lines count only where forces balance: before, they are not worth their evaluation.
 bool DualSolver::is_balanced(Evaluation &now)
 {
   if (!now.exists || now.imbalance > limit(now)) return false;
   if (minimizing() && !is_corrected && now.imbalance > 0.0) return false;
-  if (lines && now.of_lines < 0.0) now.of_lines = lines->imbalance();
-  return now.of_lines <= limit(now);
+  if (lines && now.line_imbalance < 0.0) now.line_imbalance = lines->imbalance();
+  return now.line_imbalance <= limit(now);
 }
 
-Evaluation DualSolver::first_evaluation()
+// Whether the last calls tell how far to correct: not in minimizations, and not where lines follow.
+bool DualSolver::may_plan() const
 {
-  const bool is_planned = tuning.planned != 0.0 && is_first && successive_calls >= QUADRATIC &&
-                          !minimizing() && !lines && linear.knows_bounds() && planned_from.exists &&
-                          planned_from.norm2 > 0.0 && planned_from.force > 0.0;
-  if (is_planned) {
-    is_first = false;
-    return evaluate_and_correct();
-  }
-  const Evaluation now = evaluate();
-  if (is_first) planned_from = now;
-  is_first = false;
-  return now;
+  return tuning.planned != 0.0 && is_first && successive_calls >= QUADRATIC && !minimizing() &&
+         !lines && linear.knows_bounds() && planned_from.exists && planned_from.norm2 > 0.0 &&
+         planned_from.force > 0.0;
 }
 
 /* ----------------------------------------------------------------------
    In motion each call needs about the same correction as the last one: it is
-   one more run through the blocks if nobody waits for the imbalance before it.
+   one more sweep if nobody waits for the imbalance before it.
 ------------------------------------------------------------------------- */
 
 Evaluation DualSolver::evaluate_and_correct()
 {
   is_corrected = true;
-  Stages stages = {Stage::SHAPE, Stage::LOOK};
+  Stages stages = {Stage::SHAPE, Stage::RESIDUAL};
   if (relaxation.begin(tuning, tolerance, planned_from.force)) {
     std::fill(step.begin(), step.end(), 0.0F);
-    stages.insert(stages.end(), {Stage::WAIT, Stage::RELAX, Stage::RESHAPE, Stage::LOOK});
+    stages.insert(stages.end(), {Stage::WAIT, Stage::RELAX, Stage::RESHAPE, Stage::RESIDUAL});
   }
   stages.insert(stages.end(), linear.plan(accuracy(planned_from)), Stage::CORRECT);
   const Stage shape = shape_after(planned_from);
-  stages.insert(stages.end(), {Stage::STEP, shape, Stage::LOOK});
+  stages.insert(stages.end(), {Stage::STEP, shape, Stage::RESIDUAL});
   Evaluation now = run(stages, &planned_from);
   if (!planned_from.exists) return now;
   if (shape == Stage::ADAPT && shape_after(planned_from) != shape) {    // larger than planned
@@ -335,7 +331,7 @@ Evaluation DualSolver::evaluate_and_correct()
    imbalance is many times that of all others, and what corrects it decays
    within a few particles. So its block and the neighbors of that are corrected
    on their own, with the forces on all others held. False: all have to be
-   corrected. The state may be another one then too.
+   corrected, and `now` may have been evaluated again.
 ------------------------------------------------------------------------- */
 
 bool DualSolver::correct_some(Evaluation &now)
@@ -363,7 +359,7 @@ bool DualSolver::correct_some(Evaluation &now)
   BlockLevels::Choice seen = chosen;
   blocks.widen(seen);
   blocks.add_borders(seen);
-  now = run({Stage::LOOK}, nullptr, &seen);
+  now = run({Stage::RESIDUAL}, nullptr, &seen);
   now.exists &= stepped.exists;
   now.slope = stepped.slope;
   if (now.exists && linear.is_sound(now.slope, from.norm2 * unit_of_energy()) &&
@@ -411,7 +407,7 @@ void DualSolver::hold_others(const BlockLevels::Choice &chosen)
 
 Evaluation DualSolver::correct(const Evaluation &from)
 {
-  if (from.of_lines > 0.0) {    // only lines are missing
+  if (from.line_imbalance > 0.0) {    // only lines are missing
     lines->take();
     return evaluate();
   }
@@ -425,17 +421,17 @@ Evaluation DualSolver::correct(const Evaluation &from)
     std::fill(batches.step.begin(), batches.step.end(), 0.0F);
   Stages stages(corrections, Stage::CORRECT);
   stages.push_back(Stage::STEP);
-  if (!moves) stages.insert(stages.end(), {shape_after(from), Stage::LOOK});
+  if (!moves) stages.insert(stages.end(), {shape_after(from), Stage::RESIDUAL});
   const Evaluation stepped = accept(run(stages), from, corrections > 0, !moves);
   if (!moves) return line_search(stepped, BETTER * from.imbalance);
-  const double of_lines = lines->imbalance();
-  lines->adapt(of_lines);
+  const double line_imbalance = lines->imbalance();
+  lines->adapt(line_imbalance);
   lines->take();
   Evaluation now = evaluate();
   now.slope = stepped.slope;
   // between films lines alone seldom make it worse: iterations may diverge slowly
-  if (films && now.imbalance > from.imbalance) linear.doubt_bounds();
-  return line_search(now, NO_WORSE * std::max(from.imbalance, of_lines));
+  if (films && now.imbalance > from.imbalance) linear.invalidate_bounds();
+  return line_search(now, NO_WORSE * std::max(from.imbalance, line_imbalance));
 }
 
 /* ----------------------------------------------------------------------
@@ -471,7 +467,7 @@ Evaluation DualSolver::accept(Evaluation now, const Evaluation &from, bool itera
                               bool has_shapes)
 {
   if (iterated && !linear.is_sound(now.slope, from.norm2 * unit_of_energy())) {
-    linear.doubt_bounds();
+    linear.invalidate_bounds();
     move(1.0, 0.0);
     return evaluate();
   }
@@ -500,7 +496,7 @@ Evaluation DualSolver::line_search(Evaluation now, double enough)
   double low = 0.0, low_slope = slope, high = 1.0, at = 1.0;
   for (;;) {
     if (now.exists && now.imbalance <= std::max(enough, limit(now))) return now;
-    linear.doubt_bounds();
+    linear.invalidate_bounds();
     const double here = now.exists ? slope_at_end() : -std::numeric_limits<double>::infinity();
     if (here >= -SMALL_SLOPE * slope && (at == 1.0 || here <= SMALL_SLOPE * slope)) return now;
     if (!may_go_on()) return now;
@@ -522,7 +518,8 @@ Evaluation DualSolver::line_search(Evaluation now, double enough)
   }
 }
 
-// Along the last step, from this part of it to that one. Single precision has the smaller one of two numbers well.
+// Along the last step, from this part of it to that one. From the smaller one of the force before and its change: single
+// precision has only that precisely enough.
 void DualSolver::move(double from, double to, int begin, int end)
 {
   const PairArrays a = arrays();
@@ -567,8 +564,8 @@ void DualSolver::begin_again()
   allowed = summary.evaluations + max_evaluations;
 }
 
-// A step overwrites what the forces of the last call were.
-void DualSolver::lose_track()
+// A step overwrites the force before the last call (`before` shares memory with earlier[0]): the next call cannot extrapolate.
+void DualSolver::invalidate_history()
 {
   if (is_remembered) successive_calls = 0;
   is_remembered = false;
@@ -630,8 +627,8 @@ PairArrays DualSolver::arrays()
   return a;
 }
 
-// Returns what the last stage LOOK has found in all blocks; the one before the corrections, unless null. If only some blocks
-// are chosen, the others stay as they are.
+// Returns what the last stage RESIDUAL has found in all blocks; in `before`, unless null, what the last one before the
+// corrections has. If only some blocks are chosen, the others stay as they are.
 Evaluation DualSolver::run(const Stages &stages, Evaluation *before,
                            const BlockLevels::Choice *chosen)
 {
@@ -664,7 +661,7 @@ Evaluation DualSolver::run(const Stages &stages, Evaluation *before,
                                      batches.compliance.data());
       },
       chosen);
-  if (stages.back() == Stage::LOOK) ++summary.evaluations;
+  if (stages.back() == Stage::RESIDUAL) ++summary.evaluations;
   if (before) {
     ++summary.evaluations;
     *before = sum_up(blocks.count(), true);
@@ -679,7 +676,7 @@ void DualSolver::work(Stage stage, int block, int iteration, deformable::RingBat
   switch (stage) {
     case Stage::SHAPE: exist &= shape(here); break;
     case Stage::ADAPT: exist &= adapt(here, step.data(), loop.unit); break;
-    case Stage::LOOK:
+    case Stage::RESIDUAL:
       blocks.for_pairs(block, [&](int begin, int end, double part) {
         found.add(kernels.find_residuals(loop, begin, end), part);
       });

@@ -1,28 +1,31 @@
-// The forces of all pairs, from positions: what LAMMPS' force call is, once contacts are known.
+// The forces of all pairs, from positions. Pair styles call `solve` once a force call.
 //
-// A particle under the forces f of its contacts has the conjugate energy W(f), and its outline gives way by a = dW/df at each of
-// them (laws/ring_forces.h, laws/droplet.h). The forces of a packing are the largest value of
-//   sum over pairs of f o - sum over particles of W(f),   f >= 0,
-// with the overlaps o: the dual problem of the energy that is smallest over all splits of the overlaps. Its gradient is what is
-// left of an overlap,
-//   r = o - a_i - a_j,   0 where f > 0, not positive where f = 0;   of a wall r = o - a.
-// The imbalance of a pair is the change of its force that would remove r if all others stayed. Forces are balanced when no
-// imbalance exceeds the tolerance times the largest force. `solve` is a loop, and this file is read in its order:
+// A particle under the forces f of its contacts has the conjugate energy W(f). Its outline gives way by the indentations a = dW/df,
+// with the compliances C = da/df (laws/ring_forces.h, laws/droplet.h). The forces of a packing maximize
+//   sum over pairs of f o - sum over particles of W(f),   f >= 0; of an adhesive pair f >= least_force,
+// with the overlaps o of the undeformed particles. This is the dual problem of the smallest energy. Its gradient is the residual
+// overlap r = o - a_i - a_j, of a wall r = o - a. At the solution r = 0 where f > 0, and r <= 0 where f = 0. The imbalance of a
+// pair is the change of its force that would remove r if all others stayed: r/(C_i + C_j), not below -f, and for r > 0 at least k r^3
+// as between two circles, since a ring without force has no finite compliance. Forces are balanced when no imbalance exceeds the
+// tolerance times the largest force.
 //
-//   predict   The first forces are a polynomial in time through those of the last calls.
-//   evaluate  Kernels find the shapes of all particles, which give a and the compliances C = da/df, and what is left.
-//   correct   A step of Newton's method: C x = r for the pairs that take part (LinearSolver). One whose own force would become
-//             negative takes none, and its force vanishes. A few pairs that are far off, since contacts open and close, are
-//             relaxed one by one before (PairRelaxation).
-//   accept    The dual energy is concave along the step: a step that is too long is shortened.
-//   remember  The forces are past ones of the next call. A pair without force has its imbalance instead, which is negative:
-//             extrapolated in time it becomes positive when the contact forms.
+//   solve        find_pairs, predict, then balance, again where outlines bulge beyond the list of pairs or films come or go; finish
+//   predict      a polynomial in time through the forces of the last calls
+//   balance      Newton's method: evaluate, and correct until balanced, stuck or out of evaluations
+//   evaluate     kernels find the shapes of all particles (a, C) and the residuals of all pairs
+//   correct      C x = r for the active set (LinearSolver: Chebyshev's iteration, or conjugate gradients where the bounds of the
+//                spectrum are not known). A pair whose own force would become negative is not in it, and its force vanishes.
+//   correct_some the same for a few blocks of particles, if only these are not balanced
+//   evaluate_and_correct   both in one sweep, as planned from the last call: the usual way in a run, with straight lines, if the
+//                bounds are known. Pairs that are far off, as where contacts open, are relaxed one by one before (PairRelaxation).
+//   accept, line_search   an unsound step is undone, a step that is too long is shortened: the dual energy is concave
+//   remember     forces become past ones. A pair without force has its imbalance instead, which is negative: extrapolated in time
+//                it becomes positive when the contact forms.
 //
-// Stages go through the particles block by block, and near blocks run ahead of far ones, so that memory is read once for a whole
-// correction (BlockLevels). All ranks take the same steps, and both ranks of a pair compute the same bits for it.
-//
-// RingSolver and DropletSolver say what W is: shapes, compliances, bulges. Contact lines that tilt and bend (CurvedLines) take a
-// step with each of Newton's method. Films that come or go change the problem: then it is solved again.
+// A sweep goes through its stages block by block, and near blocks run ahead of far ones, so that memory is read once (BlockLevels).
+// All ranks take the same steps, and both ranks of a pair compute the same bits for it. Forces and overlaps are in double precision,
+// what only corrects them in single precision and in units of PairArrays. RingSolver and DropletSolver say what W is; lines that
+// tilt and bend (CurvedLines) take a step with each of Newton's method once forces are close to balance.
 
 #ifndef LMP_DUAL_SOLVER_H
 #define LMP_DUAL_SOLVER_H
@@ -37,6 +40,7 @@
 #include "solver/pair_relaxation.h"
 #include "solver/tuning.h"
 
+#include <algorithm>
 #include <functional>
 #include <memory>
 #include <vector>
@@ -48,19 +52,20 @@ enum class Termination { BALANCED, STUCK, NO_SHAPE, OUT_OF_EVALUATIONS };
 
 struct Summary {
   Termination termination = Termination::BALANCED;
-  int evaluations = 0;        // of shapes of all particles, in the call
+  int evaluations = 0;        // in the call; one of some blocks counts as one
   double imbalance = 0.0;     // the largest of a pair, over the largest force
-  const char *why() const;    // forces are not balanced, and what helps
+  const char *why() const;    // in words: why it ended, and what helps
 };
 
 // What is found in all particles and pairs with their present forces.
 struct Evaluation {
   double imbalance = 0.0, force = 0.0;    // the largest ones of a pair
   double norm2 = 0.0, weights = 0.0;      // see deformable::Residuals
-  double slope = 0.0;        // of the dual energy along the last step, where that began
-  bool exists = false;       // every particle has a shape
-  double of_lines = -1.0;    // the largest imbalance of a line, CurvedLines; negative: not known
-  double worst() const { return std::max(imbalance, of_lines); }
+  double slope = 0.0;     // of the dual energy along the last step, where that began
+  bool exists = false;    // every particle has a shape
+  double line_imbalance =
+      -1.0;    // the largest imbalance of a line, CurvedLines; negative: not known
+  double worst() const { return std::max(imbalance, line_imbalance); }
 };
 
 class DualSolver : protected Pointers {
@@ -74,8 +79,8 @@ class DualSolver : protected Pointers {
   // go afterwards, and other forces follow.
   using Push = std::function<void(int begin, int end, double part, bool is_final)>;
 
-  // A force call. Returns false on all ranks if one goes no further: a wall has refused a center, or this pair has a contact
-  // line that cannot lie between the centers; or if particles have no room (RingSolver). Else all forces have been pushed.
+  // A force call. Returns false on all ranks if any must stop with an error: a wall has refused a center, this pair has a contact
+  // line that cannot lie between the centers, or particles have no room (RingSolver). Else all forces have been pushed.
   bool solve(const Particles &, const Push &);
   int refused_pair() const { return wrong; }    // or -1
 
@@ -83,10 +88,10 @@ class DualSolver : protected Pointers {
 
   // What is left of an overlap, r; and what a pair adds to the energy of its particles: with f r the sum is that of the dual
   // problem, whose error is of second order in r.
-  double left(int k) const { return residual[k] * list.pairs.length; }
+  double residual_overlap(int k) const { return residual[k] * list.pairs.length; }
   double energy_left(int k) const
   {
-    return list.pairs.force[k] * left(k) + (lines ? lines->energy_left(k) : 0.0);
+    return list.pairs.force[k] * residual_overlap(k) + (lines ? lines->energy_left(k) : 0.0);
   }
 
   // For calls after an error that the caller has caught: they must not start from forces without bound.
@@ -133,14 +138,14 @@ class DualSolver : protected Pointers {
 
  private:
   enum class Stage {
-    SHAPE,      // of particles, for the forces of their pairs
-    ADAPT,      // the same after a small step
-    LOOK,       // what is left of overlaps
-    WAIT,       // until the blocks that are two away have looked, whose pairs RELAX may change
-    RELAX,      // a few pairs that are far from balance
-    RESHAPE,    // of particles whose pairs were relaxed
-    CORRECT,    // an iteration for C x = r
-    STEP        // all forces take their corrections
+    SHAPE,       // of particles, for the forces of their pairs
+    ADAPT,       // the same after a small step
+    RESIDUAL,    // overlaps of all pairs
+    WAIT,        // barrier: blocks that are two away have their residuals, which RELAX may change
+    RELAX,       // a few pairs that are far from balance
+    RESHAPE,     // of particles whose pairs were relaxed
+    CORRECT,     // an iteration for C x = r
+    STEP         // all forces take their corrections
   };
   using Stages = std::vector<Stage>;
 
@@ -149,7 +154,7 @@ class DualSolver : protected Pointers {
   int wrong = -1;
 
   // prediction
-  static constexpr int LINEAR = 2, QUADRATIC = 3, CUBIC = 4;
+  static constexpr int LINEAR = 2, QUADRATIC = 3, CUBIC = 4;    // past forces that are needed
   int successive_calls = 0;    // at successive time steps before this one
   bigint last_step = -2;
   bool is_first = true;    // solution of this call
@@ -174,15 +179,15 @@ class DualSolver : protected Pointers {
   bool find_pairs(const Particles &);
   double total_energy() const;
 
-  void begin_call();
+  void predict();
   void take_past();
-  void agree();
+  void average_over_ranks();
   void remember();
   void begin_again();
-  void lose_track();
+  void invalidate_history();
 
   bool balance();
-  Evaluation first_evaluation();
+  bool may_plan() const;
   Evaluation evaluate_and_correct();
   int local_corrections = 0;    // of this solution
   bool correct_some(Evaluation &);
@@ -198,7 +203,7 @@ class DualSolver : protected Pointers {
   deformable::PairArrays arrays();
   Evaluation run(const Stages &, Evaluation *before = nullptr,
                  const BlockLevels::Choice *chosen = nullptr);
-  Evaluation evaluate() { return run({Stage::SHAPE, Stage::LOOK}); }
+  Evaluation evaluate() { return run({Stage::SHAPE, Stage::RESIDUAL}); }
   void work(Stage, int block, int iteration, deformable::RingBatches &, OfBlock &, bool &exist);
   Evaluation sum_up(int first, bool exist) const;
   void hold_others(const BlockLevels::Choice &);

@@ -21,7 +21,7 @@ void LinearSolver::conjugate_gradients(const NearPairs &pairs, ContactBatches &b
   constexpr int MAX_ITERATIONS = 500;
   const deformable::RingBatches rings = batches.arrays();
   const double enough = accuracy * accuracy * norm2;
-  std::vector<double> lengths, conjugations;
+  std::vector<double> alpha, beta;
   double conjugation = 0.0;
   for (int iteration = 0; iteration < MAX_ITERATIONS && norm2 > enough; ++iteration) {
     const double part =
@@ -29,16 +29,16 @@ void LinearSolver::conjugate_gradients(const NearPairs &pairs, ContactBatches &b
     remote.exchange(pairs.side[0].data() + pairs.remote, batches.contacts, batches.product.data());
     const double curvature = remote.sum(part);
     if (!(curvature > 0.0)) break;
-    lengths.push_back(norm2 / curvature);
-    const double next = remote.sum(kernels.advance(rings, lengths.back()));
+    alpha.push_back(norm2 / curvature);
+    const double next = remote.sum(kernels.advance(rings, alpha.back()));
     conjugation = next / norm2;
-    conjugations.push_back(conjugation);
+    beta.push_back(conjugation);
     norm2 = next;
   }
-  are_doubted = false;
-  find_bounds(lengths, conjugations);
+  are_invalid = false;
+  find_bounds(alpha, beta);
   // of the logarithm of the error in one iteration; that of Chebyshev's method is for all spectra between the bounds
-  const double of_conjugate = std::log(1.0 / accuracy) / lengths.size();
+  const double of_conjugate = std::log(1.0 / accuracy) / alpha.size();
   if (highest > 0.0 && decay() < tuning.chebyshev * of_conjugate) highest = 0.0;
 }
 
@@ -48,19 +48,18 @@ void LinearSolver::conjugate_gradients(const NearPairs &pairs, ContactBatches &b
    too little.
 ------------------------------------------------------------------------- */
 
-void LinearSolver::find_bounds(const std::vector<double> &lengths,
-                               const std::vector<double> &conjugations)
+void LinearSolver::find_bounds(const std::vector<double> &alpha, const std::vector<double> &beta)
 {
   constexpr int LEAST = 5, PARTS = 1024;
-  const int n = static_cast<int>(lengths.size());
+  const int n = static_cast<int>(alpha.size());
   if (n < LEAST) return;
   std::vector<double> diagonal(n), square(n, 0.0);    // square: of the element before the diagonal
   double most = 0.0;
   for (int k = 0; k < n; ++k) {
-    diagonal[k] = 1.0 / lengths[k];
+    diagonal[k] = 1.0 / alpha[k];
     if (k > 0) {
-      diagonal[k] += conjugations[k - 1] / lengths[k - 1];
-      square[k] = conjugations[k - 1] / (lengths[k - 1] * lengths[k - 1]);
+      diagonal[k] += beta[k - 1] / alpha[k - 1];
+      square[k] = beta[k - 1] / (alpha[k - 1] * alpha[k - 1]);
     }
     most = std::max(most, diagonal[k] + 2.0 * std::sqrt(square[k]));
   }
@@ -95,13 +94,13 @@ int LinearSolver::plan(double accuracy)
   const double center = 0.5 * (highest + lowest), radius = 0.5 * (highest - lowest);
   const double ratio = center / radius;
   const int last = std::max(2, static_cast<int>(std::ceil(std::acosh(1.0 / accuracy) / decay())));
-  lengths.assign(last + 1, 1.0 / center);
-  conjugations.assign(last + 1, 0.0);
+  alpha.assign(last + 1, 1.0 / center);
+  beta.assign(last + 1, 0.0);
   double rho = 1.0 / ratio;
   for (int k = 2; k <= last; ++k) {
     const double next = 1.0 / (2.0 * ratio - rho);
-    lengths[k] = 2.0 * next / radius;
-    conjugations[k] = next * rho * lengths[k - 1] / lengths[k];
+    alpha[k] = 2.0 * next / radius;
+    beta[k] = next * rho * alpha[k - 1] / alpha[k];
     rho = next;
   }
   return last;
@@ -115,15 +114,15 @@ float *LinearSolver::products(const deformable::RingBatches &rings, int k)
 
 void LinearSolver::iterate(deformable::RingBatches b, const PairArrays &arrays, int k) const
 {
-  const int last = static_cast<int>(lengths.size()) - 1;
+  const int last = static_cast<int>(alpha.size()) - 1;
   float *const product = products(b, k);
   b.corrections.last_product = products(b, k - 1);
   b.corrections.product = product;
   if (k == 1) {
     kernels.begin(b, arrays);
   } else if (k < last) {
-    kernels.advance_and_multiply(b, lengths[k - 1], conjugations[k]);
+    kernels.advance_and_multiply(b, alpha[k - 1], beta[k]);
   } else {
-    kernels.advance_twice(b, lengths[last - 1], conjugations[last], lengths[last]);
+    kernels.advance_twice(b, alpha[last - 1], beta[last], alpha[last]);
   }
 }

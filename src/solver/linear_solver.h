@@ -26,14 +26,14 @@ class LinearSolver {
   {
   }
 
-  void doubt_bounds() { are_doubted = true; }    // then conjugate gradients come next
+  void invalidate_bounds() { are_invalid = true; }    // then conjugate gradients come next
 
   // Returns the number of iterations that are still to be done: 0 if conjugate gradients have solved the equations already.
   // norm2: the sum of w r^2/length^2. In the end x is in `batches.step`.
   int begin(const NearPairs &, ContactBatches &batches, RemoteSides &,
             const deformable::PairArrays &, double norm2, double accuracy);
 
-  bool knows_bounds() const { return highest > 0.0 && !are_doubted; }
+  bool knows_bounds() const { return highest > 0.0 && !are_invalid; }
   int plan(double accuracy);    // the same without conjugate gradients
 
   // Whether a step x may have this slope r x. Within the bounds of the spectrum none has another one, but for what steps do to
@@ -52,13 +52,13 @@ class LinearSolver {
   const Tuning &tuning;
   // bounds of the eigenvalues of C, with the weights; unknown if highest = 0
   double lowest = 0.0, highest = 0.0;
-  bool are_doubted = false;
-  std::vector<double> lengths, conjugations;    // of each iteration
+  bool are_invalid = false;
+  std::vector<double> alpha, beta;    // of each iteration
 
   void conjugate_gradients(const NearPairs &, ContactBatches &, RemoteSides &,
                            const deformable::PairArrays &, double norm2, double accuracy);
   double decay() const;
-  void find_bounds(const std::vector<double> &lengths, const std::vector<double> &conjugations);
+  void find_bounds(const std::vector<double> &alpha, const std::vector<double> &beta);
 };
 
 }    // namespace LAMMPS_NS

@@ -310,12 +310,12 @@ bool PairList::is_sufficient(const Particles &p, bool &refused)
     farthest2 = std::max(farthest2, d2);
   }
   farthest = are_finite ? std::sqrt(farthest2) : INFINITE;
-  return remote_sides.all_find(!missed_wall && is_within_margin(p), refused);
+  return remote_sides.all_ranks_sufficient(!missed_wall && is_within_margin(p), refused);
 }
 
 bool PairList::is_sufficient_after(const Particles &p, bool &refused)
 {
-  return remote_sides.all_find(!missed_wall && is_within_margin(p), refused);
+  return remote_sides.all_ranks_sufficient(!missed_wall && is_within_margin(p), refused);
 }
 
 // Mostly the longest move and the largest growth of a bulge are together below half of the margin: then no particle needs a

@@ -105,7 +105,7 @@ class PairList : protected Pointers {
   bool is_sufficient_after(const Particles &, bool &refused);
 
   // A solution sets all bulges anew: first this, then one by one.
-  void forget_growth() { grown = 0.0; }
+  void reset_growth() { grown = 0.0; }
   void set_bulge(int i, double b)
   {
     grown = std::max(grown, b - bulge_then[i]);

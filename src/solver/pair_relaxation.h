@@ -20,8 +20,8 @@ class PairRelaxation {
  public:
   void arrange(const ContactBatches &, const NearPairs &);    // contacts are new
 
-  // A new force call. Pairs are relaxed whose imbalance is above a limit. Those that are far off are
-  // left to Newton's method, which knows when it goes astray. Returns whether any imbalance is between these limits.
+  // Before a sweep. Pairs are relaxed whose imbalance is above a limit. Those that are far off are
+  // left to Newton's method, which knows when it goes astray. Returns whether there is anything between these limits.
   bool begin(const Tuning &tuning, double tolerance, double largest_force)
   {
     crowd = tuning.crowd;

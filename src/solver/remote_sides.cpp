@@ -23,7 +23,7 @@ double RemoteSides::largest(double of_this_rank) const
   return all;
 }
 
-bool RemoteSides::all_find(bool sufficient, bool &refused) const
+bool RemoteSides::all_ranks_sufficient(bool sufficient, bool &refused) const
 {
   enum { SUFFICIENT, INSUFFICIENT, REFUSED };
   int here = refused ? REFUSED : sufficient ? SUFFICIENT : INSUFFICIENT;

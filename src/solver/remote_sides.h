@@ -36,7 +36,7 @@ class RemoteSides : protected Pointers {
   double largest(double of_this_rank) const;    // of all ranks
 
   // Whether all ranks find a list sufficient. `refused`: whether this rank goes no further; then whether any does.
-  bool all_find(bool sufficient, bool &refused) const;
+  bool all_ranks_sufficient(bool sufficient, bool &refused) const;
 
   // From each particle to its ghosts.
   void to_ghosts(std::vector<double> &by_particle);

@@ -129,7 +129,7 @@ void RingSolver::set_units(const Particles &p)
 
 void RingSolver::find_bulges(const Particles &)
 {
-  list.forget_growth();
+  list.reset_growth();
   crowded.clear();
   for (std::size_t ring = 0; ring < batches.particle.size(); ++ring) {
     const int i = batches.particle[ring];
@@ -233,7 +233,7 @@ double RingSolver::indentation(int k, int side) const
   // a particle that bears next to nothing is infinitely compliant
   const bool any = p.force[k] > 0.0 && std::isfinite(own + other);
   const double share = any ? own / (own + other) : 0.5;
-  return batches.indentation[c] + share * left(k);
+  return batches.indentation[c] + share * residual_overlap(k);
 }
 
 double RingSolver::line_length(int i, int k, double length) const
@@ -391,7 +391,7 @@ bool RingSolver::has_collapsed() const
     return k.tension > 0.0 && std::isfinite(k.kA);
   };
   for (int k = 0; k < list.pairs.size; ++k) {
-    if (left(k) < MUCH * batches.radius[batches.place[list.pairs.i[k]]]) continue;
+    if (residual_overlap(k) < MUCH * batches.radius[batches.place[list.pairs.i[k]]]) continue;
     if (is_bubble(list.pairs.i[k]) || is_bubble(list.pairs.second(k))) return true;
   }
   return false;

@@ -261,7 +261,7 @@ void PairDeformableDroplet::finish_droplets()
       const int c = solver->place_of_contact(i, n);
       const int k = solver->seat(c) >> 1;
       energy += p.force[k] * solver->indentation(c);
-      // more precise than solver->left(k)
+      // more precise than solver->residual_overlap(k)
       const double left =
           p.overlap[k] - solver->indentation(p.side[0][k]) - solver->indentation(p.side[1][k]);
       rest += (k < p.wall ? 0.5 : 1.0) * p.force[k] * left;

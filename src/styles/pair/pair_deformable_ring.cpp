@@ -415,7 +415,7 @@ void PairDeformableRing::push_pairs(int begin, int end, bool counts_energy)
   const int usual = plain ? end : begin;
   double rest_of_usual = 0.0;
   for (int k = begin; k < usual && sums_energy && eflag_global; ++k)
-    rest_of_usual += p.force[k] * balanced->left(k);
+    rest_of_usual += p.force[k] * balanced->residual_overlap(k);
   eng_vdwl += rest_of_usual;
   // usual pairs of which only forces count: the same sums as below
   for (int k = begin; k < usual; ++k) {
