@@ -129,8 +129,9 @@ kP : float
     Stiffness of the perimeter [energy/length^2]; inf: the perimeter is conserved; 0 beside a tension.
 skin : float
     Thickness of the rigid shell around the ring [length].
-tension : float
-    Line tension of the perimeter at rest [energy/length]; 0 if omitted.
+*more, **named : float
+    All other parameters of a ring, in their order or by name: `tension`, the line tension of the perimeter at rest
+    [energy/length], 0 if omitted.
 
 Returns
 -------
@@ -333,7 +334,7 @@ indentations a and, with the other sign, dU/dtheta.
 
 Parameters
 ----------
-radius, angle, kA, kP, skin, tension
+radius, angle, kA, kP, skin, *more, **named
     As for `soft_ring`.
 force : array_like, shape (z,)
     The force of each contact, not negative unless it has a contact angle [energy/length].
