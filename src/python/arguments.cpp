@@ -1,7 +1,6 @@
 #include "python/arguments.h"
 
 #include "laws/parameter_rules.h"
-#include "python/tables.h"
 
 #include <nanobind/stl/string.h>
 

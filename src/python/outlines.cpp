@@ -2,7 +2,7 @@
 
 #include "laws/contact.h"
 #include "laws/parameter_rules.h"
-#include "response/curved_outline.h"
+#include "response/outline.h"
 
 #include <nanobind/stl/string.h>
 

@@ -3,14 +3,189 @@
 #ifndef DEFORMABLE_RING_BLOCKS_H
 #define DEFORMABLE_RING_BLOCKS_H
 
+#include "laws/contact.h"
+#include "laws/contact_stiffness.h"
 #include "laws/soft_ring.h"
 #include "response/curved_hessian.h"
-#include "response/line_geometry.h"
-#include "response/ring_hessian.h"
+#include "response/energy_blocks.h"
 
+#include <cmath>
 #include <vector>
 
 namespace deformable {
+
+// Contact lines as functions of the centers and of what is free to move in them, to second order.
+
+// Local variables of one side of a contact: the vector v, the shift of the line, its direction and curvature. Laws have
+// the first 2, 3 or 5 of them.
+enum LineVariable { V_X, V_Y, SHIFT, DIRECTION, CURVATURE, LINE_VARIABLES };
+
+// A quantity with its derivatives by the local variables.
+struct LineQuantity {
+  double value, first[LINE_VARIABLES] = {}, second[LINE_VARIABLES][LINE_VARIABLES] = {};
+
+  // by v: along n, and second derivatives n n^T, t t^T and n t^T + t n^T
+  void by_vector(const SideVector &v, double along, double across, double nn, double tt, double nt)
+  {
+    const double d = v.length(), nx = v.x / d, ny = v.y / d;
+    first[V_X] += along * nx - across * ny;
+    first[V_Y] += along * ny + across * nx;
+    second[V_X][V_X] += nn * nx * nx + tt * ny * ny - 2.0 * nt * nx * ny;
+    second[V_Y][V_Y] += nn * ny * ny + tt * nx * nx + 2.0 * nt * nx * ny;
+    const double mixed = (nn - tt) * nx * ny + nt * (nx * nx - ny * ny);
+    second[V_X][V_Y] += mixed;
+    second[V_Y][V_X] += mixed;
+  }
+  void mixed(int a, int b, double value_)
+  {
+    second[a][b] += value_;
+    second[b][a] += value_;
+  }
+};
+
+// What the energy of a ring depends on. Lines are straight, unless CURVATURE is a variable.
+struct Line {
+  LineQuantity indentation, angle, curvature = {0.0};
+  const LineQuantity &operator[](int q) const
+  {
+    return q == 0 ? indentation : q == 1 ? angle : curvature;
+  }
+};
+
+// The angle of v: dtheta/dv = turn t,   d^2theta/dv dv = -turn^2 (n t^T + t n^T)
+inline LineQuantity angle_of_vector(const SideVector &v)
+{
+  LineQuantity theta = {angle_of(v.x, v.y)};
+  theta.by_vector(v, 0.0, v.turn, 0.0, 0.0, -v.turn * v.turn);
+  return theta;
+}
+
+// A line at the distance |v|, of a wall: a = R - |v|
+inline Line wall_line(const SideVector &v, double radius)
+{
+  LineQuantity a = {radius - v.length()};
+  a.by_vector(v, -1.0, 0.0, 0.0, -v.turn, 0.0);
+  return {a, angle_of_vector(v)};
+}
+
+// The radical axis: a and da/dd of contact_line,   d^2a/dd^2 = -(R_i^2 - R_j^2)/d^3
+inline Line radical_line(const SideVector &v, double radius_i, double radius_j)
+{
+  const double d = v.length(), per_d = 1.0 / d;
+  const ContactLine<double> line = contact_line(d, per_d, radius_i, radius_j);
+  LineQuantity a = {line.indentation_i};
+  const double slope = line.d_indentation_i;
+  const double curvature = -(radius_i - radius_j) * (radius_i + radius_j) * per_d * per_d * per_d;
+  a.by_vector(v, slope, 0.0, curvature, slope * v.turn, 0.0);
+  return {a, angle_of_vector(v)};
+}
+
+// A line that is perpendicular to v, moved from the middle of the overlap towards the center:
+//   a = (R_i + R_j - d)/2 + shift
+inline Line shifted_line(const SideVector &v, double radius_i, double radius_j, double shift)
+{
+  LineQuantity a = {0.5 * (radius_i + radius_j - v.length()) + shift};
+  a.by_vector(v, -0.5, 0.0, 0.0, -0.5 * v.turn, 0.0);
+  a.first[SHIFT] = 1.0;
+  return {a, angle_of_vector(v)};
+}
+
+// A line of any direction psi, with the normal m = (cos psi, sin psi), so moved:
+//   a = (R_i + R_j - m.v)/2 + shift,   theta = psi
+inline Line turned_line(const SideVector &v, double radius_i, double radius_j, double shift,
+                        double direction)
+{
+  const double mx = std::cos(direction), my = std::sin(direction);
+  const double along = mx * v.x + my * v.y, across = mx * v.y - my * v.x;
+  LineQuantity a = {0.5 * (radius_i + radius_j - along) + shift}, theta = {angle_of(mx, my)};
+  a.first[V_X] = -0.5 * mx;
+  a.first[V_Y] = -0.5 * my;
+  a.first[SHIFT] = 1.0;
+  a.first[DIRECTION] = -0.5 * across;
+  a.second[DIRECTION][DIRECTION] = 0.5 * along;
+  a.mixed(DIRECTION, V_X, 0.5 * my);
+  a.mixed(DIRECTION, V_Y, -0.5 * mx);
+  theta.first[DIRECTION] = 1.0;
+  Line line = {a, theta};
+  line.curvature.first[CURVATURE] = 1.0;
+  return line;
+}
+
+// Second derivatives of the energy of a ring by the indentations and the directions of its contacts.
+
+struct RingHessian {
+  std::vector<double> block;    // of a of the n active contacts, then of theta: (2n)^2 entries
+
+  // memory
+  std::vector<double> inverse, d_green, turn, turned, gradient, rate;
+  RingLCP lcp;
+};
+
+// With D_ck = G'(theta_c - theta_k) and M = diag(D L) - D diag(L), because G L = a:
+//   dL/da = G^-1,   dL/dtheta = -G^-1 M,
+//   S_aa = G^-1,   S_atheta = -G^-1 M,   S_thetatheta = E + M^T G^-1 M,
+//   E_ck = L_c L_k G''(theta_c - theta_k) for c != k,   E_cc = - sum of the others in its row,
+// and with s = (L, S_theta), S_theta = -L (D L), and r = (G^-1 1, -M^T G^-1 1), the derivatives of U are those of
+// expansion_terms.
+inline void ring_hessian(const RingState &ring, int n, const int *active, RingHessian &h)
+{
+  const int size = 2 * n;
+  h.block.assign(size * size, 0.0);
+  for (auto *values : {&h.inverse, &h.d_green, &h.turn, &h.turned}) values->assign(n * n, 0.0);
+  for (auto *values : {&h.gradient, &h.rate}) values->assign(size, 0.0);
+  green_inverse(ring.contacts, n, active, h.lcp, h.inverse.data());
+  const double p = ring.pressure;
+  const auto length = [&](int m) { return ring.response[active[m]].length; };
+  const auto add = [&](int row, int column, double value) {
+    h.block[row * size + column] += 0.5 * p * value;
+    h.block[column * size + row] += 0.5 * p * value;
+  };
+
+  for (int c = 0; c < n; ++c) {
+    const Contact to = ring.contacts[active[c]];
+    double slope = 0.0;    // (D L)_c
+    for (int k = 0; k < n; ++k) {
+      if (k == c) continue;
+      const Contact from = ring.contacts[active[k]];
+      const double difference = to.angle - from.angle, sign = std::copysign(1.0, difference);
+      const double sine = sign * (from.nx * to.ny - from.ny * to.nx);
+      const double cosine = from.nx * to.nx + from.ny * to.ny;
+      const double D = sign * d_green(std::fabs(difference), sine, cosine);
+      const double E = length(c) * length(k) * dd_green(std::fabs(difference), sine, cosine);
+      slope += D * length(k);
+      h.turn[c * n + k] = -D * length(k);
+      add(n + c, n + k, E);
+      add(n + c, n + c, -E);
+    }
+    h.turn[c * n + c] = slope;
+    h.gradient[c] = length(c);
+    h.gradient[n + c] = -length(c) * slope;
+  }
+  double lengths = 0.0, rates = 0.0;
+  for (int c = 0; c < n; ++c) {
+    lengths += length(c);
+    for (int k = 0; k < n; ++k) {
+      h.rate[c] += h.inverse[c * n + k];
+      for (int m = 0; m < n; ++m) h.turned[c * n + k] += h.inverse[c * n + m] * h.turn[m * n + k];
+    }
+    rates += h.rate[c];
+  }
+  for (int c = 0; c < n; ++c)
+    for (int k = 0; k < n; ++k) {
+      h.rate[n + c] -= h.turn[k * n + c] * h.rate[k];
+      add(c, k, h.inverse[c * n + k]);
+      add(c, n + k, -2.0 * h.turned[c * n + k]);
+      for (int m = 0; m < n; ++m) add(n + c, n + k, h.turn[m * n + c] * h.turned[m * n + k]);
+    }
+
+  const ExpansionTerms terms = expansion_terms(ring, lengths, rates);
+  for (int c = 0; c < size; ++c)
+    for (int k = 0; k < size; ++k)
+      h.block[c * size + k] +=
+          terms.square * h.gradient[c] * h.gradient[k] +
+          terms.mixed * (h.gradient[c] * h.rate[k] + h.rate[c] * h.gradient[k]) -
+          terms.rates * h.rate[c] * h.rate[k];
+}
 
 struct RingBlocks : EnergyBlocks {
   std::vector<double> force;    // p L of each side

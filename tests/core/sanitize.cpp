@@ -10,7 +10,7 @@
 #include "laws/soft_ring.h"
 #include "response/droplet_blocks.h"
 #include "response/outline.h"
-#include "response/ring_hessian.h"
+#include "response/ring_blocks.h"
 
 #include <cstdio>
 #include <cstdlib>
