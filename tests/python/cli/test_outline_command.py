@@ -143,7 +143,7 @@ def test_nonsense_is_told(dumped: Path, monkeypatch: pytest.MonkeyPatch) -> None
         ("shapes.dump --species mixture --types soft", "type 2"),
         ("shapes.dump --species mixture --frame 9", "no frame 9"),
         ("shapes.dump --species mixture --radii size", "no column size"),
-        ("shapes.dump --species mixture --law sector", "the sector law has no tension"),
+        ("shapes.dump --species mixture --law sector", "the sector law needs kP = inf"),
         ("shapes.dump --species mixture --out a.txt", "a picture is one of"),
         ("walled.dump --species mixture", "not periodic along x"),
     ):
