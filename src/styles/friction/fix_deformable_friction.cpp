@@ -421,8 +421,8 @@ void FixDeformableFriction::end(int i, const RememberedContact &m)
 
 double FixDeformableFriction::total(int n) const
 {
-  double all;
-  MPI_Allreduce(&output[n], &all, 1, MPI_DOUBLE, MPI_SUM, world);
+  double here = output[n], all;    // MPI of LAMMPS' stubs takes no constants
+  MPI_Allreduce(&here, &all, 1, MPI_DOUBLE, MPI_SUM, world);
   return all;
 }
 

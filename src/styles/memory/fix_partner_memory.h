@@ -161,7 +161,7 @@ template <class Row> class FixPartnerMemory : public FixMemory<PartnerMemory<Row
 
   void make_room_everywhere()
   {
-    const int here = Base::maxexchange;
+    int here = Base::maxexchange;    // MPI of LAMMPS' stubs takes no constants
     MPI_Allreduce(&here, &this->maxexchange, 1, MPI_INT, MPI_MAX, world);
   }
 

@@ -33,9 +33,10 @@ double NewIDs::of(double id) const
   return taken.count(id) ? 0.0 : id;
 }
 
-std::vector<double> LAMMPS_NS::of_all_ranks(LAMMPS *lmp, const std::vector<double> &here)
+std::vector<double> LAMMPS_NS::of_all_ranks(LAMMPS *lmp, std::vector<double> here)
 {
-  const int ranks = lmp->comm->nprocs, count = static_cast<int>(here.size());
+  const int ranks = lmp->comm->nprocs;
+  int count = static_cast<int>(here.size());    // MPI of LAMMPS' stubs takes no constants
   std::vector<int> counts(ranks), first(ranks + 1, 0);
   MPI_Allgather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, lmp->world);
   for (int r = 0; r < ranks; ++r) first[r + 1] = first[r] + counts[r];

@@ -14,7 +14,7 @@ namespace LAMMPS_NS {
 class LAMMPS;
 
 // The numbers of all ranks, one rank after the other.
-std::vector<double> of_all_ranks(LAMMPS *, const std::vector<double> &here);
+std::vector<double> of_all_ranks(LAMMPS *, std::vector<double> here);
 
 // The new IDs of all particles of all ranks that have changed theirs.
 class NewIDs {

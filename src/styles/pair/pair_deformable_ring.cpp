@@ -662,8 +662,8 @@ void PairDeformableRing::no_shape(int i, int contacts)
 
 int PairDeformableRing::all_giving_way() const
 {
-  int all = 0;
-  MPI_Allreduce(&giving_way, &all, 1, MPI_INT, MPI_SUM, world);
+  int all = giving_way;
+  MPI_Allreduce(MPI_IN_PLACE, &all, 1, MPI_INT, MPI_SUM, world);
   return all;
 }
 

@@ -440,9 +440,8 @@ double FixDeformableWall::compute_scalar()
 double FixDeformableWall::compute_vector(int n)
 {
   if (n >= 3) return n == 3 ? walls.sources[0].side.place.now : load.v;
-  double all;
-  const double here = n == 0 ? on_wall.x : n == 1 ? on_wall.y : on_wall.z;
-  MPI_Allreduce(&here, &all, 1, MPI_DOUBLE, MPI_SUM, world);
+  double all = n == 0 ? on_wall.x : n == 1 ? on_wall.y : on_wall.z;
+  MPI_Allreduce(MPI_IN_PLACE, &all, 1, MPI_DOUBLE, MPI_SUM, world);
   return all;
 }
 
