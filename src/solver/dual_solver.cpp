@@ -2,11 +2,13 @@
 
 #include "atom.h"
 #include "comm.h"
+#include "error.h"
 #include "update.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
 using namespace LAMMPS_NS;
 using deformable::PairArrays;
@@ -14,13 +16,22 @@ using deformable::PairArrays;
 // A step needs no line search if the imbalance is at most this part of that before; if lines or other blocks change too.
 static constexpr double BETTER = 0.5, NO_WORSE = 2.0;
 
+static Tuning with_environment(const Tuning &tuned, Error *error)
+{
+  try {
+    return tuned.changed_by_environment();
+  } catch (const std::invalid_argument &wrong) {
+    error->all(FLERR, wrong.what());
+  }
+}
+
 DualSolver::DualSolver(LAMMPS *lmp, const deformable::ForceKernels &kernels, bool in_space,
                        bool curved, double bulge_per_overlap, double most_bulge, double tolerance,
                        int max_evaluations, const Tuning &tuned)
     : Pointers(lmp),
       tolerance(tolerance),
       kernels(kernels),
-      tuning(tuned.changed_by_environment()),
+      tuning(with_environment(tuned, error)),
       list(lmp, kernels, tuning, in_space, curved, bulge_per_overlap, most_bulge),
       max_evaluations(max_evaluations),
       linear(kernels, tuning)
@@ -740,5 +751,6 @@ Evaluation DualSolver::sum_up(int first, bool exist) const
 double DualSolver::memory_usage() const
 {
   return list.memory_usage() + batches.bytes() + blocks.bytes() + relaxation.bytes() +
-         bytes_of(residual, weight, step, of_blocks) + (lines ? lines->bytes() : 0.0);
+         bytes_of(residual, weight, step, of_blocks) + (lines ? lines->bytes() : 0.0) +
+         (films ? films->bytes() : 0.0);
 }

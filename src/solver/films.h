@@ -51,6 +51,8 @@ class Films {
   // The shortest free arc between two contacts of a particle, an angle: negative where its films leave none.
   double free_arc(int i) const;
 
+  double bytes() const { return bytes_of(next_angle[0], next_angle[1], next_pull, has_let_go); }
+
  private:
   const deformable::ForceKernels &kernels;
   NearPairs *pairs = nullptr;

@@ -3,10 +3,11 @@
 #include <cstdlib>
 #include <map>
 #include <sstream>
+#include <stdexcept>
 
 using namespace LAMMPS_NS;
 
-// An unknown name, or a value that is no number, ends the program: this is for developers.
+// Throws std::invalid_argument.
 Tuning Tuning::changed_by_environment() const
 {
   Tuning t = *this;
@@ -36,7 +37,13 @@ Tuning Tuning::changed_by_environment() const
   std::istringstream words(given);
   for (std::string word; words >> word;) {
     const std::size_t at = word.find('=');
-    *members.at(word.substr(0, at)) = std::stod(word.substr(at + 1));
+    const auto member = members.find(word.substr(0, at));
+    char *end = nullptr;
+    const double value = at < word.size() ? std::strtod(word.c_str() + at + 1, &end) : 0.0;
+    if (member == members.end() || !end || end == word.c_str() + at + 1 || *end != 0)
+      throw std::invalid_argument("DEFORMABLE_TUNING: '" + word +
+                                  "' is no name=number of src/solver/tuning.h");
+    *member->second = value;
   }
   return t;
 }

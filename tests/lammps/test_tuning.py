@@ -52,3 +52,10 @@ def test_extremes(name, tmp_path, monkeypatch):
             other_x, other = law(name, tmp_path)
             assert other == pytest.approx(force, abs=10 * TOLERANCE * scale), (member, extreme)
             assert other_x == pytest.approx(x, abs=10 * TOLERANCE), (member, extreme)
+
+
+@pytest.mark.parametrize("words", ["margins=1", "margin", "margin=", "margin=large"])
+def test_a_wrong_word(words, monkeypatch):
+    monkeypatch.setenv("DEFORMABLE_TUNING", words)
+    with pytest.raises(Exception, match=f"DEFORMABLE_TUNING: '{words}' is no name=number"):
+        rings(BALANCES["balanced"])
