@@ -4,6 +4,7 @@
 #include "comm.h"
 #include "error.h"
 #include "update.h"
+#include "utils.h"
 
 #include <algorithm>
 #include <cmath>
@@ -159,11 +160,18 @@ bool DualSolver::minimizing() const
   return update->whichflag == 2;
 }
 
+// Minimizers go from line to line, but for the damped dynamics of fire and quickmin.
+bool DualSolver::searches_lines() const
+{
+  return minimizing() && !utils::strmatch(update->minimize_style, "^(fire|quickmin)");
+}
+
 /* ----------------------------------------------------------------------
    Predict: a polynomial through the last calls at successive time steps, at
    most a cubic. The error of a cubic is even in time, so what corrections
-   leave of it neither heats nor cools. With a quadratic energies drift. In a
-   minimization velocities jump, and a quadratic is as good. Behind a kink,
+   leave of it neither heats nor cools. With a quadratic energies drift. In
+   damped dynamics velocities jump, and a quadratic is as good. Along lines
+   there are no velocities, and forces begin with the last ones. Behind a kink,
    which the force of a contact has that opened or closed, a cubic goes astray:
    there a straight line is taken.
 ------------------------------------------------------------------------- */
@@ -172,7 +180,8 @@ void DualSolver::predict()
 {
   NearPairs &p = list.pairs;
   const bigint now = update->ntimestep;
-  successive_calls = now == last_step + 1 ? std::min(successive_calls + 1, CUBIC) : 0;
+  successive_calls =
+      now == last_step + 1 && !searches_lines() ? std::min(successive_calls + 1, CUBIC) : 0;
   last_step = now;
   const double slope = successive_calls >= LINEAR ? 1.0 : 0.0,
                bend = successive_calls >= QUADRATIC ? 1.0 : 0.0;

@@ -73,6 +73,7 @@ class DualSolver : protected Pointers {
   virtual ~DualSolver() = default;
 
   const double tolerance;    // of the imbalance over the largest force
+  double enough = 0.0;       // an imbalance up to this force is small enough, too
   Summary summary;           // of the last call
 
   // push(begin, end, part, is_final) adds this part of the forces of pairs to those of their particles. Not final: films come or
@@ -174,6 +175,7 @@ class DualSolver : protected Pointers {
   double pairs_of_all = 1.0;    // ranks
 
   bool minimizing() const;
+  bool searches_lines() const;
   void arrange(const Particles &, bool new_list);
   bool locate(const Particles &);
   bool find_pairs(const Particles &);
@@ -197,7 +199,7 @@ class DualSolver : protected Pointers {
   Evaluation accept(Evaluation now, const Evaluation &from, bool iterated, bool has_shapes);
   Evaluation line_search(Evaluation now, double enough);
   bool is_balanced(Evaluation &now);
-  double limit(const Evaluation &now) const { return tolerance * now.force; }
+  double limit(const Evaluation &now) const { return std::max(tolerance * now.force, enough); }
   bool may_go_on() const { return summary.evaluations < allowed; }
 
   deformable::PairArrays arrays();

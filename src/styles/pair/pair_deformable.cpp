@@ -136,6 +136,7 @@ void PairDeformable::check_lines_bend(const std::string &whose, bool sticks) con
 void PairDeformable::init_style()
 {
   refusals.forget();
+  accept_imbalance(0.0);    // a minimization that has ended with an error did not say so
   if (domain->dimension != dimension)
     error->all(FLERR,
                dimension == 3

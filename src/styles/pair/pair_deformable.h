@@ -78,6 +78,10 @@ class PairDeformable : public Pair {
   virtual std::string law() const = 0;
   std::map<std::string, std::string> description() const;
 
+  // For the next force calls: contacts need not balance better than to this force, where it is above the tolerance. A minimizer
+  // says so as long as it is far from rest.
+  virtual void accept_imbalance(double /*force*/) {}
+
   int wall_count() const { return static_cast<int>(walls.size()); }
   bool has_wall(int code) const { return code < 0 && !walls.empty(); }
   // Of a wall's code.

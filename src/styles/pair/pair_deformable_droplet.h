@@ -29,6 +29,7 @@ class PairDeformableDroplet : public PairDeformable {
   void compute(int, int) override;
   void list_contacts(int groupbit, std::vector<double> &rows) const override;
   double memory_usage() override;
+  void accept_imbalance(double force) override { solver->enough = force; }
 
  protected:
   void check_species(const Species &) const override;

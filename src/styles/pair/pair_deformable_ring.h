@@ -32,6 +32,10 @@ class PairDeformableRing : public PairDeformable {
   void compute(int, int) override;
   void finish() override;
   double memory_usage() override;
+  void accept_imbalance(double force) override
+  {
+    if (balanced) balanced->enough = force;
+  }
 
  protected:
   bool bends_lines() const override { return balanced && balanced->pairs().curved; }
