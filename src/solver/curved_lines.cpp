@@ -94,9 +94,8 @@ deformable::LineArrays CurvedLines::arrays()
 double CurvedLines::imbalance()
 {
   kernels.slopes(batches->arrays(), pairs->directions(), outline());
-  const int *const side = pairs->side[0].data() + pairs->remote, own = batches->contacts;
-  remote->exchange(side, own, batches->slope.data(), slope_rate.data());
-  remote->exchange(side, own, per_pressure.data(), free_radius.data());
+  remote->exchange(batches->slope.data(), slope_rate.data());
+  remote->exchange(per_pressure.data(), free_radius.data());
   double worst = held ? 0.0 : kernels.find_lines(arrays(), 0, pairs->wall);
   if (films) worst = std::max(worst, films->find(outline(), next_bend.data(), part));
   return remote->largest(worst);
@@ -129,17 +128,16 @@ void CurvedLines::remember()
       p.past_bend[n][k] = next_bend[k];
     }
   }
-  const auto count = [&](int begin, int end) {
+  limited = p.sum([&](int begin, int end) {
     int found = 0;
-    for (int k = begin; k < end; ++k)
-      found += ((p.force[k] > 0.0 || (p.adhesive && p.attached[k])) &&
-                (held || std::fabs(p.tilt[k]) >= LARGEST_SINE ||
-                 std::fabs(p.bend[k]) >= LARGEST_BEND)) ||
-               (p.adhesive && p.attached[k] && is_held(k));
+    for (int k = begin; k < end; ++k) {
+      const bool sticks = p.adhesive && p.attached[k];
+      const bool at_limit = held || std::fabs(p.tilt[k]) >= LARGEST_SINE ||
+                            std::fabs(p.bend[k]) >= LARGEST_BEND;
+      found += (k < p.wall && at_limit && (p.force[k] > 0.0 || sticks)) || (sticks && is_held(k));
+    }
     return found;
-  };
-  limited = count(0, p.remote) + 0.5 * count(p.remote, p.wall);
-  if (p.adhesive) limited += count(p.wall, p.size);
+  });
 }
 
 // Whether the tensions leave no triangle, so that the angle of the film is held.

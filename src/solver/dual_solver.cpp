@@ -137,6 +137,7 @@ void DualSolver::arrange(const Particles &p, bool new_list)
   NearPairs &pairs = list.pairs;
   batches.arrange(list.order(*p.list), p.list->inum, atom->nlocal, pairs, atom->tag,
                   has_own_compliances());
+  list.remote_sides.arrange(pairs.side[0].data() + pairs.remote, batches.contacts);
   blocks.arrange(batches, pairs, tuning);
   relaxation.arrange(batches, pairs);
   set_material(p, true);
@@ -233,7 +234,7 @@ void DualSolver::average_over_ranks()
   const auto take_means = [&](LargeVector<double> &of_pairs) {
     double *const value = of_pairs.data() + p.remote;
     for (int c = 0; c < count; ++c) here[side[c]] = value[c];
-    list.remote_sides.exchange(side, own, here);
+    list.remote_sides.exchange(here);
     for (int c = 0; c < count; ++c) value[c] = 0.5 * (value[c] + there[c]);
   };
   take_means(p.overlap);
@@ -374,8 +375,7 @@ bool DualSolver::correct_some(Evaluation &now)
   hold_others(chosen);
   for (OfBlock &of : of_blocks) of.slope = 0.0;
   const Evaluation stepped = run(stages, nullptr, &chosen);
-  list.remote_sides.exchange(list.pairs.side[0].data() + list.pairs.remote, batches.contacts,
-                             batches.indentation.data(), batches.compliance.data());
+  list.remote_sides.exchange(batches.indentation.data(), batches.compliance.data());
   BlockLevels::Choice seen = chosen;
   blocks.widen(seen);
   blocks.add_borders(seen);
@@ -410,7 +410,7 @@ void DualSolver::hold_others(const BlockLevels::Choice &chosen)
   std::vector<double> are_chosen(comm->nprocs > 1 ? b.indentation.size() : 0);
   const int *const side = p.side[0].data();
   for (int k = p.remote; k < p.wall; ++k) are_chosen[side[k]] = is_chosen(p.i[k]);
-  list.remote_sides.exchange(side + p.remote, b.contacts, are_chosen.data());
+  list.remote_sides.exchange(are_chosen.data());
   for (int k = p.remote; k < p.wall; ++k)
     if (!is_chosen(p.i[k])) drop_product(side[k]);
   for (int c = 0; c < b.contacts; ++c) {
@@ -436,7 +436,7 @@ Evaluation DualSolver::correct(const Evaluation &from)
   int corrections = 0;
   if (from.norm2 > 0.0)
     corrections =
-        linear.begin(list.pairs, batches, list.remote_sides, arrays(), from.norm2, accuracy(from));
+        linear.begin(batches, list.remote_sides, arrays(), from.norm2, accuracy(from));
   else    // only particles without force touch
     std::fill(batches.step.begin(), batches.step.end(), 0.0F);
   Stages stages(corrections, Stage::CORRECT);
@@ -671,14 +671,11 @@ Evaluation DualSolver::run(const Stages &stages, Evaluation *before,
              of_blocks[is_before ? blocks.count() + block : block], exist);
       },
       [&](int stage) {
-        const int *const side = list.pairs.side[0].data() + list.pairs.remote;
         const Stage done = stages[stage - 1];
         if (done == Stage::CORRECT && stage < first + corrections)
-          list.remote_sides.exchange(side, batches.contacts,
-                                     LinearSolver::products(rings, stage - first));
+          list.remote_sides.exchange(LinearSolver::products(rings, stage - first));
         else if (done == Stage::SHAPE || done == Stage::ADAPT)
-          list.remote_sides.exchange(side, batches.contacts, batches.indentation.data(),
-                                     batches.compliance.data());
+          list.remote_sides.exchange(batches.indentation.data(), batches.compliance.data());
       },
       chosen);
   if (stages.back() == Stage::RESIDUAL) ++summary.evaluations;

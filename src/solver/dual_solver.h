@@ -216,12 +216,9 @@ class DualSolver : protected Pointers {
   double unit_of_energy() const { return list.pairs.length * list.pairs.unit(); }
   void finish(const Push &, double part);
 
-  // Pairs that two ranks share count half on each.
-  template <class Sum> double sum_over_pairs(Sum &&sum) const
+  template <class Sum> double sum_over_pairs(Sum &&sum) const    // of all ranks
   {
-    const NearPairs &p = list.pairs;
-    return list.remote_sides.sum(sum(0, p.remote) + 0.5 * sum(p.remote, p.wall) +
-                                 sum(p.wall, p.size));
+    return list.remote_sides.sum(list.pairs.sum(sum));
   }
 };
 

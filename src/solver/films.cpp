@@ -28,7 +28,7 @@ void Films::agree()
   std::vector<double> bits(batches->slope.size(), 0.0);
   const int *const side = p.side[0].data();
   for (int k = p.remote; k < p.wall; ++k) bits[side[k]] = p.attached[k];
-  remote->exchange(side + p.remote, batches->contacts, bits.data());
+  remote->exchange(bits.data());
   for (int k = p.remote; k < p.wall; ++k)
     p.attached[k] = p.attached[k] || bits[batches->contacts + k - p.remote] != 0.0;
 }
@@ -75,8 +75,7 @@ void Films::begin(const OutlineArrays &outline, double *next_bend)
       outline.free_radius[c] = T;
     }
   }
-  remote->exchange(p.side[0].data() + p.remote, batches->contacts, outline.per_pressure,
-                   outline.free_radius);
+  remote->exchange(outline.per_pressure, outline.free_radius);
   kernels.find_films(arrays(outline, next_bend, 1.0), 0, p.size);
 }
 

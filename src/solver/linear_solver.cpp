@@ -6,15 +6,15 @@
 using namespace LAMMPS_NS;
 using deformable::PairArrays;
 
-int LinearSolver::begin(const NearPairs &pairs, ContactBatches &batches, RemoteSides &remote,
+int LinearSolver::begin(ContactBatches &batches, RemoteSides &remote,
                         const PairArrays &arrays, double norm2, double accuracy)
 {
   if (knows_bounds()) return plan(accuracy);
-  conjugate_gradients(pairs, batches, remote, arrays, norm2, accuracy);
+  conjugate_gradients(batches, remote, arrays, norm2, accuracy);
   return 0;
 }
 
-void LinearSolver::conjugate_gradients(const NearPairs &pairs, ContactBatches &batches,
+void LinearSolver::conjugate_gradients(ContactBatches &batches,
                                        RemoteSides &remote, const PairArrays &arrays, double norm2,
                                        double accuracy)
 {
@@ -26,7 +26,7 @@ void LinearSolver::conjugate_gradients(const NearPairs &pairs, ContactBatches &b
   for (int iteration = 0; iteration < MAX_ITERATIONS && norm2 > enough; ++iteration) {
     const double part =
         iteration == 0 ? kernels.begin(rings, arrays) : kernels.multiply(rings, conjugation);
-    remote.exchange(pairs.side[0].data() + pairs.remote, batches.contacts, batches.product.data());
+    remote.exchange(batches.product.data());
     const double curvature = remote.sum(part);
     if (!(curvature > 0.0)) break;
     alpha.push_back(norm2 / curvature);

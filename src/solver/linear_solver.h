@@ -10,7 +10,6 @@
 #define LMP_LINEAR_SOLVER_H
 
 #include "solver/contact_batches.h"
-#include "solver/near_pairs.h"
 #include "solver/remote_sides.h"
 #include "solver/tuning.h"
 
@@ -30,7 +29,7 @@ class LinearSolver {
 
   // Returns the number of iterations that are still to be done: 0 if conjugate gradients have solved the equations already.
   // norm2: the sum of w r^2/length^2. In the end x is in `batches.step`.
-  int begin(const NearPairs &, ContactBatches &batches, RemoteSides &,
+  int begin(ContactBatches &batches, RemoteSides &,
             const deformable::PairArrays &, double norm2, double accuracy);
 
   bool knows_bounds() const { return highest > 0.0 && !are_invalid; }
@@ -55,7 +54,7 @@ class LinearSolver {
   bool are_invalid = false;
   std::vector<double> alpha, beta;    // of each iteration
 
-  void conjugate_gradients(const NearPairs &, ContactBatches &, RemoteSides &,
+  void conjugate_gradients(ContactBatches &, RemoteSides &,
                            const deformable::PairArrays &, double norm2, double accuracy);
   double decay() const;
   void find_bounds(const std::vector<double> &alpha, const std::vector<double> &beta);

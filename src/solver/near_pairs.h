@@ -50,6 +50,10 @@ struct KnownPairs {
 
   // Both ranks have a pair with a remote side: each counts half of it.
   double part(int k) const { return k >= remote && k < wall ? 0.5 : 1.0; }
+  template <class Sum> double sum(Sum &&sum) const    // of sum(begin, end)
+  {
+    return sum(0, remote) + 0.5 * sum(remote, wall) + sum(wall, size);
+  }
 
   PastForces past_of(int k) const
   {

@@ -144,13 +144,13 @@ void RemoteSides::match(std::vector<Candidate> &candidates, bool curved)
 }
 
 template <class Number, class Other>
-void RemoteSides::exchange(const int *side, int own, Number *values, Other *more)
+void RemoteSides::exchange(Number *values, Other *more)
 {
   if (comm->nprocs == 1) return;
   const int count = static_cast<int>(sent.size());
   for (int c = 0; c < count; ++c) {
-    sent[c][0] = values[side[c]];
-    if (more) sent[c][slots] = more[side[c]];
+    sent[c][0] = values[contact[c]];
+    if (more) sent[c][slots] = more[contact[c]];
   }
   comm->forward_comm_array(more ? 2 * slots : slots, rows.data());
   for (int c = 0; c < count; ++c) {
@@ -159,6 +159,6 @@ void RemoteSides::exchange(const int *side, int own, Number *values, Other *more
   }
 }
 
-template void RemoteSides::exchange(const int *, int, double *, double *);
-template void RemoteSides::exchange(const int *, int, double *, float *);
-template void RemoteSides::exchange(const int *, int, float *, float *);
+template void RemoteSides::exchange(double *, double *);
+template void RemoteSides::exchange(double *, float *);
+template void RemoteSides::exchange(float *, float *);

@@ -27,10 +27,16 @@ class RemoteSides : protected Pointers {
   // in one direction are told apart by their positions.
   void match(std::vector<Candidate> &candidates, bool curved);
 
-  // Appends the values of the other ranks' contacts to those of this rank's, from `own` on, in the order of match.
-  // side: this rank's contacts of the pairs.
+  // The contacts of this rank's particles that these pairs have, in the order of match, and the number of all its contacts.
+  void arrange(const int *contacts_of_pairs, int contacts)
+  {
+    contact = contacts_of_pairs;
+    own = contacts;
+  }
+
+  // Appends the values of the other ranks' contacts to those of this rank's.
   template <class Number, class Other = Number>
-  void exchange(const int *side, int own, Number *values, Other *more = nullptr);
+  void exchange(Number *values, Other *more = nullptr);
 
   double sum(double of_this_rank) const;        // over all ranks
   double largest(double of_this_rank) const;    // of all ranks
@@ -44,6 +50,8 @@ class RemoteSides : protected Pointers {
   double bytes() const { return bytes_of(buffer, rows, sent, received, sides); }
 
  private:
+  const int *contact = nullptr;    // see arrange
+  int own = 0;
   int slots = 0;    // of a row, the same on all ranks
   std::vector<double> buffer;
   std::vector<double *> rows;              // of each particle: value by value, the slots
