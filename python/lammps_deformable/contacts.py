@@ -374,10 +374,15 @@ def _order(i: NDArray[np.int64], j: NDArray[np.int64], image: NDArray[np.int64])
 
 def _missing_sides(pairs: ContactTable, packing: Packing) -> ContactTable:
     """The other side of each contact with a force on one side only."""
-    found = {_key(row["i"], row["j"], row["image"]) for row in pairs}
-    sides = np.array(
-        [row for row in pairs if _key(row["j"], row["i"], -row["image"]) not in found], COLUMNS
-    )
+    here, there, image = pairs["i"], pairs["j"], pairs["image"]
+    # each side, and the one that it looks for; equal ones follow each other in this order
+    i, j = np.concatenate([here, there]), np.concatenate([there, here])
+    images = np.concatenate([image, -image])
+    order = _order(i, j, images)
+    sorted_keys = np.column_stack([i, j, images])[order]
+    number = np.zeros(len(order), np.int64)
+    number[order[1:]] = np.cumsum((sorted_keys[1:] != sorted_keys[:-1]).any(axis=1))
+    sides = pairs[~np.isin(number[len(pairs) :], number[: len(pairs)])]
     overlap = packing.radii[sides["i"]] + packing.radii[sides["j"]] - sides["distance"]
     sides["i"], sides["j"] = sides["j"].copy(), sides["i"].copy()
     sides["image"] *= -1
@@ -386,10 +391,6 @@ def _missing_sides(pairs: ContactTable, packing: Packing) -> ContactTable:
     sides["position"] += sides["image"] @ packing.box
     sides["length"] = sides["force"] = sides["force_vector"] = 0.0
     return sides
-
-
-def _key(i: Any, j: Any, image: Any) -> tuple[int, int, int, int]:
-    return int(i), int(j), int(image[0]), int(image[1])
 
 
 # Each contact has two rows, one for each side; a contact with a wall has one row, with j = -1.
