@@ -85,8 +85,7 @@ set(STYLE_FOLDERS ${DEFORMABLE_DIR}/src/styles/pair ${DEFORMABLE_DIR}/src/polygo
 file(GLOB STYLE_SOURCES CONFIGURE_DEPENDS
      ${DEFORMABLE_DIR}/src/solver/*.cpp ${DEFORMABLE_DIR}/src/styles/*.cpp
      ${DEFORMABLE_DIR}/src/styles/*/*.cpp ${DEFORMABLE_DIR}/src/polygons/*.cpp)
-set(PLUGIN_SOURCES ${DEFORMABLE_DIR}/src/styles/host_check.cpp
-                   ${DEFORMABLE_DIR}/src/styles/plugin.cpp)
+set(PLUGIN_SOURCES ${DEFORMABLE_DIR}/src/styles/plugin.cpp)
 list(REMOVE_ITEM STYLE_SOURCES ${PLUGIN_SOURCES})
 set_source_files_properties(
   ${DEFORMABLE_DIR}/src/styles/species.cpp

@@ -4,7 +4,6 @@
 #define DEFORMABLE_BATCH_KERNELS_H
 
 #include "kernels/contact_block.h"
-#include "kernels/droplet_kernels.h"
 #include "kernels/force_kernels.h"
 
 #include <string>

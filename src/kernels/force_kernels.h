@@ -51,7 +51,7 @@ struct ContactArrays {
   void *scratch;    // for the rings that have more contacts than any kernel knows, aligned
 };
 
-// What films that stick do to rings: T of each, and FilmTerms of each contact (contact_film.h).
+// What films that stick do to rings: T of each, and FilmTerms of each contact (contact_curve.h).
 struct StickArrays {
   const double *tension;    // null: no film sticks
   double *terms[4];
@@ -151,7 +151,7 @@ struct LineArrays {
   const double *adhesion;               // null, or not 0 where a pair has a film
 };
 
-// Films that stick, of pairs that may: contact_film.h. The second contact of a wall does not exist.
+// Films that stick, of pairs that may: contact_curve.h. The second contact of a wall does not exist.
 struct FilmArrays {
   const double *force, *bend, *adhesion;    // w, 0 where a pair is free
   const int *first, *second;                // contacts of the pairs
@@ -217,6 +217,36 @@ struct ForceKernels {
   void (*take_films)(FilmArrays, int begin, int end);
 
   double (*dot)(const float *, const float *, int begin, int end);
+};
+
+// Droplets: what they have beside the arrays of rings (droplets.cpp).
+
+// Pairs: the force, and the normal from the first droplet. One more than pairs: the last one, of empty places, bears
+// nothing.
+struct PairForces {
+  const double *force, *nx, *ny, *nz;
+};
+
+// What only droplets have. By droplet (batch x LANES + lane), by contact, and by two contacts, as RingBatches.
+struct DropletArrays {
+  const double *tension;
+  double *load, *facet;    // x, y: see droplet.h
+  double *nx, *ny, *nz;    // outward
+  double *force;           // f
+  double *response;        // sum G f
+  double *tx, *ty,
+      *tz;           // sum over the others of dG/dm f n: a/R changes by dG/dm f n as n_c turns
+  float *d_green;    // dG/dm of two contacts
+};
+
+// RingBatches have W as `work`, the sum of forces as `total`, 1/tension as `per_pressure`, f as `share`, and
+//   g C_ck = G(m) + rate - mixed (f_c + f_k),   for c = k `own` in place of G.
+struct DropletKernels {
+  // All droplets of the batches, from the forces of their pairs.
+  void (*shape)(RingBatches, DropletArrays, PairForces);
+  // The same after small changes of the forces, from what `shape` has left; the changes are in this unit and in single
+  // precision.
+  void (*adapt)(RingBatches, DropletArrays, PairForces, const float *changes, double unit);
 };
 
 }    // namespace deformable

@@ -2,7 +2,6 @@
 // cmake/sources.cmake.
 
 #include "kernels/correction_lanes.h"
-#include "kernels/film_lanes.h"
 #include "kernels/force_lanes.h"
 #include "kernels/pair_lanes.h"
 

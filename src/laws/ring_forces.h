@@ -177,7 +177,7 @@ DEFORMABLE_INLINE bool find_expansion_of_gas(double radius, const Stiffness &k,
   return false;
 }
 
-// Pressure and expansion under a load; `ring` is also the first guess. Films that stick (contact_film.h) may make Q a bit
+// Pressure and expansion under a load; `ring` is also the first guess. Films that stick (contact_curve.h) may make Q a bit
 // negative where the forces on a ring do not balance.
 DEFORMABLE_INLINE bool find_pressure(double radius, const Stiffness &k, const RingLoad &load,
                                      LoadedRing &ring)

@@ -1,6 +1,5 @@
 #include "polygons/pair_deformable_edge.h"
 
-#include "styles/input_checks.h"
 #include "styles/lammps_release.h"
 #include "styles/refusals.h"
 

@@ -1,9 +1,9 @@
-#include "laws/contact_film.h"
-#include "laws/contact_stiffness.h"
+#include "laws/contact_curve.h"
 #include "laws/parameter_rules.h"
 #include "laws/soft_ring.h"
 #include "python/laws.h"
 #include "response/curved_hessian.h"
+#include "response/ring_blocks.h"
 
 #include <cmath>
 #include <numeric>
@@ -166,7 +166,7 @@ struct ForcedRing {
   std::vector<double> indentation, length, slope, slope_rate, d_angle, compliance;
 };
 
-// The load of a ring whose outline meets films at these angles, see contact_film.h, by its load without them; `product` gets
+// The load of a ring whose outline meets films at these angles, see contact_curve.h, by its load without them; `product` gets
 // p (a + delta) of each contact.
 RingLoad load_with_films(const CurvedLoad<double> &without, const std::vector<double> &force,
                          const std::vector<double> &contact_angle, const std::vector<double> &u,

@@ -4,7 +4,6 @@
 #define DEFORMABLE_DROPLET_BLOCKS_H
 
 #include "laws/droplet.h"
-#include "laws/elimination.h"
 #include "response/energy_blocks.h"
 
 #include <array>

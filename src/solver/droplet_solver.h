@@ -5,7 +5,7 @@
 
 #include "solver/dual_solver.h"
 
-#include "kernels/droplet_kernels.h"
+#include "kernels/force_kernels.h"
 
 namespace LAMMPS_NS {
 

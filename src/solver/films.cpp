@@ -1,6 +1,6 @@
 #include "solver/films.h"
 
-#include "laws/contact_film.h"
+#include "laws/contact_curve.h"
 
 #include <algorithm>
 #include <array>

@@ -1,7 +1,7 @@
 // Films between particles that stick to each other, or to a wall.
 //
 // An attached pair gains its adhesion w for each unit of length of its film. Its outlines meet the film at angles, and its
-// force may be negative, down to the pull that tears the film off (contact_film.h). A pair attaches where free outlines
+// force may be negative, down to the pull that tears the film off (contact_curve.h). A pair attaches where free outlines
 // touch, with a finite film at once, and lets go where its film has no length left. Both lose energy.
 //
 // Angles depend on the tensions of the outlines, and act on rings like a load. Both lag one evaluation behind the forces,
@@ -39,7 +39,7 @@ class Films {
   void change(bool may_attach);
 
   // A pair that presses, but whose film had no length: the law has films of so large an angle only where both are pressed
-  // further (contact_film.h). The local index of one of its particles, or -1.
+  // further (contact_curve.h). The local index of one of its particles, or -1.
   int pressed_without_film() const;
 
   // -w times the film of a pair: the part of one ring, by its side; and the length of the film as that ring sees it.

@@ -1,6 +1,6 @@
 #include "solver/ring_solver.h"
 
-#include "laws/contact_film.h"
+#include "laws/contact_curve.h"
 #include "laws/soft_ring.h"
 
 #include "atom.h"

@@ -3,6 +3,8 @@
 //
 // Checks of single particles call `refuse`, within the work of `collect`, which must not communicate. All ranks call `agree`
 // then, or carry `any_here` in a sum of their own.
+//
+// Below are the checks of what LAMMPS' other commands do.
 
 #ifndef LMP_REFUSALS_H
 #define LMP_REFUSALS_H
@@ -12,6 +14,7 @@
 #include "fmt/format.h"
 
 #include <string>
+#include <vector>
 
 namespace LAMMPS_NS {
 
@@ -55,6 +58,26 @@ class Refusals : protected Pointers {
  private:
   std::string message;
 };
+
+// Commands of LAMMPS that would make results of the deformable pair styles wrong.
+
+class NeighList;
+struct Species;
+
+// Refuses if special_bonds or comm_modify removes contacts of particles of these species (by type).
+void check_contacts(LAMMPS *, const NeighList &, const std::vector<Species> &);
+
+// The same for comm_modify only, which removes the ghosts of particles outside of a group.
+void check_ghosts(LAMMPS *, const NeighList &);
+
+// Refuses coefficients in a data file, which are of another pair style.
+void refuse_data_coefficients(LAMMPS *);
+
+// Warns if z or vz of a particle is not zero; whether one is, on any rank.
+bool warn_out_of_plane(LAMMPS *, const NeighList &);
+
+// Warns if the radius of a particle is not that of its species; whether one is not, on any rank.
+bool warn_unused_radii(LAMMPS *, const NeighList &, const std::vector<Species> &);
 
 }    // namespace LAMMPS_NS
 

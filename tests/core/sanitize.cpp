@@ -3,7 +3,6 @@
 // an answer is not finite.
 
 #include "laws/contact.h"
-#include "laws/contact_stiffness.h"
 #include "laws/friction.h"
 #include "laws/ring.h"
 #include "laws/sector.h"

@@ -18,7 +18,7 @@ def farthest(theta):
     """Of a film of a droplet alone, from its center, over R: there it has no length left.
 
     The free outline is an arc of radius q that leaves the wall and comes back in one point, where
-    f = -2 T sin theta acts; see `contact_film.h`.
+    f = -2 T sin theta acts; see `contact_curve.h`.
     """
     s, c = np.sin(theta), np.cos(theta)
     area = np.pi - theta - s * c - s**2 / (2 * np.pi)  # over q^2
@@ -38,7 +38,7 @@ def test_limit():
     """The pages and the source have its digits."""
     assert pytest.approx(LIMIT, abs=0.005) == 0.41
     root = Path(__file__).parents[2]
-    assert "LARGEST_AT_TOUCH = 0.41;" in (root / "src" / "laws" / "contact_film.h").read_text()
+    assert "LARGEST_AT_TOUCH = 0.41;" in (root / "src" / "laws" / "contact_curve.h").read_text()
     page = (root / "docs" / "pair_deformable_ring.md").read_text()
     w, d = (
         [float(word) for word in re.search(rf"\| {name}/[TR] \| (.*) \|", page)[1].split("|")]

@@ -1,17 +1,20 @@
 #include "styles/friction/fix_deformable_friction.h"
 
 #include "laws/trigonometry.h"
-#include "styles/pair/deformable_pairs.h"
+#include "styles/lammps_release.h"
 #include "styles/pair/pair_deformable.h"
 
 #include "atom.h"
 #include "comm.h"
 #include "domain.h"
 #include "error.h"
+#include "fix.h"
 #include "force.h"
+#include "input.h"
 #include "modify.h"
 #include "neighbor.h"
 #include "update.h"
+#include "variable.h"
 
 #include <algorithm>
 #include <cmath>
@@ -540,4 +543,159 @@ void FixDeformableFriction::unpack_reverse_comm(int n, int *list, double *buffer
 {
   for (int k = 0; k < n; ++k)
     for (int c = 0; c < 6; ++c) vatom[list[k]][c] += *buffer++;
+}
+
+/* ---------------------------------------------------------------------- */
+
+bool BoxRate::Box::operator==(const Box &other) const
+{
+  return std::equal(low, low + 3, other.low) && std::equal(h, h + 6, other.h);
+}
+
+BoxRate::Box BoxRate::present() const
+{
+  Box box{};
+  std::copy_n(domain->boxlo, 3, box.low);
+  std::copy_n(domain->h, 6, box.h);
+  return box;
+}
+
+void BoxRate::remember()
+{
+  before = present();
+  step = update->ntimestep;
+}
+
+void BoxRate::end_run()
+{
+  at_end = present();
+}
+
+// A run that goes on where the last one ended knows the change of the box after its last step.
+void BoxRate::begin_run()
+{
+  if (step != update->ntimestep || !(present() == at_end)) remember();
+}
+
+/* ----------------------------------------------------------------------
+   Of each fix deform the sides and tilts that it changes. A box that it has not
+   changed yet keeps LAMMPS' rates.
+------------------------------------------------------------------------- */
+
+void BoxRate::measure()
+{
+  if (!domain->deform_vremap || step != update->ntimestep - 1) return;
+  const int changes[] = {Fix::BOX_CHANGE_X,  Fix::BOX_CHANGE_Y,  Fix::BOX_CHANGE_Z,
+                         Fix::BOX_CHANGE_YZ, Fix::BOX_CHANGE_XZ, Fix::BOX_CHANGE_XY};
+  const Box now = present();
+  if (now == before) return;
+  for (const Fix *fix : modify->get_fix_by_style("^deform")) {
+    if (step % fix->nevery != 0) continue;
+    const double time = fix->nevery * update->dt;
+    for (int k = 0; k < 6; ++k) {
+      if (!(fix->box_change & changes[k])) continue;
+      domain->h_rate[k] = (now.h[k] - before.h[k]) / time;
+      if (k < 3) domain->h_ratelo[k] = (now.low[k] - before.low[k]) / time;
+    }
+  }
+}
+
+/* ---------------------------------------------------------------------- */
+
+FrictionCoefficients::FrictionCoefficients(LAMMPS *lmp, int narg, char **arg)
+    : Pointers(lmp),
+      id(arg[0]),
+      types(atom->ntypes + 1),
+      table(types * types)
+{
+  if (narg < 6) utils::missing_cmd_args(FLERR, "fix deformable/friction", error);
+  Rule all = {{WALL, WALL}, {types - 1, types - 1}};
+  for (int n = 0; n < 3; ++n) all.of_friction[n] = read(arg[3 + n]);
+  int iarg = 6;
+  if (iarg < narg && std::string(arg[iarg]) == "damp") {
+    if (iarg + 1 == narg) utils::missing_cmd_args(FLERR, "fix deformable/friction damp", error);
+    all.of_friction[3] = read(arg[iarg + 1]);
+    iarg += 2;
+  }
+  rules.push_back(all);
+  for (; iarg < narg; iarg += 7) {
+    if (std::string(arg[iarg]) != "types")
+      error->all(FLERR_WORD(iarg),
+                 "Fix {} deformable/friction: unknown word '{}': after mu, kt and gt come 'damp' "
+                 "and its value, then any number of 'types'",
+                 id, arg[iarg]);
+    if (iarg + 6 >= narg) utils::missing_cmd_args(FLERR, "fix deformable/friction types", error);
+    read_types(arg + iarg + 1);
+  }
+  for (const Rule &rule : rules) {
+    for (const Coefficient &c : rule.of_friction) varying |= !c.variable.empty();
+    apply(rule);
+  }
+}
+
+/* ----------------------------------------------------------------------
+   I J mu kt gt gn: types or ranges of them; J may be the word wall.
+------------------------------------------------------------------------- */
+
+void FrictionCoefficients::read_types(char **arg)
+{
+  Rule rule = {{WALL, WALL}, {WALL, WALL}};
+  for (int n = 0; n < 2; ++n)
+    if (n == 0 || std::string(arg[n]) != "wall")
+      utils::bounds(FLERR, arg[n], 1, types - 1, rule.first[n], rule.last[n], error);
+  for (int n = 0; n < 4; ++n) rule.of_friction[n] = read(arg[2 + n]);
+  rules.push_back(rule);
+}
+
+FrictionCoefficients::Coefficient FrictionCoefficients::read(char *word) const
+{
+  if (utils::strmatch(word, "^v_.")) return {0.0, word + 2};
+  if (std::string(word) == "inf") return {std::numeric_limits<double>::infinity(), ""};
+  return {utils::numeric(FLERR, word, false, lmp), ""};
+}
+
+/* ---------------------------------------------------------------------- */
+
+void FrictionCoefficients::find_variables()
+{
+  for (Rule &rule : rules)
+    for (Coefficient &c : rule.of_friction) {
+      if (c.variable.empty()) continue;
+      c.index = input->variable->find(c.variable.c_str());
+      if (c.index < 0 || !input->variable->equalstyle(c.index))
+        error->all(FLERR,
+                   "Fix {} deformable/friction: v_{} needs an equal-style variable: use "
+                   "'variable {} equal ...'",
+                   id, c.variable, c.variable);
+    }
+}
+
+void FrictionCoefficients::evaluate()
+{
+  modify->clearstep_compute();
+  for (Rule &rule : rules) {
+    for (Coefficient &c : rule.of_friction)
+      if (c.index >= 0) c.value = input->variable->compute_equal(c.index);
+    apply(rule);
+  }
+  modify->addstep_compute(update->ntimestep + 1);
+}
+
+void FrictionCoefficients::apply(const Rule &rule)
+{
+  const auto &[mu, kt, gt, gn] = rule.of_friction;
+  const Friction c = {mu.value, kt.value, gt.value, gn.value};
+  const std::string problem = deformable::invalid_friction(c);
+  if (!problem.empty()) error->all(FLERR, "Fix {} deformable/friction: {}", id, problem);
+  for (int a = rule.first[0]; a <= rule.last[0]; ++a)
+    for (int b = rule.first[1]; b <= rule.last[1]; ++b)
+      table[a * types + b] = table[b * types + a] = c;
+}
+
+double FrictionCoefficients::largest_time_step(double mass, double lever) const
+{
+  double least = std::numeric_limits<double>::infinity();
+  for (const Friction &c : table)
+    least = std::min(least, deformable::largest_time_step(c, mass, lever));
+  return least;
 }

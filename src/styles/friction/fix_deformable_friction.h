@@ -16,10 +16,8 @@ FixStyle(deformable/friction,FixDeformableFriction);
 #ifndef LMP_FIX_DEFORMABLE_FRICTION_H
 #define LMP_FIX_DEFORMABLE_FRICTION_H
 
+#include "laws/friction.h"
 #include "styles/memory/fix_partner_memory.h"
-
-#include "styles/friction/box_rate.h"
-#include "styles/friction/friction_coefficients.h"
 
 #include <algorithm>
 #include <array>
@@ -27,6 +25,67 @@ FixStyle(deformable/friction,FixDeformableFriction);
 #include <vector>
 
 namespace LAMMPS_NS {
+
+// The coefficients of fix deformable/friction, by the types of both sides: of all contacts, then of those of some types.
+// Each is a number or an equal-style variable, whose value may change from step to step.
+class FrictionCoefficients : protected Pointers {
+ public:
+  // mu kt gt keyword value ..., from arg[3] on
+  FrictionCoefficients(class LAMMPS *, int narg, char **arg);
+
+  static constexpr int WALL = 0;    // in place of a type
+  const deformable::Friction &between(int a, int b) const { return table[a * types + b]; }
+
+  bool vary() const { return varying; }
+  void find_variables();    // before a run, as others may have been defined since
+  void evaluate();          // as of this step
+
+  // The largest time step for particles of this mass (force time^2/distance units), and lever = 1 + m R^2/I.
+  double largest_time_step(double mass, double lever) const;
+
+ private:
+  struct Coefficient {
+    double value = 0.0;
+    std::string variable;    // its name; empty: a number
+    int index = -1;          // of the variable
+  };
+  struct Rule {
+    int first[2], last[2];                          // types
+    std::array<Coefficient, 4> of_friction = {};    // mu kt gt gn
+  };
+  const std::string id;
+  const int types;            // and the wall
+  std::vector<Rule> rules;    // the last one counts
+  bool varying = false;
+  std::vector<deformable::Friction> table;
+  Coefficient read(char *word) const;
+  void read_types(char **arg);
+  void apply(const Rule &);
+};
+
+// How fast the box changes, which velocities take across its boundaries with remap v.
+//
+// Some releases of LAMMPS give the sides of fix deform/pressure, and those at constant volume, their rate of strain in the
+// place of that of their length, dL/dt. Here the rates are those by which the box has changed: they take the place of LAMMPS'
+// from the first change of the box on.
+class BoxRate : protected Pointers {
+ public:
+  explicit BoxRate(class LAMMPS *lmp) : Pointers(lmp) {}
+
+  void begin_run();
+  void measure();     // before velocities are sent to ghosts
+  void remember();    // after the box has flipped, before it changes
+  void end_run();
+
+ private:
+  struct Box {
+    double low[3], h[6];
+    bool operator==(const Box &) const;
+  };
+  Box present() const;
+  Box before{}, at_end{};
+  bigint step = -1;    // of `before`
+};
 
 class PairDeformable;
 struct LoadedContact;

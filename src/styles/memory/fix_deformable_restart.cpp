@@ -1,7 +1,7 @@
 #include "styles/memory/fix_deformable_restart.h"
 
 #include "styles/friction/fix_deformable_friction.h"
-#include "styles/pair/deformable_pairs.h"
+#include "styles/pair/pair_deformable.h"
 #include "styles/walls/fix_deformable_wall.h"
 
 #include "comm.h"

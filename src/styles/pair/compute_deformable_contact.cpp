@@ -1,7 +1,7 @@
 #include "styles/pair/compute_deformable_contact.h"
 
 #include "styles/lammps_release.h"
-#include "styles/pair/deformable_pairs.h"
+#include "styles/pair/pair_deformable.h"
 
 #include "error.h"
 #include "update.h"

@@ -12,22 +12,63 @@
 #include "solver/adhesions.h"
 #include "solver/materials.h"
 #include "solver/vector_bytes.h"
-#include "styles/pair/particle_results.h"
 #include "styles/refusals.h"
 #include "styles/species.h"
 #include "styles/walls/fix_deformable_wall.h"
 
 #include "atom.h"
+#include "force.h"
 #include "neigh_list.h"
 #include "neighbor.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <map>
 #include <string>
 #include <vector>
 
 namespace LAMMPS_NS {
+
+// Per-particle results of the pair styles, for fix pair.
+class ParticleResults {
+ public:
+  explicit ParticleResults(int dimension) : dimension(dimension) {}
+
+  bool requested = false;    // by extract
+
+  // Values of all particles, null before the next call of resize; null for an unknown name.
+  double *extract(const char *name);
+
+  void resize(std::size_t particles);
+  void clear(std::size_t particles);
+
+  // Particle i, whose ring has this radius when undeformed.
+  void store_shape(int i, double radius, int contacts, const deformable::Shape &, double pressure);
+  void store_circle(int i, double radius, double pressure);
+  // Droplet i in three dimensions: of its surface and of its facets.
+  struct Surface {
+    double area;
+    int contacts;
+    double pressure, contact_area, load;
+  };
+  void store_surface(int i, const Surface &);
+
+  double bytes() const;
+
+ private:
+  enum { AREA, PERIMETER, CONTACTS, PRESSURE, ARC_RADIUS, CONTACT_LENGTH, SIZE };
+  static constexpr const char *NAMES[] = {"area",     "perimeter",  "contacts",
+                                          "pressure", "arc_radius", "contact_length"};
+  // in the places of those of the plane
+  enum { CONTACT_AREA = PERIMETER, LOAD = ARC_RADIUS };
+  static constexpr int SIZE_OF_SURFACE = 5;
+  static constexpr const char *NAMES_OF_SURFACE[] = {"area", "contact_area", "contacts", "pressure",
+                                                     "load"};
+  const int dimension;
+  std::array<std::vector<double>, SIZE> values;
+};
 
 struct Push {
   double fx, fy;
@@ -271,6 +312,21 @@ void PairDeformable::for_each_block(const deformable::BatchKernel *chosen, Prepa
       finish(p);
     }
   }
+}
+
+// The pair style itself, or those within a hybrid one, in its order. By type: others, such as deformable/edge, have names that
+// begin alike.
+inline std::vector<PairDeformable *> deformable_pairs(Force &force)
+{
+  std::vector<PairDeformable *> found;
+  const auto add = [&found](Pair *pair) {
+    if (auto *const deformable = dynamic_cast<PairDeformable *>(pair)) found.push_back(deformable);
+    return pair != nullptr;
+  };
+  constexpr const char *NAMES = "^deformable/";
+  if (add(force.pair_match(NAMES, 0))) return found;    // the only one of these names
+  for (int n = 1; add(force.pair_match(NAMES, 0, n));) ++n;
+  return found;
 }
 
 }    // namespace LAMMPS_NS

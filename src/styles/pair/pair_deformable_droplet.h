@@ -12,7 +12,7 @@ PairStyle(deformable/droplet,PairDeformableDroplet);
 #include "styles/pair/pair_deformable.h"
 
 #include "solver/droplet_solver.h"
-#include "styles/species_ramps.h"
+#include "styles/species.h"
 
 #include <memory>
 

@@ -14,7 +14,7 @@ PairStyle(deformable/ring,PairDeformableRing);
 
 #include "laws/soft_ring.h"
 #include "solver/ring_solver.h"
-#include "styles/species_ramps.h"
+#include "styles/species.h"
 
 #include <memory>
 #include <string>

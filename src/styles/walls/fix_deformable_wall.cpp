@@ -2,7 +2,7 @@
 
 #include "styles/friction/fix_deformable_friction.h"
 #include "styles/lammps_release.h"
-#include "styles/pair/deformable_pairs.h"
+#include "styles/pair/pair_deformable.h"
 
 #include "laws/parameter_rules.h"
 

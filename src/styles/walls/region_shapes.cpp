@@ -1,4 +1,4 @@
-#include "styles/walls/region_shapes.h"
+#include "styles/walls/walls.h"
 
 #include "laws/trigonometry.h"
 

@@ -4,13 +4,53 @@
 #define DEFORMABLE_WALLS_H
 
 #include "geometry/scene.h"
-#include "styles/walls/region_shapes.h"
-#include "styles/walls/wall_variable.h"
 
+#include "region.h"
+
+#include <cmath>
+#include <limits>
 #include <string>
 #include <vector>
 
 namespace LAMMPS_NS {
+
+// LAMMPS installs only the base class of its regions. The geometry of a plane, block, prism, cylinder, cone (in space) or sphere
+// is therefore computed from the contacts that the region reports for points near to it and far from it, before it moves, and
+// whatever its `side` is. Returns what is wrong with a region that is no such shape, or nothing. (x, y): a point of the system, for
+// planes.
+std::string read_shape(Region *, int dimension, double x, double y, deformable::WallShape &);
+
+// A shape that moves with its region. LAMMPS rotates it about a point first, then it moves it.
+deformable::WallShape moved_with(Region *, const deformable::WallShape &);
+deformable::Motion motion_of(Region *);
+
+// A number of a wall, or an equal-style variable: its place, its speed, its load.
+//
+// Walls are placed before the forces of a step are computed. A variable of the time is evaluated there. What computes, fixes
+// and thermo keywords tell is complete at the end of a step only: a variable that uses them is evaluated there, and holds in
+// the next step. Before the first run it has no value.
+class WallVariable {
+ public:
+  // A number or v_name, for `what` in messages. Each of these functions returns what is wrong, or nothing.
+  std::string read(const std::string &what, const std::string &word, class LAMMPS *);
+  std::string init(class LAMMPS *);
+  // `goes_on`: a step of a run, not its setup or a minimization, which keep what was known at the end of the step before.
+  std::string begin_step(class LAMMPS *, bool goes_on);
+  std::string end_step(class LAMMPS *);    // between clearstep_compute and addstep_compute
+
+  bool varies() const { return !name.empty(); }
+  bool waits() const { return of_state; }    // for the end of a step
+  bool is_known() const { return std::isfinite(now); }
+
+  double now = std::numeric_limits<double>::quiet_NaN();
+
+ private:
+  std::string what, name;
+  bool of_state = false;
+  double next = std::numeric_limits<double>::quiet_NaN();
+
+  std::string evaluate(class LAMMPS *, double &value) const;
+};
 
 // Where a shape of the scene comes from.
 struct WallSource {

@@ -1,4 +1,4 @@
-#include "styles/memory/partner_names.h"
+#include "styles/memory/fix_partner_memory.h"
 
 #include "styles/walls/fix_deformable_wall.h"
 
