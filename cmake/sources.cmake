@@ -81,7 +81,8 @@ target_compile_definitions(deformable_shared PRIVATE "DEFORMABLE_LEVELS=${LEVELS
 # The LAMMPS styles, and what only the plugin needs.
 set(STYLE_FOLDERS ${DEFORMABLE_DIR}/src/styles/pair ${DEFORMABLE_DIR}/src/polygons
                   ${DEFORMABLE_DIR}/src/styles/walls ${DEFORMABLE_DIR}/src/styles/motion
-                  ${DEFORMABLE_DIR}/src/styles/friction ${DEFORMABLE_DIR}/src/styles/memory)
+                  ${DEFORMABLE_DIR}/src/styles/friction ${DEFORMABLE_DIR}/src/styles/memory
+                  ${DEFORMABLE_DIR}/src/styles/minimize)
 file(GLOB STYLE_SOURCES CONFIGURE_DEPENDS
      ${DEFORMABLE_DIR}/src/solver/*.cpp ${DEFORMABLE_DIR}/src/styles/*.cpp
      ${DEFORMABLE_DIR}/src/styles/*/*.cpp ${DEFORMABLE_DIR}/src/polygons/*.cpp)

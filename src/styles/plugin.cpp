@@ -6,6 +6,7 @@
 #include "styles/friction/fix_deformable_friction.h"
 #include "styles/memory/fix_deformable_films.h"
 #include "styles/memory/fix_deformable_restart.h"
+#include "styles/minimize/min_deformable_lbfgs.h"
 #include "styles/motion/fix_deformable_propel.h"
 #include "styles/pair/compute_deformable_contact.h"
 #include "styles/pair/pair_deformable_droplet.h"
@@ -169,4 +170,17 @@ extern "C" __attribute__((visibility("default"))) void lammpsplugin_init(void *l
   plugin.creator.v2 = &creator_of<Style>;                                                          \
   register_style(&plugin, lmp)
 #include "styles/pair/compute_deformable_contact.h"
+
+  // Before 22Jul2025 plugins have no minimizers.
+#if defined(DEFORMABLE_HAS_MIN) && DEFORMABLE_LAMMPS_RELEASE >= 20250722
+  if (!MinDeformableLbfgs::fits(static_cast<LAMMPS *>(lmp))) return;
+#define MINIMIZE_CLASS
+#define MinimizeStyle(key, Style)                                                                  \
+  plugin.style = "min";                                                                            \
+  plugin.name = #key;                                                                              \
+  plugin.info = "min_style " #key;                                                                 \
+  plugin.creator.v1 = &pair_creator<Style>;                                                        \
+  register_style(&plugin, lmp)
+#include "styles/minimize/min_deformable_lbfgs.h"
+#endif
 }

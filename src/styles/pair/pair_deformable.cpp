@@ -28,7 +28,9 @@
 using namespace LAMMPS_NS;
 
 using deformable::PI;
+using deformable::SurfacePoint;
 using deformable::unstable_radius;
+using deformable::Vector3;
 
 /* ---------------------------------------------------------------------- */
 
@@ -335,6 +337,29 @@ double PairDeformable::smallest_radius() const
   for (int ii = 0; ii < list->inum; ++ii) here = std::min(here, radii[list->ilist[ii]]);
   MPI_Allreduce(&here, &smallest, 1, MPI_DOUBLE, MPI_MIN, world);
   return smallest;
+}
+
+/* ---------------------------------------------------------------------- */
+
+void PairDeformable::list_springs(double gap, std::vector<Spring> &springs) const
+{
+  const double *const *const x = atom->x;
+  const bool in_space = dimension == 3;
+  springs.clear();
+  for (int ii = 0; ii < list->inum; ++ii) {
+    const int i = list->ilist[ii], *const neighbors = list->firstneigh[i];
+    for (int jj = 0; jj < list->numneigh[i]; ++jj) {
+      const int j = neighbors[jj] & NEIGHMASK;
+      if (j < i) continue;    // whole lists have both sides
+      const Vector3 d = {x[j][0] - x[i][0], x[j][1] - x[i][1], in_space ? x[j][2] - x[i][2] : 0.0};
+      const double sum = radii[i] + radii[j], distance = length(d);
+      if (distance < (1.0 + gap) * sum && distance > 0.0)
+        springs.push_back({i, j, (1.0 / distance) * d, distance, sum - distance});
+    }
+    visit_walls(walls, i, radii[i], gap, [&](int, const SurfacePoint &point) {
+      springs.push_back({i, -1, point.n, point.height, radii[i] - point.height});
+    });
+  }
 }
 
 /* ---------------------------------------------------------------------- */

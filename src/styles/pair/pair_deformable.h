@@ -9,6 +9,7 @@
 #include "kernels/block_walk.h"
 #include "laws/shape.h"
 #include "laws/stiffness.h"
+#include "geometry/surface.h"
 #include "solver/adhesions.h"
 #include "solver/materials.h"
 #include "solver/vector_bytes.h"
@@ -105,6 +106,14 @@ struct LoadedContact {
   bool one_side;    // the other side has a row, and a force, of its own
 };
 
+// Two particles, or a particle and a wall, at the last force call: for minimizers, which take them for springs.
+struct Spring {
+  int i, j;                 // local indices, j may be a ghost; of a wall: -1
+  deformable::Vector3 n;    // from i to j
+  double distance;          // of the centers, or of the wall
+  double overlap;           // negative: a gap
+};
+
 class PairDeformable : public Pair {
  public:
   // Contacts of this rank's particles at the last call, if a compute deformable/contact is defined.
@@ -151,6 +160,11 @@ class PairDeformable : public Pair {
   virtual void list_contacts(int groupbit, std::vector<double> &rows) const;
   double memory_usage() override;
 
+  // All contacts of this rank's particles, and pairs with a gap up to this part of both radii. Each once, those of a particle
+  // and a ghost on both sides.
+  void list_springs(double gap, std::vector<Spring> &springs) const;
+  double smallest_radius() const;    // of all particles of all ranks
+
  protected:
   // Stops with an error if the style does not support this species.
   virtual void check_species(const Species &) const {}
@@ -188,7 +202,6 @@ class PairDeformable : public Pair {
   bool radius_by_atom = false;
   std::vector<double> radii;    // of all particles, ghosts included
   double ring_radius_of(int i) const { return radii[i] - species[atom->type[i]].skin; }
-  double smallest_radius() const;    // of all particles of all ranks
   deformable::Stiffness stiffness_of(int i) const
   {
     return materials.stiffness_of(i, ring_radius_of(i));

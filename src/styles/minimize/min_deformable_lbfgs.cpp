@@ -1,0 +1,445 @@
+#include "styles/minimize/min_deformable_lbfgs.h"
+
+#ifdef DEFORMABLE_HAS_MIN
+
+#include "solver/vector_bytes.h"
+#include "styles/lammps_release.h"
+
+#include "atom.h"
+#include "comm.h"
+#include "compute.h"
+#include "error.h"
+#include "fix.h"
+#include "force.h"
+#include "modify.h"
+#include "output.h"
+#include "timer.h"
+#include "update.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <utility>
+
+using namespace LAMMPS_NS;
+
+static constexpr int MOST_TRIALS = 12;            // of a line search
+static constexpr int MOST_FAILURES = 4;           // searches in a row
+static constexpr int RENEWAL = 100;               // iterations
+static constexpr int LOOK = 10;                   // iterations between looks at the contacts
+static constexpr double CHANGED = 0.05;           // part of contacts
+static constexpr double GAP = 0.1;                // of pairs with a spring, over both radii
+static constexpr double LEAST_WEIGHT = 0.0025;    // of a spring: at a gap of ten median overlaps
+static constexpr double FIRST_STEP = 0.02;        // over the longest one
+
+/* ---------------------------------------------------------------------- */
+
+MinDeformableLbfgs::MinDeformableLbfgs(LAMMPS *lmp) : Min(lmp)
+{
+  laid_out_as_declared = dmax == 0.1 && delaystep == 20 && dtgrow == 1.1 && tmin == 0.02 &&
+                         max_vdotf_negatif == 2000 && nextra_global == 0 && !fextra &&
+                         nextra_atom == 0 && !requestor;
+  searchflag = 1;
+  dmax = 0.0;    // not given
+}
+
+bool MinDeformableLbfgs::fits(LAMMPS *lmp)
+{
+  return MinDeformableLbfgs(lmp).laid_out_as_declared;
+}
+
+/* ---------------------------------------------------------------------- */
+
+int MinDeformableLbfgs::modify_param(int narg, char **arg)
+{
+  const std::string word = arg[0];
+  if (word != "memory" && word != "precondition") return 0;
+  if (narg < 2) utils::missing_cmd_args(FLERR, "min_modify " + word, error);
+  if (word == "memory") {
+    memory = utils::inumeric(FLERR, arg[1], false, lmp);
+    if (memory < 1 || memory > 100)
+      error->all(FLERR, "min_modify memory {}: the steps that L-BFGS remembers are 1 to 100",
+                 arg[1]);
+  } else {
+    const std::string value = arg[1];
+    if (value == "springs")
+      precondition = SPRINGS;
+    else if (value == "none")
+      precondition = NONE;
+    else
+      error->all(FLERR, "min_modify precondition '{}': it must be 'springs' or 'none'", value);
+  }
+  return 2;
+}
+
+/* ---------------------------------------------------------------------- */
+
+void MinDeformableLbfgs::init()
+{
+  Min::init();
+  fix_minimize->maxexchange = 3 * (3 + 2 * memory);
+
+  pair = dynamic_cast<PairDeformable *>(force->pair);
+  preconditioned = pair && precondition != NONE;
+  if (precondition == SPRINGS && !pair)
+    error->all(FLERR,
+               "min_modify precondition springs: only the pair styles deformable/ring, "
+               "deformable/sector and deformable/droplet, without hybrid, know their contacts: use "
+               "'precondition none'");
+  // their forces have lost a direction that springs do not know
+  for (const char *style : {"aveforce", "lineforce", "planeforce"}) {
+    const auto fixes = modify->get_fix_by_style(fmt::format("^{}", style));
+    if (fixes.empty() || !preconditioned) continue;
+    if (precondition == SPRINGS)
+      error->all(FLERR,
+                 "min_modify precondition springs does not know which motions fix {} {} leaves: "
+                 "use 'precondition none'",
+                 fixes[0]->id, style);
+    preconditioned = false;
+  }
+}
+
+/* ---------------------------------------------------------------------- */
+
+void MinDeformableLbfgs::setup_style()
+{
+  if (nextra_global)
+    error->all(FLERR, "Min style deformable/lbfgs does not change the box: use 'min_style cg' with "
+                      "fix box/relax");
+  if (nextra_atom)
+    error->all(FLERR,
+               "Min style deformable/lbfgs moves atoms only, but pair style {} has further "
+               "unknowns: use 'min_style cg'",
+               force->pair_style);
+  for (int n = 0; n < 3 + 2 * memory; ++n) fix_minimize->add_vector(3);
+  s.resize(memory);
+  y.resize(memory);
+  sy.assign(memory * memory, 0.0);
+  sf.assign(memory, 0.0);
+}
+
+// Atoms have other indices, or their arrays have moved.
+void MinDeformableLbfgs::reset_vectors()
+{
+  nvec = 3 * atom->nlocal;
+  if (nvec) xvec = atom->x[0];
+  if (nvec) fvec = atom->f[0];
+  x0 = fix_minimize->request_vector(0);
+  f0 = fix_minimize->request_vector(1);
+  q = fix_minimize->request_vector(2);
+  for (int n = 0; n < memory; ++n) {
+    s[n] = fix_minimize->request_vector(3 + 2 * n);
+    y[n] = fix_minimize->request_vector(4 + 2 * n);
+  }
+  outdated = true;
+}
+
+/* ---------------------------------------------------------------------- */
+
+double MinDeformableLbfgs::dot(const double *a, const double *b) const
+{
+  double sum = 0.0;
+  for (int n = 0; n < nvec; ++n) sum += a[n] * b[n];
+  return sum;
+}
+
+double MinDeformableLbfgs::sum(double here) const
+{
+  double all;
+  MPI_Allreduce(&here, &all, 1, MPI_DOUBLE, MPI_SUM, world);
+  return all;
+}
+
+bool MinDeformableLbfgs::is_converged()
+{
+  if (!(update->ftol > 0.0)) return false;
+  const double squared = normstyle == MAX   ? fnorm_max()
+                         : normstyle == INF ? fnorm_inf()
+                                            : fnorm_sqr();
+  return squared < update->ftol * update->ftol;
+}
+
+/* ---------------------------------------------------------------------- */
+
+int MinDeformableLbfgs::iterate(int maxiter)
+{
+  known.clear();
+  outdated = true;
+  energy = pe_compute->scalar;
+  energy_follows = true;
+  int failures = 0;
+
+  if (is_converged()) return FTOL;
+  for (int iter = 0; iter < maxiter; ++iter) {
+    if (timer->check_timeout(niter)) return TIMEOUT;
+    const bigint step = ++update->ntimestep;
+    ++niter;
+    eprevious = ecurrent;
+
+    if (outdated || niter - renewed >= RENEWAL ||
+        ((niter - renewed) % LOOK == 0 && contacts_have_changed()))
+      renew();
+    double slope = find_direction();
+    if (slope >= 0.0 && !known.empty()) {
+      known.clear();
+      slope = find_direction();
+    }
+    if (!(slope < 0.0)) return ZEROFORCE;
+
+    double part = 1.0;
+    if (search(slope, part)) {
+      failures = 0;
+      alpha_final = part;
+      remember(part);
+      if (is_converged()) return FTOL;
+      if (std::fabs(ecurrent - eprevious) <
+          update->etol * 0.5 * (std::fabs(ecurrent) + std::fabs(eprevious) + 1e-8))
+        return ETOL;
+    } else {
+      known.clear();
+      outdated = true;
+      alpha_final = 0.0;
+      if (++failures == MOST_FAILURES) return ZEROALPHA;
+    }
+    if (neval >= update->max_eval) return MAXEVAL;
+
+    if (output->next == step) {
+      timer->stamp();
+      output->write(step);
+      timer->stamp(Timer::OUTPUT);
+    }
+  }
+  return MAXITER;
+}
+
+/* ----------------------------------------------------------------------
+   The step q of the two-loop recursion, no longer than allowed. Returns its
+   slope. All sums of earlier vectors are known; those of y and P^-1 q make one
+   sum over ranks.
+------------------------------------------------------------------------- */
+
+double MinDeformableLbfgs::find_direction()
+{
+  const int pairs = static_cast<int>(known.size());
+  std::vector<double> down(pairs), up(pairs), yq(pairs);
+  std::copy_n(fvec, nvec, q);
+  for (int a = pairs - 1; a >= 0; --a) {
+    double sq = sf[known[a]];
+    for (int b = a + 1; b < pairs; ++b) sq -= down[b] * dot_sy(known[a], known[b]);
+    down[a] = sq / dot_sy(known[a], known[a]);
+    const double *const ya = y[known[a]];
+    for (int n = 0; n < nvec; ++n) q[n] -= down[a] * ya[n];
+  }
+  solve(q, q);
+  if (pairs > 0) {
+    if (gamma == 0.0) {
+      const int newest = known.back();
+      solve(y[newest], solved.data());
+      gamma = dot_sy(newest, newest) / sum(dot(y[newest], solved.data()));
+    }
+    for (int n = 0; n < nvec; ++n) q[n] *= gamma;
+    for (int a = 0; a < pairs; ++a) yq[a] = dot(y[known[a]], q);
+    MPI_Allreduce(MPI_IN_PLACE, yq.data(), pairs, MPI_DOUBLE, MPI_SUM, world);
+    for (int a = 0; a < pairs; ++a) {
+      double rest = yq[a];
+      for (int b = 0; b < a; ++b) rest += up[b] * dot_sy(known[b], known[a]);
+      up[a] = down[a] - rest / dot_sy(known[a], known[a]);
+      const double *const sa = s[known[a]];
+      for (int n = 0; n < nvec; ++n) q[n] += up[a] * sa[n];
+    }
+  }
+
+  double here = 0.0, longest;
+  for (int n = 0; n < nvec; ++n) here = std::max(here, std::fabs(q[n]));
+  MPI_Allreduce(&here, &longest, 1, MPI_DOUBLE, MPI_MAX, world);
+  if (!(longest > 0.0)) return 0.0;
+  double scale = std::min(1.0, limit / longest);
+  if (pairs == 0) scale = FIRST_STEP * limit / longest;
+  for (int n = 0; n < nvec; ++n) q[n] *= scale;
+  return -sum(dot(fvec, q));
+}
+
+/* ----------------------------------------------------------------------
+   Moves the atoms by a part of q, or leaves them where they are. Forces that
+   are not derivatives of the energy, as where a fix adds some without an
+   energy, are followed by their slope alone.
+------------------------------------------------------------------------- */
+
+bool MinDeformableLbfgs::search(double slope, double &part)
+{
+  fix_minimize->store_box();
+  std::copy_n(xvec, nvec, x0);
+  std::copy_n(fvec, nvec, f0);
+  const double before = energy;
+  const auto evaluate = [this] {
+    ecurrent = energy_force(1);
+    energy = pe_compute->scalar;
+    ++neval;
+  };
+  for (int trial = 1; trial <= MOST_TRIALS; ++trial) {
+    for (int n = 0; n < nvec; ++n) xvec[n] = x0[n] + part * q[n];
+    evaluate();
+    const double flat = -sum(dot(fvec, q));
+    const bool flatter = std::fabs(flat) <= 0.9 * std::fabs(slope);
+    if (!energy_follows) {
+      if (flat <= 0.9 * std::fabs(slope)) return true;
+    } else {
+      if (energy <= before + 1e-4 * part * slope) return true;
+      if (flatter && energy <= before + 1e-10 * std::fabs(before)) return true;
+      if (flatter && trial == MOST_TRIALS) {
+        energy_follows = false;
+        if (comm->me == 0)
+          error->warning(FLERR,
+                         "Min style deformable/lbfgs: the energy rises along the forces, which are "
+                         "not its derivatives, e.g. of a fix without 'fix_modify energy yes'. It "
+                         "goes by forces alone from here on; else use 'min_style fire'");
+        return true;
+      }
+    }
+    const double to_zero = part * slope / (slope - flat);
+    part = std::isfinite(to_zero) ? std::clamp(to_zero, 0.1 * part, 0.6 * part) : 0.1 * part;
+  }
+  std::copy_n(x0, nvec, xvec);
+  evaluate();
+  return false;
+}
+
+/* ----------------------------------------------------------------------
+   The last step, in the place of the oldest one.
+------------------------------------------------------------------------- */
+
+void MinDeformableLbfgs::remember(double part)
+{
+  int newest = static_cast<int>(known.size());
+  if (newest == memory) {
+    newest = known.front();
+    known.erase(known.begin());
+  }
+  double *const sn = s[newest], *const yn = y[newest];
+  for (int n = 0; n < nvec; ++n) {
+    sn[n] = part * q[n];
+    yn[n] = f0[n] - fvec[n];
+  }
+  std::vector<double> sums;
+  for (const int a : known) {
+    sums.push_back(dot(s[a], yn));
+    sums.push_back(dot(sn, y[a]));
+    sums.push_back(dot(s[a], fvec));
+  }
+  const auto own = sums.size();
+  for (const double sum : {dot(sn, yn), dot(sn, fvec), dot(sn, sn), dot(yn, yn)})
+    sums.push_back(sum);
+  MPI_Allreduce(MPI_IN_PLACE, sums.data(), static_cast<int>(sums.size()), MPI_DOUBLE, MPI_SUM,
+                world);
+  const double *next = sums.data();
+  for (const int a : known) {
+    dot_sy(a, newest) = *next++;
+    dot_sy(newest, a) = *next++;
+    sf[a] = *next++;
+  }
+  const double *const last = &sums[own];
+  dot_sy(newest, newest) = last[0];
+  sf[newest] = last[1];
+  if (!(last[0] > 1e-14 * std::sqrt(last[2] * last[3]))) return;
+  known.push_back(newest);
+  gamma = 0.0;
+}
+
+/* ----------------------------------------------------------------------
+   P of the contacts as they are, w = (1 + o/sqrt(o^2 + 4 m^2))/2 of overlaps o
+   with the median m: springs of contacts that may open, or close, are softer.
+   Each rank has a P of its own particles, for which those of others stay.
+   A step is not longer than three times the median overlap.
+------------------------------------------------------------------------- */
+
+void MinDeformableLbfgs::renew()
+{
+  outdated = false;
+  renewed = niter;
+  gamma = 0.0;
+  solved.resize(nvec);
+  if (!pair) {
+    double here = std::numeric_limits<double>::infinity(), smallest;
+    for (int i = 0; i < atom->nlocal && atom->radius_flag; ++i)
+      if (atom->radius[i] > 0.0) here = std::min(here, atom->radius[i]);
+    MPI_Allreduce(&here, &smallest, 1, MPI_DOUBLE, MPI_MIN, world);
+    limit = dmax > 0.0 ? dmax : std::min(0.1, 0.05 * smallest);
+    return;
+  }
+
+  pair->list_springs(GAP, springs);
+  std::vector<double> overlaps;
+  for (const Spring &spring : springs)
+    if (spring.overlap > 0.0) overlaps.push_back(spring.overlap);
+  const auto middle = overlaps.begin() + overlaps.size() / 2;
+  double sums[2] = {0.0, static_cast<double>(overlaps.size())};
+  if (!overlaps.empty()) {
+    std::nth_element(overlaps.begin(), middle, overlaps.end());
+    sums[0] = sums[1] * *middle;
+  }
+  MPI_Allreduce(MPI_IN_PLACE, sums, 2, MPI_DOUBLE, MPI_SUM, world);
+  const double median = sums[1] > 0.0 ? sums[0] / sums[1] : 0.0;
+  const double smallest = pair->smallest_radius();
+  limit = 0.05 * smallest;
+  if (median > 0.0) limit = std::min(limit, 3.0 * median);
+  if (dmax > 0.0) limit = dmax;
+  if (!preconditioned) return;
+
+  const int nlocal = atom->nlocal;
+  std::vector<std::pair<tagint, int>> owners;    // particles of this rank, by ID
+  for (int i = 0; i < nlocal && atom->tag_enable; ++i) owners.emplace_back(atom->tag[i], i);
+  std::sort(owners.begin(), owners.end());
+  std::vector<SpringMatrix::Element> elements;
+  for (const Spring &spring : springs) {
+    const double o = spring.overlap, width = std::sqrt(o * o + 4.0 * median * median);
+    const double weight = width > 0.0 ? 0.5 * (1.0 + o / width) : 0.0;
+    if (weight < LEAST_WEIGHT) continue;
+    int j = spring.j;
+    if (j >= nlocal) {
+      const std::pair<tagint, int> first = {atom->tag_enable ? atom->tag[j] : 0, 0};
+      const auto owner = std::lower_bound(owners.begin(), owners.end(), first);
+      j = owner != owners.end() && owner->first == first.first ? owner->second : -1;
+      if (j >= 0 && j <= spring.i) continue;    // an image, of which the other side is listed too
+    }
+    elements.push_back({spring.i, j, spring.n, weight});
+  }
+  // coordinates without a force: of particles that a fix holds, of a plane, and of rattlers
+  std::vector<char> held(nvec);
+  for (int n = 0; n < nvec; ++n) held[n] = fvec[n] == 0.0;
+  matrix.factorize(atom->nlocal ? domain->dimension : 2, nlocal, xvec, held, elements);
+}
+
+bool MinDeformableLbfgs::contacts_have_changed()
+{
+  if (!pair) return false;
+  const double *const *const x = atom->x;
+  double counts[2] = {0.0, 0.0};
+  for (const Spring &spring : springs) {
+    if (spring.j < 0) continue;
+    const double *const a = x[spring.i], *const b = x[spring.j];
+    const deformable::Vector3 d = {b[0] - a[0], b[1] - a[1],
+                                   domain->dimension == 3 ? b[2] - a[2] : 0.0};
+    const bool touches = length(d) < spring.distance + spring.overlap;
+    counts[0] += touches != (spring.overlap > 0.0);
+    counts[1] += touches;
+  }
+  MPI_Allreduce(MPI_IN_PLACE, counts, 2, MPI_DOUBLE, MPI_SUM, world);
+  return counts[0] > CHANGED * counts[1];
+}
+
+// z = P^-1 q
+void MinDeformableLbfgs::solve(const double *from, double *z)
+{
+  if (preconditioned)
+    matrix.solve(from, z);
+  else if (from != z)
+    std::copy_n(from, nvec, z);
+}
+
+double MinDeformableLbfgs::memory_usage()
+{
+  return matrix.memory_usage() + bytes_of(springs, solved);
+}
+
+#endif

@@ -1,0 +1,92 @@
+// Minimization by L-BFGS: min_style deformable/lbfgs. `min_modify` has the words of its own: memory m, precondition springs|none.
+//
+// With positions x and forces f = -dE/dx, the last m steps s and changes of the gradient y give an approximate inverse Hessian,
+// which turns f into the next step q (two-loop recursion of Nocedal, Math. Comp. 35, 773 (1980)). It begins with gamma P^-1,
+// gamma = s.y/(y.P^-1 y), of the last step. P has a spring for each contact, see SpringMatrix: contacts are stiff along their
+// normals, and what a packing is slow to find are the motions that compress none. Without contacts P = 1.
+//
+// A step ends where
+//
+//   E <= E0 + 1e-4 part slope,  or  |flat| <= 0.9 |slope|  and  E <= E0 + 1e-10 |E0|
+//
+// slope and flat are -f.q before and after part q. The second test is for the end: the energy no longer falls by more than its
+// rounding, but the slope still does.
+
+#ifdef MINIMIZE_CLASS
+// clang-format off
+MinimizeStyle(deformable/lbfgs,MinDeformableLbfgs);
+// clang-format on
+#else
+
+#ifndef LMP_MIN_DEFORMABLE_LBFGS_H
+#define LMP_MIN_DEFORMABLE_LBFGS_H
+
+#include "styles/minimize/lammps_min.h"
+
+#ifdef DEFORMABLE_HAS_MIN
+
+#include "styles/minimize/spring_matrix.h"
+#include "styles/pair/pair_deformable.h"
+
+#include <vector>
+
+namespace LAMMPS_NS {
+
+class MinDeformableLbfgs : public Min {
+ public:
+  MinDeformableLbfgs(class LAMMPS *);
+  void init() override;
+  void setup_style() override;
+  void reset_vectors() override;
+  int iterate(int) override;
+  int modify_param(int, char **) override;
+  double memory_usage() override;
+
+  // Whether a Min of this LAMMPS has the layout of lammps_min.h.
+  static bool fits(class LAMMPS *);
+
+ private:
+  // a new Min has LAMMPS' defaults where lammps_min.h has them
+  bool laid_out_as_declared;
+  int memory = 10;
+  enum { IF_POSSIBLE, SPRINGS, NONE } precondition = IF_POSSIBLE;
+
+  // per-atom vectors, which migrate with the atoms
+  double *x0, *f0, *q;
+  std::vector<double *> s, y;
+
+  // The pairs (s, y), by the index of both, from the oldest one to the newest.
+  std::vector<int> known;
+  std::vector<double> sy;    // s_a.y_b at [a memory + b]
+  std::vector<double> sf;    // s_a.f
+  double gamma = 0.0;
+  double &dot_sy(int a, int b) { return sy[a * memory + b]; }
+  void remember(double part);
+  double find_direction();
+
+  double energy = 0.0;           // not over the number of atoms
+  bool energy_follows = true;    // false: forces are not its derivatives
+  double sum(double) const;
+  double dot(const double *, const double *) const;
+  bool search(double slope, double &part);
+  bool is_converged();
+
+  // P
+  PairDeformable *pair = nullptr;    // null: of another style
+  bool preconditioned = false;       // else P = 1
+  SpringMatrix matrix;
+  std::vector<Spring> springs;
+  bool outdated = true;    // P, after atoms have other indices
+  bigint renewed = 0;      // iteration
+  double limit = 0.0;      // no coordinate changes by more in one step
+  std::vector<double> solved;
+  void renew();
+  bool contacts_have_changed();
+  void solve(const double *, double *);
+};
+
+}    // namespace LAMMPS_NS
+
+#endif
+#endif
+#endif
