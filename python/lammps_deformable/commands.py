@@ -42,11 +42,20 @@ pair_style {style} radius {whose}
 pair_coeff * * "{file}" {names}
 """
 
-_MINIMIZER = """
+_LISTS = """
 neighbor {skin!r} bin
 neigh_modify delay 0 every 1 check yes
+"""
+
+_FIRE = """
 min_style fire
 min_modify dmax {dmax!r} norm max tmax {tmax!r}
+"""
+
+# Its steps are bounded by the overlaps.
+LBFGS = """
+min_style deformable/lbfgs
+min_modify norm max
 """
 
 # Longest edge of smooth polygons over the one at rest.
@@ -165,7 +174,7 @@ def soft_commands(packing: Packing, k: float) -> str:
 
 
 def law_commands(packing: Packing, law: AnyLaw, file: str) -> str:
-    """Commands for the contact law and the minimizer, to run once LAMMPS has the particles.
+    """Commands for the contact law and neighbor lists, to run once LAMMPS has the particles.
 
     Args:
         packing: gives the particles' sizes.
@@ -179,7 +188,7 @@ def law_commands(packing: Packing, law: AnyLaw, file: str) -> str:
         file=file,
         names=" ".join(f"s{n}" for n in range(1, len(packing._species_radii) + 1)),
     )
-    return commands + minimizer_commands(skin=0.1 * smallest, dmax=0.005 * smallest)
+    return commands + list_commands(skin=0.1 * smallest)
 
 
 def balance_command(packing: Packing, law: AnyLaw, tolerance: float) -> str:
@@ -191,16 +200,20 @@ def balance_command(packing: Packing, law: AnyLaw, tolerance: float) -> str:
     return f"pair_style {pair_style(law)} {arguments}"
 
 
-def minimizer_commands(skin: float, dmax: float, tmax: float = 10.0) -> str:
-    """Commands that choose neighbor lists and FIRE.
+def list_commands(skin: float) -> str:
+    """Commands that choose neighbor lists with this skin [length]."""
+    return _LISTS.format(skin=skin)
+
+
+def fire_commands(dmax: float, tmax: float = 10.0) -> str:
+    """Commands that choose FIRE.
 
     Args:
-        skin: of the neighbor lists [length].
         dmax: the largest displacement in an iteration: without a bound, particles of a loose
             packing jump through one another [length].
         tmax: how far FIRE may stretch its first time step.
     """
-    return _MINIMIZER.format(skin=skin, dmax=dmax, tmax=tmax)
+    return _FIRE.format(dmax=dmax, tmax=tmax)
 
 
 def polygon_contact_commands(model: DeformablePolygon, spacing: float) -> str:

@@ -25,9 +25,10 @@ from .box import fractional
 from .commands import (
     SOFT_STEP,
     film_commands,
+    fire_commands,
     law_commands,
+    list_commands,
     memory_commands,
-    minimizer_commands,
     pair_style,
     soft_commands,
     species_file,
@@ -88,6 +89,7 @@ from .relax import (
     damp,
     force_rounding,
     largest_force,
+    lbfgs_or_fire,
     minimize_command,
     stress,
     thermo_commands,
@@ -412,7 +414,7 @@ class Rings(Deformables):
             run_forces(sim.lmp, fire.call(highest, stiffest, force, most), sim.walls)
             return left if told(sim.lmp, IMBALANCE) > tolerance else fire.iterations
 
-        return call
+        return call if sim.friction else lbfgs_or_fire(sim, tolerance, call, self._smallest_radius)
 
     def filled(self) -> float:
         """Area of all particles at the last evaluation."""
@@ -493,7 +495,7 @@ class Droplets(Deformables):
             run_forces(sim.lmp, timestep + minimize_command(force, count), sim.walls)
             return count * _DEARER if beyond else count
 
-        return call
+        return lbfgs_or_fire(sim, tolerance, call, self._smallest_radius)
 
     def filled(self) -> float:
         """Volume of all droplets at the last evaluation."""
@@ -737,6 +739,7 @@ def open_disks(
         lmp,
         virial_command()
         + thermo_commands("")
-        + minimizer_commands(skin=0.3 * smallest, dmax=0.01 * smallest),
+        + list_commands(skin=0.3 * smallest)
+        + fire_commands(dmax=0.01 * smallest),
     )
     return lmp

@@ -23,7 +23,8 @@ from . import core
 from ._checks import expect
 from .box import cartesian, fractional, refuse_space
 from .commands import (
-    minimizer_commands,
+    fire_commands,
+    list_commands,
     polygon_contact_commands,
     polygon_wall_commands,
     region_within,
@@ -196,7 +197,7 @@ class PolygonBeads:
             ),
         )
         run(lmp, virial_command() + thermo_commands("pe"))
-        run(lmp, minimizer_commands(skin, dmax=0.1 * model.radius, tmax=_STRETCH))
+        run(lmp, list_commands(skin) + fire_commands(dmax=0.1 * model.radius, tmax=_STRETCH))
 
     def follow(self, sim: Simulation, walls: tuple[Wall, ...], box: Array) -> None:
         """Refuse another box around walls."""

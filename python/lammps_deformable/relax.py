@@ -20,7 +20,7 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 
 from ._checks import shown
-from .commands import balance_command
+from .commands import LBFGS, balance_command, fire_commands
 from .errors import BeyondModelWarning, ParameterError, StalledWarning, UnjammedWarning
 from .friction import FRICTION, Friction, damped_commands, spring_commands, undamped_commands
 from .hessian import hessian_of, open_contacts
@@ -210,6 +210,44 @@ def force_rounding(box: NDArray[np.float64], stiffness: float) -> float:
     coordinate = float(np.abs(box).sum(axis=0).max())
     return _ROUNDINGS * stiffness * coordinate * float(np.finfo(float).eps)
 
+
+# L-BFGS has failed where it ends at more than this times the force that it was asked for.
+_FAILED = 2.0
+
+
+def lbfgs_or_fire(sim: Simulation, tolerance: float, fire: Minimizer, smallest: float) -> Minimizer:
+    """L-BFGS; FIRE from where that fails, or if the simulation asks for it.
+
+    Args:
+        sim: of rings, droplets or soft particles.
+        tolerance: of the residual.
+        fire: calls FIRE once.
+        smallest: radius [length].
+    """
+    fires, asked = sim.minimizer == "fire", np.inf
+    if fires:
+        run(sim.lmp, fire_commands(_LONGEST_STEP * smallest))
+
+    def call(forces: Forces, left: int, most: int) -> int:
+        nonlocal fires, asked
+        if not fires and forces.largest > _FAILED * asked:
+            fires = True
+            run(sim.lmp, fire_commands(_LONGEST_STEP * smallest))
+        if fires:
+            return fire(forces, left, most)
+        force = 0.5 * tolerance * forces.scale  # the scale falls a little further meanwhile
+        number = min(left, most)
+        before = sim.lmp.extract_global("ntimestep")
+        run_forces(sim.lmp, LBFGS + minimize_command(force, number), sim.walls)
+        taken = sim.lmp.extract_global("ntimestep") - before
+        asked = force if taken < number else np.inf
+        return max(taken, 1)
+
+    return call
+
+
+# Longest displacement in an iteration of FIRE, in smallest radii.
+_LONGEST_STEP = 0.005
 
 # FIRE starts from this part of 1/sqrt(p), p the largest pressure in a particle (mass 1), and may
 # stretch it tenfold. Measured, N = 40 and 128: 0.03 is the fastest, 0.04 three times slower.

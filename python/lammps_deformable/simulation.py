@@ -112,6 +112,7 @@ class Simulation(OneCall):
     _steps_before: int = 0  # steps of LAMMPS before it began to count them
     _begun: int = 0  # how often LAMMPS has been filled
     _callback: Callback | None = None
+    minimizer = "lbfgs"
     _imbalance = USUAL  # of contacts, over the largest force
     law: Any
     _lmp: Any
@@ -131,6 +132,8 @@ class Simulation(OneCall):
         start, state = _parts(self.comm.bcast(packing))  # those of other machines may differ
         self.friction = state.friction if state and friction is None else friction
         self._engine = _ENGINES[type(law)](law)
+        if isinstance(law, Sector):
+            self.minimizer = "fire"
         self._rigidity = Rigidity(start)
         self._open(start, state)
 
