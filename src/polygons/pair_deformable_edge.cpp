@@ -1,5 +1,6 @@
 #include "polygons/pair_deformable_edge.h"
 
+#include "solver/vector_bytes.h"
 #include "styles/lammps_release.h"
 #include "styles/refusals.h"
 
@@ -324,6 +325,5 @@ void PairDeformableEdge::write_data_all(FILE *fp)
 
 double PairDeformableEdge::memory_usage()
 {
-  return Pair::memory_usage() + edges.memory_usage() +
-         static_cast<double>(contacts.capacity() * sizeof(VertexAndEdge));
+  return Pair::memory_usage() + edges.memory_usage() + bytes_of(contacts, repulsion);
 }

@@ -275,6 +275,25 @@ inline FixDeformableFriction::Speeds FixDeformableFriction::speeds(const Sides &
   return found;
 }
 
+// The contact with this partner whose place is the nearest one, as a small box has several images of it; or null. Between a
+// particle and its own image both directions are one.
+static RememberedContact *find_contact(std::vector<RememberedContact> &contacts, double partner,
+                                       const ContactPlace &place, bool own_image)
+{
+  const auto square = [](double x, double y) { return x * x + y * y; };
+  double nearest = square(place.x, place.y);
+  RememberedContact *found = nullptr;
+  for (RememberedContact &c : contacts) {
+    if (c.partner != partner) continue;
+    double distance = square(c.place.x - place.x, c.place.y - place.y);
+    if (own_image) distance = std::min(distance, square(c.place.x + place.x, c.place.y + place.y));
+    if (distance > nearest) continue;
+    nearest = distance;
+    found = &c;
+  }
+  return found;
+}
+
 /* ---------------------------------------------------------------------- */
 
 void FixDeformableFriction::rub(const LoadedContact &contact)
