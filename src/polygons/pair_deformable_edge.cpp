@@ -169,8 +169,8 @@ double PairDeformableEdge::init_one(int i, int j)
 }
 
 /* ----------------------------------------------------------------------
-   The atoms of polygons are those of the types that have coefficients: all of
-   them, but with pair_style hybrid.
+   Atoms whose types have coefficients are vertices of polygons: all atoms,
+   except with pair_style hybrid.
 ------------------------------------------------------------------------- */
 
 void PairDeformableEdge::take_list()
@@ -248,8 +248,8 @@ template <bool TALLY> void PairDeformableEdge::add_contacts()
 }
 
 /* ----------------------------------------------------------------------
-   Half of energy and virial for the vertex, half for the one where the edge
-   begins. With positions relative to the latter the virial is p f_vertex + e f_end.
+   Half of energy and virial for the vertex, half for the first vertex of the
+   edge. With positions relative to the first one the virial is p f_vertex + e f_end.
 ------------------------------------------------------------------------- */
 
 void PairDeformableEdge::tally(const VertexAndEdge &at, double px, double py, double ex, double ey,

@@ -405,7 +405,7 @@ namespace {
 
 /* ----------------------------------------------------------------------
    Partners along a polygon have no contacts. Others come from bonds between
-   polygons. The factors are those in a call: pair_style hybrid may set its own.
+   polygons. The factors are read in each call: pair_style hybrid may set its own.
 ------------------------------------------------------------------------- */
 
 void check_special_bonds(LAMMPS *lmp, const PolygonEdges &edges, const std::string &style)

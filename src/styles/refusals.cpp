@@ -54,7 +54,7 @@ namespace {
 /* ----------------------------------------------------------------------
    Factors of zero remove pairs from the neighbor list. Other factors only
    mark them, and the pair styles would not scale their energy. The factors
-   are those in a call: pair_style hybrid may set its own for each style.
+   are read in each call: pair_style hybrid may set its own for each style.
 ------------------------------------------------------------------------- */
 
 void check_special_bonds(LAMMPS *lmp, const NeighList &list, const std::vector<Species> &species)

@@ -437,8 +437,8 @@ void FixDeformableFriction::end(int i, const RememberedContact &m)
 }
 
 /* ----------------------------------------------------------------------
-   The sum of what is lost and stored; each of them, numbers of contacts and of
-   those that slide.
+   The scalar is the energy stored and lost. The vector has its parts, the
+   number of contacts, and how many of them slide.
 ------------------------------------------------------------------------- */
 
 double FixDeformableFriction::total(int n) const
@@ -534,7 +534,7 @@ int FixDeformableFriction::modify_param(int narg, char **arg)
   return narg;
 }
 
-// With contact radical both particles of a pair have a spring: a row of the larger ID is one of those.
+// With contact radical both particles of a pair have a spring: a row that begins with the larger ID is such a spring.
 void FixDeformableFriction::give_spring(int i, const double *words)
 {
   RememberedContact m = {};
@@ -549,7 +549,7 @@ void FixDeformableFriction::give_spring(int i, const double *words)
 }
 
 /* ----------------------------------------------------------------------
-   Stresses of particles, also of those that are ghosts here.
+   Stresses of particles, ghosts included.
 ------------------------------------------------------------------------- */
 
 int FixDeformableFriction::pack_reverse_comm(int n, int first, double *buffer)

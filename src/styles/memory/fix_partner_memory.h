@@ -113,7 +113,7 @@ template <class Row> class FixPartnerMemory : public FixMemory<PartnerMemory<Row
   void pre_exchange() override { make_room_everywhere(); }
   void min_pre_exchange() override { make_room_everywhere(); }
 
-  // On all ranks, where the neighbor list is new: partners get their present names. Those that are gone are forgotten.
+  // On all ranks, where the neighbor list is new: partners get their present names. Partners that are gone are forgotten.
   void follow()
   {
     follow_walls();

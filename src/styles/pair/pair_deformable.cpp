@@ -403,7 +403,7 @@ void *PairDeformable::extract(const char *name, int &dim)
     asked.exclusions = neighbor->exclude;
     return &asked.exclusions;
   }
-  // the number of the first fix whose forces minimizers pass over, or 0; those of the package know better
+  // the number of the first fix whose forces minimizers pass over, or 0; fixes that Python makes do not count
   if (!strcmp(name, "forces of motion")) {
     asked.forces_of_motion = 0.0;
     for (int n = modify->nfix - 1; n >= 0; --n) {

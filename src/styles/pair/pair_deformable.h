@@ -61,7 +61,7 @@ class ParticleResults {
   enum { AREA, PERIMETER, CONTACTS, PRESSURE, ARC_RADIUS, CONTACT_LENGTH, SIZE };
   static constexpr const char *NAMES[] = {"area",     "perimeter",  "contacts",
                                           "pressure", "arc_radius", "contact_length"};
-  // in the places of those of the plane
+  // Of droplets, in place of two results of rings:
   enum { CONTACT_AREA = PERIMETER, LOAD = ARC_RADIUS };
   static constexpr int SIZE_OF_SURFACE = 5;
   static constexpr const char *NAMES_OF_SURFACE[] = {"area", "contact_area", "contacts", "pressure",
@@ -111,7 +111,7 @@ class PairDeformable : public Pair {
   std::vector<RecordedContact> recorded;
 
   // All contacts of this rank's particles that bear a force at the last call, if a fix deformable/friction is defined.
-  // Those of two ranks are on both.
+  // A contact between two ranks is on both.
   std::vector<LoadedContact> loaded;
   virtual bool slips() const { return true; }    // along its contacts
 
@@ -213,7 +213,7 @@ class PairDeformable : public Pair {
   const deformable::BatchKernels *kernels;
   bool whole_list = true;    // blocks need each pair at both of its particles
   deformable::ContactBlock block;
-  // The neighbors of each particle: in front those of contacts that were active at the last call.
+  // The neighbors of each particle: in front the partners of contacts that were active at the last call.
   struct Row {
     int first, size, active;    // first: in partners
   };
@@ -319,8 +319,8 @@ void PairDeformable::for_each_block(const deformable::BatchKernel *chosen, Prepa
   }
 }
 
-// The pair style itself, or those within a hybrid one, in its order. By type: others, such as deformable/edge, have names that
-// begin alike.
+// The pair style of a run, or the styles within a hybrid one, in its order. They are known by their class, because the names of
+// other styles, such as deformable/edge, begin alike.
 inline std::vector<PairDeformable *> deformable_pairs(Force &force)
 {
   std::vector<PairDeformable *> found;

@@ -109,7 +109,7 @@ void PairDeformableRing::init_style()
   find_films();
 }
 
-// Which pairs are attached outlives this pair style, for those that continue its run.
+// The memory of attached pairs outlives this pair style: another one may continue the run.
 void PairDeformableRing::find_films()
 {
   bool sticks = adhesions.any();
@@ -175,7 +175,7 @@ bool PairDeformableRing::take_ramps()
 }
 
 /* ----------------------------------------------------------------------
-   Species that touch a wall with adhesion are those of the atoms in its group.
+   A wall with adhesion touches the species of the atoms in its group.
 ------------------------------------------------------------------------- */
 
 void PairDeformableRing::check_adhesive_walls()
@@ -250,8 +250,8 @@ Energy PairDeformableRing::shape_ring(int i, const Contacts &contacts, const Sti
 /* ----------------------------------------------------------------------
    The outline bulges out of the undeformed circle and expands as a whole. The
    lines of all particles and walls within the cutoff are known; any other
-   line is at least `depth` outside of the circle. The nearest of those belong
-   to the smallest particles.
+   line is at least `depth` outside of the circle. The nearest unknown
+   lines belong to the smallest particles.
 ------------------------------------------------------------------------- */
 
 double PairDeformableRing::depth_of_reach(int i) const
@@ -568,12 +568,8 @@ void PairDeformableRing::check_properties()
 
 /* ----------------------------------------------------------------------
    Particles of kA = inf whose contacts leave no room for their area: motion
-   stops, a minimization separates them.
-------------------------------------------------------------------------- */
-
-/* ----------------------------------------------------------------------
-   From the first force call without room on, until the end of a minimization,
-   areas give way beyond a pressure (stiffness.h): hardly above the one at rest
+   stops, a minimization separates them. From the first force call without room
+   on, until its end, areas give way beyond a pressure (stiffness.h): hardly above the one at rest
    at first, because the outlines of firmer particles bulge too far between
    their neighbors. It grows in each iteration, so that particles of any
    pressure that are left at the end are incompressible.
