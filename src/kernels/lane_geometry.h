@@ -3,7 +3,7 @@
 #ifndef DEFORMABLE_LANE_GEOMETRY_H
 #define DEFORMABLE_LANE_GEOMETRY_H
 
-#include "kernels/contact_block.h"
+#include "kernels/batch_kernels.h"
 #include "kernels/lanes.h"
 #include "laws/contact.h"
 #include "laws/trigonometry.h"
