@@ -69,7 +69,7 @@ int main()
     const double geometry = nanoseconds(all, [](const Particle &p) {
       for (const Contact &c : p.contacts) {
         const double d = std::sqrt(c.nx * c.nx + c.ny * c.ny) + c.indentation, per_d = 1.0 / d;
-        sink += angle_of(c.nx, c.ny) + contact_line(d, per_d, 0.5, 0.7).indentation_i;
+        sink += angle_of(c.nx, c.ny) + contact_line(d, per_d, 0.5, 0.7).indentation;
       }
     });
     const double sector = nanoseconds(all, [&](Particle &p) {

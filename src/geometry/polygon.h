@@ -6,9 +6,12 @@
 #ifndef DEFORMABLE_POLYGON_H
 #define DEFORMABLE_POLYGON_H
 
+#include "laws/parameter_rules.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
 #include <vector>
 
 namespace deformable {
@@ -41,12 +44,9 @@ inline std::vector<HalfPlane> segment_planes(Point a, Point b)
           left_of({a.x + up.x, a.y + up.y}, a)};
 }
 
-enum class Corners { CONVEX, NOT_CONVEX, CROSSED };
-
-// Half planes of a polygon whose corners come in the order around it, in either direction. `wrong` is the corner at
-// which it is not convex.
-inline Corners polygon_planes(std::vector<Point> corners, std::vector<HalfPlane> &planes,
-                              Point &wrong)
+// Half planes of a polygon whose corners come in the order around it, in either direction. Returns what is wrong with them, or
+// nothing.
+inline std::string polygon_planes(std::vector<Point> corners, std::vector<HalfPlane> &planes)
 {
   const auto twice_area = [](Point a, Point b, Point c) {    // counterclockwise: positive
     return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
@@ -60,12 +60,13 @@ inline Corners polygon_planes(std::vector<Point> corners, std::vector<HalfPlane>
     const Point a = corners[k], b = corners[(k + 1) % n], c = corners[(k + 2) % n];
     const double sine = twice_area(a, b, c);
     const double cosine = (b.x - a.x) * (c.x - b.x) + (b.y - a.y) * (c.y - b.y);
-    wrong = b;
-    if (!(sine > 0.0)) return Corners::NOT_CONVEX;
+    if (!(sine > 0.0))
+      return "is not convex at its corner (" + shown_number(b.x) + ", " + shown_number(b.y) +
+             "): divide it into convex polygons, and leave out corners within its sides";
     angle += std::atan2(sine, cosine);
     planes.push_back(left_of(a, b));
   }
-  return angle < 7.0 ? Corners::CONVEX : Corners::CROSSED;
+  return angle < 7.0 ? "" : "crosses itself: give its corners in the order around it";
 }
 
 // The part of the line n.x = offset that bounds a polygon: from low to high along the tangent (-ny, nx). An

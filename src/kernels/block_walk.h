@@ -100,8 +100,8 @@ inline PlacedLine line_of(const BlockParticle &p, const Place &place)
 {
   const double d = std::sqrt(place.dx * place.dx + place.dy * place.dy), per_d = 1.0 / d;
   const ContactLine<double> line = contact_line(d, per_d, p.radius, place.radius);
-  return {{angle_of(place.dx, place.dy), place.dx * per_d, place.dy * per_d, line.indentation_i},
-          line.d_indentation_i,
+  return {{angle_of(place.dx, place.dy), place.dx * per_d, place.dy * per_d, line.indentation},
+          line.d_indentation,
           per_d};
 }
 

@@ -14,7 +14,7 @@
 
 namespace deformable::DEFORMABLE_LEVEL {
 
-// What films that stick do to rings (contact_curve.h): the arrays of those rings and contacts that the others have moved to.
+// What films that stick do to rings (contact_curve.h): the arrays of films, from the rings and contacts on that c and r begin with.
 DEFORMABLE_LANE_FUNCTION StickArrays films_of(const RingBatches &b, const ContactArrays &c,
                                               const RingArrays &r)
 {
@@ -44,8 +44,8 @@ DEFORMABLE_LANE_FUNCTION void stick_contacts(int n, const StickArrays &films, La
     product[m] += loaded.shift + tension * load<Lanes>(films.terms[3] + m * LANES);
 }
 
-// Pressure and compliance. p^3 = kA Q, from the last pressure where that is close: two steps of Halley's method, each of which triples the
-// digits.
+// Pressure and compliance. p^3 = kA Q, from the last pressure where that is close: two steps of Halley's method, each of which
+// triples the digits.
 DEFORMABLE_LANE_FUNCTION Lanes cube_root(Lanes cube, Lanes guess)
 {
   constexpr double CLOSE = 0.05, NOTHING = 1e-280;

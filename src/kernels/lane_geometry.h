@@ -3,7 +3,7 @@
 #ifndef DEFORMABLE_LANE_GEOMETRY_H
 #define DEFORMABLE_LANE_GEOMETRY_H
 
-#include "kernels/contact_block.h"
+#include "kernels/batch_kernels.h"
 #include "kernels/lanes.h"
 #include "laws/contact.h"
 #include "laws/trigonometry.h"
@@ -87,10 +87,8 @@ DEFORMABLE_LANE_FUNCTION LineLanes contact_lines(Lanes dx, Lanes dy, Lanes radiu
 {
   const Lanes distance = root(dx * dx + dy * dy), per_distance = 1.0 / distance;
   const ContactLine<Lanes> line = contact_line(distance, per_distance, radius, partner_radius);
-  return {{dx * per_distance, dy * per_distance},
-          per_distance,
-          line.indentation_i,
-          line.d_indentation_i};
+  return {
+      {dx * per_distance, dy * per_distance}, per_distance, line.indentation, line.d_indentation};
 }
 
 // The force of a contact on the particle, from the derivatives of the energy by indentation and angle.

@@ -5,7 +5,7 @@
 
 namespace deformable {
 
-// A processor that has one of them has those before it. avx2 is x86-64-v3, avx512 is x86-64-v4.
+// A processor that has a level has all levels before it. avx2 is x86-64-v3, avx512 is x86-64-v4.
 enum class Level { plain, avx2, avx512 };
 constexpr const char *LEVEL_NAMES[] = {"plain", "avx2", "avx512"};
 

@@ -13,6 +13,17 @@ template <int N> struct Factors {
   Lanes green[N][N], per_pivot[N];    // lower triangle: L D L^T = G
 };
 
+// As in ring_lcp.h: x = (D L^T)^-1 x
+template <int N> DEFORMABLE_LANE_FUNCTION void back_substitute(const Factors<N> &f, Lanes *x)
+{
+#pragma GCC unroll 8
+  for (int c = N - 1; c >= 0; --c) {
+#pragma GCC unroll 8
+    for (int r = c + 1; r < N; ++r) x[c] -= f.green[r][c] * x[r];
+    x[c] *= f.per_pivot[c];
+  }
+}
+
 // x = G^-1 x
 template <int N> DEFORMABLE_LANE_FUNCTION void solve_lanes(const Factors<N> &f, Lanes *x)
 {
@@ -22,12 +33,7 @@ template <int N> DEFORMABLE_LANE_FUNCTION void solve_lanes(const Factors<N> &f, 
 #pragma GCC unroll 8
     for (int r = c + 1; r < N; ++r) x[r] -= f.green[r][c] * scaled;
   }
-#pragma GCC unroll 8
-  for (int c = N - 1; c >= 0; --c) {
-#pragma GCC unroll 8
-    for (int r = c + 1; r < N; ++r) x[c] -= f.green[r][c] * x[r];
-    x[c] *= f.per_pivot[c];
-  }
+  back_substitute(f, x);
 }
 
 // Factors G in place and solves for x. Returns where G is singular.
@@ -47,12 +53,7 @@ template <int N> DEFORMABLE_LANE_FUNCTION Mask factor_lanes(Factors<N> &f, Lanes
       for (int k = c + 1; k <= r; ++k) f.green[r][k] -= scaled * f.green[k][c];
     }
   }
-#pragma GCC unroll 8
-  for (int c = N - 1; c >= 0; --c) {
-#pragma GCC unroll 8
-    for (int r = c + 1; r < N; ++r) x[c] -= f.green[r][c] * x[r];
-    x[c] *= f.per_pivot[c];
-  }
+  back_substitute(f, x);
   return singular;
 }
 

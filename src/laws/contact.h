@@ -18,13 +18,13 @@ template <class T> DEFORMABLE_INLINE T nearest_square(T sum, T difference)
   return (difference + NEAREST_LINE * NEAREST_LINE * sum) * sum;
 }
 
-// Indentation of both particles by the line. T is double, or a vector of doubles of several particles.
+// T is double, or a vector of doubles of several particles.
 template <class T> struct ContactLine {
-  T indentation_i, indentation_j;        // a = R - h, h the distance from the center to the line
-  T d_indentation_i, d_indentation_j;    // da/dd
+  T indentation;      // a_ij = R_i - h_ij, h_ij the distance from the center of i to the line
+  T d_indentation;    // da/dd
 };
 
-// h_ij = (d^2 + R_i^2 - R_j^2)/2d. The indentations follow from the overlap o = R_i + R_j - d and not from
+// h_ij = (d^2 + R_i^2 - R_j^2)/2d. The indentation follows from the overlap o = R_i + R_j - d and not from
 // R - h, because o keeps its digits for nearly touching particles: a_ij = o (2 R_j - o)/2d.
 template <class T>
 DEFORMABLE_INLINE ContactLine<T> contact_line(T distance, T per_distance, T radius_i, T radius_j)
@@ -32,8 +32,7 @@ DEFORMABLE_INLINE ContactLine<T> contact_line(T distance, T per_distance, T radi
   const T overlap = radius_i + radius_j - distance;
   const T factor = 0.5 * overlap * per_distance;
   const T skew = 0.5 * (radius_i - radius_j) * (radius_i + radius_j) * per_distance * per_distance;
-  return {factor * (2.0 * radius_j - overlap), factor * (2.0 * radius_i - overlap), skew - 0.5,
-          -skew - 0.5};
+  return {factor * (2.0 * radius_j - overlap), skew - 0.5};
 }
 
 }    // namespace deformable

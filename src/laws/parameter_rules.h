@@ -70,7 +70,7 @@ inline std::string invalid_skin(double skin, double radius)
   return range + ", not " + shown_number(skin);
 }
 
-// A law has none of the parameters from `first` on, or no skin: those must be their defaults.
+// A law has none of the parameters from `first` on, or no skin: these must have their defaults.
 inline std::string without(const std::string &law, int first, const Stiffness &k, double skin)
 {
   for (int n = first; n < MEMBERS; ++n) {

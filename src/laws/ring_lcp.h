@@ -60,6 +60,18 @@ DEFORMABLE_INLINE void add_candidate(const RingCandidates &r, int m, const Conta
   r.green[m * r.stride + m] = GREEN_AT_ZERO;
 }
 
+// x = (D L^T)^-1 x
+DEFORMABLE_INLINE void back_substitute(int n, const double *g, int stride, const double *per_pivot,
+                                       double *x)
+{
+#pragma GCC unroll 8
+  for (int c = n - 1; c >= 0; --c) {
+#pragma GCC unroll 8
+    for (int r = c + 1; r < n; ++r) x[c] -= g[r * stride + c] * x[r];
+    x[c] *= per_pivot[c];
+  }
+}
+
 // x = G^-1 x by L D L^T in place. Returns -1, or the row whose pivot vanishes: the direction of that contact
 // is, up to rounding, the direction of a contact before it.
 DEFORMABLE_INLINE int solve_dense(int n, double *g, int stride, double *x, double *per_pivot)
@@ -78,12 +90,7 @@ DEFORMABLE_INLINE int solve_dense(int n, double *g, int stride, double *x, doubl
       for (int k = c + 1; k <= r; ++k) g[r * stride + k] -= scaled * g[k * stride + c];
     }
   }
-#pragma GCC unroll 8
-  for (int c = n - 1; c >= 0; --c) {
-#pragma GCC unroll 8
-    for (int r = c + 1; r < n; ++r) x[c] -= g[r * stride + c] * x[r];
-    x[c] *= per_pivot[c];
-  }
+  back_substitute(n, g, stride, per_pivot, x);
   return -1;
 }
 
@@ -97,12 +104,7 @@ DEFORMABLE_INLINE void solve_factored(int n, const double *g, int stride, const 
 #pragma GCC unroll 8
     for (int r = c + 1; r < n; ++r) x[r] -= g[r * stride + c] * scaled;
   }
-#pragma GCC unroll 8
-  for (int c = n - 1; c >= 0; --c) {
-#pragma GCC unroll 8
-    for (int r = c + 1; r < n; ++r) x[c] -= g[r * stride + c] * x[r];
-    x[c] *= per_pivot[c];
-  }
+  back_substitute(n, g, stride, per_pivot, x);
 }
 
 // Whether the outline, moved out by `expansion`, may reach a contact line outside of the circle. May return true

@@ -1,5 +1,6 @@
 #include "polygons/fix_deformable_polygon.h"
 
+#include "solver/vector_bytes.h"
 #include "styles/lammps_release.h"
 #include "styles/refusals.h"
 
@@ -119,11 +120,6 @@ void FixDeformablePolygon::setup(int vflag)
   polygons = std::move(found);
   links_of_build = -1;
   post_force(vflag);
-}
-
-void FixDeformablePolygon::min_setup(int vflag)
-{
-  setup(vflag);
 }
 
 /* ---------------------------------------------------------------------- */
@@ -254,11 +250,6 @@ void FixDeformablePolygon::post_force(int vflag)
   }
 }
 
-void FixDeformablePolygon::min_post_force(int vflag)
-{
-  post_force(vflag);
-}
-
 /* ----------------------------------------------------------------------
    Before commands after the run move beads.
 ------------------------------------------------------------------------- */
@@ -339,7 +330,5 @@ void FixDeformablePolygon::restart(char *buffer)
 
 double FixDeformablePolygon::memory_usage()
 {
-  return static_cast<double>(links.capacity() * sizeof(Link) +
-                             polygons.capacity() * sizeof(Polygon) +
-                             sums.capacity() * sizeof(double));
+  return bytes_of(links, polygons, sums);
 }

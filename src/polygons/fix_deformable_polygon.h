@@ -30,9 +30,9 @@ class FixDeformablePolygon : public Fix {
   int setmask() override;
   void init() override;
   void setup(int) override;
-  void min_setup(int) override;
+  void min_setup(int vflag) override { setup(vflag); }
   void post_force(int) override;
-  void min_post_force(int) override;
+  void min_post_force(int vflag) override { post_force(vflag); }
   void post_run() override;
   double compute_scalar() override;
   double compute_array(int, int) override;

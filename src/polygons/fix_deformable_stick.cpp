@@ -89,18 +89,6 @@ void FixDeformableStick::init()
 
 /* ---------------------------------------------------------------------- */
 
-void FixDeformableStick::setup(int vflag)
-{
-  post_force(vflag);
-}
-
-void FixDeformableStick::min_setup(int vflag)
-{
-  post_force(vflag);
-}
-
-/* ---------------------------------------------------------------------- */
-
 void FixDeformableStick::post_force(int vflag)
 {
   v_init(vflag);
@@ -110,11 +98,6 @@ void FixDeformableStick::post_force(int vflag)
     for (int i = 0; i < atom->nlocal; ++i)
       particles[i] = atom->mask[i] & groupbit ? find_anchors(i) : Anchors{};
   });
-}
-
-void FixDeformableStick::min_post_force(int vflag)
-{
-  post_force(vflag);
 }
 
 /* ----------------------------------------------------------------------

@@ -34,10 +34,10 @@ class FixDeformableStick : public FixMemory<Anchors> {
 
   int setmask() override;
   void init() override;
-  void setup(int) override;
-  void min_setup(int) override;
+  void setup(int vflag) override { post_force(vflag); }
+  void min_setup(int vflag) override { post_force(vflag); }
   void post_force(int) override;
-  void min_post_force(int) override;
+  void min_post_force(int vflag) override { post_force(vflag); }
   double compute_scalar() override;
   double compute_vector(int) override;
 

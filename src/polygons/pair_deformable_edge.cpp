@@ -1,5 +1,6 @@
 #include "polygons/pair_deformable_edge.h"
 
+#include "solver/vector_bytes.h"
 #include "styles/lammps_release.h"
 #include "styles/refusals.h"
 
@@ -168,8 +169,8 @@ double PairDeformableEdge::init_one(int i, int j)
 }
 
 /* ----------------------------------------------------------------------
-   The atoms of polygons are those of the types that have coefficients: all of
-   them, but with pair_style hybrid.
+   Atoms whose types have coefficients are vertices of polygons: all atoms,
+   except with pair_style hybrid.
 ------------------------------------------------------------------------- */
 
 void PairDeformableEdge::take_list()
@@ -247,8 +248,8 @@ template <bool TALLY> void PairDeformableEdge::add_contacts()
 }
 
 /* ----------------------------------------------------------------------
-   Half of energy and virial for the vertex, half for the one where the edge
-   begins. With positions relative to the latter the virial is p f_vertex + e f_end.
+   Half of energy and virial for the vertex, half for the first vertex of the
+   edge. With positions relative to the first one the virial is p f_vertex + e f_end.
 ------------------------------------------------------------------------- */
 
 void PairDeformableEdge::tally(const VertexAndEdge &at, double px, double py, double ex, double ey,
@@ -324,6 +325,5 @@ void PairDeformableEdge::write_data_all(FILE *fp)
 
 double PairDeformableEdge::memory_usage()
 {
-  return Pair::memory_usage() + edges.memory_usage() +
-         static_cast<double>(contacts.capacity() * sizeof(VertexAndEdge));
+  return Pair::memory_usage() + edges.memory_usage() + bytes_of(contacts, repulsion);
 }

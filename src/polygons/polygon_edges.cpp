@@ -1,6 +1,7 @@
 #include "polygons/polygon_edges.h"
 
 #include "styles/lammps_release.h"
+#include "styles/memory/fix_partner_memory.h"
 #include "styles/refusals.h"
 
 #include "atom.h"
@@ -29,26 +30,19 @@ struct Bead {
 std::vector<Bead> gather_beads(LAMMPS *lmp, const BeadSelection &selection)
 {
   const Atom *atom = lmp->atom;
-  std::vector<Bead> mine;
+  std::vector<double> mine;
   for (int i = 0; i < atom->nlocal; ++i) {
     if (!selection.has(i)) continue;
     const imageint image = atom->image[i];
-    mine.push_back({static_cast<double>(atom->tag[i]), static_cast<double>(atom->molecule[i]),
-                    static_cast<double>(image_x(image)), static_cast<double>(image_y(image)),
-                    atom->x[i][0], atom->x[i][1]});
+    mine.insert(mine.end(),
+                {static_cast<double>(atom->tag[i]), static_cast<double>(atom->molecule[i]),
+                 static_cast<double>(image_x(image)), static_cast<double>(image_y(image)),
+                 atom->x[i][0], atom->x[i][1]});
   }
-  constexpr int PER_BEAD = sizeof(Bead) / sizeof(double);
-  int length = PER_BEAD * static_cast<int>(mine.size());
-  std::vector<int> lengths(lmp->comm->nprocs), offsets(lmp->comm->nprocs);
-  MPI_Allgather(&length, 1, MPI_INT, lengths.data(), 1, MPI_INT, lmp->world);
-  int total = 0;
-  for (int rank = 0; rank < lmp->comm->nprocs; ++rank) {
-    offsets[rank] = total;
-    total += lengths[rank];
-  }
-  std::vector<Bead> beads(total / PER_BEAD);
-  MPI_Allgatherv(mine.data(), length, MPI_DOUBLE, beads.data(), lengths.data(), offsets.data(),
-                 MPI_DOUBLE, lmp->world);
+  const std::vector<double> all = of_all_ranks(lmp, mine);
+  std::vector<Bead> beads;
+  for (const double *bead = all.data(), *end = bead + all.size(); bead != end; bead += 6)
+    beads.push_back({bead[0], bead[1], bead[2], bead[3], bead[4], bead[5]});
   std::sort(beads.begin(), beads.end(), [](const Bead &a, const Bead &b) {
     return a.molecule != b.molecule ? a.molecule < b.molecule : a.tag < b.tag;
   });
@@ -299,9 +293,7 @@ void PolygonEdges::refuse_own_images(double range)
 
 double PolygonEdges::memory_usage() const
 {
-  return static_cast<double>(polygons.capacity() * sizeof(BeadPolygon) +
-                             edges.capacity() * sizeof(RingEdge) +
-                             extents.capacity() * sizeof(double));
+  return bytes_of(polygons, edges, extents);
 }
 
 /* ----------------------------------------------------------------------
@@ -413,7 +405,7 @@ namespace {
 
 /* ----------------------------------------------------------------------
    Partners along a polygon have no contacts. Others come from bonds between
-   polygons. The factors are those in a call: pair_style hybrid may set its own.
+   polygons. The factors are read in each call: pair_style hybrid may set its own.
 ------------------------------------------------------------------------- */
 
 void check_special_bonds(LAMMPS *lmp, const PolygonEdges &edges, const std::string &style)

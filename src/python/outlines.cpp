@@ -124,7 +124,7 @@ double line_of(double distance, double radius_i, double radius_j)
   require_positive("distance", distance);
   require_positive("radius_i", radius_i);
   require_positive("radius_j", radius_j);
-  return contact_line(distance, 1.0 / distance, radius_i, radius_j).indentation_i;
+  return contact_line(distance, 1.0 / distance, radius_i, radius_j).indentation;
 }
 
 nb::object lines_of(nb::handle distances, nb::handle radii_i, nb::handle radii_j)

@@ -21,13 +21,8 @@ std::vector<HalfPlane> planes_of_corners(nb::handle px, nb::handle py)
     return segment_planes(corners[0], corners[1]);
   }
   std::vector<HalfPlane> planes;
-  Point wrong;
-  const Corners kind = polygon_planes(corners, planes, wrong);
-  if (kind == Corners::CROSSED) refuse("crosses itself: give its corners in the order around it");
-  if (kind == Corners::NOT_CONVEX)
-    refuse("is not convex at its corner (" + std::to_string(wrong.x) + ", " +
-           std::to_string(wrong.y) +
-           "): divide it into convex polygons, and leave out corners within its sides");
+  const std::string problem = polygon_planes(corners, planes);
+  if (!problem.empty()) refuse(problem);
   return planes;
 }
 

@@ -25,79 +25,21 @@ struct RingState {
   const Response *response;
 };
 
-// Distance between the outline and the line of a contact that is not active.
-inline double gap_to_line(const RingState &ring, int c)
-{
-  const Contact to = ring.contacts[c];
-  double gap = -to.indentation - ring.expansion;
-  for (int m = 0; m < ring.contacts.size; ++m) {
-    const Contact from = ring.contacts[m];
-    const double length = ring.response[m].length, difference = to.angle - from.angle;
-    if (length == 0.0) continue;
-    const double cross = from.nx * to.ny - from.ny * to.nx;
-    gap += length * green(std::fabs(difference), std::copysign(1.0, difference) * cross,
-                          from.nx * to.nx + from.ny * to.ny);
-  }
-  return gap;
-}
-
-// G^-1 of the active contacts. It depends on their directions only. Returns false where directions coincide up
-// to rounding.
-template <int N>
-bool small_green_inverse(const Contacts &contacts, const int *active, double *inverse)
-{
-  int contact[N];
-  double angle[N], nx[N], ny[N], indentation[N], green[N * N], d_green[N * N], per_pivot[N];
-  const RingCandidates r = {N, contact, angle, nx, ny, indentation, green, d_green};
-#pragma GCC unroll 8
-  for (int m = 0; m < N; ++m) add_candidate(r, m, contacts, active[m]);
-  if (solve_dense(N, green, N, indentation, per_pivot) >= 0) return false;
-#pragma GCC unroll 8
-  for (int m = 0; m < N; ++m) {
-    double row[N] = {};
-    row[m] = 1.0;
-    solve_factored(N, green, N, per_pivot, row);
-#pragma GCC unroll 8
-    for (int k = 0; k < N; ++k) inverse[m * N + k] = row[k];
-  }
-  return true;
-}
-
-inline bool any_green_inverse(const Contacts &contacts, int n, const int *active, RingLCP &p,
-                              double *inverse)
+// G^-1 of the n active contacts, which depends on their directions only. Where directions coincide up to rounding a diagonal
+// matrix takes its place.
+inline void green_inverse(const Contacts &contacts, int n, const int *active, RingLCP &p,
+                          double *inverse)
 {
   p.clear(n);
   const RingCandidates r = p.candidates();
   for (int m = 0; m < n; ++m) add_candidate(r, m, contacts, active[m]);
-  if (solve_dense(n, r.green, p.stride, r.indentation, p.scratch.data()) >= 0) return false;
+  const bool regular = solve_dense(n, r.green, p.stride, r.indentation, p.scratch.data()) < 0;
+  std::fill_n(inverse, n * n, 0.0);
   for (int m = 0; m < n; ++m) {
     double *const row = inverse + m * n;
-    row[m] = 1.0;
-    solve_factored(n, r.green, p.stride, p.scratch.data(), row);
+    row[m] = regular ? 1.0 : 1.0 / GREEN_AT_ZERO;
+    if (regular) solve_factored(n, r.green, p.stride, p.scratch.data(), row);
   }
-  return true;
-}
-
-// `inverse` has n^2 entries. Where directions coincide a diagonal matrix takes its place: Newton's method needs
-// a positive one only.
-inline void green_inverse(const Contacts &contacts, int n, const int *active, RingLCP &p,
-                          double *inverse)
-{
-  bool regular = true;
-  std::fill_n(inverse, n * n, 0.0);
-  switch (n) {
-    case 0: break;
-    case 1: regular = small_green_inverse<1>(contacts, active, inverse); break;
-    case 2: regular = small_green_inverse<2>(contacts, active, inverse); break;
-    case 3: regular = small_green_inverse<3>(contacts, active, inverse); break;
-    case 4: regular = small_green_inverse<4>(contacts, active, inverse); break;
-    case 5: regular = small_green_inverse<5>(contacts, active, inverse); break;
-    case 6: regular = small_green_inverse<6>(contacts, active, inverse); break;
-    case 7: regular = small_green_inverse<7>(contacts, active, inverse); break;
-    default: regular = any_green_inverse(contacts, n, active, p, inverse);
-  }
-  if (!regular)
-    for (int m = 0; m < n; ++m) inverse[m * n + m] = 1.0 / GREEN_AT_ZERO;
 }
 
 // Second derivatives of the energy by any variables y of the area deficit D, with s = dD/dy and r = d^2D/dy ddelta:
@@ -202,8 +144,8 @@ inline Line radical_line(const SideVector &v, double radius_i, double radius_j)
 {
   const double d = v.length(), per_d = 1.0 / d;
   const ContactLine<double> line = contact_line(d, per_d, radius_i, radius_j);
-  LineQuantity a = {line.indentation_i};
-  const double slope = line.d_indentation_i;
+  LineQuantity a = {line.indentation};
+  const double slope = line.d_indentation;
   const double curvature = -(radius_i - radius_j) * (radius_i + radius_j) * per_d * per_d * per_d;
   a.by_vector(v, slope, 0.0, curvature, slope * v.turn, 0.0);
   return {a, angle_of_vector(v)};

@@ -54,7 +54,7 @@ namespace {
 /* ----------------------------------------------------------------------
    Factors of zero remove pairs from the neighbor list. Other factors only
    mark them, and the pair styles would not scale their energy. The factors
-   are those in a call: pair_style hybrid may set its own for each style.
+   are read in each call: pair_style hybrid may set its own for each style.
 ------------------------------------------------------------------------- */
 
 void check_special_bonds(LAMMPS *lmp, const NeighList &list, const std::vector<Species> &species)
@@ -80,6 +80,19 @@ void check_special_bonds(LAMMPS *lmp, const NeighList &list, const std::vector<S
               fmt::format("atoms {} and {} of a molecule", atom->tag[i], atom->special[i][n]));
       }
   }
+}
+
+constexpr double ROUNDING = 1e-12;
+
+// Of the particles of all ranks that are wrong by this; -1 if none is.
+template <class IsWrong>
+tagint largest_id(LAMMPS *lmp, const NeighList &list, IsWrong &&is_wrong)
+{
+  tagint here = -1, id;
+  for (int ii = 0; ii < list.inum; ++ii)
+    if (is_wrong(list.ilist[ii])) here = std::max(here, lmp->atom->tag[list.ilist[ii]]);
+  MPI_Allreduce(&here, &id, 1, MPI_LMP_TAGINT, MPI_MAX, lmp->world);
+  return id;
 }
 
 // The group of comm_modify is a protected member, and in some releases so is the present command.
@@ -138,15 +151,10 @@ void LAMMPS_NS::refuse_data_coefficients(LAMMPS *lmp)
 
 bool LAMMPS_NS::warn_out_of_plane(LAMMPS *lmp, const NeighList &list)
 {
-  constexpr double ROUNDING = 1e-12;
   const double *const *x = lmp->atom->x, *const *v = lmp->atom->v;
   const double in_plane = ROUNDING * lmp->domain->zprd;
-  tagint here = -1, id;
-  for (int ii = 0; ii < list.inum; ++ii) {
-    const int i = list.ilist[ii];
-    if (std::fabs(x[i][2]) > in_plane || v[i][2] != 0.0) here = std::max(here, lmp->atom->tag[i]);
-  }
-  MPI_Allreduce(&here, &id, 1, MPI_LMP_TAGINT, MPI_MAX, lmp->world);
+  const tagint id =
+      largest_id(lmp, list, [=](int i) { return std::fabs(x[i][2]) > in_plane || v[i][2] != 0.0; });
   if (id < 0 || lmp->comm->me != 0) return id >= 0;
   const std::vector<Fix *> fixes = lmp->modify->get_fix_by_style("^enforce2d"),
                            deposits = lmp->modify->get_fix_by_style("^deposit");
@@ -173,15 +181,11 @@ bool LAMMPS_NS::warn_out_of_plane(LAMMPS *lmp, const NeighList &list)
 bool LAMMPS_NS::warn_unused_radii(LAMMPS *lmp, const NeighList &list,
                                   const std::vector<Species> &species)
 {
-  constexpr double ROUNDING = 1e-12;
   const Atom *atom = lmp->atom;
-  tagint here = -1, id;
-  for (int ii = 0; ii < list.inum; ++ii) {
-    const int i = list.ilist[ii];
+  const tagint id = largest_id(lmp, list, [&](int i) {
     const double r = species[atom->type[i]].radius;
-    if (std::fabs(atom->radius[i] - r) > ROUNDING * r) here = std::max(here, atom->tag[i]);
-  }
-  MPI_Allreduce(&here, &id, 1, MPI_LMP_TAGINT, MPI_MAX, lmp->world);
+    return std::fabs(atom->radius[i] - r) > ROUNDING * r;
+  });
   if (id >= 0 && lmp->comm->me == 0)
     lmp->error->warning(FLERR,
                         "Atom {} has another radius than its species, which the pair style takes: "

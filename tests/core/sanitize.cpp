@@ -114,8 +114,6 @@ struct Kernels {
     for (const double k : matrix) require(std::isfinite(k), "contact stiffness", memory);
     ring_hessian(ring, n, active.data(), hessian);
     for (const double k : hessian.block) require(std::isfinite(k), "ring Hessian", memory);
-    for (int c = 0; c < contacts.size; ++c)
-      require(std::isfinite(gap_to_line(ring, c)), "gap to a line", memory);
   }
 
   void sectors(double radius, const std::vector<Contact> &memory)
@@ -233,7 +231,7 @@ int main()
   for (int trial = 0; trial < 1000; ++trial) {
     const double ri = uniform(0.1, 2.0), rj = uniform(0.1, 2.0), d = (ri + rj) * uniform(0.5, 1.2);
     const ContactLine line = contact_line(d, 1.0 / d, ri, rj);
-    require(std::isfinite(line.indentation_i), "contact line", {});
+    require(std::isfinite(line.indentation), "contact line", {});
   }
 
   // the two replacements of exact functions: where they hold, and how closely

@@ -275,6 +275,25 @@ inline FixDeformableFriction::Speeds FixDeformableFriction::speeds(const Sides &
   return found;
 }
 
+// The contact with this partner whose place is the nearest one, as a small box has several images of it; or null. Between a
+// particle and its own image both directions are one.
+static RememberedContact *find_contact(std::vector<RememberedContact> &contacts, double partner,
+                                       const ContactPlace &place, bool own_image)
+{
+  const auto square = [](double x, double y) { return x * x + y * y; };
+  double nearest = square(place.x, place.y);
+  RememberedContact *found = nullptr;
+  for (RememberedContact &c : contacts) {
+    if (c.partner != partner) continue;
+    double distance = square(c.place.x - place.x, c.place.y - place.y);
+    if (own_image) distance = std::min(distance, square(c.place.x + place.x, c.place.y + place.y));
+    if (distance > nearest) continue;
+    nearest = distance;
+    found = &c;
+  }
+  return found;
+}
+
 /* ---------------------------------------------------------------------- */
 
 void FixDeformableFriction::rub(const LoadedContact &contact)
@@ -418,8 +437,8 @@ void FixDeformableFriction::end(int i, const RememberedContact &m)
 }
 
 /* ----------------------------------------------------------------------
-   The sum of what is lost and stored; each of them, numbers of contacts and of
-   those that slide.
+   The scalar is the energy stored and lost. The vector has its parts, the
+   number of contacts, and how many of them slide.
 ------------------------------------------------------------------------- */
 
 double FixDeformableFriction::total(int n) const
@@ -515,7 +534,7 @@ int FixDeformableFriction::modify_param(int narg, char **arg)
   return narg;
 }
 
-// With contact radical both particles of a pair have a spring: a row of the larger ID is one of those.
+// With contact radical both particles of a pair have a spring: a row that begins with the larger ID is such a spring.
 void FixDeformableFriction::give_spring(int i, const double *words)
 {
   RememberedContact m = {};
@@ -530,7 +549,7 @@ void FixDeformableFriction::give_spring(int i, const double *words)
 }
 
 /* ----------------------------------------------------------------------
-   Stresses of particles, also of those that are ghosts here.
+   Stresses of particles, ghosts included.
 ------------------------------------------------------------------------- */
 
 int FixDeformableFriction::pack_reverse_comm(int n, int first, double *buffer)

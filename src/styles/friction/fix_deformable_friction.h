@@ -4,8 +4,8 @@
 // two sides, before ranks sum up the forces on ghosts. Of two particles the rank of the one with the smaller ID does so,
 // for both.
 //
-// Velocities are those of the half step before, v(t - dt/2). The way of a contact in a step is the mean of those that its
-// places at both ends of the step have with them: so work, springs and losses balance to second order in dt.
+// Velocities are of the half step before, v(t - dt/2). The way of a contact in a step is the mean of the ways with its place at
+// the begin of the step and at its end: so work, springs and losses balance to second order in dt.
 
 #ifdef FIX_CLASS
 // clang-format off
@@ -26,7 +26,7 @@ FixStyle(deformable/friction,FixDeformableFriction);
 
 namespace LAMMPS_NS {
 
-// The coefficients of fix deformable/friction, by the types of both sides: of all contacts, then of those of some types.
+// The coefficients of fix deformable/friction, by the types of both sides: for all contacts, then for contacts of some types.
 // Each is a number or an equal-style variable, whose value may change from step to step.
 class FrictionCoefficients : protected Pointers {
  public:
@@ -65,9 +65,8 @@ class FrictionCoefficients : protected Pointers {
 
 // How fast the box changes, which velocities take across its boundaries with remap v.
 //
-// Some releases of LAMMPS give the sides of fix deform/pressure, and those at constant volume, their rate of strain in the
-// place of that of their length, dL/dt. Here the rates are those by which the box has changed: they take the place of LAMMPS'
-// from the first change of the box on.
+// Some releases of LAMMPS give a side of fix deform/pressure, or a side at constant volume, its rate of strain in place of the
+// rate of its length, dL/dt. Here rates are measured by how the box has changed. From its first change on they replace LAMMPS'.
 class BoxRate : protected Pointers {
  public:
   explicit BoxRate(class LAMMPS *lmp) : Pointers(lmp) {}
@@ -110,25 +109,6 @@ struct RememberedContact {
   double one_side;    // the partner remembers a contact of its own
   double is_here;     // in this step
 };
-
-// The contact with this partner whose place is the nearest one, as a small box has several images of it; or null. Between a
-// particle and its own image both directions are one.
-inline RememberedContact *find_contact(std::vector<RememberedContact> &contacts, double partner,
-                                       const ContactPlace &place, bool own_image)
-{
-  const auto square = [](double x, double y) { return x * x + y * y; };
-  double nearest = square(place.x, place.y);
-  RememberedContact *found = nullptr;
-  for (RememberedContact &c : contacts) {
-    if (c.partner != partner) continue;
-    double distance = square(c.place.x - place.x, c.place.y - place.y);
-    if (own_image) distance = std::min(distance, square(c.place.x + place.x, c.place.y + place.y));
-    if (distance > nearest) continue;
-    nearest = distance;
-    found = &c;
-  }
-  return found;
-}
 
 class FixDeformableFriction : public FixPartnerMemory<RememberedContact> {
  public:

@@ -78,7 +78,7 @@ template <class Memory> class FixMemory : public Fix {
     unpack(i, record);
   }
   int size_restart(int i) override { return 1 + count_of(particles[i]); }
-  // Of all ranks: the first one tells those that read the file how much room they need.
+  // Of all ranks: rank 0 writes into the file how much room a reader needs.
   int maxsize_restart() override
   {
     int most = 1 + count_of(Memory{}), of_all;

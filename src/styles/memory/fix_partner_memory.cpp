@@ -56,40 +56,49 @@ WallNames WallNames::present(LAMMPS *lmp)
   return names;
 }
 
+const WallNames::Wall &WallNames::wall(double code) const
+{
+  return walls[wall_of(static_cast<int>(code), count())];
+}
+
+int WallNames::feature_of(double code) const
+{
+  return wall_feature_of(static_cast<int>(code), count());
+}
+
 bool WallNames::has(double code) const
 {
   if (walls.empty()) return false;
-  const std::vector<std::string> &features = walls[fix_of(code)].features;
+  const std::vector<std::string> &features = wall(code).features;
   return features.empty() || feature_of(code) < static_cast<int>(features.size());
 }
 
 double WallNames::code_in(const WallNames &there, double code) const
 {
   if (!has(code)) return 0.0;
-  const Wall &wall = walls[fix_of(code)];
+  const Wall &here = wall(code);
   const auto same = std::find_if(there.walls.begin(), there.walls.end(),
-                                 [&](const Wall &other) { return other.id == wall.id; });
+                                 [&](const Wall &other) { return other.id == here.id; });
   if (same == there.walls.end()) return 0.0;
   int feature = feature_of(code);
-  const bool is_only = wall.features.size() == 1 && same->features.size() == 1;
-  if (!wall.features.empty() && !same->features.empty() && !is_only) {
+  const bool is_only = here.features.size() == 1 && same->features.size() == 1;
+  if (!here.features.empty() && !same->features.empty() && !is_only) {
     const auto found =
-        std::find(same->features.begin(), same->features.end(), wall.features[feature]);
+        std::find(same->features.begin(), same->features.end(), here.features[feature]);
     if (found == same->features.end()) return 0.0;
     feature = static_cast<int>(found - same->features.begin());
   }
   const double found =
-      -1.0 - static_cast<double>(same - there.walls.begin()) - 1.0 * feature * there.count();
+      wall_code(static_cast<int>(same - there.walls.begin()), feature, there.count());
   return there.has(found) ? found : 0.0;
 }
 
 std::string WallNames::name_of(double code) const
 {
   if (walls.empty()) return fmt::format("{:g}", code);
-  const Wall &wall = walls[fix_of(code)];
-  const int feature = feature_of(code);
-  if (!has(code) || wall.features.size() < 2) return "fix " + wall.id;
-  return fmt::format("'{}' of fix {}", wall.features[feature], wall.id);
+  const Wall &named = wall(code);
+  if (!has(code) || named.features.size() < 2) return "fix " + named.id;
+  return fmt::format("'{}' of fix {}", named.features[feature_of(code)], named.id);
 }
 
 /* ---------------------------------------------------------------------- */

@@ -42,8 +42,8 @@ class NewIDs {
   std::unordered_set<double> taken;    // by particles that had another ID, or none
 };
 
-// The walls of all fixes deformable/wall. A wall has the code -1 - (w + n feature), in the order of the n fixes (visit_walls): it
-// is known by the ID of its fix and the name of its feature, if that has others.
+// The walls of all fixes deformable/wall. A code (wall_code) depends on the number and the order of the fixes: a wall is known by
+// the ID of its fix and the name of its feature, if that has others.
 class WallNames {
  public:
   static WallNames present(LAMMPS *);
@@ -68,9 +68,9 @@ class WallNames {
     }
   };
   std::vector<Wall> walls;
-  int fix_of(double code) const { return static_cast<int>(-1.0 - code) % count(); }
-  int feature_of(double code) const { return static_cast<int>(-1.0 - code) / count(); }
   int count() const { return static_cast<int>(walls.size()); }
+  const Wall &wall(double code) const;
+  int feature_of(double code) const;
 };
 
 // Row: a struct of doubles that begins with `partner`.
@@ -113,7 +113,7 @@ template <class Row> class FixPartnerMemory : public FixMemory<PartnerMemory<Row
   void pre_exchange() override { make_room_everywhere(); }
   void min_pre_exchange() override { make_room_everywhere(); }
 
-  // On all ranks, where the neighbor list is new: partners get their present names. Those that are gone are forgotten.
+  // On all ranks, where the neighbor list is new: partners get their present names. Partners that are gone are forgotten.
   void follow()
   {
     follow_walls();

@@ -108,8 +108,8 @@ void FixDeformablePropel::init()
 }
 
 /* ----------------------------------------------------------------------
-   The directions of a step are those at its end: a run begins with those
-   that the last one has left.
+   A step has the directions at its end: a run begins with the directions that
+   the last run has left.
 ------------------------------------------------------------------------- */
 
 void FixDeformablePropel::setup(int)

@@ -58,6 +58,5 @@ void ComputeDeformableContact::compute_local()
 
 double ComputeDeformableContact::memory_usage()
 {
-  return static_cast<double>(values.capacity() * sizeof(double) +
-                             rows.capacity() * sizeof(double *));
+  return bytes_of(values, rows);
 }

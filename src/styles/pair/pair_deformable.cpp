@@ -297,6 +297,33 @@ bool PairDeformable::is_by_atom(int iarg, char **arg) const
   return choice == "atom";
 }
 
+PairDeformable::Balance PairDeformable::read_balance(const std::string &style, int iarg,
+                                                     char **arg) const
+{
+  Balance given;
+  given.tolerance = utils::numeric(FLERR, arg[iarg + 1], false, lmp);
+  given.evaluations = utils::inumeric(FLERR, arg[iarg + 2], false, lmp);
+  if (!(given.tolerance > 0.0 && given.tolerance < 1.0))
+    error->all(FLERR_WORD(iarg + 1),
+               "pair_style {} balance: the tolerance {} must lie between 0 and 1", style,
+               arg[iarg + 1]);
+  if (given.evaluations < 2)    // forces change after the first one
+    error->all(FLERR_WORD(iarg + 2),
+               "pair_style {} balance: {} evaluations are too few, give 2 or more", style,
+               arg[iarg + 2]);
+  return given;
+}
+
+void PairDeformable::check_ramped_species() const
+{
+  for (const Species &s : species) {
+    if (s.name.empty()) continue;
+    const std::string wrong = invalid_values(s);
+    if (!wrong.empty()) error->all(FLERR, "Species {} in a run: {}", s.name, wrong);
+    check_species(s);
+  }
+}
+
 /* ----------------------------------------------------------------------
    Radii may change between runs and in a run, but must not exceed the radius
    of the species, which sets the cutoff. Data files round them to 16 digits.
@@ -402,7 +429,7 @@ void *PairDeformable::extract(const char *name, int &dim)
     asked.exclusions = neighbor->exclude;
     return &asked.exclusions;
   }
-  // the number of the first fix whose forces minimizers pass over, or 0; those of the package know better
+  // the number of the first fix whose forces minimizers pass over, or 0; fixes that Python makes do not count
   if (!strcmp(name, "forces of motion")) {
     asked.forces_of_motion = 0.0;
     for (int n = modify->nfix - 1; n >= 0; --n) {
@@ -522,7 +549,6 @@ void ParticleResults::store_surface(int i, const Surface &surface)
 double ParticleResults::bytes() const
 {
   double sum = 0.0;
-  for (const std::vector<double> &v : values)
-    sum += static_cast<double>(v.capacity() * sizeof(double));
+  for (const std::vector<double> &v : values) sum += bytes_of(v);
   return sum;
 }

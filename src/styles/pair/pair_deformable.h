@@ -62,7 +62,7 @@ class ParticleResults {
   enum { AREA, PERIMETER, CONTACTS, PRESSURE, ARC_RADIUS, CONTACT_LENGTH, SIZE };
   static constexpr const char *NAMES[] = {"area",     "perimeter",  "contacts",
                                           "pressure", "arc_radius", "contact_length"};
-  // in the places of those of the plane
+  // Of droplets, in place of two results of rings:
   enum { CONTACT_AREA = PERIMETER, LOAD = ARC_RADIUS };
   static constexpr int SIZE_OF_SURFACE = 5;
   static constexpr const char *NAMES_OF_SURFACE[] = {"area", "contact_area", "contacts", "pressure",
@@ -120,7 +120,7 @@ class PairDeformable : public Pair {
   std::vector<RecordedContact> recorded;
 
   // All contacts of this rank's particles that bear a force at the last call, if a fix deformable/friction is defined.
-  // Those of two ranks are on both.
+  // A contact between two ranks is on both.
   std::vector<LoadedContact> loaded;
   virtual bool slips() const { return true; }    // along its contacts
 
@@ -132,18 +132,17 @@ class PairDeformable : public Pair {
   // says so as long as it is far from rest.
   virtual void accept_imbalance(double /*force*/) {}
 
-  int wall_count() const { return static_cast<int>(walls.size()); }
   bool has_wall(int code) const { return code < 0 && !walls.empty(); }
   // Of a wall's code.
-  FixDeformableWall &wall(int code) const { return *walls[(-1 - code) % walls.size()]; }
-  int wall_feature(int code) const { return (-1 - code) / static_cast<int>(walls.size()); }
+  FixDeformableWall &wall(int code) const { return *walls[wall_of(code, wall_count())]; }
+  int wall_feature(int code) const { return wall_feature_of(code, wall_count()); }
   // In tables of contacts: -1 - k of all walls of fix k, from 0.
-  int wall_number(int code) const { return -1 - (-1 - code) % wall_count(); }
+  int wall_number(int code) const { return -1 - wall_of(code, wall_count()); }
   // The code of the first feature of the same obstacle: it stays where a particle turns around a corner.
   int wall_key(int code) const
   {
-    const int n = static_cast<int>(walls.size());
-    return code - n * (wall(code).first_feature(wall_feature(code)) - wall_feature(code));
+    const int first = wall(code).first_feature(wall_feature(code));
+    return wall_code(wall_of(code, wall_count()), first, wall_count());
   }
 
   PairDeformable(class LAMMPS *, int outputs = 2, int dimension = 2);
@@ -173,6 +172,16 @@ class PairDeformable : public Pair {
   virtual bool bends_lines() const { return false; }
   void check_lines_bend(const std::string &whose, bool sticks) const;
 
+  // How far the laws balance contacts that solve for forces, from the keyword arg[iarg] of a style.
+  struct Balance {
+    double tolerance = 1e-8;
+    int evaluations = 1000;    // at most
+  };
+  Balance read_balance(const std::string &style, int iarg, char **arg) const;
+
+  // Stops if values that fix adapt has set are invalid.
+  void check_ramped_species() const;
+
   // Gives each pair_style and pair_coeff command of this process a number of its own.
   void number_definition();
 
@@ -185,17 +194,17 @@ class PairDeformable : public Pair {
   std::map<std::string, std::string> defined;    // by pair_coeff
   void describe_species();
   std::vector<FixDeformableWall *> walls;
+  int wall_count() const { return static_cast<int>(walls.size()); }
 
   // The force of a wall on particle i at this contact, at `shift` beside the point nearest to the center.
   void push_wall(int i, int partner, double fx, double fy, const deformable::Contact &contact,
                  double shift)
   {
     const double ri = radii[i], height = ri - contact.indentation;
-    wall(partner).add_force(
+    wall(partner).add_contact(
         i, wall_feature(partner), fx, fy, -height * contact.nx + shift * contact.ny,
         -height * contact.ny - shift * contact.nx, -contact.ny, contact.nx, (1.0 + reach) * ri);
   }
-  const char *wall_id(int partner) const { return wall(partner).id; }
 
   // Undeformed radii: of the species or, with `radius atom`, of each atom.
   bool is_by_atom(int iarg, char **arg) const;    // the value of a keyword, 'type' or 'atom'
@@ -221,7 +230,7 @@ class PairDeformable : public Pair {
   const deformable::BatchKernels *kernels;
   bool whole_list = true;    // blocks need each pair at both of its particles
   deformable::ContactBlock block;
-  // The neighbors of each particle: in front those of contacts that were active at the last call.
+  // The neighbors of each particle: in front the partners of contacts that were active at the last call.
   struct Row {
     int first, size, active;    // first: in partners
   };
@@ -327,8 +336,8 @@ void PairDeformable::for_each_block(const deformable::BatchKernel *chosen, Prepa
   }
 }
 
-// The pair style itself, or those within a hybrid one, in its order. By type: others, such as deformable/edge, have names that
-// begin alike.
+// The pair style of a run, or the styles within a hybrid one, in its order. They are known by their class, because the names of
+// other styles, such as deformable/edge, begin alike.
 inline std::vector<PairDeformable *> deformable_pairs(Force &force)
 {
   std::vector<PairDeformable *> found;

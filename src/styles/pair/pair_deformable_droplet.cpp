@@ -26,8 +26,7 @@ void PairDeformableDroplet::settings(int narg, char **arg)
   number_definition();
   reach = LARGEST_BULGE;
   radius_by_atom = false;
-  double tolerance = 1e-8;
-  int most = 1000;
+  Balance balance;
   for (int iarg = 0; iarg < narg;) {
     const std::string keyword = arg[iarg];
     const int values = keyword == "balance" ? 2 : 1;
@@ -48,23 +47,12 @@ void PairDeformableDroplet::settings(int narg, char **arg)
                    "droplet bulges farther",
                    arg[iarg + 1], LARGEST_BULGE);
     } else {
-      tolerance = utils::numeric(FLERR, arg[iarg + 1], false, lmp);
-      most = utils::inumeric(FLERR, arg[iarg + 2], false, lmp);
-      if (!(tolerance > 0.0 && tolerance < 1.0))
-        error->all(
-            FLERR_WORD(iarg + 1),
-            "pair_style deformable/droplet balance: the tolerance {} must lie between 0 and 1",
-            arg[iarg + 1]);
-      if (most < 2)    // forces change after the first one
-        error->all(FLERR_WORD(iarg + 2),
-                   "pair_style deformable/droplet balance: {} evaluations are too few, give 2 or "
-                   "more",
-                   arg[iarg + 2]);
+      balance = read_balance("deformable/droplet", iarg, arg);
     }
     iarg += 1 + values;
   }
-  solver =
-      std::make_unique<DropletSolver>(lmp, kernels->forces, kernels->droplets, tolerance, most);
+  solver = std::make_unique<DropletSolver>(lmp, kernels->forces, kernels->droplets,
+                                           balance.tolerance, balance.evaluations);
   whole_list = false;
 }
 
@@ -114,12 +102,7 @@ bool PairDeformableDroplet::take_ramps()
                odd);
   if (ramps.take(species) == 0) return false;
   ramps.fill(species);
-  for (const Species &s : species) {
-    if (s.name.empty()) continue;
-    const std::string wrong = invalid_values(s);
-    if (!wrong.empty()) error->all(FLERR, "Species {} in a run: {}", s.name, wrong);
-    check_species(s);
-  }
+  check_ramped_species();
   number_definition();
   return true;
 }

@@ -34,8 +34,7 @@ void PairDeformableRing::settings(int narg, char **arg)
   radius_by_atom = kA_by_atom = tension_by_atom = false;
   std::string law = "balanced";
   int balance_keyword = -1;
-  double tolerance = 1e-8;
-  int max_evaluations = 1000;
+  Balance balance;
   for (int iarg = 0; iarg < narg;) {
     const std::string keyword = arg[iarg];
     const int values = keyword == "balance" ? 2 : 1;
@@ -59,16 +58,7 @@ void PairDeformableRing::settings(int narg, char **arg)
             law);
     } else if (keyword == "balance") {
       balance_keyword = iarg;
-      tolerance = utils::numeric(FLERR, arg[iarg + 1], false, lmp);
-      max_evaluations = utils::inumeric(FLERR, arg[iarg + 2], false, lmp);
-      if (!(tolerance > 0.0 && tolerance < 1.0))
-        error->all(FLERR_WORD(iarg + 1),
-                   "pair_style deformable/ring balance: the tolerance {} must lie between 0 and 1",
-                   arg[iarg + 1]);
-      if (max_evaluations < 2)    // forces change after the first one
-        error->all(FLERR_WORD(iarg + 2),
-                   "pair_style deformable/ring balance: {} evaluations are too few, give 2 or more",
-                   arg[iarg + 2]);
+      balance = read_balance("deformable/ring", iarg, arg);
     } else if (by_atom) {
       *by_atom = is_by_atom(iarg + 1, arg);
     } else {
@@ -90,9 +80,9 @@ void PairDeformableRing::settings(int narg, char **arg)
   if (radical && balance_keyword >= 0)
     error->all(FLERR_WORD(balance_keyword),
                "pair_style deformable/ring balance is for 'contact balanced' and 'curved' only");
-  balanced.reset(
-      radical ? nullptr
-              : new RingSolver(lmp, kernels->forces, law == "curved", tolerance, max_evaluations));
+  balanced.reset(radical ? nullptr
+                         : new RingSolver(lmp, kernels->forces, law == "curved", balance.tolerance,
+                                          balance.evaluations));
   films = nullptr;
   whole_list = radical;
 }
@@ -119,7 +109,7 @@ void PairDeformableRing::init_style()
   find_films();
 }
 
-// Which pairs are attached outlives this pair style, for those that continue its run.
+// The memory of attached pairs outlives this pair style: another one may continue the run.
 void PairDeformableRing::find_films()
 {
   bool sticks = adhesions.any();
@@ -174,11 +164,7 @@ bool PairDeformableRing::take_ramps()
   unchecked |= new_species || new_adhesion;
   if (!unchecked) return false;
   ramps.fill(species);
-  for (const Species &s : species) {
-    if (s.name.empty()) continue;
-    const std::string wrong = invalid_values(s);
-    if (!wrong.empty()) error->all(FLERR, "Species {} in a run: {}", s.name, wrong);
-  }
+  check_ramped_species();
   const std::string wrong = adhesions.problem(species);
   if (!wrong.empty()) error->all(FLERR, "Adhesion in a run: {}", wrong);
   check_lines_bend("Species", adhesions.any());
@@ -189,7 +175,7 @@ bool PairDeformableRing::take_ramps()
 }
 
 /* ----------------------------------------------------------------------
-   Species that touch a wall with adhesion are those of the atoms in its group.
+   A wall with adhesion touches the species of the atoms in its group.
 ------------------------------------------------------------------------- */
 
 void PairDeformableRing::check_adhesive_walls()
@@ -264,14 +250,14 @@ Energy PairDeformableRing::shape_ring(int i, const Contacts &contacts, const Sti
 /* ----------------------------------------------------------------------
    The outline bulges out of the undeformed circle and expands as a whole. The
    lines of all particles and walls within the cutoff are known; any other
-   line is at least `depth` outside of the circle. The nearest of those belong
-   to the smallest particles.
+   line is at least `depth` outside of the circle. The nearest unknown
+   lines belong to the smallest particles.
 ------------------------------------------------------------------------- */
 
 double PairDeformableRing::depth_of_reach(int i) const
 {
   const double r = radii[i], cutoff = (1.0 + reach) * (r + smallest);
-  return std::min(reach * r, -contact_line(cutoff, 1.0 / cutoff, r, smallest).indentation_i);
+  return std::min(reach * r, -contact_line(cutoff, 1.0 / cutoff, r, smallest).indentation);
 }
 
 bool PairDeformableRing::is_within_reach(int i, const Contacts &contacts)
@@ -303,7 +289,7 @@ void PairDeformableRing::refuse_bulge(int i, const Contacts &contacts, int partn
           : fmt::format(
                 "a wall of fix {} cuts it {:.4g} from its center, whose radius is {:.4g}: move "
                 "one of them",
-                wall_id(partner), radii[i] - contacts[deepest(contacts)].indentation, radii[i]);
+                wall(partner).id, radii[i] - contacts[deepest(contacts)].indentation, radii[i]);
   const double enough = 1.2 * ratio * reach;
   const std::string larger =
       enough <= LARGEST_REACH ? fmt::format(" or use a reach of {:.2g} or more", enough) : "";
@@ -582,12 +568,8 @@ void PairDeformableRing::check_properties()
 
 /* ----------------------------------------------------------------------
    Particles of kA = inf whose contacts leave no room for their area: motion
-   stops, a minimization separates them.
-------------------------------------------------------------------------- */
-
-/* ----------------------------------------------------------------------
-   From the first force call without room on, until the end of a minimization,
-   areas give way beyond a pressure (stiffness.h): hardly above the one at rest
+   stops, a minimization separates them. From the first force call without room
+   on, until its end, areas give way beyond a pressure (stiffness.h): hardly above the one at rest
    at first, because the outlines of firmer particles bulge too far between
    their neighbors. It grows in each iteration, so that particles of any
    pressure that are left at the end are incompressible.

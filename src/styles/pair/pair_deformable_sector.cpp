@@ -8,7 +8,6 @@
 #include "comm.h"
 #include "error.h"
 #include "fix.h"
-#include "memory.h"
 #include "modify.h"
 #include "update.h"
 
@@ -22,11 +21,6 @@ using namespace deformable;
 PairDeformableSector::PairDeformableSector(LAMMPS *lmp) : PairDeformable(lmp)
 {
   comm_forward = 1;
-}
-
-PairDeformableSector::~PairDeformableSector()
-{
-  memory->destroy(ncontacts);
 }
 
 /* ---------------------------------------------------------------------- */
@@ -83,13 +77,9 @@ void PairDeformableSector::init_style()
 void PairDeformableSector::compute(int eflag, int vflag)
 {
   begin_call(eflag, vflag);
-  if (atom->nmax > maxcontacts) {
-    maxcontacts = atom->nmax;
-    memory->grow(ncontacts, maxcontacts, "pair:ncontacts");
-  }
-
+  ncontacts.resize(atom->nmax);
   if (list->inum < atom->nlocal)    // particles of other pair styles have none
-    std::fill_n(ncontacts, atom->nlocal, 0.0);
+    std::fill_n(ncontacts.begin(), atom->nlocal, 0.0);
   singles.clear();
   refusals.collect([this] {
     for_each_block(
@@ -215,6 +205,5 @@ void PairDeformableSector::unpack_forward_comm(int n, int first, double *buf)
 
 double PairDeformableSector::memory_usage()
 {
-  return PairDeformable::memory_usage() + bytes_of(by_angle, singles) +
-         static_cast<double>(maxcontacts) * sizeof(double);
+  return PairDeformable::memory_usage() + bytes_of(by_angle, singles, ncontacts);
 }

@@ -17,7 +17,6 @@ namespace LAMMPS_NS {
 class PairDeformableSector : public PairDeformable {
  public:
   PairDeformableSector(class LAMMPS *);
-  ~PairDeformableSector() override;
   void settings(int, char **) override;
   std::string law() const override { return "deformable/sector"; }
   void init_style() override;
@@ -41,8 +40,7 @@ class PairDeformableSector : public PairDeformable {
     double distance;
   };
   std::vector<SingleContact> singles;
-  double *ncontacts = nullptr;    // per atom, ghosts included
-  int maxcontacts = 0;            // entries of it
+  std::vector<double> ncontacts;    // per atom, ghosts included
 
   void repel(const SingleContact &);
   void set_aside(deformable::BlockParticle &);

@@ -263,13 +263,8 @@ void FixDeformableWall::require(const std::string &problem)
 void FixDeformableWall::setup(int vflag)
 {
   post_force(vflag);
-  evaluate_at_the_end();
+  end_of_step();
   require(load.force.begin_step(lmp, false));
-}
-
-void FixDeformableWall::min_setup(int vflag)
-{
-  post_force(vflag);
 }
 
 /* ---------------------------------------------------------------------- */
@@ -285,11 +280,6 @@ std::vector<WallVariable *> FixDeformableWall::variables()
 }
 
 void FixDeformableWall::end_of_step()
-{
-  evaluate_at_the_end();
-}
-
-void FixDeformableWall::evaluate_at_the_end()
 {
   const std::vector<WallVariable *> all = variables();
   if (std::none_of(all.begin(), all.end(), [](const WallVariable *v) { return v->waits(); }))
@@ -319,16 +309,6 @@ void FixDeformableWall::setup_pre_force(int)
 {
   place(false);
   if (comm->me == 0) warn_of_box();
-}
-
-void FixDeformableWall::pre_force(int)
-{
-  place(true);
-}
-
-void FixDeformableWall::min_pre_force(int)
-{
-  place(false);
 }
 
 void FixDeformableWall::place(bool counts)
@@ -384,10 +364,9 @@ Vector3 FixDeformableWall::add_contact(int i, int feature, double force, const V
   if (!first_call) return push;
   const double h = point.height;
   const Vector3 a = force * h * n + h * turned, b = h * turned - beside;    // n a + b n
-  WallForce &sum = wall_forces[i];
-  sum.force = sum.force + push;
-  sum.add_virial({n.x * a.x + b.x * n.x, n.y * a.y + b.y * n.y, n.z * a.z + b.z * n.z,
-                  n.x * a.y + b.x * n.y, n.x * a.z + b.x * n.z, n.y * a.z + b.y * n.z});
+  add(i, push,
+      {n.x * a.x + b.x * n.x, n.y * a.y + b.y * n.y, n.z * a.z + b.z * n.z, n.x * a.y + b.x * n.y,
+       n.x * a.z + b.x * n.z, n.y * a.z + b.y * n.z});
   if (walls.moves) walls.add_force(feature, center(i), force, beside, cutoff);
   return push;
 }
@@ -414,11 +393,6 @@ void FixDeformableWall::post_force(int vflag)
   }
   if (walls.moves) walls.end_step();
   if (load.mass > 0.0) load.pushed = compute_vector(walls.sources[0].side.axis);
-}
-
-void FixDeformableWall::min_post_force(int vflag)
-{
-  post_force(vflag);
 }
 
 /* ----------------------------------------------------------------------
@@ -461,11 +435,6 @@ void FixDeformableWall::initial_integrate(int)
 {
   kick();
   walls.sources[0].side.place.now += update->dt * load.v;
-}
-
-void FixDeformableWall::final_integrate()
-{
-  kick();
 }
 
 /* ----------------------------------------------------------------------
@@ -544,5 +513,5 @@ void FixDeformableWall::refuse_center(int i, double radius,
 
 double FixDeformableWall::memory_usage()
 {
-  return static_cast<double>(wall_forces.capacity() * sizeof(WallForce)) + walls.memory_usage();
+  return bytes_of(wall_forces) + walls.memory_usage();
 }

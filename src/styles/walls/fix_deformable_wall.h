@@ -40,14 +40,14 @@ class FixDeformableWall : public Fix {
   int setmask() override;
   void init() override;
   void setup(int) override;
-  void min_setup(int) override;
+  void min_setup(int vflag) override { post_force(vflag); }
   void initial_integrate(int) override;
   void setup_pre_force(int) override;
-  void pre_force(int) override;
-  void min_pre_force(int) override;
+  void pre_force(int) override { place(true); }
+  void min_pre_force(int) override { place(false); }
   void post_force(int) override;
-  void min_post_force(int) override;
-  void final_integrate() override;
+  void min_post_force(int vflag) override { post_force(vflag); }
+  void final_integrate() override { kick(); }
   void end_of_step() override;
   double compute_scalar() override;
   double compute_vector(int) override;
@@ -80,25 +80,24 @@ class FixDeformableWall : public Fix {
     if (refused.wall >= 0) refuse_center(i, radius, refused);
   }
 
-  // A droplet presses with this force at a point of a wall; `torque`: the derivative of its work by the normal. Returns the
-  // force of the wall on it.
+  // In space: a droplet presses with this force at a point of a wall; `torque`: the derivative of its work by the normal. Returns
+  // the force of the wall on it.
   deformable::Vector3 add_contact(int i, int feature, double force,
                                   const deformable::Vector3 &torque,
                                   const deformable::SurfacePoint &, double cutoff);
 
-  // The force of a feature of a wall on atom i, at (dx, dy) from its point of application to the
-  // atom. (tx, ty) is the direction along the wall.
-  void add_force(int i, int feature, double fx, double fy, double dx, double dy, double tx,
-                 double ty, double cutoff)
+  // In the plane: the force of a wall on atom i, at (dx, dy) from its point of application to the atom. (tx, ty) is the
+  // direction along the wall.
+  void add_contact(int i, int feature, double fx, double fy, double dx, double dy, double tx,
+                   double ty, double cutoff)
   {
     if (!first_call) return;
-    WallForce &sum = wall_forces[i];
-    sum.force = sum.force + deformable::Vector3{fx, fy, 0.0};
     // The derivative of the energy by a strain that shifts and rotates the wall. At a round wall the force across
     // the direction acts at the nearest point; what acts beside it is the force along.
     const double beside = (fx * tx + fy * ty) * (dx * tx + dy * ty);
-    sum.add_virial({dx * fx - beside * tx * tx, dy * fy - beside * ty * ty, 0.0,
-                    dx * fy - beside * tx * ty, 0.0, 0.0});
+    add(i, {fx, fy, 0.0},
+        {dx * fx - beside * tx * tx, dy * fy - beside * ty * ty, 0.0, dx * fy - beside * tx * ty,
+         0.0, 0.0});
     if (!walls.moves) return;
     const double torque = dx * fy - dy * fx;    // about the center, of the force on the wall
     walls.add_force(feature, center(i), tx * fy - ty * fx, {torque * tx, torque * ty, 0.0}, cutoff);
@@ -107,9 +106,7 @@ class FixDeformableWall : public Fix {
   // The force of friction on atom i, at (bx, by) from its center. It moves no line: the virial is that of a force at a point.
   void add_friction(int i, double fx, double fy, double bx, double by)
   {
-    WallForce &sum = wall_forces[i];
-    sum.force = sum.force + deformable::Vector3{fx, fy, 0.0};
-    sum.add_virial({-bx * fx, -by * fy, 0.0, -0.5 * (bx * fy + by * fx), 0.0, 0.0});
+    add(i, {fx, fy, 0.0}, {-bx * fx, -by * fy, 0.0, -0.5 * (bx * fy + by * fx), 0.0, 0.0});
   }
   deformable::Point way(int feature, double x, double y) const { return walls.way(feature, x, y); }
   int first_feature(int feature) const { return walls.first_feature(feature); }
@@ -142,13 +139,15 @@ class FixDeformableWall : public Fix {
   struct WallForce {
     deformable::Vector3 force;
     std::array<double, 6> virial;    // xx, yy, zz, xy, xz, yz
-    void add_virial(const std::array<double, 6> &v)
-    {
-      for (int k = 0; k < 6; ++k) virial[k] += v[k];
-    }
   };
   // of the present step
   std::vector<WallForce> wall_forces;    // by local index
+  void add(int i, const deformable::Vector3 &force, const std::array<double, 6> &virial)
+  {
+    WallForce &sum = wall_forces[i];
+    sum.force = sum.force + force;
+    for (int k = 0; k < 6; ++k) sum.virial[k] += virial[k];
+  }
   std::vector<const class Pair *> callers;
   bool first_call = false;
   deformable::Vector3 on_wall{};
@@ -159,7 +158,6 @@ class FixDeformableWall : public Fix {
   int read_keyword(int iarg, int narg, char **arg);
   void check_keywords(Walls &) const;
   std::vector<WallVariable *> variables();
-  void evaluate_at_the_end();
   void check_places();
   void kick();
   std::vector<double *> moving_places();
@@ -170,8 +168,22 @@ class FixDeformableWall : public Fix {
   [[noreturn]] void refuse_center(int i, double radius, const deformable::RefusedCenter &);
 };
 
-// Calls visitor(code, nearest point) for each wall within (1 + reach) radii of atom i, in the plane and in space. The code of a
-// feature of wall w of n is -1 - (w + n feature).
+// As the partner of a particle a feature of wall fix w of n has the code -1 - (w + n feature): IDs and local indices are not
+// negative.
+inline int wall_code(int wall, int feature, int walls)
+{
+  return -1 - (wall + walls * feature);
+}
+inline int wall_of(int code, int walls)
+{
+  return (-1 - code) % walls;
+}
+inline int wall_feature_of(int code, int walls)
+{
+  return (-1 - code) / walls;
+}
+
+// Calls visitor(code, nearest point) for each wall within (1 + reach) radii of atom i, in the plane and in space.
 template <class Visitor>
 void visit_walls(const std::vector<FixDeformableWall *> &walls, int i, double radius, double reach,
                  Visitor &&visitor)
@@ -179,7 +191,7 @@ void visit_walls(const std::vector<FixDeformableWall *> &walls, int i, double ra
   const int count = static_cast<int>(walls.size());
   for (int w = 0; w < count; ++w)
     walls[w]->visit(i, radius, reach, [&](int feature, const deformable::SurfacePoint &point) {
-      visitor(-1 - (w + count * feature), point);
+      visitor(wall_code(w, feature, count), point);
     });
 }
 

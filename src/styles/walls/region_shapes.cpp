@@ -194,8 +194,8 @@ std::string read(Region *region, double x, double y, WallShape &shape)
 }    // namespace in_the_plane
 
 /* ----------------------------------------------------------------------
-   Regions in space: how far they reach along the axes, and more for those
-   that this does not tell.
+   Regions in space: how far they reach along the axes tells a block or sphere;
+   other shapes are looked at from more points.
 ------------------------------------------------------------------------- */
 
 namespace in_space {

@@ -181,21 +181,6 @@ std::string Walls::follow()
 
 namespace {
 
-// Returns what is wrong with the corners, or nothing.
-std::string read_polygon(const std::vector<Point> &corners, WallShape &shape)
-{
-  std::vector<HalfPlane> sides;
-  Point wrong;
-  switch (polygon_planes(corners, sides, wrong)) {
-    case Corners::CONVEX: shape.set_planes(sides); return "";
-    case Corners::NOT_CONVEX:
-      return fmt::format("is not convex at its corner ({:.6g}, {:.6g}): divide it into convex "
-                         "polygons, and leave out corners within its sides",
-                         wrong.x, wrong.y);
-    default: return "crosses itself: give its corners in the order around it";
-  }
-}
-
 void read_plane_shape(const std::string &word, const std::vector<double> &value, WallShape &shape,
                       std::string &problem)
 {
@@ -215,7 +200,9 @@ void read_plane_shape(const std::string &word, const std::vector<double> &value,
   } else {
     std::vector<Point> corners;
     for (std::size_t k = 0; k < value.size(); k += 2) corners.push_back({value[k], value[k + 1]});
-    problem = read_polygon(corners, shape);
+    std::vector<HalfPlane> sides;
+    problem = polygon_planes(corners, sides);
+    shape.set_planes(sides);
   }
 }
 
