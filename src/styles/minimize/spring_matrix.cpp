@@ -181,6 +181,7 @@ void SpringMatrix::factorize(const std::vector<char> &held, const std::vector<El
   value.assign(B * row.size(), 0.0);
   diagonal.assign(B * n, 0.0);
   unknown.resize(D * n);
+  products = 0.0;
 
   for (const Element &e : elements) {
     double a[D], b[D];
@@ -223,6 +224,8 @@ void SpringMatrix::factorize(const std::vector<char> &held, const std::vector<El
   std::vector<double> column(B * n);
   for (int k = 0; k < n; ++k) {
     const int begin = first[k], end = first[k + 1];
+    const double blocks = end - begin;
+    products += 0.5 * blocks * (blocks + 3.0);
     double *const on_diagonal = &diagonal[B * k];
     for (int b = begin; b < end; ++b) std::copy_n(&value[B * b], B, &column[B * row[b]]);
     for (int c = in_row[k]; c >= 0;) {
@@ -290,19 +293,25 @@ template <int D> void SpringMatrix::solve_blocks()
   }
 }
 
-void SpringMatrix::solve(const double *q, double *z)
+void SpringMatrix::solve(const std::vector<int> &index, const double *q, double *z)
 {
-  for (int k = 0; k < size; ++k)
-    for (int r = 0; r < dimension; ++r) unknown[dimension * k + r] = q[3 * order[k] + r];
+  const int particles = static_cast<int>(index.size());
+  std::fill(unknown.begin(), unknown.end(), 0.0);
+  for (int i = 0; i < particles; ++i)
+    if (index[i] >= 0) std::copy_n(q + 3 * i, dimension, &unknown[dimension * place[index[i]]]);
   if (dimension == 2)
     solve_blocks<2>();
   else
     solve_blocks<3>();
-  for (int k = 0; k < size; ++k) {
-    double *const zi = z + 3 * order[k];
-    for (int r = 0; r < dimension; ++r) zi[r] = unknown[dimension * k + r];
-    if (dimension == 2) zi[2] = q[3 * order[k] + 2] / mean;
+  for (int i = 0; i < particles; ++i) {
+    for (int r = 0; r < 3; ++r) z[3 * i + r] = q[3 * i + r] / mean;
+    if (index[i] >= 0) std::copy_n(&unknown[dimension * place[index[i]]], dimension, z + 3 * i);
   }
+}
+
+double SpringMatrix::solves_per_factor() const
+{
+  return products * dimension / (2.0 * row.size() + size);
 }
 
 double SpringMatrix::memory_usage() const
