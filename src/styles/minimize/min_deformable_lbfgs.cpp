@@ -113,6 +113,11 @@ void MinDeformableLbfgs::init()
                "min_modify precondition springs: only the pair styles deformable/ring, "
                "deformable/sector and deformable/droplet, without hybrid, know their contacts: use "
                "'precondition none'");
+  others_push = false;
+  for (Fix *fix : modify->get_fix_list())
+    if (modify->get_fix_mask(fix) & FixConst::MIN_POST_FORCE &&
+        !utils::strmatch(fix->style, "^enforce2d"))
+      others_push = true;
   // their forces have lost a direction that springs do not know
   for (const char *style : {"aveforce", "lineforce", "planeforce"}) {
     const auto fixes = modify->get_fix_by_style(fmt::format("^{}", style));
@@ -308,25 +313,27 @@ bool MinDeformableLbfgs::search(double slope, double &part)
     energy = pe_compute->scalar;
     ++neval;
   };
+  const double rounding = 1e-10 * std::fabs(before);
   for (int trial = 1; trial <= MOST_TRIALS; ++trial) {
     for (int n = 0; n < nvec; ++n) xvec[n] = x0[n] + part * q[n];
     evaluate();
-    const double flat = -sum(product(fvec, q, nvec));
-    const bool flatter = std::fabs(flat) <= 0.9 * std::fabs(slope);
-    if (!energy_follows) {
-      if (flat <= 0.9 * std::fabs(slope)) return true;
-    } else {
-      if (energy <= before + 1e-4 * part * slope) return true;
-      if (flatter && energy <= before + 1e-10 * std::fabs(before)) return true;
-      if (flatter && trial == MOST_TRIALS) {
+    const double flat = -sum(product(fvec, q, nvec)), rise = energy - before;
+    if (energy_follows) {
+      if (rise <= 1e-4 * part * slope) return true;
+      if (std::fabs(flat) <= 0.9 * std::fabs(slope) && rise <= rounding) return true;
+      if (std::fabs(flat - slope) < 0.1 * std::fabs(slope) && rise > rounding) {
         energy_follows = false;
         if (comm->me == 0)
           error->warning(FLERR,
                          "Min style deformable/lbfgs: the energy rises along the forces, which are "
                          "not its derivatives, e.g. of a fix without 'fix_modify energy yes'. It "
                          "goes by forces alone from here on; else use 'min_style fire'");
-        return true;
+        part = 1.0;
+        trial = 0;
+        continue;
       }
+    } else if (flat <= 0.9 * std::fabs(slope)) {
+      return true;
     }
     const double to_zero = part * slope / (slope - flat);
     part = std::isfinite(to_zero) ? std::clamp(to_zero, 0.1 * part, 0.6 * part) : 0.1 * part;
@@ -444,9 +451,9 @@ void MinDeformableLbfgs::renew()
     origin[2 * i + 1] = comm->me;
   }
   // coordinates without a force: of particles that a fix holds, of a plane, and of rattlers
-  std::vector<char> held(nvec);
+  held.resize(nvec);
   for (int n = 0; n < nvec; ++n) held[n] = fvec[n] == 0.0;
-  matrix.factorize(atom->nlocal ? domain->dimension : 2, nlocal, xvec, held, elements);
+  matrix.factorize(domain->dimension, nlocal, xvec, held, elements);
   const double here = matrix.solves_per_factor();
   double solves;
   MPI_Allreduce(&here, &solves, 1, MPI_DOUBLE, MPI_MAX, world);
@@ -472,18 +479,37 @@ bool MinDeformableLbfgs::contacts_have_changed()
   return counts[0] > CHANGED * counts[1];
 }
 
-// z = P^-1 q
+/* ----------------------------------------------------------------------
+   z = P^-1 q. Where only forces between particles act, which add up to zero,
+   their center of mass stays: springs of a rank to particles of another one,
+   or to rattlers, would let it drift.
+------------------------------------------------------------------------- */
+
 void MinDeformableLbfgs::solve(const double *from, double *z)
 {
-  if (preconditioned)
-    matrix.solve(then, from, z);
-  else if (from != z)
-    std::copy_n(from, nvec, z);
+  if (!preconditioned) {
+    if (from != z) std::copy_n(from, nvec, z);
+    return;
+  }
+  matrix.solve(then, from, z);
+  if (others_push) return;
+  const auto moves = [this](int i, int axis) { return then[i] < 0 || !held[3 * then[i] + axis]; };
+  double sums[6] = {};
+  for (int i = 0; i < atom->nlocal; ++i)
+    for (int axis = 0; axis < 3; ++axis)
+      if (moves(i, axis)) {
+        sums[axis] += z[3 * i + axis];
+        sums[3 + axis] += 1.0;
+      }
+  MPI_Allreduce(MPI_IN_PLACE, sums, 6, MPI_DOUBLE, MPI_SUM, world);
+  for (int i = 0; i < atom->nlocal; ++i)
+    for (int axis = 0; axis < 3; ++axis)
+      if (moves(i, axis)) z[3 * i + axis] -= sums[axis] / sums[3 + axis];
 }
 
 double MinDeformableLbfgs::memory_usage()
 {
-  return matrix.memory_usage() + bytes_of(springs, solved, then);
+  return matrix.memory_usage() + bytes_of(springs, solved, then, held);
 }
 
 #endif

@@ -75,13 +75,15 @@ class MinDeformableLbfgs : public Min {
   bool preconditioned = false;       // else P = 1
   SpringMatrix matrix;
   std::vector<Spring> springs;
-  bool outdated = true;     // P
-  bool moved = false;       // atoms, to other indices and ranks, since P is there
-  double *origin;           // per-atom vector: index and rank then
-  std::vector<int> then;    // by local index: that of then, or -1: was on another rank
-  int renewed = 0;          // iteration
-  int interval = 1;         // iterations from one look at the contacts to the next one
-  double limit = 0.0;       // no coordinate changes by more in one step
+  bool outdated = true;        // P
+  bool moved = false;          // atoms, to other indices and ranks, since P is there
+  double *origin;              // per-atom vector: index and rank then
+  std::vector<int> then;       // by local index: that of then, or -1: was on another rank
+  std::vector<char> held;      // coordinates without a force, by the indices of then
+  bool others_push = false;    // forces that do not add up to zero
+  int renewed = 0;             // iteration
+  int interval = 1;            // iterations from one look at the contacts to the next one
+  double limit = 0.0;          // no coordinate changes by more in one step
   std::vector<double> solved;
   void renew();
   bool contacts_have_changed();

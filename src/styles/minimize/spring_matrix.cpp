@@ -323,7 +323,7 @@ void SpringMatrix::solve(const std::vector<int> &index, const double *q, double 
 
 double SpringMatrix::solves_per_factor() const
 {
-  return products * dimension / (2.0 * row.size() + size);
+  return size == 0 ? 0.0 : products * dimension / (2.0 * row.size() + size);
 }
 
 double SpringMatrix::memory_usage() const

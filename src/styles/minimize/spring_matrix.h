@@ -33,7 +33,7 @@ class SpringMatrix {
   double memory_usage() const;
 
  private:
-  static constexpr double EPSILON = 0.01;
+  static constexpr double EPSILON = 0.003;
 
   int dimension = 0, size = 0;
   double products = 0.0;            // of blocks, to factorize
