@@ -24,7 +24,7 @@ BALANCED = 1e-7
 def test_minima_are_the_same(material: str, law: str) -> None:
     """Energies of a minimum are off by the square of what is left of forces."""
     lowest = minimizers.minimum(law, material, "fire")["energy"]
-    for style in ("cg", "sd", "quickmin", "hftn"):
+    for style in ("cg", "sd", "quickmin", "hftn", "deformable/lbfgs"):
         found = minimizers.minimum(law, material, style)
         assert found["force"] < 5.0 * minimizers.TOLERANCE, style
         assert found["energy"] == pytest.approx(lowest, rel=1e-9), style

@@ -28,10 +28,36 @@ static constexpr int MOST_TRIALS = 12;            // of a line search
 static constexpr int MOST_FAILURES = 4;           // searches in a row
 static constexpr int RENEWAL = 100;               // iterations
 static constexpr int LOOK = 10;                   // iterations between looks at the contacts
+static constexpr int RESCALING = 3;               // iterations from one gamma to the next one
 static constexpr double CHANGED = 0.05;           // part of contacts
 static constexpr double GAP = 0.1;                // of pairs with a spring, over both radii
 static constexpr double LEAST_WEIGHT = 0.0025;    // of a spring: at a gap of ten median overlaps
 static constexpr double FIRST_STEP = 0.02;        // over the longest one
+
+// All vectors are gone through piece by piece, each small enough for the cache.
+static constexpr int PIECE = 1024;
+
+static double product(const double *a, const double *b, int size)
+{
+  constexpr int LANES = 8;
+  double parts[LANES] = {}, rest = 0.0;
+  int n = 0;
+  for (; n + LANES <= size; n += LANES)
+    for (int k = 0; k < LANES; ++k) parts[k] += a[n + k] * b[n + k];
+  for (; n < size; ++n) rest += a[n] * b[n];
+  for (const double part : parts) rest += part;
+  return rest;
+}
+
+static void add(double *__restrict__ sum, double factor, const double *__restrict__ v, int size)
+{
+  for (int n = 0; n < size; ++n) sum[n] += factor * v[n];
+}
+
+template <class Work> static void for_each_piece(int size, Work &&work)
+{
+  for (int begin = 0; begin < size; begin += PIECE) work(begin, std::min(PIECE, size - begin));
+}
 
 /* ---------------------------------------------------------------------- */
 
@@ -78,7 +104,7 @@ int MinDeformableLbfgs::modify_param(int narg, char **arg)
 void MinDeformableLbfgs::init()
 {
   Min::init();
-  fix_minimize->maxexchange = 3 * (3 + 2 * memory);
+  fix_minimize->maxexchange = 3 * (3 + 2 * memory) + 2;
 
   pair = dynamic_cast<PairDeformable *>(force->pair);
   preconditioned = pair && precondition != NONE;
@@ -87,6 +113,11 @@ void MinDeformableLbfgs::init()
                "min_modify precondition springs: only the pair styles deformable/ring, "
                "deformable/sector and deformable/droplet, without hybrid, know their contacts: use "
                "'precondition none'");
+  others_push = false;
+  for (Fix *fix : modify->get_fix_list())
+    if (modify->get_fix_mask(fix) & FixConst::MIN_POST_FORCE &&
+        !utils::strmatch(fix->style, "^enforce2d"))
+      others_push = true;
   // their forces have lost a direction that springs do not know
   for (const char *style : {"aveforce", "lineforce", "planeforce"}) {
     const auto fixes = modify->get_fix_by_style(fmt::format("^{}", style));
@@ -113,6 +144,7 @@ void MinDeformableLbfgs::setup_style()
                "unknowns: use 'min_style cg'",
                force->pair_style);
   for (int n = 0; n < 3 + 2 * memory; ++n) fix_minimize->add_vector(3);
+  fix_minimize->add_vector(2);
   s.resize(memory);
   y.resize(memory);
   sy.assign(memory * memory, 0.0);
@@ -132,17 +164,15 @@ void MinDeformableLbfgs::reset_vectors()
     s[n] = fix_minimize->request_vector(3 + 2 * n);
     y[n] = fix_minimize->request_vector(4 + 2 * n);
   }
-  outdated = true;
+  origin = fix_minimize->request_vector(3 + 2 * memory);
+  moved = true;
+  then.resize(atom->nlocal);
+  for (int i = 0; i < atom->nlocal; ++i)
+    then[i] = origin[2 * i + 1] == comm->me ? static_cast<int>(origin[2 * i]) : -1;
+  solved.resize(nvec);
 }
 
 /* ---------------------------------------------------------------------- */
-
-double MinDeformableLbfgs::dot(const double *a, const double *b) const
-{
-  double sum = 0.0;
-  for (int n = 0; n < nvec; ++n) sum += a[n] * b[n];
-  return sum;
-}
 
 double MinDeformableLbfgs::sum(double here) const
 {
@@ -177,8 +207,9 @@ int MinDeformableLbfgs::iterate(int maxiter)
     ++niter;
     eprevious = ecurrent;
 
-    if (outdated || niter - renewed >= RENEWAL ||
-        ((niter - renewed) % LOOK == 0 && contacts_have_changed()))
+    const int age = niter - renewed;
+    if (outdated || age >= std::max(RENEWAL, interval) ||
+        (age % interval == 0 && contacts_have_changed()))
       renew();
     double slope = find_direction();
     if (slope >= 0.0 && !known.empty()) {
@@ -222,32 +253,37 @@ int MinDeformableLbfgs::iterate(int maxiter)
 double MinDeformableLbfgs::find_direction()
 {
   const int pairs = static_cast<int>(known.size());
-  std::vector<double> down(pairs), up(pairs), yq(pairs);
-  std::copy_n(fvec, nvec, q);
+  std::vector<double> down(pairs), up(pairs), yq(pairs + 1);
   for (int a = pairs - 1; a >= 0; --a) {
     double sq = sf[known[a]];
     for (int b = a + 1; b < pairs; ++b) sq -= down[b] * dot_sy(known[a], known[b]);
     down[a] = sq / dot_sy(known[a], known[a]);
-    const double *const ya = y[known[a]];
-    for (int n = 0; n < nvec; ++n) q[n] -= down[a] * ya[n];
   }
+  for_each_piece(nvec, [&](int begin, int size) {
+    std::copy_n(fvec + begin, size, q + begin);
+    for (int a = 0; a < pairs; ++a) add(q + begin, -down[a], y[known[a]] + begin, size);
+  });
   solve(q, q);
   if (pairs > 0) {
+    const int newest = known.back();
     if (gamma == 0.0) {
-      const int newest = known.back();
       solve(y[newest], solved.data());
-      gamma = dot_sy(newest, newest) / sum(dot(y[newest], solved.data()));
+      yq[pairs] = product(y[newest], solved.data(), nvec);
     }
-    for (int n = 0; n < nvec; ++n) q[n] *= gamma;
-    for (int a = 0; a < pairs; ++a) yq[a] = dot(y[known[a]], q);
-    MPI_Allreduce(MPI_IN_PLACE, yq.data(), pairs, MPI_DOUBLE, MPI_SUM, world);
+    for_each_piece(nvec, [&](int begin, int size) {
+      for (int a = 0; a < pairs; ++a) yq[a] += product(y[known[a]] + begin, q + begin, size);
+    });
+    MPI_Allreduce(MPI_IN_PLACE, yq.data(), pairs + 1, MPI_DOUBLE, MPI_SUM, world);
+    if (gamma == 0.0) gamma = dot_sy(newest, newest) / yq[pairs];
     for (int a = 0; a < pairs; ++a) {
-      double rest = yq[a];
+      double rest = gamma * yq[a];
       for (int b = 0; b < a; ++b) rest += up[b] * dot_sy(known[b], known[a]);
       up[a] = down[a] - rest / dot_sy(known[a], known[a]);
-      const double *const sa = s[known[a]];
-      for (int n = 0; n < nvec; ++n) q[n] += up[a] * sa[n];
     }
+    for_each_piece(nvec, [&](int begin, int size) {
+      for (int n = begin; n < begin + size; ++n) q[n] *= gamma;
+      for (int a = 0; a < pairs; ++a) add(q + begin, up[a], s[known[a]] + begin, size);
+    });
   }
 
   double here = 0.0, longest;
@@ -257,7 +293,7 @@ double MinDeformableLbfgs::find_direction()
   double scale = std::min(1.0, limit / longest);
   if (pairs == 0) scale = FIRST_STEP * limit / longest;
   for (int n = 0; n < nvec; ++n) q[n] *= scale;
-  return -sum(dot(fvec, q));
+  return -sum(product(fvec, q, nvec));
 }
 
 /* ----------------------------------------------------------------------
@@ -277,25 +313,27 @@ bool MinDeformableLbfgs::search(double slope, double &part)
     energy = pe_compute->scalar;
     ++neval;
   };
+  const double rounding = 1e-10 * std::fabs(before);
   for (int trial = 1; trial <= MOST_TRIALS; ++trial) {
     for (int n = 0; n < nvec; ++n) xvec[n] = x0[n] + part * q[n];
     evaluate();
-    const double flat = -sum(dot(fvec, q));
-    const bool flatter = std::fabs(flat) <= 0.9 * std::fabs(slope);
-    if (!energy_follows) {
-      if (flat <= 0.9 * std::fabs(slope)) return true;
-    } else {
-      if (energy <= before + 1e-4 * part * slope) return true;
-      if (flatter && energy <= before + 1e-10 * std::fabs(before)) return true;
-      if (flatter && trial == MOST_TRIALS) {
+    const double flat = -sum(product(fvec, q, nvec)), rise = energy - before;
+    if (energy_follows) {
+      if (rise <= 1e-4 * part * slope) return true;
+      if (std::fabs(flat) <= 0.9 * std::fabs(slope) && rise <= rounding) return true;
+      if (std::fabs(flat - slope) < 0.1 * std::fabs(slope) && rise > rounding) {
         energy_follows = false;
         if (comm->me == 0)
           error->warning(FLERR,
                          "Min style deformable/lbfgs: the energy rises along the forces, which are "
                          "not its derivatives, e.g. of a fix without 'fix_modify energy yes'. It "
                          "goes by forces alone from here on; else use 'min_style fire'");
-        return true;
+        part = 1.0;
+        trial = 0;
+        continue;
       }
+    } else if (flat <= 0.9 * std::fabs(slope)) {
+      return true;
     }
     const double to_zero = part * slope / (slope - flat);
     part = std::isfinite(to_zero) ? std::clamp(to_zero, 0.1 * part, 0.6 * part) : 0.1 * part;
@@ -317,33 +355,37 @@ void MinDeformableLbfgs::remember(double part)
     known.erase(known.begin());
   }
   double *const sn = s[newest], *const yn = y[newest];
-  for (int n = 0; n < nvec; ++n) {
-    sn[n] = part * q[n];
-    yn[n] = f0[n] - fvec[n];
-  }
-  std::vector<double> sums;
-  for (const int a : known) {
-    sums.push_back(dot(s[a], yn));
-    sums.push_back(dot(sn, y[a]));
-    sums.push_back(dot(s[a], fvec));
-  }
-  const auto own = sums.size();
-  for (const double sum : {dot(sn, yn), dot(sn, fvec), dot(sn, sn), dot(yn, yn)})
-    sums.push_back(sum);
+  const int pairs = static_cast<int>(known.size());
+  // s_a.f and s.y_a of earlier pairs; s.f, s.y, s.s and y.y
+  std::vector<double> sums(2 * pairs + 4);
+  for_each_piece(nvec, [&](int begin, int size) {
+    for (int n = begin; n < begin + size; ++n) {
+      sn[n] = part * q[n];
+      yn[n] = f0[n] - fvec[n];
+    }
+    double *next = sums.data();
+    const double *const sp = sn + begin, *const yp = yn + begin, *const fp = fvec + begin;
+    for (const int a : known) *next++ += product(s[a] + begin, fp, size);
+    for (const int a : known) *next++ += product(sp, y[a] + begin, size);
+    *next++ += product(sp, fp, size);
+    *next++ += product(sp, yp, size);
+    *next++ += product(sp, sp, size);
+    *next++ += product(yp, yp, size);
+  });
   MPI_Allreduce(MPI_IN_PLACE, sums.data(), static_cast<int>(sums.size()), MPI_DOUBLE, MPI_SUM,
                 world);
-  const double *next = sums.data();
-  for (const int a : known) {
-    dot_sy(a, newest) = *next++;
-    dot_sy(newest, a) = *next++;
-    sf[a] = *next++;
+  for (int k = 0; k < pairs; ++k) {
+    const int a = known[k];
+    dot_sy(a, newest) = sf[a] - sums[k];    // s_a.y, y = f0 - f
+    sf[a] = sums[k];
+    dot_sy(newest, a) = sums[pairs + k];
   }
-  const double *const last = &sums[own];
-  dot_sy(newest, newest) = last[0];
-  sf[newest] = last[1];
-  if (!(last[0] > 1e-14 * std::sqrt(last[2] * last[3]))) return;
+  const double *const own = &sums[2 * pairs];
+  sf[newest] = own[0];
+  dot_sy(newest, newest) = own[1];
+  if (!(own[1] > 1e-14 * std::sqrt(own[2] * own[3]))) return;
   known.push_back(newest);
-  gamma = 0.0;
+  if (niter % RESCALING == 0) gamma = 0.0;
 }
 
 /* ----------------------------------------------------------------------
@@ -355,10 +397,10 @@ void MinDeformableLbfgs::remember(double part)
 
 void MinDeformableLbfgs::renew()
 {
-  outdated = false;
+  outdated = moved = false;
   renewed = niter;
+  interval = LOOK;
   gamma = 0.0;
-  solved.resize(nvec);
   if (!pair) {
     double here = std::numeric_limits<double>::infinity(), smallest;
     for (int i = 0; i < atom->nlocal && atom->radius_flag; ++i)
@@ -404,15 +446,24 @@ void MinDeformableLbfgs::renew()
     }
     elements.push_back({spring.i, j, spring.n, weight});
   }
+  for (int i = 0; i < nlocal; ++i) {
+    origin[2 * i] = then[i] = i;
+    origin[2 * i + 1] = comm->me;
+  }
   // coordinates without a force: of particles that a fix holds, of a plane, and of rattlers
-  std::vector<char> held(nvec);
+  held.resize(nvec);
   for (int n = 0; n < nvec; ++n) held[n] = fvec[n] == 0.0;
-  matrix.factorize(atom->nlocal ? domain->dimension : 2, nlocal, xvec, held, elements);
+  matrix.factorize(domain->dimension, nlocal, xvec, held, elements);
+  const double here = matrix.solves_per_factor();
+  double solves;
+  MPI_Allreduce(&here, &solves, 1, MPI_DOUBLE, MPI_MAX, world);
+  interval = std::max(LOOK, static_cast<int>(solves));
 }
 
 bool MinDeformableLbfgs::contacts_have_changed()
 {
   if (!pair) return false;
+  if (moved) return true;    // nobody knows
   const double *const *const x = atom->x;
   double counts[2] = {0.0, 0.0};
   for (const Spring &spring : springs) {
@@ -428,18 +479,37 @@ bool MinDeformableLbfgs::contacts_have_changed()
   return counts[0] > CHANGED * counts[1];
 }
 
-// z = P^-1 q
+/* ----------------------------------------------------------------------
+   z = P^-1 q. Where only forces between particles act, which add up to zero,
+   their center of mass stays: springs of a rank to particles of another one,
+   or to rattlers, would let it drift.
+------------------------------------------------------------------------- */
+
 void MinDeformableLbfgs::solve(const double *from, double *z)
 {
-  if (preconditioned)
-    matrix.solve(from, z);
-  else if (from != z)
-    std::copy_n(from, nvec, z);
+  if (!preconditioned) {
+    if (from != z) std::copy_n(from, nvec, z);
+    return;
+  }
+  matrix.solve(then, from, z);
+  if (others_push) return;
+  const auto moves = [this](int i, int axis) { return then[i] < 0 || !held[3 * then[i] + axis]; };
+  double sums[6] = {};
+  for (int i = 0; i < atom->nlocal; ++i)
+    for (int axis = 0; axis < 3; ++axis)
+      if (moves(i, axis)) {
+        sums[axis] += z[3 * i + axis];
+        sums[3 + axis] += 1.0;
+      }
+  MPI_Allreduce(MPI_IN_PLACE, sums, 6, MPI_DOUBLE, MPI_SUM, world);
+  for (int i = 0; i < atom->nlocal; ++i)
+    for (int axis = 0; axis < 3; ++axis)
+      if (moves(i, axis)) z[3 * i + axis] -= sums[axis] / sums[3 + axis];
 }
 
 double MinDeformableLbfgs::memory_usage()
 {
-  return matrix.memory_usage() + bytes_of(springs, solved);
+  return matrix.memory_usage() + bytes_of(springs, solved, then, held);
 }
 
 #endif

@@ -48,7 +48,7 @@ class MinDeformableLbfgs : public Min {
  private:
   // a new Min has LAMMPS' defaults where lammps_min.h has them
   bool laid_out_as_declared;
-  int memory = 10;
+  int memory = 20;
   enum { IF_POSSIBLE, SPRINGS, NONE } precondition = IF_POSSIBLE;
 
   // per-atom vectors, which migrate with the atoms
@@ -67,7 +67,6 @@ class MinDeformableLbfgs : public Min {
   double energy = 0.0;           // not over the number of atoms
   bool energy_follows = true;    // false: forces are not its derivatives
   double sum(double) const;
-  double dot(const double *, const double *) const;
   bool search(double slope, double &part);
   bool is_converged();
 
@@ -76,9 +75,15 @@ class MinDeformableLbfgs : public Min {
   bool preconditioned = false;       // else P = 1
   SpringMatrix matrix;
   std::vector<Spring> springs;
-  bool outdated = true;    // P, after atoms have other indices
-  bigint renewed = 0;      // iteration
-  double limit = 0.0;      // no coordinate changes by more in one step
+  bool outdated = true;        // P
+  bool moved = false;          // atoms, to other indices and ranks, since P is there
+  double *origin;              // per-atom vector: index and rank then
+  std::vector<int> then;       // by local index: that of then, or -1: was on another rank
+  std::vector<char> held;      // coordinates without a force, by the indices of then
+  bool others_push = false;    // forces that do not add up to zero
+  int renewed = 0;             // iteration
+  int interval = 1;            // iterations from one look at the contacts to the next one
+  double limit = 0.0;          // no coordinate changes by more in one step
   std::vector<double> solved;
   void renew();
   bool contacts_have_changed();

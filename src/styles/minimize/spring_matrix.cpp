@@ -181,6 +181,7 @@ void SpringMatrix::factorize(const std::vector<char> &held, const std::vector<El
   value.assign(B * row.size(), 0.0);
   diagonal.assign(B * n, 0.0);
   unknown.resize(D * n);
+  products = 0.0;
 
   for (const Element &e : elements) {
     double a[D], b[D];
@@ -220,19 +221,23 @@ void SpringMatrix::factorize(const std::vector<char> &held, const std::vector<El
       diagonal[B * k + (D + 1) * r] += held[3 * order[k] + r] ? mean : EPSILON * mean;
 
   std::vector<int> next(n), chain(n, -1), in_row(n, -1);
-  std::vector<double> column(B * n);
+  std::vector<double> whole_column(B * n);
+  double *const column = whole_column.data(), *const lower = value.data();
+  const int *const rows = row.data();
   for (int k = 0; k < n; ++k) {
     const int begin = first[k], end = first[k + 1];
+    const double blocks = end - begin;
+    products += 0.5 * blocks * (blocks + 3.0);
     double *const on_diagonal = &diagonal[B * k];
-    for (int b = begin; b < end; ++b) std::copy_n(&value[B * b], B, &column[B * row[b]]);
+    for (int b = begin; b < end; ++b) std::copy_n(lower + B * b, B, column + B * rows[b]);
     for (int c = in_row[k]; c >= 0;) {
-      const int of_k = next[c]++, following = chain[c];
-      const double *const factor = &value[B * of_k];
+      const int of_k = next[c]++, end_of_c = first[c + 1], following = chain[c];
+      const double *const factor = lower + B * of_k;
       subtract_product<D>(factor, factor, on_diagonal);
-      for (int b = of_k + 1; b < first[c + 1]; ++b)
-        subtract_product<D>(&value[B * b], factor, &column[B * row[b]]);
-      if (next[c] < first[c + 1]) {
-        const int r = row[next[c]];
+      for (int b = of_k + 1; b < end_of_c; ++b)
+        subtract_product<D>(lower + B * b, factor, column + B * rows[b]);
+      if (next[c] < end_of_c) {
+        const int r = rows[next[c]];
         chain[c] = in_row[r];
         in_row[r] = c;
       }
@@ -242,9 +247,9 @@ void SpringMatrix::factorize(const std::vector<char> &held, const std::vector<El
     inverse_triangle<D>(on_diagonal, inverse);
     std::copy_n(inverse, B, on_diagonal);
     for (int b = begin; b < end; ++b) {
-      double *const block = &value[B * b];
+      double *const block = lower + B * b;
       std::fill_n(block, B, 0.0);
-      subtract_product<D>(&column[B * row[b]], inverse, block);
+      subtract_product<D>(column + B * rows[b], inverse, block);
       for (int t = 0; t < B; ++t) block[t] = -block[t];
     }
     if (begin == end) continue;
@@ -259,50 +264,66 @@ void SpringMatrix::factorize(const std::vector<char> &held, const std::vector<El
 template <int D> void SpringMatrix::solve_blocks()
 {
   constexpr int B = D * D;
+  const int *const begin_of = first.data(), *const rows = row.data();
+  const double *const blocks = value.data(), *const inverses = diagonal.data();
+  double *const u = unknown.data();
   for (int k = 0; k < size; ++k) {
-    const double *const inverse = &diagonal[B * k];
-    double *const u = &unknown[D * k], v[D];
+    const double *const inverse = inverses + B * k;
+    double v[D];
     for (int r = 0; r < D; ++r) {
       v[r] = 0.0;
-      for (int s = 0; s <= r; ++s) v[r] += inverse[D * r + s] * u[s];
+      for (int s = 0; s <= r; ++s) v[r] += inverse[D * r + s] * u[D * k + s];
     }
-    std::copy_n(v, D, u);
-    for (int b = first[k]; b < first[k + 1]; ++b) {
-      const double *const block = &value[B * b];
-      double *const w = &unknown[D * row[b]];
-      for (int r = 0; r < D; ++r)
-        for (int s = 0; s < D; ++s) w[r] -= block[D * r + s] * v[s];
+    for (int r = 0; r < D; ++r) u[D * k + r] = v[r];
+    for (int b = begin_of[k]; b < begin_of[k + 1]; ++b) {
+      const double *const block = blocks + B * b;
+      double *const w = u + D * rows[b];
+      for (int r = 0; r < D; ++r) {
+        double product = 0.0;
+        for (int s = 0; s < D; ++s) product += block[D * r + s] * v[s];
+        w[r] -= product;
+      }
     }
   }
   for (int k = size - 1; k >= 0; --k) {
-    const double *const inverse = &diagonal[B * k];
-    double *const u = &unknown[D * k], v[D];
-    std::copy_n(u, D, v);
-    for (int b = first[k]; b < first[k + 1]; ++b) {
-      const double *const block = &value[B * b], *const w = &unknown[D * row[b]];
-      for (int r = 0; r < D; ++r)
-        for (int s = 0; s < D; ++s) v[s] -= block[D * r + s] * w[r];
+    const double *const inverse = inverses + B * k;
+    double v[D];
+    for (int r = 0; r < D; ++r) v[r] = u[D * k + r];
+    for (int b = begin_of[k]; b < begin_of[k + 1]; ++b) {
+      const double *const block = blocks + B * b, *const w = u + D * rows[b];
+      for (int s = 0; s < D; ++s) {
+        double product = 0.0;
+        for (int r = 0; r < D; ++r) product += block[D * r + s] * w[r];
+        v[s] -= product;
+      }
     }
     for (int r = 0; r < D; ++r) {
-      u[r] = 0.0;
-      for (int s = r; s < D; ++s) u[r] += inverse[D * s + r] * v[s];
+      double sum = 0.0;
+      for (int s = r; s < D; ++s) sum += inverse[D * s + r] * v[s];
+      u[D * k + r] = sum;
     }
   }
 }
 
-void SpringMatrix::solve(const double *q, double *z)
+void SpringMatrix::solve(const std::vector<int> &index, const double *q, double *z)
 {
-  for (int k = 0; k < size; ++k)
-    for (int r = 0; r < dimension; ++r) unknown[dimension * k + r] = q[3 * order[k] + r];
+  const int particles = static_cast<int>(index.size());
+  std::fill(unknown.begin(), unknown.end(), 0.0);
+  for (int i = 0; i < particles; ++i)
+    if (index[i] >= 0) std::copy_n(q + 3 * i, dimension, &unknown[dimension * place[index[i]]]);
   if (dimension == 2)
     solve_blocks<2>();
   else
     solve_blocks<3>();
-  for (int k = 0; k < size; ++k) {
-    double *const zi = z + 3 * order[k];
-    for (int r = 0; r < dimension; ++r) zi[r] = unknown[dimension * k + r];
-    if (dimension == 2) zi[2] = q[3 * order[k] + 2] / mean;
+  for (int i = 0; i < particles; ++i) {
+    for (int r = 0; r < 3; ++r) z[3 * i + r] = q[3 * i + r] / mean;
+    if (index[i] >= 0) std::copy_n(&unknown[dimension * place[index[i]]], dimension, z + 3 * i);
   }
+}
+
+double SpringMatrix::solves_per_factor() const
+{
+  return size == 0 ? 0.0 : products * dimension / (2.0 * row.size() + size);
 }
 
 double SpringMatrix::memory_usage() const

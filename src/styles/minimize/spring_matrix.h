@@ -26,14 +26,17 @@ class SpringMatrix {
   // Of n particles at x. A coordinate that is held has no spring to others: it is 3 i + axis.
   void factorize(int dimension, int n, const double *x, const std::vector<char> &held,
                  const std::vector<Element> &elements);
-  // q and z have three numbers for each particle; in the plane the third one is divided by the mean diagonal.
-  void solve(const double *q, double *z);
+  // z = P^-1 q, three numbers for each particle; index[i] is that of particle i when P was factorized, or -1: P is diagonal for a
+  // newcomer, and those that have left stay. In the plane the third number is divided by the diagonal.
+  void solve(const std::vector<int> &index, const double *q, double *z);
+  double solves_per_factor() const;    // that take as long as to factorize P
   double memory_usage() const;
 
  private:
-  static constexpr double EPSILON = 0.01;
+  static constexpr double EPSILON = 0.003;
 
   int dimension = 0, size = 0;
+  double products = 0.0;            // of blocks, to factorize
   double mean = 1.0;                // of the diagonal
   std::vector<int> order, place;    // particle at each place, and back
   std::vector<int> first, row;      // blocks of each column, below the diagonal
