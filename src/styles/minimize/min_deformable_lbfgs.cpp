@@ -32,6 +32,7 @@ static constexpr int RESCALING = 3;               // iterations from one gamma t
 static constexpr double CHANGED = 0.05;           // part of contacts
 static constexpr double GAP = 0.1;                // of pairs with a spring, over both radii
 static constexpr double LEAST_WEIGHT = 0.0025;    // of a spring: at a gap of ten median overlaps
+static constexpr double LOOSE = 1e-3;    // imbalance of contacts over the largest force [1e-4, 0.1]
 static constexpr double FIRST_STEP = 0.02;        // over the longest one
 
 // All vectors are gone through piece by piece, each small enough for the cache.
@@ -181,6 +182,38 @@ double MinDeformableLbfgs::sum(double here) const
   return all;
 }
 
+double MinDeformableLbfgs::evaluate()
+{
+  ecurrent = energy_force(1);
+  energy = pe_compute->scalar;
+  ++neval;
+  return energy;
+}
+
+// Far from rest contact forces need not balance better than to a part of the forces on particles: energies are wrong by its
+// square.
+void MinDeformableLbfgs::balance_loosely()
+{
+  if (!may_be_loose) return;
+  enough = LOOSE * std::sqrt(fnorm_max());
+  pair->accept_imbalance(enough);
+}
+
+void MinDeformableLbfgs::balance_fully()
+{
+  if (enough == 0.0) return;
+  enough = 0.0;
+  pair->accept_imbalance(0.0);
+  evaluate();
+}
+
+bool MinDeformableLbfgs::is_at_rest()
+{
+  if (!is_converged()) return false;
+  balance_fully();
+  return is_converged();
+}
+
 bool MinDeformableLbfgs::is_converged()
 {
   if (!(update->ftol > 0.0)) return false;
@@ -194,13 +227,22 @@ bool MinDeformableLbfgs::is_converged()
 
 int MinDeformableLbfgs::iterate(int maxiter)
 {
+  const int stop = descend(maxiter);
+  balance_fully();
+  return stop;
+}
+
+int MinDeformableLbfgs::descend(int maxiter)
+{
   known.clear();
   outdated = true;
   energy = pe_compute->scalar;
   energy_follows = true;
   int failures = 0;
 
-  if (is_converged()) return FTOL;
+  may_be_loose = pair != nullptr;
+
+  if (is_at_rest()) return FTOL;
   for (int iter = 0; iter < maxiter; ++iter) {
     if (timer->check_timeout(niter)) return TIMEOUT;
     const bigint step = ++update->ntimestep;
@@ -223,13 +265,14 @@ int MinDeformableLbfgs::iterate(int maxiter)
       failures = 0;
       alpha_final = part;
       remember(part);
-      if (is_converged()) return FTOL;
+      if (is_at_rest()) return FTOL;
       if (std::fabs(ecurrent - eprevious) <
           update->etol * 0.5 * (std::fabs(ecurrent) + std::fabs(eprevious) + 1e-8))
         return ETOL;
     } else {
       known.clear();
       outdated = true;
+      may_be_loose = false;
       alpha_final = 0.0;
       if (++failures == MOST_FAILURES) return ZEROALPHA;
     }
@@ -308,11 +351,7 @@ bool MinDeformableLbfgs::search(double slope, double &part)
   std::copy_n(xvec, nvec, x0);
   std::copy_n(fvec, nvec, f0);
   const double before = energy;
-  const auto evaluate = [this] {
-    ecurrent = energy_force(1);
-    energy = pe_compute->scalar;
-    ++neval;
-  };
+  balance_loosely();
   const double rounding = 1e-10 * std::fabs(before);
   for (int trial = 1; trial <= MOST_TRIALS; ++trial) {
     for (int n = 0; n < nvec; ++n) xvec[n] = x0[n] + part * q[n];

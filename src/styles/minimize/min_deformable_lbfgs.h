@@ -68,7 +68,16 @@ class MinDeformableLbfgs : public Min {
   bool energy_follows = true;    // false: forces are not its derivatives
   double sum(double) const;
   bool search(double slope, double &part);
+  int descend(int maxiter);
+  double evaluate();
   bool is_converged();
+  bool is_at_rest();
+
+  // of the contacts of our pair styles
+  double enough = 0.0;    // see PairDeformable::accept_imbalance
+  bool may_be_loose = false;
+  void balance_loosely();
+  void balance_fully();
 
   // P
   PairDeformable *pair = nullptr;    // null: of another style
