@@ -1,5 +1,6 @@
 """What differs by law in a simulation: one small object for each, with the same methods.
 
+    minimizers                   that relax it, the usual one first
     check(packing, friction)     refuse what the law cannot have
     opened(packing, friction)    the packing as LAMMPS gets it
     open(sim, packing, former)   a LAMMPS with it, the former one if there is one
@@ -71,6 +72,7 @@ from .laws import (
     Droplet,
     Law,
     Ring,
+    Sector,
     SoftContact,
     check_dimension,
     check_sticky_walls,
@@ -268,11 +270,14 @@ _OF_DROPLETS = ("area", "contacts", "contact_area", "pressure", "load")
 class Deformables:
     """What rings, sectors and droplets have in common: a pair style of the plugin."""
 
+    minimizers: tuple[str, ...] = ("lbfgs", "fire")
     tolerance, patience, scale = TOLERANCE, _PATIENCE, "the mean contact force"
 
     def __init__(self, law: Any) -> None:
         self.law = law
         self.loose: bool | None = True  # whether no contact bears a force
+        if isinstance(law, Sector):  # its energy jumps
+            self.minimizers = ("fire",)
 
     def check(self, packing: Packing, friction: Friction | None) -> None:
         """Refuse what the law cannot have."""
@@ -567,6 +572,7 @@ class SoftParticles:
     work would depend on the number of ranks.
     """
 
+    minimizers = ("fire",)
     tolerance, patience, scale = TOLERANCE, _SOFT_PATIENCE, "the mean contact force"
     indicator = None  # the patience is for the whole relaxation
     loose = None  # nobody asks whether the packing was rigid before

@@ -119,6 +119,7 @@ class PolygonBeads:
     def __init__(self, law: DeformablePolygon, walls: Walls | None = None) -> None:
         self.law, self.walls = law, walls
         self._newton = law.smooth and walls is None
+        self.minimizers = ("newton",) if self._newton else ("fire",)
         self.tolerance = _NEWTON_TOLERANCE if self._newton else _FIRE_TOLERANCE
         # what falls while FIRE goes on; Newton's method is called once
         self.indicator = None if self._newton else lambda forces: forces.residual

@@ -126,6 +126,8 @@ def play(sim: Any, name: str, given: Mapping[str, Any]) -> Run:
     told: dict[str, Any] = {**(parameters or {}), "protocol": name, **settings}
     if folder is not None and not has_commands_of_a_user(sim.lmp, sim._setup):
         told["start"] = start
+    if sim.minimizer != sim._choose(None):
+        told["minimizer"] = sim.minimizer
     told |= before
     if folder is not None and state._root:
         if mode == "a":

@@ -224,16 +224,17 @@ def lbfgs_or_fire(sim: Simulation, tolerance: float, fire: Minimizer, smallest: 
         fire: calls FIRE once.
         smallest: radius [length].
     """
-    fires, asked = sim.minimizer == "fire", np.inf
-    if fires:
-        run(sim.lmp, fire_commands(_LONGEST_STEP * smallest))
+    choose_fire, asked = fire_commands(_LONGEST_STEP * smallest), np.inf
+    if sim.minimizer == "fire":
+        run(sim.lmp, choose_fire)
+        return fire
 
     def call(forces: Forces, left: int, most: int) -> int:
-        nonlocal fires, asked
-        if not fires and forces.largest > _FAILED * asked:
-            fires = True
-            run(sim.lmp, fire_commands(_LONGEST_STEP * smallest))
-        if fires:
+        nonlocal asked
+        if not sim._fell_back and forces.largest > _FAILED * asked:
+            sim._fell_back = True
+            run(sim.lmp, choose_fire)
+        if sim._fell_back:
             return fire(forces, left, most)
         force = 0.5 * tolerance * forces.scale  # the scale falls a little further meanwhile
         number = min(left, most)
@@ -495,8 +496,8 @@ def _stiffness(state: State, springs: NDArray[np.float64]) -> NDArray[np.float64
 # rounding leaves.
 USUAL, CLOSE = 1e-8, 1e-13
 
-# With the usual balance FIRE is not asked for less than this. A relaxation that has stalled below
-# the other residual goes on by Newton's method: dense packings amplify the imbalance that far.
+# With the usual balance minimizers are not asked for less than this. A relaxation that has stalled
+# below the other residual goes on by Newton's method: dense packings amplify the imbalance so far.
 _AIM, _STALLED = 1e-7, 1e-6
 
 # Steps at most. A packing is the same one as long as no particle moves farther than this part of
@@ -529,8 +530,8 @@ def balance(sim: Simulation, packing: Packing, imbalance: float) -> None:
     sim._setup = replace(sim._setup, definition=setup(sim.lmp).definition)
 
 
-def fire_reaches(sim: Simulation, tolerance: float) -> float:
-    """The residual that FIRE is asked for at least, where Newton's method does the rest."""
+def minimizers_reach(sim: Simulation, tolerance: float) -> float:
+    """The residual that minimizers are asked for at least, where Newton's method does the rest."""
     law = sim.law
     lines = isinstance(law, Ring) and law.contact != "radical" and sim._imbalance >= USUAL
     return _AIM if lines and not sim.friction and not law._sticks and tolerance < USUAL else 0.0

@@ -17,6 +17,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -108,14 +109,15 @@ class Table(dict[str, NDArray[Any]]):
         return optional("pandas", "pandas").DataFrame(dict(self)).set_index("frame")
 
 
-def _numbers(words: Sequence[str | None]) -> NDArray[Any]:
-    """The column of a series: whole numbers, truth values, or numbers, nan where missing."""
+def _column(words: Sequence[str | None]) -> NDArray[Any]:
+    """The column of a series: truth values, whole numbers, numbers, nan where missing, or words."""
     if words and all(word in ("True", "False") for word in words):
         return np.array([word == "True" for word in words])
-    try:
+    with suppress(ValueError):
         return np.array([int(word or "") for word in words], dtype=np.int64)
-    except ValueError:
+    with suppress(ValueError):
         return np.array([float(word) if word else np.nan for word in words], dtype=np.float64)
+    return np.array([word or "" for word in words])
 
 
 # Results of a law, in the order of columns.
@@ -155,6 +157,8 @@ def _recorded_state(
         "energy": float(row["energy"]),
         "residual": float(row["residual"]),
         "converged": row["stalled"] != str(True),
+        "minimizer": row.get("minimizer") or None,
+        "iterations": int(row["iterations"]) if row.get("iterations") else None,
         "beyond": int(row.get("beyond") or 0),
         "pressure_tensor": _stress_in(row, packing.dimension),
         "lost_energy": float(row.get("lost_energy") or 0.0),
@@ -350,7 +354,8 @@ class Run(Sequence[Any]):
     def _simulation(self, folder: Path, comm: MPI.Comm | None) -> Any:
         packing, law, friction = read(folder)
         motion = read_motion(folder, packing)
-        sim = Simulation(packing, law, comm=comm, friction=friction)
+        minimizer = self.parameters.get("minimizer")
+        sim = Simulation(packing, law, comm=comm, friction=friction, minimizer=minimizer)
         sim._engine.go_on(sim, motion)
         return sim
 
@@ -401,7 +406,8 @@ class Run(Sequence[Any]):
         There are `frame`, the box, `shear_strain`, `phi`, `pressure`, `shear_stress`, the pressure
         tensor `pxx`, `pxy`, ..., `energy`, `lost_energy`, `temperature`, `time`, `coordination`,
         the numbers of `rattlers` and of particles `beyond` the model, the mean `shape_parameter`,
-        or `load` of droplets in space, `residual` and `stalled`, as they were recorded.
+        or `load` of droplets in space, `residual` and `stalled`, and `minimizer` and `iterations`
+        of relaxations, as they were recorded.
 
         Args:
             columns: further ones: functions that return a number for a state.
@@ -422,7 +428,7 @@ class Run(Sequence[Any]):
             texts = self._frames.rows()
             with reading(self.folder / SERIES):
                 found |= {
-                    name: _numbers([texts[number][name] for number in numbers])
+                    name: _column([texts[number][name] for number in numbers])
                     for name in columns_in(self.folder / SERIES)
                     if name != "frame"
                 }

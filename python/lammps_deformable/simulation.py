@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
@@ -10,7 +11,7 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 
 from . import room
-from ._checks import count, expect, positive
+from ._checks import count, expect, positive, shown
 from .box import lattice_vectors, shown_box
 from .engines import (
     Droplets,
@@ -35,8 +36,8 @@ from .relax import (
     can_polish,
     carry,
     check_callback,
-    fire_reaches,
     minimize_until_relaxed,
+    minimizers_reach,
     polish,
     rest,
     stress,
@@ -79,6 +80,10 @@ class Simulation(OneCall):
         friction: of the contacts of rings, which then rub and damp, and turn the particles; these
             get radii of their own. That of a state if not given; contacts of a packing slip freely
             then.
+        minimizer: of relaxations, `lbfgs` (*min_style deformable/lbfgs*) or `fire`. L-BFGS needs
+            about a tenth of the force calls; where it fails, FIRE goes on. The first one that the
+            law can have if not given: energies of `Sector` jump, so it has `fire` only, contacts
+            that rub rest by `damped` motion, smooth polygons by `newton`, those of beads by `fire`.
         comm: communicator that shares the work; all ranks if not given. With `MPI.COMM_SELF` every
             rank runs a simulation of its own, the fast way for many small packings. Soft contacts
             are relaxed by each rank alone, as their results would depend on the number of ranks.
@@ -89,6 +94,7 @@ class Simulation(OneCall):
             boundaries and the thermo output belong to this object.
         law: of the particles.
         friction: of the contacts; None if they slip.
+        minimizer: that of its relaxations.
         comm: the communicator.
         callback: a function that is told how relaxations go on; None if not set.
         time: of all motion and flows so far [time]; relaxations take none.
@@ -100,7 +106,8 @@ class Simulation(OneCall):
         ParameterError: no packing or no law; or a packing of another dimension than the law; or
             radii too large for LAMMPS' neighbor bins; or a center on the wrong side of a wall, or
             an obstacle that does not fit into the periodic box; or a friction that the law cannot
-            have; or polygons that overlap too far, or reach their own images.
+            have; or a minimizer that it cannot have; or polygons that overlap too far, or reach
+            their own images.
         LammpsError: LAMMPS refuses the packing or the law.
     """
 
@@ -110,9 +117,9 @@ class Simulation(OneCall):
     seed: int | None = None
     _lost: float = 0.0  # energy that films had lost before LAMMPS began to count it
     _steps_before: int = 0  # steps of LAMMPS before it began to count them
+    _fell_back: bool = False  # whether FIRE went on where L-BFGS failed, in the last relaxation
     _begun: int = 0  # how often LAMMPS has been filled
     _callback: Callback | None = None
-    minimizer = "lbfgs"
     _imbalance = USUAL  # of contacts, over the largest force
     law: Any
     _lmp: Any
@@ -123,6 +130,7 @@ class Simulation(OneCall):
         law: AnyLaw | SoftContact | DeformablePolygon,
         *,
         friction: Friction | None = None,
+        minimizer: str | None = None,
         comm: MPI.Comm | None = None,
     ) -> None:
         expect("packing", packing, Packing, State)
@@ -132,8 +140,7 @@ class Simulation(OneCall):
         start, state = _parts(self.comm.bcast(packing))  # those of other machines may differ
         self.friction = state.friction if state and friction is None else friction
         self._engine = _ENGINES[type(law)](law)
-        if isinstance(law, Sector):
-            self.minimizer = "fire"
+        self.minimizer = self._choose(minimizer)
         self._rigidity = Rigidity(start)
         self._open(start, state)
 
@@ -146,8 +153,22 @@ class Simulation(OneCall):
         sim = cls.__new__(cls)
         sim.law, sim.comm, sim.friction = law, communicator(comm), None
         sim._engine, sim._rigidity = PolygonBeads(law, walls), Rigidity(packing)
+        sim.minimizer = sim._choose(None)
         sim._open(packing, None)
         return sim
+
+    def _choose(self, minimizer: str | None) -> str:
+        """The minimizer, or the first one that the law can have."""
+        choice = ("damped",) if self.friction else self._engine.minimizers
+        if minimizer is None:
+            return str(choice[0])
+        if minimizer not in choice:
+            raise ParameterError(
+                f"minimizer must be {' or '.join(map(repr, choice))} for "
+                f"{'contacts that rub' if self.friction else type(self.law).__name__}, "
+                f"not {shown(minimizer)}"
+            )
+        return minimizer
 
     def _open(self, packing: Packing, state: State | None, former: lammps | None = None) -> None:
         self._engine.check(packing, self.friction)
@@ -702,11 +723,11 @@ class Simulation(OneCall):
     ) -> State:
         """Minimize the energy until no force exceeds a part of the mean contact force.
 
-        FIRE in LAMMPS; smooth polygons take steps of Newton's method. A tolerance that FIRE does
-        not reach, because the contact lines of `balanced` and `curved` rings are balanced to 1e-8,
-        ends with Newton's method on the contact network, a few steps with lines balanced to
-        rounding. Close to the onset of jamming rounding may keep forces of rings at 1e-9, as they
-        are cubes of tiny indentations.
+        L-BFGS or FIRE in LAMMPS, see `Simulation`; smooth polygons take steps of Newton's method. A
+        tolerance that these do not reach, because the contact lines of `balanced` and `curved`
+        rings are balanced to 1e-8, ends with Newton's method on the contact network, a few steps
+        with lines balanced to rounding. Close to the onset of jamming rounding may keep forces of
+        rings at 1e-9, as they are cubes of tiny indentations.
 
         Forces of a user's fixes count that act in minimizations too, such as *fix addforce*. With
         friction particles move until they rest, as velocities and spins decay, and all fixes act.
@@ -743,7 +764,8 @@ class Simulation(OneCall):
                 or droplets have a load above 0.4, or one above 0.05 in the mean facet.
 
         Source: FIRE: Bitzek et al., Phys. Rev. Lett. 97, 170201 (2006), in the form of Guenole et
-        al., Comput. Mater. Sci. 175, 109584 (2020).
+        al., Comput. Mater. Sci. 175, 109584 (2020). L-BFGS: Nocedal, Math. Comp. 35, 773 (1980),
+        preconditioned by the springs of contacts.
         """
         return self._relax(tolerance, 0.0, pressure, free, max_steps)
 
@@ -779,7 +801,8 @@ class Simulation(OneCall):
             self._tell(forces, self.lmp.extract_global("ntimestep") - first)
             return forces
 
-        aim = max(tolerance, fire_reaches(self, tolerance))
+        aim = max(tolerance, minimizers_reach(self, tolerance))
+        self._fell_back = False
         forces = minimize_until_relaxed(
             seen(engine.begin(self, least)),
             aim,
@@ -799,7 +822,11 @@ class Simulation(OneCall):
             state.packing.phi, engine.loose, self._balanced
         )
         warn_of(state, tolerance, unjammed, engine.scale)
-        return state
+        return replace(
+            state,
+            minimizer=self.minimizer + ", fire" * self._fell_back,
+            iterations=int(self.lmp.extract_global("ntimestep")) - first,
+        )
 
     def _tell(self, forces: Forces, iterations: int) -> None:
         """Tell the callback, if there is one, of the last evaluation."""

@@ -137,6 +137,9 @@ class State:
         residual: largest force on a particle over the mean contact force, 0 without contacts; of
             polygons that on a bead over the mean of kA max(A0 - A, 0) L0.
         converged: a relaxation has reached its tolerance; True if there was none.
+        minimizer: of the relaxation that made the state, see `Simulation`: `lbfgs, fire` if FIRE
+            went on where L-BFGS had failed; None if there was none.
+        iterations: of the minimizer; None if there was none.
         results: what the law computes for each particle, by name, arrays of shape (N,); all but the
             first are attributes too:
             `area` of rings and polygons within their skin, see `volumes` [length^2];
@@ -180,6 +183,8 @@ class State:
     pressure_tensor: Floats
     residual: float
     converged: bool
+    minimizer: str | None = None
+    iterations: int | None = None
     results: Mapping[str, NDArray[Any]] = field(default_factory=dict)
     velocities: Floats = field(default_factory=_unknown)
     _root: bool = True
@@ -1120,6 +1125,8 @@ class State:
             "rattlers": int(np.sum(self.rattlers)),
             "residual": self.residual,
             "stalled": not self.converged,
+            "minimizer": self.minimizer or "",
+            "iterations": self.iterations,
         }
         if isinstance(self.law, _SAVED):
             found |= {"temperature": self.temperature, "time": self.time}

@@ -53,7 +53,7 @@ def test_relaxing_on_the_way_leaves_the_time_step(dense: ld.Packing) -> None:
             sim.relax()
             assert sim.lmp.extract_global("dt") != 0.01
 
-    with ld.Simulation(dense, ld.Ring()) as sim:
+    with ld.Simulation(dense, ld.Ring(), minimizer="fire") as sim:
         sim.run(4, timestep=0.01, temperature=1e-6, every=2, seed=1, callback=relax)
     assert seen == [0.01, 0.01]
 

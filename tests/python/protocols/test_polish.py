@@ -29,8 +29,6 @@ def test_few_steps_of_newton(law: str, monkeypatch: pytest.MonkeyPatch) -> None:
     place = module.place_particles
     monkeypatch.setattr(module, "place_particles", lambda *a: (steps.append(1), place(*a)))
     with dense(LAWS[law]) as sim:
-        if law == "radical":  # FIRE goes on by itself
-            monkeypatch.setattr("lammps_deformable.engines.Deformables.patience", 1)
         state = sim.relax(1e-6)
         assert not steps
         fine = sim.relax(1e-10)
