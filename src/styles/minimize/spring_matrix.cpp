@@ -92,7 +92,7 @@ void SpringMatrix::factorize(int dimension_, int n, const double *x, const std::
 void SpringMatrix::dissect(const double *x, int begin, int end)
 {
   constexpr int FEW = 16;
-  const int most = dimension == 2 ? 1 << 15 : 1 << 11;    // else L does not fit into the cache
+  const int most = dimension == 2 ? 1 << 15 : 1 << 8;    // else L does not fit into the cache
   const int n = end - begin;
   if (n == 0) return;
   if (n <= most && group[order[begin]] < 0) {
