@@ -164,23 +164,30 @@ def summary(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
     return table
 
 
+def line(table: list[dict[str, Any]], law: str, above: float, strain: float, name: str) -> str:
+    """A row of the README: calls, evaluations and time of each number of particles."""
+    cells = [law, f"{above:.1%}", f"{strain:.1%}", name]
+    for found in table:
+        case = tuple(found[key] for key in ("law", "above", "step", "minimizer"))
+        if case != (law, above, strain, name):
+            continue
+        ratios = [f"{found[figure]:.3g}" for figure in FIGURES if found[figure] is not None]
+        cells.append(f"{', '.join(ratios) or '-'} ({found['same']} of {found['of']})")
+    return f"| {' | '.join(cells)} |"
+
+
 def markdown(table: list[dict[str, Any]]) -> str:
     """The table of the README."""
-    lines = [
-        "| law | N | above the onset | step | calls of FIRE | same minimum"
-        " | calls, evaluations, time with springs | without |",
-        "|---|---|---|---|---|---|---|---|",
+    numbers = list(dict.fromkeys(row["N"] for row in table))
+    head = f"| law | above the onset | step | | {' | '.join(f'N = {n}' for n in numbers)} |"
+    cases = dict.fromkeys((row["law"], row["above"], row["step"]) for row in table)
+    rows = [
+        line(table, *case, name)
+        for case in cases
+        for name in list(MINIMIZERS)[1:]
+        if not (case[0] == "disks" and name == "lbfgs")  # which have no springs
     ]
-    for with_springs, without in zip(table[::2], table[1::2], strict=True):
-        line = with_springs
-        cells = [line["law"], line["N"], f"{line['above']:.1%}", f"{line['step']:.1%}"]
-        cells += [f"{line['calls of fire']:.0f}"]
-        cells += [f"{line['same']}, {without['same']} of {line['of']}"]
-        for found in (with_springs, without):
-            numbers = [found[figure] for figure in FIGURES]
-            cells.append(", ".join("-" if n is None else f"{n:.3g}" for n in numbers))
-        lines.append("| " + " | ".join(map(str, cells)) + " |")
-    return "\n".join(lines)
+    return "\n".join([head, "|---" * (4 + len(numbers)) + "|", *rows])
 
 
 def main() -> None:
@@ -197,7 +204,7 @@ def main() -> None:
         law, number, above, strain = case
         these = [row for seed in seeds for row in measure(law, number, seed, above, strain)]
         rows += these
-        print(markdown(summary(these)).splitlines()[-1], flush=True)
+        print(number, *markdown(summary(these)).splitlines()[2:], sep="\n", flush=True)
     table = summary(rows)
     result = {
         "command": f"python benchmarks/at_rest.py --numbers {' '.join(map(str, options.numbers))}"

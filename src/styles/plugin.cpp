@@ -115,18 +115,20 @@ template <class Style> void *creator_of(void *lmp, int narg, char **arg)
   return new Style(static_cast<LAMMPS *>(lmp), narg, arg);
 }
 
+void warn(const std::string &message)
+{
+  int me = 0;
+  MPI_Comm_rank(MPI_COMM_WORLD, &me);    // the LAMMPS object itself cannot be trusted here
+  if (me == 0) std::fprintf(stderr, "WARNING: %s\n", message.c_str());
+}
+
 }    // namespace
 
 extern "C" __attribute__((visibility("default"))) void lammpsplugin_init(void *lmp, void *handle,
                                                                          void *regfunc)
 {
   const std::string misfit = unfit_host(lmp);
-  if (!misfit.empty()) {
-    int me = 0;
-    MPI_Comm_rank(MPI_COMM_WORLD, &me);    // the LAMMPS object itself cannot be trusted here
-    if (me == 0) std::fprintf(stderr, "WARNING: %s\n", misfit.c_str());
-    return;
-  }
+  if (!misfit.empty()) return warn(misfit);
 
   const auto register_style = reinterpret_cast<lammpsplugin_regfunc>(regfunc);
   lammpsplugin_t plugin;
@@ -173,12 +175,9 @@ extern "C" __attribute__((visibility("default"))) void lammpsplugin_init(void *l
 
   // Before 22Jul2025 plugins have no minimizers.
 #if defined(DEFORMABLE_HAS_MIN) && DEFORMABLE_LAMMPS_RELEASE >= 20250722
-  if (!MinDeformableLbfgs::fits(static_cast<LAMMPS *>(lmp))) {
-    std::fputs("WARNING: this LAMMPS has other minimizers than lammps-deformable was built for: "
-               "min_style deformable/lbfgs is not available\n",
-               stderr);
-    return;
-  }
+  if (!MinDeformableLbfgs::fits(static_cast<LAMMPS *>(lmp)))
+    return warn("this LAMMPS has other minimizers than lammps-deformable " DEFORMABLE_VERSION
+                " was built for: min_style deformable/lbfgs is not available");
 #define MINIMIZE_CLASS
 #define MinimizeStyle(key, Style)                                                                  \
   plugin.style = "min";                                                                            \

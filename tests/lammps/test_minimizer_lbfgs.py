@@ -183,7 +183,7 @@ processors {grid}
 read_data {data}
 pair_style {style}
 pair_coeff * * {species} small large
-neighbor 0.3 bin
+neighbor 0.02 bin
 {balance}
 compute virial all pressure NULL virial
 compute energy all pe/atom

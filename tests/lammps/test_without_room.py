@@ -66,13 +66,19 @@ def test_the_next_error_is_about_what_is_wrong_then(law):
         scene.run("run 0")
 
 
-@pytest.mark.parametrize(("law", "species"), in_turn(RING_LAWS, MATERIALS))
-def test_minimizer_makes_room(law, species, tmp_path):
+@pytest.mark.parametrize(
+    ("law", "species", "style"),
+    [
+        *in_turn(RING_LAWS, MATERIALS, ["fire"]),
+        *in_turn(RING_LAWS, MATERIALS[::-1], ["deformable/lbfgs"]),
+    ],
+)
+def test_minimizer_makes_room(law, species, style, tmp_path):
     """From shaken places, closer than the circles allow: then all areas are conserved again."""
     x, length = lattice(0.93, 0.25, seed=2)
     log = tmp_path / "log"
     scene = scene_of(RING_LAWS[law], species, x, length, log)
-    scene.run("timestep 0.1\nmin_style fire")
+    scene.run(f"timestep 0.1\nmin_style {style}")
     assert minimized(scene)[1] > 0
     energy, without_room = minimized(scene, iterations=2000)
     assert without_room == 0

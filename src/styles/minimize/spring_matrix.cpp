@@ -92,7 +92,8 @@ void SpringMatrix::factorize(int dimension_, int n, const double *x, const std::
 void SpringMatrix::dissect(const double *x, int begin, int end)
 {
   constexpr int FEW = 16;
-  const int most = dimension == 2 ? 1 << 15 : 1 << 11;    // else L does not fit into the cache
+  // In space L grows faster than the number of particles: the time of larger parts is more than that of the calls that they spare.
+  const int most = dimension == 2 ? 1 << 15 : 1 << 8;
   const int n = end - begin;
   if (n == 0) return;
   if (n <= most && group[order[begin]] < 0) {

@@ -4,7 +4,7 @@
 //
 // P is factorized, P = L L^T, with one block of d x d numbers for each particle or pair. Nested dissection keeps L sparse: a
 // line (in space: a surface) of particles that parts the others comes after them, and so on in both parts. L has some
-// 8 N log2 N blocks in the plane.
+// 3 N log2 N blocks in the plane.
 
 #ifndef DEFORMABLE_SPRING_MATRIX_H
 #define DEFORMABLE_SPRING_MATRIX_H
