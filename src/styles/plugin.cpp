@@ -173,7 +173,12 @@ extern "C" __attribute__((visibility("default"))) void lammpsplugin_init(void *l
 
   // Before 22Jul2025 plugins have no minimizers.
 #if defined(DEFORMABLE_HAS_MIN) && DEFORMABLE_LAMMPS_RELEASE >= 20250722
-  if (!MinDeformableLbfgs::fits(static_cast<LAMMPS *>(lmp))) return;
+  if (!MinDeformableLbfgs::fits(static_cast<LAMMPS *>(lmp))) {
+    std::fputs("WARNING: this LAMMPS has other minimizers than lammps-deformable was built for: "
+               "min_style deformable/lbfgs is not available\n",
+               stderr);
+    return;
+  }
 #define MINIMIZE_CLASS
 #define MinimizeStyle(key, Style)                                                                  \
   plugin.style = "min";                                                                            \

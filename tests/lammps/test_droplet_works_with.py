@@ -75,6 +75,7 @@ COMMANDS = {
     "set": of("set atom 1*4 type 1", "run 0"),
     "reset_atoms": of("delete_atoms random count 5 yes all NULL 1\nreset_atoms id", "run 0"),
     "minimize": of("min_style fire", MINIMIZE),
+    "min_style deformable/lbfgs": of("min_style deformable/lbfgs", MINIMIZE),
     "min_style cg": of("min_style cg", MINIMIZE),
     "min_style sd": of("min_style sd", MINIMIZE),
     "min_style hftn": of("min_style hftn", MINIMIZE),

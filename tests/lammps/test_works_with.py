@@ -141,6 +141,9 @@ COMMANDS = {
     "velocity": of("velocity all scale 2e-5\n" + NVE, conserves=ENERGY),
     "reset_atoms": of("delete_atoms random count 5 yes all NULL 1\nreset_atoms id", "run 0"),
     "minimize": of("min_style fire", "minimize 0 1e-10 200 400\nrun 0"),
+    "min_style deformable/lbfgs": of(
+        "min_style deformable/lbfgs", "minimize 0 1e-10 200 400\nrun 0"
+    ),
     "min_style cg": of("min_style cg", "minimize 0 1e-10 200 400\nrun 0"),
     "min_style sd": of("min_style sd", "minimize 0 1e-10 200 400\nrun 0"),
     "min_style hftn": of("min_style hftn", "minimize 0 1e-10 50 400\nrun 0"),

@@ -39,6 +39,10 @@ REFUSED = {
         "run_style respa 2 2 inner 1 0.5 0.6 outer 2\nfix m all nve\nrun 1",
         "rRESPA",
     ),
+    "min_style deformable/lbfgs with fix box/relax": (
+        "fix b all box/relax iso 1e-3\nmin_style deformable/lbfgs\nminimize 0 1e-9 9 9",
+        "min_style cg",
+    ),
     "min_style fire with fix box/relax": (
         "fix b all box/relax iso 1e-3\nmin_style fire\nminimize 0 1e-9 9 9",
         "box/relax",

@@ -254,7 +254,7 @@ int MinDeformableLbfgs::descend(int maxiter)
         (age % interval == 0 && contacts_have_changed()))
       renew();
     double slope = find_direction();
-    if (slope >= 0.0 && !known.empty()) {
+    if (!(slope < 0.0) && !known.empty()) {
       known.clear();
       slope = find_direction();
     }
@@ -388,11 +388,9 @@ bool MinDeformableLbfgs::search(double slope, double &part)
 
 void MinDeformableLbfgs::remember(double part)
 {
-  int newest = static_cast<int>(known.size());
-  if (newest == memory) {
-    newest = known.front();
-    known.erase(known.begin());
-  }
+  if (static_cast<int>(known.size()) == memory) known.erase(known.begin());
+  int newest = 0;    // that is not in use
+  while (std::find(known.begin(), known.end(), newest) != known.end()) ++newest;
   double *const sn = s[newest], *const yn = y[newest];
   const int pairs = static_cast<int>(known.size());
   // s_a.f and s.y_a of earlier pairs; s.f, s.y, s.s and y.y

