@@ -71,6 +71,12 @@ template <class T> struct LargePages {
 
 template <class T> using LargeVector = std::vector<T, LargePages<T>>;
 
+// Memory that vectors hold.
+template <class... Vector> double bytes_of(const Vector &...vector)
+{
+  return (static_cast<double>(vector.capacity() * sizeof(typename Vector::value_type)) + ... + 0.0);
+}
+
 }    // namespace LAMMPS_NS
 
 #endif

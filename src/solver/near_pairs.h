@@ -7,7 +7,6 @@
 #include "geometry/surface.h"
 #include "kernels/force_kernels.h"
 #include "solver/large_vector.h"
-#include "solver/vector_bytes.h"
 
 #include <cmath>
 #include <cstddef>

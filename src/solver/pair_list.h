@@ -10,8 +10,7 @@
 
 #include "pointers.h"
 
-#include "solver/adhesions.h"
-#include "solver/materials.h"
+#include "styles/species.h"
 #include "solver/near_pairs.h"
 #include "solver/remote_sides.h"
 #include "solver/tuning.h"

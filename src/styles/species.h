@@ -7,6 +7,7 @@
 #include "laws/stiffness.h"
 
 #include <array>
+#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
@@ -75,6 +76,58 @@ class SpeciesRamps {
     std::vector<double *> rows;    // by type
   };
   std::array<Array, deformable::MEMBERS> arrays;    // empty until someone asks for them
+};
+
+// The stiffness of each particle.
+struct Materials {
+  const Species *species = nullptr;    // by atom type
+  const int *type = nullptr;           // by local index
+  // of single particles, in place of those of their species; or null
+  const double *kA = nullptr, *tension = nullptr;
+  // areas that kA = inf conserves give way beyond this times gamma/r + kP/2; 0: never
+  double yield = 0.0;
+
+  bool vary() const { return kA || tension; }    // from particle to particle and from call to call
+  const Species &species_of(int i) const { return species[type[i]]; }
+
+  // ring_radius: without the skin
+  deformable::Stiffness stiffness_of(int i, double ring_radius) const
+  {
+    deformable::Stiffness k = species_of(i).stiffness;
+    if (kA) k.kA = kA[i];
+    if (tension) k.tension = tension[i];
+    if (yield > 0.0 && std::isinf(k.kA))
+      k.yield = yield * (k.rest_pressure(ring_radius) + 0.5 * k.kP);
+    return k;
+  }
+};
+
+// Adhesion of all pairs of atom types: the energy that two particles gain for each unit of length of their film.
+class Adhesions {
+ public:
+  // Those of a species file, for the species of each type. A type without a name belongs to another pair style.
+  void assign(const std::vector<Species> &, const std::vector<Adhesion> &);
+
+  double between(int itype, int jtype) const { return values[itype * types + jtype]; }
+  bool any() const { return adhesive; }
+
+  // The array that fix adapt writes to, at [i][j] with i <= j only; null as long as there are no types.
+  double **array();
+
+  // Takes the values of the array, which is symmetric again then. Returns whether one has changed.
+  bool take();
+
+  // The first pair of types whose species cannot have its adhesion, in a phrase. Empty if there is none.
+  std::string problem(const std::vector<Species> &) const;
+
+ private:
+  std::size_t types = 0;         // and one more, since they begin with 1
+  std::vector<double> values;    // symmetric
+  bool adhesive = false;
+  std::vector<double> written;    // the array; empty until someone asks for it
+  std::vector<double *> rows;
+  void set(std::size_t i, std::size_t j, double adhesion);
+  void update();    // what follows from the values
 };
 
 }    // namespace LAMMPS_NS

@@ -9,7 +9,7 @@
 
 #include "fix.h"
 
-#include "solver/vector_bytes.h"
+#include "solver/large_vector.h"
 
 #include "atom.h"
 

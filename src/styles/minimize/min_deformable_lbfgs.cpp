@@ -2,7 +2,7 @@
 
 #ifdef DEFORMABLE_HAS_MIN
 
-#include "solver/vector_bytes.h"
+#include "solver/large_vector.h"
 #include "styles/lammps_release.h"
 
 #include "atom.h"
@@ -491,7 +491,7 @@ void MinDeformableLbfgs::renew()
   held.resize(nvec);
   for (int n = 0; n < nvec; ++n) held[n] = fvec[n] == 0.0;
   matrix.factorize(domain->dimension, nlocal, xvec, held, elements);
-  const double here = matrix.solves_per_factor();
+  double here = matrix.solves_per_factor();
   double solves;
   MPI_Allreduce(&here, &solves, 1, MPI_DOUBLE, MPI_MAX, world);
   interval = std::max(LOOK, static_cast<int>(solves));

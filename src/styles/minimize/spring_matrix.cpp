@@ -1,6 +1,6 @@
 #include "styles/minimize/spring_matrix.h"
 
-#include "solver/vector_bytes.h"
+#include "solver/large_vector.h"
 
 #include <algorithm>
 #include <cmath>

@@ -10,11 +10,9 @@
 #include "laws/shape.h"
 #include "laws/stiffness.h"
 #include "geometry/surface.h"
-#include "solver/adhesions.h"
-#include "solver/materials.h"
-#include "solver/vector_bytes.h"
-#include "styles/refusals.h"
 #include "styles/species.h"
+#include "solver/large_vector.h"
+#include "styles/refusals.h"
 #include "styles/walls/fix_deformable_wall.h"
 
 #include "atom.h"
