@@ -36,9 +36,9 @@ template <class Body> DEFORMABLE_LANE_FUNCTION void for_contacts_in_all(const Ri
     for (int n = 0; n < LANES; n += FLOATS) body(c + n);
 }
 
-DEFORMABLE_LANE_FUNCTION Floats floats_of_pairs(const float *x, const int *seat)
+DEFORMABLE_LANE_FUNCTION Floats floats_of_pairs(const float *x, const int *pair_side)
 {
-  return floats_of([&](int w) DEFORMABLE_LANE_LAMBDA { return x[seat[w] >> 1]; },
+  return floats_of([&](int w) DEFORMABLE_LANE_LAMBDA { return x[pair_side[w] >> 1]; },
                    std::make_integer_sequence<int, FLOATS>());
 }
 
@@ -79,8 +79,8 @@ DEFORMABLE_LANE_FUNCTION void multiply_lanes(const TurnBy &by, int contacts, con
     const int at = m * LANES;
     Floats left, weight;
     if constexpr (TURN == Turn::FIRST) {
-      left = floats_of_pairs(by.residual, c.seat + at);
-      weight = floats_of_pairs(by.weight, c.seat + at);
+      left = floats_of_pairs(by.residual, c.pair_side + at);
+      weight = floats_of_pairs(by.weight, c.pair_side + at);
       weight = weight > 0.0F ? weight : Floats{};
       store_floats(g.weight + at, weight);
       store_floats(g.step + at, Floats{});
@@ -139,7 +139,7 @@ template <bool SOFT, Turn TURN> static double multiply_all(RingBatches b, TurnBy
   by.per_scale = 1.0 / b.rings.scale;
   for_all<FLOATS>(
       b, [&](auto size, int n, const ContactArrays &c, const RingArrays &r) DEFORMABLE_LANE_LAMBDA {
-        const int first = static_cast<int>(c.seat - b.contacts.seat);
+        const int first = static_cast<int>(c.pair_side - b.contacts.pair_side);
         multiply_lanes<decltype(size)::value, SOFT, false, TURN>(
             by, n, c, corrections_of(b.corrections, first), r, sum, first % LANES);
       });
@@ -153,7 +153,7 @@ template <Turn TURN> static double multiply_own(RingBatches b, TurnBy by)
   by.per_scale = 1.0 / b.rings.scale;
   for_each_vector<FLOATS>(
       b, [&](int n, const ContactArrays &c, const RingArrays &r) DEFORMABLE_LANE_LAMBDA {
-        const int first = static_cast<int>(c.seat - b.contacts.seat);
+        const int first = static_cast<int>(c.pair_side - b.contacts.pair_side);
         multiply_lanes<0, true, true, TURN>(by, n, c, corrections_of(b.corrections, first), r, sum,
                                             first % LANES);
       });

@@ -96,7 +96,7 @@ static void shape_droplets(RingBatches b, DropletArrays d, PairForces p)
 {
   for (int batch = b.begin; batch < b.end; ++batch) {
     const int first = b.first[batch], places = b.first[batch + 1] - first;
-    const int *const seat = b.contacts.seat + first;
+    const int *const pair_side = b.contacts.pair_side + first;
     double *const nx = d.nx + first, *const ny = d.ny + first, *const nz = d.nz + first,
                   *const f = d.force + first, *const response = d.response + first,
                   *const tx = d.tx + first, *const ty = d.ty + first, *const tz = d.tz + first;
@@ -104,8 +104,8 @@ static void shape_droplets(RingBatches b, DropletArrays d, PairForces p)
     for (int w = 0; w < LANES; ++w)
       unit[w] = 1.0 / (b.rings.radius[batch * LANES + w] * d.tension[batch * LANES + w]);
     for (int c = 0; c < places; ++c) {
-      const int k = seat[c] >> 1;
-      const double sign = seat[c] & 1 ? -1.0 : 1.0;
+      const int k = pair_side[c] >> 1;
+      const double sign = pair_side[c] & 1 ? -1.0 : 1.0;
       f[c] = unit[c % LANES] * p.force[k];
       nx[c] = sign * p.nx[k];
       ny[c] = sign * p.ny[k];
@@ -163,12 +163,12 @@ static void adapt_droplets(RingBatches b, DropletArrays d, PairForces p, const f
 {
   for (int batch = b.begin; batch < b.end; ++batch) {
     const int first = b.first[batch], places = b.first[batch + 1] - first;
-    const int *const seat = b.contacts.seat + first;
+    const int *const pair_side = b.contacts.pair_side + first;
     float *const y = static_cast<float *>(b.contacts.scratch), *const nx = y + places,
                  *const ny = nx + places, *const nz = ny + places, *const sum = nz + places,
                  *const tx = sum + places, *const ty = tx + places, *const tz = ty + places;
     for (int c = 0; c < places; ++c) {
-      y[c] = changes[seat[c] >> 1];
+      y[c] = changes[pair_side[c] >> 1];
       nx[c] = static_cast<float>(d.nx[first + c]);
       ny[c] = static_cast<float>(d.ny[first + c]);
       nz[c] = static_cast<float>(d.nz[first + c]);
@@ -211,7 +211,8 @@ static void adapt_droplets(RingBatches b, DropletArrays d, PairForces p, const f
         add(d.tz + first + c, load<Floats>(tz + c), of_changes + w);
       }
     }
-    for (int c = 0; c < places; ++c) d.force[first + c] = unit[c % LANES] * p.force[seat[c] >> 1];
+    for (int c = 0; c < places; ++c)
+      d.force[first + c] = unit[c % LANES] * p.force[pair_side[c] >> 1];
     finish_droplets(b, d, batch);
   }
 }

@@ -41,11 +41,11 @@ struct RingArrays {
 //   p C_ck = G(theta_c - theta_k) + rate - mixed (v_c + v_k) - square v_c v_k.
 // Droplets have the same with the forces as v, the tension as p, and an `own` of each contact in place of G(0).
 struct ContactArrays {
-  const int *seat;        // 2 x the index of the pair, + 1 for its second ring
-  double *indentation;    // a
-  float *compliance;      // da_c/df_c
-  double *slope;          // of the outline
-  float *share;           // v
+  const int *pair_side;    // 2 x the index of the pair, + 1 for its second ring
+  double *indentation;     // a
+  float *compliance;       // da_c/df_c
+  double *slope;           // of the outline
+  float *share;            // v
   float *green;
   float *own;       // null: G(0) for all contacts
   void *scratch;    // for the rings that have more contacts than any kernel knows, aligned

@@ -20,7 +20,7 @@ DEFORMABLE_LANE_FUNCTION StickArrays films_of(const RingBatches &b, const Contac
 {
   StickArrays films = b.films;
   films.tension += r.radius - b.rings.radius;
-  for (double *&term : films.terms) term += c.seat - b.contacts.seat;
+  for (double *&term : films.terms) term += c.pair_side - b.contacts.pair_side;
   return films;
 }
 
@@ -178,7 +178,7 @@ DEFORMABLE_LANE_FUNCTION RingArrays rings_of(RingArrays r, int ring)
 
 DEFORMABLE_LANE_FUNCTION ContactArrays contacts_of(ContactArrays c, int contact, std::size_t green)
 {
-  c.seat += contact;
+  c.pair_side += contact;
   for (double **p : {&c.indentation, &c.slope}) *p += contact;
   for (float **p : {&c.compliance, &c.share}) *p += contact;
   if (c.own) c.own += contact;
@@ -207,9 +207,9 @@ DEFORMABLE_LANE_FUNCTION float *entry(float *triangle, int m, int k)
 }
 
 template <class Number>
-DEFORMABLE_LANE_FUNCTION Lanes of_pairs(const Number *x, const int *seat)
+DEFORMABLE_LANE_FUNCTION Lanes of_pairs(const Number *x, const int *pair_side)
 {
-  return gather<Lanes>(x, [&](int w) DEFORMABLE_LANE_LAMBDA { return seat[w] >> 1; });
+  return gather<Lanes>(x, [&](int w) DEFORMABLE_LANE_LAMBDA { return pair_side[w] >> 1; });
 }
 
 // Angle and direction of a contact, as its ring sees it.
@@ -217,31 +217,31 @@ struct SeenLanes : DirectionLanes {
   Lanes angle;
 };
 
-DEFORMABLE_LANE_FUNCTION SeenLanes seen_from_ring(const PairDirections &pairs, const int *seat)
+DEFORMABLE_LANE_FUNCTION SeenLanes seen_from_ring(const PairDirections &pairs, const int *pair_side)
 {
   const Lanes sign =
-      each_lane([&](int w) DEFORMABLE_LANE_LAMBDA { return 1.0 - 2.0 * (seat[w] & 1); });
-  const Lanes angle = of_pairs(pairs.angle, seat);
-  return {{sign * of_pairs(pairs.nx, seat), sign * of_pairs(pairs.ny, seat)},
+      each_lane([&](int w) DEFORMABLE_LANE_LAMBDA { return 1.0 - 2.0 * (pair_side[w] & 1); });
+  const Lanes angle = of_pairs(pairs.angle, pair_side);
+  return {{sign * of_pairs(pairs.nx, pair_side), sign * of_pairs(pairs.ny, pair_side)},
           select(sign > 0.0, angle, select(angle > 0.0, angle - PI, angle + PI))};
 }
 
 // begin(m) for each contact of the rings and, after it, pair(m, k, angles between them) for those before. of[0] are the
 // forces; of[2], of[3] and of[4] are taken too.
 template <int SIZE, class Begin, class Pair>
-DEFORMABLE_LANE_FUNCTION void for_contacts(const PairDirections &pairs, int n, const int *seats,
-                                           OfContacts<Lanes, SIZE, 5> &of, Begin &&begin,
-                                           Pair &&pair)
+DEFORMABLE_LANE_FUNCTION void for_contacts(const PairDirections &pairs, int n,
+                                           const int *pair_sides, OfContacts<Lanes, SIZE, 5> &of,
+                                           Begin &&begin, Pair &&pair)
 {
   Lanes *const force = of[0], *const angle = of[2], *const nx = of[3], *const ny = of[4];
 #pragma GCC unroll 8
   for (int m = 0; m < n; ++m) {
-    const int *const seat = seats + m * LANES;
-    const SeenLanes seen = seen_from_ring(pairs, seat);
+    const int *const pair_side = pair_sides + m * LANES;
+    const SeenLanes seen = seen_from_ring(pairs, pair_side);
     angle[m] = seen.angle;
     nx[m] = seen.nx;
     ny[m] = seen.ny;
-    force[m] = of_pairs(pairs.force, seat);
+    force[m] = of_pairs(pairs.force, pair_side);
     begin(m);
 #pragma GCC unroll 8
     for (int k = 0; k < m; ++k)
@@ -250,17 +250,17 @@ DEFORMABLE_LANE_FUNCTION void for_contacts(const PairDirections &pairs, int n, c
 }
 
 // The load of rings whose contacts are arcs (contact_curve.h), and their products, p (a + delta).
-DEFORMABLE_LANE_FUNCTION void bend_contacts(int n, const double *bend, const int *seats,
+DEFORMABLE_LANE_FUNCTION void bend_contacts(int n, const double *bend, const int *pair_sides,
                                             const Lanes *force, Lanes *product, Lanes &work,
                                             Lanes &total)
 {
   Lanes excess = Lanes{}, cap = Lanes{};
 #pragma GCC unroll 8
   for (int m = 0; m < n; ++m) {
-    const int *const seat = seats + m * LANES;
-    const Lanes beta = of_pairs(bend, seat);
-    const Lanes u =
-        each_lane([&](int w) DEFORMABLE_LANE_LAMBDA { return seat[w] & 1 ? -beta[w] : beta[w]; });
+    const int *const pair_side = pair_sides + m * LANES;
+    const Lanes beta = of_pairs(bend, pair_side);
+    const Lanes u = each_lane(
+        [&](int w) DEFORMABLE_LANE_LAMBDA { return pair_side[w] & 1 ? -beta[w] : beta[w]; });
     const ArcTerms<Lanes> arc = arc_terms(u);
     excess += force[m] * arc.excess;
     cap += force[m] * force[m] * arc.cap;
@@ -286,7 +286,7 @@ DEFORMABLE_LANE_FUNCTION bool finish_shapes(int n, const double *bend, const Lan
     total += force[m];
   }
   work *= 0.5;
-  if (bend) bend_contacts(n, bend, c.seat, force, product, work, total);
+  if (bend) bend_contacts(n, bend, c.pair_side, force, product, work, total);
   Lanes size = total;    // of the sum of lengths, a scale
   if constexpr (STICK) {
     const Lanes tension = load<Lanes>(films.tension);
@@ -333,7 +333,7 @@ DEFORMABLE_LANE_FUNCTION bool shape_lanes(const PairDirections &pairs, int conta
   OfContacts<Lanes, SIZE, 5> of(n, c.scratch);
   Lanes *const force = of[0], *const product = of[1];
   for_contacts<SIZE>(
-      pairs, n, c.seat, of,
+      pairs, n, c.pair_side, of,
       [&](int m) DEFORMABLE_LANE_LAMBDA { product[m] = GREEN_AT_ZERO * force[m]; },
       [&](int m, int k, const AngleLanes &t) DEFORMABLE_LANE_LAMBDA {
         const Lanes between = green(t.magnitude, t.sine, t.cosine);
@@ -359,9 +359,9 @@ DEFORMABLE_LANE_FUNCTION bool adapt_lanes(const double *forces, const float *cha
   if constexpr (SOFT) delta = load<Lanes>(rings.expansion);
 #pragma GCC unroll 8
   for (int m = 0; m < n; ++m) {
-    const int *const seat = c.seat + m * LANES;
-    force[m] = of_pairs(forces, seat);
-    change[m] = of_pairs(changes, seat) * unit;
+    const int *const pair_side = c.pair_side + m * LANES;
+    force[m] = of_pairs(forces, pair_side);
+    change[m] = of_pairs(changes, pair_side) * unit;
     product[m] = (load<Lanes>(c.indentation + m * LANES) + delta) * p + GREEN_AT_ZERO * change[m];
 #pragma GCC unroll 8
     for (int k = 0; k < m; ++k) {
@@ -384,7 +384,7 @@ DEFORMABLE_LANE_FUNCTION void slope_lanes(const PairDirections &pairs, int conta
   OfContacts<Lanes, SIZE, 5> of(n, c.scratch);
   Lanes *const force = of[0], *const slope = of[1];
   for_contacts<SIZE>(
-      pairs, n, c.seat, of, [&](int m) DEFORMABLE_LANE_LAMBDA { slope[m] = Lanes{}; },
+      pairs, n, c.pair_side, of, [&](int m) DEFORMABLE_LANE_LAMBDA { slope[m] = Lanes{}; },
       [&](int m, int k, const AngleLanes &t) DEFORMABLE_LANE_LAMBDA {
         const Lanes size = d_green(t.magnitude, t.sine, t.cosine);
         const Lanes between = select(t.negative, -size, size);
@@ -480,7 +480,7 @@ static void slopes_of_rings(RingBatches b, PairDirections pairs, OutlineArrays o
         OutlineArrays of_batch = outline;
         if (outline.slope_rate)
           for (double **p : {&of_batch.slope_rate, &of_batch.per_pressure, &of_batch.free_radius})
-            *p += c.seat - b.contacts.seat;
+            *p += c.pair_side - b.contacts.pair_side;
         slope_lanes<decltype(size)::value>(pairs, n, c, r, of_batch,
                                            b.films.tension ? films_of(b, c, r) : StickArrays{});
       });

@@ -94,8 +94,8 @@ Droplet droplet(nb::handle given_normals, nb::handle given_forces, double radius
   const std::size_t places = z * LANES, greens = z * (z - std::min<std::size_t>(z, 1)) / 2 * LANES,
                     first_green[] = {0, greens};
   const int size = static_cast<int>(z), first[] = {0, size * LANES}, none = 2 * size;
-  std::vector<int> seat(places, none);
-  for (std::size_t c = 0; c < z; ++c) seat[c * LANES] = 2 * static_cast<int>(c);
+  std::vector<int> pair_side(places, none);
+  for (std::size_t c = 0; c < z; ++c) pair_side[c * LANES] = 2 * static_cast<int>(c);
   const auto room = [&] { return std::vector<double>(places); };
   std::vector<double> nx = room(), ny = room(), nz = room(), f = room(), response = room(),
                       a = room(), tx = room(), ty = room(), tz = room();
@@ -118,7 +118,7 @@ Droplet droplet(nb::handle given_normals, nb::handle given_forces, double radius
   batch.rings.mixed = mixed.data();
   batch.rings.rate = rate.data();
   batch.rings.scale = 1.0;
-  batch.contacts.seat = seat.data();
+  batch.contacts.pair_side = pair_side.data();
   batch.contacts.indentation = a.data();
   batch.contacts.compliance = compliance.data();
   batch.contacts.share = share.data();

@@ -66,7 +66,7 @@ void ContactBatches::arrange(const int *order, int rings, int particles, NearPai
   }
   green.resize(two);
   scratch.resize((5 * static_cast<std::size_t>(longest) + 1) * LANES * sizeof(double));
-  seat.assign(contacts, 2 * pairs.size);
+  pair_side.assign(contacts, 2 * pairs.size);
   const int remote = pairs.wall - pairs.remote;
   for (LargeVector<double> *v : {&indentation, &slope}) v->assign(contacts + remote + 1, 0.0);
   compliance.assign(contacts + remote + 1, 0.0F);
@@ -79,15 +79,15 @@ void ContactBatches::arrange(const int *order, int rings, int particles, NearPai
   for (LargeVector<double> &v : film) v.assign(pairs.adhesive ? slope.size() : 0, 0.0);
 
   std::fill(count.begin(), count.end(), 0);
-  const auto sit = [this](int i, int of) { seat[contact(place[i], count[i]++)] = of; };
+  const auto add_contact = [this](int i, int of) { pair_side[contact(place[i], count[i]++)] = of; };
   for (int k = 0; k < pairs.size; ++k) {
-    sit(pairs.i[k], 2 * k);
-    if (k < pairs.remote) sit(pairs.second(k), 2 * k + 1);
+    add_contact(pairs.i[k], 2 * k);
+    if (k < pairs.remote) add_contact(pairs.second(k), 2 * k + 1);
   }
   for (int i = 0; i < particles; ++i)
     if (place[i] >= 0) sort_contacts(i, pairs, tags);
   for (int c = 0; c < contacts; ++c)
-    if (seat[c] < 2 * pairs.size) pairs.side[seat[c] & 1][seat[c] >> 1] = c;
+    if (pair_side[c] < 2 * pairs.size) pairs.side[pair_side[c] & 1][pair_side[c] >> 1] = c;
   for (int k = 0; k < pairs.size; ++k) {
     const int first = pairs.side[0][k];
     int &second = pairs.side[1][k];
@@ -121,15 +121,15 @@ void ContactBatches::sort_contacts(int i, const NearPairs &pairs, const tagint *
     return s & 1 ? tags[pairs.i[k]] : k < pairs.wall ? tags[pairs.j[k]] : pairs.j[k];
   };
   for (int m = 1; m < count[i]; ++m) {
-    const int s = seat[contact(place[i], m)];
+    const int s = pair_side[contact(place[i], m)];
     const tagint tag = partner_of(s);
     int to = m;
     for (; to > 0; --to) {
-      const int before = seat[contact(place[i], to - 1)];
+      const int before = pair_side[contact(place[i], to - 1)];
       if (partner_of(before) <= tag) break;
-      seat[contact(place[i], to)] = before;
+      pair_side[contact(place[i], to)] = before;
     }
-    seat[contact(place[i], to)] = s;
+    pair_side[contact(place[i], to)] = s;
   }
 }
 
@@ -157,7 +157,7 @@ deformable::RingBatches ContactBatches::arrays()
            per_pressure.data(), square.data(), soft ? expansion.data() : nullptr,
            soft ? mixed.data() : nullptr, soft ? rate.data() : nullptr,
            skin.empty() ? nullptr : skin.data(), scale},
-          {seat.data(), indentation.data(), compliance.data(), slope.data(), share.data(),
+          {pair_side.data(), indentation.data(), compliance.data(), slope.data(), share.data(),
            green.data(), own.empty() ? nullptr : own.data(), aligned},
           {partner.data(), none(), weight.data(), left.data(), direction.data(), step.data(),
            product.data(), product.data(), none() + 1},
@@ -170,7 +170,8 @@ double ContactBatches::bytes() const
   double all = 0.0;
   for (const LargeVector<double> &v : stiffness) all += bytes_of(v);
   return all + bytes_of(size, first, first_green, particle, radius, skin, pressure, expansion, work,
-                        total, per_pressure, mixed, square, rate, seat, indentation, compliance,
-                        slope, share, own, product, partner, weight, left, direction, step, green,
-                        scratch, place, count, film_tension, film[0], film[1], film[2], film[3]);
+                        total, per_pressure, mixed, square, rate, pair_side, indentation,
+                        compliance, slope, share, own, product, partner, weight, left, direction,
+                        step, green, scratch, place, count, film_tension, film[0], film[1], film[2],
+                        film[3]);
 }

@@ -45,7 +45,7 @@ struct ContactBatches {
   double scale = 1.0;    // see NearPairs
 
   // of contacts
-  LargeVector<int> seat;
+  LargeVector<int> pair_side;
   LargeVector<double> indentation;
   LargeVector<double> slope;    // of the outlines
   LargeVector<float> compliance, share;
@@ -61,7 +61,7 @@ struct ContactBatches {
   LargeVector<int> place;    // of each particle, in arrays of rings
   LargeVector<int> count;    // contacts of each particle
 
-  // Seats all contacts, and tells pairs their places. order: the particles, near ones close to each other; own: whether
+  // Gives all contacts their indices, and tells pairs. order: the particles, near ones close to each other; own: whether
   // contacts have compliances of their own.
   void arrange(const int *order, int rings, int particles, NearPairs &, const tagint *tags,
                bool own);

@@ -22,7 +22,10 @@ class DropletSolver : public DualSolver {
   {
     return batches.contact(batches.place[i], contact);
   }
-  int seat(int place) const { return batches.seat[place]; }    // 2 x the pair, + 1 for its second
+  int pair_side(int place) const
+  {
+    return batches.pair_side[place];
+  }    // 2 x the pair, + 1 for its second
   double indentation(int place) const { return batches.indentation[place]; }
   // dW/dn of a contact of a pair, over R F.
   deformable::Vector3 turn(int k, int side) const

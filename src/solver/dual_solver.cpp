@@ -414,10 +414,10 @@ void DualSolver::hold_others(const BlockLevels::Choice &chosen)
   for (int k = p.remote; k < p.wall; ++k)
     if (!is_chosen(p.i[k])) drop_product(side[k]);
   for (int c = 0; c < b.contacts; ++c) {
-    const int k = b.seat[c] >> 1;
-    if (k >= p.wall || !is_chosen(b.seat[c] & 1 ? p.second(k) : p.i[k])) continue;
+    const int k = b.pair_side[c] >> 1;
+    if (k >= p.wall || !is_chosen(b.pair_side[c] & 1 ? p.second(k) : p.i[k])) continue;
     if (k >= p.remote ? are_chosen[b.partner[c]] != 0.0
-                      : is_chosen(b.seat[c] & 1 ? p.i[k] : p.second(k)))
+                      : is_chosen(b.pair_side[c] & 1 ? p.i[k] : p.second(k)))
       continue;
     residual[k] = step[k] = 0.0F;
     weight[k] = -std::fabs(weight[k]);
@@ -435,8 +435,7 @@ Evaluation DualSolver::correct(const Evaluation &from)
   const bool moves = lines && from.imbalance <= tuning.close * from.force;
   int corrections = 0;
   if (from.norm2 > 0.0)
-    corrections =
-        linear.begin(batches, list.remote_sides, arrays(), from.norm2, accuracy(from));
+    corrections = linear.begin(batches, list.remote_sides, arrays(), from.norm2, accuracy(from));
   else    // only particles without force touch
     std::fill(batches.step.begin(), batches.step.end(), 0.0F);
   Stages stages(corrections, Stage::CORRECT);

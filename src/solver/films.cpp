@@ -179,8 +179,8 @@ double Films::free_arc(int i) const
   const NearPairs &p = *pairs;
   std::vector<std::array<double, 2>> ends;    // direction of each contact, and alpha
   for (int m = 0; m < batches->count[i]; ++m) {
-    const int seat = batches->seat[batches->contact(batches->place[i], m)];
-    const int k = seat >> 1, side = seat & 1;
+    const int pair_side = batches->pair_side[batches->contact(batches->place[i], m)];
+    const int k = pair_side >> 1, side = pair_side & 1;
     if (!p.attached[k] && !(p.force[k] > 0.0)) continue;
     const double u = side == 0 ? p.bend[k] : -p.bend[k];
     ends.push_back(

@@ -40,7 +40,7 @@ void PairRelaxation::change_particle(const ContactBatches &b, const PairArrays &
   const int batch = ring / LANES, first = b.first[batch] + ring % LANES, m = (c - first) / LANES;
   const float *const green = b.green.data() + b.first_green[batch] + ring % LANES;
   const float *const share = b.share.data() + first;
-  const int *const seat = b.seat.data() + first;
+  const int *const pair_side = b.pair_side.data() + first;
   const float along = share[m * LANES] * by;
   float of_share = b.square[ring] * along, constant = 0.0F;
   if (b.soft) {
@@ -50,7 +50,7 @@ void PairRelaxation::change_particle(const ContactBatches &b, const PairArrays &
   const float per_p = static_cast<float>(b.per_pressure[ring] / b.scale);
   is_changed[batch] = 1;
   for (int q = 0; q < b.size[batch]; ++q) {
-    const int k = seat[q * LANES] >> 1;
+    const int k = pair_side[q * LANES] >> 1;
     if (k == pairs) continue;    // an empty place
     const int low = std::min(q, m), high = std::max(q, m);
     const float between = q != m          ? green[(high * (high - 1) / 2 + low) * LANES]

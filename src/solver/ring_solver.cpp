@@ -150,7 +150,7 @@ double RingSolver::bulge_with_films(std::size_t ring, double &lengths) const
   double out = batches.free_radius(ring) - batches.radius[ring];    // E - r
   lengths = 0.0;
   for (int m = 0; m < batches.count[i]; ++m) {
-    const int pair = batches.seat[batches.contact(static_cast<int>(ring), m)] >> 1;
+    const int pair = batches.pair_side[batches.contact(static_cast<int>(ring), m)] >> 1;
     const double L = list.pairs.force[pair] * per_p;
     out += L * (0.5 / PI) + (L > 0.0 ? MOST_OUT * L : -GREEN_AT_ZERO * L);
     lengths += std::fabs(L);
@@ -178,23 +178,24 @@ RingSolver::Ring RingSolver::ring(int i) const
   if (arc_radius < 0.0 || films) {
     double mx = 0.0, my = 0.0;
     for (int m = 0; m < n; ++m) {
-      const int seat = batches.seat[batches.contact(ring, m)];
-      const double f = seat & 1 ? -list.pairs.force[seat >> 1] : list.pairs.force[seat >> 1];
-      mx += f * list.pairs.nx[seat >> 1];
-      my += f * list.pairs.ny[seat >> 1];
+      const int pair_side = batches.pair_side[batches.contact(ring, m)];
+      const double f =
+          pair_side & 1 ? -list.pairs.force[pair_side >> 1] : list.pairs.force[pair_side >> 1];
+      mx += f * list.pairs.nx[pair_side >> 1];
+      my += f * list.pairs.ny[pair_side >> 1];
     }
     arc_radius = batches.free_radius(ring) - std::hypot(mx, my) * batches.per_pressure[ring] / PI;
   }
   if (films) arc_radius = std::min(arc_radius, batches.free_radius(ring) * films->free_arc(i));
   double energy = energy_of(ring, loaded);
   for (int m = 0; m < n && films; ++m) {
-    const int seat = batches.seat[batches.contact(ring, m)];
-    energy += films->energy(seat >> 1, seat & 1);
+    const int pair_side = batches.pair_side[batches.contact(ring, m)];
+    energy += films->energy(pair_side >> 1, pair_side & 1);
   }
   return {{energy, loaded.pressure}, loaded.expansion, arc_radius, n};
 }
 
-int RingSolver::shape_of(int i, std::vector<Contact> &contacts, std::vector<int> &seats,
+int RingSolver::shape_of(int i, std::vector<Contact> &contacts, std::vector<int> &pair_sides,
                          Shape &shape) const
 {
   const int ring = batches.place[i], n = batches.count[i];
@@ -202,15 +203,16 @@ int RingSolver::shape_of(int i, std::vector<Contact> &contacts, std::vector<int>
   const LoadedRing loaded = batches.loaded(ring);
   const Stiffness k = batches.stiffness_of(ring);
   contacts.resize(n);
-  seats.resize(n);
+  pair_sides.resize(n);
   shape.reset(n, batches.radius[ring]);
   double mx = 0.0, my = 0.0;
   for (int m = 0; m < n; ++m) {
-    const int c = batches.contact(ring, m), seat = seats[m] = batches.seat[c], pair = seat >> 1;
+    const int c = batches.contact(ring, m), pair_side = pair_sides[m] = batches.pair_side[c],
+              pair = pair_side >> 1;
     const NearPairs &p = list.pairs;
-    const double sign = seat & 1 ? -1.0 : 1.0, theta = p.angle[pair];
+    const double sign = pair_side & 1 ? -1.0 : 1.0, theta = p.angle[pair];
     const double angle = sign > 0.0 ? theta : theta > 0.0 ? theta - PI : theta + PI;
-    contacts[m] = {angle, sign * p.nx[pair], sign * p.ny[pair], indentation(pair, seat & 1)};
+    contacts[m] = {angle, sign * p.nx[pair], sign * p.ny[pair], indentation(pair, pair_side & 1)};
     const double length = p.force[pair] * per_p;
     shape.contact[m] = {length, length, -length * batches.slope[c]};
     mx += length * contacts[m].nx;
@@ -335,9 +337,9 @@ RingSolver::Crowded RingSolver::find_crushed_here() const
 bool RingSolver::fits(int i) const
 {
   std::vector<Contact> contacts;
-  std::vector<int> seats;
+  std::vector<int> pair_sides;
   Shape shape;
-  const int n = shape_of(i, contacts, seats, shape), ring = batches.place[i];
+  const int n = shape_of(i, contacts, pair_sides, shape), ring = batches.place[i];
   std::vector<char> is_active(n, 0);
   RingLCP lcp;
   Energy energy;

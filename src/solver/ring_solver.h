@@ -63,7 +63,7 @@ class RingSolver : public DualSolver {
   Ring ring(int i) const;
 
   // Contacts of ring i, their partners, and its shape, whose lengths are those of straight lines. Returns their number.
-  int shape_of(int i, std::vector<deformable::Contact> &, std::vector<int> &seats,
+  int shape_of(int i, std::vector<deformable::Contact> &, std::vector<int> &pair_sides,
                deformable::Shape &) const;
 
   // The length of the line of pair k, of the length L from ring i.

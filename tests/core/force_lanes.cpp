@@ -33,7 +33,7 @@ enum class Tensions { NONE, SOME, DROPLETS };
 struct Batch {
   int n;
   std::vector<double> force, angle, nx, ny, bend;    // of pairs: the last one is empty
-  std::vector<int> seat;
+  std::vector<int> pair_side;
   std::vector<double> radius, kA, kP, tension, skin, ring[5], indentation, slope, rate,
       per_pressure, free_radius;
   std::vector<int> partner;
@@ -57,11 +57,11 @@ struct Batch {
       nx.push_back(std::cos(theta));
       ny.push_back(std::sin(theta));
       bend.push_back(LARGEST_BEND * (2.0 * uniform(random) - 1.0));
-      seat.push_back(2 * k + (uniform(random) < 0.5));
+      pair_side.push_back(2 * k + (uniform(random) < 0.5));
     }
     for (std::vector<double> *v : {&force, &angle, &nx, &ny, &bend}) v->push_back(0.0);
     for (int m = n / 2; m < n; ++m)
-      seat[m * LANES] = 2 * pairs;    // fewer contacts in the first lane
+      pair_side[m * LANES] = 2 * pairs;    // fewer contacts in the first lane
     for (int w = 0; w < LANES; ++w) {
       radius.push_back(0.5 + uniform(random));
       kA.push_back(std::pow(10.0, 2.0 * uniform(random) - 1.0));
@@ -82,7 +82,7 @@ struct Batch {
       v->assign(pairs, 0.0);
     for (std::vector<float> *v : {&compliance, &share, &step, &product}) v->assign(pairs, 0.0F);
     for (int c = 0; c < pairs; ++c) {
-      const bool is_empty = seat[c] == 2 * pairs;
+      const bool is_empty = pair_side[c] == 2 * pairs;
       weight.push_back(is_empty ? 0.0F : static_cast<float>(uniform(random)));
       left.push_back(static_cast<float>(uniform(random) - 0.5));
       direction.push_back(is_empty ? 0.0F : static_cast<float>(uniform(random) - 0.5));
@@ -97,7 +97,7 @@ struct Batch {
 
   ContactArrays contacts(int w)
   {
-    return contacts_of({seat.data(), indentation.data(), compliance.data(), slope.data(),
+    return contacts_of({pair_side.data(), indentation.data(), compliance.data(), slope.data(),
                         share.data(), green.data(), nullptr, scratch},
                        w, w);
   }
@@ -164,13 +164,13 @@ void check(int n, std::mt19937 &random, Tensions tensions, bool curved)
       std::vector<double> f(n), x(n), t(n), gf(n, 0.0), gx(n, 0.0), slope(n, 0.0);
       RingLoad load = {0.0, 0.0};
       for (int m = 0; m < n; ++m) {
-        const int seat = b.seat[m * LANES + w], k = seat >> 1;
+        const int pair_side = b.pair_side[m * LANES + w], k = pair_side >> 1;
         f[m] = b.force[k];
         const int place = m * LANES + w;
         x[m] = 4.0 * b.direction[place];
         require_equal(b.direction[place], b.weight[place] * b.left[place] + 0.5F * before[place],
                       1.0, "direction", n, 1e-7);
-        t[m] = b.angle[k] + (seat & 1 ? PI : 0.0);
+        t[m] = b.angle[k] + (pair_side & 1 ? PI : 0.0);
         load.total += f[m];
       }
       for (int m = 0; m < n; ++m) {
@@ -189,8 +189,8 @@ void check(int n, std::mt19937 &random, Tensions tensions, bool curved)
         double excess = 0.0, cap = 0.0;
         std::vector<double> u(n);
         for (int m = 0; m < n; ++m) {
-          const int seat = b.seat[m * LANES + w];
-          u[m] = (seat & 1 ? -1.0 : 1.0) * b.bend[seat >> 1];
+          const int pair_side = b.pair_side[m * LANES + w];
+          u[m] = (pair_side & 1 ? -1.0 : 1.0) * b.bend[pair_side >> 1];
           const double beta = 2.0 * std::atan(u[m]), sine = std::sin(beta);
           if (beta == 0.0) continue;
           excess += f[m] * (beta / sine - 1.0);
@@ -214,7 +214,7 @@ void check(int n, std::mt19937 &random, Tensions tensions, bool curved)
       for (int m = 0; m < n; ++m) {
         const int place = m * LANES + w;
         const double a = gf[m] * c.per_pressure;
-        if (b.seat[place] >> 1 == n * LANES) continue;    // empty
+        if (b.pair_side[place] >> 1 == n * LANES) continue;    // empty
         if (slopes) {
           require_equal(b.slope[place], slope[m] * c.per_pressure, n * largest, "slope", n);
           require_equal(b.rate[place],

@@ -242,7 +242,7 @@ void PairDeformableDroplet::finish_droplets()
     double energy = -solver->work(i), rest = 0.0;
     for (int n = 0; n < solver->contacts_of(i); ++n) {
       const int c = solver->place_of_contact(i, n);
-      const int k = solver->seat(c) >> 1;
+      const int k = solver->pair_side(c) >> 1;
       energy += p.force[k] * solver->indentation(c);
       // more precise than solver->residual_overlap(k)
       const double left =
@@ -263,7 +263,8 @@ void PairDeformableDroplet::store_droplet(int i, double energy)
   int contacts = 0;
   for (int n = 0; n < solver->contacts_of(i); ++n) {
     const int c = solver->place_of_contact(i, n);
-    const double force = p.force[solver->seat(c) >> 1], facet = facet_radius(force, r, tension);
+    const double force = p.force[solver->pair_side(c) >> 1],
+                 facet = facet_radius(force, r, tension);
     moment += force * (r - solver->indentation(c));
     area += PI * facet * facet;
     contacts += force > 0.0;
@@ -299,7 +300,7 @@ void PairDeformableDroplet::list_contacts(int groupbit, std::vector<double> &row
     if (!(atom->mask[i] & groupbit)) continue;
     for (int m = 0; m < solver->contacts_of(i); ++m) {
       const int c = solver->place_of_contact(i, m);
-      const int k = solver->seat(c) >> 1, side = solver->seat(c) & 1;
+      const int k = solver->pair_side(c) >> 1, side = solver->pair_side(c) & 1;
       const double force = p.force[k], sign = side ? -1.0 : 1.0;
       if (force == 0.0) continue;
       const Vector3 n = sign * p.normal(k), push = force_of_contact(k, side),

@@ -486,20 +486,20 @@ void PairDeformableRing::finish_balanced(int i)
   if (!needs_shapes() && !is_beyond && neighbor->ago != 0) return;
 
   const NearPairs &p = balanced->pairs();
-  const Contacts row = {balanced->shape_of(i, contacts, seats, shape), contacts.data()};
+  const Contacts row = {balanced->shape_of(i, contacts, pair_sides, shape), contacts.data()};
   // the particle or wall of a contact
   const auto partner = [&](int c) {
-    const int k = seats[c] >> 1;
-    return seats[c] & 1 ? p.i[k] : p.j[k];
+    const int k = pair_sides[c] >> 1;
+    return pair_sides[c] & 1 ? p.i[k] : p.j[k];
   };
   if (neighbor->ago == 0 && !is_within_reach(i, row)) refuse_bulge(i, row, partner(deepest(row)));
   for (int c = 0; c < row.size; ++c) {
-    const int k = seats[c] >> 1, other = partner(c);
+    const int k = pair_sides[c] >> 1, other = partner(c);
     double &length = shape.contact[c].length;
     length = balanced->line_length(i, k, length);
     const double distance = other < 0 ? radii[i] - row[c].indentation : 1.0 / p.per_distance[k];
     // each of two particles has half of the force along the line of centers
-    const int side = seats[c] & 1;
+    const int side = pair_sides[c] & 1;
     Push push = push_of(k, p.centers(k), other < 0 ? 1.0 : 0.5, balanced->outline_slope(k, side));
     if (side) push = {-push.fx, -push.fy};
     RecordedLine line = {balanced->tilt(k), balanced->half_angle(k)};

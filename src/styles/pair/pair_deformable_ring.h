@@ -76,7 +76,7 @@ class PairDeformableRing : public PairDeformable {
   deformable::Energy shape_ring(int i, const deformable::Contacts &, const deformable::Stiffness &);
 
   std::vector<deformable::Contact> contacts;    // of one particle
-  std::vector<int> seats;
+  std::vector<int> pair_sides;
   void evaluate_balanced(bool new_material);
   double push_part = 1.0;    // of forces, see DualSolver::Push
   Push push_of(int k, const NearPairs::Centers &, double share, double slope) const;
