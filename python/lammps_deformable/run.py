@@ -117,7 +117,7 @@ def _column(words: Sequence[str | None]) -> NDArray[Any]:
         return np.array([int(word or "") for word in words], dtype=np.int64)
     with suppress(ValueError):
         return np.array([float(word) if word else np.nan for word in words], dtype=np.float64)
-    return np.array([word or "" for word in words])
+    return np.array(words)
 
 
 # Results of a law, in the order of columns.
@@ -147,6 +147,7 @@ def _recorded_state(
         )
         for name in _results_of(law)
     }
+    minimizer = row.get("minimizer", "none")
     known: dict[str, Any] = {
         "results": results,
         "velocities": motion.velocities,
@@ -157,7 +158,7 @@ def _recorded_state(
         "energy": float(row["energy"]),
         "residual": float(row["residual"]),
         "converged": row["stalled"] != str(True),
-        "minimizer": row.get("minimizer") or None,
+        "minimizer": None if minimizer == "none" else minimizer,
         "iterations": int(row["iterations"]) if row.get("iterations") else None,
         "beyond": int(row.get("beyond") or 0),
         "pressure_tensor": _stress_in(row, packing.dimension),

@@ -1125,7 +1125,7 @@ class State:
             "rattlers": int(np.sum(self.rattlers)),
             "residual": self.residual,
             "stalled": not self.converged,
-            "minimizer": self.minimizer or "",
+            "minimizer": self.minimizer or "none",
             "iterations": self.iterations,
         }
         if isinstance(self.law, _SAVED):
