@@ -211,6 +211,9 @@ def force_rounding(box: NDArray[np.float64], stiffness: float) -> float:
     return _ROUNDINGS * stiffness * coordinate * float(np.finfo(float).eps)
 
 
+# Iterations of one call of L-BFGS, after which a callback sees it; it begins anew then.
+_LBFGS_ITERATIONS = 1000
+
 # L-BFGS has failed where it ends at more than this times the force that it was asked for.
 _FAILED = 2.0
 
@@ -237,7 +240,7 @@ def lbfgs_or_fire(sim: Simulation, tolerance: float, fire: Minimizer, smallest: 
         if sim._fell_back:
             return fire(forces, left, most)
         force = 0.5 * tolerance * forces.scale  # the scale falls a little further meanwhile
-        number = min(left, most)
+        number = min(left, most, _LBFGS_ITERATIONS)
         before = sim.lmp.extract_global("ntimestep")
         run_forces(sim.lmp, LBFGS + minimize_command(force, number), sim.walls)
         taken = sim.lmp.extract_global("ntimestep") - before
