@@ -42,6 +42,7 @@ function(add_level level lanes)
   set(library deformable_batches_${level})
   add_library(${library} OBJECT ${DEFORMABLE_DIR}/src/kernels/droplets.cpp
                                 ${DEFORMABLE_DIR}/src/kernels/forces.cpp
+                                ${DEFORMABLE_DIR}/src/kernels/fronts.cpp
                                 ${DEFORMABLE_DIR}/src/kernels/rings.cpp)
   target_link_libraries(${library} PRIVATE deformable_core)
   target_compile_definitions(${library} PRIVATE DEFORMABLE_LEVEL=${level} DEFORMABLE_LANES=${lanes})

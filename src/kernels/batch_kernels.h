@@ -59,12 +59,23 @@ using BatchKernel = void (*)(BlockParticle *const *particles, int count, Place *
                              bool shapes);
 
 // Kernels by the number of active contacts.
+// A front of a Cholesky factor, see fronts.cpp: its columns from those of the matrix, and what they subtract from the rows and
+// columns after them; and both halves of a solution, where y has the numbers of the columns, then those of the rows below. Behind y,
+// and behind the last column, are FRONT_MARGIN numbers more.
+constexpr int FRONT_MARGIN = 8;
+struct FrontKernels {
+  void (*factorize)(float *matrix, int width, int height);
+  void (*forward)(const float *lower, int width, int height, float *y);
+  void (*backward)(const float *lower, int width, int height, float *y);
+};
+
 struct BatchKernels {
   const BatchKernel *sector;
   // Beyond MOST_IN_BATCH: rings that change their perimeter; beyond twice that: with a tension.
   const BatchKernel *ring;
   const ForceKernels &forces;
   const DropletKernels &droplets;
+  const FrontKernels &fronts;
 };
 
 // The kernels of this level, or the fastest ones of this processor for an empty name. Null if the level is unknown, too high

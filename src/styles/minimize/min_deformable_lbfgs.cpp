@@ -33,7 +33,7 @@ static constexpr double CHANGED = 0.05;           // part of contacts
 static constexpr double GAP = 0.1;                // of pairs with a spring, over both radii
 static constexpr double LEAST_WEIGHT = 0.0025;    // of a spring: at a gap of ten median overlaps
 static constexpr double LOOSE = 1e-3;    // imbalance of contacts over the largest force [1e-4, 0.1]
-static constexpr double FIRST_STEP = 0.02;        // over the longest one
+static constexpr double FIRST_STEP = 0.02;    // over the longest one
 
 // All vectors are gone through piece by piece, each small enough for the cache.
 static constexpr int PIECE = 1024;
@@ -490,7 +490,7 @@ void MinDeformableLbfgs::renew()
   // coordinates without a force: of particles that a fix holds, of a plane, and of rattlers
   held.resize(nvec);
   for (int n = 0; n < nvec; ++n) held[n] = fvec[n] == 0.0;
-  matrix.factorize(domain->dimension, nlocal, xvec, held, elements);
+  matrix.factorize(pair->front_kernels(), domain->dimension, nlocal, xvec, held, elements);
   double here = matrix.solves_per_factor();
   double solves;
   MPI_Allreduce(&here, &solves, 1, MPI_DOUBLE, MPI_MAX, world);

@@ -9,79 +9,49 @@
 using namespace LAMMPS_NS;
 using deformable::Vector3;
 
-namespace {
-
-double component(const Vector3 &v, int axis)
+static double component(const Vector3 &v, int axis)
 {
   return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
 }
 
-// A block is stored row by row. c -= a b^T
-template <int D> void subtract_product(const double *a, const double *b, double *c)
-{
-  for (int r = 0; r < D; ++r)
-    for (int s = 0; s < D; ++s) {
-      double sum = 0.0;
-      for (int t = 0; t < D; ++t) sum += a[D * r + t] * b[D * s + t];
-      c[D * r + s] -= sum;
-    }
-}
-
-// The inverse of the lower triangle l of a = l l^T, which is positive definite.
-template <int D> void inverse_triangle(const double *a, double *inverse)
-{
-  double l[D][D] = {};
-  for (int r = 0; r < D; ++r)
-    for (int s = 0; s <= r; ++s) {
-      double sum = a[D * r + s];
-      for (int t = 0; t < s; ++t) sum -= l[r][t] * l[s][t];
-      l[r][s] = r == s ? std::sqrt(sum) : sum / l[s][s];
-    }
-  for (int s = 0; s < D; ++s)
-    for (int r = 0; r < D; ++r) {
-      double sum = r == s ? 1.0 : 0.0;
-      for (int t = s; t < r; ++t) sum -= l[r][t] * inverse[D * t + s];
-      inverse[D * r + s] = r < s ? 0.0 : sum / l[r][r];
-    }
-}
-
-}    // namespace
-
 /* ---------------------------------------------------------------------- */
 
-void SpringMatrix::factorize(int dimension_, int n, const double *x, const std::vector<char> &held,
+void SpringMatrix::factorize(const deformable::FrontKernels &kernels_, int dimension_, int n,
+                             const double *x, const std::vector<char> &held,
                              const std::vector<Element> &elements)
 {
+  kernels = kernels_;
   dimension = dimension_;
   size = n;
+  find_neighbors(elements);
+  order.resize(n);
+  std::iota(order.begin(), order.end(), 0);
+  side.assign(n, -1);
+  group.assign(n, -1);
+  sides = groups = 0;
+  fronts.clear();
+  dissect(x, 0, n);
+  place.resize(n);
+  for (int k = 0; k < n; ++k) place[order[k]] = k;
+  find_blocks(held, elements);
+  factorize_fronts();
+}
 
-  first_neighbor.assign(n + 1, 0);
+void SpringMatrix::find_neighbors(const std::vector<Element> &elements)
+{
+  first_neighbor.assign(size + 1, 0);
   for (const Element &e : elements)
     if (e.j >= 0) {
       ++first_neighbor[e.i];
       ++first_neighbor[e.j];
     }
   std::partial_sum(first_neighbor.begin(), first_neighbor.end(), first_neighbor.begin());
-  neighbor.resize(first_neighbor[n]);
+  neighbor.resize(first_neighbor[size]);
   for (const Element &e : elements)
     if (e.j >= 0) {
       neighbor[--first_neighbor[e.i]] = e.j;
       neighbor[--first_neighbor[e.j]] = e.i;
     }
-
-  order.resize(n);
-  std::iota(order.begin(), order.end(), 0);
-  side.assign(n, -1);
-  group.assign(n, -1);
-  sides = groups = 0;
-  dissect(x, 0, n);
-  place.resize(n);
-  for (int k = 0; k < n; ++k) place[order[k]] = k;
-  find_structure();
-  if (dimension == 2)
-    factorize<2>(held, elements);
-  else
-    factorize<3>(held, elements);
 }
 
 /* ----------------------------------------------------------------------
@@ -100,7 +70,10 @@ void SpringMatrix::dissect(const double *x, int begin, int end)
     for (int k = begin; k < end; ++k) group[order[k]] = groups;
     ++groups;
   }
-  if (n <= FEW) return;
+  if (n <= FEW) {
+    add_front(begin, end);
+    return;
+  }
 
   int axis = 0;
   double longest = -1.0;
@@ -133,202 +106,200 @@ void SpringMatrix::dissect(const double *x, int begin, int end)
   const auto parting = std::partition(at(begin), at(middle), [&](int i) { return !touches(i); });
   const int near = static_cast<int>(parting - at(begin));
   std::rotate(parting, at(middle), at(end));
+  const int last = begin + near + end - middle;
   dissect(x, begin, begin + near);
-  dissect(x, begin + near, begin + near + end - middle);
+  dissect(x, begin + near, last);
+  add_front(last, end);
+}
+
+void SpringMatrix::add_front(int begin, int end)
+{
+  if (begin < end) fronts.push_back({begin, end, 0, 0, 0, 0});
 }
 
 /* ----------------------------------------------------------------------
-   Column k of L has the rows of column k of P, and those of all columns whose
-   first row is k.
+   P: the blocks of d x d numbers on its diagonal, and those of springs.
 ------------------------------------------------------------------------- */
 
-void SpringMatrix::find_structure()
+void SpringMatrix::find_blocks(const std::vector<char> &held, const std::vector<Element> &elements)
 {
-  const int n = size;
-  std::vector<int> last_child(n, -1), sibling(n, -1), seen(n, -1);
-  first.assign(n + 1, 0);
-  row.clear();
-  for (int k = 0; k < n; ++k) {
-    const int i = order[k];
-    const auto add = [&](int r) {
-      if (r <= k || seen[r] == k) return;
-      seen[r] = k;
-      row.push_back(r);
-    };
-    for (int c = first_neighbor[i]; c < first_neighbor[i + 1]; ++c)
-      if (group[neighbor[c]] == group[i]) add(place[neighbor[c]]);
-    for (int child = last_child[k]; child >= 0; child = sibling[child])
-      for (int b = first[child]; b < first[child + 1]; ++b) add(row[b]);
-    first[k + 1] = static_cast<int>(row.size());
-    if (first[k] == first[k + 1]) continue;
-    std::sort(row.begin() + first[k], row.end());
-    const int parent = row[first[k]];
-    sibling[k] = last_child[parent];
-    last_child[parent] = k;
-  }
-}
-
-/* ----------------------------------------------------------------------
-   Column by column: all earlier columns that have a block in row k are
-   subtracted from column k. They stand in a list of those whose next block is
-   in this row.
-------------------------------------------------------------------------- */
-
-template <int D>
-void SpringMatrix::factorize(const std::vector<char> &held, const std::vector<Element> &elements)
-{
-  constexpr int B = D * D;
-  const int n = size;
-  value.assign(B * row.size(), 0.0);
-  diagonal.assign(B * n, 0.0);
-  unknown.resize(D * n);
-  products = 0.0;
+  const int D = dimension, B = D * D;
+  diagonal.assign(static_cast<std::size_t>(B) * size, 0.0);
+  const auto is_block = [this](const Element &e) { return e.j >= 0 && group[e.i] == group[e.j]; };
+  first_block.assign(size + 1, 0);
+  for (const Element &e : elements)
+    if (is_block(e)) ++first_block[std::min(place[e.i], place[e.j])];
+  std::partial_sum(first_block.begin(), first_block.end(), first_block.begin());
+  blocks.resize(first_block[size]);
 
   for (const Element &e : elements) {
-    double a[D], b[D];
+    double a[3], b[3];
     for (int r = 0; r < D; ++r) {
       a[r] = held[3 * e.i + r] ? 0.0 : component(e.n, r);
       b[r] = e.j < 0 || held[3 * e.j + r] ? 0.0 : component(e.n, r);
     }
     double *const of_i = &diagonal[B * place[e.i]];
-    for (int r = 0; r < D; ++r)
-      for (int s = 0; s < D; ++s) of_i[D * r + s] += e.weight * a[r] * a[s];
+    for (int t = 0; t < B; ++t) of_i[t] += e.weight * a[t / D] * a[t % D];
     if (e.j < 0) continue;
     double *const of_j = &diagonal[B * place[e.j]];
-    for (int r = 0; r < D; ++r)
-      for (int s = 0; s < D; ++s) of_j[D * r + s] += e.weight * b[r] * b[s];
-    if (group[e.i] != group[e.j]) continue;
-    const bool later = place[e.i] > place[e.j];    // the row is that of the later one
-    const int k = later ? place[e.j] : place[e.i];
-    const int r_place = later ? place[e.i] : place[e.j];
-    const auto found =
-        std::lower_bound(row.begin() + first[k], row.begin() + first[k + 1], r_place);
-    double *const block = &value[B * (found - row.begin())];
-    const double *const below = later ? a : b, *const above = later ? b : a;
-    for (int r = 0; r < D; ++r)
-      for (int s = 0; s < D; ++s) block[D * r + s] -= e.weight * below[r] * above[s];
+    for (int t = 0; t < B; ++t) of_j[t] += e.weight * b[t / D] * b[t % D];
+    if (!is_block(e)) continue;
+    const bool j_later = place[e.j] > place[e.i];
+    const double *const below = j_later ? b : a, *const above = j_later ? a : b;
+    Block &block = blocks[--first_block[std::min(place[e.i], place[e.j])]];
+    block.later = std::max(place[e.i], place[e.j]);
+    for (int t = 0; t < B; ++t) block.number[t] = -e.weight * below[t / D] * above[t % D];
   }
 
   double trace = 0.0;
   int free = 0;
-  for (int k = 0; k < n; ++k)
+  for (int k = 0; k < size; ++k)
     for (int r = 0; r < D; ++r) {
       trace += diagonal[B * k + (D + 1) * r];
       free += !held[3 * order[k] + r];
     }
   mean = trace > 0.0 ? trace / free : 1.0;
-  for (int k = 0; k < n; ++k)
+  for (int k = 0; k < size; ++k)
     for (int r = 0; r < D; ++r)
       diagonal[B * k + (D + 1) * r] += held[3 * order[k] + r] ? mean : EPSILON * mean;
+}
 
-  std::vector<int> next(n), chain(n, -1), in_row(n, -1);
-  std::vector<double> whole_column(B * n);
-  double *const column = whole_column.data(), *const lower = value.data();
-  const int *const rows = row.data();
-  for (int k = 0; k < n; ++k) {
-    const int begin = first[k], end = first[k + 1];
-    const double blocks = end - begin;
-    products += 0.5 * blocks * (blocks + 3.0);
-    double *const on_diagonal = &diagonal[B * k];
-    for (int b = begin; b < end; ++b) std::copy_n(lower + B * b, B, column + B * rows[b]);
-    for (int c = in_row[k]; c >= 0;) {
-      const int of_k = next[c]++, end_of_c = first[c + 1], following = chain[c];
-      const double *const factor = lower + B * of_k;
-      subtract_product<D>(factor, factor, on_diagonal);
-      for (int b = of_k + 1; b < end_of_c; ++b)
-        subtract_product<D>(lower + B * b, factor, column + B * rows[b]);
-      if (next[c] < end_of_c) {
-        const int r = rows[next[c]];
-        chain[c] = in_row[r];
-        in_row[r] = c;
-      }
-      c = following;
+/* ----------------------------------------------------------------------
+   Front by front: its columns of P, and what earlier fronts have left of them;
+   then L of these columns, and what that subtracts from the rows below. An
+   earlier front hands it on to that of its first row.
+------------------------------------------------------------------------- */
+
+void SpringMatrix::factorize_fronts()
+{
+  const int D = dimension, n = static_cast<int>(fronts.size());
+  std::vector<int> front_of(size), last_child(n, -1), sibling(n, -1), local(size), seen(size, -1);
+  std::vector<std::vector<float>> left(n);    // the rows below, as a square matrix
+  std::vector<float> whole;
+  for (int f = 0; f < n; ++f)
+    for (int k = fronts[f].begin; k < fronts[f].end; ++k) front_of[k] = f;
+  rows.clear();
+  lower.clear();
+  std::size_t highest = 0;
+  for (int f = 0; f < n; ++f) {
+    Front &front = fronts[f];
+    const int begin = front.begin, end = front.end;
+    const auto add_row = [&](int r) {
+      if (r < end || seen[r] == f) return;
+      seen[r] = f;
+      rows.push_back(r);
+    };
+    front.first_row = static_cast<int>(rows.size());
+    for (int b = first_block[begin]; b < first_block[end]; ++b) add_row(blocks[b].later);
+    for (int child = last_child[f]; child >= 0; child = sibling[child])
+      for (int r = fronts[child].first_row; r < fronts[child].last_row; ++r) add_row(rows[r]);
+    front.last_row = static_cast<int>(rows.size());
+    std::sort(rows.begin() + front.first_row, rows.end());
+    for (int k = begin; k < end; ++k) local[k] = D * (k - begin);
+    const int width = D * (end - begin);
+    for (int r = front.first_row; r < front.last_row; ++r)
+      local[rows[r]] = width + D * (r - front.first_row);
+    const int height = front.height = width + D * (front.last_row - front.first_row);
+    highest = std::max<std::size_t>(highest, height);
+
+    // columns of height numbers each, the lower triangle only
+    whole.assign(static_cast<std::size_t>(height) * height, 0.0F);
+    const auto at = [&](int row, int col) -> float & {
+      return whole[static_cast<std::size_t>(col) * height + row];
+    };
+    for (int k = begin; k < end; ++k) {
+      for (int t = 0; t < D * D; ++t)
+        at(local[k] + t / D, local[k] + t % D) += static_cast<float>(diagonal[D * D * k + t]);
+      for (int b = first_block[k]; b < first_block[k + 1]; ++b)
+        for (int t = 0; t < D * D; ++t)
+          at(local[blocks[b].later] + t / D, local[k] + t % D) +=
+              static_cast<float>(blocks[b].number[t]);
     }
-    double inverse[B];
-    inverse_triangle<D>(on_diagonal, inverse);
-    std::copy_n(inverse, B, on_diagonal);
-    for (int b = begin; b < end; ++b) {
-      double *const block = lower + B * b;
-      std::fill_n(block, B, 0.0);
-      subtract_product<D>(column + B * rows[b], inverse, block);
-      for (int t = 0; t < B; ++t) block[t] = -block[t];
+    for (int child = last_child[f]; child >= 0; child = sibling[child]) {
+      const Front &of = fronts[child];
+      const int side_length = D * (of.last_row - of.first_row);
+      const float *column_of_child = left[child].data();
+      for (int c = of.first_row; c < of.last_row; ++c)
+        for (int s = 0; s < D; ++s, column_of_child += side_length)
+          for (int r = c; r < of.last_row; ++r)
+            for (int t = 0; t < D; ++t)
+              at(local[rows[r]] + t, local[rows[c]] + s) +=
+                  column_of_child[D * (r - of.first_row) + t];
+      left[child] = {};
     }
-    if (begin == end) continue;
-    next[k] = begin;
-    chain[k] = in_row[row[begin]];
-    in_row[row[begin]] = k;
+
+    kernels.factorize(whole.data(), width, height);
+    front.at = lower.size();
+    lower.insert(lower.end(), whole.begin(),
+                 whole.begin() + static_cast<std::size_t>(width) * height);
+    if (front.first_row == front.last_row) continue;
+    for (int c = width; c < height; ++c)
+      left[f].insert(left[f].end(), &at(width, c), &at(width, c) + height - width);
+    const int parent = front_of[rows[front.first_row]];
+    sibling[f] = last_child[parent];
+    last_child[parent] = f;
   }
+  unknown.resize(static_cast<std::size_t>(D) * size);
+  lower.resize(lower.size() + deformable::FRONT_MARGIN);
+  column.resize(highest + deformable::FRONT_MARGIN);
 }
 
 /* ---------------------------------------------------------------------- */
 
-template <int D> void SpringMatrix::solve_blocks()
-{
-  constexpr int B = D * D;
-  const int *const begin_of = first.data(), *const rows = row.data();
-  const double *const blocks = value.data(), *const inverses = diagonal.data();
-  double *const u = unknown.data();
-  for (int k = 0; k < size; ++k) {
-    const double *const inverse = inverses + B * k;
-    double v[D];
-    for (int r = 0; r < D; ++r) {
-      v[r] = 0.0;
-      for (int s = 0; s <= r; ++s) v[r] += inverse[D * r + s] * u[D * k + s];
-    }
-    for (int r = 0; r < D; ++r) u[D * k + r] = v[r];
-    for (int b = begin_of[k]; b < begin_of[k + 1]; ++b) {
-      const double *const block = blocks + B * b;
-      double *const w = u + D * rows[b];
-      for (int r = 0; r < D; ++r) {
-        double product = 0.0;
-        for (int s = 0; s < D; ++s) product += block[D * r + s] * v[s];
-        w[r] -= product;
-      }
-    }
-  }
-  for (int k = size - 1; k >= 0; --k) {
-    const double *const inverse = inverses + B * k;
-    double v[D];
-    for (int r = 0; r < D; ++r) v[r] = u[D * k + r];
-    for (int b = begin_of[k]; b < begin_of[k + 1]; ++b) {
-      const double *const block = blocks + B * b, *const w = u + D * rows[b];
-      for (int s = 0; s < D; ++s) {
-        double product = 0.0;
-        for (int r = 0; r < D; ++r) product += block[D * r + s] * w[r];
-        v[s] -= product;
-      }
-    }
-    for (int r = 0; r < D; ++r) {
-      double sum = 0.0;
-      for (int s = r; s < D; ++s) sum += inverse[D * s + r] * v[s];
-      u[D * k + r] = sum;
-    }
-  }
-}
-
 void SpringMatrix::solve(const std::vector<int> &index, const double *q, double *z)
 {
-  const int particles = static_cast<int>(index.size());
-  std::fill(unknown.begin(), unknown.end(), 0.0);
+  const int D = dimension, particles = static_cast<int>(index.size());
+  double largest = 0.0;    // single precision has a small range
+  for (int k = 0; k < 3 * particles; ++k) largest = std::max(largest, std::fabs(q[k]));
+  if (!(largest > 0.0)) largest = 1.0;
+  std::fill(unknown.begin(), unknown.end(), 0.0F);
   for (int i = 0; i < particles; ++i)
-    if (index[i] >= 0) std::copy_n(q + 3 * i, dimension, &unknown[dimension * place[index[i]]]);
-  if (dimension == 2)
-    solve_blocks<2>();
-  else
-    solve_blocks<3>();
+    for (int r = 0; r < D && index[i] >= 0; ++r)
+      unknown[D * place[index[i]] + r] = static_cast<float>(q[3 * i + r] / largest);
+
+  float *const y = column.data();
+  for (const Front &front : fronts) {
+    float *const own = &unknown[D * front.begin];
+    const int width = D * (front.end - front.begin), height = front.height;
+    std::copy_n(own, width, y);
+    std::fill(y + width, y + height, 0.0F);
+    kernels.forward(&lower[front.at], width, height, y);
+    std::copy_n(y, width, own);
+    const float *below = y + width;
+    for (int r = front.first_row; r < front.last_row; ++r, below += D)
+      for (int s = 0; s < D; ++s) unknown[D * rows[r] + s] += below[s];
+  }
+  for (auto front = fronts.rbegin(); front != fronts.rend(); ++front) {
+    float *const own = &unknown[D * front->begin], *below = y + D * (front->end - front->begin);
+    const int width = D * (front->end - front->begin), height = front->height;
+    std::copy_n(own, width, y);
+    for (int r = front->first_row; r < front->last_row; ++r, below += D)
+      std::copy_n(&unknown[D * rows[r]], D, below);
+    kernels.backward(&lower[front->at], width, height, y);
+    std::copy_n(y, width, own);
+  }
+
   for (int i = 0; i < particles; ++i) {
     for (int r = 0; r < 3; ++r) z[3 * i + r] = q[3 * i + r] / mean;
-    if (index[i] >= 0) std::copy_n(&unknown[dimension * place[index[i]]], dimension, z + 3 * i);
+    for (int r = 0; r < D && index[i] >= 0; ++r)
+      z[3 * i + r] = largest * unknown[D * place[index[i]] + r];
   }
 }
 
 double SpringMatrix::solves_per_factor() const
 {
-  return size == 0 ? 0.0 : products * dimension / (2.0 * row.size() + size);
+  double products = 0.0, of_solve = 0.0;
+  for (const Front &front : fronts) {
+    const double numbers =
+        static_cast<double>(front.height) * dimension * (front.end - front.begin);
+    products += 0.5 * numbers * front.height;
+    of_solve += 2.0 * numbers;
+  }
+  return of_solve > 0.0 ? products / of_solve : 0.0;
 }
 
 double SpringMatrix::memory_usage() const
 {
-  return bytes_of(order, place, first, row, value, diagonal, unknown, first_neighbor, neighbor,
-                  side, group);
+  return bytes_of(order, place, fronts, rows, lower, unknown, column, first_block, blocks, diagonal,
+                  first_neighbor, neighbor, side, group);
 }

@@ -129,6 +129,7 @@ class PairDeformable : public Pair {
   // For the next force calls: contacts need not balance better than to this force, where it is above the tolerance. A minimizer
   // says so as long as it is far from rest.
   virtual void accept_imbalance(double /*force*/) {}
+  const deformable::FrontKernels &front_kernels() const { return kernels->fronts; }
 
   bool has_wall(int code) const { return code < 0 && !walls.empty(); }
   // Of a wall's code.

@@ -1,0 +1,70 @@
+// Columns of the Cholesky factor of a sparse matrix that have the same rows (styles/minimize/spring_matrix.h): a lower triangle, and
+// what stands below. Each column has `height` numbers; those above the diagonal are nothing, and in the place of that on it is one
+// over it. Compiled for each level of SIMD instructions, see cmake/sources.cmake.
+
+#include "kernels/batch_kernels.h"
+#include "kernels/lanes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+namespace deformable::DEFORMABLE_LEVEL {
+
+extern const FrontKernels front_kernels;
+
+DEFORMABLE_LANE_FUNCTION void subtract(float *from, float factor, const float *v, int size)
+{
+  int n = 0;
+  for (; n + FLOATS <= size; n += FLOATS)
+    store_floats(from + n, load<Floats>(from + n) - factor * load<Floats>(v + n));
+  for (; n < size; ++n) from[n] -= factor * v[n];
+}
+
+// The same sum on every level. Behind b are FRONT_MARGIN zeros.
+DEFORMABLE_LANE_FUNCTION float product(const float *a, const float *b, int size)
+{
+  Floats parts[FRONT_MARGIN / FLOATS] = {};
+  for (int n = 0; n < size; n += FRONT_MARGIN)
+    for (int k = 0; k < FRONT_MARGIN / FLOATS; ++k)
+      parts[k] += load<Floats>(a + n + k * FLOATS) * load<Floats>(b + n + k * FLOATS);
+  float part[FRONT_MARGIN];
+  for (int k = 0; k < FRONT_MARGIN / FLOATS; ++k) store_floats(part + k * FLOATS, parts[k]);
+  return ((part[0] + part[4]) + (part[2] + part[6])) + ((part[1] + part[5]) + (part[3] + part[7]));
+}
+
+static void factorize_front(float *matrix, int width, int height)
+{
+  for (int c = 0; c < width; ++c) {
+    float *const column = matrix + static_cast<std::size_t>(c) * height;
+    const float inverse = 1.0F / std::sqrt(column[c]);
+    for (int r = c + 1; r < height; ++r) column[r] *= inverse;
+    column[c] = inverse;
+    for (int s = c + 1; s < height; ++s)
+      subtract(matrix + static_cast<std::size_t>(s) * height + s, column[s], column + s,
+               height - s);
+  }
+}
+
+static void forward(const float *column, int width, int height, float *y)
+{
+  for (int c = 0; c < width; ++c, column += height) {
+    const float here = y[c] *= column[c];
+    for (int r = c + 1; r < height; r += FLOATS)    // and some of the margin
+      store_floats(y + r, load<Floats>(y + r) - here * load<Floats>(column + r));
+  }
+}
+
+static void backward(const float *column, int width, int height, float *y)
+{
+  column += static_cast<std::size_t>(width) * height;
+  std::fill_n(y + height, FRONT_MARGIN, 0.0F);
+  for (int c = width - 1; c >= 0; --c) {
+    column -= height;
+    y[c] = (y[c] - product(column + c + 1, y + c + 1, height - c - 1)) * column[c];
+  }
+}
+
+const FrontKernels front_kernels = {factorize_front, forward, backward};
+
+}    // namespace deformable::DEFORMABLE_LEVEL
