@@ -27,7 +27,8 @@ target_compile_options(
 
 # What the plugin and Python share.
 file(GLOB GEOMETRY_SOURCES CONFIGURE_DEPENDS ${DEFORMABLE_DIR}/src/geometry/*.cpp)
-add_library(deformable_shared OBJECT ${GEOMETRY_SOURCES} ${DEFORMABLE_DIR}/src/kernels/levels.cpp)
+add_library(deformable_shared OBJECT ${GEOMETRY_SOURCES} ${DEFORMABLE_DIR}/src/kernels/levels.cpp
+                                     ${DEFORMABLE_DIR}/src/kernels/spring_matrix.cpp)
 target_link_libraries(deformable_shared PRIVATE deformable_core)
 set_target_properties(deformable_shared PROPERTIES POSITION_INDEPENDENT_CODE ON)
 set(SHARED_OBJECTS $<TARGET_OBJECTS:deformable_shared>)

@@ -217,6 +217,18 @@ class SoftDisks:
 
 class SoftSpheres(SoftDisks): ...
 
+class DiskSprings:
+    def __init__(
+        self,
+        x: _Vector,
+        i: NDArray[np.int64],
+        j: NDArray[np.int64],
+        direction: _Vector,
+        weight: _Vector,
+        epsilon: float,
+    ) -> None: ...
+    def __call__(self, q: _Vector) -> _Vector: ...
+
 def friction_time_step(
     mu: float, kt: float, gt: float, damp: float, mass: float, lever: float
 ) -> float: ...

@@ -1,6 +1,6 @@
 """Soft disks and spheres without LAMMPS, for `jam`: energy, enthalpy, and their minimizers.
 
-L-BFGS with a factored Hessian that is renewed now and then; damped motion for very many particles,
+L-BFGS, for disks with factored springs that are renewed now and then; damped motion for very many particles,
 of which some rearrange at any time. LAMMPS relaxes shares of very many particles on many ranks, by
 conjugate gradients.
 """
@@ -20,7 +20,6 @@ from . import core
 from .box import fractional, lengths
 from .core import dot, norm
 from .engines import open_disks
-from .hessian import factored
 from .lammps import gather, run
 from .neighbors import near_pairs
 from .packing import Packing
@@ -41,6 +40,9 @@ _SMOOTHING = 1.0
 # of the longest chain of isostatic contacts (Wyart, Ann. Phys. Fr. 30, 1 (2005)); of rattlers it is
 # zero.
 _SHIFT, _SHIFT_OF_SIZE = 5.0, 10.0
+
+# The same at least, in mean elements of the diagonal: springs are factored in single precision.
+_LEAST_SHIFT = 1e-4
 
 # Contacts with a smaller share do not count for the stiffness.
 _SMALLEST_SHARE = 1e-3
@@ -122,7 +124,7 @@ class Enthalpy:
         return energy + self._applied * area, np.append(gradient, growth)
 
     def preconditioner(self, z: Floats) -> Callable[[Floats], Floats]:
-        """Product of a gradient with the inverse of an approximate Hessian, at a pressure.
+        """Product of a gradient of disks with the inverse of an approximate Hessian, at a pressure.
 
         The Hessian is sum_c k_c (do_c/dz)(do_c/dz)^T plus a shift. A contact counts in part,
 
@@ -132,8 +134,6 @@ class Enthalpy:
         and closes contacts. Without the negative part of contacts under pressure it is positive
         definite.
         """
-        from scipy.sparse import csr_matrix, identity
-
         pressure, dimension = self._applied, self._dimension
         x, scale = self._unpacked(z)
         self._list(x, scale)
@@ -151,18 +151,18 @@ class Enthalpy:
         smoothing = 2.0 * _SMOOTHING * pressure * self._thickness * self._smallest
         share = 0.5 * (1.0 - gap / np.hypot(gap, 2.0 * smoothing))
         near = share > _SMALLEST_SHARE
-        share, lever, direction = share[near], scale * lever[near], scale * direction[near]
-        count, first = dimension * len(x), dimension * np.stack([i[near], j[near]], axis=1)
-        values = np.stack(
-            [-direction, np.where(j[near] < 0, 0.0, 1.0)[:, None] * direction], axis=1
-        )
-        columns = np.maximum(first, 0)[..., None] + np.arange(dimension)
-        ends = np.arange(0, columns.size + 1, 2 * dimension)
-        rigidity = csr_matrix((values.ravel(), columns.ravel(), ends), shape=(len(share), count))
-        weighted = rigidity.T.multiply(share).tocsr()
+        share, lever, direction = share[near], scale * lever[near], direction[near]
+        i, j, pair = i[near], j[near], j[near] >= 0
         shift = self.softest
-        inverse = factored(weighted @ rigidity + shift * identity(count))
-        coupling = weighted @ lever / self._length
+        weight = share * scale**2
+        diagonal = (weight.sum() + weight[pair].sum()) / x.size
+        epsilon = max(shift / diagonal, _LEAST_SHIFT) if diagonal > 0.0 else 1.0
+        inverse = core.DiskSprings(x, i, j, direction, weight, epsilon)
+        pull = (share * scale * lever / self._length)[:, None] * direction
+        coupling = np.zeros_like(x)
+        np.add.at(coupling, i, -pull)
+        np.add.at(coupling, j[pair], pull[pair])
+        coupling = coupling.ravel()
         response = inverse(coupling)
         area = self._room * scale**dimension
         work = dimension**2 * pressure * area + core.dot(share, lever**2)
@@ -310,7 +310,9 @@ def _relax(
         mass, softest = enthalpy.mass, enthalpy.softest
         z, enough = settle(enthalpy, start, mass, softest, relaxed, largest_step, patience, tell)
     else:
-        inverse = None if applied is None else enthalpy.preconditioner
+        # in space springs cost more than the iterations that they save
+        springs = applied is not None and packing.dimension == 2
+        inverse = enthalpy.preconditioner if springs else None
         z, enough = minimize(enthalpy, start, relaxed, largest_step, patience, tell, inverse)
     _, gradient = enthalpy(z)
     found = enthalpy.packing(z)

@@ -5,6 +5,7 @@
 #define DEFORMABLE_BLOCK_WALK_H
 
 #include "kernels/batch_kernels.h"
+#include "kernels/large_vector.h"
 #include "laws/contact.h"
 #include "laws/shape.h"
 #include "laws/stiffness.h"
@@ -52,10 +53,7 @@ struct ContactBlock {
 
   double bytes() const
   {
-    const auto of = [](const auto &v) {
-      return static_cast<double>(v.capacity() * sizeof(*v.data()));
-    };
-    return of(particles) + of(places) + of(waiting) + of(sorted) + of(arranged) + of(contacts);
+    return LAMMPS_NS::bytes_of(particles, places, waiting, sorted, arranged, contacts);
   }
 };
 

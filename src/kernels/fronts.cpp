@@ -1,4 +1,4 @@
-// Columns of the Cholesky factor of a sparse matrix that have the same rows (styles/minimize/spring_matrix.h): a lower triangle, and
+// Columns of the Cholesky factor of a sparse matrix that have the same rows (kernels/spring_matrix.h): a lower triangle, and
 // what stands below. Each column has `height` numbers; those above the diagonal are nothing, and in the place of that on it is one
 // over it. Compiled for each level of SIMD instructions, see cmake/sources.cmake.
 

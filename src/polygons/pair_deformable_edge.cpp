@@ -1,6 +1,6 @@
 #include "polygons/pair_deformable_edge.h"
 
-#include "solver/large_vector.h"
+#include "kernels/large_vector.h"
 #include "styles/lammps_release.h"
 #include "styles/refusals.h"
 

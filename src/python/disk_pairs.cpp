@@ -1,5 +1,7 @@
 #include "python/laws.h"
 
+#include "kernels/spring_matrix.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -110,6 +112,53 @@ E = 1/2 sum_c o_c^2 with the overlaps o = max(R_i + R_j - d, 0) and d = scale |x
 stiffness. The virial is sum_c o_c d_c.)");
 }
 
+// Unit directions; j < 0: of a wall.
+SpringMatrix spring_matrix(Places<2> x, Numbers i, Numbers j, Places<2> direction, Lengths weight,
+                           double epsilon)
+{
+  const std::size_t count = i.size(), disks = x.shape(0);
+  if (j.size() != count || direction.shape(0) != count || weight.size() != count)
+    refuse("i, j, direction and weight must have one value for each of " + std::to_string(count) +
+           " springs");
+  std::vector<SpringMatrix::Element> elements;
+  for (std::size_t c = 0; c < count; ++c) {
+    const std::int64_t first = i.data()[c], second = j.data()[c];
+    const std::int64_t number = static_cast<std::int64_t>(disks);
+    if (first < 0 || first >= number || second >= number)
+      refuse("spring " + std::to_string(c) + " has the disks " + std::to_string(first) + " and " +
+             std::to_string(second) + " of " + std::to_string(disks));
+    if (first == second) continue;    // its own image moves with it
+    const double *const n = direction.data() + 2 * c;
+    elements.push_back({static_cast<int>(first),
+                        static_cast<int>(std::max<std::int64_t>(second, -1)),
+                        {n[0], n[1], 0.0},
+                        weight.data()[c]});
+  }
+  std::vector<double> places(3 * disks, 0.0);
+  for (std::size_t k = 0; k < disks; ++k) std::copy_n(x.data() + 2 * k, 2, &places[3 * k]);
+  SpringMatrix matrix;
+  matrix.factorize(batch_kernels("")->fronts, 2, static_cast<int>(disks), places.data(),
+                   std::vector<char>(3 * disks, 0), elements, epsilon);
+  return matrix;
+}
+
+Vector solve(SpringMatrix &matrix, Lengths q)
+{
+  const std::size_t disks = matrix.particles();
+  if (q.size() != 2 * disks)
+    refuse("q has " + std::to_string(q.size()) + " numbers: it must have " +
+           std::to_string(2 * disks));
+  std::vector<int> index(disks);
+  std::vector<double> of_three(3 * disks, 0.0), found(3 * disks), result(q.size());
+  for (std::size_t k = 0; k < disks; ++k) {
+    index[k] = static_cast<int>(k);
+    std::copy_n(q.data() + 2 * k, 2, &of_three[3 * k]);
+  }
+  matrix.solve(index, of_three.data(), found.data());
+  for (std::size_t k = 0; k < disks; ++k) std::copy_n(&found[3 * k], 2, &result[2 * k]);
+  return to_numpy<Vector>(result.data(), {result.size()});
+}
+
 }    // namespace
 
 void deformable::bind_disk_pairs(nb::module_ &m)
@@ -134,4 +183,28 @@ ValueError
   bind<3>(
       m, "SoftSpheres",
       "Pairs of soft spheres that may touch: `SoftDisks` in three dimensions, with shift (M, 3).");
+  nb::class_<SpringMatrix>(m, "DiskSprings",
+                           R"(Springs between disks as a matrix P, which is factorized.
+
+P = sum over springs of w (n, -n) (n, -n)^T + epsilon <diagonal> 1, in single precision.
+
+Parameters
+----------
+x : (N, 2)
+    Centers; they order the factor only [length].
+i, j : (M,) int64
+    Numbers of the disks of each spring; j < 0: a wall.
+direction : (M, 2)
+    Unit vectors n.
+weight : (M,)
+    w.
+epsilon : float
+    In mean elements of the diagonal.
+
+Raises
+------
+ValueError
+    Arrays of different lengths; numbers of disks that are not there.)")
+      .def(nb::new_(&spring_matrix), "x"_a, "i"_a, "j"_a, "direction"_a, "weight"_a, "epsilon"_a)
+      .def("__call__", &solve, "q"_a, "P^-1 q, shape (2 N,).");
 }

@@ -6,7 +6,7 @@
 
 #include "geometry/surface.h"
 #include "kernels/force_kernels.h"
-#include "solver/large_vector.h"
+#include "kernels/large_vector.h"
 
 #include <cmath>
 #include <cstddef>

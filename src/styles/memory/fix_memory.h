@@ -9,7 +9,7 @@
 
 #include "fix.h"
 
-#include "solver/large_vector.h"
+#include "kernels/large_vector.h"
 
 #include "atom.h"
 

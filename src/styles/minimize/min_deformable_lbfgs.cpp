@@ -2,7 +2,7 @@
 
 #ifdef DEFORMABLE_HAS_MIN
 
-#include "solver/large_vector.h"
+#include "kernels/large_vector.h"
 #include "styles/lammps_release.h"
 
 #include "atom.h"
@@ -33,6 +33,7 @@ static constexpr double CHANGED = 0.05;           // part of contacts
 static constexpr double GAP = 0.1;                // of pairs with a spring, over both radii
 static constexpr double LEAST_WEIGHT = 0.0025;    // of a spring: at a gap of ten median overlaps
 static constexpr double LOOSE = 1e-3;    // imbalance of contacts over the largest force [1e-4, 0.1]
+static constexpr double EPSILON = 0.003;      // of P
 static constexpr double FIRST_STEP = 0.02;    // over the longest one
 
 // All vectors are gone through piece by piece, each small enough for the cache.
@@ -469,7 +470,7 @@ void MinDeformableLbfgs::renew()
   std::vector<std::pair<tagint, int>> owners;    // particles of this rank, by ID
   for (int i = 0; i < nlocal && atom->tag_enable; ++i) owners.emplace_back(atom->tag[i], i);
   std::sort(owners.begin(), owners.end());
-  std::vector<SpringMatrix::Element> elements;
+  std::vector<deformable::SpringMatrix::Element> elements;
   for (const Spring &spring : springs) {
     const double o = spring.overlap, width = std::sqrt(o * o + 4.0 * median * median);
     const double weight = width > 0.0 ? 0.5 * (1.0 + o / width) : 0.0;
@@ -490,7 +491,7 @@ void MinDeformableLbfgs::renew()
   // coordinates without a force: of particles that a fix holds, of a plane, and of rattlers
   held.resize(nvec);
   for (int n = 0; n < nvec; ++n) held[n] = fvec[n] == 0.0;
-  matrix.factorize(pair->front_kernels(), domain->dimension, nlocal, xvec, held, elements);
+  matrix.factorize(pair->front_kernels(), domain->dimension, nlocal, xvec, held, elements, EPSILON);
   double here = matrix.solves_per_factor();
   double solves;
   MPI_Allreduce(&here, &solves, 1, MPI_DOUBLE, MPI_MAX, world);

@@ -25,7 +25,7 @@ MinimizeStyle(deformable/lbfgs,MinDeformableLbfgs);
 
 #ifdef DEFORMABLE_HAS_MIN
 
-#include "styles/minimize/spring_matrix.h"
+#include "kernels/spring_matrix.h"
 #include "styles/pair/pair_deformable.h"
 
 #include <vector>
@@ -82,7 +82,7 @@ class MinDeformableLbfgs : public Min {
   // P
   PairDeformable *pair = nullptr;    // null: of another style
   bool preconditioned = false;       // else P = 1
-  SpringMatrix matrix;
+  deformable::SpringMatrix matrix;
   std::vector<Spring> springs;
   bool outdated = true;        // P
   bool moved = false;          // atoms, to other indices and ranks, since P is there

@@ -11,7 +11,7 @@
 #include "laws/stiffness.h"
 #include "geometry/surface.h"
 #include "styles/species.h"
-#include "solver/large_vector.h"
+#include "kernels/large_vector.h"
 #include "styles/refusals.h"
 #include "styles/walls/fix_deformable_wall.h"
 

@@ -84,7 +84,7 @@ def test_gradient_is_that_of_finite_differences() -> None:
             assert gradient @ direction == pytest.approx(slope, rel=1e-6), name
 
 
-@pytest.mark.parametrize("name", ["circle", "leaning"])
+@pytest.mark.parametrize("name", ["circle", "tilted"])
 def test_preconditioner_is_symmetric_and_follows_the_hessian(name: str) -> None:
     """Contacts count by a half to one, and 5 P is added to stiffnesses of about 1."""
     relaxed = relax_at_pressure(PACKINGS[name], 0.01, 1e-4, 1000, lambda *values: None).packing
@@ -93,7 +93,8 @@ def test_preconditioner_is_symmetric_and_follows_the_hessian(name: str) -> None:
     enthalpy(z)
     solve = enthalpy.preconditioner(z)
     one, other = rng.normal(size=(2, len(z)))
-    assert solve(one) @ other == pytest.approx(solve(other) @ one, rel=1e-9)
+    # in single precision
+    assert solve(one) @ other == pytest.approx(solve(other) @ one, rel=1e-5)
     assert solve(one) @ one > 0.0
     small = 1e-7
     hessian = (enthalpy(z + small * one)[1] - enthalpy(z - small * one)[1]) / (2 * small)
@@ -118,7 +119,7 @@ def test_list_of_pairs_follows_large_steps() -> None:
 def test_relaxation_at_a_pressure(name: str) -> None:
     """The box keeps its shape, and has the pressure."""
     packing = PACKINGS[name]
-    found = relax_at_pressure(packing, 0.01, 1e-8, 1000, lambda *values: None)
+    found = relax_at_pressure(packing, 0.01, 1e-8, 4000, lambda *values: None)
     assert found.converged
     with simulate(found.packing) as disks:
         state = disks.state()

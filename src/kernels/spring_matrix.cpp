@@ -1,13 +1,13 @@
-#include "styles/minimize/spring_matrix.h"
+#include "kernels/spring_matrix.h"
 
-#include "solver/large_vector.h"
+#include "kernels/large_vector.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
-using namespace LAMMPS_NS;
-using deformable::Vector3;
+using namespace deformable;
+using LAMMPS_NS::bytes_of;
 
 static double component(const Vector3 &v, int axis)
 {
@@ -16,9 +16,9 @@ static double component(const Vector3 &v, int axis)
 
 /* ---------------------------------------------------------------------- */
 
-void SpringMatrix::factorize(const deformable::FrontKernels &kernels_, int dimension_, int n,
-                             const double *x, const std::vector<char> &held,
-                             const std::vector<Element> &elements)
+void SpringMatrix::factorize(const FrontKernels &kernels_, int dimension_, int n, const double *x,
+                             const std::vector<char> &held, const std::vector<Element> &elements,
+                             double epsilon)
 {
   kernels = kernels_;
   dimension = dimension_;
@@ -33,7 +33,7 @@ void SpringMatrix::factorize(const deformable::FrontKernels &kernels_, int dimen
   dissect(x, 0, n);
   place.resize(n);
   for (int k = 0; k < n; ++k) place[order[k]] = k;
-  find_blocks(held, elements);
+  find_blocks(held, elements, epsilon);
   factorize_fronts();
 }
 
@@ -121,7 +121,8 @@ void SpringMatrix::add_front(int begin, int end)
    P: the blocks of d x d numbers on its diagonal, and those of springs.
 ------------------------------------------------------------------------- */
 
-void SpringMatrix::find_blocks(const std::vector<char> &held, const std::vector<Element> &elements)
+void SpringMatrix::find_blocks(const std::vector<char> &held, const std::vector<Element> &elements,
+                               double epsilon)
 {
   const int D = dimension, B = D * D;
   diagonal.assign(static_cast<std::size_t>(B) * size, 0.0);
@@ -161,7 +162,7 @@ void SpringMatrix::find_blocks(const std::vector<char> &held, const std::vector<
   mean = trace > 0.0 ? trace / free : 1.0;
   for (int k = 0; k < size; ++k)
     for (int r = 0; r < D; ++r)
-      diagonal[B * k + (D + 1) * r] += held[3 * order[k] + r] ? mean : EPSILON * mean;
+      diagonal[B * k + (D + 1) * r] += held[3 * order[k] + r] ? mean : epsilon * mean;
 }
 
 /* ----------------------------------------------------------------------
@@ -240,8 +241,8 @@ void SpringMatrix::factorize_fronts()
     last_child[parent] = f;
   }
   unknown.resize(static_cast<std::size_t>(D) * size);
-  lower.resize(lower.size() + deformable::FRONT_MARGIN);
-  column.resize(highest + deformable::FRONT_MARGIN);
+  lower.resize(lower.size() + FRONT_MARGIN);
+  column.resize(highest + FRONT_MARGIN);
 }
 
 /* ---------------------------------------------------------------------- */

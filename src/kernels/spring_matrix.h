@@ -17,29 +17,29 @@
 #include <cstddef>
 #include <vector>
 
-namespace LAMMPS_NS {
+namespace deformable {
 
 class SpringMatrix {
  public:
   struct Element {
     int i, j;    // j < 0: something that does not move
-    deformable::Vector3 n;
+    Vector3 n;
     double weight;
   };
 
   // Of n particles at x. A coordinate that is held has no spring to others: it is 3 i + axis.
-  void factorize(const deformable::FrontKernels &, int dimension, int n, const double *x,
-                 const std::vector<char> &held, const std::vector<Element> &elements);
+  void factorize(const FrontKernels &, int dimension, int n, const double *x,
+                 const std::vector<char> &held, const std::vector<Element> &elements,
+                 double epsilon);
   // z = P^-1 q, three numbers for each particle; index[i] is that of particle i when P was factorized, or -1: P is diagonal for a
   // newcomer, and those that have left stay. In the plane the third number is divided by the diagonal.
   void solve(const std::vector<int> &index, const double *q, double *z);
+  int particles() const { return size; }
   double solves_per_factor() const;    // that take as long as to factorize P
   double memory_usage() const;
 
  private:
-  static constexpr double EPSILON = 0.003;
-
-  deformable::FrontKernels kernels{};
+  FrontKernels kernels{};
   int dimension = 0, size = 0;
   double mean = 1.0;                // of the diagonal
   std::vector<int> order, place;    // particle at each place, and back
@@ -71,10 +71,10 @@ class SpringMatrix {
   void find_neighbors(const std::vector<Element> &);
   void dissect(const double *x, int begin, int end);
   void add_front(int begin, int end);
-  void find_blocks(const std::vector<char> &held, const std::vector<Element> &);
+  void find_blocks(const std::vector<char> &held, const std::vector<Element> &, double epsilon);
   void factorize_fronts();
 };
 
-}    // namespace LAMMPS_NS
+}    // namespace deformable
 
 #endif
