@@ -1,8 +1,8 @@
 """Soft disks and spheres without LAMMPS, for `jam`: energy, enthalpy, and their minimizers.
 
-L-BFGS, for disks with factored springs that are renewed now and then; damped motion for very many particles,
-of which some rearrange at any time. LAMMPS relaxes shares of very many particles on many ranks, by
-conjugate gradients.
+L-BFGS, for disks with factored springs that are renewed now and then; damped motion for very many
+particles, of which some rearrange at any time. LAMMPS relaxes shares of very many particles on many
+ranks, by conjugate gradients.
 """
 
 from __future__ import annotations
