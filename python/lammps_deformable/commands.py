@@ -52,6 +52,9 @@ min_style fire
 min_modify dmax {dmax!r} norm max tmax {tmax!r}
 """
 
+# Longest displacement in an iteration of FIRE, in smallest radii.
+LONGEST_STEP = 0.005
+
 # Its steps are bounded by the overlaps.
 LBFGS = """
 min_style deformable/lbfgs
@@ -174,7 +177,7 @@ def soft_commands(packing: Packing, k: float) -> str:
 
 
 def law_commands(packing: Packing, law: AnyLaw, file: str) -> str:
-    """Commands for the contact law and neighbor lists, to run once LAMMPS has the particles.
+    """Commands for the contact law and its minimizer, to run once LAMMPS has the particles.
 
     Args:
         packing: gives the particles' sizes.
@@ -188,7 +191,12 @@ def law_commands(packing: Packing, law: AnyLaw, file: str) -> str:
         file=file,
         names=" ".join(f"s{n}" for n in range(1, len(packing._species_radii) + 1)),
     )
-    return commands + list_commands(skin=0.1 * smallest)
+    energy_jumps = law.name == "sector"
+    return (
+        commands
+        + list_commands(skin=0.1 * smallest)
+        + (fire_commands(LONGEST_STEP * smallest) if energy_jumps else LBFGS)
+    )
 
 
 def balance_command(packing: Packing, law: AnyLaw, tolerance: float) -> str:

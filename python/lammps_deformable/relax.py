@@ -20,7 +20,7 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 
 from ._checks import shown
-from .commands import LBFGS, balance_command, fire_commands
+from .commands import LBFGS, LONGEST_STEP, balance_command, fire_commands
 from .errors import BeyondModelWarning, ParameterError, StalledWarning, UnjammedWarning
 from .friction import FRICTION, Friction, damped_commands, spring_commands, undamped_commands
 from .hessian import hessian_of, open_contacts
@@ -227,7 +227,7 @@ def lbfgs_or_fire(sim: Simulation, tolerance: float, fire: Minimizer, smallest: 
         fire: calls FIRE once.
         smallest: radius [length].
     """
-    choose_fire, asked = fire_commands(_LONGEST_STEP * smallest), np.inf
+    choose_fire, asked = fire_commands(LONGEST_STEP * smallest), np.inf
     if sim.minimizer == "fire":
         run(sim.lmp, choose_fire)
         return fire
@@ -249,9 +249,6 @@ def lbfgs_or_fire(sim: Simulation, tolerance: float, fire: Minimizer, smallest: 
 
     return call
 
-
-# Longest displacement in an iteration of FIRE, in smallest radii.
-_LONGEST_STEP = 0.005
 
 # FIRE starts from this part of 1/sqrt(p), p the largest pressure in a particle (mass 1), and may
 # stretch it tenfold. Measured, N = 40 and 128: 0.03 is the fastest, 0.04 three times slower.
