@@ -26,17 +26,20 @@ from lammps_deformable.versions import machine
 
 HERE = Path(__file__).parent
 NUMBERS, SEEDS = (16, 32, 64, 128), (1, 2, 3)
-SHAPES = ({"ratio": 1.4}, {"ratio": 1.0}, {"ratio": 3.0}, {"ratio": 1.4, "tilt": 0.4})
+# ratio of the sizes, and tilt of the box
+SHAPES = ((1.4, 0.0), (1.0, 0.0), (3.0, 0.0), (1.4, 0.4))
 STRAINS = (0.002, 0.01, 0.03, 0.05)
 LAWS = ("radical", "balanced", "curved")
 MINIMIZERS = ("lbfgs", "fire")
 
 
 def measure(
-    law: str, number: int, seed: int, shape: dict[str, float], minimizer: str, tolerance: float
+    law: str, number: int, seed: int, shape: tuple[float, float], minimizer: str, tolerance: float
 ) -> list[dict[str, Any]]:
     """The relaxed states of one packing, from the onset of jamming on."""
-    jammed = ld.jam(ld.bidisperse(number, seed=seed, **shape)).packing
+    ratio, tilt = shape
+    start = ld.bidisperse(number, sizes=(0.5, 0.5 * ratio), tilt=tilt, seed=seed)
+    jammed = ld.jam(start).packing
     rows = []
     with ld.Simulation(jammed, ld.Ring(contact=law), minimizer=minimizer) as sim:
         box = sim.box
@@ -50,7 +53,8 @@ def measure(
                     "law": law,
                     "N": number,
                     "seed": seed,
-                    **shape,
+                    "ratio": ratio,
+                    "tilt": tilt,
                     "strain": strain,
                     "phi": state.phi,
                     "residual": state.residual,
