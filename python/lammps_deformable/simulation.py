@@ -81,7 +81,7 @@ class Simulation(OneCall):
             get radii of their own. That of a state if not given; contacts of a packing slip freely
             then.
         minimizer: of relaxations, `lbfgs` (*min_style deformable/lbfgs*) or `fire`. L-BFGS needs
-            about a tenth of the force calls; where it fails, FIRE goes on. The first one that the
+            5 to 25 times fewer force calls; where it fails, FIRE goes on. The first one that the
             law can have if not given: energies of `Sector` jump, so it has `fire` only, contacts
             that rub rest by `damped` motion, smooth polygons by `newton`, those of beads by `fire`.
         comm: communicator that shares the work; all ranks if not given. With `MPI.COMM_SELF` every
