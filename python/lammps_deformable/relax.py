@@ -214,9 +214,9 @@ def force_rounding(box: NDArray[np.float64], stiffness: float) -> float:
 # Iterations of one call of L-BFGS, after which a callback sees it; it begins anew then.
 _LBFGS_ITERATIONS = 1000
 
-# L-BFGS has failed where it ends at more than this times the force that it was asked for, or after so
-# many iterations in which the largest force has not halved: its steps are no longer than overlaps,
-# which is short where others push particles from one loose packing to another one.
+# L-BFGS has failed where it ends at more than this times the force that it was asked for, or after
+# so many iterations in which the largest force has not halved: its steps are no longer than
+# overlaps, which is short where others push particles from one loose packing to another one.
 _FAILED, _LBFGS_PATIENCE = 2.0, 10_000
 
 
