@@ -214,8 +214,10 @@ def force_rounding(box: NDArray[np.float64], stiffness: float) -> float:
 # Iterations of one call of L-BFGS, after which a callback sees it; it begins anew then.
 _LBFGS_ITERATIONS = 1000
 
-# L-BFGS has failed where it ends at more than this times the force that it was asked for.
-_FAILED = 2.0
+# L-BFGS has failed where it ends at more than this times the force that it was asked for, or after
+# so many iterations in which the largest force has not halved: its steps are no longer than
+# overlaps, which is short where others push particles from one loose packing to another one.
+_FAILED, _LBFGS_PATIENCE = 2.0, 10_000
 
 
 def lbfgs_or_fire(sim: Simulation, tolerance: float, fire: Minimizer, smallest: float) -> Minimizer:
@@ -228,13 +230,17 @@ def lbfgs_or_fire(sim: Simulation, tolerance: float, fire: Minimizer, smallest: 
         smallest: radius [length].
     """
     choose_fire, asked = fire_commands(LONGEST_STEP * smallest), np.inf
+    best, waited = np.inf, 0
     if sim.minimizer == "fire":
         run(sim.lmp, choose_fire)
         return fire
 
     def call(forces: Forces, left: int, most: int) -> int:
-        nonlocal asked
-        if not sim._fell_back and forces.largest > _FAILED * asked:
+        nonlocal asked, best, waited
+        if forces.largest < 0.5 * best:
+            best, waited = forces.largest, 0
+        failed = forces.largest > _FAILED * asked or waited >= _LBFGS_PATIENCE
+        if failed and not sim._fell_back:
             sim._fell_back = True
             run(sim.lmp, choose_fire)
         if sim._fell_back:
@@ -244,7 +250,7 @@ def lbfgs_or_fire(sim: Simulation, tolerance: float, fire: Minimizer, smallest: 
         before = sim.lmp.extract_global("ntimestep")
         run_forces(sim.lmp, LBFGS + minimize_command(force, number), sim.walls)
         taken = sim.lmp.extract_global("ntimestep") - before
-        asked = force if taken < number else np.inf
+        asked, waited = force if taken < number else np.inf, waited + taken
         return max(taken, 1)
 
     return call

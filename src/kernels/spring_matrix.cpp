@@ -153,13 +153,14 @@ void SpringMatrix::find_blocks(const std::vector<char> &held, const std::vector<
   }
 
   double trace = 0.0;
-  int free = 0;
+  int bound = 0;    // coordinates with a spring
   for (int k = 0; k < size; ++k)
     for (int r = 0; r < D; ++r) {
-      trace += diagonal[B * k + (D + 1) * r];
-      free += !held[3 * order[k] + r];
+      const double number = diagonal[B * k + (D + 1) * r];
+      trace += number;
+      bound += number > 0.0;
     }
-  mean = trace > 0.0 ? trace / free : 1.0;
+  mean = trace > 0.0 ? trace / bound : 1.0;
   for (int k = 0; k < size; ++k)
     for (int r = 0; r < D; ++r)
       diagonal[B * k + (D + 1) * r] += held[3 * order[k] + r] ? mean : epsilon * mean;

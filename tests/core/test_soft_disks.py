@@ -56,3 +56,13 @@ def test_wrong_pairs_are_refused() -> None:
         ld.core.SoftDisks(2, FIRST, SECOND, SHIFT, CONTACT)
     with pytest.raises(ValueError, match="x has 2 rows"):
         ld.core.SoftDisks(3, FIRST, SECOND, SHIFT, CONTACT)(X[:2], 1.0)
+
+
+def test_few_springs_between_many_disks() -> None:
+    """Single precision holds P: epsilon is a part of the springs, however many disks have none."""
+    disks = 200_000
+    x = np.column_stack([np.arange(disks, dtype=float), np.zeros(disks)])
+    pair, along, weight = (np.array([0]), np.array([1])), np.array([[1.0, 0.0]]), np.ones(1)
+    springs = ld.core.DiskSprings(x, *pair, along, weight, epsilon=3e-3)
+    q = np.tile([1.0, -1.0], disks)
+    np.testing.assert_allclose(springs(q), q / 3e-3, rtol=1e-3)

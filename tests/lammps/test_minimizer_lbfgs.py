@@ -269,6 +269,18 @@ def test_norms_and_limits(tmp_path):
     assert 1e-5 < np.abs(scene.x - start).max() <= 3.001e-4
 
 
+@two_laws
+@pytest.mark.parametrize("limits", ["3 1000", "1000 4"])
+def test_what_lammps_tells_at_the_end(law, limits, tmp_path):
+    """Contacts balance in the last row, whatever has ended the minimization."""
+    scene = packing(tmp_path, law)
+    keys = "pe", "pxx", "pyy", "pxy"
+    scene.run(f"thermo_style custom step {' '.join(keys)}\n{LBFGS}minimize 0 1e-12 {limits}")
+    told = [scene.lmp.get_thermo(key) for key in keys]
+    scene.run("run 0")
+    assert told == pytest.approx([scene.lmp.get_thermo(key) for key in keys], rel=1e-10)
+
+
 def test_rest_takes_no_step(tmp_path):
     scene = packing(tmp_path)
     scene.run(LBFGS + UNTIL)
@@ -347,6 +359,15 @@ def test_forces_without_energy(law, energy, tmp_path):
     before, after = compare(scene, rel=1e-6, sooner=0.3)  # of first order in forces
     np.testing.assert_allclose(after, before, atol=1e-5)
     assert ("rises along the forces" in scene.log.text) == (energy == "no")
+
+
+def test_an_energy_that_stays(tmp_path):
+    """It neither rises nor falls where a fix without an energy pulls a particle alone."""
+    scene = Scene([(0, 0), (3, 0)], ["small"] * 2, (-4, 4, -4, 4), RADICAL, log=Log(tmp_path))
+    scene.run("group one id 1\nfix pull one spring tether 1e-3 0 -3 0 0")
+    scene.run(LBFGS + UNTIL)
+    assert Log(tmp_path).last[2] == "force tolerance"
+    np.testing.assert_allclose(scene.x, [(0, -3), (3, 0)], atol=1e-6)
 
 
 REFUSALS = {

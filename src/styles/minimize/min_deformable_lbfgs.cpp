@@ -279,6 +279,7 @@ int MinDeformableLbfgs::descend(int maxiter)
     }
     if (neval >= update->max_eval) return MAXEVAL;
 
+    if (iter + 1 == maxiter) balance_fully();    // LAMMPS writes no further row
     if (output->next == step) {
       timer->stamp();
       output->write(step);
@@ -361,7 +362,7 @@ bool MinDeformableLbfgs::search(double slope, double &part)
     if (energy_follows) {
       if (rise <= 1e-4 * part * slope) return true;
       if (std::fabs(flat) <= 0.9 * std::fabs(slope) && rise <= rounding) return true;
-      if (std::fabs(flat - slope) < 0.1 * std::fabs(slope) && rise > rounding) {
+      if (std::fabs(flat - slope) < 0.1 * std::fabs(slope) && rise - part * slope > rounding) {
         energy_follows = false;
         if (comm->me == 0)
           error->warning(FLERR,

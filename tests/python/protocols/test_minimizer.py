@@ -62,6 +62,18 @@ def test_fire_goes_on_where_lbfgs_fails(monkeypatch: pytest.MonkeyPatch) -> None
     assert state.minimizer == "lbfgs, fire"
 
 
+def test_fire_goes_on_where_lbfgs_is_slow(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Steps that are too short for the way."""
+    slow = "min_style deformable/lbfgs\nmin_modify norm max dmax 1e-9\n"
+    monkeypatch.setattr("lammps_deformable.relax.LBFGS", slow)
+    monkeypatch.setattr("lammps_deformable.relax._LBFGS_PATIENCE", 2000)
+    jammed = ld.jam(ld.bidisperse(40, seed=2))
+    with ld.Simulation(jammed, ld.Ring()) as sim:
+        state = sim.compress(strain=0.01)[-1]
+    assert state.converged
+    assert state.minimizer == "lbfgs, fire"
+
+
 def test_a_run_goes_on_with_its_minimizer(tmp_path: Path) -> None:
     jammed = ld.jam(ld.bidisperse(24, seed=2), ld.Ring())
     with ld.Simulation(jammed, ld.Ring(), minimizer="fire") as sim:
