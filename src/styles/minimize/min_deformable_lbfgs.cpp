@@ -24,17 +24,19 @@
 
 using namespace LAMMPS_NS;
 
-static constexpr int MOST_TRIALS = 12;            // of a line search
-static constexpr int MOST_FAILURES = 4;           // searches in a row
-static constexpr int RENEWAL = 100;               // iterations
-static constexpr int LOOK = 10;                   // iterations between looks at the contacts
-static constexpr int RESCALING = 3;               // iterations from one gamma to the next one
-static constexpr double CHANGED = 0.05;           // part of contacts
-static constexpr double GAP = 0.1;                // of pairs with a spring, over both radii
-static constexpr double LEAST_WEIGHT = 0.0025;    // of a spring: at a gap of ten median overlaps
-static constexpr double LOOSE = 1e-3;    // imbalance of contacts over the largest force [1e-4, 0.1]
-static constexpr double EPSILON = 0.003;      // of P
+static constexpr int MOST_TRIALS = 12;     // of a line search
+static constexpr int MOST_FAILURES = 4;    // searches in a row
+static constexpr int RENEWAL = 100;        // iterations
+static constexpr int LOOK = 10;            // iterations between looks at the contacts
+static constexpr int RESCALING = 3;        // iterations from one gamma to the next one
+static constexpr double CHANGED = 0.05;    // part of contacts
+static constexpr double GAP = 0.1;         // of pairs with a spring, over both radii
+// of a spring: at a gap of ten median overlaps
+static constexpr double LEAST_WEIGHT = 0.0025;
+static constexpr double EPSILON = 0.003;      // of P [0.001, 0.01]
 static constexpr double FIRST_STEP = 0.02;    // over the longest one
+// imbalance of contacts over the largest force on a particle [1e-4, 0.1]
+static constexpr double LOOSE = 1e-3;
 
 // All vectors are gone through piece by piece, each small enough for the cache.
 static constexpr int PIECE = 1024;
