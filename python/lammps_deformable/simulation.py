@@ -695,9 +695,9 @@ class Simulation(OneCall):
 
     @property
     def callback(self) -> Callback | None:
-        """Called with an `Iteration` where a relaxation begins, and after each call of FIRE.
+        """Called with an `Iteration` where a relaxation begins, and after each call of its minimizer.
 
-        The last one is that of the relaxed state. Calls of FIRE take 2000 iterations or
+        The last one is that of the relaxed state. Calls of L-BFGS take 1000, of FIRE 2000 iterations or
         more, unless forces are small enough before. The function must leave the simulation as it
         is. Its exception ends the relaxation where it is, at rest. None calls nothing.
 
