@@ -368,6 +368,12 @@ class Deformables:
         }
 
 
+_NO_NUMBERS = (
+    "forces are no numbers any more, far beyond the model: separate particles that overlap "
+    "(push_off), compress less, or in smaller steps"
+)
+
+
 class Rings(Deformables):
     """Particles of the plane with the law `Ring` or `Sector`."""
 
@@ -396,6 +402,8 @@ class Rings(Deformables):
         total, number = dot(pressure, length), float(max(contacts.sum(), 1.0))
         mean = self._single_contact_force if self.loose else total / number
         largest = largest_force(sim.lmp, self._particle_radii if sim.friction else None)
+        if not np.isfinite(largest):
+            raise LammpsError(_NO_NUMBERS)
         self._others = others_push(sim, largest, total)
         scale = max(mean, least) or self._others * largest
         none = NO_FORCE * self._natural_pressure * self._smallest_radius

@@ -21,10 +21,19 @@ from numpy.typing import NDArray
 
 from ._checks import shown
 from .commands import LBFGS, LONGEST_STEP, balance_command, fire_commands
-from .errors import BeyondModelWarning, ParameterError, StalledWarning, UnjammedWarning
+from .errors import BeyondModelWarning, LammpsError, ParameterError, StalledWarning, UnjammedWarning
 from .friction import FRICTION, Friction, damped_commands, spring_commands, undamped_commands
 from .hessian import hessian_of, open_contacts
-from .lammps import gather, has_other_fixes, place_particles, run, run_forces, setup
+from .lammps import (
+    gather,
+    has_other_fixes,
+    images_of,
+    place_images,
+    place_particles,
+    run,
+    run_forces,
+    setup,
+)
 from .laws import LARGEST_FACET, LARGEST_LOAD, Droplet, Ring, Sector, SoftContact
 from .state import State
 
@@ -240,15 +249,21 @@ def lbfgs_or_fire(sim: Simulation, tolerance: float, fire: Minimizer, smallest: 
         if forces.largest < 0.5 * best:
             best, waited = forces.largest, 0
         failed = forces.largest > _FAILED * asked or waited >= _LBFGS_PATIENCE
-        if failed and not sim._fell_back:
-            sim._fell_back = True
-            run(sim.lmp, choose_fire)
-        if sim._fell_back:
-            return fire(forces, left, most)
+        sim._fell_back = sim._fell_back or failed
         force = 0.5 * tolerance * forces.scale  # the scale falls a little further meanwhile
         number = min(left, most, _LBFGS_ITERATIONS)
         before = sim.lmp.extract_global("ntimestep")
-        run_forces(sim.lmp, LBFGS + minimize_command(force, number), sim.walls)
+        if not sim._fell_back:
+            places, images = gather(sim.lmp, "x", 3), images_of(sim.lmp)
+            try:
+                run_forces(sim.lmp, LBFGS + minimize_command(force, number), sim.walls)
+            except LammpsError:  # its steps are longer than those of FIRE
+                place_particles(sim.lmp, places)
+                place_images(sim.lmp, images)
+                sim._fell_back = True
+        if sim._fell_back:
+            run(sim.lmp, choose_fire)
+            return fire(forces, left, most)
         taken = sim.lmp.extract_global("ntimestep") - before
         asked, waited = force if taken < number else np.inf, waited + taken
         return max(taken, 1)

@@ -695,11 +695,12 @@ class Simulation(OneCall):
 
     @property
     def callback(self) -> Callback | None:
-        """Called with an `Iteration` where a relaxation begins, and after each call of FIRE.
+        """Called with an `Iteration` where a relaxation begins, and after each call of a minimizer.
 
-        The last one is that of the relaxed state. Calls of FIRE take 2000 iterations or
-        more, unless forces are small enough before. The function must leave the simulation as it
-        is. Its exception ends the relaxation where it is, at rest. None calls nothing.
+        The last one is that of the relaxed state. Calls of L-BFGS take 1000 iterations, those of
+        FIRE 2000 or more, unless forces are small enough before. The function must leave the
+        simulation as it is. Its exception ends the relaxation where it is, at rest. None calls
+        nothing.
 
             sim.callback = lambda seen: print(seen.iterations, seen.residual)
 

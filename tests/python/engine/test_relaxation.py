@@ -46,3 +46,11 @@ def test_contacts_that_do_not_balance_are_not_relaxed(monkeypatch: pytest.Monkey
         monkeypatch.setattr(sim._engine, "unbalanced", lambda *_: True)
         with pytest.warns(ld.StalledWarning, match="the contacts do not balance"):
             assert not sim.relax(1e-6).converged
+
+
+def test_no_numbers_far_beyond_the_model(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where LAMMPS has forces that are none, there is no state."""
+    with ld.Simulation(ld.bidisperse(8, seed=1).push_off(), ld.Ring()) as sim:
+        monkeypatch.setattr("lammps_deformable.engines.largest_force", lambda *_: float("nan"))
+        with pytest.raises(ld.LammpsError, match=r"forces are no numbers .* compress less"):
+            sim.relax()

@@ -5,7 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 import lammps_deformable as ld
+import numpy as np
 import pytest
+from lammps_deformable.commands import LBFGS
 
 LAWS = {
     **{contact: ld.Ring(contact=contact) for contact in ("radical", "balanced", "curved")},
@@ -72,6 +74,20 @@ def test_fire_goes_on_where_lbfgs_is_slow(monkeypatch: pytest.MonkeyPatch) -> No
         state = sim.compress(strain=0.01)[-1]
     assert state.converged
     assert state.minimizer == "lbfgs, fire"
+
+
+def test_fire_goes_on_where_lbfgs_meets_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    """From the places before it: steps of L-BFGS are longer, and may lead where no outlines are."""
+    monkeypatch.setattr("lammps_deformable.relax.LBFGS", LBFGS + "minimize 0 0 3 9\nnonsense\n")
+    jammed = ld.jam(ld.bidisperse(40, seed=2))
+    states = {}
+    for minimizer in ("lbfgs", "fire"):
+        with ld.Simulation(jammed, ld.Ring(), minimizer=minimizer) as sim:
+            states[minimizer] = sim.compress(strain=0.01)[-1]
+    found, expected = states.values()
+    assert found.minimizer == "lbfgs, fire"
+    assert found.iterations == pytest.approx(expected.iterations, abs=20)
+    np.testing.assert_allclose(found.packing.positions, expected.packing.positions, atol=1e-10)
 
 
 def test_a_run_goes_on_with_its_minimizer(tmp_path: Path) -> None:
