@@ -37,7 +37,8 @@ def test_few_steps_of_newton(law: str, monkeypatch: pytest.MonkeyPatch) -> None:
     assert fine.converged
     assert len(steps) <= 3
     assert steps or law == "radical"
-    assert np.array_equal(again.packing.positions, fine.packing.positions)
+    # LAMMPS may round where it wraps particles
+    assert again.packing.positions == pytest.approx(fine.packing.positions, abs=1e-14)
     assert fine.network_contacts == state.network_contacts
     assert fine.energy == pytest.approx(state.energy, rel=1e-6)
     rigid = ~state.rattlers
