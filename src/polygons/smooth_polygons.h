@@ -31,7 +31,7 @@ struct Box {
     y -= std::rint(b) * ly;
   }
   // Distances between opposite sides.
-  double width() const { return lx * ly / std::hypot(ly, xy); }
+  double width() const { return lx * ly / std::sqrt(ly * ly + xy * xy); }
   double height() const { return ly; }
 };
 
@@ -63,9 +63,10 @@ struct PolygonVertices {
   double longest_edge() const
   {
     double longest = 0.0;
-    for (int k = 0; k < size(); ++k)
-      longest = std::max(longest,
-                         std::hypot(x[2 * next[k]] - x[2 * k], x[2 * next[k] + 1] - x[2 * k + 1]));
+    for (int k = 0; k < size(); ++k) {
+      const double ex = x[2 * next[k]] - x[2 * k], ey = x[2 * next[k] + 1] - x[2 * k + 1];
+      longest = std::max(longest, std::sqrt(ex * ex + ey * ey));
+    }
     return longest;
   }
 };
@@ -154,7 +155,7 @@ inline void add_springs(const PolygonVertices &v, int m, const PolygonParameters
   for (int k = v.first[m]; k < v.first[m + 1]; ++k) {
     const int next = v.next[k];
     const double ex = v.x[2 * next] - v.x[2 * k], ey = v.x[2 * next + 1] - v.x[2 * k + 1];
-    const double length = std::hypot(ex, ey), stretch = length - p.length;
+    const double length = std::sqrt(ex * ex + ey * ey), stretch = length - p.length;
     const double tx = p.kL * stretch * ex / length, ty = p.kL * stretch * ey / length;
     u.springs += 0.5 * p.kL * stretch * stretch;
     u.gradient[2 * k] -= tx;
@@ -224,7 +225,7 @@ inline Triplets polygon_hessian(const SmoothPolygons &polygons, const PolygonEne
     const PolygonParameters &p = polygons.parameters[v.polygon[k]];
     const int next = v.next[k];
     const double e[2] = {v.x[2 * next] - v.x[2 * k], v.x[2 * next + 1] - v.x[2 * k + 1]};
-    const double length = std::hypot(e[0], e[1]), ratio = p.length / length;
+    const double length = std::sqrt(e[0] * e[0] + e[1] * e[1]), ratio = p.length / length;
     for (int i = 0; i < 2; ++i)
       for (int j = 0; j < 2; ++j) {
         const double along = e[i] * e[j] / (length * length);

@@ -34,19 +34,25 @@ double dot_of(Values a, Values b)
   return dot(a.data(), b.data(), a.size());
 }
 
+// From long double: in double the C library has a version with fused multiply-adds, and one without.
 Matrix unit_vectors(nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu> angle)
 {
   std::vector<double> found;
-  for (std::size_t k = 0; k < angle.size(); ++k)
-    found.insert(found.end(), {std::cos(angle.data()[k]), std::sin(angle.data()[k])});
+  for (std::size_t k = 0; k < angle.size(); ++k) {
+    const long double of = angle.data()[k];
+    found.insert(found.end(),
+                 {static_cast<double>(std::cos(of)), static_cast<double>(std::sin(of))});
+  }
   return to_numpy<Matrix>(found.data(), {angle.size(), 2});
 }
 
 Vector angles(Vectors vector)
 {
   std::vector<double> found;
-  for (std::size_t k = 0; k < vector.shape(0); ++k)
-    found.push_back(std::atan2(vector.data()[2 * k + 1], vector.data()[2 * k]));
+  for (std::size_t k = 0; k < vector.shape(0); ++k) {
+    const long double x = vector.data()[2 * k], y = vector.data()[2 * k + 1];
+    found.push_back(static_cast<double>(std::atan2(y, x)));
+  }
   return to_numpy<Vector>(found.data(), {found.size()});
 }
 
