@@ -132,8 +132,8 @@ void CurvedLines::remember()
     int found = 0;
     for (int k = begin; k < end; ++k) {
       const bool sticks = p.adhesive && p.attached[k];
-      const bool at_limit = held || std::fabs(p.tilt[k]) >= LARGEST_SINE ||
-                            std::fabs(p.bend[k]) >= LARGEST_BEND;
+      const bool at_limit =
+          held || std::fabs(p.tilt[k]) >= LARGEST_SINE || std::fabs(p.bend[k]) >= LARGEST_BEND;
       found += (k < p.wall && at_limit && (p.force[k] > 0.0 || sticks)) || (sticks && is_held(k));
     }
     return found;

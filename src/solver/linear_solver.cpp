@@ -6,17 +6,16 @@
 using namespace LAMMPS_NS;
 using deformable::PairArrays;
 
-int LinearSolver::begin(ContactBatches &batches, RemoteSides &remote,
-                        const PairArrays &arrays, double norm2, double accuracy)
+int LinearSolver::begin(ContactBatches &batches, RemoteSides &remote, const PairArrays &arrays,
+                        double norm2, double accuracy)
 {
   if (knows_bounds()) return plan(accuracy);
   conjugate_gradients(batches, remote, arrays, norm2, accuracy);
   return 0;
 }
 
-void LinearSolver::conjugate_gradients(ContactBatches &batches,
-                                       RemoteSides &remote, const PairArrays &arrays, double norm2,
-                                       double accuracy)
+void LinearSolver::conjugate_gradients(ContactBatches &batches, RemoteSides &remote,
+                                       const PairArrays &arrays, double norm2, double accuracy)
 {
   constexpr int MAX_ITERATIONS = 500;
   const deformable::RingBatches rings = batches.arrays();

@@ -29,8 +29,8 @@ class LinearSolver {
 
   // Returns the number of iterations that are still to be done: 0 if conjugate gradients have solved the equations already.
   // norm2: the sum of w r^2/length^2. In the end x is in `batches.step`.
-  int begin(ContactBatches &batches, RemoteSides &,
-            const deformable::PairArrays &, double norm2, double accuracy);
+  int begin(ContactBatches &batches, RemoteSides &, const deformable::PairArrays &, double norm2,
+            double accuracy);
 
   bool knows_bounds() const { return highest > 0.0 && !are_invalid; }
   int plan(double accuracy);    // the same without conjugate gradients
@@ -54,8 +54,8 @@ class LinearSolver {
   bool are_invalid = false;
   std::vector<double> alpha, beta;    // of each iteration
 
-  void conjugate_gradients(ContactBatches &, RemoteSides &,
-                           const deformable::PairArrays &, double norm2, double accuracy);
+  void conjugate_gradients(ContactBatches &, RemoteSides &, const deformable::PairArrays &,
+                           double norm2, double accuracy);
   double decay() const;
   void find_bounds(const std::vector<double> &alpha, const std::vector<double> &beta);
 };

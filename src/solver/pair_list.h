@@ -10,12 +10,12 @@
 
 #include "pointers.h"
 
-#include "styles/species.h"
 #include "solver/near_pairs.h"
 #include "solver/remote_sides.h"
 #include "solver/tuning.h"
 #include "styles/memory/fix_deformable_films.h"
 #include "styles/refusals.h"
+#include "styles/species.h"
 #include "styles/walls/fix_deformable_wall.h"
 
 #include "neigh_list.h"

@@ -6,13 +6,13 @@
 
 #include "pair.h"
 
+#include "geometry/surface.h"
 #include "kernels/block_walk.h"
+#include "kernels/large_vector.h"
 #include "laws/shape.h"
 #include "laws/stiffness.h"
-#include "geometry/surface.h"
-#include "styles/species.h"
-#include "kernels/large_vector.h"
 #include "styles/refusals.h"
+#include "styles/species.h"
 #include "styles/walls/fix_deformable_wall.h"
 
 #include "atom.h"
