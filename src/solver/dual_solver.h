@@ -10,7 +10,7 @@
 // tolerance times the largest force.
 //
 //   solve        find_pairs, predict, then balance, again where outlines bulge beyond the list of pairs or films come or go; finish
-//   predict      a polynomial in time through the forces of the last calls
+//   predict      a polynomial in time through the forces of the last calls; along the lines of a minimizer the last forces
 //   balance      Newton's method: evaluate, and correct until balanced, stuck or out of evaluations
 //   evaluate     kernels find the shapes of all particles (a, C) and the residuals of all pairs
 //   correct      C x = r for the active set (LinearSolver: Chebyshev's iteration, or conjugate gradients where the bounds of the
