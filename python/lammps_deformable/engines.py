@@ -368,12 +368,6 @@ class Deformables:
         }
 
 
-_NO_NUMBERS = (
-    "forces are no numbers any more, far beyond the model: separate particles that overlap "
-    "(push_off), compress less, or in smaller steps"
-)
-
-
 class Rings(Deformables):
     """Particles of the plane with the law `Ring` or `Sector`."""
 
@@ -403,7 +397,10 @@ class Rings(Deformables):
         mean = self._single_contact_force if self.loose else total / number
         largest = largest_force(sim.lmp, self._particle_radii if sim.friction else None)
         if not np.isfinite(largest):
-            raise LammpsError(_NO_NUMBERS)
+            raise LammpsError(
+                "forces are no numbers any more, far beyond the model: separate particles that "
+                "overlap (push_off), compress less, or in smaller steps"
+            )
         self._others = others_push(sim, largest, total)
         scale = max(mean, least) or self._others * largest
         none = NO_FORCE * self._natural_pressure * self._smallest_radius
@@ -412,7 +409,7 @@ class Rings(Deformables):
     begin = after = forces
 
     def minimizer(self, sim: Simulation, tolerance: float) -> Minimizer:
-        """FIRE; with friction damped motion."""
+        """L-BFGS or FIRE; with friction damped motion."""
         fire = Fire()
 
         def call(forces: Forces, left: int, most: int) -> int:
@@ -496,7 +493,7 @@ class Droplets(Deformables):
     begin = after = forces
 
     def minimizer(self, sim: Simulation, tolerance: float) -> Minimizer:
-        """FIRE."""
+        """L-BFGS or FIRE."""
         timestep = f"timestep {_OF_FIRE / self._stiffness**0.5!r}\n"
 
         def call(forces: Forces, left: int, most: int) -> int:

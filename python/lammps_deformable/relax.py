@@ -1,9 +1,9 @@
-"""Relaxation in a box that stays: FIRE in LAMMPS until forces balance, Newton's method at the end.
+"""Relaxation in a box that stays: L-BFGS or FIRE in LAMMPS, Newton's method at the end.
 
-Calls of FIRE follow each other, with time steps and lengths for the packing, until the residual is
-small enough. Contacts that rub come to rest by damped motion, as minimizers pass over friction. The
-last digits are those of Newton's method. A user's callback sees the iterations, warnings tell of
-states beyond the model.
+Calls of a minimizer follow each other until the residual is small enough, those of FIRE with time
+steps and lengths for the packing. Contacts that rub come to rest by damped motion, as minimizers
+pass over friction. The last digits are those of Newton's method. A user's callback sees the
+iterations, warnings tell of states beyond the model.
 """
 
 from __future__ import annotations
@@ -233,7 +233,7 @@ def lbfgs_or_fire(sim: Simulation, tolerance: float, fire: Minimizer, smallest: 
     """L-BFGS; FIRE from where that fails, or if the simulation asks for it.
 
     Args:
-        sim: of rings, droplets or soft particles.
+        sim: of rings or droplets.
         tolerance: of the residual.
         fire: calls FIRE once.
         smallest: radius [length].
