@@ -93,8 +93,8 @@ _ROUGH, _FACTOR, _PART = 0.1, 0.3, 0.1
 _STEPS, _SETTLED = 200_000, 0.01
 
 # Iterations at a pressure before the disks are compressed again, by so many of these steps; the
-# number doubles each time.
-_PATIENCE, _LONGEST, _BACK = 1000, 30_000, 4
+# number, here of a packing in so many dimensions, doubles each time.
+_PATIENCE, _LONGEST, _BACK = {2: 4000, 3: 16_000}, 30_000, 4
 
 # The pressure of the packing lies between the threshold and twice that.
 _ABOVE = 1.4
@@ -294,7 +294,7 @@ def _decompressed(
     A packing that rearranges at a low pressure does so in tiny steps, as small as its overlaps. It
     is compressed again, to rearrange there, and gets more time after each attempt.
     """
-    highest, patience = disks.pressure, _PATIENCE
+    highest, patience = disks.pressure, _PATIENCE[disks.packing.dimension]
     applied = highest
     while True:
         applied = max(_FACTOR * applied, pressure)

@@ -184,8 +184,7 @@ class Enthalpy:
         skin = _SKIN * self._smallest
         if self._listed:
             before, size = self._listed
-            step = x - before
-            moved = scale * float(lengths(step).max())
+            moved = scale * math.sqrt(float(_squares(x - before).max()))
             ratio = scale / size
             widest = 2.0 * float(self._radius.max() if ratio < 1.0 else self._smallest)
             if ratio * (widest + skin) - 2.0 * moved > widest:
@@ -204,6 +203,10 @@ Report = Callable[[int, float, float, float], object]
 
 # Iterations after which a relaxation in a box counts as stalled; largest step in smallest radii.
 _PATIENCE, _LARGEST_STEP = 20_000, 0.1
+
+# Springs pay for spheres down to a smaller residual than this: while spheres rearrange they cost
+# more than the iterations that they save.
+_SPRINGS_BELOW = 0.1
 
 # From this number on a minimizer with one line search for all disks hardly moves, because contacts
 # form somewhere: `settle_at_pressure` is better. And disks are sorted in rows: an evaluation finds
@@ -281,14 +284,14 @@ def _relax(
 ) -> RelaxedDisks:
     order = _rows(packing) if len(packing) >= HUGE else None
     enthalpy = Enthalpy(packing if order is None else _reordered(packing, order), applied)
-    smallest = float(packing.radii.min())
-    facet = smallest ** (packing.dimension - 1)  # about that of a contact
+    smallest, dimension = float(packing.radii.min()), packing.dimension
+    facet = smallest ** (dimension - 1)  # about that of a contact
     rounding = force_rounding(packing.box, stiffness=1.0)
     last = math.inf
 
     def residual(gradient: Floats) -> float:
-        forces = gradient[:-1].reshape(-1, packing.dimension)
-        on_particles = float(lengths(forces).max())
+        forces = gradient[:-1].reshape(-1, dimension)
+        on_particles = math.sqrt(float(_squares(forces).max()))
         largest = max(on_particles, abs(float(gradient[-1])))
         scale = facet * (enthalpy.pressure if applied is None else applied)
         return largest / scale if largest > rounding and scale > 0.0 else 0.0
@@ -310,15 +313,22 @@ def _relax(
         mass, softest = enthalpy.mass, enthalpy.softest
         z, enough = settle(enthalpy, start, mass, softest, relaxed, largest_step, patience, tell)
     else:
-        # in space springs cost more than the iterations that they save
-        springs = applied is not None and packing.dimension == 2
-        inverse = enthalpy.preconditioner if springs else None
-        z, enough = minimize(enthalpy, start, relaxed, largest_step, patience, tell, inverse)
+        springs = applied is not None and (dimension == 2 or tolerance < _SPRINGS_BELOW)
+        inverse, lifetime = enthalpy.preconditioner if springs else None, _LIFETIME[dimension]
+        z, enough = minimize(
+            enthalpy, start, relaxed, largest_step, patience, tell, inverse, lifetime
+        )
     _, gradient = enthalpy(z)
     found = enthalpy.packing(z)
     if order is not None:
         found = _reordered(found, np.argsort(order))
     return RelaxedDisks(found, enthalpy.pressure, residual(gradient), enough)
+
+
+def _squares(vectors: Floats) -> Floats:
+    """Of the lengths of vectors, shape (N, d)."""
+    found: Floats = sum(part * part for part in vectors.T)
+    return found
 
 
 def _rows(packing: Packing) -> NDArray[np.int64]:
@@ -380,11 +390,15 @@ def relax_on_ranks(
     return RelaxedDisks(packing.replace(positions=positions), pressure, residual, relaxed)
 
 
-# Steps that are remembered.
-_MEMORY = 12
+# Steps that are remembered: [4, 12] were tried.
+_MEMORY = 6
 
-# Iterations after which the preconditioner is renewed.
-_LIFETIME = 20
+# Iterations after which the preconditioner of a packing in so many dimensions is renewed: [20, 400]
+# were tried.
+_LIFETIME = {2: 100, 3: 300}
+
+# Iterations between reports.
+_REPORT = 20
 
 # First part of the gradient that is tried as a step.
 _FIRST = 0.2
@@ -410,6 +424,7 @@ def minimize(
     patience: int,
     report: Callable[[int], object] = lambda iterations: None,
     preconditioner: Callable[[Floats], Inverse] | None = None,
+    lifetime: int = 100,
 ) -> tuple[Floats, bool]:
     """Minimize a function.
 
@@ -421,6 +436,7 @@ def minimize(
         patience: largest number of iterations.
         report: called every 20 iterations with their number.
         preconditioner: makes an approximate inverse of the Hessian at a point.
+        lifetime: iterations after which it is made anew.
 
     Returns:
         The last point, and whether it is relaxed.
@@ -434,10 +450,10 @@ def minimize(
     for iteration in range(patience):
         if relaxed(gradient):
             return z, True
-        if iteration % _LIFETIME == _LIFETIME - 1:
-            report(_LIFETIME)
+        if iteration % _REPORT == _REPORT - 1:
+            report(_REPORT)
         if preconditioner and iteration >= renewal:
-            precondition, renewal = preconditioner(z), iteration + _LIFETIME
+            precondition, renewal = preconditioner(z), iteration + lifetime
             steps.clear()
         direction = _direction(gradient, steps, precondition)
         direction *= min(1.0, largest_step / float(np.abs(direction).max(initial=1e-300)))

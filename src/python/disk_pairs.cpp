@@ -112,10 +112,20 @@ E = 1/2 sum_c o_c^2 with the overlaps o = max(R_i + R_j - d, 0) and d = scale |x
 stiffness. The virial is sum_c o_c d_c.)");
 }
 
+// Of disks, or of spheres.
+struct Springs {
+  int dimension;
+  SpringMatrix matrix;
+};
+
+using Rows = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+
 // Unit directions; j < 0: of a wall.
-SpringMatrix spring_matrix(Places<2> x, Numbers i, Numbers j, Places<2> direction, Lengths weight,
-                           double epsilon)
+Springs springs(Rows x, Numbers i, Numbers j, Rows direction, Lengths weight, double epsilon)
 {
+  const std::size_t dimension = x.shape(1);
+  if ((dimension != 2 && dimension != 3) || direction.shape(1) != dimension)
+    refuse("x and direction must both have two columns, or three");
   const std::size_t count = i.size(), disks = x.shape(0);
   if (j.size() != count || direction.shape(0) != count || weight.size() != count)
     refuse("i, j, direction and weight must have one value for each of " + std::to_string(count) +
@@ -128,34 +138,36 @@ SpringMatrix spring_matrix(Places<2> x, Numbers i, Numbers j, Places<2> directio
       refuse("spring " + std::to_string(c) + " has the disks " + std::to_string(first) + " and " +
              std::to_string(second) + " of " + std::to_string(disks));
     if (first == second) continue;    // its own image moves with it
-    const double *const n = direction.data() + 2 * c;
+    const double *const n = direction.data() + dimension * c;
     elements.push_back({static_cast<int>(first),
                         static_cast<int>(std::max<std::int64_t>(second, -1)),
-                        {n[0], n[1], 0.0},
+                        {n[0], n[1], dimension == 3 ? n[2] : 0.0},
                         weight.data()[c]});
   }
   std::vector<double> places(3 * disks, 0.0);
-  for (std::size_t k = 0; k < disks; ++k) std::copy_n(x.data() + 2 * k, 2, &places[3 * k]);
-  SpringMatrix matrix;
-  matrix.factorize(batch_kernels("")->fronts, 2, static_cast<int>(disks), places.data(),
-                   std::vector<char>(3 * disks, 0), elements, epsilon);
-  return matrix;
+  for (std::size_t k = 0; k < disks; ++k)
+    std::copy_n(x.data() + dimension * k, dimension, &places[3 * k]);
+  Springs found = {static_cast<int>(dimension), {}};
+  found.matrix.factorize(batch_kernels("")->fronts, found.dimension, static_cast<int>(disks),
+                         places.data(), std::vector<char>(3 * disks, 0), elements, epsilon);
+  return found;
 }
 
-Vector solve(SpringMatrix &matrix, Lengths q)
+Vector solve(Springs &springs, Lengths q)
 {
-  const std::size_t disks = matrix.particles();
-  if (q.size() != 2 * disks)
+  const std::size_t disks = springs.matrix.particles(), dimension = springs.dimension;
+  if (q.size() != dimension * disks)
     refuse("q has " + std::to_string(q.size()) + " numbers: it must have " +
-           std::to_string(2 * disks));
+           std::to_string(dimension * disks));
   std::vector<int> index(disks);
   std::vector<double> of_three(3 * disks, 0.0), found(3 * disks), result(q.size());
   for (std::size_t k = 0; k < disks; ++k) {
     index[k] = static_cast<int>(k);
-    std::copy_n(q.data() + 2 * k, 2, &of_three[3 * k]);
+    std::copy_n(q.data() + dimension * k, dimension, &of_three[3 * k]);
   }
-  matrix.solve(index, of_three.data(), found.data());
-  for (std::size_t k = 0; k < disks; ++k) std::copy_n(&found[3 * k], 2, &result[2 * k]);
+  springs.matrix.solve(index, of_three.data(), found.data());
+  for (std::size_t k = 0; k < disks; ++k)
+    std::copy_n(&found[3 * k], dimension, &result[dimension * k]);
   return to_numpy<Vector>(result.data(), {result.size()});
 }
 
@@ -183,18 +195,19 @@ ValueError
   bind<3>(
       m, "SoftSpheres",
       "Pairs of soft spheres that may touch: `SoftDisks` in three dimensions, with shift (M, 3).");
-  nb::class_<SpringMatrix>(m, "DiskSprings",
-                           R"(Springs between disks as a matrix P, which is factorized.
+  nb::class_<Springs>(m, "DiskSprings",
+                      R"(Springs between disks, or spheres, as a matrix P, which is factorized.
 
-P = sum over springs of w (n, -n) (n, -n)^T + epsilon <diagonal> 1, in single precision.
+P = sum over springs of w (n, -n) (n, -n)^T + epsilon <diagonal> 1, in single precision. In
+space springs between parts of some 256 spheres count for the diagonal of P only.
 
 Parameters
 ----------
-x : (N, 2)
-    Centers; they order the factor only [length].
+x : (N, d)
+    Centers, d = 2 or 3; they order the factor only [length].
 i, j : (M,) int64
     Numbers of the disks of each spring; j < 0: a wall.
-direction : (M, 2)
+direction : (M, d)
     Unit vectors n.
 weight : (M,)
     w.
@@ -205,6 +218,6 @@ Raises
 ------
 ValueError
     Arrays of different lengths; numbers of disks that are not there.)")
-      .def(nb::new_(&spring_matrix), "x"_a, "i"_a, "j"_a, "direction"_a, "weight"_a, "epsilon"_a)
-      .def("__call__", &solve, "q"_a, "P^-1 q, shape (2 N,).");
+      .def(nb::new_(&springs), "x"_a, "i"_a, "j"_a, "direction"_a, "weight"_a, "epsilon"_a)
+      .def("__call__", &solve, "q"_a, "P^-1 q, shape (d N,).");
 }

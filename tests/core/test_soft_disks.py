@@ -66,3 +66,36 @@ def test_few_springs_between_many_disks() -> None:
     springs = ld.core.DiskSprings(x, *pair, along, weight, epsilon=3e-3)
     q = np.tile([1.0, -1.0], disks)
     np.testing.assert_allclose(springs(q), q / 3e-3, rtol=1e-3)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_springs_are_the_matrix_of_the_formula(dimension: int) -> None:
+    """P^-1 q against the matrix written out, in single precision."""
+    random = np.random.default_rng(1)
+    x = random.uniform(0.0, 5.0, (40, dimension))
+    i, j = random.integers(0, 40, (2, 150))
+    i, j = i[i != j], np.where(np.arange(150) % 10, j, -1)[i != j]
+    n = random.normal(size=(len(i), dimension))
+    n /= np.linalg.norm(n, axis=1)[:, None]
+    weight = random.uniform(0.1, 1.0, len(i))
+    matrix = np.zeros((40, dimension, 40, dimension))
+    for a, b, along, w in zip(i, j, n, weight, strict=True):
+        block = w * np.outer(along, along)
+        matrix[a, :, a] += block
+        if b >= 0:
+            matrix[b, :, b] += block
+            matrix[a, :, b] -= block
+            matrix[b, :, a] -= block
+    p = matrix.reshape(40 * dimension, -1)
+    p += 0.01 * np.trace(p) / len(p) * np.eye(len(p))
+    q = random.normal(size=len(p))
+    found = ld.core.DiskSprings(x, i, j, n, weight, 0.01)(q)
+    np.testing.assert_allclose(p @ found, q, atol=1e-4)
+
+
+def test_springs_need_rows_of_one_dimension() -> None:
+    pair, weight = (np.array([0]), np.array([1])), np.ones(1)
+    with pytest.raises(ValueError, match="two columns, or three"):
+        ld.core.DiskSprings(np.zeros((2, 3)), *pair, np.ones((1, 2)), weight, 0.01)
+    with pytest.raises(ValueError, match="two columns, or three"):
+        ld.core.DiskSprings(np.zeros((2, 4)), *pair, np.ones((1, 4)), weight, 0.01)

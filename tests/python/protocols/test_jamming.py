@@ -175,23 +175,22 @@ def test_rattlers_fall_one_after_another() -> None:
 
 
 def test_disks_that_rearrange_slowly_are_compressed_again(monkeypatch: pytest.MonkeyPatch) -> None:
-    """With 30 iterations at a pressure at first, they go back up, and still come to rest."""
+    """The fourth pressure is said not to be reached: they go back up, and still come to rest."""
     asked: list[tuple[float, int]] = []
 
     def relax(
         packing: ld.Packing, pressure: float, part: float, patience: int, report: Report
     ) -> RelaxedDisks:
         asked.append((pressure, patience))
-        return relax_at_pressure(packing, pressure, part, patience, report)
+        found = relax_at_pressure(packing, pressure, part, patience, report)
+        return found._replace(converged=len(asked) != 4)
 
-    monkeypatch.setattr(jamming, "_PATIENCE", 30)
     monkeypatch.setattr(jamming, "relax_at_pressure", relax)
     jammed = ld.jam(ld.bidisperse(64, seed=1), pressure=1e-7, tolerance=1e-6).packing
     pressures, patience = np.transpose(asked)
-    assert (np.diff(pressures) > 0.0).any()
+    assert np.flatnonzero(np.diff(pressures) > 0.0).tolist() == [3]
     assert pressures.max() == pressures[0]
-    assert patience[0] == 30
-    assert patience[-1] > 30
+    assert patience[3] < patience[4] == patience[-1]
     assert_at_onset(jammed, rel=1e-6)
 
 
@@ -225,7 +224,7 @@ def test_clearly_rigid_disks_are_not_relaxed_to_the_end() -> None:
         assert found.pressure > 0.01
         assert found.converged
     assert ends[math.inf][0] <= 1e-3 < ends[0.01][0] <= 1.0
-    assert ends[0.01][1] < 0.2 * ends[math.inf][1]
+    assert ends[0.01][1] < 0.5 * ends[math.inf][1]
 
 
 def of_kind(kind: str) -> ld.Packing:
