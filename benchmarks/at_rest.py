@@ -1,17 +1,17 @@
 """How many force calls, evaluations of shapes and seconds does a relaxation take, over FIRE?
 
-    python benchmarks/at_rest.py [--numbers 64 256 1024] [--seeds 3] [--laws ...] [--out ...]
+    python benchmarks/at_rest.py [--numbers 64 256 1024] [--seeds 20] [--laws ...] [--steps ...]
+                                 [--strains ...] [--out ...]
 
 Bidisperse packings are jammed as soft disks, or soft spheres, compressed by 0.1 % or 5 % from there
 and relaxed with each law. Then each minimizer relaxes the same start, the packing after one more
-step of compression, until no component of a force exceeds 1e-6 of the mean contact force. FIRE has
-the time step and the longest step of the package; soft disks are *harmonic/cut* of LAMMPS. Droplets
-are 512 at most.
+step of compression or shear, until no component of a force exceeds 1e-6 of the mean contact force.
+FIRE has the time step and the longest step of the package; soft disks are *harmonic/cut* of LAMMPS.
+Droplets are 512 at most. Cases that the file of results has besides stay in it.
 
 Only steps that end in the minimum of FIRE count, energies agree to 1e-9. Evaluations of all shapes
 are those of the last call of each iteration; seconds are of the processor, of `minimize` as a
-whole.
-The table has medians of the ratios, FIRE over the minimizer.
+whole. The table has medians of the ratios, FIRE over the minimizer.
 """
 
 from __future__ import annotations
@@ -48,7 +48,9 @@ LAWS: dict[str, Any] = {
     "droplet": ld.Droplet(),
     "disks": None,
 }
-ABOVE, STEPS = (0.001, 0.05), (0.001, 0.01)
+ABOVE, STEPS = (0.001, 0.05), (0.0001, 0.001, 0.01)
+STRAINS = "compression", "shear"
+CASE = "law", "N", "above", "step", "strain"
 TOLERANCE = 1e-6
 FIRE = "fire"
 MINIMIZERS = {
@@ -68,20 +70,33 @@ def jammed(dimension: int, number: int, seed: int) -> ld.Packing:
     return ld.jam(ld.bidisperse(number, seed=seed, **sizes)).packing
 
 
-def relaxed(law: str, number: int, seed: int, above: float) -> ld.Packing:
-    """A packing compressed so far from the onset of soft disks or spheres."""
+def relaxed(law: str, number: int, seed: int, above: float) -> ld.Packing | None:
+    """A packing compressed so far from the onset of soft disks or spheres; None: not rigid."""
     onset = jammed(3 if law == "droplet" else 2, number, seed)
     with ld.Simulation(onset, LAWS[law] or ld.SoftContact()) as sim:
         sim.deform(sim.box * (1.0 - above))
-        return sim.relax(TOLERANCE).packing
+        state = sim.relax(TOLERANCE)
+        return state.packing if state.coordination else None
+
+
+def strained(packing: ld.Packing, step: float, strain: str) -> np.ndarray:
+    """Its box after a step."""
+    if strain == "compression":
+        return packing.box * (1.0 - step)
+    box = packing.box.copy()
+    box[1, 0] += step * box[1, 1]
+    return box
 
 
 @contextmanager
-def start(law: str, packing: ld.Packing, strain: float) -> Iterator[tuple[lammps, float, float]]:
-    """A packing after a step of compression; the largest force to relax to, FIRE's time step."""
+def start(
+    law: str, packing: ld.Packing, step: float, strain: str
+) -> Iterator[tuple[lammps, float, float]]:
+    """A packing after a step; the largest force to relax to, FIRE's time step."""
+    box = strained(packing, step, strain)
     if LAWS[law] is None:
         scaled = packing.replace(
-            box=packing.box * (1.0 - strain), positions=packing.positions * (1.0 - strain)
+            box=box, positions=packing.positions @ np.linalg.solve(packing.box, box)
         )
         with ld.Simulation(packing, ld.SoftContact()) as sim:
             state = sim.relax(TOLERANCE)
@@ -93,7 +108,7 @@ def start(law: str, packing: ld.Packing, strain: float) -> Iterator[tuple[lammps
     with ld.Simulation(packing, LAWS[law]) as sim:
         engine = sim._engine
         force = engine.forces(sim).scale
-        sim.deform(sim.box * (1.0 - strain))
+        sim.deform(box)
         if law == "droplet":
             timestep = _OF_FIRE / float(np.sqrt(engine._stiffness))
         else:
@@ -104,10 +119,13 @@ def start(law: str, packing: ld.Packing, strain: float) -> Iterator[tuple[lammps
 
 
 def minimum(
-    law: str, packing: ld.Packing, strain: float, commands: str, count: bool = False
+    law: str, packing: ld.Packing, step: float, strain: str, commands: str, count: bool = False
 ) -> dict[str, Any]:
     """What a minimizer takes, and where it ends; `count`: its evaluations instead of its time."""
-    with start(law, packing, strain) as (lmp, force, timestep), tempfile.TemporaryDirectory() as at:
+    with (
+        start(law, packing, step, strain) as (lmp, force, timestep),
+        tempfile.TemporaryDirectory() as at,
+    ):
         log = Path(at) / "log"
         if not commands:
             smallest = float(packing.radii.min())
@@ -133,15 +151,19 @@ def minimum(
     return {"calls": calls, "seconds": seconds, "energy": energy, "end": why}
 
 
-def measure(law: str, number: int, seed: int, above: float, strain: float) -> list[dict[str, Any]]:
+def measure(
+    law: str, number: int, above: float, step: float, strain: str, seed: int
+) -> list[dict[str, Any]]:
     """All minimizers from one start."""
     packing = relaxed(law, number, seed, above)
-    case = {"law": law, "N": number, "seed": seed, "above": above, "step": strain}
+    if packing is None:
+        return []
+    case = {"law": law, "N": number, "above": above, "step": step, "strain": strain, "seed": seed}
     rows = []
     for name, commands in MINIMIZERS.items():
-        found = minimum(law, packing, strain, commands)
+        found = minimum(law, packing, step, strain, commands)
         if law in EVALUATIONS:
-            found |= minimum(law, packing, strain, commands, count=True)
+            found |= minimum(law, packing, step, strain, commands, count=True)
         rows.append(case | {"minimizer": name} | found)
     energy = rows[0]["energy"]
     for row in rows:
@@ -149,17 +171,25 @@ def measure(law: str, number: int, seed: int, above: float, strain: float) -> li
     return rows
 
 
+def case_of(row: dict[str, Any]) -> tuple[Any, ...]:
+    return tuple(row[name] for name in CASE)
+
+
+def place(case: tuple[Any, ...]) -> tuple[Any, ...]:
+    """Of a case in the table: laws as above, then from small to large."""
+    return list(LAWS).index(case[0]), *case[1:]
+
+
 def summary(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
     """Medians of FIRE's figures over those of each minimizer, where both end in one minimum."""
     table = []
-    keys = ("law", "N", "above", "step")
-    for key in dict.fromkeys(tuple(row[k] for k in keys) for row in rows):
-        these = [row for row in rows if tuple(row[k] for k in keys) == key]
+    for key in sorted(set(map(case_of, rows)), key=place):
+        these = [row for row in rows if case_of(row) == key]
         fire = {row["seed"]: row for row in these if row["minimizer"] == FIRE}
         for name in list(MINIMIZERS)[1:]:
             mine = [row for row in these if row["minimizer"] == name]
             same = [row for row in mine if row["same"]]
-            line = dict(zip(keys, key, strict=True)) | {
+            line = dict(zip(CASE, key, strict=True)) | {
                 "minimizer": name,
                 "of": len(mine),
                 "same": len(same),
@@ -173,60 +203,52 @@ def summary(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
     return table
 
 
-def line(table: list[dict[str, Any]], law: str, above: float, strain: float, name: str) -> str:
-    """A row of the README: calls, evaluations and time of each number of particles."""
-    cells = [law, f"{above:.1%}", f"{strain:.1%}", name]
-    for found in table:
-        case = tuple(found[key] for key in ("law", "above", "step", "minimizer"))
-        if case != (law, above, strain, name):
-            continue
-        ratios = [f"{found[figure]:.3g}" for figure in FIGURES if found[figure] is not None]
-        cells.append(f"{', '.join(ratios) or '-'} ({found['same']} of {found['of']})")
-    return f"| {' | '.join(cells)} |"
-
-
 def markdown(table: list[dict[str, Any]]) -> str:
-    """The table of the README."""
-    numbers = list(dict.fromkeys(row["N"] for row in table if row["law"] == table[0]["law"]))
-    head = f"| law | above the onset | step | | {' | '.join(f'N = {n}' for n in numbers)} |"
-    cases = dict.fromkeys((row["law"], row["above"], row["step"]) for row in table)
-    rows = [
-        line(table, *case, name)
-        for case in cases
-        for name in list(MINIMIZERS)[1:]
-        if not (case[0] == "disks" and name == "lbfgs")  # which have no springs
-    ]
-    return "\n".join([head, "|---" * (4 + len(numbers)) + "|", *rows])
+    """The table of the README: calls, evaluations and time of each number of particles."""
+    numbers = sorted({row["N"] for row in table})
+    head = f"| law | beyond the onset | step | {' | '.join(f'N = {n}' for n in numbers)} |"
+    lines = {}
+    for row in table:
+        if row["minimizer"] != (list(MINIMIZERS)[2] if row["law"] == "disks" else "lbfgs"):
+            continue  # soft disks have no springs
+        ratios = [f"{row[figure]:.3g}" for figure in FIGURES if row[figure] is not None]
+        case = row["law"], f"{row['above']:.1%}", f"{row['step']:.2%} {row['strain']}"
+        cells = lines.setdefault(case, dict.fromkeys(numbers, ""))
+        cells[row["N"]] = f"{', '.join(ratios) or '-'} ({row['same']} of {row['of']})"
+    rows = [f"| {' | '.join(case + tuple(cells.values()))} |" for case, cells in lines.items()]
+    return "\n".join([head, "|---" * (3 + len(numbers)) + "|", *rows])
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--out", type=Path, default=HERE / "results" / "at_rest.json")
     parser.add_argument("--numbers", nargs="+", type=int, default=(64, 256, 1024))
-    parser.add_argument("--seeds", type=int, default=3, help="of each size, fewer of large ones")
+    parser.add_argument("--seeds", type=int, default=20, help="of each size, fewer of large ones")
     parser.add_argument("--laws", nargs="+", choices=LAWS, default=list(LAWS))
+    parser.add_argument("--steps", nargs="+", type=float, default=STEPS)
+    parser.add_argument("--strains", nargs="+", choices=STRAINS, default=STRAINS)
     options = parser.parse_args()
     warnings.simplefilter("ignore", UserWarning)  # the rows have what they report
-    rows = []
-    for case in itertools.product(options.laws, options.numbers, ABOVE, STEPS):
-        law, number, above, strain = case
-        seeds = range(1, max(1, min(options.seeds, 800 // number)) + 1)
-        if law == "droplet":
-            number = min(number, 512)  # spheres take minutes to jam
-        these = [row for seed in seeds for row in measure(law, number, seed, above, strain)]
-        rows += these
-        print(number, *markdown(summary(these)).splitlines()[2:], sep="\n", flush=True)
-    table = summary(rows)
-    result = {
-        "command": f"python benchmarks/at_rest.py --numbers {' '.join(map(str, options.numbers))}"
-        f" --seeds {options.seeds} --laws {' '.join(options.laws)}",
-        "machine": machine()["processor"],
-        "tolerance": TOLERANCE,
-        "summary": table,
-        "rows": rows,
-    }
-    options.out.write_text(json.dumps(result, indent=1) + "\n")
-    print(markdown(table))
+    words = ("numbers", "seeds", "laws", "steps", "strains")
+    given = (f"--{word} {' '.join(map(str, np.ravel(getattr(options, word))))}" for word in words)
+    run = {"command": f"python benchmarks/at_rest.py {' '.join(given)}", **machine()}
+    before = json.loads(options.out.read_text()) if options.out.exists() else {}
+    rows, runs = before.get("rows", []), before.get("runs", [])
+    cases = itertools.product(options.laws, options.numbers, ABOVE, options.steps, options.strains)
+    for law, number, above, step, strain in cases:
+        number = min(number, 512) if law == "droplet" else number  # spheres take long to jam
+        seeds = range(1, max(1, min(options.seeds, 1280 // number)) + 1)
+        these = [row for seed in seeds for row in measure(law, number, above, step, strain, seed)]
+        rows = [row for row in rows if case_of(row) != case_of(these[0])] + these
+        print(*markdown(summary(these)).splitlines()[2:], flush=True)
+        result = {
+            "runs": [*runs, run],
+            "tolerance": TOLERANCE,
+            "summary": summary(rows),
+            "rows": sorted(rows, key=lambda row: (*place(case_of(row)), row["seed"])),
+        }
+        options.out.write_text(json.dumps(result, indent=1) + "\n")
+    print(markdown(summary(rows)))
 
 
 if __name__ == "__main__":
