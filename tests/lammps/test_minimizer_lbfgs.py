@@ -403,3 +403,16 @@ def test_in_a_script(tmp_path):
     """lmp finds the style, and tells what it does."""
     said = finished(1, "plugin list\n", tmp_path)
     assert "min style plugin deformable/lbfgs" in said
+
+
+def test_forces_balance_after_a_minimization_that_fails(tmp_path):
+    """Also in a run that begins without a set-up: on the way forces balance to a part only."""
+    scene = packing(tmp_path, "balanced", by=0.03)
+    stop = "variable few equal step>4\nfix stop all halt 1 v_few > 0 error hard\n"
+    scene.run("run 0\n" + LBFGS + stop)
+    with pytest.raises(Exception, match="halt"):
+        scene.run(UNTIL)
+    scene.run("unfix stop\nrun 1 pre no")
+    forces = scene.gather("f", 3)
+    scene.run("run 0")
+    np.testing.assert_allclose(forces, scene.gather("f", 3), atol=1e-7 * np.abs(forces).max())

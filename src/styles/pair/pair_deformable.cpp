@@ -138,7 +138,7 @@ void PairDeformable::check_lines_bend(const std::string &whose, bool sticks) con
 void PairDeformable::init_style()
 {
   refusals.forget();
-  accept_imbalance(0.0);    // a minimization that has ended with an error did not say so
+  accept_imbalance(0.0);
   if (domain->dimension != dimension)
     error->all(FLERR,
                dimension == 3
@@ -186,6 +186,8 @@ double PairDeformable::init_one(int i, int j)
 void PairDeformable::begin_call(int eflag, int vflag)
 {
   ev_init(eflag, vflag);
+  // a minimization that has ended with an error did not say so, and 'run N pre no' may follow
+  if (update->whichflag != 2) accept_imbalance(0.0);
   beyond_model = 0;
   recorded.clear();
   materials.species = species.data();
