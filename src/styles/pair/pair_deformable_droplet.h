@@ -59,9 +59,7 @@ class PairDeformableDroplet : public PairDeformable {
 // The derivative of a droplet's work by the normal of this contact, across it.
 inline deformable::Vector3 PairDeformableDroplet::torque(int k, int side) const
 {
-  const NearPairs &p = solver->pairs();
-  const int i = side == 0 ? p.i[k] : p.second(k);
-  return (radii[i] * p.force[k]) * deformable::across(solver->turn(k, side), p.normal(k));
+  return deformable::across(solver->torque(k, side), solver->pairs().normal(k));
 }
 
 }    // namespace LAMMPS_NS
