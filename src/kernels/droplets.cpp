@@ -176,11 +176,13 @@ DEFORMABLE_LANE_FUNCTION void respond(const RingBatches &b, const DropletArrays 
                 *const second = first_order + places, *const third = second + places;
   const Lanes of_cube = (2.0 / 3.0 * CUBE_GREEN2) * of.third;
   [[maybe_unused]] const Lanes of_square = 4.0 * of.x * of.first, of_balance = BALANCE * of.x;
+  [[maybe_unused]] float *const taken = d.taken + first;
   std::size_t at = b.first_green[batch] + w;
   for (int c = w; c < places; c += LANES) {
     const Vectors n = load_vectors(nx + c, ny + c, nz + c);
     const Lanes of_c = load<Lanes>(f + c), square_c = of_c * of_c;
     Lanes sum{}, sum_2{}, sum_3{};
+    [[maybe_unused]] Lanes of_facets{};
     Vectors moved{};
     for (int k = w; k < c; k += LANES, at += LANES) {
       const Vectors nk = load_vectors(nx + k, ny + k, nz + k);
@@ -202,9 +204,14 @@ DEFORMABLE_LANE_FUNCTION void respond(const RingBatches &b, const DropletArrays 
         store(d.d_green + at, dg);
       }
       const Lanes g3 = of_cube * g2 - (0.25 / PI) * g;
-      if constexpr (!KNOWN)
+      if constexpr (!KNOWN) {
+        const Lanes m = dot(n, nk);
         store(b.contacts.green + at,
-              g + of_square * g2 + 2.0 * (of_c + of_k) * g3 + of_balance * dot(n, nk));
+              g + of_square * g2 + 2.0 * (of_c + of_k) * g3 + of_balance * m);
+        const Lanes turns = dg * dg * (1.0 - m * m);
+        of_facets += turns * of_k;
+        store(taken + k, load<Lanes>(taken + k) + turns * of_c);
+      }
       sum += g * of_k;
       sum_2 += g2 * of_k;
       sum_3 += g3 * (of_k * of_k);
@@ -223,7 +230,45 @@ DEFORMABLE_LANE_FUNCTION void respond(const RingBatches &b, const DropletArrays 
     store(tx + c, moved.x);
     store(ty + c, moved.y);
     store(tz + c, moved.z);
+    if constexpr (!KNOWN) store(taken + c, of_facets);
   }
+}
+
+// And da/df of each contact, as `respond` has those of two. What the facets of others take from it, 1/2 D^4 sum_k f_k (dt_k/df_c)^2
+// about, is in `taken`.
+DEFORMABLE_LANE_FUNCTION void find_compliances(const RingBatches &b, const DropletArrays &d,
+                                               const OfContacts &all_of,
+                                               const DropletLoad<Lanes> &of, int batch, int w)
+{
+  const int first = b.first[batch], places = b.first[batch + 1] - first,
+            droplet = batch * LANES + w;
+  const double *const first_order = static_cast<double *>(b.contacts.scratch),
+                      *const second = first_order + places, *const logs = second + 2 * places;
+  const RingArrays &r = b.rings;
+  const Lanes per_tension = load<Lanes>(r.per_pressure + droplet),
+              least = select(all_of.sum > NO_FORCE, LEAST_OF_MEAN * of.facet * (8.0 * PI),
+                             all(LEAST_ALONE)),
+              l_at_least = LOG_8_PI - logarithm(least).value,
+              of_second = (4.0 * BY_SUM) * of.first / of.mixed;
+  for (int at = w; at < places; at += LANES) {
+    const int c = first + at;
+    const Lanes f = load<Lanes>(d.force + c), h = load<Lanes>(second + at);
+    const Lanes l = select(f > NO_FORCE, load<Lanes>(logs + at), l_at_least);
+    const Lanes own = own_compliance(f, l, load<Lanes>(d.film_log + c), of.stretch) -
+                      load<Lanes>(first_order + at) * (0.5 / PI) +
+                      of.x * (BALANCE + 4.0 * GREEN2_AT_ONE * of.first) -
+                      0.5 * of.first * load<Lanes>(d.taken + c) +
+                      of.third * ((4.0 / 3.0 * CUBE_GREEN2) * (h + 2.0 * GREEN2_AT_ONE * f) +
+                                  4.0 * CUBE_FORCES * f);
+    const Lanes v = f + of_second * h, rest = v * (2.0 * of.mixed + v * of.square) + of.rate,
+                safe = larger(own + rest, all(LEAST_COMPLIANCE));
+    store(b.contacts.compliance + c, safe * per_tension * (1.0 / r.scale));
+    store(b.contacts.own + c, safe - rest);
+    store(b.contacts.share + c, v);
+  }
+  store(r.square + droplet, -of.square);
+  store(r.mixed + droplet, -of.mixed);
+  store(r.rate + droplet, of.rate);
 }
 
 // All that a droplet's own forces say: work, indentations and compliances, but for films that turn and facets that move.
@@ -272,10 +317,6 @@ template <bool KNOWN> static void load_droplets(RingBatches b, DropletArrays d, 
           of.slope + BY_SUM * (of.first * (2.0 * square - DECAY * uneven) -
                                (8.0 / 3.0 * DECAY) * of.third * cubic + (0.5 * BALANCE) * off);
 
-      const Lanes per_tension = load<Lanes>(r.per_pressure + droplet),
-                  least = select(all_of.sum > NO_FORCE, LEAST_OF_MEAN * of.facet * (8.0 * PI),
-                                 all(LEAST_ALONE)),
-                  l_at_least = LOG_8_PI - logarithm(least).value;
       const Lanes trace = (1.0 / 3.0) * all_of.square();
       for (int c = begin; c < end; c += LANES) {
         const int at = c - first;
@@ -291,25 +332,12 @@ template <bool KNOWN> static void load_droplets(RingBatches b, DropletArrays d, 
                         of.first * (4.0 * of.x * h - 0.5 * load<Lanes>(beside + at)) +
                         of.third * of_cube + BALANCE * of.x * dot(n, all_of.balance) + of_all;
         store(d.still + c, radius * a);
-
-        const Lanes own =
-            own_compliance(f, select(f > NO_FORCE, l, l_at_least), film, of.stretch) -
-            response * (0.5 / PI) + of.x * (BALANCE + 4.0 * GREEN2_AT_ONE * of.first) +
-            of.third *
-                ((4.0 / 3.0 * CUBE_GREEN2) * (h + 2.0 * GREEN2_AT_ONE * f) + 4.0 * CUBE_FORCES * f);
-        const Lanes rest = f * (2.0 * of.mixed + f * of.square) + of.rate,
-                    safe = larger(own + rest, all(LEAST_COMPLIANCE));
-        store(b.contacts.compliance + c, safe * per_tension * (1.0 / r.scale));
-        store(b.contacts.own + c, safe - rest);
-        store(b.contacts.share + c, f);
       }
+      find_compliances(b, d, all_of, of, batch, w);
       store(d.load + droplet, of.x);
       store(d.facet + droplet, of.facet);
       store(r.total + droplet, all_of.sum * radius * load<Lanes>(d.tension + droplet));
       store(d.still_work + droplet, work);
-      store(r.square + droplet, -of.square);
-      store(r.mixed + droplet, -of.mixed);
-      store(r.rate + droplet, of.rate);
     }
   }
 }

@@ -239,6 +239,7 @@ struct DropletArrays {
   double *tx, *ty, *tz;          // R t [length]
   double *damping;               // D of the contact's droplet
   double *torque_x, *torque_y, *torque_z;    // dW/dn [energy]
+  float *taken;                              // by facets of others: sum f (dt/df)^2
   double *green, *green2, *d_green;          // G, G2 and G' of two contacts
 };
 

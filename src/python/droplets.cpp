@@ -101,8 +101,8 @@ Droplet droplet(nb::handle given_normals, nb::handle given_forces, double radius
   radii[0] = radius;
   tensions[0] = tension;
   per_tension[0] = 1.0 / tension;
-  std::vector<float> square(LANES), mixed(LANES), rate(LANES), share(places), compliance(places),
-      each(places), green(greens);
+  std::vector<float> taken(places), square(LANES), mixed(LANES), rate(LANES), share(places),
+      compliance(places), each(places), green(greens);
   const std::vector<int> partner(places, static_cast<int>(places));    // walls
   RingBatches batch = {};
   batch.end = 1;
@@ -126,11 +126,11 @@ Droplet droplet(nb::handle given_normals, nb::handle given_forces, double radius
   batch.contacts.scratch = scratch.data();
   batch.corrections.partner = partner.data();
   const DropletArrays arrays = {
-      tensions.data(),   film.data(),   per_radii.data(), load.data(),       facet.data(),
-      still_work.data(), still.data(),  nx.data(),        ny.data(),         nz.data(),
-      f.data(),          tx.data(),     ty.data(),        tz.data(),         damping.data(),
-      x_turn.data(),     y_turn.data(), z_turn.data(),    each_green.data(), each_green2.data(),
-      d_green.data()};
+      tensions.data(),    film.data(),   per_radii.data(), load.data(),  facet.data(),
+      still_work.data(),  still.data(),  nx.data(),        ny.data(),    nz.data(),
+      f.data(),           tx.data(),     ty.data(),        tz.data(),    damping.data(),
+      x_turn.data(),      y_turn.data(), z_turn.data(),    taken.data(), each_green.data(),
+      each_green2.data(), d_green.data()};
   kernels->droplets.shape(batch, arrays, {force.data(), x.data(), y.data(), n.data()});
   kernels->droplets.turn(batch, arrays);
   kernels->droplets.derive(batch, arrays);

@@ -47,6 +47,7 @@ class DropletSolver : public DualSolver {
   LargeVector<double> tension, of_load, of_facet, still_work;
   LargeVector<double> film_log, per_radii, still, normals[3], force, facets[3], damping, torques[3];
   LargeVector<double> green, green2, d_green;
+  LargeVector<float> taken;
 
   deformable::DropletArrays arrays();
   deformable::PairForces forces() const;
