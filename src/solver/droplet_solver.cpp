@@ -153,6 +153,16 @@ void DropletSolver::find_bulges(const Particles &p)
   });
 }
 
+Vector3 DropletSolver::tilt(int k) const
+{
+  const NearPairs &p = list.pairs;
+  if (k >= p.wall) return {};
+  const auto way = [&](int axis) {
+    return p.per_distance[k] * (facets[axis][p.side[1][k]] - facets[axis][p.side[0][k]]);
+  };
+  return {way(0), way(1), way(2)};
+}
+
 double DropletSolver::energy() const
 {
   double sum = 0.0;

@@ -33,6 +33,8 @@ class DropletSolver : public DualSolver {
     const int place = list.pairs.side[side][k];
     return {torques[0][place], torques[1][place], torques[2][place]};
   }
+  // How the normal of a film turns against the line of centers, from the first droplet of a pair: -[(R t)_i - (R t)_j]/d.
+  deformable::Vector3 tilt(int k) const;
 
   // Of the last solution: droplets beyond the model, and the largest bulge, over the radius.
   int beyond_model = 0;

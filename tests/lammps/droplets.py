@@ -103,7 +103,7 @@ class Droplets:
     def contacts(self):
         """Rows of compute deformable/contact."""
         rows = self.lmp.numpy.extract_compute("contact", 2, 2)
-        return np.zeros((0, 15)) if rows is None else np.array(rows)
+        return np.zeros((0, 19)) if rows is None else np.array(rows)
 
     def energy_at(self, x):
         self.lmp.scatter("x", 1, 3, np.ascontiguousarray(x).ctypes)

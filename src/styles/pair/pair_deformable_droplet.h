@@ -54,6 +54,7 @@ class PairDeformableDroplet : public PairDeformable {
   void store_droplet(int i, double energy);
   deformable::Vector3 torque(int k, int side) const;
   deformable::Vector3 force_of_contact(int k, int side) const;
+  double film_curvature(int i, int j) const;
 };
 
 // The derivative of a droplet's work by the normal of this contact, across it.
