@@ -21,22 +21,18 @@ FACES = {
     "fcc": _directions(_CUBE[_SQUARE == 2]),
 }
 
-# f of equal contacts at these indentations, and w at 0.03 (R = g = 1)
+# f of equal contacts at these indentations, and the energy at 0.03 (R = g = 1)
 INDENTATIONS = 0.01, 0.03, 0.05, 0.08
 FORCES = {
-    "plates": (0.0172520051, 0.062938049, 0.117003866, 0.210069492, 0.00204573672),
-    "tetrahedron": (0.0223637952, 0.0889238697, 0.176747242, 0.348437843, 0.00596418367),
-    "sc": (0.0257268029, 0.109684248, 0.233474417, 0.518143865, 0.0113037057),
-    "bcc": (0.027958355, 0.125799123, 0.284980246, 0.689541131, 0.0175985371),
-    "fcc": (0.0327020257, 0.169785539, 0.459234999, 1.02995431, 0.0372670932),
+    "plates": (0.0173192690750, 0.0638316107312, 0.1201056823524, 0.2201792235753, 0.0017464265925),
+    "tetrahedron": (
+        *(0.0224549753126, 0.0902273560520, 0.1815466563809, 0.3657670507215),
+        0.0047519750676,
+    ),
+    "sc": (0.0258224892945, 0.1109428059811, 0.2376108594559, 0.5333168305533, 0.0085071675324),
+    "bcc": (0.0280349555285, 0.1262643270858, 0.2838202009083, 0.7000707909527, 0.0126416203626),
+    "fcc": (0.0326954481734, 0.1655540289015, 0.4350515729448, None, 0.0235832254998),
 }
-
-
-def precision(name, force):
-    """How well equal forces in these directions can be met. Far beyond the model, at a load of 0.49
-    between twelve faces, they are a saddle of the dual energy, and the rounding of steps grows."""
-    load = len(FACES[name]) * force / (8 * np.pi)
-    return 5e-9 if load < 0.45 else 1e-6
 
 
 def random_normals(count, seed, nearest=0.6):

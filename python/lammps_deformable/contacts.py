@@ -406,6 +406,8 @@ DROPLET_COLUMNS = np.dtype(
         ("position", float, 3),  # of the middle of the facet [length]
         ("normal", float, 3),  # of the facet, from i to j
         ("force_vector", float, 3),  # on i by the contact; their sum is the force on i
+        ("tilt", float, 3),  # of the film: its normal is normal + tilt
+        ("curvature", float),  # of the film, positive where it is convex for i [1/length]
     ]
 )
 
@@ -413,8 +415,14 @@ DROPLET_COLUMNS = np.dtype(
 DROPLET_ROWS = (
     *("i", "j", "indentation", "facet_radius", "force"),
     *("x", "y", "z", "nx", "ny", "nz", "distance", "fx", "fy", "fz"),
+    *("turn_x", "turn_y", "turn_z", "curvature"),
 )
-_VECTORS = {"position": "xyz", "normal": ("nx", "ny", "nz"), "force_vector": ("fx", "fy", "fz")}
+_VECTORS = {
+    "position": "xyz",
+    "normal": ("nx", "ny", "nz"),
+    "force_vector": ("fx", "fy", "fz"),
+    "tilt": ("turn_x", "turn_y", "turn_z"),
+}
 
 DropletTable = NDArray[np.void]
 
@@ -432,7 +440,7 @@ def droplet_table(rows: NDArray[np.float64], packing: Packing) -> DropletTable:
     told = dict(zip(DROPLET_ROWS, rows.T, strict=True))
     table = np.zeros(len(rows), DROPLET_COLUMNS)
     table["i"], table["j"] = told["i"] - 1, _indices(told["j"])
-    for name in ("indentation", "facet_radius", "force", "distance"):
+    for name in ("indentation", "facet_radius", "force", "distance", "curvature"):
         table[name] = told[name]
     for name, columns in _VECTORS.items():
         table[name] = np.column_stack([told[column] for column in columns])

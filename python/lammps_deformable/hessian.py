@@ -29,7 +29,15 @@ from .contacts import (
     soft_sides,
     with_walls,
 )
-from .core import EnergyBlocks, RingBlocks, curved_blocks, disk_blocks, droplet_blocks, ring_blocks
+from .core import (
+    EnergyBlocks,
+    RingBlocks,
+    curved_blocks,
+    disk_blocks,
+    droplet_blocks,
+    droplet_facets,
+    ring_blocks,
+)
 from .errors import ParameterError, UndefinedError
 from .laws import Droplet, Law, Ring, Sector, SoftContact, refuse_adhesion
 from .room import free_room
@@ -83,9 +91,9 @@ _CORRECTIONS, _REMAINDER = 20, 1e-13
 class Hessian:
     """Second derivatives of the energy of a packing by the coordinates of its centers.
 
-    The lines of `balanced` and `curved` contacts follow the centers, and so do the facets of
+    The lines of `balanced` and `curved` contacts follow the centers, and so do the forces of
     droplets in three dimensions, which are called lines here too. The energy is stationary in
-    their places, which are variables of their own here: the matrix stays sparse, and that of the
+    them, and they are variables of their own here: the matrix stays sparse, and that of the
     centers alone is its Schur complement,
 
         H = M_cc - M_cl M_ll^-1 M_lc
@@ -97,8 +105,9 @@ class Hessian:
         packing: the particles.
         matrix: M, sparse and symmetric, shape (dN + lines, dN + lines) [energy/length^2]. Rows
             are x_0, y_0, x_1, y_1, ... of the centers, with z in three dimensions, then the shift
-            of each line [length], then for `curved` the direction [rad] and the curvature
-            [1/length] of each line. Soft disks, spheres and `radical` have no such lines: M is H.
+            of each line [length], of droplets the force of each contact [energy/length], then for
+            `curved` the direction [rad] and the curvature [1/length] of each line. Soft disks,
+            spheres and `radical` have no such lines: M is H.
         energy: [energy].
         gradient: of the energy, shape (dN + lines,); minus the forces, and what is left of the
             balance of lines.
@@ -590,12 +599,61 @@ def _of_soft_contacts(packing: Packing, law: SoftContact, rattlers: bool) -> Hes
     return Hessian(packing, blocks, by_centers(sides, len(packing)), by_strains(sides))
 
 
-# Local variables of a side of a droplet, the vector and the shift of its facet; how the shift is
-# seen from the other side; and the part of a change of the distance that a facet takes.
-_FACET_VARIABLES, _FACET_OTHER_SIDE, _SHARE = 4, (-1.0,), 0.5
+# Local variables of a side of a droplet, the vector and the force, which is the same from both
+# sides; of a film, its force, the way w = (R t)_i - (R t)_j, and the logarithm of D_i D_j.
+_SIDE_VARIABLES, _FILM_VARIABLES = 4, 5
+
+# D is exp(-DECAY x/4) at the load x, as in src/laws/droplet.h.
+_DECAY = 2.6
+
+
+class _Sum:
+    """Energy of several kinds of blocks, whose local variables follow each other."""
+
+    def __init__(self, *parts: Any) -> None:
+        self.energy = sum(part.energy for part in parts)
+        self.gradient = np.concatenate([part.gradient for part in parts])
+        self._parts = parts
+
+    def hessian(self) -> tuple[NDArray[np.int32], NDArray[np.int32], Floats]:
+        first, found = 0, []
+        for part in self._parts:
+            row, column, value = part.hessian()
+            found.append((row + first, column + first, value))
+            first += len(part.gradient)
+        row, column, value = map(np.concatenate, zip(*found, strict=True))
+        return row, column, value
+
+
+class _Films:
+    """Minus the energy of films that turn, F |w|^2 D_i D_j/(2 (R_i + R_j)), by their variables."""
+
+    def __init__(self, force: Floats, way: Floats, damping: Floats, radii: Floats) -> None:
+        part, square = damping / radii, (way**2).sum(axis=1)
+        turned = 0.5 * part * square
+        self.energy = -float(force @ turned)
+        of_way = (part * force)[:, None] * way
+        columns = [turned[:, None], of_way, (force * turned)[:, None]]
+        self.gradient = -np.concatenate(columns, axis=1).ravel()
+        block = np.zeros((len(force), _FILM_VARIABLES, _FILM_VARIABLES))
+        block[:, 0, 1:4] = part[:, None] * way
+        block[:, 0, 4] = turned
+        block[:, 1:4, 4] = of_way
+        block += block.transpose(0, 2, 1)
+        block[:, [1, 2, 3], [1, 2, 3]] = (part * force)[:, None]
+        block[:, 4, 4] = force * turned
+        self._block = -block
+
+    def hessian(self) -> tuple[NDArray[np.int32], NDArray[np.int32], Floats]:
+        count = np.arange(len(self.gradient), dtype=np.int32).reshape(-1, _FILM_VARIABLES)
+        row, column = np.broadcast_arrays(count[:, :, None], count[:, None, :])
+        return row.ravel(), column.ravel(), self._block.ravel()
 
 
 def _of_droplets(state: State, law: Droplet, rattlers: bool) -> Hessian:
+    """The dual energy is stationary in the forces, which take the place of lines here."""
+    from scipy.sparse import csr_matrix, hstack, vstack
+
     packing, table = state.packing, state.contacts
     if (table["j"] < 0).any():
         raise ParameterError(
@@ -607,16 +665,38 @@ def _of_droplets(state: State, law: Droplet, rattlers: bool) -> Hessian:
         kept = bearing(table["i"], table["j"], force, len(packing), packing.dimension)
         table = table[kept | kept[other_side(table)]]
     sides = between(table["i"], table["j"], table["distance"][:, None] * table["normal"])
+    other = other_side(table)
+    force, distance = 0.5 * (table["force"] + table["force"][other]), sides.distance
     tension = law._species_parameters(packing._species_radii).of(packing.species).tension
+    radius, gamma = packing.radii[sides.i], tension[sides.i]
+    radii, count = radius + radius[other], len(table)
+    film = np.log(gamma[other] * radii / (radius[other] * (gamma + gamma[other])))
     number = np.bincount(sides.i, minlength=len(packing))
     droplets = np.column_stack([number, packing.radii, tension])
-    rows = [sides.vector, sides.turn, np.full(len(table), _SHARE), table["force"]]
-    try:
-        blocks = droplet_blocks(droplets, np.column_stack(rows))
-    except ValueError as error:
-        raise ParameterError(str(error)) from None
-    from scipy.sparse import hstack
+    rows = np.column_stack([sides.vector, radii - distance, film, force, np.zeros((count, 3))])
+    facets = droplet_facets(droplets, rows)
+    way, damping = facets[:, :3] - facets[other, :3], facets[:, 3] * facets[other, 3]
+    rows[:, 6:] = (force / (gamma * radius) * damping / radii)[:, None] * way
+    blocks, (row, column, value) = droplet_blocks(droplets, rows)
 
-    facets = by_lines(other_side(table), _FACET_VARIABLES, _FACET_OTHER_SIDE)
-    chain = hstack([by_centers(sides, len(packing), _FACET_VARIABLES), *facets], format="csr")
-    return Hessian(packing, blocks, chain, by_strains(sides, _FACET_VARIABLES))
+    first = np.flatnonzero(other > np.arange(count))
+    films = _Films(force[first], way[first], damping[first], radii[first])
+    size, variable = _SIDE_VARIABLES * count, _SIDE_VARIABLES * np.arange(count)
+    places = csr_matrix((value, (row, column)), shape=(3 * count, size))
+    on = [places[3 * first + axis] - places[3 * other[first] + axis] for axis in range(3)]
+    one = csr_matrix((np.ones(count), (np.arange(count), variable + 3)), shape=(count, size))
+    sums = csr_matrix((np.ones(count), (sides.i, np.arange(count))), shape=(len(packing), count))
+    damped = sums.T @ csr_matrix(
+        (-_DECAY / 4.0 / (8.0 * np.pi) / (gamma * radius), (sides.i, variable + 3)),
+        shape=(len(packing), size),
+    )
+    local = vstack([one[first], *on, damped[first] + damped[other[first]]], format="csr")
+    order = np.arange(_FILM_VARIABLES * len(first)).reshape(_FILM_VARIABLES, -1).T.ravel()
+    of_films = local[order]
+
+    forces = by_lines(other, _SIDE_VARIABLES, (1.0,))
+    chain = hstack([by_centers(sides, len(packing), _SIDE_VARIABLES), *forces], format="csr")
+    strains = by_strains(sides, _SIDE_VARIABLES)
+    both = vstack([chain, of_films @ chain], format="csr")
+    energies: Any = _Sum(blocks, films)
+    return Hessian(packing, energies, both, np.vstack([strains, of_films @ strains]))

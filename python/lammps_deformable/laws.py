@@ -649,11 +649,9 @@ _HOT = 10.0
 _BY_FORCE = (1.0 / (2.0 * 15.0)) ** (1.0 / 3.0)
 _TOGETHER = 10.0
 
-# The largest eigenvalue of the Hessian of droplets over their tension, about, by their load x: no
-# less than random packings and fcc, bcc and sc crystals have
-# (tests/python/protocols/test_space_motion.py). A droplet with the energy U above rest has a load
-# of up to (U / (tension R^2))^(1/2) / 2.
-_LOOSE, _BY_LOAD = 12.0, 380.0
+# The largest eigenvalue of the Hessian of droplets over their tension: no less than random packings
+# and fcc, bcc and sc crystals have at any density (tests/python/protocols/test_space_motion.py).
+_STIFFEST = 18.0
 
 # Smallest pressure that limits the step, over the stiffness: particles at rest do not move.
 _AT_REST = 1e-12
@@ -675,7 +673,7 @@ def longest_step(packing: Packing, law: AnyLaw, squeeze: float, temperature: flo
     U >= (p R)^2 / (2 kP). With a tension p = tension/R + p', where U >= p'^2 R^3 / (4 tension) too:
     six contacts have U = 34 tension a^2/R and p' = 11 tension a/R^2 at the indentation a.
 
-    In three dimensions it follows from the largest load of a droplet.
+    In three dimensions it follows from the tension alone.
 
     Args:
         packing: the particles.
@@ -686,9 +684,7 @@ def longest_step(packing: Packing, law: AnyLaw, squeeze: float, temperature: flo
     """
     if isinstance(law, Droplet):
         tension = law._species_parameters(packing._species_radii).of(packing.species).tension
-        energy = float(np.min(tension * packing.radii**2))
-        load = max(squeeze, 0.5 * float(np.sqrt(_HOT * temperature / energy)))
-        return float(2.0 / np.sqrt((_LOOSE + _BY_LOAD * load) * tension.max()))
+        return float(2.0 / np.sqrt(_STIFFEST * tension.max()))
     kA, kP, skin, tension, *_ = law._species_parameters(packing._species_radii).of(packing.species)
     radius = packing.radii - skin
     by_tension = 2.0 * tension / radius**3

@@ -47,178 +47,454 @@ DEFORMABLE_LANE_FUNCTION Logarithm logarithm(Lanes x)
   return {exponent * LN_2 + 2.0 * t * series, sum * quotient};
 }
 
-// Indentations, work and compliances from the forces of the contacts and their responses.
-DEFORMABLE_LANE_FUNCTION void finish_droplets(const RingBatches &b, const DropletArrays &d,
-                                              int batch)
+// exp y for y <= 0, below 2^-1000 that. y = k ln 2 + r, and the powers of r up to the thirteenth.
+DEFORMABLE_LANE_FUNCTION Lanes exponential(Lanes y)
 {
-  const int begin = b.first[batch], end = b.first[batch + 1];
+  typedef unsigned long long Bits __attribute__((vector_size(8 * W)));
+  constexpr double TO_52 =
+      6755399441055744.0;    // 1.5 x 2^52: the low bits of a sum with it are an integer
+  constexpr double PER_LN_2 = 1.44269504088896340736, LN_2_HIGH = 0.6931471803691238,
+                   LN_2_LOW = 1.9082149292705877e-10;
+  const Lanes shifted = larger(y * PER_LN_2, all(-1000.0)) + TO_52, k = shifted - TO_52;
+  const Lanes r = larger(y, all(-1000.0 / PER_LN_2)) - k * LN_2_HIGH - k * LN_2_LOW;
+  constexpr double FACTORIAL[] = {1.0,       1.0,        2.0,         6.0,         24.0,
+                                  120.0,     720.0,      5040.0,      40320.0,     362880.0,
+                                  3628800.0, 39916800.0, 479001600.0, 6227020800.0};
+  Lanes power = all(1.0 / FACTORIAL[13]);
+  for (int n = 12; n >= 0; --n) power = power * r + 1.0 / FACTORIAL[n];
+  return power * (Lanes)(((Bits)shifted + 1023) << 52);
+}
+
+DEFORMABLE_LANE_FUNCTION DropletLoad<Lanes> load_of(Lanes sum, Lanes sum_of_squares)
+{
+  return DropletLoad<Lanes>(
+      sum, sum_of_squares, [](Lanes x) DEFORMABLE_LANE_LAMBDA { return logarithm(x).value; },
+      [](Lanes x) DEFORMABLE_LANE_LAMBDA { return exponential(x); });
+}
+
+// A vector in space of each lane.
+struct Vectors {
+  Lanes x, y, z;
+};
+
+DEFORMABLE_LANE_FUNCTION Vectors load_vectors(const double *x, const double *y, const double *z)
+{
+  return {load<Lanes>(x), load<Lanes>(y), load<Lanes>(z)};
+}
+
+DEFORMABLE_LANE_FUNCTION Lanes dot(const Vectors &a, const Vectors &b)
+{
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+// Sums over the contacts of a droplet: what W needs of all of them. Q = sum f (n n - 1/3).
+struct OfContacts {
+  Lanes sum{}, squares{}, cubes{};
+  Vectors balance{};    // sum f n
+  Lanes xx{}, yy{}, zz{}, xy{}, xz{}, yz{};
+
+  DEFORMABLE_LANE_LAMBDA void add(Lanes f, const Vectors &n)
+  {
+    const Lanes x = f * n.x, y = f * n.y;
+    sum += f;
+    squares += f * f;
+    cubes += f * f * f;
+    balance = {balance.x + x, balance.y + y, balance.z + f * n.z};
+    xx += x * n.x;
+    xy += x * n.y;
+    xz += x * n.z;
+    yy += y * n.y;
+    yz += y * n.z;
+    zz += f * n.z * n.z;
+  }
+  // Without the trace of Q: once all are added.
+  DEFORMABLE_LANE_LAMBDA void finish()
+  {
+    const Lanes mean = (1.0 / 3.0) * (xx + yy + zz);
+    xx -= mean;
+    yy -= mean;
+    zz -= mean;
+  }
+  DEFORMABLE_LANE_LAMBDA Vectors times(const Vectors &n) const    // Q n
+  {
+    return {xx * n.x + xy * n.y + xz * n.z, xy * n.x + yy * n.y + yz * n.z,
+            xz * n.x + yz * n.y + zz * n.z};
+  }
+  DEFORMABLE_LANE_LAMBDA Lanes square() const    // tr Q^2
+  {
+    return xx * xx + yy * yy + zz * zz + 2.0 * (xy * xy + xz * xz + yz * yz);
+  }
+  DEFORMABLE_LANE_LAMBDA Lanes cube() const    // tr Q^3 = 3 det Q without a trace
+  {
+    return 3.0 * (xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz));
+  }
+};
+
+DEFORMABLE_LANE_FUNCTION OfContacts sums_of(const DropletArrays &d, int begin, int end)
+{
+  OfContacts all;
+  for (int c = begin; c < end; c += LANES)
+    all.add(load<Lanes>(d.force + c), load_vectors(d.nx + c, d.ny + c, d.nz + c));
+  all.finish();
+  return all;
+}
+
+// Forces and outward normals of the contacts of a batch.
+template <bool KNOWN>
+static void take_pairs(const RingBatches &b, const DropletArrays &d, const PairForces &p, int batch)
+{
+  const int first = b.first[batch], places = b.first[batch + 1] - first;
+  const int *const pair_side = b.contacts.pair_side + first;
+  double *const nx = d.nx + first, *const ny = d.ny + first, *const nz = d.nz + first,
+                *const f = d.force + first;
+  double unit[LANES];
+  for (int w = 0; w < LANES; ++w)
+    unit[w] = 1.0 / (b.rings.radius[batch * LANES + w] * d.tension[batch * LANES + w]);
+  for (int c = 0; c < places; ++c) {
+    const int k = pair_side[c] >> 1;
+    f[c] = unit[c % LANES] * p.force[k];
+    if constexpr (KNOWN) continue;
+    const double sign = pair_side[c] & 1 ? -1.0 : 1.0;
+    nx[c] = sign * p.nx[k];
+    ny[c] = sign * p.ny[k];
+    nz[c] = sign * p.nz[k];
+  }
+}
+
+// The sums over the other contacts that W needs: G f, G2 f, (D^16 (2/3) C G2 - G/(4 pi)) f^2, and G' f n. And da/df of each two
+// contacts, without what facets that move add to it and without Q: the solver corrects with it. KNOWN: all functions of
+// directions, and da/df, are those of the last time.
+template <bool KNOWN>
+DEFORMABLE_LANE_FUNCTION void respond(const RingBatches &b, const DropletArrays &d,
+                                      const DropletLoad<Lanes> &of, int batch, int w)
+{
+  const int first = b.first[batch], places = b.first[batch + 1] - first;
+  double *const nx = d.nx + first, *const ny = d.ny + first, *const nz = d.nz + first,
+                *const f = d.force + first, *const tx = d.tx + first, *const ty = d.ty + first,
+                *const tz = d.tz + first;
+  double *const first_order = static_cast<double *>(b.contacts.scratch),
+                *const second = first_order + places, *const third = second + places;
+  const Lanes of_cube = (2.0 / 3.0 * CUBE_GREEN2) * of.third;
+  [[maybe_unused]] const Lanes of_square = 4.0 * of.x * of.first, of_balance = BALANCE * of.x;
+  [[maybe_unused]] float *const taken = d.taken + first;
+  std::size_t at = b.first_green[batch] + w;
+  for (int c = w; c < places; c += LANES) {
+    const Vectors n = load_vectors(nx + c, ny + c, nz + c);
+    const Lanes of_c = load<Lanes>(f + c), square_c = of_c * of_c;
+    Lanes sum{}, sum_2{}, sum_3{};
+    [[maybe_unused]] Lanes of_facets{};
+    Vectors moved{};
+    for (int k = w; k < c; k += LANES, at += LANES) {
+      const Vectors nk = load_vectors(nx + k, ny + k, nz + k);
+      const Lanes of_k = load<Lanes>(f + k);
+      Lanes g, dg, g2;
+      if constexpr (KNOWN) {
+        g = load<Lanes>(d.green + at);
+        g2 = load<Lanes>(d.green2 + at);
+        dg = load<Lanes>(d.d_green + at);
+      } else {
+        const Lanes m = dot(n, nk), apart = 0.5 - 0.5 * m, q = larger(apart, all(SMALLEST_HALF));
+        const Logarithm half = logarithm(q);
+        g = droplet_green(m, half.value);
+        g2 = droplet_green2(q, half.value);
+        dg = select(apart > SMALLEST_APART, d_droplet_green(m, half.value, half.over),
+                    all(SLOPE_AT_SMALLEST));
+        store(d.green + at, g);
+        store(d.green2 + at, g2);
+        store(d.d_green + at, dg);
+      }
+      const Lanes g3 = of_cube * g2 - (0.25 / PI) * g;
+      if constexpr (!KNOWN) {
+        const Lanes m = dot(n, nk);
+        store(b.contacts.green + at,
+              g + of_square * g2 + 2.0 * (of_c + of_k) * g3 + of_balance * m);
+        const Lanes turns = dg * dg * (1.0 - m * m);
+        of_facets += turns * of_k;
+        store(taken + k, load<Lanes>(taken + k) + turns * of_c);
+      }
+      sum += g * of_k;
+      sum_2 += g2 * of_k;
+      sum_3 += g3 * (of_k * of_k);
+      const Lanes by_c = dg * of_c, by_k = dg * of_k;
+      moved = {moved.x + by_k * nk.x, moved.y + by_k * nk.y, moved.z + by_k * nk.z};
+      store(first_order + k, load<Lanes>(first_order + k) + g * of_c);
+      store(second + k, load<Lanes>(second + k) + g2 * of_c);
+      store(third + k, load<Lanes>(third + k) + g3 * square_c);
+      store(tx + k, load<Lanes>(tx + k) + by_c * n.x);
+      store(ty + k, load<Lanes>(ty + k) + by_c * n.y);
+      store(tz + k, load<Lanes>(tz + k) + by_c * n.z);
+    }
+    store(first_order + c, sum);
+    store(second + c, sum_2 + GREEN2_AT_ONE * of_c);
+    store(third + c, sum_3 + GREEN2_AT_ONE * of_cube * square_c);
+    store(tx + c, moved.x);
+    store(ty + c, moved.y);
+    store(tz + c, moved.z);
+    if constexpr (!KNOWN) store(taken + c, of_facets);
+  }
+}
+
+// And da/df of each contact, as `respond` has those of two. What the facets of others take from it, 1/2 D^4 sum_k f_k (dt_k/df_c)^2
+// about, is in `taken`.
+DEFORMABLE_LANE_FUNCTION void find_compliances(const RingBatches &b, const DropletArrays &d,
+                                               const OfContacts &all_of,
+                                               const DropletLoad<Lanes> &of, int batch, int w)
+{
+  const int first = b.first[batch], places = b.first[batch + 1] - first,
+            droplet = batch * LANES + w;
+  const double *const first_order = static_cast<double *>(b.contacts.scratch),
+                      *const second = first_order + places, *const logs = second + 2 * places;
   const RingArrays &r = b.rings;
-  for (int w = 0; w < LANES; w += W) {
-    Lanes sum{}, sum_of_squares{}, work{};
-    for (int c = begin + w; c < end; c += LANES) {
-      const Lanes f = load<Lanes>(d.force + c);
-      sum += f;
-      sum_of_squares += f * f;
-    }
-    const DropletLoad<Lanes> of(sum, sum_of_squares,
-                                [](Lanes x) DEFORMABLE_LANE_LAMBDA { return logarithm(x).value; });
-    const int droplet = batch * LANES + w;
-    const Lanes radius = load<Lanes>(r.radius + droplet),
-                tension = load<Lanes>(d.tension + droplet), of_all = of.squares * of.slope,
-                per_tension = load<Lanes>(r.per_pressure + droplet);
-    const Lanes slope = of.slope * (0.25 / PI), bend = of.squares * of.bend;
-    const Lanes least =
-        select(sum > NO_FORCE, LEAST_OF_MEAN * of.facet * (8.0 * PI), all(LEAST_ALONE));
-    const Lanes l_at_least = LOG_8_PI - logarithm(least).value;
-    for (int c = begin + w; c < end; c += LANES) {
-      const Lanes f = load<Lanes>(d.force + c), response = load<Lanes>(d.response + c);
-      const Lanes l = LOG_8_PI - logarithm(larger(f, all(NO_FORCE))).value;
-      const Lanes l_of_compliance = select(f > NO_FORCE, l, l_at_least);
-      const Lanes own = own_compliance(l_of_compliance, of.logarithm);
-      work += own_work(f, l, of.logarithm) + 0.5 * f * response;
-      store(b.contacts.indentation + c,
-            radius * (own_indentation(f, l, of.logarithm) + (response + of_all)));
-      store(b.contacts.compliance + c,
-            (own + 2.0 * slope * f + bend) * per_tension * (1.0 / r.scale));
-      store(b.contacts.own + c, own);
-      store(b.contacts.share + c, f);
-    }
-    store(d.load + droplet, of.x);
-    store(d.facet + droplet, of.facet);
-    store(r.total + droplet, sum * radius * tension);
-    store(r.work + droplet, tension * radius * radius * work);
-    store(r.mixed + droplet, -slope);
-    store(r.rate + droplet, bend);
+  const Lanes per_tension = load<Lanes>(r.per_pressure + droplet),
+              least = select(all_of.sum > NO_FORCE, LEAST_OF_MEAN * of.facet * (8.0 * PI),
+                             all(LEAST_ALONE)),
+              l_at_least = LOG_8_PI - logarithm(least).value,
+              of_second = (4.0 * BY_SUM) * of.first / of.mixed;
+  for (int at = w; at < places; at += LANES) {
+    const int c = first + at;
+    const Lanes f = load<Lanes>(d.force + c), h = load<Lanes>(second + at);
+    const Lanes l = select(f > NO_FORCE, load<Lanes>(logs + at), l_at_least);
+    const Lanes own = own_compliance(f, l, load<Lanes>(d.film_log + c), of.stretch) -
+                      load<Lanes>(first_order + at) * (0.5 / PI) +
+                      of.x * (BALANCE + 4.0 * GREEN2_AT_ONE * of.first) -
+                      0.5 * of.first * load<Lanes>(d.taken + c) +
+                      of.third * ((4.0 / 3.0 * CUBE_GREEN2) * (h + 2.0 * GREEN2_AT_ONE * f) +
+                                  4.0 * CUBE_FORCES * f);
+    const Lanes v = f + of_second * h, rest = v * (2.0 * of.mixed + v * of.square) + of.rate,
+                safe = larger(own + rest, all(LEAST_COMPLIANCE));
+    store(b.contacts.compliance + c, safe * per_tension * (1.0 / r.scale));
+    store(b.contacts.own + c, safe - rest);
+    store(b.contacts.share + c, v);
   }
+  store(r.square + droplet, -of.square);
+  store(r.mixed + droplet, -of.mixed);
+  store(r.rate + droplet, of.rate);
 }
 
-static void shape_droplets(RingBatches b, DropletArrays d, PairForces p)
+// All that a droplet's own forces say: work, indentations and compliances, but for films that turn and facets that move.
+template <bool KNOWN> static void load_droplets(RingBatches b, DropletArrays d, PairForces p)
 {
+  const RingArrays &r = b.rings;
   for (int batch = b.begin; batch < b.end; ++batch) {
+    take_pairs<KNOWN>(b, d, p, batch);
     const int first = b.first[batch], places = b.first[batch + 1] - first;
-    const int *const pair_side = b.contacts.pair_side + first;
-    double *const nx = d.nx + first, *const ny = d.ny + first, *const nz = d.nz + first,
-                  *const f = d.force + first, *const response = d.response + first,
-                  *const tx = d.tx + first, *const ty = d.ty + first, *const tz = d.tz + first;
-    double unit[LANES];
-    for (int w = 0; w < LANES; ++w)
-      unit[w] = 1.0 / (b.rings.radius[batch * LANES + w] * d.tension[batch * LANES + w]);
-    for (int c = 0; c < places; ++c) {
-      const int k = pair_side[c] >> 1;
-      const double sign = pair_side[c] & 1 ? -1.0 : 1.0;
-      f[c] = unit[c % LANES] * p.force[k];
-      nx[c] = sign * p.nx[k];
-      ny[c] = sign * p.ny[k];
-      nz[c] = sign * p.nz[k];
-    }
+    double *const first_order = static_cast<double *>(b.contacts.scratch),
+                  *const second = first_order + places, *const third = second + places,
+                  *const logs = third + places, *const beside = logs + places;
     for (int w = 0; w < LANES; w += W) {
-      float *green = b.contacts.green + b.first_green[batch],
-            *d_green = d.d_green + b.first_green[batch];
-      for (int c = w; c < places; c += LANES) {
-        const Lanes x = load<Lanes>(nx + c), y = load<Lanes>(ny + c), z = load<Lanes>(nz + c),
-                    of_c = load<Lanes>(f + c);
-        Lanes sum{}, sum_x{}, sum_y{}, sum_z{};
-        for (int k = w; k < c; k += LANES) {
-          const Lanes xk = load<Lanes>(nx + k), yk = load<Lanes>(ny + k), zk = load<Lanes>(nz + k),
-                      of_k = load<Lanes>(f + k);
-          const Lanes m = x * xk + y * yk + z * zk, apart = 0.5 - 0.5 * m;
-          const Logarithm half = logarithm(larger(apart, all(SMALLEST_HALF)));
-          const Lanes g = droplet_green(m, half.value),
-                      slope = d_droplet_green(m, half.value, half.over),
-                      dg = apart > SMALLEST_HALF ? slope : Lanes{};
-          store(green + k, g);
-          store(d_green + k, dg);
-          const Lanes by_c = dg * of_c, by_k = dg * of_k;
-          sum += g * of_k;
-          sum_x += by_k * xk;
-          sum_y += by_k * yk;
-          sum_z += by_k * zk;
-          store(response + k, load<Lanes>(response + k) + g * of_c);
-          store(tx + k, load<Lanes>(tx + k) + by_c * x);
-          store(ty + k, load<Lanes>(ty + k) + by_c * y);
-          store(tz + k, load<Lanes>(tz + k) + by_c * z);
-        }
-        store(response + c, sum);
-        store(tx + c, sum_x);
-        store(ty + c, sum_y);
-        store(tz + c, sum_z);
-        green += c - w;
-        d_green += c - w;
+      const int begin = first + w, end = first + places, droplet = batch * LANES + w;
+      const OfContacts all_of = sums_of(d, begin, end);
+      const DropletLoad<Lanes> of = load_of(all_of.sum, all_of.squares);
+      respond<KNOWN>(b, d, of, batch, w);
+
+      const Lanes radius = load<Lanes>(r.radius + droplet);
+      Lanes work{}, turned{}, square{}, cube{};    // T1, J and the sum f^2 G2 f
+      for (int c = begin; c < end; c += LANES) {
+        const int at = c - first;
+        const Lanes f = load<Lanes>(d.force + c), h = load<Lanes>(second + at);
+        const Vectors n = load_vectors(d.nx + c, d.ny + c, d.nz + c),
+                      moved = load_vectors(d.tx + c, d.ty + c, d.tz + c);
+        const Lanes along = dot(moved, n);
+        const Vectors t = {along * n.x - moved.x, along * n.y - moved.y, along * n.z - moved.z};
+        const Lanes t2 = dot(t, t), l = LOG_8_PI - logarithm(larger(f, all(NO_FORCE))).value;
+        store(logs + at, l);
+        store(beside + at, t2);
+        turned -= 0.5 * f * t2;
+        square += f * h;
+        cube += f * f * h;
+        work += own_work(f, l, load<Lanes>(d.film_log + c), of.psi) +
+                load<Lanes>(first_order + at) * f * (0.5 - f * (0.25 / PI));
+        store(d.tx + c, radius * t.x);
+        store(d.ty + c, radius * t.y);
+        store(d.tz + c, radius * t.z);
+        store(d.damping + c, of.damping);
       }
+      const Lanes uneven = turned + 2.0 * of.x * square, off = dot(all_of.balance, all_of.balance);
+      const Lanes cubic =
+          CUBE_TRACE * all_of.cube() + CUBE_FORCES * all_of.cubes + CUBE_GREEN2 * cube;
+      work += of.first * uneven + (2.0 / 3.0) * of.third * cubic + (0.5 * BALANCE) * of.x * off;
+      const Lanes of_all =
+          of.slope + BY_SUM * (of.first * (2.0 * square - DECAY * uneven) -
+                               (8.0 / 3.0 * DECAY) * of.third * cubic + (0.5 * BALANCE) * off);
+
+      const Lanes trace = (1.0 / 3.0) * all_of.square();
+      for (int c = begin; c < end; c += LANES) {
+        const int at = c - first;
+        const Lanes f = load<Lanes>(d.force + c), l = load<Lanes>(logs + at),
+                    film = load<Lanes>(d.film_log + c), response = load<Lanes>(first_order + at),
+                    h = load<Lanes>(second + at);
+        const Vectors n = load_vectors(d.nx + c, d.ny + c, d.nz + c), qn = all_of.times(n);
+        const Lanes of_trace = 2.0 * CUBE_TRACE * (dot(qn, qn) - trace),
+                    of_cube =
+                        of_trace + 2.0 * CUBE_FORCES * f * f + (4.0 / 3.0 * CUBE_GREEN2) * f * h;
+        const Lanes a = own_indentation(f, l, film, of.stretch) +
+                        response * (1.0 - f * (0.5 / PI)) + load<Lanes>(third + at) +
+                        of.first * (4.0 * of.x * h - 0.5 * load<Lanes>(beside + at)) +
+                        of.third * of_cube + BALANCE * of.x * dot(n, all_of.balance) + of_all;
+        store(d.still + c, radius * a);
+      }
+      find_compliances(b, d, all_of, of, batch, w);
+      store(d.load + droplet, of.x);
+      store(d.facet + droplet, of.facet);
+      store(r.total + droplet, all_of.sum * radius * load<Lanes>(d.tension + droplet));
+      store(d.still_work + droplet, work);
     }
-    finish_droplets(b, d, batch);
   }
 }
 
-DEFORMABLE_LANE_FUNCTION void add(double *to, Floats x, const double *unit)
+// What a film that may turn, and the place of its facet, do to each contact c of a droplet: z_c with d(-W)/dt_c = f_c z_c, and
+// the double energy of the turning over F. Both droplets of a pair see opposite ways.
+struct Turned {
+  Vectors z;
+  Lanes twice;    // |R_i t_i - R_j t_j|^2/(R_i + R_j) D_i D_j
+};
+
+DEFORMABLE_LANE_FUNCTION Turned turned_film(const RingBatches &b, const DropletArrays &d, int c,
+                                            Lanes per_radius)
 {
-  float numbers[FLOATS];
-  store_floats(numbers, x);
-  for (int w = 0; w < FLOATS; w += W)
-    store(to + w, load<Lanes>(to + w) + load<Lanes>(unit + w) * load<Lanes>(numbers + w));
+  const int *const partner = b.corrections.partner + c;
+  const auto other = [&](const double *x) DEFORMABLE_LANE_LAMBDA {
+    return each_lane([&](int w) DEFORMABLE_LANE_LAMBDA { return x[partner[w]]; });
+  };
+  const Vectors here = load_vectors(d.tx + c, d.ty + c, d.tz + c);
+  const Vectors way = {here.x - other(d.tx), here.y - other(d.ty), here.z - other(d.tz)};
+  const Lanes damping = load<Lanes>(d.damping + c), twice = damping * damping;
+  const Lanes part = damping * other(d.damping) * load<Lanes>(d.per_radii + c),
+              own = twice * twice * per_radius;
+  return {{part * way.x - own * here.x, part * way.y - own * here.y, part * way.z - own * here.z},
+          part * dot(way, way)};
 }
 
-static void adapt_droplets(RingBatches b, DropletArrays d, PairForces p, const float *changes,
-                           double unit_of_changes)
+static void turn_films(RingBatches b, DropletArrays d)
 {
+  const RingArrays &r = b.rings;
   for (int batch = b.begin; batch < b.end; ++batch) {
     const int first = b.first[batch], places = b.first[batch + 1] - first;
-    const int *const pair_side = b.contacts.pair_side + first;
-    float *const y = static_cast<float *>(b.contacts.scratch), *const nx = y + places,
-                 *const ny = nx + places, *const nz = ny + places, *const sum = nz + places,
-                 *const tx = sum + places, *const ty = tx + places, *const tz = ty + places;
-    for (int c = 0; c < places; ++c) {
-      y[c] = changes[pair_side[c] >> 1];
-      nx[c] = static_cast<float>(d.nx[first + c]);
-      ny[c] = static_cast<float>(d.ny[first + c]);
-      nz[c] = static_cast<float>(d.nz[first + c]);
-    }
-    double unit[LANES], of_changes[LANES];
-    for (int w = 0; w < LANES; ++w) {
-      unit[w] = 1.0 / (b.rings.radius[batch * LANES + w] * d.tension[batch * LANES + w]);
-      of_changes[w] = unit[w] * unit_of_changes;
-    }
-    for (int w = 0; w < LANES; w += FLOATS) {
-      const float *green = b.contacts.green + b.first_green[batch],
-                  *d_green = d.d_green + b.first_green[batch];
+    double *const zx = static_cast<double *>(b.contacts.scratch), *const zy = zx + places,
+                  *const zz = zy + places, *const back = zz + places, *const free = back + places;
+    const double *const nx = d.nx + first, *const ny = d.ny + first, *const nz = d.nz + first,
+                        *const f = d.force + first;
+    for (int w = 0; w < LANES; w += W) {
+      const int droplet = batch * LANES + w;
+      const Lanes radius = load<Lanes>(r.radius + droplet), per_radius = 1.0 / radius;
+      const double *slope = d.d_green + b.first_green[batch] + w;
+      Lanes of_all{};
       for (int c = w; c < places; c += LANES) {
-        const Floats of_c = load<Floats>(y + c), x = load<Floats>(nx + c),
-                     yc = load<Floats>(ny + c), z = load<Floats>(nz + c);
-        Floats own{}, own_x{}, own_y{}, own_z{};
-        for (int k = w; k < c; k += LANES) {
-          const Floats g = load<Floats>(green + k), dg = load<Floats>(d_green + k),
-                       of_k = load<Floats>(y + k), by_c = dg * of_c, by_k = dg * of_k;
-          own += g * of_k;
-          own_x += by_k * load<Floats>(nx + k);
-          own_y += by_k * load<Floats>(ny + k);
-          own_z += by_k * load<Floats>(nz + k);
-          store_floats(sum + k, load<Floats>(sum + k) + g * of_c);
-          store_floats(tx + k, load<Floats>(tx + k) + by_c * x);
-          store_floats(ty + k, load<Floats>(ty + k) + by_c * yc);
-          store_floats(tz + k, load<Floats>(tz + k) + by_c * z);
+        const Turned turned = turned_film(b, d, first + c, per_radius);
+        const Lanes of_c = load<Lanes>(f + c);
+        const Vectors n = load_vectors(nx + c, ny + c, nz + c), &z = turned.z;
+        of_all += of_c * turned.twice;
+        store(free + c, turned.twice);
+        store(zx + c, z.x);
+        store(zy + c, z.y);
+        store(zz + c, z.z);
+        Lanes sum{};
+        for (int k = w; k < c; k += LANES, slope += LANES) {
+          const Lanes dg = load<Lanes>(slope);
+          const Vectors nk = load_vectors(nx + k, ny + k, nz + k),
+                        zk = load_vectors(zx + k, zy + k, zz + k);
+          sum += dg * load<Lanes>(f + k) * dot(zk, n);
+          store(back + k, load<Lanes>(back + k) + dg * of_c * dot(z, nk));
         }
-        store_floats(sum + c, own);
-        store_floats(tx + c, own_x);
-        store_floats(ty + c, own_y);
-        store_floats(tz + c, own_z);
-        green += c - w;
-        d_green += c - w;
+        store(back + c, sum);
       }
+      const Lanes tension = load<Lanes>(d.tension + droplet);
+      const Lanes damped = (0.125 * DECAY * BY_SUM) * of_all;
+      for (int c = w; c < places; c += LANES)
+        store(b.contacts.indentation + first + c, load<Lanes>(d.still + first + c) +
+                                                      0.25 * load<Lanes>(free + c) -
+                                                      radius * load<Lanes>(back + c) - damped);
+      store(r.work + droplet,
+            tension * radius * (radius * load<Lanes>(d.still_work + droplet) + 0.25 * of_all));
+    }
+  }
+}
+
+// The derivatives of all works and of turning films by the normals, in energy; only their parts across them count:
+//   dW/dn_c = sum_k n_k {f_c f_k [G' (1 - (f_c + f_k)/(4 pi)) + G2' (4 x D^4 + (2/3) C D^16 (f_c + f_k))] - G'' (f_k n_k.v_c +
+//     f_c n_c.v_k)}
+//     - f_c sum_k G' v_k + v_c sum_k G' m f_k + 4 A D^16 f_c Q^2 n_c + BALANCE x f_c sum f n,   v = f z
+// with the G' that t has where it is multiplied by v.
+static void derive_droplets(RingBatches b, DropletArrays d)
+{
+  const RingArrays &r = b.rings;
+  for (int batch = b.begin; batch < b.end; ++batch) {
+    const int first = b.first[batch], places = b.first[batch + 1] - first;
+    double *const vx = static_cast<double *>(b.contacts.scratch), *const vy = vx + places,
+                  *const vz = vy + places, *const lever = vz + places;
+    const double *const nx = d.nx + first, *const ny = d.ny + first, *const nz = d.nz + first,
+                        *const f = d.force + first;
+    double *const x = d.torque_x + first, *const y = d.torque_y + first,
+                  *const z = d.torque_z + first;
+    for (int w = 0; w < LANES; w += W) {
+      const int droplet = batch * LANES + w;
+      const Lanes radius = load<Lanes>(r.radius + droplet), per_radius = 1.0 / radius;
+      const OfContacts all_of = sums_of(d, first + w, first + places);
+      const DropletLoad<Lanes> of = load_of(all_of.sum, all_of.squares);
+      const Lanes of_square = 4.0 * of.x * of.first, of_cube = (2.0 / 3.0 * CUBE_GREEN2) * of.third;
+      const double *known = d.d_green + b.first_green[batch] + w;
       for (int c = w; c < places; c += LANES) {
-        add(d.response + first + c, load<Floats>(sum + c), of_changes + w);
-        add(d.tx + first + c, load<Floats>(tx + c), of_changes + w);
-        add(d.ty + first + c, load<Floats>(ty + c), of_changes + w);
-        add(d.tz + first + c, load<Floats>(tz + c), of_changes + w);
+        const Lanes of_c = load<Lanes>(f + c);
+        const Vectors n = load_vectors(nx + c, ny + c, nz + c),
+                      zc = turned_film(b, d, first + c, per_radius).z;
+        const Vectors v = {of_c * zc.x, of_c * zc.y, of_c * zc.z};
+        const Vectors qqn = all_of.times(all_of.times(n));
+        const Lanes of_trace = 4.0 * CUBE_TRACE * of.third * of_c,
+                    of_balance = BALANCE * of.x * of_c;
+        Vectors sum = {of_trace * qqn.x + of_balance * all_of.balance.x,
+                       of_trace * qqn.y + of_balance * all_of.balance.y,
+                       of_trace * qqn.z + of_balance * all_of.balance.z};
+        Lanes arm{};
+        for (int k = w; k < c; k += LANES, known += LANES) {
+          const Vectors nk = load_vectors(nx + k, ny + k, nz + k),
+                        vk = load_vectors(vx + k, vy + k, vz + k);
+          const Lanes of_k = load<Lanes>(f + k), both = of_c + of_k;
+          const Lanes m = dot(n, nk), apart = 0.5 - 0.5 * m, q = larger(apart, all(SMALLEST_HALF));
+          const Mask far = apart > SMALLEST_APART;
+          const Lanes slope = load<Lanes>(known), over = 1.0 / q;
+          // ln q, of which G' is made
+          Lanes log_q = 0.5 * m * over - 4.0 / 3.0 - (4.0 * PI) * slope, dg = slope;
+          if (any(~far)) {
+            log_q = select(far, log_q, logarithm(q).value);
+            dg = select(apart > SMALLEST_HALF, select(far, slope, d_droplet_green(m, log_q, over)),
+                        Lanes{});
+          }
+          const Lanes dg2 = d_droplet_green2(q, log_q),
+                      bend = select(far, dd_droplet_green(m, over), Lanes{});
+          const Lanes by =
+              of_c * of_k * (dg * (1.0 - both * (0.25 / PI)) + dg2 * (of_square + of_cube * both)) -
+              bend * (of_k * dot(nk, v) + of_c * dot(n, vk));
+          const Lanes back = slope * of_c, forth = slope * of_k;
+          sum = {sum.x + by * nk.x - back * vk.x, sum.y + by * nk.y - back * vk.y,
+                 sum.z + by * nk.z - back * vk.z};
+          arm += forth * m;
+          store(x + k, load<Lanes>(x + k) + by * n.x - forth * v.x);
+          store(y + k, load<Lanes>(y + k) + by * n.y - forth * v.y);
+          store(z + k, load<Lanes>(z + k) + by * n.z - forth * v.z);
+          store(lever + k, load<Lanes>(lever + k) + back * m);
+        }
+        store(vx + c, v.x);
+        store(vy + c, v.y);
+        store(vz + c, v.z);
+        store(lever + c, arm);
+        store(x + c, sum.x);
+        store(y + c, sum.y);
+        store(z + c, sum.z);
+      }
+      const Lanes energy = radius * radius * load<Lanes>(d.tension + droplet);
+      for (int c = w; c < places; c += LANES) {
+        const Lanes arm = load<Lanes>(lever + c);
+        store(x + c, energy * (load<Lanes>(x + c) + arm * load<Lanes>(vx + c)));
+        store(y + c, energy * (load<Lanes>(y + c) + arm * load<Lanes>(vy + c)));
+        store(z + c, energy * (load<Lanes>(z + c) + arm * load<Lanes>(vz + c)));
       }
     }
-    for (int c = 0; c < places; ++c)
-      d.force[first + c] = unit[c % LANES] * p.force[pair_side[c] >> 1];
-    finish_droplets(b, d, batch);
   }
 }
 
 extern const DropletKernels droplet_kernels;
 
-const DropletKernels droplet_kernels = {shape_droplets, adapt_droplets};
+const DropletKernels droplet_kernels = {load_droplets<false>, load_droplets<true>, turn_films,
+                                        derive_droplets};
 
 }    // namespace deformable::DEFORMABLE_LEVEL

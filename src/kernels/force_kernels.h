@@ -227,26 +227,33 @@ struct PairForces {
   const double *force, *nx, *ny, *nz;
 };
 
-// What only droplets have. By droplet (batch x LANES + lane), by contact, and by two contacts, as RingBatches.
+// What only droplets have, in units of R and g R unless it says more. By droplet (batch x LANES + lane), by contact, and by two
+// contacts, as RingBatches; tx, ty, tz and damping have the contacts of other ranks, too, and one that is 0 for walls.
 struct DropletArrays {
   const double *tension;
-  double *load, *facet;    // x, y: see droplet.h
-  double *nx, *ny, *nz;    // outward
-  double *force;           // f
-  double *response;        // sum G f
-  double *tx, *ty,
-      *tz;           // sum over the others of dG/dm f n: a/R changes by dG/dm f n as n_c turns
-  float *d_green;    // dG/dm of two contacts
+  const double *film_log, *per_radii;    // ln(lambda), 1/(R_i + R_j): 0, 0 of a wall
+  double *load, *facet;                  // x, y: see droplet.h
+  double *still_work, *still;    // W, and a [length], without films that turn and facets that move
+  double *nx, *ny, *nz;          // outward
+  double *force;                 // f
+  double *tx, *ty, *tz;          // R t [length]
+  double *damping;               // D of the contact's droplet
+  double *torque_x, *torque_y, *torque_z;    // dW/dn [energy]
+  float *taken;                              // by facets of others: sum f (dt/df)^2
+  double *green, *green2, *d_green;          // G, G2 and G' of two contacts
 };
 
-// RingBatches have W as `work`, the sum of forces as `total`, 1/tension as `per_pressure`, f as `share`, and
-//   g C_ck = G(m) + rate - mixed (f_c + f_k),   for c = k `own` in place of G.
+// RingBatches have W as `work`, the sum of forces as `total`, 1/tension as `per_pressure`, f as `share`, and about
+//   g C_ck = `green` + rate - mixed (f_c + f_k) - square f_c f_k,   for c = k `own` in place of `green`.
 struct DropletKernels {
   // All droplets of the batches, from the forces of their pairs.
   void (*shape)(RingBatches, DropletArrays, PairForces);
-  // The same after small changes of the forces, from what `shape` has left; the changes are in this unit and in single
-  // precision.
-  void (*adapt)(RingBatches, DropletArrays, PairForces, const float *changes, double unit);
+  // The same for other forces.
+  void (*adapt)(RingBatches, DropletArrays, PairForces);
+  // Then, when their neighbors have shapes too: films that turn, and facets that move. Indentations and works.
+  void (*turn)(RingBatches, DropletArrays);
+  // The derivatives by the normals.
+  void (*derive)(RingBatches, DropletArrays);
 };
 
 }    // namespace deformable

@@ -2,9 +2,11 @@
 
 #include "kernels/batch_kernels.h"
 #include "laws/droplet.h"
+#include "response/droplet_blocks.h"
 
 #include <nanobind/stl/string.h>
 
+#include <array>
 #include <cmath>
 
 using namespace deformable;
@@ -34,22 +36,15 @@ struct Droplet {
   // da/dF
   std::vector<double> compliance() const
   {
-    double sum = 0.0, squares = 0.0;
-    for (std::size_t c = 0; c < contacts; ++c) {
-      sum += f[c];
-      squares += f[c] * f[c];
-    }
-    const DropletLoad<double> load(sum, squares, [](double q) { return std::log(q); });
+    std::vector<std::array<Dual, 3>> n(contacts);
+    for (std::size_t c = 0; c < contacts; ++c) n[c] = {nx[c], ny[c], nz[c]};
+    std::vector<Dual> forces(contacts);
+    for (std::size_t c = 0; c < contacts; ++c) forces[c] = Dual::variable(f[c], c, contacts);
+    const LoadedDroplet<Dual> loaded(forces, n, std::vector<double>(contacts),
+                                     std::vector<std::array<Dual, 3>>(contacts));
     std::vector<double> matrix;
-    for (std::size_t c = 0; c < contacts; ++c)
-      for (std::size_t k = 0; k < contacts; ++k) {
-        const double m = nx[c] * nx[k] + ny[c] * ny[k] + nz[c] * nz[k],
-                     half = std::max(0.5 - 0.5 * m, SMALLEST_HALF);
-        const double own = c == k ? own_compliance(LOG_8_PI - std::log(f[c]), load.logarithm)
-                                  : droplet_green(m, std::log(half));
-        matrix.push_back(
-            (own + (f[c] + f[k]) * load.slope * (0.25 / PI) + load.squares * load.bend) / tension);
-      }
+    for (const Dual &a : loaded.indentation)
+      for (const double by : a.by) matrix.push_back(by / tension);
     return matrix;
   }
 };
@@ -96,16 +91,19 @@ Droplet droplet(nb::handle given_normals, nb::handle given_forces, double radius
   const int size = static_cast<int>(z), first[] = {0, size * LANES}, none = 2 * size;
   std::vector<int> pair_side(places, none);
   for (std::size_t c = 0; c < z; ++c) pair_side[c * LANES] = 2 * static_cast<int>(c);
-  const auto room = [&] { return std::vector<double>(places); };
-  std::vector<double> nx = room(), ny = room(), nz = room(), f = room(), response = room(),
-                      a = room(), tx = room(), ty = room(), tz = room();
+  const auto room = [&] { return std::vector<double>(places + 1); };
+  std::vector<double> nx = room(), ny = room(), nz = room(), f = room(), still = room(), a = room(),
+                      tx = room(), ty = room(), tz = room(), damping = room(), film = room(),
+                      per_radii = room(), x_turn = room(), y_turn = room(), z_turn = room(),
+                      each_green(greens), each_green2(greens), d_green(greens), scratch(5 * places);
   std::vector<double> radii(LANES, 1.0), tensions(LANES, 1.0), per_tension(LANES, 1.0), load(LANES),
-      facet(LANES), work(LANES), total(LANES);
+      facet(LANES), work(LANES), still_work(LANES), total(LANES);
   radii[0] = radius;
   tensions[0] = tension;
   per_tension[0] = 1.0 / tension;
-  std::vector<float> mixed(LANES), rate(LANES), share(places), compliance(places), each(places),
-      green(greens), d_green(greens);
+  std::vector<float> taken(places), square(LANES), mixed(LANES), rate(LANES), share(places),
+      compliance(places), each(places), green(greens);
+  const std::vector<int> partner(places, static_cast<int>(places));    // walls
   RingBatches batch = {};
   batch.end = 1;
   batch.size = &size;
@@ -115,6 +113,7 @@ Droplet droplet(nb::handle given_normals, nb::handle given_forces, double radius
   batch.rings.work = work.data();
   batch.rings.total = total.data();
   batch.rings.per_pressure = per_tension.data();
+  batch.rings.square = square.data();
   batch.rings.mixed = mixed.data();
   batch.rings.rate = rate.data();
   batch.rings.scale = 1.0;
@@ -124,17 +123,24 @@ Droplet droplet(nb::handle given_normals, nb::handle given_forces, double radius
   batch.contacts.share = share.data();
   batch.contacts.green = green.data();
   batch.contacts.own = each.data();
-  const DropletArrays arrays = {tensions.data(), load.data(), facet.data(), nx.data(),
-                                ny.data(),       nz.data(),   f.data(),     response.data(),
-                                tx.data(),       ty.data(),   tz.data(),    d_green.data()};
+  batch.contacts.scratch = scratch.data();
+  batch.corrections.partner = partner.data();
+  const DropletArrays arrays = {
+      tensions.data(),    film.data(),   per_radii.data(), load.data(),  facet.data(),
+      still_work.data(),  still.data(),  nx.data(),        ny.data(),    nz.data(),
+      f.data(),           tx.data(),     ty.data(),        tz.data(),    damping.data(),
+      x_turn.data(),      y_turn.data(), z_turn.data(),    taken.data(), each_green.data(),
+      each_green2.data(), d_green.data()};
   kernels->droplets.shape(batch, arrays, {force.data(), x.data(), y.data(), n.data()});
+  kernels->droplets.turn(batch, arrays);
+  kernels->droplets.derive(batch, arrays);
   const auto own = [&](const std::vector<double> &by_place) {
     std::vector<double> found(z);
     for (std::size_t c = 0; c < z; ++c) found[c] = by_place[c * LANES];
     return found;
   };
-  return {radius,  tension, load[0], facet[0], work[0], z,       own(nx),
-          own(ny), own(nz), own(f),  own(a),   own(tx), own(ty), own(tz)};
+  return {radius,  tension, load[0], facet[0], work[0],     z,           own(nx),
+          own(ny), own(nz), own(f),  own(a),   own(x_turn), own(y_turn), own(z_turn)};
 }
 
 }    // namespace
@@ -159,8 +165,7 @@ void deformable::bind_droplets(nb::module_ &m)
           [](const Droplet &d) {
             std::vector<double> rows;
             for (std::size_t c = 0; c < d.contacts; ++c)
-              for (const auto *t : {&d.tx, &d.ty, &d.tz})
-                rows.push_back(d.radius * d.force(c) * (*t)[c]);
+              for (const auto *t : {&d.tx, &d.ty, &d.tz}) rows.push_back((*t)[c]);
             return to_numpy<Matrix>(rows.data(), {d.contacts, 3});
           },
           nb::rv_policy::move,

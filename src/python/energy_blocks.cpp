@@ -49,13 +49,20 @@ EnergyBlocks disk_blocks(nb::handle given, nb::handle given_turn, nb::handle giv
 
 // Columns of the tables of droplets and of their sides.
 enum DropletColumn { SIDES_OF_DROPLET, DROPLET_RADIUS, DROPLET_TENSION, DROPLET_COLUMNS };
-enum DropletSideColumn { DROPLET_TURN = 3, DROPLET_SHARE, DROPLET_FORCE, DROPLET_SIDE_COLUMNS };
+enum DropletSideColumn {
+  DROPLET_OVERLAP = 3,
+  DROPLET_FILM,
+  DROPLET_FORCE,
+  DROPLET_WEIGHT,
+  DROPLET_SIDE_COLUMNS = DROPLET_WEIGHT + 3
+};
 
-EnergyBlocks droplet_blocks(nb::handle given_droplets, nb::handle given_sides)
+// use(sides, radius, tension) of each droplet.
+template <class Use>
+void for_droplets(nb::handle given_droplets, nb::handle given_sides, Use &&use)
 {
   const Table droplets = table_of("droplets", given_droplets, DROPLET_COLUMNS),
               sides = table_of("sides", given_sides, DROPLET_SIDE_COLUMNS);
-  EnergyBlocks result;
   std::vector<DropletSide> of_droplet;
   for_particles(
       droplets, sides, [&](std::size_t i, const double *of, std::size_t begin, std::size_t end) {
@@ -64,20 +71,46 @@ EnergyBlocks droplet_blocks(nb::handle given_droplets, nb::handle given_sides)
         require_positive("tension of " + name, of[DROPLET_TENSION]);
         of_droplet.clear();
         for (std::size_t n = begin; n < end; ++n) {
-          const double *const s = sides.data() + DROPLET_SIDE_COLUMNS * n;
+          const double *const s = sides.data() + DROPLET_SIDE_COLUMNS * n, *const w =
+                                                                               s + DROPLET_WEIGHT;
           const double square = s[0] * s[0] + s[1] * s[1] + s[2] * s[2];
           if (!(square > 0.0 && std::isfinite(square)))
             refuse("vector " + std::to_string(n) + " has no direction, which a contact needs");
-          if (!std::isfinite(s[DROPLET_TURN]) || !std::isfinite(s[DROPLET_SHARE]))
+          if (!std::all_of(s, s + DROPLET_SIDE_COLUMNS, [](double x) { return std::isfinite(x); }))
             refuse("side " + std::to_string(n) + " is not finite");
           require_positive("force of side " + std::to_string(n), s[DROPLET_FORCE]);
-          of_droplet.push_back(
-              {{s[0], s[1], s[2]}, s[DROPLET_TURN], s[DROPLET_SHARE], s[DROPLET_FORCE]});
+          of_droplet.push_back({{s[0], s[1], s[2]},
+                                s[DROPLET_OVERLAP],
+                                s[DROPLET_FILM],
+                                s[DROPLET_FORCE],
+                                {w[0], w[1], w[2]}});
         }
-        if (!add_droplet(of_droplet, of[DROPLET_RADIUS], of[DROPLET_TENSION], result))
-          refuse(name + " is beyond the model: its compliance is singular");
+        use(of_droplet, of[DROPLET_RADIUS], of[DROPLET_TENSION]);
       });
-  return result;
+}
+
+nb::tuple droplet_blocks(nb::handle droplets, nb::handle sides)
+{
+  EnergyBlocks blocks, facets;
+  for_droplets(droplets, sides,
+               [&](const std::vector<DropletSide> &of, double radius, double tension) {
+                 add_droplet(of, radius, tension, blocks, facets);
+               });
+  const nb::tuple by = nb::make_tuple(integers(facets.row), integers(facets.column),
+                                      to_numpy<Vector>(facets.value.data(), {facets.value.size()}));
+  return nb::make_tuple(blocks, by);
+}
+
+auto facets_of_droplets(nb::handle droplets, nb::handle sides)
+{
+  std::vector<double> rows;
+  for_droplets(droplets, sides,
+               [&](const std::vector<DropletSide> &of, double radius, double tension) {
+                 const DropletFacets found = droplet_facets(of, radius, tension);
+                 for (const auto &place : found.place)
+                   rows.insert(rows.end(), {place[0], place[1], place[2], found.damping});
+               });
+  return to_numpy<Matrix>(rows.data(), {rows.size() / 4, 4});
 }
 
 }    // namespace
@@ -131,32 +164,51 @@ Source: docs/theory.md, "Second derivatives".)");
 
   m.def(
       "droplet_blocks", &droplet_blocks, "droplets"_a, "sides"_a,
-      R"(The energy of droplets at rest, and its derivatives by the vectors to their neighbors and the places of facets.
+      R"(The dual energy of droplets, and its derivatives by the vectors to their neighbors and by their forces.
 
-U = F.a - W(F, n), stationary in the forces F, with W of `droplet`. A facet has the direction n of the vector v and the indentation
-a = const - share |v| + s; the energy of a packing is stationary in the shifts s of its facets.
+L = sum F o/2 - W(F, n), with W of `droplet`, the overlap o and the direction n of the vector v. Films that may turn are not in it.
 
 Parameters
 ----------
 droplets : array, shape (N, 3)
     Number of sides, radius [length] and tension [energy/length^2] of each droplet.
-sides : array, shape (S, 6)
-    Of each side v_x, v_y, v_z [length], the turn of `disk_blocks` [1/length], the share of the distance (1/2 for a
-    neighbor, 1 for a wall) and its force F > 0 [energy/length]; the sides of the first droplet come first. The other side of
-    a contact has the same force and the opposite shift.
+sides : array, shape (S, 9)
+    Of each side v_x, v_y, v_z [length], the overlap o = R_i + R_j - |v| [length], the logarithm ln(lambda) of its film, its force
+    F > 0 [energy/length], and three numbers w: the second derivatives have the further term -g R^2 w.t, with the place R t of the
+    facet beside the line of centers. The sides of the first droplet come first.
 
 Returns
 -------
-EnergyBlocks
-    The local variables are v_x, v_y, v_z and s of each side after the other.
+EnergyBlocks, tuple of array
+    The local variables are v_x, v_y, v_z and F of each side after the other. The derivatives of R t by them, as rows, columns and
+    values: three rows for each side.
 
 Raises
 ------
 ValueError
-    Tables that do not fit each other, values that are not positive or not finite, or a droplet beyond the model whose
-    compliance is singular.
+    Tables that do not fit each other, values that are not positive or not finite.
 
 Source: docs/theory.md, "Second derivatives".)");
+
+  m.def("droplet_facets", &facets_of_droplets, "droplets"_a, "sides"_a,
+        R"(Where the facets of droplets are, and how much less films turn at large loads.
+
+Parameters
+----------
+droplets, sides
+    As of `droplet_blocks`.
+
+Returns
+-------
+array, shape (S, 4)
+    R t of each side [length], and D = exp(-0.65 x) of its droplet.
+
+Raises
+------
+ValueError
+    As `droplet_blocks`.
+
+Source: docs/pair_deformable_droplet.md.)");
 }
 
 namespace {

@@ -1,142 +1,247 @@
-// The energy of a droplet as a function of the vectors to its neighbors and of the places of its facets, to second order.
+// The dual energy of a droplet as a function of the vectors to its neighbors and of its forces, to second order.
 
 #ifndef DEFORMABLE_DROPLET_BLOCKS_H
 #define DEFORMABLE_DROPLET_BLOCKS_H
 
 #include "laws/droplet.h"
+#include "response/dual.h"
 #include "response/energy_blocks.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
 
 namespace deformable {
 
-// A contact of a droplet at rest. Its facet has the indentation a = const - share |v| + s, with the vector v to a neighbor
-// (share 1/2) or to the nearest point of a wall (share 1), and the shift s of the facet. `turn`: see SideVector.
-struct DropletSide {
-  std::array<double, 3> vector;
-  double turn, share, force;
-};
+// A droplet between contacts, in units of R and g R: W(f, n) of droplet.h with a further term,
+//   W + sum f^2/(8 pi) film + sum_c weight_c.t_c,
+// its derivatives a by the forces, and by the normals, of which only the parts across them count.
+template <class T> struct LoadedDroplet {
+  using Vector = std::array<T, 3>;
+  T work, load, damping;
+  std::vector<T> indentation;
+  std::vector<Vector> facet, by_normal;    // t
 
-constexpr int DROPLET_VARIABLES = 4;    // v and s of each side
-
-// A compliance beyond this condition counts as singular.
-constexpr double LARGEST_CONDITION = 1e12;
-
-// U(a, n) = F.a - W(F, n), stationary in F. With the compliance A = W_FF, all variables x of the sides and D = d(a - W_F)/dx,
-//   U_x = F.a_x - W_x,   U_xx = F.a_xx - W_xx + D^T A^-1 D,
-// where x changes a and n: with P = 1 - n n^T,
-//   a_v = -share n,   a_vv = -share turn P,   n_v = turn P,   g.n_vv = -turn^2 [(g.n) P + (P g) n^T + n (P g)^T],
-// and in units of R and g R, with m = n_c.n_k,
-//   W_n = f_c t_c,   t_c = sum_k G' f_k n_k,   d(W_f)_c/dn_c = t_c,   d(W_f)_c/dn_k = G' f_k n_c,
-//   d^2W/dn_c dn_k = f_c f_k (G' + G'' n_k n_c^T),   d^2W/dn_c dn_c = f_c sum_k f_k G'' n_k n_k^T.
-// A need not be positive definite: that of all droplets of a packing together is. False: it is singular.
-inline bool add_droplet(const std::vector<DropletSide> &sides, double radius, double tension,
-                        EnergyBlocks &blocks)
-{
-  const int z = static_cast<int>(sides.size()), V = DROPLET_VARIABLES, size = V * z;
-  const double unit = radius * tension, energy = unit * radius;
-  using Vector = std::array<double, 3>;
-  std::vector<Vector> n(z), t(z, Vector{});
-  std::vector<double> f(z), length(z), A(z * z), D(z * size), local(size * size);
-  double sum = 0.0, squares = 0.0;
-  for (int c = 0; c < z; ++c) {
-    const Vector &v = sides[c].vector;
-    length[c] = std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-    for (int a = 0; a < 3; ++a) n[c][a] = v[a] / length[c];
-    f[c] = sides[c].force / unit;
-    sum += f[c];
-    squares += f[c] * f[c];
+  static T product(const Vector &a, const Vector &b)
+  {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
   }
-  const DropletLoad<double> load(sum, squares, [](double q) { return std::log(q); });
-  // the part of a vector, or of both sides of a matrix, that turns n_c
-  const auto across = [&n](int c, int a, int b) {
-    return (a == b ? 1.0 : 0.0) - n[c][a] * n[c][b];
-  };
 
-  double work = 0.0, product = 0.0;
-  for (int c = 0; c < z; ++c) {
-    const double l = LOG_8_PI - std::log(f[c]), turn = sides[c].turn, share = sides[c].share;
-    double response = 0.0;
-    double bend[3][3] = {};    // sum_k f_k G'' n_k n_k^T
-    for (int k = 0; k < z; ++k) {
-      const double shared = (f[c] + f[k]) * load.slope * (0.25 / PI) + load.squares * load.bend;
-      if (k == c) {
-        A[c * z + c] = (own_compliance(l, load.logarithm) + shared) / tension;
-        continue;
-      }
-      const double m = n[c][0] * n[k][0] + n[c][1] * n[k][1] + n[c][2] * n[k][2];
-      const double half = std::max(0.5 - 0.5 * m, SMALLEST_HALF), log_half = std::log(half);
-      const bool apart = half > SMALLEST_HALF;
-      const double G = droplet_green(m, log_half),
-                   dG = apart ? d_droplet_green(m, log_half, 1.0 / half) : 0.0,
-                   ddG = apart ? dd_droplet_green(1.0 / half) : 0.0;
-      A[c * z + k] = (G + shared) / tension;
-      response += G * f[k];
+  LoadedDroplet(const std::vector<T> &f, const std::vector<Vector> &n,
+                const std::vector<double> &film, const std::vector<Vector> &weight)
+      : work(0.0),
+        load(0.0),
+        damping(0.0),
+        indentation(f.size()),
+        facet(f.size(), Vector{}),
+        by_normal(f.size(), Vector{})
+  {
+    const std::size_t z = f.size();
+    T sum(0.0), squares(0.0), cubes(0.0);
+    Vector balance{};
+    std::array<Vector, 3> Q{};
+    for (std::size_t c = 0; c < z; ++c) {
+      sum += f[c];
+      squares += f[c] * f[c];
+      cubes += f[c] * f[c] * f[c];
       for (int a = 0; a < 3; ++a) {
-        t[c][a] += dG * f[k] * n[k][a];
-        for (int b = 0; b < 3; ++b) bend[a][b] += f[k] * ddG * n[k][a] * n[k][b];
+        balance[a] += f[c] * n[c][a];
+        for (int b = 0; b < 3; ++b) Q[a][b] += f[c] * n[c][a] * n[c][b];
       }
-      for (int b = 0; b < 3; ++b) {    // of the vector to k
-        const double turned = sides[k].turn * (n[c][b] - m * n[k][b]);
-        D[c * size + V * k + b] -= radius * dG * f[k] * turned;
+    }
+    const T mean = (Q[0][0] + Q[1][1] + Q[2][2]) * (1.0 / 3.0);
+    for (int a = 0; a < 3; ++a) Q[a][a] -= mean;
+    const DropletLoad<T> of(
+        sum, squares, [](const T &x) { return log(x); }, [](const T &x) { return exp(x); });
+    load = of.x;
+    damping = of.damping;
+
+    // of each two contacts
+    struct Between {
+      T m, g, dg, slope, bend, g2, dg2;
+    };
+    std::vector<Between> between(z * z);
+    std::vector<T> first(z, T(0.0)), second(z, T(0.0)), squared(z, T(0.0)), squared2(z, T(0.0));
+    for (std::size_t c = 0; c < z; ++c)
+      for (std::size_t k = 0; k < z; ++k) {
+        Between &e = between[c * z + k];
+        if (c == k) {
+          e.g2 = T(GREEN2_AT_ONE);
+        } else {
+          e.m = product(n[c], n[k]);
+          const T apart = 0.5 - 0.5 * e.m, q = apart > SMALLEST_HALF ? apart : T(SMALLEST_HALF),
+                  log_q = log(q), over = 1.0 / q;
+          const bool is_far = apart > SMALLEST_APART;
+          const T steep = d_droplet_green(e.m, log_q, over);
+          e.g = droplet_green(e.m, log_q);
+          e.dg = apart > SMALLEST_HALF ? steep : T(0.0);
+          e.slope = is_far ? steep : T(SLOPE_AT_SMALLEST);
+          e.bend = is_far ? dd_droplet_green(e.m, over) : T(0.0);
+          e.g2 = droplet_green2(q, log_q);
+          e.dg2 = d_droplet_green2(q, log_q);
+        }
+        first[c] += e.g * f[k];
+        second[c] += e.g2 * f[k];
+        squared[c] += e.g * f[k] * f[k];
+        squared2[c] += e.g2 * f[k] * f[k];
+        if (c == k) continue;
+        for (int a = 0; a < 3; ++a) facet[c][a] -= e.slope * f[k] * (n[k][a] - e.m * n[c][a]);
       }
-      // -turn_c turn_k P_c (G' + G'' n_k n_c^T) P_k
+
+    T T1(0.0), J(0.0), of_green2(0.0);
+    std::vector<Vector> v(z);
+    for (std::size_t c = 0; c < z; ++c) {
+      T1 -= 0.5 * f[c] * product(facet[c], facet[c]);
+      J += f[c] * second[c];
+      of_green2 += f[c] * f[c] * second[c];
+      for (int a = 0; a < 3; ++a) v[c][a] = weight[c][a] - of.first * f[c] * facet[c][a];
+      work += product(weight[c], facet[c]);
+    }
+    std::array<Vector, 3> QQ{};
+    T trace2(0.0), trace3(0.0);
+    for (int a = 0; a < 3; ++a)
+      for (int b = 0; b < 3; ++b) {
+        for (int e = 0; e < 3; ++e) QQ[a][b] += Q[a][e] * Q[e][b];
+        trace2 += Q[a][b] * Q[a][b];
+      }
+    for (int a = 0; a < 3; ++a)
+      for (int b = 0; b < 3; ++b) trace3 += QQ[a][b] * Q[b][a];
+    const T uneven = T1 + 2.0 * of.x * J, off = product(balance, balance),
+            cubic = CUBE_TRACE * trace3 + CUBE_FORCES * cubes + CUBE_GREEN2 * of_green2;
+    work += of.first * uneven + (2.0 / 3.0) * of.third * cubic + (0.5 * BALANCE) * of.x * off;
+    const T of_all =
+        of.slope + BY_SUM * (of.first * (2.0 * J - DECAY * uneven) -
+                             (8.0 / 3.0 * DECAY) * of.third * cubic + (0.5 * BALANCE) * off);
+
+    for (std::size_t c = 0; c < z; ++c) {
+      const T l = LOG_8_PI - log(f[c] > NO_FORCE ? f[c] : T(NO_FORCE));
+      work += own_work(f[c], l, T(film[c]), of.psi) + first[c] * f[c] * (0.5 - f[c] * (0.25 / PI));
+      Vector Qn{}, QQn{};
       for (int a = 0; a < 3; ++a)
         for (int b = 0; b < 3; ++b) {
-          const double both = across(c, a, b) - n[k][b] * (n[k][a] - m * n[c][a]);
-          const double bent = (n[k][a] - m * n[c][a]) * (n[c][b] - m * n[k][b]);
-          local[(V * c + a) * size + V * k + b] -=
-              energy * f[c] * f[k] * turn * sides[k].turn * (dG * both + ddG * bent);
+          Qn[a] += Q[a][b] * n[c][b];
+          QQn[a] += QQ[a][b] * n[c][b];
         }
-    }
-    const double a_c =
-        radius * (own_indentation(f[c], l, load.logarithm) + response + load.squares * load.slope);
-    work += energy * (own_work(f[c], l, load.logarithm) + 0.5 * f[c] * response);
-    product += sides[c].force * a_c;
-
-    const double along = t[c][0] * n[c][0] + t[c][1] * n[c][1] + t[c][2] * n[c][2];
-    Vector sideways, bent_along{};    // P t, and (sum_k f_k G'' n_k n_k^T) n_c
-    for (int a = 0; a < 3; ++a) {
-      sideways[a] = t[c][a] - along * n[c][a];
-      for (int b = 0; b < 3; ++b) bent_along[a] += bend[a][b] * n[c][b];
-    }
-    double twice = 0.0;
-    for (int a = 0; a < 3; ++a) twice += bent_along[a] * n[c][a];
-    for (int a = 0; a < 3; ++a) {
-      blocks.gradient.push_back(-share * sides[c].force * n[c][a] -
-                                energy * f[c] * turn * sideways[a]);
-      D[c * size + V * c + a] += -share * n[c][a] - radius * turn * sideways[a];
-      for (int b = 0; b < 3; ++b) {
-        const double P = across(c, a, b);
-        const double both = bend[a][b] - n[c][a] * bent_along[b] - bent_along[a] * n[c][b] +
-                            twice * n[c][a] * n[c][b];
-        const double curved = along * P + sideways[a] * n[c][b] + n[c][a] * sideways[b];
-        local[(V * c + a) * size + V * c + b] +=
-            -share * turn * sides[c].force * P + energy * f[c] * turn * turn * (curved - both);
+      T back(0.0);
+      for (std::size_t k = 0; k < z; ++k) {
+        if (k == c) continue;
+        const Between &e = between[c * z + k];
+        const T both = f[c] + f[k], here = product(v[c], n[c]), there = product(v[k], n[k]);
+        const T of_c = product(v[c], n[k]) - e.m * here, of_k = product(v[k], n[c]) - e.m * there;
+        back += e.slope * of_k;
+        const T by =
+            f[c] * f[k] *
+                (e.dg * (1.0 - both * (0.25 / PI)) +
+                 e.dg2 * (4.0 * of.x * of.first + (2.0 / 3.0 * CUBE_GREEN2) * of.third * both)) -
+            f[k] * (e.bend * of_c - e.slope * here) - f[c] * (e.bend * of_k - e.slope * there);
+        for (int a = 0; a < 3; ++a)
+          by_normal[c][a] +=
+              by * n[k][a] - e.slope * f[c] * v[k][a] + e.slope * e.m * f[k] * v[c][a];
       }
+      for (int a = 0; a < 3; ++a)
+        by_normal[c][a] +=
+            f[c] * (4.0 * CUBE_TRACE * of.third * QQn[a] + BALANCE * of.x * balance[a]);
+      const T of_cube = 2.0 * CUBE_TRACE * (product(Qn, Qn) - trace2 * (1.0 / 3.0)) +
+                        2.0 * CUBE_FORCES * f[c] * f[c] +
+                        (2.0 / 3.0 * CUBE_GREEN2) * (2.0 * f[c] * second[c] + squared2[c]);
+      indentation[c] = own_indentation(f[c], l, T(film[c]), of.stretch) +
+                       first[c] * (1.0 - f[c] * (0.5 / PI)) - squared[c] * (0.25 / PI) +
+                       of.first * (4.0 * of.x * second[c] - 0.5 * product(facet[c], facet[c])) +
+                       of.third * of_cube + BALANCE * of.x * product(n[c], balance) + of_all - back;
     }
-    blocks.gradient.push_back(sides[c].force);
-    D[c * size + V * c + 3] += 1.0;
   }
-  std::vector<double> taken = D;    // A^-1 D
-  if (!solve_by_elimination(A, taken, z, size)) return false;
-  double largest = 0.0, inverse = 0.0;    // entries of A, and of A^-1: D has a 1 for each shift
-  for (int c = 0; c < z; ++c)
-    for (int k = 0; k < z; ++k) {
-      largest = std::max(largest, std::fabs(A[c * z + k]));
-      inverse = std::max(inverse, std::fabs(taken[c * size + V * k + 3]));
+};
+
+// A contact of a droplet: the vector to its neighbor, the overlap of both, ln(lambda) of the film, the force, and what multiplies t
+// in the second derivatives, over R^2 and the tension.
+struct DropletSide {
+  std::array<double, 3> vector;
+  double overlap, film, force;
+  std::array<double, 3> weight;
+};
+
+// R t of each side, and D.
+struct DropletFacets {
+  std::vector<std::array<double, 3>> place;
+  double damping;
+};
+
+inline DropletFacets droplet_facets(const std::vector<DropletSide> &sides, double radius,
+                                    double tension)
+{
+  const std::size_t z = sides.size();
+  std::vector<double> f(z);
+  std::vector<std::array<double, 3>> n(z), none(z, std::array<double, 3>{});
+  for (std::size_t c = 0; c < z; ++c) {
+    const auto &v = sides[c].vector;
+    const double length = std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    f[c] = sides[c].force / (radius * tension);
+    for (int a = 0; a < 3; ++a) n[c][a] = v[a] / length;
+  }
+  const LoadedDroplet<double> loaded(f, n, std::vector<double>(z), none);
+  DropletFacets found = {loaded.facet, loaded.damping};
+  for (auto &place : found.place)
+    for (double &t : place) t *= radius;
+  return found;
+}
+
+constexpr int DROPLET_VARIABLES = 4;    // v and F of each side
+
+// L = sum F o/2 - W(F, n) - sum weight.t of a droplet, whose value and first derivatives leave out the last term:
+//   L_F = o/2 - a,   L_v = -F n/2 - (1 - n n^T) W_n/|v|,
+// and their derivatives by those of dual numbers. `facets`: the derivatives of R t, three rows for each side.
+inline void add_droplet(const std::vector<DropletSide> &sides, double radius, double tension,
+                        EnergyBlocks &blocks, EnergyBlocks &facets)
+{
+  const std::size_t z = sides.size(), V = DROPLET_VARIABLES, size = V * z;
+  const double unit = radius * tension, energy = unit * radius;
+  const int first = static_cast<int>(blocks.gradient.size()),
+            first_row = static_cast<int>(facets.gradient.size());
+  using Vector = LoadedDroplet<Dual>::Vector;
+  std::vector<double> film(z), local(size * size);
+  std::vector<Vector> n(z), weight(z), v(z);
+  std::vector<Dual> f(z), length(z);
+  for (std::size_t c = 0; c < z; ++c) {
+    film[c] = sides[c].film;
+    for (std::size_t a = 0; a < 3; ++a) {
+      weight[c][a] = sides[c].weight[a];
+      v[c][a] = Dual::variable(sides[c].vector[a], V * c + a, size);
     }
-  if (!(largest * inverse < LARGEST_CONDITION)) return false;
-  for (int x = 0; x < size; ++x)
-    for (int y = 0; y < size; ++y)
-      for (int c = 0; c < z; ++c)
-        local[x * size + y] +=
-            0.5 * (D[c * size + x] * taken[c * size + y] + D[c * size + y] * taken[c * size + x]);
-  blocks.energy += product - work;
-  blocks.add_block(blocks.gradient.size() - size, size, local.data());
-  return true;
+    f[c] = Dual::variable(sides[c].force, V * c + 3, size) / unit;
+    length[c] = sqrt(LoadedDroplet<Dual>::product(v[c], v[c]));
+    for (int a = 0; a < 3; ++a) n[c][a] = v[c][a] / length[c];
+  }
+  const LoadedDroplet<Dual> loaded(f, n, film, weight);
+  const LoadedDroplet<Dual> alone(f, n, film, std::vector<Vector>(z, Vector{}));
+  blocks.energy -= energy * alone.work.value;
+  for (std::size_t c = 0; c < z; ++c) {
+    blocks.energy += 0.5 * sides[c].force * sides[c].overlap;
+    const auto slope = [&](const LoadedDroplet<Dual> &droplet, std::size_t variable) {
+      if (variable == 3)
+        return 0.5 * (sides[c].overlap + length[c].value - length[c]) -
+               radius * droplet.indentation[c];
+      const Dual inward = LoadedDroplet<Dual>::product(droplet.by_normal[c], n[c]);
+      return -0.5 * unit * f[c] * n[c][variable] -
+             energy * (droplet.by_normal[c][variable] - inward * n[c][variable]) / length[c];
+    };
+    for (std::size_t a = 0; a < V; ++a) {
+      blocks.gradient.push_back(slope(alone, a).value);
+      const Dual second = slope(loaded, a);
+      std::copy(second.by.begin(), second.by.end(), local.begin() + (V * c + a) * size);
+    }
+    for (std::size_t a = 0; a < 3; ++a)
+      for (std::size_t along = 0; along < loaded.facet[c][a].by.size(); ++along) {
+        facets.row.push_back(first_row + static_cast<int>(3 * c + a));
+        facets.column.push_back(first + static_cast<int>(along));
+        facets.value.push_back(radius * loaded.facet[c][a].by[along]);
+      }
+  }
+  for (std::size_t r = 0; r < size; ++r)    // to the last bit
+    for (std::size_t c = 0; c < r; ++c)
+      local[r * size + c] = local[c * size + r] = 0.5 * (local[r * size + c] + local[c * size + r]);
+  blocks.add_block(first, size, local.data());
+  facets.gradient.resize(first_row + 3 * z);
 }
 
 }    // namespace deformable

@@ -15,11 +15,12 @@ using namespace deformable;
 // Of a droplet that no solution has seen: as of facets with four times half of the overlap as their force.
 static constexpr double BULGE_PER_OVERLAP = BULGE_PER_LOAD * 2.0 / (8.0 * PI);
 
-// The forces of droplets have kinks everywhere: a cubic is no worse behind one.
+// The forces of droplets have kinks everywhere: a cubic is no worse behind one. Corrections leave out films that turn.
 static Tuning tuned_for_droplets()
 {
   Tuning t;
   t.smooth = 1e300;
+  t.of_lines = 0.015;
   return t;
 }
 
@@ -33,9 +34,12 @@ DropletSolver::DropletSolver(LAMMPS *lmp, const ForceKernels &kernels,
 
 DropletArrays DropletSolver::arrays()
 {
-  return {tension.data(),    of_load.data(),    of_facet.data(), normals[0].data(),
-          normals[1].data(), normals[2].data(), force.data(),    response.data(),
-          turns[0].data(),   turns[1].data(),   turns[2].data(), d_green.data()};
+  return {tension.data(),    film_log.data(),   per_radii.data(), of_load.data(),
+          of_facet.data(),   still_work.data(), still.data(),     normals[0].data(),
+          normals[1].data(), normals[2].data(), force.data(),     facets[0].data(),
+          facets[1].data(),  facets[2].data(),  damping.data(),   torques[0].data(),
+          torques[1].data(), torques[2].data(), taken.data(),     green.data(),
+          green2.data(),     d_green.data()};
 }
 
 PairForces DropletSolver::forces() const
@@ -50,10 +54,26 @@ bool DropletSolver::shape(const RingBatches &batch)
   return true;
 }
 
-bool DropletSolver::adapt(const RingBatches &batch, const float *changes, double unit)
+bool DropletSolver::adapt(const RingBatches &batch, const float *, double)
 {
-  droplets.adapt(batch, arrays(), forces(), changes, unit);
+  droplets.adapt(batch, arrays(), forces());
   return true;
+}
+
+void DropletSolver::turn(const RingBatches &batch)
+{
+  droplets.turn(batch, arrays());
+}
+
+void DropletSolver::exchange_facets()
+{
+  list.remote_sides.exchange(facets[0].data(), facets[1].data());
+  list.remote_sides.exchange(facets[2].data(), damping.data());
+}
+
+void DropletSolver::find_slopes(const RingBatches &batch)
+{
+  droplets.derive(batch, arrays());
 }
 
 // Pairs are in units of the largest tension and the smallest radius.
@@ -63,11 +83,16 @@ void DropletSolver::set_material(const Particles &p, bool arranged)
   if (arranged) {
     batches.set_kind(true, false, {});
     tension.assign(rows, 1.0);
-    for (auto *const v : {&of_load, &of_facet}) v->assign(rows, 0.0);
-    for (auto *const v : {&normals[0], &normals[1], &normals[2], &force, &response, &turns[0],
-                          &turns[1], &turns[2]})
-      v->assign(places, 0.0);
-    d_green.resize(batches.green.size());
+    for (auto *const v : {&of_load, &of_facet, &still_work}) v->assign(rows, 0.0);
+    for (auto *const v : {&film_log, &per_radii, &still, &force}) v->assign(places, 0.0);
+    for (int axis = 0; axis < 3; ++axis) {
+      normals[axis].assign(places, 0.0);
+      torques[axis].assign(places, 0.0);
+      facets[axis].assign(batches.indentation.size(), 0.0);
+    }
+    damping.assign(batches.indentation.size(), 0.0);
+    taken.assign(places, 0.0F);
+    for (auto *const v : {&green, &green2, &d_green}) v->resize(batches.green.size());
     std::fill(batches.per_pressure.begin(), batches.per_pressure.end(), 1.0);
   }
   double largest = 0.0;
@@ -82,6 +107,24 @@ void DropletSolver::set_material(const Particles &p, bool arranged)
   largest = list.remote_sides.largest(largest);
   list.pairs.set_units(largest > 0.0 ? std::ldexp(1.0, -std::ilogb(largest)) : 1.0,
                        std::ldexp(1.0, std::ilogb(p.smallest)));
+  find_films(p);
+}
+
+// Films between droplets of unlike pressure are curved, and all of them may turn. Walls do neither.
+void DropletSolver::find_films(const Particles &p)
+{
+  const NearPairs &pairs = list.pairs;
+  const auto tension_of = [&](int i) { return p.materials->stiffness_of(i, p.radius[i]).tension; };
+  for (int k = 0; k < pairs.wall; ++k) {
+    const int end[] = {pairs.i[k], pairs.j[k]};
+    const double radii = p.radius[end[0]] + p.radius[end[1]];
+    for (int side = 0; side < (k < pairs.remote ? 2 : 1); ++side) {
+      const int i = end[side], j = end[1 - side], place = pairs.side[side][k];
+      per_radii[place] = 1.0 / radii;
+      film_log[place] =
+          std::log(film_ratio(p.radius[i], tension_of(i), p.radius[j], tension_of(j)));
+    }
+  }
 }
 
 void DropletSolver::find_bulges(const Particles &p)
@@ -110,6 +153,16 @@ void DropletSolver::find_bulges(const Particles &p)
   });
 }
 
+Vector3 DropletSolver::tilt(int k) const
+{
+  const NearPairs &p = list.pairs;
+  if (k >= p.wall) return {};
+  const auto way = [&](int axis) {
+    return p.per_distance[k] * (facets[axis][p.side[1][k]] - facets[axis][p.side[0][k]]);
+  };
+  return {way(0), way(1), way(2)};
+}
+
 double DropletSolver::energy() const
 {
   double sum = 0.0;
@@ -132,7 +185,8 @@ void DropletSolver::warn(const Particles &, bool)
 
 double DropletSolver::memory_usage() const
 {
-  return DualSolver::memory_usage() + bytes_of(tension, of_load, of_facet, normals[0], normals[1],
-                                               normals[2], force, response, turns[0], turns[1],
-                                               turns[2], d_green);
+  return DualSolver::memory_usage() +
+         bytes_of(tension, of_load, of_facet, still_work, film_log, per_radii, still, force,
+                  damping, taken, green, green2, d_green, normals[0], normals[1], normals[2],
+                  facets[0], facets[1], facets[2], torques[0], torques[1], torques[2]);
 }

@@ -27,12 +27,14 @@ class DropletSolver : public DualSolver {
     return batches.pair_side[place];
   }    // 2 x the pair, + 1 for its second
   double indentation(int place) const { return batches.indentation[place]; }
-  // dW/dn of a contact of a pair, over R F.
-  deformable::Vector3 turn(int k, int side) const
+  // The derivative of all works by the normal of a contact of a pair.
+  deformable::Vector3 torque(int k, int side) const
   {
     const int place = list.pairs.side[side][k];
-    return {turns[0][place], turns[1][place], turns[2][place]};
+    return {torques[0][place], torques[1][place], torques[2][place]};
   }
+  // How the normal of a film turns against the line of centers, from the first droplet of a pair: -[(R t)_i - (R t)_j]/d.
+  deformable::Vector3 tilt(int k) const;
 
   // Of the last solution: droplets beyond the model, and the largest bulge, over the radius.
   int beyond_model = 0;
@@ -43,20 +45,27 @@ class DropletSolver : public DualSolver {
  private:
   const deformable::DropletKernels &droplets;
   bool warned = false;
-  LargeVector<double> tension, of_load, of_facet;               // by droplet
-  LargeVector<double> normals[3], force, response, turns[3];    // by contact, see DropletArrays
-  LargeVector<float> d_green;
+  // see DropletArrays: by droplet, by contact, by two contacts
+  LargeVector<double> tension, of_load, of_facet, still_work;
+  LargeVector<double> film_log, per_radii, still, normals[3], force, facets[3], damping, torques[3];
+  LargeVector<double> green, green2, d_green;
+  LargeVector<float> taken;
 
   deformable::DropletArrays arrays();
   deformable::PairForces forces() const;
   bool has_own_compliances() const override { return true; }
   void set_material(const Particles &, bool arranged) override;
   bool shape(const deformable::RingBatches &) override;
-  bool adapt(const deformable::RingBatches &, const float *changes, double unit) override;
-  bool reshape(const deformable::RingBatches &batch, const float *changes, double unit) override
+  bool adapt(const deformable::RingBatches &, const float *, double) override;
+  bool reshape(const deformable::RingBatches &batch, const float *, double) override
   {
-    return adapt(batch, changes, unit);
+    return adapt(batch, nullptr, 0.0);
   }
+  bool has_facets() const override { return true; }
+  void turn(const deformable::RingBatches &) override;
+  void exchange_facets() override;
+  void find_slopes(const deformable::RingBatches &) override;
+  void find_films(const Particles &);
   void find_bulges(const Particles &) override;
   double energy() const override;
   void warn(const Particles &, bool films_changed) override;

@@ -329,14 +329,17 @@ bool DualSolver::may_plan() const
 Evaluation DualSolver::evaluate_and_correct()
 {
   is_corrected = true;
-  Stages stages = {Stage::SHAPE, Stage::RESIDUAL};
+  Stages stages;
+  add_shape(stages, Stage::SHAPE);
   if (relaxation.begin(tuning, tolerance, planned_from.force)) {
     std::fill(step.begin(), step.end(), 0.0F);
-    stages.insert(stages.end(), {Stage::WAIT, Stage::RELAX, Stage::RESHAPE, Stage::RESIDUAL});
+    stages.insert(stages.end(), {Stage::WAIT, Stage::RELAX});
+    add_shape(stages, Stage::RESHAPE);
   }
   stages.insert(stages.end(), linear.plan(accuracy(planned_from)), Stage::CORRECT);
   const Stage shape = shape_after(planned_from);
-  stages.insert(stages.end(), {Stage::STEP, shape, Stage::RESIDUAL});
+  stages.push_back(Stage::STEP);
+  add_shape(stages, shape);
   Evaluation now = run(stages, &planned_from);
   if (!planned_from.exists) return now;
   if (shape == Stage::ADAPT && shape_after(planned_from) != shape) {    // larger than planned
@@ -375,8 +378,14 @@ bool DualSolver::correct_some(Evaluation &now)
   hold_others(chosen);
   for (OfBlock &of : of_blocks) of.slope = 0.0;
   const Evaluation stepped = run(stages, nullptr, &chosen);
-  list.remote_sides.exchange(batches.indentation.data(), batches.compliance.data());
   BlockLevels::Choice seen = chosen;
+  if (has_facets()) {
+    exchange_facets();
+    blocks.widen(seen);
+    blocks.add_borders(seen);
+    run({Stage::TURN}, nullptr, &seen);
+  }
+  list.remote_sides.exchange(batches.indentation.data(), batches.compliance.data());
   blocks.widen(seen);
   blocks.add_borders(seen);
   now = run({Stage::RESIDUAL}, nullptr, &seen);
@@ -440,7 +449,7 @@ Evaluation DualSolver::correct(const Evaluation &from)
     std::fill(batches.step.begin(), batches.step.end(), 0.0F);
   Stages stages(corrections, Stage::CORRECT);
   stages.push_back(Stage::STEP);
-  if (!moves) stages.insert(stages.end(), {shape_after(from), Stage::RESIDUAL});
+  if (!moves) add_shape(stages, shape_after(from));
   const Evaluation stepped = accept(run(stages), from, corrections > 0, !moves);
   if (!moves) return line_search(stepped, BETTER * from.imbalance);
   const double line_imbalance = lines->imbalance();
@@ -464,8 +473,10 @@ double DualSolver::accuracy(const Evaluation &from) const
 {
   // the weighted root mean square of r, times the mean weight
   const double typical = std::sqrt(from.norm2 * from.weights) / pairs_of_all * list.pairs.unit();
+  // facets that move are left out, too; but few conjugate gradients do not find the bounds of the spectrum
+  const bool leaves_more = lines || (has_facets() && linear.knows_bounds());
   const double most =
-      std::max(tuning.of_square * typical / from.force, lines ? tuning.of_lines : 0.0);
+      std::max(tuning.of_square * typical / from.force, leaves_more ? tuning.of_lines : 0.0);
   return std::min(tuning.coarse,
                   std::max(tuning.of_tolerance * limit(from) / from.imbalance, most));
 }
@@ -646,6 +657,21 @@ PairArrays DualSolver::arrays()
   return a;
 }
 
+// Shapes, and then the residuals.
+void DualSolver::add_shape(Stages &stages, Stage shape) const
+{
+  stages.push_back(shape);
+  if (has_facets()) stages.push_back(Stage::TURN);
+  stages.push_back(Stage::RESIDUAL);
+}
+
+Evaluation DualSolver::evaluate()
+{
+  Stages stages;
+  add_shape(stages, Stage::SHAPE);
+  return run(stages);
+}
+
 // Returns what the last stage RESIDUAL has found in all blocks; in `before`, unless null, what the last one before the
 // corrections has. If only some blocks are chosen, the others stay as they are.
 Evaluation DualSolver::run(const Stages &stages, Evaluation *before,
@@ -673,7 +699,9 @@ Evaluation DualSolver::run(const Stages &stages, Evaluation *before,
         const Stage done = stages[stage - 1];
         if (done == Stage::CORRECT && stage < first + corrections)
           list.remote_sides.exchange(LinearSolver::products(rings, stage - first));
-        else if (done == Stage::SHAPE || done == Stage::ADAPT)
+        else if (has_facets() && (done == Stage::SHAPE || done == Stage::ADAPT))
+          exchange_facets();
+        else if (done == Stage::SHAPE || done == Stage::ADAPT || done == Stage::TURN)
           list.remote_sides.exchange(batches.indentation.data(), batches.compliance.data());
       },
       chosen);
@@ -692,6 +720,7 @@ void DualSolver::work(Stage stage, int block, int iteration, deformable::RingBat
   switch (stage) {
     case Stage::SHAPE: exist &= shape(here); break;
     case Stage::ADAPT: exist &= adapt(here, step.data(), loop.unit); break;
+    case Stage::TURN: turn(here); break;
     case Stage::RESIDUAL:
       blocks.for_pairs(block, [&](int begin, int end, double part) {
         found.add(kernels.find_residuals(loop, begin, end), part);

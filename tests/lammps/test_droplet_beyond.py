@@ -8,14 +8,14 @@ from droplet_walls import walled
 ORIGIN = np.zeros((1, 3))
 
 
-@pytest.mark.parametrize(("half", "beyond"), [(0.72, 0), (0.69, 1), (0.3, 1)])
+@pytest.mark.parametrize(("half", "beyond"), [(0.76, 0), (0.73, 1), (0.3, 1)])
 def test_between_two_plates(half, beyond, tmp_path):
-    """Forces are a quarter too small at a distance of 1.4 R; the load is far below 0.4 there."""
+    """Forces are known to a per cent at a distance of 1.5 R; the load is far below 0.4 there."""
     scene = walled(ORIGIN, f"zlo {-half} zhi {half}", tmp_path)
     assert scene.outputs()[0] == beyond
     told = "1 of 1 particles are beyond the model: forces cover .* with the mean facet"
     assert (told.split(":")[0] in scene.log.read_text()) == bool(beyond)
-    assert scene.contacts()[:, 4].sum() / (8 * np.pi) < 0.35
+    assert (scene.contacts()[:, 4].sum() / (8 * np.pi) < 0.13) == (half > 0.5)
 
 
 @pytest.mark.slow
@@ -31,5 +31,5 @@ def test_dense_packings_are_within_both_measures():
     facet = np.bincount(sides["i"], f**2, count) / (8 * np.pi) ** 2 / load
     assert load == pytest.approx(state.loads, rel=1e-6)
     assert state.beyond == 0
-    assert 0.3 < load.max() < 0.36
+    assert 0.3 < load.max() < 0.37
     assert 0.03 < facet.max() < 0.045

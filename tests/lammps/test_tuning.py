@@ -43,9 +43,12 @@ def test_all_members_have_names():
 
 @pytest.mark.parametrize("name", ["balanced", "curved", "droplet"])
 def test_extremes(name, tmp_path, monkeypatch):
-    """Positions after a few steps too: an error of the forces moves particles by less."""
+    """Positions after a few steps too: an error of the forces moves particles by less.
+
+    Net forces of droplets are a tenth of those of their contacts.
+    """
     x, force = law(name, tmp_path)
-    scale = np.abs(force).max()
+    scale = np.abs(force).max() * (10 if name == "droplet" else 1)
     for member, value in TUNED.items():
         for extreme in (0.0,) if value == 1.0 else (0.1 * value, 10 * value):  # 1: a switch
             monkeypatch.setenv("DEFORMABLE_TUNING", f"{member}={extreme}")

@@ -3,6 +3,7 @@
 #include "styles/lammps_release.h"
 #include "styles/pair/pair_deformable.h"
 
+#include "domain.h"
 #include "error.h"
 #include "update.h"
 
@@ -18,7 +19,7 @@ ComputeDeformableContact::ComputeDeformableContact(LAMMPS *lmp, int narg, char *
                arg[3]);
   local_flag = 1;
   size_local_rows = 0;
-  size_local_cols = PairDeformable::CONTACT_COLUMNS;
+  size_local_cols = PairDeformable::contact_columns(domain->dimension);
 }
 
 /* ---------------------------------------------------------------------- */

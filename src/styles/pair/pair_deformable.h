@@ -154,7 +154,7 @@ class PairDeformable : public Pair {
   void *extract_peratom(const char *, int &) override;
 
   // Appends the rows of compute deformable/contact: of contacts of this rank's particles in the group.
-  static constexpr int CONTACT_COLUMNS = 15;
+  static int contact_columns(int dimension) { return dimension == 3 ? 19 : 15; }
   virtual void list_contacts(int groupbit, std::vector<double> &rows) const;
   double memory_usage() override;
 

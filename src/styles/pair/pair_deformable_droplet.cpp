@@ -285,10 +285,18 @@ Vector3 PairDeformableDroplet::force_of_contact(int k, int side) const
   return along * p.normal(k) - p.per_distance[k] * torque(k, side);
 }
 
+// By the difference of pressures, 2 g/R each, over the tension of the film: positive where it is convex for the first droplet.
+double PairDeformableDroplet::film_curvature(int i, int j) const
+{
+  const double gi = stiffness_of(i).tension, gj = stiffness_of(j).tension;
+  return (gi / radii[i] - gj / radii[j]) / (gi + gj);
+}
+
 /* ----------------------------------------------------------------------
    One row for each side of a contact: the particle, its partner, indentation,
    radius of the facet, force, its middle, its normal, distance of the centers
-   or of the wall, and the force on the particle from its own energy.
+   or of the wall, the force on the particle from its own energy, the turn of
+   the normal, and the curvature of the film.
 ------------------------------------------------------------------------- */
 
 void PairDeformableDroplet::list_contacts(int groupbit, std::vector<double> &rows) const
@@ -300,18 +308,21 @@ void PairDeformableDroplet::list_contacts(int groupbit, std::vector<double> &row
     if (!(atom->mask[i] & groupbit)) continue;
     for (int m = 0; m < solver->contacts_of(i); ++m) {
       const int c = solver->place_of_contact(i, m);
-      const int k = solver->pair_side(c) >> 1, side = solver->pair_side(c) & 1;
+      const int k = solver->pair_side(c) >> 1, side = solver->pair_side(c) & 1,
+                other = side ? p.i[k] : p.j[k];
       const double force = p.force[k], sign = side ? -1.0 : 1.0;
       if (force == 0.0) continue;
       const Vector3 n = sign * p.normal(k), push = force_of_contact(k, side),
                     at = Vector3{atom->x[i][0], atom->x[i][1], atom->x[i][2]} +
                          (radii[i] - solver->indentation(c)) * n;
+      const Vector3 tilt = sign * solver->tilt(k);
       const double distance = k >= p.wall ? p.surfaces[k - p.wall].height : 1.0 / p.per_distance[k];
-      const tagint partner = k >= p.wall ? wall_number(p.j[k]) : atom->tag[side ? p.i[k] : p.j[k]];
+      const tagint partner = k >= p.wall ? wall_number(p.j[k]) : atom->tag[other];
       rows.insert(rows.end(),
                   {static_cast<double>(atom->tag[i]), static_cast<double>(partner),
                    solver->indentation(c), facet_radius(force, radii[i], stiffness_of(i).tension),
-                   force, at.x, at.y, at.z, n.x, n.y, n.z, distance, push.x, push.y, push.z});
+                   force, at.x, at.y, at.z, n.x, n.y, n.z, distance, push.x, push.y, push.z, tilt.x,
+                   tilt.y, tilt.z, k >= p.wall ? 0.0 : film_curvature(i, other)});
     }
   }
 }

@@ -54,14 +54,13 @@ class PairDeformableDroplet : public PairDeformable {
   void store_droplet(int i, double energy);
   deformable::Vector3 torque(int k, int side) const;
   deformable::Vector3 force_of_contact(int k, int side) const;
+  double film_curvature(int i, int j) const;
 };
 
 // The derivative of a droplet's work by the normal of this contact, across it.
 inline deformable::Vector3 PairDeformableDroplet::torque(int k, int side) const
 {
-  const NearPairs &p = solver->pairs();
-  const int i = side == 0 ? p.i[k] : p.second(k);
-  return (radii[i] * p.force[k]) * deformable::across(solver->turn(k, side), p.normal(k));
+  return deformable::across(solver->torque(k, side), solver->pairs().normal(k));
 }
 
 }    // namespace LAMMPS_NS

@@ -175,7 +175,7 @@ def test_creep_ends_where_shear_has_the_stress(rest: State) -> None:
     assert last.shear_strain == pytest.approx(1e-3, rel=0.02)
     rate = np.array([stress - state.shear_stress for state in states]) / viscosity
     strain = np.trapezoid(rate, [state.time for state in states])
-    assert last.shear_strain == pytest.approx(strain, rel=5e-3)
+    assert last.shear_strain == pytest.approx(strain, rel=1.5e-2)
     assert not last.velocities.any()
 
 
