@@ -32,6 +32,7 @@ from .polygons import DeformablePolygon as DeformablePolygon
 from .run import Run as Run
 from .simulation import Simulation as Simulation
 from .state import State as State
+from .surface_evolver import Evolved as Evolved
 from .walls import BoxWall as BoxWall
 from .walls import Cone as Cone
 from .walls import Cylinder as Cylinder

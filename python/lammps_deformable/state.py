@@ -1233,6 +1233,33 @@ class State:
         """
         shapes.export(self, path, forces, mode)
 
+    def to_surface_evolver(self, path: str | Path, mode: str = "x") -> None:
+        """Write droplets for Surface Evolver, which finds their exact shapes.
+
+            state.to_surface_evolver("packing.fe")
+
+        In Surface Evolver `relax` minimizes the energy of all outlines, tension times perimeter, in
+        space times surface, at constant areas or volumes in the box; `finer` does it again with
+        edges half as long; and `results >> "packing.txt"` writes what `Evolved.from_file` reads.
+        Films are those of the contacts of this state, in the order of its rows with i < j: no new
+        ones form.
+
+        Args:
+            path: of the file, `.fe` by custom.
+            mode: `w` replaces a file that is there, `x` refuses to.
+
+        Raises:
+            ParameterError: the law is neither `Droplet` nor `Ring(kA=inf, kP=0, tension=...)`;
+                there are walls; a particle touches its own image; or droplets are squeezed so much
+                that films overlap at the start.
+            FileError: there is a file, see `mode`, or it cannot be written.
+
+        Source: K. A. Brakke, Experimental Mathematics 1, 141 (1992).
+        """
+        from .surface_evolver import write_surface_evolver
+
+        write_surface_evolver(self, path, mode)
+
     @_only("saved")
     def save(
         self,
