@@ -182,10 +182,7 @@ void deformable::bind_droplets(nb::module_ &m)
       "level"_a = "",
       R"(A droplet in three dimensions that keeps its volume, between contacts that bear these forces.
 
-In units of R and g R, with m = n_c.n_k and x = sum f/(8 pi):
-
-w = sum f^2/(8 pi) [ln(8 pi/f) - 1/3 + ln(1 + 4 x^2)/2] + 1/2 sum_{c != k} G(m) f_c f_k,
-G(m) = -[1/2 + 4 m/3 + m ln((1 - m)/2)]/(4 pi).
+The work W(F) of docs/pair_deformable_droplet.md, as between walls, where films do not turn.
 
 Parameters
 ----------

@@ -12,7 +12,8 @@
 //   solve        find_pairs, predict, then balance, again where outlines bulge beyond the list of pairs or films come or go; finish
 //   predict      a polynomial in time through the forces of the last calls; along the lines of a minimizer the last forces
 //   balance      Newton's method: evaluate, and correct until balanced, stuck or out of evaluations
-//   evaluate     kernels find the shapes of all particles (a, C) and the residuals of all pairs
+//   evaluate     kernels find the shapes of all particles (a, C) and the residuals of all pairs; shapes of droplets ask for
+//                the facets of their neighbors, and have a stage more
 //   correct      C x = r for the active set (LinearSolver: Chebyshev's iteration, or conjugate gradients where the bounds of the
 //                spectrum are not known). A pair whose own force would become negative is not in it, and its force vanishes.
 //   correct_some the same for a few blocks of particles, if only these are not balanced

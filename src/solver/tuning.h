@@ -36,7 +36,8 @@ struct Tuning {
   double coarse = 0.1;          // at most [0.01, 0.3]
   double of_tolerance = 0.1;    // not closer to the tolerance than that
   double of_square = 10.0;      // nor than so many squares, which Newton's method leaves [0.1, 10]
-  double of_lines = 0.03;       // nor than what lines bring back of it
+  double of_lines =
+      0.03;    // nor than what lines, or films of droplets that turn, bring back of it
 
   // A correction of some blocks alone: where no more than this part of them is not balanced, with their neighbors; 0: never
   double few = 0.25;    // [0.1, 0.25]

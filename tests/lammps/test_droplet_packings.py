@@ -20,10 +20,10 @@ LARGE = {
 SMALL = (0.001, 0.002, 0.011)
 
 
-def scene_of(packing, folder):
+def scene_of(packing, folder, **more):
     count = len(packing["radius"])
     case = {"box": [packing["box"]] * 3, "radius": packing["radius"], "tension": [1.0] * count}
-    return Droplets(case | {"x": packing["law"]["x"]}, folder)
+    return Droplets(case | {"x": packing["law"]["x"]}, folder, **more)
 
 
 def contacts(packing, kind):
@@ -86,3 +86,15 @@ def test_films_turn_and_curve(name, tmp_path):
     assert unlike.any() == (min(packing["radius"]) < max(packing["radius"]))
     assert curvature[unlike] == pytest.approx(curved[unlike], rel=0.15)
     assert np.abs(curved[~unlike]).max() < 0.03
+
+
+@pytest.mark.parametrize("name", PACKINGS)
+def test_pressures_in_droplets(name, tmp_path):
+    """What they have more than at rest, over the largest of it."""
+    packing = PACKINGS[name]
+    fix = "fix shape all pair 1 deformable/droplet pressure 0"
+    scene = scene_of(packing, tmp_path, commands=fix)
+    found, rest = np.array(scene.lmp.gather("f_shape", 1, 1)), 2 / np.array(packing["radius"])
+    exact = np.array(packing["exact"]["pressures"])
+    error = 0.03 if name in LARGE else 0.003
+    assert np.abs(found - exact).max() < error * np.abs(exact - rest).max()
