@@ -42,18 +42,20 @@ DEFORMABLE_LANE_FUNCTION Floats floats_of_pairs(const float *x, const int *pair_
                    std::make_integer_sequence<int, FLOATS>());
 }
 
-// A step of this length along the direction of a contact; r after it.
+// A step of this length, or `gain` times as long, along the direction of a contact; r after it.
 DEFORMABLE_LANE_FUNCTION Floats advance_at(const CorrectionArrays &g, int c, float length,
-                                           const float *products)
+                                           const float *products, float gain = 1.0F)
 {
   const Floats product = load<Floats>(g.last_product + c) + gather_floats(products, g.partner + c);
-  store_floats(g.step + c, load<Floats>(g.step + c) + length * load<Floats>(g.direction + c));
+  store_floats(g.step + c,
+               load<Floats>(g.step + c) + gain * length * load<Floats>(g.direction + c));
   return load<Floats>(g.left + c) - length * product;
 }
 
 // What a kernel does to a direction d before it finds C d.
 enum class Turn {
   FIRST,      // d = w r
+  GO_ON,      // the same, r after the step so far, whose products are the last ones
   ANOTHER,    // d = w r + conjugation d
   ADVANCE     // the same after a step along the last d
 };
@@ -62,10 +64,11 @@ struct TurnBy {
   const float *products;                                 // the last ones of all contacts
   const float *residual = nullptr, *weight = nullptr;    // of pairs
   double per_scale = 1.0;                                // exact: scales are powers of two
+  float gain = 1.0F;
 };
 
 // C d/scale of each ring. Conjugate gradients also need the sum of d C d/scale, Chebyshev's iteration (ADVANCE) does not.
-template <int SIZE, bool SOFT, bool OWN, Turn TURN>
+template <int SIZE, bool SOFT, Turn TURN>
 DEFORMABLE_LANE_FUNCTION void multiply_lanes(const TurnBy &by, int contacts, const ContactArrays &c,
                                              const CorrectionArrays &g, const RingArrays &rings,
                                              Sum &curvature, int first)
@@ -78,26 +81,28 @@ DEFORMABLE_LANE_FUNCTION void multiply_lanes(const TurnBy &by, int contacts, con
   for (int m = 0; m < n; ++m) {
     const int at = m * LANES;
     Floats left, weight;
-    if constexpr (TURN == Turn::FIRST) {
+    if constexpr (TURN == Turn::FIRST || TURN == Turn::GO_ON) {
       left = floats_of_pairs(by.residual, c.pair_side + at);
       weight = floats_of_pairs(by.weight, c.pair_side + at);
       weight = weight > 0.0F ? weight : Floats{};
       store_floats(g.weight + at, weight);
-      store_floats(g.step + at, Floats{});
+      if constexpr (TURN == Turn::FIRST)
+        store_floats(g.step + at, Floats{});
+      else
+        left -= load<Floats>(g.last_product + at) + gather_floats(by.products, g.partner + at);
     } else {
       weight = load<Floats>(g.weight + at);
-      left = TURN == Turn::ADVANCE ? advance_at(g, at, by.length, by.products)
+      left = TURN == Turn::ADVANCE ? advance_at(g, at, by.length, by.products, by.gain)
                                    : load<Floats>(g.left + at);
     }
     if constexpr (TURN != Turn::ANOTHER) store_floats(g.left + at, left);
     own[m] = weight * left;
-    if constexpr (TURN != Turn::FIRST) own[m] += by.conjugation * load<Floats>(g.direction + at);
+    if constexpr (TURN == Turn::ANOTHER || TURN == Turn::ADVANCE)
+      own[m] += by.conjugation * load<Floats>(g.direction + at);
     store_floats(g.direction + at, own[m]);
     share[m] = load<Floats>(c.share + at);
-    if constexpr (OWN)
-      product[m] = load<Floats>(c.own + at) * own[m];
-    else
-      product[m] = static_cast<float>(GREEN_AT_ZERO) * own[m];
+    product[m] =
+        c.own ? load<Floats>(c.own + at) * own[m] : static_cast<float>(GREEN_AT_ZERO) * own[m];
     along += share[m] * own[m];
     if constexpr (SOFT) sum += own[m];
 #pragma GCC unroll 8
@@ -121,7 +126,7 @@ DEFORMABLE_LANE_FUNCTION void multiply_lanes(const TurnBy &by, int contacts, con
     if constexpr (SOFT) y += constant;
     y *= per_p;
     store_floats(g.product + m * LANES, y);
-    if constexpr (TURN != Turn::ADVANCE) curvature.add(first, own[m], y);
+    if constexpr (TURN == Turn::FIRST || TURN == Turn::ANOTHER) curvature.add(first, own[m], y);
   }
 }
 
@@ -140,29 +145,14 @@ template <bool SOFT, Turn TURN> static double multiply_all(RingBatches b, TurnBy
   for_all<FLOATS>(
       b, [&](auto size, int n, const ContactArrays &c, const RingArrays &r) DEFORMABLE_LANE_LAMBDA {
         const int first = static_cast<int>(c.pair_side - b.contacts.pair_side);
-        multiply_lanes<decltype(size)::value, SOFT, false, TURN>(
+        multiply_lanes<decltype(size)::value, SOFT, TURN>(
             by, n, c, corrections_of(b.corrections, first), r, sum, first % LANES);
-      });
-  return sum.total();
-}
-
-// Contacts with compliances of their own, of any number.
-template <Turn TURN> static double multiply_own(RingBatches b, TurnBy by)
-{
-  Sum sum;
-  by.per_scale = 1.0 / b.rings.scale;
-  for_each_vector<FLOATS>(
-      b, [&](int n, const ContactArrays &c, const RingArrays &r) DEFORMABLE_LANE_LAMBDA {
-        const int first = static_cast<int>(c.pair_side - b.contacts.pair_side);
-        multiply_lanes<0, true, true, TURN>(by, n, c, corrections_of(b.corrections, first), r, sum,
-                                            first % LANES);
       });
   return sum.total();
 }
 
 template <Turn TURN> static double multiply_rings(RingBatches b, TurnBy by)
 {
-  if (b.contacts.own) return multiply_own<TURN>(b, by);
   return b.soft ? multiply_all<true, TURN>(b, by) : multiply_all<false, TURN>(b, by);
 }
 
@@ -176,10 +166,17 @@ static double multiply(RingBatches b, double conjugation)
   return multiply_rings<Turn::ANOTHER>(b, {static_cast<float>(conjugation), 0.0F, nullptr});
 }
 
-static void advance_and_multiply(RingBatches b, double length, double conjugation)
+static void go_on(RingBatches b, PairArrays pairs, const float *residual)
 {
-  multiply_rings<Turn::ADVANCE>(
-      b, {static_cast<float>(conjugation), static_cast<float>(length), b.corrections.last_product});
+  multiply_rings<Turn::GO_ON>(b, {0.0F, 0.0F, b.corrections.last_product, residual, pairs.weight});
+}
+
+static void advance_and_multiply(RingBatches b, double length, double conjugation, double gain)
+{
+  TurnBy by = {static_cast<float>(conjugation), static_cast<float>(length),
+               b.corrections.last_product};
+  by.gain = static_cast<float>(gain);
+  multiply_rings<Turn::ADVANCE>(b, by);
 }
 
 static double advance(RingBatches b, double length)
@@ -198,13 +195,14 @@ static double advance(RingBatches b, double length)
 }
 
 // Nobody asks for r after the last one.
-static void advance_twice(RingBatches b, double length, double conjugation, double last)
+static void advance_twice(RingBatches b, double length, double conjugation, double last,
+                          double gain)
 {
   const CorrectionArrays &g = b.corrections;
   const float along = static_cast<float>(length), part = static_cast<float>(conjugation),
-              further = static_cast<float>(last);
+              further = static_cast<float>(last * gain), times = static_cast<float>(gain);
   for_contacts_in_all(b, [&](int c) DEFORMABLE_LANE_LAMBDA {
-    const Floats left = advance_at(g, c, along, g.last_product);
+    const Floats left = advance_at(g, c, along, g.last_product, times);
     const Floats next = load<Floats>(g.weight + c) * left + part * load<Floats>(g.direction + c);
     store_floats(g.step + c, load<Floats>(g.step + c) + further * next);
   });

@@ -57,6 +57,24 @@ struct StickArrays {
   double *terms[4];
 };
 
+// Outlines at curved lines (contact_curve.h). Numbers in single precision have no units: pressures are in 1/scale, forces in
+// length/scale.
+struct OutlineArrays {
+  // by ring, and behind those of this rank the second rings of remote pairs
+  double *free_radius;    // Q; null: all lines are straight
+  double *
+      bulk_and_swell;    // two floats: p falls by `bulk` times an area that flows in; the largest dp/df
+  float *per_lengths;    // 1/(sum of contact lengths), as in ContactArrays
+  double *
+      change;    // two floats: the changes of p and of p Q that follow from those of forces and lines
+  // by contact
+  float *nx, *ny;
+  float *rate;      // dt/dtheta
+  float *across;    // the change of t that follows
+  float *turn;      // G'(theta_m - theta_k), in the order of `green`
+  double length;
+};
+
 // Corrections of forces, by contact: the weight w, what is left of r, the direction d, the step so far, and the product
 // C d of the contact's own ring. Both contacts of a pair have the same numbers, except products. So each ring finds its
 // own side by side, and only products have to be fetched from the other ring.
@@ -79,6 +97,14 @@ struct RingBatches {
   ContactArrays contacts;
   CorrectionArrays corrections;
   StickArrays films;
+  OutlineArrays outline;
+};
+
+// A quantity of pairs at the last call, x(-1) or UNKNOWN; and x(-2) - x(-1), x(-3) - x(-2), x(-4) - x(-3) in the pairs' unit.
+constexpr double UNKNOWN = -1e300;
+struct PastArrays {
+  double *last;
+  float *earlier[3];
 };
 
 // Pairs as DualSolver sees them. Numbers in single precision are in units in which nothing is large or small:
@@ -94,10 +120,8 @@ struct PairArrays {
   float *residual, *weight;    // 1/(C_i + C_j), negative where the pair takes no part
   float *step;
   double length, unit;
-  double *past;    // forces of the last call
-  // f(-2) - f(-1), f(-3) - f(-2) and f(-4) - f(-3), in `unit`, if f(-1) are those of the last call
-  float *earlier[3];
-  // Forces before the step. Shares memory with earlier[0]: `remember` writes earlier[0] again after the solve.
+  PastArrays past;
+  // Forces before the step. Shares memory with past.earlier[0]: `remember` writes that again after the solve.
   float *before;
   const double *least;    // see least_force; null: 0
 };
@@ -110,14 +134,12 @@ template <class T> DEFORMABLE_INLINE T least_force(const PairArrays &p, int k)
   return least;
 }
 
-constexpr double UNKNOWN_FORCE = -1e300;
-
-// The next force f(0) from the last ones, f(-1) to f(-4): f(-1) + slope D + bend D2 + twist D3, with the differences D =
-// f(-1) - f(-2), D2 of D and D3 of D2. Where a force has a kink, D3 is about as large as D2, not much smaller: then a
-// straight line is best. Smaller D3 than `smooth`, in `unit`, do not matter.
+// The next x(0) from the last ones, x(-1) to x(-4): x(-1) + slope D + bend D2 + twist D3, with the differences D = x(-1) - x(-2),
+// D2 of D and D3 of D2. Where x has a kink, D3 is about as large as D2, not much smaller: then a straight line is best. Smaller D3
+// than `smooth`, in `unit`, do not matter.
 constexpr double KINK = 0.5;    // D3 over D2, at least
 struct Extrapolation {
-  double slope, bend, twist, smooth;
+  double slope, bend, twist, smooth, unit, least;
 };
 
 // The largest imbalance, force, and r/length; over the pairs with a positive weight, sums of w r^2/length^2 and of the
@@ -133,31 +155,36 @@ struct PairPlaces {
   double *per_distance, *overlap, *angle, *nx, *ny;
 };
 
-// What contact lines need of their rings, by contact: dt/dtheta, 1/p and Q (contact_curve.h).
-struct OutlineArrays {
-  double *slope_rate, *per_pressure, *free_radius;
-};
-
-// Contact lines that tilt and bend.
+// Contact lines that tilt and bend, see CurvedLines.
 struct LineArrays {
-  const double *per_distance, *force;
-  const int *first, *second;    // contacts of the pairs
-  const double *slope;          // t, by contact
+  const double *per_distance;
+  const int *ring[2];        // of the pairs
+  const double *slope;       // t, by contact
+  const double *pressure;    // by ring
   OutlineArrays outline;
   double *sine, *next_sine;             // of the tilt, and of the next one
-  double *bend, *next_bend;             // tan(beta/2)
+  double *bend;                         // tan(beta/2)
   double *overlap, *angle, *nx, *ny;    // of the tilted line
-  double part;                          // of the step to the next tilt and bend
-  const double *adhesion;               // null, or not 0 where a pair has a film
+  float *give;    // the sine of the tilt changes by `give` times the change of both slopes
+  double *
+      answer;    // two floats: f dtau, and the area that flows to the second ring as the line bends
+  float *first_flow,
+      *flow_per_press;    // the area for forces as they are, and what differences of pressure add
+  float *curvature, *feedback;    // and the part that the own flow takes back
+  float *left;    // residuals, without what bends that are not at rest do to their own pair
+  double part;    // of the step to the next tilt and bend
+  int wall;       // the first pair with a wall, whose lines stay
+  const double *adhesion;    // null, or not 0 where a pair has a film
 };
 
 // Films that stick, of pairs that may: contact_curve.h. The second contact of a wall does not exist.
 struct FilmArrays {
   const double *force, *bend, *adhesion;    // w, 0 where a pair is free
   const int *first, *second;                // contacts of the pairs
-  OutlineArrays outline;
-  double *angle[2], *next_angle[2];    // tan(theta/2) of both sides
-  double *next_pull;                   // T sin theta
+  const int *ring[2];                       // rings of the pairs
+  const double *pressure, *free_radius;     // by ring
+  double *angle[2], *next_angle[2];         // tan(theta/2) of both sides
+  double *next_pull;                        // T sin theta
   double *next_bend;
   double *terms[4];    // FilmTerms, by contact
   int wall;            // the first pair with a wall
@@ -167,22 +194,31 @@ struct FilmArrays {
 // Structures come by value: behind a reference, whatever a kernel stores might change them, and each use would load them
 // again.
 struct ForceKernels {
-  // Shapes rings by the forces of pairs. False: a ring does not exist.
+  // Shapes rings by the forces of pairs, and finds slopes if lines are curved. False: a ring does not exist.
   bool (*shape)(RingBatches, PairDirections);
   // The same after small changes of the forces; the changes are in this unit and in single precision.
   bool (*adapt)(RingBatches, const double *forces, const float *changes, double unit);
-  // Slopes of outlines, and what else contact lines need unless that is null.
-  void (*slopes)(RingBatches, PairDirections, OutlineArrays);
+  // Slopes of outlines.
+  void (*slopes)(RingBatches, PairDirections);
 
   // Iterations for C x = r of the pairs that have a positive weight w. Sums are over the contacts of this rank; each
-  // pair of two rings has two of them. begin: takes residuals and weights, d = w r and C d; returns d C d. multiply: the
+  // pair of two rings has two of them. begin: takes residuals and weights, d = w r and C d; returns d C d. go_on: the same
+  // after the step so far, whose products are known. multiply: the
   // same for d = w r + conjugation d. advance: a step of this length along d; returns w r^2 of all pairs.
   double (*begin)(RingBatches, PairArrays);
+  void (*go_on)(RingBatches, PairArrays, const float *residual);
   double (*multiply)(RingBatches, double conjugation);
   double (*advance)(RingBatches, double length);
-  // In one: advance, then multiply; and the last two steps, of which the second one needs no product.
-  void (*advance_and_multiply)(RingBatches, double length, double conjugation);
-  void (*advance_twice)(RingBatches, double length, double conjugation, double last);
+  // In one: advance, then multiply; and the last two steps, of which the second one needs no product. Steps are `gain` times as
+  // long as what is left knows.
+  void (*advance_and_multiply)(RingBatches, double length, double conjugation, double gain);
+  void (*advance_twice)(RingBatches, double length, double conjugation, double last, double gain);
+
+  // How outlines follow: `across`, dp and dT after changes of forces, and of lines as of the last answer. The changes are `step` by
+  // pair or, if that is null, the correction so far, whose products are kept, too.
+  void (*follow)(RingBatches, LineArrays, const float *step);
+  // What lines that answer do to indentations: products, with those of the correction so far unless it only begins.
+  void (*respond)(RingBatches, LineArrays, bool begins);
 
   // Loops over pairs, from `begin` to before `end`.
 
@@ -197,19 +233,25 @@ struct ForceKernels {
   // for all pairs.
   int (*find_unbalanced)(PairArrays, double limit, int begin, int end, int *found);
 
-  // First forces, none negative. Also moves `earlier` on, so that each pair has it once in a call.
-  void (*extrapolate)(PairArrays, Extrapolation, int begin, int end);
+  // What comes next, 0 of pairs without a past; not below the least value, of all or, unless that is null, of each pair. Also moves
+  // `earlier` on, so that each pair has it once in a call.
+  void (*extrapolate)(PastArrays, Extrapolation, const double *least, double *next, int begin,
+                      int end);
 
   // Turns the change of forces into one that leaves no force negative, and takes it; alone: each pair changes for
   // itself, instead of Newton's method. Returns the slope of the dual energy along the step.
   double (*take_step)(PairArrays, bool alone, int begin, int end);
 
-  // The forces become past ones.
+  // The forces become past ones; and so do other numbers of pairs.
   void (*remember)(PairArrays, int begin, int end);
+  void (*remember_values)(PastArrays, const double *, int begin, int end);
 
-  // The next tilts and bends, by Newton's method for each line alone; returns the largest imbalance. Lines take them.
-  double (*find_lines)(LineArrays, int begin, int end);
-  void (*take_lines)(LineArrays, int begin, int end);
+  // Where lines are not at rest, and the next tilts by Newton's method for each line alone; returns the largest imbalance.
+  double (*find_lines)(PairArrays, LineArrays, int begin, int end);
+  // How lines follow outlines: for another correction; and in the end, to the next tilts and bends. Then lines turn.
+  void (*answer)(PairArrays, LineArrays, int begin, int end);
+  void (*settle)(PairArrays, LineArrays, int begin, int end);
+  void (*turn_lines)(LineArrays, int begin, int end);
 
   // The next angles of films, the bends that they need, and their largest imbalance. Films take their angles; both
   // sides of a pair get their terms.

@@ -65,12 +65,14 @@ DEFORMABLE_LANE_FUNCTION Lanes cube_root(Lanes cube, Lanes guess)
 using ComplianceLanes = ComplianceOf<Lanes>;
 
 // Pressure and compliance of rings that conserve their perimeter.
-DEFORMABLE_LANE_FUNCTION ComplianceLanes press_rigid(const RingArrays &r)
+DEFORMABLE_LANE_FUNCTION ComplianceLanes press_rigid(const RingArrays &r, const Lanes *caps)
 {
   const Lanes kA = load<Lanes>(r.stiffness.kA);
   const Lanes p = cube_root(kA * load<Lanes>(r.work), load<Lanes>(r.pressure));
   const Mask loaded = p > 0.0;
   ComplianceLanes c = rigid_compliance(select(loaded, p, all(1.0)), kA);
+  if (caps)
+    c.square *= 3.0 / (3.0 - 2.0 * kA * *caps * c.per_pressure * c.per_pressure * c.per_pressure);
   c.per_pressure = select(loaded, c.per_pressure, Lanes{});
   c.square = select(loaded, c.square, Lanes{});
   store(r.pressure, p);
@@ -130,19 +132,22 @@ DEFORMABLE_LANE_FUNCTION Mask expand(const RingArrays &r, Lanes &pressure, Lanes
   return found & (expansion < most);
 }
 
-// Pressure, expansion and compliance of W rings; returns false where a ring does not exist.
-template <bool SOFT> DEFORMABLE_LANE_FUNCTION bool press(const RingArrays &r, ComplianceLanes &c)
+// Pressure, expansion and compliance of W rings; returns false where a ring does not exist. In compliances,
+// unless that is null, `caps` are taken off the work, as for C at fixed curvature.
+template <bool SOFT>
+DEFORMABLE_LANE_FUNCTION bool press(const RingArrays &r, const Lanes *caps, ComplianceLanes &c)
 {
   if constexpr (!SOFT) {
-    c = press_rigid(r);
+    c = press_rigid(r, caps);
     return true;
   } else {
     Lanes p, delta;
     bool exist = true;
+    const Lanes work = load<Lanes>(r.work), work_at_curvature = caps ? work - *caps : work;
     Mask found = expand(r, p, delta);
     if (r.stiffness.yield) found &= p <= load<Lanes>(r.stiffness.yield);
     c = soft_compliance(select(found, p, all(1.0)), load<Lanes>(r.radius) + delta,
-                        load<Lanes>(r.work), load<Lanes>(r.stiffness.kA),
+                        work_at_curvature, load<Lanes>(r.stiffness.kA),
                         2.0 * PI * load<Lanes>(r.stiffness.kP));
     if (!all_true(found))    // also rings of constant perimeter, which are rare beside others
       for (int w = 0; w < W; ++w) {
@@ -152,7 +157,7 @@ template <bool SOFT> DEFORMABLE_LANE_FUNCTION bool press(const RingArrays &r, Co
         exist &= find_pressure(r.radius[w], k, {r.work[w], r.total[w]}, ring);
         p[w] = ring.pressure;
         delta[w] = ring.expansion;
-        const RingCompliance one = compliance_of(r.radius[w], k, r.work[w], ring);
+        const RingCompliance one = compliance_of(r.radius[w], k, work_at_curvature[w], ring);
         c.per_pressure[w] = one.per_pressure;
         c.mixed[w] = one.mixed;
         c.square[w] = one.square;
@@ -214,7 +219,7 @@ DEFORMABLE_LANE_FUNCTION Lanes of_pairs(const Number *x, const int *pair_side)
 
 // Angle and direction of a contact, as its ring sees it.
 struct SeenLanes : DirectionLanes {
-  Lanes angle;
+  Lanes angle, side;    // 1 or -1
 };
 
 DEFORMABLE_LANE_FUNCTION SeenLanes seen_from_ring(const PairDirections &pairs, const int *pair_side)
@@ -223,14 +228,15 @@ DEFORMABLE_LANE_FUNCTION SeenLanes seen_from_ring(const PairDirections &pairs, c
       each_lane([&](int w) DEFORMABLE_LANE_LAMBDA { return 1.0 - 2.0 * (pair_side[w] & 1); });
   const Lanes angle = of_pairs(pairs.angle, pair_side);
   return {{sign * of_pairs(pairs.nx, pair_side), sign * of_pairs(pairs.ny, pair_side)},
-          select(sign > 0.0, angle, select(angle > 0.0, angle - PI, angle + PI))};
+          select(sign > 0.0, angle, select(angle > 0.0, angle - PI, angle + PI)),
+          sign};
 }
 
-// begin(m) for each contact of the rings and, after it, pair(m, k, angles between them) for those before. of[0] are the
+// begin(m, side) for each contact of the rings and, after it, pair(m, k, angles between them) for those before. of[0] are the
 // forces; of[2], of[3] and of[4] are taken too.
 template <int SIZE, class Begin, class Pair>
 DEFORMABLE_LANE_FUNCTION void for_contacts(const PairDirections &pairs, int n,
-                                           const int *pair_sides, OfContacts<Lanes, SIZE, 5> &of,
+                                           const int *pair_sides, OfContacts<Lanes, SIZE, 7> &of,
                                            Begin &&begin, Pair &&pair)
 {
   Lanes *const force = of[0], *const angle = of[2], *const nx = of[3], *const ny = of[4];
@@ -242,25 +248,22 @@ DEFORMABLE_LANE_FUNCTION void for_contacts(const PairDirections &pairs, int n,
     nx[m] = seen.nx;
     ny[m] = seen.ny;
     force[m] = of_pairs(pairs.force, pair_side);
-    begin(m);
+    begin(m, seen.side);
 #pragma GCC unroll 8
     for (int k = 0; k < m; ++k)
       pair(m, k, angles_between(angle[k], {nx[k], ny[k]}, angle[m], seen));
   }
 }
 
-// The load of rings whose contacts are arcs (contact_curve.h), and their products, p (a + delta).
-DEFORMABLE_LANE_FUNCTION void bend_contacts(int n, const double *bend, const int *pair_sides,
-                                            const Lanes *force, Lanes *product, Lanes &work,
-                                            Lanes &total)
+// The load of rings whose contacts are arcs (contact_curve.h) with tan(b/2) = u, and their products, p (a + delta). Returns half of
+// what caps take of the work.
+DEFORMABLE_LANE_FUNCTION Lanes bend_contacts(int n, const Lanes *tangent, const Lanes *force,
+                                             Lanes *product, Lanes &work, Lanes &total)
 {
   Lanes excess = Lanes{}, cap = Lanes{};
 #pragma GCC unroll 8
   for (int m = 0; m < n; ++m) {
-    const int *const pair_side = pair_sides + m * LANES;
-    const Lanes beta = of_pairs(bend, pair_side);
-    const Lanes u = each_lane(
-        [&](int w) DEFORMABLE_LANE_LAMBDA { return pair_side[w] & 1 ? -beta[w] : beta[w]; });
+    const Lanes u = tangent[m];
     const ArcTerms<Lanes> arc = arc_terms(u);
     excess += force[m] * arc.excess;
     cap += force[m] * force[m] * arc.cap;
@@ -271,13 +274,28 @@ DEFORMABLE_LANE_FUNCTION void bend_contacts(int n, const double *bend, const int
   total = load.total;
 #pragma GCC unroll 8
   for (int m = 0; m < n; ++m) product[m] += load.shift;
+  return 0.5 * smaller(cap, work);
 }
 
-// Shapes from forces and their sums with G.
-template <bool SOFT, bool STICK>
-DEFORMABLE_LANE_FUNCTION bool finish_shapes(int n, const double *bend, const Lanes *force,
-                                            Lanes *product, const ContactArrays &c,
-                                            const RingArrays &rings, const StickArrays &films)
+// The arrays of outlines, from the rings and contacts on that c and r begin with.
+DEFORMABLE_LANE_FUNCTION OutlineArrays outlines_of(const RingBatches &b, const ContactArrays &c,
+                                                   const RingArrays &r)
+{
+  OutlineArrays o = b.outline;
+  o.free_radius += r.radius - b.rings.radius;
+  for (double **p : {&o.bulk_and_swell, &o.change}) *p += r.radius - b.rings.radius;
+  o.per_lengths += r.radius - b.rings.radius;
+  for (float **p : {&o.nx, &o.ny, &o.rate, &o.across}) *p += c.pair_side - b.contacts.pair_side;
+  o.turn += c.green - b.contacts.green;
+  return o;
+}
+
+// Shapes from forces and their sums with G. Curved lines: C at fixed curvature (contact_curve.h), and what the lines need.
+template <bool SOFT, bool CURVED, bool STICK>
+DEFORMABLE_LANE_FUNCTION bool
+finish_shapes(int n, const Lanes *force, Lanes *product, const Lanes *tangent, const Lanes *nx,
+              const Lanes *ny, const Lanes *slope, const ContactArrays &c, const RingArrays &rings,
+              const OutlineArrays &outline, const StickArrays &films)
 {
   Lanes work = Lanes{}, total = Lanes{};
 #pragma GCC unroll 8
@@ -286,7 +304,15 @@ DEFORMABLE_LANE_FUNCTION bool finish_shapes(int n, const double *bend, const Lan
     total += force[m];
   }
   work *= 0.5;
-  if (bend) bend_contacts(n, bend, c.pair_side, force, product, work, total);
+  Lanes caps = Lanes{}, net_x = Lanes{}, net_y = Lanes{};
+  if constexpr (CURVED) {
+#pragma GCC unroll 8
+    for (int m = 0; m < n; ++m) {
+      net_x += force[m] * nx[m];
+      net_y += force[m] * ny[m];
+    }
+    caps = bend_contacts(n, tangent, force, product, work, total);
+  }
   Lanes size = total;    // of the sum of lengths, a scale
   if constexpr (STICK) {
     const Lanes tension = load<Lanes>(films.tension);
@@ -296,7 +322,7 @@ DEFORMABLE_LANE_FUNCTION bool finish_shapes(int n, const double *bend, const Lan
   store(rings.work, work);
   store(rings.total, total);
   ComplianceLanes by;
-  const bool exist = press<SOFT>(rings, by);
+  const bool exist = press<SOFT>(rings, CURVED ? &caps : nullptr, by);
   const Lanes per_p = by.per_pressure, lengths = size * per_p;
   const Lanes p = load<Lanes>(rings.pressure);
   store(rings.square, by.square * lengths * lengths * p);
@@ -306,42 +332,85 @@ DEFORMABLE_LANE_FUNCTION bool finish_shapes(int n, const double *bend, const Lan
   }
   const double per_scale = 1.0 / rings.scale;
   const Lanes per_size = select(size > 0.0, 1.0 / select(size > 0.0, size, all(1.0)), Lanes{});
+  Lanes swell = Lanes{};
+  constexpr double MOST = 0.1;    // C of arcs that bend further is none of stable contacts
 #pragma GCC unroll 8
   for (int m = 0; m < n; ++m) {
-    const Lanes b = product[m] * per_p;
-    Lanes a = b, diagonal = GREEN_AT_ZERO * per_p;
-    if constexpr (SOFT) {
-      a -= load<Lanes>(rings.expansion);
-      diagonal += by.rate - 2.0 * by.mixed * b;
+    Lanes b = product[m] * per_p, a = b, own = all(GREEN_AT_ZERO);
+    if constexpr (SOFT) a -= load<Lanes>(rings.expansion);
+    if constexpr (CURVED) {
+      const Lanes u = smaller(larger(tangent[m], all(-MOST)), all(MOST)), cube = u * u * u,
+                  length = force[m] * per_p;
+      Lanes inward = b;    // (GL)_c
+      if constexpr (STICK)
+        inward -= load<Lanes>(films.tension) * per_p * load<Lanes>(films.terms[3] + m * LANES);
+      const Lanes along = (nx[m] * net_x + ny[m] * net_y) * per_p;
+      store(outline.rate + m * LANES,
+            slope_rate(total * per_p, along, inward, length) * (1.0 / outline.length));
+      store(outline.nx + m * LANES, nx[m]);
+      store(outline.ny + m * LANES, ny[m]);
+      store(c.slope + m * LANES, per_p * slope[m]);
+      own -= u + cube;
+      b -= length * (0.5 * u + cube);
+      product[m] = b * p;
+      store(c.own + m * LANES, own);
+      swell = larger(swell, magnitude(by.mixed + by.square * b));
     }
-    diagonal -= by.square * b * b;
+    Lanes diagonal = own * per_p - by.square * b * b;
+    if constexpr (SOFT) diagonal += by.rate - 2.0 * by.mixed * b;
     store(c.share + m * LANES, product[m] * per_size);
     store(c.indentation + m * LANES, a);
     store(c.compliance + m * LANES,
           select(per_p > 0.0, diagonal * per_scale, all(__builtin_inf())));
   }
+  if constexpr (CURVED) {
+    Lanes Q = load<Lanes>(rings.radius) - total * per_p * (0.5 / PI);
+    if constexpr (SOFT) Q += load<Lanes>(rings.expansion);
+    if (rings.skin) Q += load<Lanes>(rings.skin);
+    store(outline.free_radius, Q);
+    store_both(outline.bulk_and_swell,
+               p * p * by.square * (outline.length * outline.length * rings.scale),
+               p * swell * outline.length);
+    store(outline.per_lengths, p * per_size * outline.length);
+  }
   return exist;
 }
 
-// Shapes the rings for the forces of their pairs.
-template <int SIZE, bool SOFT, bool STICK = false>
+// Shapes the rings for the forces of their pairs. Curved lines also need the slopes of the outline,
+//   t_c = sum over k of L_k G'(theta_c - theta_k);   -f_c t_c is dU/dtheta_c.
+template <int SIZE, bool SOFT, bool CURVED = false, bool STICK = false>
 DEFORMABLE_LANE_FUNCTION bool shape_lanes(const PairDirections &pairs, int contacts,
                                           const ContactArrays &c, const RingArrays &rings,
+                                          const OutlineArrays &outline = {},
                                           const StickArrays &films = {})
 {
   const int n = SIZE > 0 ? SIZE : contacts;
-  OfContacts<Lanes, SIZE, 5> of(n, c.scratch);
-  Lanes *const force = of[0], *const product = of[1];
+  OfContacts<Lanes, SIZE, 7> of(n, c.scratch);
+  Lanes *const force = of[0], *const product = of[1], *const slope = of[5], *const tangent = of[6];
   for_contacts<SIZE>(
       pairs, n, c.pair_side, of,
-      [&](int m) DEFORMABLE_LANE_LAMBDA { product[m] = GREEN_AT_ZERO * force[m]; },
+      [&](int m, Lanes side) DEFORMABLE_LANE_LAMBDA {
+        product[m] = GREEN_AT_ZERO * force[m];
+        if constexpr (CURVED) {
+          slope[m] = Lanes{};
+          tangent[m] = side * of_pairs(pairs.bend, c.pair_side + m * LANES);
+        }
+      },
       [&](int m, int k, const AngleLanes &t) DEFORMABLE_LANE_LAMBDA {
         const Lanes between = green(t.magnitude, t.sine, t.cosine);
         store(entry(c.green, m, k), between);
         product[m] += between * force[k];
         product[k] += between * force[m];
+        if constexpr (CURVED) {
+          const Lanes size = d_green(t.magnitude, t.sine, t.cosine);
+          const Lanes turn = select(t.negative, -size, size);
+          store(entry(outline.turn, m, k), turn);
+          slope[m] += turn * force[k];
+          slope[k] -= turn * force[m];
+        }
       });
-  return finish_shapes<SOFT, STICK>(n, pairs.bend, force, product, c, rings, films);
+  return finish_shapes<SOFT, CURVED, STICK>(n, force, product, tangent, of[3], of[4], slope, c,
+                                            rings, outline, films);
 }
 
 // Shapes the rings anew after their forces have changed a little, in the same directions, with the last G in single
@@ -352,7 +421,7 @@ DEFORMABLE_LANE_FUNCTION bool adapt_lanes(const double *forces, const float *cha
                                           const RingArrays &rings)
 {
   const int n = SIZE > 0 ? SIZE : contacts;
-  OfContacts<Lanes, SIZE, 5> of(n, c.scratch);
+  OfContacts<Lanes, SIZE, 7> of(n, c.scratch);
   Lanes *const force = of[0], *const product = of[1], *const change = of[2];
   const Lanes p = load<Lanes>(rings.pressure);
   Lanes delta = Lanes{};
@@ -370,21 +439,20 @@ DEFORMABLE_LANE_FUNCTION bool adapt_lanes(const double *forces, const float *cha
       product[k] += between * change[m];
     }
   }
-  return finish_shapes<SOFT, false>(n, nullptr, force, product, c, rings, {});
+  return finish_shapes<SOFT, false, false>(n, force, product, nullptr, nullptr, nullptr, nullptr, c,
+                                           rings, {}, {});
 }
 
-// The slope of the outline at each contact, sum_k L_k G'(theta_c - theta_k); -f_c times that is dU/dtheta_c.
-// And what else contact lines need, unless that is null; the rate for rings at rest.
+// The slopes alone.
 template <int SIZE>
 DEFORMABLE_LANE_FUNCTION void slope_lanes(const PairDirections &pairs, int contacts,
-                                          const ContactArrays &c, const RingArrays &rings,
-                                          const OutlineArrays &outline, const StickArrays &films)
+                                          const ContactArrays &c, const RingArrays &rings)
 {
   const int n = SIZE > 0 ? SIZE : contacts;
-  OfContacts<Lanes, SIZE, 5> of(n, c.scratch);
+  OfContacts<Lanes, SIZE, 7> of(n, c.scratch);
   Lanes *const force = of[0], *const slope = of[1];
   for_contacts<SIZE>(
-      pairs, n, c.pair_side, of, [&](int m) DEFORMABLE_LANE_LAMBDA { slope[m] = Lanes{}; },
+      pairs, n, c.pair_side, of, [&](int m, Lanes) DEFORMABLE_LANE_LAMBDA { slope[m] = Lanes{}; },
       [&](int m, int k, const AngleLanes &t) DEFORMABLE_LANE_LAMBDA {
         const Lanes size = d_green(t.magnitude, t.sine, t.cosine);
         const Lanes between = select(t.negative, -size, size);
@@ -394,20 +462,6 @@ DEFORMABLE_LANE_FUNCTION void slope_lanes(const PairDirections &pairs, int conta
   const Lanes per_p = load<Lanes>(rings.per_pressure);
 #pragma GCC unroll 8
   for (int m = 0; m < n; ++m) store(c.slope + m * LANES, per_p * slope[m]);
-  if (!outline.slope_rate) return;
-  const Lanes lengths = load<Lanes>(rings.total) * per_p;
-  const Lanes delta = rings.expansion ? load<Lanes>(rings.expansion) : Lanes{};
-  Lanes Q = load<Lanes>(rings.radius) + delta - lengths * (0.5 / PI);
-  if (rings.skin) Q += load<Lanes>(rings.skin);
-#pragma GCC unroll 8
-  for (int m = 0; m < n; ++m) {
-    Lanes inward = load<Lanes>(c.indentation + m * LANES) + delta;    // (GL)_c
-    if (films.tension)
-      inward -= load<Lanes>(films.tension) * per_p * load<Lanes>(films.terms[3] + m * LANES);
-    store(outline.slope_rate + m * LANES, slope_rate(lengths, Lanes{}, inward, force[m] * per_p));
-    store(outline.per_pressure + m * LANES, per_p);
-    store(outline.free_radius + m * LANES, Q);
-  }
 }
 
 // kernel(n, contacts, rings) for each vector of rings, with n contacts each.
@@ -438,21 +492,27 @@ DEFORMABLE_LANE_FUNCTION void for_all(const RingBatches &b, Kernel &&kernel)
                                });
 }
 
-template <bool SOFT, bool STICK> static bool shape_all(RingBatches b, PairDirections pairs)
+template <bool SOFT, bool CURVED, bool STICK = false>
+static bool shape_all(RingBatches b, PairDirections pairs)
 {
   bool exist = true;
-  for_all(b, [&](auto size, int n, const ContactArrays &c, const RingArrays &r)
-                 DEFORMABLE_LANE_LAMBDA {
-                   StickArrays films = {};
-                   if constexpr (STICK) films = films_of(b, c, r);
-                   exist &= shape_lanes<decltype(size)::value, SOFT, STICK>(pairs, n, c, r, films);
-                 });
+  for_all(
+      b, [&](auto size, int n, const ContactArrays &c, const RingArrays &r) DEFORMABLE_LANE_LAMBDA {
+        OutlineArrays outline = {};
+        if constexpr (CURVED) outline = outlines_of(b, c, r);
+        StickArrays films = {};
+        if constexpr (STICK) films = films_of(b, c, r);
+        exist &=
+            shape_lanes<decltype(size)::value, SOFT, CURVED, STICK>(pairs, n, c, r, outline, films);
+      });
   return exist;
 }
 
 static bool shape_rings(RingBatches b, PairDirections pairs)
 {
-  if (b.films.tension && b.soft) return shape_all<true, true>(b, pairs);
+  const bool curved = pairs.bend;
+  if (b.films.tension && b.soft) return shape_all<true, true, true>(b, pairs);
+  if (curved) return b.soft ? shape_all<true, true>(b, pairs) : shape_all<false, true>(b, pairs);
   return b.soft ? shape_all<true, false>(b, pairs) : shape_all<false, false>(b, pairs);
 }
 
@@ -473,17 +533,10 @@ static bool adapt_rings(RingBatches b, const double *forces, const float *change
                 : adapt_all<false>(b, forces, changes, unit);
 }
 
-static void slopes_of_rings(RingBatches b, PairDirections pairs, OutlineArrays outline)
+static void slopes_of_rings(RingBatches b, PairDirections pairs)
 {
-  for_all(
-      b, [&](auto size, int n, const ContactArrays &c, const RingArrays &r) DEFORMABLE_LANE_LAMBDA {
-        OutlineArrays of_batch = outline;
-        if (outline.slope_rate)
-          for (double **p : {&of_batch.slope_rate, &of_batch.per_pressure, &of_batch.free_radius})
-            *p += c.pair_side - b.contacts.pair_side;
-        slope_lanes<decltype(size)::value>(pairs, n, c, r, of_batch,
-                                           b.films.tension ? films_of(b, c, r) : StickArrays{});
-      });
+  for_all(b, [&](auto size, int n, const ContactArrays &c, const RingArrays &r)
+                 DEFORMABLE_LANE_LAMBDA { slope_lanes<decltype(size)::value>(pairs, n, c, r); });
 }
 
 }    // namespace deformable::DEFORMABLE_LEVEL

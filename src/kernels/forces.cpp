@@ -2,6 +2,7 @@
 // cmake/sources.cmake.
 
 #include "kernels/correction_lanes.h"
+#include "kernels/curve_lanes.h"
 #include "kernels/force_lanes.h"
 #include "kernels/pair_lanes.h"
 
@@ -9,24 +10,11 @@ namespace deformable::DEFORMABLE_LEVEL {
 
 extern const ForceKernels force_kernels;
 
-const ForceKernels force_kernels = {shape_rings,
-                                    adapt_rings,
-                                    slopes_of_rings,
-                                    begin_corrections,
-                                    multiply,
-                                    advance,
-                                    advance_and_multiply,
-                                    advance_twice,
-                                    locate_pairs,
-                                    find_residuals,
-                                    find_unbalanced,
-                                    extrapolate,
-                                    take_step,
-                                    remember,
-                                    find_lines,
-                                    take_lines,
-                                    find_films,
-                                    take_films,
-                                    dot};
+const ForceKernels force_kernels = {
+    shape_rings,   adapt_rings,  slopes_of_rings,      begin_corrections, go_on,
+    multiply,      advance,      advance_and_multiply, advance_twice,     follow_rings,
+    respond_rings, locate_pairs, find_residuals,       find_unbalanced,   extrapolate,
+    take_step,     remember,     remember_values,      find_lines,        answer,
+    settle,        turn_lines,   find_films,           take_films,        dot};
 
 }    // namespace deformable::DEFORMABLE_LEVEL

@@ -151,6 +151,65 @@ DEFORMABLE_LANE_FUNCTION Floats floats_of(Value &&value, std::integer_sequence<i
   return Floats{value(LANE)...};
 }
 
+// Two numbers in single precision side by side, in the memory of one double.
+template <class T> struct Both {
+  T first, second;
+};
+
+typedef float TwoSingles __attribute__((vector_size(8 * W)));
+typedef float TwoFloats __attribute__((vector_size(8 * FLOATS)));
+
+template <class One, class Two> struct TwoVectors {
+  static constexpr int SIZE = sizeof(One) / sizeof(float);
+  template <int... N>
+  DEFORMABLE_LANE_LAMBDA static Two join(One a, One b, std::integer_sequence<int, N...>)
+  {
+    return Two{(N % 2 == 0 ? a[N / 2] : b[N / 2])...};
+  }
+  template <int... N>
+  DEFORMABLE_LANE_LAMBDA static One part(Two two, int odd, std::integer_sequence<int, N...>)
+  {
+    return odd ? One{two[2 * N + 1]...} : One{two[2 * N]...};
+  }
+  DEFORMABLE_LANE_LAMBDA static void store(double *to, One a, One b)
+  {
+    const Two two = join(a, b, std::make_integer_sequence<int, 2 * SIZE>());
+    __builtin_memcpy(to, &two, sizeof two);
+  }
+  DEFORMABLE_LANE_LAMBDA static Both<One> load(const void *from)
+  {
+    Two two;
+    __builtin_memcpy(&two, from, sizeof two);
+    const auto each = std::make_integer_sequence<int, SIZE>();
+    return {part(two, 0, each), part(two, 1, each)};
+  }
+};
+
+DEFORMABLE_LANE_FUNCTION void store_both(double *to, Lanes a, Lanes b)
+{
+  TwoVectors<Singles, TwoSingles>::store(to, __builtin_convertvector(a, Singles),
+                                         __builtin_convertvector(b, Singles));
+}
+
+DEFORMABLE_LANE_FUNCTION void store_both(double *to, double a, double b)
+{
+  const float both[2] = {static_cast<float>(a), static_cast<float>(b)};
+  __builtin_memcpy(to, both, sizeof both);
+}
+
+DEFORMABLE_LANE_FUNCTION Both<Lanes> both_of(Lanes bits)
+{
+  const auto both = TwoVectors<Singles, TwoSingles>::load(&bits);
+  return {__builtin_convertvector(both.first, Lanes), __builtin_convertvector(both.second, Lanes)};
+}
+
+DEFORMABLE_LANE_FUNCTION Both<double> both_of(double bits)
+{
+  float two[2];
+  __builtin_memcpy(two, &bits, sizeof two);
+  return {two[0], two[1]};
+}
+
 // x[index[w]]
 DEFORMABLE_LANE_FUNCTION Floats gather_floats(const float *x, const int *index)
 {

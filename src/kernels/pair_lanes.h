@@ -147,7 +147,8 @@ static int find_unbalanced(PairArrays p, double limit, int begin, int end, int *
   return count;
 }
 
-static void extrapolate(PairArrays p, Extrapolation by, int begin, int end)
+static void extrapolate(PastArrays p, Extrapolation by, const double *least, double *next,
+                        int begin, int end)
 {
   for_pairs(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
     using T = decltype(kind);
@@ -155,8 +156,9 @@ static void extrapolate(PairArrays p, Extrapolation by, int begin, int end)
     const T bend = last - second, twist = bend - (second - load<T>(p.earlier[2] + k));
     const T most = larger(KINK * magnitude(bend), zero + by.smooth);
     const T curve = select(magnitude(twist) > most, zero, by.bend * bend + by.twist * twist);
-    const T change = -(by.slope * last + curve);
-    store(p.force + k, larger(load<T>(p.past + k) + change * p.unit, least_force<T>(p, k)));
+    const T change = -(by.slope * last + curve), before = load<T>(p.last + k);
+    const T after = select(before == UNKNOWN, zero, before + change * by.unit);
+    store(next + k, larger(after, least ? load<T>(least + k) : zero + by.least));
     store(p.earlier[1] + k, last);
     store(p.earlier[2] + k, second);
   });
@@ -186,16 +188,29 @@ static double take_step(PairArrays p, bool alone, int begin, int end)
   return slope * p.length * p.unit;
 }
 
+template <class T>
+DEFORMABLE_LANE_FUNCTION void remember_at(const PastArrays &p, int k, T x, double per_unit)
+{
+  const T last = load<T>(p.last + k);
+  store(p.last + k, x);
+  store(p.earlier[0] + k, select(last == UNKNOWN, T{}, (last - x) * per_unit));
+}
+
 static void remember(PairArrays p, int begin, int end)
 {
   const double per_unit = 1.0 / p.unit;
   for_pairs(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
     using T = decltype(kind);
-    const T zero = T{}, force = load<T>(p.force + k), past = load<T>(p.past + k);
+    const T zero = T{}, force = load<T>(p.force + k);
     const T virtual_force = smaller(imbalance_at<T>(p, k, zero), zero) * p.unit;
-    const T f = select(force > least_force<T>(p, k), force, virtual_force);
-    store(p.past + k, f);
-    store(p.earlier[0] + k, select(past == UNKNOWN_FORCE, zero, (past - f) * per_unit));
+    remember_at(p.past, k, select(force > least_force<T>(p, k), force, virtual_force), per_unit);
+  });
+}
+
+static void remember_values(PastArrays p, const double *x, int begin, int end)
+{
+  for_pairs(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
+    remember_at(p, k, load<decltype(kind)>(x + k), 1.0);
   });
 }
 
@@ -219,56 +234,163 @@ template <class Look> DEFORMABLE_LANE_FUNCTION double largest_of(int begin, int 
   return largest;
 }
 
-// What is left of the balance of a line, as a force. Of its torque d sin(tilt) - t_i - t_j, over d, nothing if the line is
-// at an end of the range and would tilt further. Of its curvature, what the change of the half angle b would do to the
-// overlap, f (1/p_i - 1/p_j) db/4, over the compliances G(0)/p of both rings. The part of the stiffness against tilts
-// that the outlines leave is not below STABLE.
-static double find_lines(LineArrays p, int begin, int end)
+// x of the rings of a pair.
+template <class T, class Arrays>
+DEFORMABLE_LANE_FUNCTION Both<T> of_rings(const double *x, const Arrays &a, int k)
 {
-  constexpr double STABLE = 0.3, NOTHING = 1e-280;
-  const auto look = [&](auto kind, int k, auto &worst) DEFORMABLE_LANE_LAMBDA {
-    using T = decltype(kind);
-    const T force = load<T>(p.force + k), sine = load<T>(p.sine + k), zero = T{};
-    const T per_d = load<T>(p.per_distance + k), slope = of_both<T>(p.slope, p, k);
-    const T rate = of_both<T>(p.outline.slope_rate, p, k);
-    const T off = slope * per_d - sine, stiffness = 1.0 - rate * per_d / root(1.0 - sine * sine);
-    const T next = within(sine + p.part * off / larger(stiffness, zero + STABLE), LARGEST_SINE);
-    store(p.next_sine + k, next);
-
-    const T radii = of_both<T>(p.outline.free_radius, p, k);
-    const double *const per_p = p.outline.per_pressure;
-    const T first = gather<T>(per_p, [&](int w) DEFORMABLE_LANE_LAMBDA { return p.first[k + w]; }),
-            second =
-                gather<T>(per_p, [&](int w) DEFORMABLE_LANE_LAMBDA { return p.second[k + w]; });
-    const T width = first + second, wider = second - first;
-    const T bent = within(0.5 * force * wider / larger(radii, zero + NOTHING), 0.5);
-    const T bend = load<T>(p.bend + k);
-    T change = bent / (1.0 + root(1.0 - bent * bent)) - bend;
-    if (p.adhesion) change = select(load<T>(p.adhesion + k) > 0.0, zero, change);    // find_films
-    store(p.next_bend + k, bend + p.part * change);
-    const T part = wider / larger(width, zero + NOTHING);
-    const T of_tilt = magnitude(select(next == sine, zero, off));
-    worst = larger(worst, magnitude(force) *
-                              larger(of_tilt, magnitude(part * change) * (0.5 / GREEN_AT_ZERO)));
-  };
-  return largest_of(begin, end, look);
+  return {gather<T>(x, [&](int w) DEFORMABLE_LANE_LAMBDA { return a.ring[0][k + w]; }),
+          gather<T>(x, [&](int w) DEFORMABLE_LANE_LAMBDA { return a.ring[1][k + w]; })};
 }
 
-static void take_lines(LineArrays p, int begin, int end)
+// 1/x of numbers without units, to single precision.
+DEFORMABLE_LANE_FUNCTION double about_inverse(double x)
+{
+  return 1.0F / static_cast<float>(x);
+}
+DEFORMABLE_LANE_FUNCTION Lanes about_inverse(Lanes x)
+{
+  return __builtin_convertvector(1.0F / __builtin_convertvector(x, Singles), Lanes);
+}
+
+// What a line does to its outlines: f dtau, and the area that flows.
+template <class T>
+DEFORMABLE_LANE_FUNCTION void store_answer(const PairArrays &p, const LineArrays &a, int k,
+                                           T change_of_sine, T flow)
+{
+  const T sine = load<T>(a.sine + k), pull = load<T>(p.force + k) * change_of_sine;
+  store_both(a.answer + k, pull * (1.0 + 0.5 * sine * sine) * (1.0 / p.unit), flow);
+}
+
+// What is left of the balance of a line, as a force. Of its torque d sin(tilt) - t_i - t_j, over d, nothing if the line is
+// at an end of the range and would tilt further. Of its curvature, what the bend at rest for these forces does to overlaps: of all
+// pairs of both rings, as the area (2/3) s^2 (change of sin beta) between the outlines changes their pressures, and of the own
+// pair, f (1/p_j - 1/p_i) du/2, with half the chord s. As pressures follow what flows, a bend only gets as far as the part phi, with
+//   1/phi - 1 = (2/3) s^3 (bulk_i + bulk_j)/(T_i + T_j).
+// The part of the stiffness against tilts that the outlines leave is not below STABLE.
+static double find_lines(PairArrays p, LineArrays a, int begin, int end)
+{
+  constexpr double STABLE = 0.3, NOTHING = 1e-280;
+  const double length = a.outline.length, per_length = 1.0 / length;
+  const auto look = [&](auto kind, int k, auto &worst) DEFORMABLE_LANE_LAMBDA {
+    using T = decltype(kind);
+    const T force = load<T>(p.force + k), zero = T{};
+    const Both<T> pressure = of_rings<T>(a.pressure, a, k),
+                  Q = of_rings<T>(a.outline.free_radius, a, k);
+    const T pi = pressure.first, pj = pressure.second, radii = Q.first + Q.second;
+    const T tension = pi * Q.first + pj * Q.second, product = pi * pj;
+    const T all = product * radii * tension;
+    const T inverse = select(all > NOTHING, 1.0 / larger(all, zero + NOTHING), zero);
+    const T per_tension = inverse * product * radii, per_radii = inverse * product * tension;
+    const T per_product = inverse * radii * tension, wider = (pi - pj) * per_product,
+            width = (pi + pj) * per_product;    // 1/p_j - 1/p_i, 1/p_i + 1/p_j
+
+    const T sine = load<T>(a.sine + k), per_d = load<T>(a.per_distance + k);
+    const T off = of_both<T>(a.slope, p, k) * per_d - sine;
+    const T stiffness = 1.0 - of_both<T>(a.outline.rate, p, k) * (length * per_d);
+    const T give = a.part * about_inverse(larger(stiffness, zero + STABLE));
+    const T next = within(sine + give * off, LARGEST_SINE);
+    store(a.next_sine + k, next);
+    store(a.give + k, give * per_d * length);
+
+    const T at_rest = within(0.5 * force * wider * per_radii, 0.5);
+    const T u = load<T>(a.bend + k), square = u * u;
+    T change = (at_rest * (1.0 + square) - 2.0 * u) * (1.0 - square);
+    if (a.adhesion) change = select(load<T>(a.adhesion + k) > 0.0, zero, change);    // find_films
+    const T chord = 0.25 * force * width + 0.5 * (Q.first - Q.second) * at_rest;
+    const T s = larger(chord * per_length, zero), area = (2.0 / 3.0) * s * s;
+    const Both<T> of_i = both_of(of_rings<T>(a.outline.bulk_and_swell, a, k).first),
+                  of_j = both_of(of_rings<T>(a.outline.bulk_and_swell, a, k).second);
+    const T bulk = area * s * per_tension * p.unit * (of_i.first + of_j.first);
+    const T phi = about_inverse(larger(1.0 + bulk, zero + 0.5));
+    const T own = 0.25 * force * wider * per_length * change;
+    store(a.first_flow + k, area * phi * change);
+    store(a.flow_per_press + k, area * s * phi * per_tension * p.unit);
+    store(a.curvature + k, (pi - pj) * per_tension * length);
+    store(a.feedback + k, 1.0 - phi);
+    store(a.left + k, load<T>(p.residual + k) - phi * own);
+    store_answer<T>(p, a, k, next - sine, area * phi * change);
+
+    const T of_bend = magnitude(area * change) * (of_i.second + of_j.second) + magnitude(own);
+    const T of_tilt = magnitude(force * select(next == sine, zero, off));
+    worst = larger(worst, larger(of_tilt, of_bend * magnitude(load<T>(p.weight + k)) * p.unit));
+  };
+  const int wall = larger(begin, smaller(end, a.wall));
+  for (int k = wall; k < end; ++k) a.left[k] = p.residual[k];
+  return largest_of(begin, wall, look);
+}
+
+// The next tilt for outlines that have followed.
+template <class T>
+DEFORMABLE_LANE_FUNCTION T next_tilt(const PairArrays &p, const LineArrays &a, int k)
+{
+  const T across = of_both<T>(a.outline.across, p, k);
+  return within(load<T>(a.next_sine + k) + load<T>(a.give + k) * across, LARGEST_SINE);
+}
+
+static void answer(PairArrays p, LineArrays a, int begin, int end)
 {
   for_pairs(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
     using T = decltype(kind);
-    const T nx = load<T>(p.nx + k), ny = load<T>(p.ny + k);
-    const T s = load<T>(p.sine + k), c = root(1.0 - s * s);
-    const T sine = load<T>(p.next_sine + k), cosine = root(1.0 - sine * sine);
-    const T ex = c * nx + s * ny, ey = c * ny - s * nx;    // from center to center
-    const T x = cosine * ex - sine * ey, y = cosine * ey + sine * ex;
-    store(p.sine + k, sine);
-    store(p.nx + k, x);
-    store(p.ny + k, y);
-    store(p.angle + k, angle_of_lanes(x, y));
-    store(p.overlap + k, load<T>(p.overlap + k) + (c - cosine) / load<T>(p.per_distance + k));
-    store(p.bend + k, load<T>(p.next_bend + k));
+    const T turn = next_tilt<T>(p, a, k) - load<T>(a.sine + k);
+    const Both<T> change = of_rings<T>(a.outline.change, a, k);
+    const Both<T> of_i = both_of(change.first), of_j = both_of(change.second);
+    const T press =
+        of_i.first - of_j.first - load<T>(a.curvature + k) * (of_i.second + of_j.second);
+    const T kept = load<T>(a.feedback + k) * both_of(load<T>(a.answer + k)).second;
+    store_answer<T>(p, a, k, turn,
+                    load<T>(a.first_flow + k) + load<T>(a.flow_per_press + k) * press + kept);
+  });
+}
+
+// sin beta = f (1/p_j - 1/p_i)/(2 (Q_i + Q_j)) with the pressures and tensions that have followed; u by a step of Newton's method.
+static void settle(PairArrays p, LineArrays a, int begin, int end)
+{
+  constexpr double NOTHING = 1e-280;
+  const double pressure_unit = p.unit / a.outline.length;
+  for_pairs(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
+    using T = decltype(kind);
+    store(a.next_sine + k, next_tilt<T>(p, a, k));
+    const Both<T> pressure = of_rings<T>(a.pressure, a, k),
+                  Q = of_rings<T>(a.outline.free_radius, a, k),
+                  change = of_rings<T>(a.outline.change, a, k);
+    const Both<T> of_i = both_of(change.first), of_j = both_of(change.second);
+    const T pi = larger(pressure.first + pressure_unit * of_i.first, 0.5 * pressure.first);
+    const T pj = larger(pressure.second + pressure_unit * of_j.first, 0.5 * pressure.second);
+    const T Ti = pressure.first * Q.first + p.unit * of_i.second;
+    const T Tj = pressure.second * Q.second + p.unit * of_j.second;
+    const T sine = within(
+        0.5 * load<T>(p.force + k) * (pi - pj) / larger(Ti * pj + Tj * pi, T{} + NOTHING), 0.5);
+    const T u = load<T>(a.bend + k);
+    T bend = (sine * (1.0 + u * u) - 2.0 * u) * about_inverse(2.0 - 2.0 * sine * u);
+    if (a.adhesion) bend = select(load<T>(a.adhesion + k) > 0.0, T{}, bend);
+    store(a.bend + k, within(u + a.part * bend, LARGEST_BEND));
+  });
+}
+
+// By the angle between old and new tilt, whose sine is small but for the first lines of a solution.
+static void turn_lines(LineArrays a, int begin, int end)
+{
+  constexpr double SMALL = 0.05;    // where the series has all digits
+  for_pairs(begin, end, [&](auto kind, int k) DEFORMABLE_LANE_LAMBDA {
+    using T = decltype(kind);
+    const T nx = load<T>(a.nx + k), ny = load<T>(a.ny + k);
+    const T s = load<T>(a.sine + k), c = root(1.0 - s * s);
+    const T sine = load<T>(a.next_sine + k), cosine = root(1.0 - sine * sine);
+    const T z = sine * c - cosine * s, along = cosine * c + sine * s, z2 = z * z;
+    const T x = along * nx - z * ny, y = along * ny + z * nx;
+    T angle = load<T>(a.angle + k) +
+              (z + z * z2 *
+                       (1.0 / 6.0 +
+                        z2 * (3.0 / 40.0 + z2 * (15.0 / 336.0 +
+                                                 z2 * (105.0 / 3456.0 + z2 * (945.0 / 42240.0))))));
+    angle = select(angle > PI, angle - 2.0 * PI, select(angle < -PI, angle + 2.0 * PI, angle));
+    if (any_true(magnitude(z) > SMALL))
+      angle = select(magnitude(z) > SMALL, angle_of_lanes(x, y), angle);
+    store(a.sine + k, sine);
+    store(a.nx + k, x);
+    store(a.ny + k, y);
+    store(a.angle + k, angle);
+    store(a.overlap + k, load<T>(a.overlap + k) + (c - cosine) / load<T>(a.per_distance + k));
   });
 }
 
@@ -292,13 +414,11 @@ static double find_films(FilmArrays p, int begin, int end)
   const auto look = [&](auto kind, int k, auto &worst) DEFORMABLE_LANE_LAMBDA {
     using T = decltype(kind);
     const T zero = T{}, stated = load<T>(p.adhesion + k);
-    const auto of = [&](const double *x, const int *side) DEFORMABLE_LANE_LAMBDA {
-      return gather<T>(x, [&](int lane) DEFORMABLE_LANE_LAMBDA { return side[k + lane]; });
-    };
-    const T qi = of(p.outline.free_radius, p.first), qj = of(p.outline.free_radius, p.second);
-    const T per_pi = of(p.outline.per_pressure, p.first),
-            per_pj = of(p.outline.per_pressure, p.second);
-    const T Ti = qi / larger(per_pi, zero + NOTHING), Tj = qj / larger(per_pj, zero + NOTHING);
+    const Both<T> pressure = of_rings<T>(p.pressure, p, k), q = of_rings<T>(p.free_radius, p, k);
+    const T pi = pressure.first, pj = pressure.second, qi = q.first, qj = q.second;
+    const T per_pi = select(pi > 0.0, 1.0 / larger(pi, zero + NOTHING), zero),
+            per_pj = select(pj > 0.0, 1.0 / larger(pj, zero + NOTHING), zero);
+    const T Ti = qi * pi, Tj = qj * pj;
     const T w = smaller(stated, LARGEST_ADHESION * smaller(Ti, Tj));
     const T two_i = 2.0 * Ti - w, two_j = 2.0 * Tj - w, film = Ti + Tj - w, all = 2.0 * film + w;
     const T ti = select(w > 0.0, root(w * two_j / (two_i * all)), zero),
@@ -317,7 +437,7 @@ static double find_films(FilmArrays p, int begin, int end)
     const T cosine = root(1.0 - sine * sine);
     const T sin_b = within(per_c * (sine * along - cosine * across), 0.5);
     const T bend = load<T>(p.bend + k), change = sin_b / (1.0 + root(1.0 - sin_b * sin_b)) - bend;
-    store(p.next_bend + k, select(w > 0.0, bend + p.part * change, load<T>(p.next_bend + k)));
+    store(p.next_bend + k, bend + p.part * change);
     const T of_i = magnitude(ti - load<T>(p.angle[0] + k)) * qi * ti * per_i * per_i,
             of_j = magnitude(tj - load<T>(p.angle[1] + k)) * qj * tj * per_j * per_j;
     const T arc = 0.5 * load<T>(p.force + k) * (per_pj - per_pi) + across;
@@ -327,8 +447,8 @@ static double find_films(FilmArrays p, int begin, int end)
   const int middle = p.wall < end ? larger(p.wall, begin) : end;
   double worst = largest_of(begin, middle, look);
   for (int k = middle; k < end; ++k) {
-    const double per_p = p.outline.per_pressure[p.first[k]];
-    const double q = p.outline.free_radius[p.first[k]], tension = q / larger(per_p, NOTHING);
+    const double pressure = p.pressure[p.ring[0][k]], q = p.free_radius[p.ring[0][k]];
+    const double per_p = pressure > 0.0 ? 1.0 / pressure : 0.0, tension = q * pressure;
     const double w = smaller(p.adhesion[k], LARGEST_ADHESION * tension);
     const double t = w > 0.0 ? root(w / (2.0 * tension - w)) : 0.0, per = 1.0 / (1.0 + t * t);
     const double change = magnitude(t - p.angle[0][k]);

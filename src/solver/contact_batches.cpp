@@ -29,8 +29,9 @@ void ContactBatches::arrange(const int *order, int rings, int particles, NearPai
     std::stable_sort(particle.begin() + begin, particle.begin() + std::min(begin + BLOCK, rings),
                      [this](int a, int b) { return count[a] < count[b]; });
 
-  for (LargeVector<double> *v : {&pressure, &work, &total, &per_pressure})
-    v->assign(lanes_in_all, 0.0);
+  const int remote = pairs.wall - pairs.remote, remote_rings = pairs.curved ? remote : 0;
+  pressure.assign(lanes_in_all + remote_rings, 0.0);
+  for (LargeVector<double> *v : {&work, &total, &per_pressure}) v->assign(lanes_in_all, 0.0);
   square.assign(lanes_in_all, 0.0F);
   radius.assign(lanes_in_all, 1.0);
   expansion.clear();    // of rings at other places
@@ -65,15 +66,23 @@ void ContactBatches::arrange(const int *order, int rings, int particles, NearPai
     green.reserve(two + two / 64);
   }
   green.resize(two);
-  scratch.resize((5 * static_cast<std::size_t>(longest) + 1) * LANES * sizeof(double));
+  scratch.resize((7 * static_cast<std::size_t>(longest) + 1) * LANES * sizeof(double));
   pair_side.assign(contacts, 2 * pairs.size);
-  const int remote = pairs.wall - pairs.remote;
   for (LargeVector<double> *v : {&indentation, &slope}) v->assign(contacts + remote + 1, 0.0);
   compliance.assign(contacts + remote + 1, 0.0F);
   product.assign(2 * slope.size(), 0.0F);
   for (LargeVector<float> *v : {&share, &weight, &left, &direction, &step})
     v->assign(contacts, 0.0F);
-  own.assign(has_own ? contacts : 0, 0.0F);
+  own.assign(has_own || pairs.curved ? contacts : 0, 0.0F);
+  const std::size_t rings_of_lines = pairs.curved ? pressure.size() : 0;
+  for (LargeVector<double> *v : {&free_radius_of, &bulk_and_swell, &change})
+    v->assign(rings_of_lines, 0.0);
+  per_lengths.assign(rings_of_lines, 0.0F);
+  for (LargeVector<float> *v : {&normal[0], &normal[1]})
+    v->assign(pairs.curved ? contacts : 0, 0.0F);
+  for (LargeVector<float> *v : {&rate_of_slope, &across})
+    v->assign(pairs.curved ? slope.size() : 0, 0.0F);
+  turn.resize(pairs.curved ? two : 0);
   partner.assign(contacts, contacts + remote);
   film_tension.assign(pairs.adhesive ? lanes_in_all : 0, 0.0);
   for (LargeVector<double> &v : film) v.assign(pairs.adhesive ? slope.size() : 0, 0.0);
@@ -162,7 +171,10 @@ deformable::RingBatches ContactBatches::arrays()
           {partner.data(), none(), weight.data(), left.data(), direction.data(), step.data(),
            product.data(), product.data(), none() + 1},
           {film_tension.empty() ? nullptr : film_tension.data(),
-           {film[0].data(), film[1].data(), film[2].data(), film[3].data()}}};
+           {film[0].data(), film[1].data(), film[2].data(), film[3].data()}},
+          {free_radius_of.empty() ? nullptr : free_radius_of.data(), bulk_and_swell.data(),
+           per_lengths.data(), change.data(), normal[0].data(), normal[1].data(),
+           rate_of_slope.data(), across.data(), turn.data(), length}};
 }
 
 double ContactBatches::bytes() const
@@ -173,5 +185,6 @@ double ContactBatches::bytes() const
                         total, per_pressure, mixed, square, rate, pair_side, indentation,
                         compliance, slope, share, own, product, partner, weight, left, direction,
                         step, green, scratch, place, count, film_tension, film[0], film[1], film[2],
-                        film[3]);
+                        film[3], free_radius_of, bulk_and_swell, change, per_lengths, normal[0],
+                        normal[1], rate_of_slope, across, turn);
 }

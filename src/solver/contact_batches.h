@@ -39,10 +39,14 @@ struct ContactBatches {
   LargeVector<double> expansion;
   LargeVector<float> mixed, rate;
 
+  // empty unless lines are curved: see OutlineArrays
+  LargeVector<double> free_radius_of, bulk_and_swell, change;
+  LargeVector<float> per_lengths, normal[2], rate_of_slope, across, turn;
+
   // empty unless films stick: T as their angles know it, and FilmTerms by contact
   LargeVector<double> film_tension, film[4];
 
-  double scale = 1.0;    // see NearPairs
+  double scale = 1.0, length = 1.0;    // see NearPairs
 
   // of contacts
   LargeVector<int> pair_side;

@@ -8,64 +8,76 @@
 using namespace LAMMPS_NS;
 using deformable::LARGEST_BEND;
 using deformable::LARGEST_SINE;
-using deformable::UNKNOWN_FORCE;
+using deformable::UNKNOWN;
 
 void CurvedLines::arrange(ContactBatches &b, NearPairs &p, RemoteSides &r)
 {
   pairs = &p;
   batches = &b;
   remote = &r;
+  const int rings = b.batches * deformable::LANES;
+  for (int k = 0; k < p.size; ++k) {
+    p.ring[0][k] = b.place[p.i[k]];
+    p.ring[1][k] = k < p.remote ? b.place[p.second(k)] : k < p.wall ? rings + k - p.remote : 0;
+  }
+  r.arrange_rings(p.ring[0].data() + p.remote, rings);
+  next_sine.assign(p.size, 0.0);
+  // one more than pairs: the last one stands for places of contacts that are empty
+  answer.assign(p.size + 1, 0.0);
+  for (LargeVector<float> *const v :
+       {&give, &first_flow, &flow_per_press, &curvature, &feedback, &left})
+    v->assign(p.size + 1, 0.0F);
   if (films) films->arrange(b, p, r);
 }
 
 // A pair without a past has no tilt either.
-void CurvedLines::predict(double slope)
+void CurvedLines::predict(const deformable::Extrapolation &by)
 {
   NearPairs &p = *pairs;
-  for (LargeVector<double> *const past : {p.past_tilt, p.past_bend}) {
-    const double *const last = past[0].data();
-    double *const next = past[1].data();
-    for (int k = 0; k < p.size; ++k) {
-      const bool is_known = p.past_tilt[0][k] != UNKNOWN_FORCE;
-      next[k] = is_known ? last[k] + slope * (last[k] - next[k]) : last[k];
-    }
-    std::swap(past[0], past[1]);
-  }
+  kernels.extrapolate(p.past[TILT].arrays(), by, nullptr, next_sine.data(), 0, p.wall);
+  kernels.extrapolate(p.past[BEND].arrays(), by, nullptr, p.bend.data(), 0, p.wall);
+}
+
+void CurvedLines::take_past()
+{
+  NearPairs &p = *pairs;
+  const auto take_last = [&p](int kind, LargeVector<double> &value) {
+    const LargeVector<double> &last = p.past[kind].last;
+    for (int k = 0; k < p.wall; ++k) value[k] = last[k] == UNKNOWN ? 0.0 : last[k];
+  };
+  take_last(TILT, next_sine);
+  take_last(BEND, p.bend);
 }
 
 void CurvedLines::begin()
 {
-  const NearPairs &p = *pairs;
+  NearPairs &p = *pairs;
   held = false;
+  answers = true;
   part = 1.0;
   last_imbalance = 0.0;
-  for (std::vector<double> *const v : {&next_sine, &next_bend}) v->resize(p.size);
-  for (std::vector<double> *const v : {&slope_rate, &per_pressure, &free_radius})
-    v->resize(batches->indentation.size());
-  if (films) films->begin(outline(), next_bend.data());
-  for (int k = 0; k < p.size; ++k) {
-    const bool is_known = p.past_tilt[0][k] != UNKNOWN_FORCE;
-    const double sine = is_known ? p.past_tilt[0][k] : 0.0,
-                 bend = is_known ? p.past_bend[0][k] : 0.0;
-    next_sine[k] = std::clamp(sine, -LARGEST_SINE, LARGEST_SINE);
-    next_bend[k] = std::clamp(bend, -LARGEST_BEND, LARGEST_BEND);
+  for (int k = 0; k < p.wall; ++k) {
+    next_sine[k] = std::clamp(next_sine[k], -LARGEST_SINE, LARGEST_SINE);
+    p.bend[k] = std::clamp(p.bend[k], -LARGEST_BEND, LARGEST_BEND);
   }
-  take();
+  if (films) films->begin();
+  turn();
 }
 
 void CurvedLines::straighten(bool hold)
 {
   held = hold;
-  for (std::vector<double> *const v : {&next_sine, &next_bend})
-    std::fill(v->begin(), v->end(), 0.0);
+  std::fill(next_sine.begin(), next_sine.end(), 0.0);
+  std::fill(pairs->bend.begin(), pairs->bend.end(), 0.0);
   part = 1.0;
   last_imbalance = 0.0;
-  take();
+  turn();
 }
 
-deformable::OutlineArrays CurvedLines::outline()
+void CurvedLines::turn()
 {
-  return {slope_rate.data(), per_pressure.data(), free_radius.data()};
+  kernels.turn_lines(arrays(), 0, pairs->wall);
+  if (films) films->take();
 }
 
 deformable::LineArrays CurvedLines::arrays()
@@ -73,32 +85,49 @@ deformable::LineArrays CurvedLines::arrays()
   NearPairs &p = *pairs;
   deformable::LineArrays a;
   a.per_distance = p.per_distance.data();
-  a.force = p.force.data();
-  a.first = p.side[0].data();
-  a.second = p.side[1].data();
+  for (int side = 0; side < 2; ++side) a.ring[side] = p.ring[side].data();
   a.slope = batches->slope.data();
-  a.outline = outline();
+  a.pressure = batches->pressure.data();
+  a.outline = batches->arrays().outline;
   a.sine = p.tilt.data();
   a.next_sine = next_sine.data();
   a.bend = p.bend.data();
-  a.next_bend = next_bend.data();
   a.overlap = p.overlap.data();
   a.angle = p.angle.data();
   a.nx = p.nx.data();
   a.ny = p.ny.data();
+  a.give = give.data();
+  a.answer = answer.data();
+  a.first_flow = first_flow.data();
+  a.flow_per_press = flow_per_press.data();
+  a.curvature = curvature.data();
+  a.feedback = feedback.data();
+  a.left = left.data();
   a.part = part;
+  a.wall = p.wall;
   a.adhesion = p.adhesive ? p.adhesion.data() : nullptr;
   return a;
 }
 
-double CurvedLines::imbalance()
+void CurvedLines::exchange_outlines()
 {
-  kernels.slopes(batches->arrays(), pairs->directions(), outline());
-  remote->exchange(batches->slope.data(), slope_rate.data());
-  remote->exchange(per_pressure.data(), free_radius.data());
-  double worst = held ? 0.0 : kernels.find_lines(arrays(), 0, pairs->wall);
-  if (films) worst = std::max(worst, films->find(outline(), next_bend.data(), part));
-  return remote->largest(worst);
+  ContactBatches &b = *batches;
+  remote->exchange(b.slope.data(), b.rate_of_slope.data());
+  remote->exchange_rings(b.pressure.data(), b.free_radius_of.data());
+  remote->exchange_rings(b.bulk_and_swell.data());
+}
+
+void CurvedLines::exchange_answers()
+{
+  ContactBatches &b = *batches;
+  remote->exchange(b.across.data());
+  remote->exchange_rings(b.change.data());
+}
+
+void CurvedLines::forget_answers()
+{
+  std::fill(batches->across.begin(), batches->across.end(), 0.0F);
+  std::fill(batches->change.begin(), batches->change.end(), 0.0);
 }
 
 // Forces respond to lines, which Newton's method for each line alone does not know. Beyond the model the response may be
@@ -111,23 +140,16 @@ void CurvedLines::adapt(double imbalance)
   last_imbalance = imbalance;
 }
 
-void CurvedLines::take()
-{
-  kernels.take_lines(arrays(), 0, pairs->wall);
-  if (films) films->take();
-}
-
 void CurvedLines::remember()
 {
   NearPairs &p = *pairs;
-  for (int k = 0; k < p.wall; ++k) {
-    const bool is_new = p.past_tilt[0][k] == UNKNOWN_FORCE;
-    for (int n = PastForces::LINES - 1; n >= 0; --n) {
-      if (n > 0 && !is_new && p.past_tilt[n][k] != UNKNOWN_FORCE) continue;
-      p.past_tilt[n][k] = next_sine[k];
-      p.past_bend[n][k] = next_bend[k];
-    }
-  }
+  kernels.remember_values(p.past[TILT].arrays(), next_sine.data(), 0, p.wall);
+  kernels.remember_values(p.past[BEND].arrays(), p.bend.data(), 0, p.wall);
+}
+
+void CurvedLines::count_limited()
+{
+  const NearPairs &p = *pairs;
   limited = p.sum([&](int begin, int end) {
     int found = 0;
     for (int k = begin; k < end; ++k) {
@@ -144,9 +166,11 @@ void CurvedLines::remember()
 bool CurvedLines::is_held(int k) const
 {
   const NearPairs &p = *pairs;
-  const auto tension = [this](int c) { return free_radius[c] / per_pressure[c]; };
-  const double first = tension(p.side[0][k]);
-  const double weaker = k < p.wall ? std::min(first, tension(p.side[1][k])) : first;
+  const auto tension = [this](int ring) {
+    return batches->free_radius_of[ring] * batches->pressure[ring];
+  };
+  const double first = tension(p.ring[0][k]);
+  const double weaker = k < p.wall ? std::min(first, tension(p.ring[1][k])) : first;
   return p.adhesion[k] > deformable::LARGEST_ADHESION * weaker;
 }
 
@@ -156,19 +180,19 @@ bool CurvedLines::is_held(int k) const
 double CurvedLines::energy_left(int k) const
 {
   const NearPairs &p = *pairs;
-  if (k >= p.wall) return 0.0;
-  const int i = p.side[0][k], j = p.side[1][k];
+  if (k >= p.wall || (p.force[k] == 0.0 && !films)) return 0.0;
+  const int i = p.ring[0][k], j = p.ring[1][k];
   const double f = p.force[k], u = p.bend[k], sin_b = 2.0 * u / (1.0 + u * u);
   const deformable::ArcTerms<double> arc = deformable::arc_terms(u);
-  const double Qi = free_radius[i], Qj = free_radius[j];
-  const double Li = f * per_pressure[i], Lj = f * per_pressure[j];
+  const double Qi = batches->free_radius_of[i], Qj = batches->free_radius_of[j];
+  const double press = batches->pressure[i], Li = f / press, Lj = f / batches->pressure[j];
   if (!films || p.adhesion[k] == 0.0)
     return f * (4.0 * arc.cap - u) * (0.5 * (Li - Lj) + (Qi + Qj) * sin_b);
   const double ti = p.film_angle[0][k], tj = p.film_angle[1][k], x = 1.0 + arc.excess;
   const double si = deformable::half_chord(Li, Qi, ti, u);
   const double sj = deformable::half_chord(Lj, Qj, tj, -u);
   const double half = (ti + u) / (1.0 - ti * u), cos_a = (1.0 - half * half) / (1.0 + half * half);
-  const double press = 1.0 / per_pressure[i], T = Qi * press;
+  const double T = Qi * press;
   return (p.adhesion[k] * x + 8.0 * press * arc.cap * si - 2.0 * T * (x - cos_a) - f * u) *
          (si - sj);
 }

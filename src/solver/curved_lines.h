@@ -2,9 +2,15 @@
 //
 // The line of a pair at distance d is at rest where d sin(tilt) = t_i + t_j, with the slopes t of both outlines, and where
 // its curvature is (p_i - p_j)/(T_i + T_j), with the tensions T of the outlines (contact_curve.h). This is where its energy
-// is smallest or, if it bears no force, where the outlines would touch first. Slopes and pressures depend on tilts and
-// bends in turn: Newton's method for each line alone, with all forces as they are, needs few steps. The imbalance of a
-// line is a force: the torque on it over d, or what the change of its curvature would do to the force of the pair.
+// is smallest or, if it bears no force, where the outlines would touch first. The imbalance of a line is a force: the torque on
+// it over d, or what its bend at rest would do to forces.
+//
+// Forces, tilts and bends depend on each other: what lines do undoes up to a third of a correction of forces alone. So lines answer
+// while a correction is found (DualSolver, curve_lanes.h), and turn with it. With C at fixed curvature, tilts tau and flows q,
+//   C df + N df' + M q = r,   f' = f dtau,   k dtau + O f' = N^T df - g,   q = phi [dp_i - dp_j - curvature (dT_i + dT_j)],
+// g the torques, k the stiffness of a line against tilts. A step of Jacobi's method for tilts and flows comes before each of one or
+// two solutions with C, and one in the end. Where forces are far from balance, or that leads astray, lines turn after a correction of
+// forces alone, and by less where their imbalances do not fall.
 //
 // No line tilts by more than 0.3 rad, or bends by more than 30 degrees. At the limit the energy is smallest over the lines
 // that are allowed, so it has no jump there. Beyond the model the tilts may have several solutions: which one is found then
@@ -31,26 +37,34 @@ class CurvedLines {
   // Lines of the last solution that bear a force at a limit. A line that two ranks share counts half on each.
   double limited = 0.0;
 
+  bool held = false;      // all lines stay straight in this solution
+  bool answers = true;    // lines answer while corrections are found
+  double part = 1.0;      // of the step to the next tilts and bends
+
   void arrange(ContactBatches &, NearPairs &, RemoteSides &);    // contacts are new
 
-  // Extrapolates tilts and bends of the last two calls, which the pairs have: by this part of their difference.
-  void predict(double slope);
+  // The first tilts and bends of a call, from those of the last ones; of another solution of this call.
+  void predict(const deformable::Extrapolation &);
+  void take_past();
 
-  // Of pairs that are straight yet: their lines take the first of the past tilts and bends.
+  // Lines of pairs that are straight yet take them.
   void begin();
 
   // All lines are straight, and perpendicular to lines of centers; held: they stay so in this solution.
   void straighten(bool held);
 
-  // The largest imbalance of a line for the present forces, on all ranks. Also finds the next tilts and bends.
-  double imbalance();
-
   // Steps become shorter where imbalances do not fall, and longer again where they do.
   void adapt(double imbalance);
 
-  // All lines take the tilts and bends found last, or keep them for the next call.
-  void take();
-  void remember();
+  // After an evaluation, between ranks; and after outlines have followed.
+  void exchange_outlines();
+  void exchange_answers();
+  void forget_answers();
+
+  deformable::LineArrays arrays();
+
+  void remember();         // for the next call
+  void count_limited();    // see `limited`
 
   // The energy that pairs add to those of their rings, whose error is then of second order: for what is left of the
   // balance, the bend of a pair makes the chords of both sides differ.
@@ -58,7 +72,7 @@ class CurvedLines {
 
   double bytes() const
   {
-    return bytes_of(next_sine, next_bend, slope_rate, per_pressure, free_radius);
+    return bytes_of(next_sine, answer, give, first_flow, flow_per_press, curvature, feedback, left);
   }
 
  private:
@@ -66,13 +80,11 @@ class CurvedLines {
   NearPairs *pairs = nullptr;
   ContactBatches *batches = nullptr;
   RemoteSides *remote = nullptr;
-  std::vector<double> next_sine, next_bend;                     // see LineArrays
-  std::vector<double> slope_rate, per_pressure, free_radius;    // see OutlineArrays
-  double part = 1.0, last_imbalance = 0.0;
-  bool held = false;
+  LargeVector<double> next_sine, answer;    // see LineArrays
+  LargeVector<float> give, first_flow, flow_per_press, curvature, feedback, left;
+  double last_imbalance = 0.0;
   bool is_held(int k) const;
-  deformable::OutlineArrays outline();
-  deformable::LineArrays arrays();
+  void turn();
 };
 
 }    // namespace LAMMPS_NS

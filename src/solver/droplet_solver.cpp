@@ -60,7 +60,7 @@ bool DropletSolver::adapt(const RingBatches &batch, const float *, double)
   return true;
 }
 
-void DropletSolver::turn(const RingBatches &batch)
+void DropletSolver::turn_facets(const RingBatches &batch)
 {
   droplets.turn(batch, arrays());
 }

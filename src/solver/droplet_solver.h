@@ -62,7 +62,7 @@ class DropletSolver : public DualSolver {
     return adapt(batch, nullptr, 0.0);
   }
   bool has_facets() const override { return true; }
-  void turn(const deformable::RingBatches &) override;
+  void turn_facets(const deformable::RingBatches &) override;
   void exchange_facets() override;
   void find_slopes(const deformable::RingBatches &) override;
   void find_films(const Particles &);

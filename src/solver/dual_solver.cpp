@@ -142,6 +142,7 @@ void DualSolver::arrange(const Particles &p, bool new_list)
   relaxation.arrange(batches, pairs);
   set_material(p, true);
   batches.scale = pairs.scale;
+  batches.length = pairs.length;
   // nothing happens in the last one, which stays zero
   for (LargeVector<float> *v : {&residual, &weight, &step}) v->assign(pairs.size + 1, 0.0F);
   pairs_of_all = 1.0 + sum_over_pairs([](int begin, int end) { return end - begin; });
@@ -191,13 +192,21 @@ void DualSolver::predict()
   const double small = limit(planned_from) / p.unit();
   const double smooth = std::isfinite(small) ? tuning.smooth * small : 0.0;
   batches.scale = p.scale;
-  kernels.extrapolate(arrays(),
-                      {slope, bend, is_cubic ? 1.0 : 0.0,
-                       is_cubic ? smooth : std::numeric_limits<double>::infinity()},
-                      0, p.size);
-  for (int k = 0; k < p.size && p.adhesive; ++k)
-    if (p.past[k] == deformable::UNKNOWN_FORCE) p.force[k] = 0.0;
-  if (lines) lines->predict(slope);
+  batches.length = p.length;
+  deformable::Extrapolation by = {slope,
+                                  bend,
+                                  is_cubic ? 1.0 : 0.0,
+                                  is_cubic ? smooth : std::numeric_limits<double>::infinity(),
+                                  p.unit(),
+                                  0.0};
+  kernels.extrapolate(p.past[FORCE].arrays(), by, p.least.empty() ? nullptr : p.least.data(),
+                      p.force.data(), 0, p.size);
+  if (lines) {
+    by.unit = 1.0;
+    by.least = -1.0;
+    if (is_cubic) by.smooth = tuning.smooth * tolerance;
+    lines->predict(by);
+  }
   summary.evaluations = 0;
   is_first = true;
   is_remembered = is_corrected = false;
@@ -208,10 +217,12 @@ void DualSolver::predict()
 void DualSolver::take_past()
 {
   const PairArrays a = arrays();
+  const LargeVector<double> &past = list.pairs.past[FORCE].last;
   for (int k = 0; k < list.pairs.size; ++k)
-    a.force[k] = a.past[k] == deformable::UNKNOWN_FORCE
+    a.force[k] = past[k] == deformable::UNKNOWN
                      ? 0.0
-                     : std::max(a.past[k], deformable::least_force<double>(a, k));
+                     : std::max(past[k], deformable::least_force<double>(a, k));
+  if (lines) lines->take_past();
   --summary.evaluations;    // the next one repeats the last one, and does not count
 }
 
@@ -294,31 +305,36 @@ bool DualSolver::balance()
     if (!correct_some(now)) now = correct(now);
   }
   if (!now.exists) summary.termination = Termination::NO_SHAPE;
-  if (lines) {
-    if (now.line_imbalance < 0.0) now.line_imbalance = lines->imbalance();
-    lines->remember();
-  }
+  if (lines) lines->count_limited();
   shapes_exist = now.exists;
   summary.imbalance = !now.exists ? 1.0 : now.worst() > 0.0 ? now.worst() / now.force : 0.0;
   return now.exists && now.worst() <= limit(now);
 }
 
 // In a minimization each call makes a correction at least, so that contact forces converge with the total forces.
-// Lines count only where forces balance: before, they are not worth their evaluation.
-bool DualSolver::is_balanced(Evaluation &now)
+bool DualSolver::is_balanced(const Evaluation &now) const
 {
-  if (!now.exists || now.imbalance > limit(now)) return false;
-  if (minimizing() && !is_corrected && now.imbalance > 0.0) return false;
-  if (lines && now.line_imbalance < 0.0) now.line_imbalance = lines->imbalance();
-  return now.line_imbalance <= limit(now);
+  return now.exists && now.worst() <= limit(now) &&
+         (!minimizing() || is_corrected || now.imbalance == 0.0);
 }
 
-// Whether the last calls tell how far to correct: not in minimizations, and not where lines follow.
+// Whether the last calls tell how far to correct: not in minimizations.
 bool DualSolver::may_plan() const
 {
   return tuning.planned != 0.0 && is_first && successive_calls >= QUADRATIC && !minimizing() &&
-         !lines && linear.knows_bounds() && planned_from.exists && planned_from.norm2 > 0.0 &&
-         planned_from.force > 0.0;
+         linear.knows_bounds() && planned_from.exists && planned_from.norm2 > 0.0 &&
+         planned_from.force > 0.0 && (!lines || lines_answer(planned_from));
+}
+
+// Lines turn with the forces where these are close to balance.
+bool DualSolver::lines_move(const Evaluation &from) const
+{
+  return lines && !lines->held && from.imbalance <= tuning.close * from.force;
+}
+
+bool DualSolver::lines_answer(const Evaluation &from) const
+{
+  return lines_move(from) && !films && lines->answers && linear.knows_bounds() && from.norm2 > 0.0;
 }
 
 /* ----------------------------------------------------------------------
@@ -331,10 +347,16 @@ Evaluation DualSolver::evaluate_and_correct()
   is_corrected = true;
   Stages stages;
   add_shape(stages, Stage::SHAPE);
-  if (relaxation.begin(tuning, tolerance, planned_from.force)) {
+  if (!lines && relaxation.begin(tuning, tolerance, planned_from.force)) {
     std::fill(step.begin(), step.end(), 0.0F);
     stages.insert(stages.end(), {Stage::WAIT, Stage::RELAX});
     add_shape(stages, Stage::RESHAPE);
+  }
+  if (lines) {
+    const Stages correction = with_lines(accuracy(planned_from));
+    stages.insert(stages.end(), correction.begin(), correction.end());
+    const Evaluation now = run(stages, &planned_from);
+    return planned_from.exists ? accept_with_lines(now, planned_from) : now;
   }
   stages.insert(stages.end(), linear.plan(accuracy(planned_from)), Stage::CORRECT);
   const Stage shape = shape_after(planned_from);
@@ -383,7 +405,7 @@ bool DualSolver::correct_some(Evaluation &now)
     exchange_facets();
     blocks.widen(seen);
     blocks.add_borders(seen);
-    run({Stage::TURN}, nullptr, &seen);
+    run({Stage::TILT}, nullptr, &seen);
   }
   list.remote_sides.exchange(batches.indentation.data(), batches.compliance.data());
   blocks.widen(seen);
@@ -436,12 +458,9 @@ void DualSolver::hold_others(const BlockLevels::Choice &chosen)
 
 Evaluation DualSolver::correct(const Evaluation &from)
 {
-  if (from.line_imbalance > 0.0) {    // only lines are missing
-    lines->take();
-    return evaluate();
-  }
   is_corrected = true;
-  const bool moves = lines && from.imbalance <= tuning.close * from.force;
+  if (lines_answer(from)) return accept_with_lines(run(with_lines(accuracy(from))), from);
+  const bool moves = lines_move(from);
   int corrections = 0;
   if (from.norm2 > 0.0)
     corrections = linear.begin(batches, list.remote_sides, arrays(), from.norm2, accuracy(from));
@@ -449,17 +468,60 @@ Evaluation DualSolver::correct(const Evaluation &from)
     std::fill(batches.step.begin(), batches.step.end(), 0.0F);
   Stages stages(corrections, Stage::CORRECT);
   stages.push_back(Stage::STEP);
-  if (!moves) add_shape(stages, shape_after(from));
-  const Evaluation stepped = accept(run(stages), from, corrections > 0, !moves);
+  const bool follows = moves && films;
+  if (!follows) add_shape(stages, shape_after(from));
+  const Evaluation stepped = accept(run(stages), from, corrections > 0, !follows);
   if (!moves) return line_search(stepped, BETTER * from.imbalance);
-  const double line_imbalance = lines->imbalance();
-  lines->adapt(line_imbalance);
-  lines->take();
+  lines->adapt(follows ? from.line_imbalance : stepped.line_imbalance);
+  if (follows) {
+    run({Stage::FOLLOW, Stage::TURN});
+    films->find(lines->part);
+    films->take();
+  } else {    // by outlines as they are
+    lines->forget_answers();
+    run({Stage::TURN});
+  }
   Evaluation now = evaluate();
   now.slope = stepped.slope;
   // between films lines alone seldom make it worse: iterations may diverge slowly
   if (films && now.imbalance > from.imbalance) linear.invalidate_bounds();
-  return line_search(now, NO_WORSE * std::max(from.imbalance, line_imbalance));
+  return line_search(now, NO_WORSE * std::max(from.worst(), stepped.worst()));
+}
+
+/* ----------------------------------------------------------------------
+   A correction with lines that answer: all in one sweep. Small ones need one
+   solution, others a second one for what lines have left of the first.
+------------------------------------------------------------------------- */
+
+DualSolver::Stages DualSolver::with_lines(double accuracy)
+{
+  const double first = std::max(accuracy, tuning.coarse);
+  Stages stages = {Stage::RESPOND};
+  stages.insert(stages.end(), linear.plan(first), Stage::CORRECT);
+  if (accuracy < first) {
+    stages.insert(stages.end(), {Stage::FOLLOW, Stage::ANSWER, Stage::RESPOND});
+    stages.insert(stages.end(), linear.plan(accuracy / first), Stage::CORRECT);
+  }
+  stages.insert(stages.end(),
+                {Stage::STEP, Stage::FOLLOW, Stage::TURN, Stage::SHAPE, Stage::RESIDUAL});
+  return stages;
+}
+
+// The step is along no line of the dual energy: only the imbalance tells whether it leads astray, or slowly to nowhere. Then lines
+// take steps for themselves, which may be shorter.
+double DualSolver::gain(int solution, int solutions) const
+{
+  const double root = solutions == 1 ? 0.0 : solution == 1 ? std::sqrt(0.5) : -std::sqrt(0.5);
+  return solutions == 0 ? 1.0 : 1.0 / (1.0 + 0.5 * tuning.of_answers * (1.0 + root));
+}
+
+Evaluation DualSolver::accept_with_lines(Evaluation now, const Evaluation &from)
+{
+  lines->answers = now.exists && now.worst() <= std::max(BETTER * from.worst(), limit(now));
+  if (lines->answers || (now.exists && now.worst() <= NO_WORSE * from.worst())) return now;
+  linear.invalidate_bounds();
+  move(1.0, 0.0);
+  return evaluate();
 }
 
 /* ----------------------------------------------------------------------
@@ -477,8 +539,7 @@ double DualSolver::accuracy(const Evaluation &from) const
   const bool leaves_more = lines || (has_facets() && linear.knows_bounds());
   const double most =
       std::max(tuning.of_square * typical / from.force, leaves_more ? tuning.of_lines : 0.0);
-  return std::min(tuning.coarse,
-                  std::max(tuning.of_tolerance * limit(from) / from.imbalance, most));
+  return std::min(tuning.coarse, std::max(tuning.of_tolerance * limit(from) / from.worst(), most));
 }
 
 // New shapes from small steps have the rounding of single precision, a part of the step: 6e-4 of the tolerance at most.
@@ -583,7 +644,10 @@ double DualSolver::step_alone()
 
 void DualSolver::remember()
 {
-  if (!is_remembered) kernels.remember(arrays(), 0, list.pairs.size);
+  if (!is_remembered) {
+    kernels.remember(arrays(), 0, list.pairs.size);
+    if (lines) lines->remember();
+  }
   is_remembered = true;
 }
 
@@ -594,7 +658,7 @@ void DualSolver::begin_again()
   allowed = summary.evaluations + max_evaluations;
 }
 
-// A step overwrites the force before the last call (`before` shares memory with earlier[0]): the next call cannot extrapolate.
+// A step overwrites the force before the last call (`before` shares memory with that): the next call cannot extrapolate.
 void DualSolver::invalidate_history()
 {
   if (is_remembered) successive_calls = 0;
@@ -605,9 +669,10 @@ void DualSolver::forget()
 {
   NearPairs &p = list.pairs;
   const auto fill = [](auto value, auto &...v) { (std::fill(v.begin(), v.end(), value), ...); };
-  fill(deformable::UNKNOWN_FORCE, p.past);
-  for (LargeVector<double> &past : p.past_tilt) fill(deformable::UNKNOWN_FORCE, past);
-  fill(0.0F, p.earlier[0], p.earlier[1], p.earlier[2]);
+  for (NearPairs::Past &past : p.past) {
+    fill(deformable::UNKNOWN, past.last);
+    fill(0.0F, past.earlier[0], past.earlier[1], past.earlier[2]);
+  }
 }
 
 // The forces are past ones, outlines have slopes, and pairs push.
@@ -626,6 +691,7 @@ void DualSolver::finish(const Push &push, double part)
     });
   };
   blocks.run(2, work, [](int) {});
+  if (lines && remembers) lines->remember();
   is_remembered = true;
 }
 
@@ -650,9 +716,8 @@ PairArrays DualSolver::arrays()
   a.step = step.data();
   a.length = p.length;
   a.unit = p.unit();
-  a.past = p.past.data();
-  for (int n = 0; n < 3; ++n) a.earlier[n] = p.earlier[n].data();
-  a.before = a.earlier[0];
+  a.past = p.past[FORCE].arrays();
+  a.before = a.past.earlier[0];
   a.least = p.least.empty() ? nullptr : p.least.data();
   return a;
 }
@@ -661,7 +726,7 @@ PairArrays DualSolver::arrays()
 void DualSolver::add_shape(Stages &stages, Stage shape) const
 {
   stages.push_back(shape);
-  if (has_facets()) stages.push_back(Stage::TURN);
+  if (has_facets()) stages.push_back(Stage::TILT);
   stages.push_back(Stage::RESIDUAL);
 }
 
@@ -679,10 +744,15 @@ Evaluation DualSolver::run(const Stages &stages, Evaluation *before,
 {
   const deformable::RingBatches rings = batches.arrays();
   deformable::RingBatches here = rings;    // of the block that has its turn
-  const int corrections =
-      static_cast<int>(std::count(stages.begin(), stages.end(), Stage::CORRECT));
-  const int first = static_cast<int>(std::find(stages.begin(), stages.end(), Stage::CORRECT) -
-                                     stages.begin());    // from 0; stages count from 1
+  const std::vector<Turn> turns = turns_of(stages);
+  int solutions = 0;    // while lines answer
+  for (const Turn &turn : turns)
+    if (turn.before == Stage::RESPOND) solutions = turn.solution;
+  const auto corrects = [](Stage stage) {
+    return stage == Stage::CORRECT || stage == Stage::RESPOND;
+  };
+  const int first =    // of them, from 0; stages count from 1
+      static_cast<int>(std::find_if(stages.begin(), stages.end(), corrects) - stages.begin());
   of_blocks.resize((before ? 2 : 1) * blocks.count());
   for (std::size_t block = 0; block < of_blocks.size(); ++block)
     if (!chosen || (*chosen)[block]) of_blocks[block] = {};
@@ -692,17 +762,23 @@ Evaluation DualSolver::run(const Stages &stages, Evaluation *before,
       [&](int block, int stage) {
         const bool is_before = before && stage <= first;
         blocks.choose(here, block);
-        work(stages[stage - 1], block, stage - first, here,
+        work(stages[stage - 1], turns[stage - 1], solutions, block, here,
              of_blocks[is_before ? blocks.count() + block : block], exist);
       },
       [&](int stage) {
         const Stage done = stages[stage - 1];
-        if (done == Stage::CORRECT && stage < first + corrections)
-          list.remote_sides.exchange(LinearSolver::products(rings, stage - first));
-        else if (has_facets() && (done == Stage::SHAPE || done == Stage::ADAPT))
+        const Turn &turn = turns[stage - 1];
+        const bool shaped = done == Stage::SHAPE || done == Stage::ADAPT;
+        if (done == Stage::RESPOND || (done == Stage::CORRECT && turn.iteration < turn.last)) {
+          list.remote_sides.exchange(LinearSolver::products(rings, turn.iteration));
+        } else if (shaped && has_facets()) {
           exchange_facets();
-        else if (done == Stage::SHAPE || done == Stage::ADAPT || done == Stage::TURN)
+        } else if (shaped || done == Stage::TILT) {
           list.remote_sides.exchange(batches.indentation.data(), batches.compliance.data());
+          if (lines) lines->exchange_outlines();
+        } else if (done == Stage::FOLLOW) {
+          lines->exchange_answers();
+        }
       },
       chosen);
   if (stages.back() == Stage::RESIDUAL) ++summary.evaluations;
@@ -710,20 +786,50 @@ Evaluation DualSolver::run(const Stages &stages, Evaluation *before,
     ++summary.evaluations;
     *before = sum_up(blocks.count(), true);
   }
-  return sum_up(0, exist);
+  Evaluation now = sum_up(0, exist);
+  if (films && stages.back() == Stage::RESIDUAL)
+    now.line_imbalance = std::max(now.line_imbalance, films->find(lines->part));
+  return now;
 }
 
-void DualSolver::work(Stage stage, int block, int iteration, deformable::RingBatches &here,
-                      OfBlock &found, bool &exist)
+std::vector<DualSolver::Turn> DualSolver::turns_of(const Stages &stages)
+{
+  std::vector<Turn> turns(stages.size());
+  int solutions = 0;
+  for (std::size_t k = 0; k < stages.size(); ++k) {
+    if (k > 0) turns[k].before = stages[k - 1];
+    if (stages[k] != Stage::CORRECT) continue;
+    if (turns[k].before != Stage::CORRECT) ++solutions;
+    turns[k].iteration = turns[k].before == Stage::CORRECT ? turns[k - 1].iteration + 1 : 1;
+    turns[k].solution = solutions;
+  }
+  int last = 0;
+  for (std::size_t k = stages.size(); k-- > 0;) {
+    if (stages[k] != Stage::CORRECT) continue;
+    const bool ends = k + 1 == stages.size() || stages[k + 1] != Stage::CORRECT;
+    turns[k].last = last = ends ? turns[k].iteration : last;
+  }
+  return turns;
+}
+
+void DualSolver::work(Stage stage, const Turn &turn, int solutions, int block,
+                      deformable::RingBatches &here, OfBlock &found, bool &exist)
 {
   const PairArrays loop = arrays();
+  const auto for_lines = [&](auto &&act) {
+    blocks.for_pairs(block, [&](int begin, int end, double) {
+      if (begin < list.pairs.wall) act(begin, end);
+    });
+  };
   switch (stage) {
     case Stage::SHAPE: exist &= shape(here); break;
     case Stage::ADAPT: exist &= adapt(here, step.data(), loop.unit); break;
-    case Stage::TURN: turn(here); break;
+    case Stage::TILT: turn_facets(here); break;
     case Stage::RESIDUAL:
       blocks.for_pairs(block, [&](int begin, int end, double part) {
         found.add(kernels.find_residuals(loop, begin, end), part);
+        if (lines && !lines->held)
+          found.line = std::max(found.line, kernels.find_lines(loop, lines->arrays(), begin, end));
       });
       break;
     case Stage::WAIT: break;
@@ -736,7 +842,28 @@ void DualSolver::work(Stage stage, int block, int iteration, deformable::RingBat
         exist &= reshape(changed, step.data(), loop.unit);
       });
       break;
-    case Stage::CORRECT: linear.iterate(here, loop, iteration); break;
+    case Stage::CORRECT:
+      linear.iterate(here, loop, turn.iteration, turn.last,
+                     turn.before == Stage::RESPOND ? lines->arrays().left : nullptr,
+                     gain(turn.solution, solutions));
+      break;
+    case Stage::FOLLOW:
+      kernels.follow(here, lines->arrays(),
+                     turn.before == Stage::STEP || turn.before == Stage::SHAPE ? step.data()
+                                                                               : nullptr);
+      break;
+    case Stage::ANSWER:
+      for_lines([&](int begin, int end) { kernels.answer(loop, lines->arrays(), begin, end); });
+      break;
+    case Stage::RESPOND:
+      kernels.respond(here, lines->arrays(), turn.before != Stage::ANSWER);
+      break;
+    case Stage::TURN:
+      for_lines([&](int begin, int end) {
+        kernels.settle(loop, lines->arrays(), begin, end);
+        kernels.turn_lines(lines->arrays(), begin, end);
+      });
+      break;
     case Stage::STEP:
       blocks.for_pairs(block, [&](int begin, int end, double part) {
         found.slope += part * kernels.take_step(loop, false, begin, end);
@@ -756,24 +883,26 @@ void DualSolver::OfBlock::add(const deformable::Residuals &r, double part)
 // What the blocks have found, from this place on.
 Evaluation DualSolver::sum_up(int first, bool exist) const
 {
-  double largest[4] = {0.0, 0.0, 0.0, exist ? 0.0 : 1.0}, sum[3] = {0.0, 0.0, 0.0};
+  double largest[5] = {0.0, 0.0, 0.0, exist ? 0.0 : 1.0, 0.0}, sum[3] = {};
   for (int block = first; block < first + blocks.count(); ++block) {
     const OfBlock &found = of_blocks[block];
     largest[0] = std::max(largest[0], found.error);
     largest[1] = std::max(largest[1], found.force);
     largest[2] = std::max(largest[2], found.left);
+    largest[4] = std::max(largest[4], found.line);
     sum[0] += found.norm2;
     sum[1] += found.weights;
     sum[2] += found.slope;
   }
   if (comm->nprocs > 1) {
-    MPI_Allreduce(MPI_IN_PLACE, largest, 4, MPI_DOUBLE, MPI_MAX, world);
+    MPI_Allreduce(MPI_IN_PLACE, largest, 5, MPI_DOUBLE, MPI_MAX, world);
     MPI_Allreduce(MPI_IN_PLACE, sum, 3, MPI_DOUBLE, MPI_SUM, world);
   }
   // Overlaps are not known better than this.
   constexpr double ROUNDING = 8.0 * std::numeric_limits<double>::epsilon();
   Evaluation now;
   now.imbalance = largest[2] <= ROUNDING ? 0.0 : largest[0];
+  now.line_imbalance = largest[4];
   now.force = std::max(largest[1], std::isinf(largest[2]) ? largest[2] : 0.0);
   now.exists = largest[3] == 0.0 && std::isfinite(now.force);
   now.norm2 = sum[0];

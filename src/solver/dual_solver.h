@@ -17,8 +17,9 @@
 //   correct      C x = r for the active set (LinearSolver: Chebyshev's iteration, or conjugate gradients where the bounds of the
 //                spectrum are not known). A pair whose own force would become negative is not in it, and its force vanishes.
 //   correct_some the same for a few blocks of particles, if only these are not balanced
-//   evaluate_and_correct   both in one sweep, as planned from the last call: the usual way in a run, with straight lines, if the
-//                bounds are known. Pairs that are far off, as where contacts open, are relaxed one by one before (PairRelaxation).
+//   with_lines   the stages of a correction that curved lines answer (CurvedLines)
+//   evaluate_and_correct   both in one sweep, as planned from the last call: the usual way in a run, if the bounds are known.
+//                With straight lines pairs that are far off, as where contacts open, are relaxed before (PairRelaxation).
 //   accept, line_search   an unsound step is undone, a step that is too long is shortened: the dual energy is concave
 //   remember     forces become past ones. A pair without force has its imbalance instead, which is negative: extrapolated in time
 //                it becomes positive when the contact forms.
@@ -26,7 +27,7 @@
 // A sweep goes through its stages block by block, and near blocks run ahead of far ones, so that memory is read once (BlockLevels).
 // All ranks take the same steps, and both ranks of a pair compute the same bits for it. Forces and overlaps are in double precision,
 // what only corrects them in single precision and in units of PairArrays. RingSolver and DropletSolver say what W is; lines that
-// tilt and bend (CurvedLines) take a step with each of Newton's method once forces are close to balance.
+// tilt and bend (CurvedLines) turn with each correction once forces are close to balance.
 
 #ifndef LMP_DUAL_SOLVER_H
 #define LMP_DUAL_SOLVER_H
@@ -62,10 +63,9 @@ struct Summary {
 struct Evaluation {
   double imbalance = 0.0, force = 0.0;    // the largest ones of a pair
   double norm2 = 0.0, weights = 0.0;      // see deformable::Residuals
-  double slope = 0.0;     // of the dual energy along the last step, where that began
-  bool exists = false;    // every particle has a shape
-  double line_imbalance =
-      -1.0;    // the largest imbalance of a line, CurvedLines; negative: not known
+  double slope = 0.0;             // of the dual energy along the last step, where that began
+  bool exists = false;            // every particle has a shape
+  double line_imbalance = 0.0;    // the largest one of a line, CurvedLines
   double worst() const { return std::max(imbalance, line_imbalance); }
 };
 
@@ -118,7 +118,7 @@ class DualSolver : protected Pointers {
   // Whether indentations also ask for the places of facets on neighbors: `shape` leaves these, ranks exchange them, `turn` does the
   // rest.
   virtual bool has_facets() const { return false; }
-  virtual void turn(const deformable::RingBatches &) {}
+  virtual void turn_facets(const deformable::RingBatches &) {}
   virtual void exchange_facets() {}
   // The same after pairs were relaxed, by these changes.
   virtual bool reshape(const deformable::RingBatches &batch, const float *, double)
@@ -147,13 +147,18 @@ class DualSolver : protected Pointers {
   enum class Stage {
     SHAPE,       // of particles, for the forces of their pairs
     ADAPT,       // the same after a small step
-    TURN,        // what neighbors add to that
+    TILT,        // what neighbors add to that, as films of droplets turn
     RESIDUAL,    // overlaps of all pairs
     WAIT,        // barrier: blocks that are two away have their residuals, which RELAX may change
     RELAX,       // a few pairs that are far from balance
     RESHAPE,     // of particles whose pairs were relaxed
     CORRECT,     // an iteration for C x = r
-    STEP         // all forces take their corrections
+    STEP,        // all forces take their corrections
+    // curved lines: see CurvedLines
+    FOLLOW,    // outlines follow the last answer of lines and, in the end, the step or else the correction so far
+    ANSWER,     // of lines to that
+    RESPOND,    // what it does to indentations; then comes a solution for what is left
+    TURN        // lines to where they are at rest
   };
   using Stages = std::vector<Stage>;
   void add_shape(Stages &, Stage) const;
@@ -176,7 +181,7 @@ class DualSolver : protected Pointers {
   BlockLevels blocks;
   LargeVector<float> residual, weight, step;    // by pair, see PairArrays
   struct OfBlock : deformable::Residuals {
-    double slope = 0.0;
+    double slope = 0.0, line = 0.0;    // of the dual energy; the imbalance of a line
     void add(const deformable::Residuals &, double part);
   };
   std::vector<OfBlock> of_blocks;
@@ -198,6 +203,10 @@ class DualSolver : protected Pointers {
 
   bool balance();
   bool may_plan() const;
+  bool lines_move(const Evaluation &) const;
+  bool lines_answer(const Evaluation &) const;
+  Stages with_lines(double accuracy);
+  Evaluation accept_with_lines(Evaluation now, const Evaluation &from);
   Evaluation evaluate_and_correct();
   int local_corrections = 0;    // of this solution
   bool correct_some(Evaluation &);
@@ -206,7 +215,7 @@ class DualSolver : protected Pointers {
   Stage shape_after(const Evaluation &) const;
   Evaluation accept(Evaluation now, const Evaluation &from, bool iterated, bool has_shapes);
   Evaluation line_search(Evaluation now, double enough);
-  bool is_balanced(Evaluation &now);
+  bool is_balanced(const Evaluation &now) const;
   double limit(const Evaluation &now) const { return std::max(tolerance * now.force, enough); }
   bool may_go_on() const { return summary.evaluations < allowed; }
 
@@ -214,7 +223,15 @@ class DualSolver : protected Pointers {
   Evaluation run(const Stages &, Evaluation *before = nullptr,
                  const BlockLevels::Choice *chosen = nullptr);
   Evaluation evaluate();
-  void work(Stage, int block, int iteration, deformable::RingBatches &, OfBlock &, bool &exist);
+  struct
+      Turn {    // of a stage: the iteration of a solution, of so many, and which solution; and what comes before
+    int iteration = 0, last = 0, solution = 0;
+    Stage before = Stage::SHAPE;
+  };
+  static std::vector<Turn> turns_of(const Stages &);
+  double gain(int solution, int solutions) const;
+  void work(Stage, const Turn &, int solutions, int block, deformable::RingBatches &, OfBlock &,
+            bool &exist);
   Evaluation sum_up(int first, bool exist) const;
   void hold_others(const BlockLevels::Choice &);
   void move(double from, double to) { move(from, to, 0, list.pairs.size); }

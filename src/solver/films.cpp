@@ -14,7 +14,7 @@ void Films::arrange(ContactBatches &b, NearPairs &p, RemoteSides &r)
   pairs = &p;
   batches = &b;
   remote = &r;
-  for (std::vector<double> *const v : {&next_angle[0], &next_angle[1], &next_pull})
+  for (std::vector<double> *const v : {&next_angle[0], &next_angle[1], &next_pull, &next_bend})
     v->resize(p.size);
   has_let_go.assign(p.size, 0);
   agree();
@@ -38,7 +38,7 @@ void Films::begin_call()
   std::fill(has_let_go.begin(), has_let_go.end(), 0);
 }
 
-FilmArrays Films::arrays(const OutlineArrays &outline, double *next_bend, double part)
+FilmArrays Films::arrays(double part)
 {
   NearPairs &p = *pairs;
   FilmArrays a;
@@ -47,13 +47,15 @@ FilmArrays Films::arrays(const OutlineArrays &outline, double *next_bend, double
   a.adhesion = p.adhesion.data();
   a.first = p.side[0].data();
   a.second = p.side[1].data();
-  a.outline = outline;
+  for (int n = 0; n < 2; ++n) a.ring[n] = p.ring[n].data();
+  a.pressure = batches->pressure.data();
+  a.free_radius = batches->free_radius_of.data();
   for (int n = 0; n < 2; ++n) {
     a.angle[n] = p.film_angle[n].data();
     a.next_angle[n] = next_angle[n].data();
   }
   a.next_pull = next_pull.data();
-  a.next_bend = next_bend;
+  a.next_bend = next_bend.data();
   for (int n = 0; n < 4; ++n) a.terms[n] = batches->film[n].data();
   a.wall = p.wall;
   a.part = part;
@@ -61,34 +63,33 @@ FilmArrays Films::arrays(const OutlineArrays &outline, double *next_bend, double
 }
 
 // Angles need T = q p only.
-void Films::begin(const OutlineArrays &outline, double *next_bend)
+void Films::begin()
 {
   NearPairs &p = *pairs;
+  std::vector<double> one(batches->pressure.size(), 1.0), tension(one.size());
   for (int k = 0; k < p.size; ++k) p.adhesion[k] = p.attached[k] ? p.adhesion_if_attached[k] : 0.0;
   for (std::size_t ring = 0; ring < batches->particle.size(); ++ring) {
-    const int i = batches->particle[ring];
-    if (i < 0) continue;
-    const double T = batches->film_tension[ring] = batches->tension_of(static_cast<int>(ring));
-    for (int m = 0; m < batches->count[i]; ++m) {
-      const int c = batches->contact(static_cast<int>(ring), m);
-      outline.per_pressure[c] = 1.0;
-      outline.free_radius[c] = T;
-    }
+    if (batches->particle[ring] < 0) continue;
+    tension[ring] = batches->film_tension[ring] = batches->tension_of(static_cast<int>(ring));
   }
-  remote->exchange(outline.per_pressure, outline.free_radius);
-  kernels.find_films(arrays(outline, next_bend, 1.0), 0, p.size);
+  remote->exchange_rings(tension.data());
+  FilmArrays a = arrays(1.0);
+  a.pressure = one.data();
+  a.free_radius = tension.data();
+  kernels.find_films(a, 0, p.size);
+  std::copy_n(p.bend.data(), p.size, next_bend.data());
 }
 
-double Films::find(const OutlineArrays &outline, double *next_bend, double part)
+double Films::find(double part)
 {
-  double worst = kernels.find_films(arrays(outline, next_bend, part), 0, pairs->size);
+  double worst = kernels.find_films(arrays(part), 0, pairs->size);
   for (std::size_t ring = 0; ring < batches->particle.size(); ++ring) {
     const int r = static_cast<int>(ring);
     if (batches->particle[ring] < 0 || batches->stiffness_of(r).tension == 0.0) continue;
     const double T = batches->tension_of(r);
     worst = std::max(worst, std::fabs(T - batches->film_tension[ring]));
   }
-  return worst;
+  return remote->largest(worst);
 }
 
 // Forces respond to tensions, and tensions to forces: full steps of both may oscillate.
@@ -96,7 +97,9 @@ void Films::take()
 {
   constexpr double PART = 0.5;
   NearPairs &p = *pairs;
-  kernels.take_films(arrays({}, nullptr, 1.0), 0, p.size);
+  for (int k = 0; k < p.size; ++k)
+    if (p.adhesion[k] > 0.0) p.bend[k] = next_bend[k];
+  kernels.take_films(arrays(1.0), 0, p.size);
   // a force that was at its lower bound is set to the new bound
   for (int k = 0; k < p.size; ++k) {
     const bool bears = p.force[k] > p.least[k];

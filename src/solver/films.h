@@ -28,10 +28,10 @@ class Films {
   void begin_call();
 
   // Of a solution: the first angles, from the tensions of the last call.
-  void begin(const deformable::OutlineArrays &, double *next_bend);
+  void begin();
 
   // The next angles and bends for the present forces, and their largest imbalance, a force.
-  double find(const deformable::OutlineArrays &, double *next_bend, double part);
+  double find(double part);
   void take();
 
   // Pairs whose film has no length let go, and pairs that touch attach, if they may. Whether any would, on all ranks.
@@ -51,24 +51,24 @@ class Films {
   // The shortest free arc between two contacts of a particle, an angle: negative where its films leave none.
   double free_arc(int i) const;
 
-  double bytes() const { return bytes_of(next_angle[0], next_angle[1], next_pull, has_let_go); }
+  double bytes() const
+  {
+    return bytes_of(next_angle[0], next_angle[1], next_pull, next_bend, has_let_go);
+  }
 
  private:
   const deformable::ForceKernels &kernels;
   NearPairs *pairs = nullptr;
   ContactBatches *batches = nullptr;
   RemoteSides *remote = nullptr;
-  std::vector<double> next_angle[2], next_pull;
+  std::vector<double> next_angle[2], next_pull, next_bend;
   std::vector<char> has_let_go;    // in this call: such pairs stay free until the next one
-  deformable::FilmArrays arrays(const deformable::OutlineArrays &, double *next_bend, double part);
+  deformable::FilmArrays arrays(double part);
   bool would_change(int k, bool may_attach) const;
   int ring_of(int k, int side) const;
   void agree();
   // At the start of a solution the lower bound of an attached pair is not known yet: there is none.
-  double least_until_taken(int k) const
-  {
-    return pairs->attached[k] ? deformable::UNKNOWN_FORCE : 0.0;
-  }
+  double least_until_taken(int k) const { return pairs->attached[k] ? deformable::UNKNOWN : 0.0; }
 };
 
 }    // namespace LAMMPS_NS

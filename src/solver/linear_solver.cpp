@@ -93,10 +93,11 @@ int LinearSolver::plan(double accuracy)
   const double center = 0.5 * (highest + lowest), radius = 0.5 * (highest - lowest);
   const double ratio = center / radius;
   const int last = std::max(2, static_cast<int>(std::ceil(std::acosh(1.0 / accuracy) / decay())));
-  alpha.assign(last + 1, 1.0 / center);
-  beta.assign(last + 1, 0.0);
+  const std::size_t all = std::max(alpha.size(), last + std::size_t{1});
+  alpha.assign(all, 1.0 / center);    // of a longer plan, too, which has the same ones
+  beta.assign(all, 0.0);
   double rho = 1.0 / ratio;
-  for (int k = 2; k <= last; ++k) {
+  for (std::size_t k = 2; k < all; ++k) {
     const double next = 1.0 / (2.0 * ratio - rho);
     alpha[k] = 2.0 * next / radius;
     beta[k] = next * rho * alpha[k - 1] / alpha[k];
@@ -111,17 +112,19 @@ float *LinearSolver::products(const deformable::RingBatches &rings, int k)
   return rings.corrections.product + (k % 2) * rings.corrections.products;
 }
 
-void LinearSolver::iterate(deformable::RingBatches b, const PairArrays &arrays, int k) const
+void LinearSolver::iterate(deformable::RingBatches b, const PairArrays &arrays, int k, int last,
+                           const float *left, double gain) const
 {
-  const int last = static_cast<int>(alpha.size()) - 1;
   float *const product = products(b, k);
   b.corrections.last_product = products(b, k - 1);
   b.corrections.product = product;
-  if (k == 1) {
+  if (k == 1 && left) {
+    kernels.go_on(b, arrays, left);
+  } else if (k == 1) {
     kernels.begin(b, arrays);
   } else if (k < last) {
-    kernels.advance_and_multiply(b, alpha[k - 1], beta[k]);
+    kernels.advance_and_multiply(b, alpha[k - 1], beta[k], gain);
   } else {
-    kernels.advance_twice(b, alpha[last - 1], beta[last], alpha[last]);
+    kernels.advance_twice(b, alpha[last - 1], beta[last], alpha[last], gain);
   }
 }

@@ -42,8 +42,10 @@ class LinearSolver {
     return slope > 0.0 && slope <= 2.0 * norm2 / lowest;
   }
 
-  // Iteration k of some rings, from 1 on, and the products that it leaves, by contact.
-  void iterate(deformable::RingBatches, const deformable::PairArrays &, int k) const;
+  // Iteration k of `last` of some rings, from 1 on, and the products that it leaves, by contact. `left`, unless null: what is
+  // left of the residuals but for the products, number 0, of the step so far, which goes on. Steps are `gain` times as long.
+  void iterate(deformable::RingBatches, const deformable::PairArrays &, int k, int last,
+               const float *left = nullptr, double gain = 1.0) const;
   static float *products(const deformable::RingBatches &, int k);
 
  private:

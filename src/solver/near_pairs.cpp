@@ -18,9 +18,11 @@ void NearPairs::clear(const KnownPairs &old)
   scale = old.scale;
   length = old.length;
   const auto reserve = [most](auto &...v) { (v.reserve(most), ...); };
-  reserve(i, j, past, earlier[0], earlier[1], earlier[2]);
-  if (curved)
-    for (int n = 0; n < PastForces::LINES; ++n) reserve(past_tilt[n], past_bend[n]);
+  reserve(i, j);
+  for (int kind = 0; kind < kinds(); ++kind) {
+    Past &p = past[kind];
+    reserve(p.last, p.earlier[0], p.earlier[1], p.earlier[2]);
+  }
 }
 
 void NearPairs::set_units(double scale_, double length_)
@@ -30,7 +32,7 @@ void NearPairs::set_units(double scale_, double length_)
   length = length_;
   if (unit() == before) return;
   const double ratio = before / unit();
-  for (LargeVector<float> &v : earlier)
+  for (LargeVector<float> &v : past[FORCE].earlier)
     for (float &change : v) change = static_cast<float>(change * ratio);
 }
 
@@ -45,6 +47,7 @@ void NearPairs::make_room()
   surfaces.resize(in_space ? size - wall : 0);
   for (LargeVector<double> *v : {&tilt, &bend}) v->assign(curved ? one_more : 0, 0.0);
   for (LargeVector<int> &v : side) v.assign(pairs, 0);
+  for (LargeVector<int> &v : ring) v.assign(curved ? pairs : 0, 0);
   attached.assign(adhesive ? pairs : 0, 0);
   for (LargeVector<double> *v :
        {&adhesion_if_attached, &adhesion, &film_angle[0], &film_angle[1], &least})
@@ -99,10 +102,9 @@ void NearPairs::locate_wall(int k, double radius, const deformable::SurfacePoint
 
 double NearPairs::bytes() const
 {
-  double of_lines = 0.0;
-  for (int n = 0; n < PastForces::LINES; ++n) of_lines += bytes_of(past_tilt[n], past_bend[n]);
-  return of_lines + bytes_of(i, j, owned, stiffening, past, earlier[0], earlier[1], earlier[2],
-                             force, overlap, per_distance, angle, nx, ny, nz, tilt, bend, side[0],
-                             side[1], surfaces, attached, adhesion_if_attached, adhesion,
-                             film_angle[0], film_angle[1], least);
+  double of_past = 0.0;
+  for (const Past &p : past) of_past += bytes_of(p.last, p.earlier[0], p.earlier[1], p.earlier[2]);
+  return of_past + bytes_of(i, j, owned, stiffening, force, overlap, per_distance, angle, nx, ny,
+                            nz, tilt, bend, side[0], side[1], ring[0], ring[1], surfaces, attached,
+                            adhesion_if_attached, adhesion, film_angle[0], film_angle[1], least);
 }

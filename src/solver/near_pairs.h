@@ -14,19 +14,21 @@
 
 namespace LAMMPS_NS {
 
-// The force of a pair at the last call; negative: see DualSolver. Its differences from call to call, further and further
-// back, see PairArrays. The sines of the tilts of its contact line and its bends at the last two calls, see CurvedLines.
-struct PastForces {
-  double force = deformable::UNKNOWN_FORCE;
-  double earlier[3] = {0.0, 0.0, 0.0};
-  static constexpr int LINES = 2;
-  double tilt[LINES] = {deformable::UNKNOWN_FORCE, deformable::UNKNOWN_FORCE};
-  double bend[LINES] = {0.0, 0.0};    // from the first particle
+// What is remembered of a pair: its force, negative: see DualSolver. With curved lines, see CurvedLines, the sine of the tilt and
+// the bend as the first particle sees it. The value at the last call, and differences from call to call, see PastArrays.
+enum { FORCE, TILT, BEND, KINDS };
+struct PairPast {
+  struct Series {
+    double last = deformable::UNKNOWN;
+    double earlier[3] = {0.0, 0.0, 0.0};
+  } of[KINDS];
 
-  PastForces from_second() const
+  PairPast from_second() const
   {
-    PastForces past = *this;
-    for (double &b : past.bend) b = -b;
+    PairPast past = *this;
+    Series &bend = past.of[BEND];
+    if (bend.last != deformable::UNKNOWN) bend.last = -bend.last;
+    for (double &change : bend.earlier) change = -change;
     return past;
   }
 };
@@ -42,10 +44,17 @@ struct KnownPairs {
 
   LargeVector<int> i,
       j;    // local indices, as in the neighbor list; of a wall: its code, -1 - (w + n feature)
-  LargeVector<double> past, past_tilt[PastForces::LINES], past_bend[PastForces::LINES];
-  LargeVector<float> earlier[3];       // in `unit`; see PastForces
+  struct Past {
+    LargeVector<double> last;
+    LargeVector<float> earlier[3];    // in unit(kind)
+    deformable::PastArrays arrays()
+    {
+      return {last.data(), {earlier[0].data(), earlier[1].data(), earlier[2].data()}};
+    }
+  } past[KINDS];
   double scale = 1.0, length = 1.0;    // powers of two, of 1/(k R^2) and R: see PairArrays
-  double unit() const { return length / scale; }
+  double unit(int kind = FORCE) const { return kind == FORCE ? length / scale : 1.0; }
+  int kinds() const { return curved ? KINDS : 1; }    // of what is remembered
 
   // Both ranks have a pair with a remote side: each counts half of it.
   double part(int k) const { return k >= remote && k < wall ? 0.5 : 1.0; }
@@ -54,14 +63,12 @@ struct KnownPairs {
     return sum(0, remote) + 0.5 * sum(remote, wall) + sum(wall, size);
   }
 
-  PastForces past_of(int k) const
+  PairPast past_of(int k) const
   {
-    PastForces found;
-    found.force = past[k];
-    for (int n = 0; n < 3; ++n) found.earlier[n] = earlier[n][k] * unit();
-    for (int n = 0; n < PastForces::LINES && curved; ++n) {
-      found.tilt[n] = past_tilt[n][k];
-      found.bend[n] = past_bend[n][k];
+    PairPast found;
+    for (int kind = 0; kind < kinds(); ++kind) {
+      found.of[kind].last = past[kind].last[k];
+      for (int n = 0; n < 3; ++n) found.of[kind].earlier[n] = past[kind].earlier[n][k] * unit(kind);
     }
     return found;
   }
@@ -84,6 +91,7 @@ struct NearPairs : KnownPairs {
   LargeVector<double> tilt;            // sine of its angle with the line of centers
   LargeVector<double> bend;            // tan(beta/2), see contact_curve.h
   LargeVector<int> side[2];            // index of the contact of i and of that of j
+  LargeVector<int> ring[2];            // with curved lines: those of i and j in arrays of rings
   std::vector<deformable::SurfacePoint> surfaces;    // of walls in space, from the first one on
 
   // of films, see Films
@@ -92,15 +100,14 @@ struct NearPairs : KnownPairs {
   LargeVector<double> film_angle[2];                     // tan(theta/2) of both sides
   LargeVector<double> least;                             // see least_force
 
-  int add(int i_, int j_, const PastForces &past_)
+  int add(int i_, int j_, const PairPast &known)
   {
     i.push_back(i_);
     j.push_back(j_);
-    past.push_back(past_.force);
-    for (int n = 0; n < 3; ++n) earlier[n].push_back(static_cast<float>(past_.earlier[n] / unit()));
-    for (int n = 0; n < PastForces::LINES && curved; ++n) {
-      past_tilt[n].push_back(past_.tilt[n]);
-      past_bend[n].push_back(past_.bend[n]);
+    for (int kind = 0; kind < kinds(); ++kind) {
+      past[kind].last.push_back(known.of[kind].last);
+      for (int n = 0; n < 3; ++n)
+        past[kind].earlier[n].push_back(static_cast<float>(known.of[kind].earlier[n] / unit(kind)));
     }
     return size++;
   }

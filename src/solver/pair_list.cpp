@@ -69,7 +69,7 @@ void PairList::build(const Particles &p, bool new_list)
         const bool before = d.z < 0.0 || (d.z == 0.0 && (d.y < 0.0 || (d.y == 0.0 && d.x < 0.0)));
         if (owner < i || (owner == i && before)) continue;
       }
-      PastForces past;
+      PairPast past;
       if (new_list) {
         past = history.find(atom->tag[i], atom->tag[j], d);
       } else {
@@ -218,7 +218,7 @@ void PairList::add_walls(const Particles &p, bool new_list, const KnownPairs &ol
                                          (knows_films[own] == 0.0 && point.height < p.radius[own]));
                   if (point.height > near && !is_attached) return;
                   at_walls.push_back(is_attached);
-                  PastForces past;
+                  PairPast past;
                   if (new_list) {
                     past = history.find(atom->tag[own], code, {});
                   } else {
@@ -382,7 +382,7 @@ void PairList::store_films(const Particles &p) const
 ------------------------------------------------------------------------- */
 
 PairHistory::Entry PairHistory::entry_of(tagint tag, tagint partner, const Vector3 &at,
-                                         const PastForces &past)
+                                         const PairPast &past)
 {
   const float x = static_cast<float>(at.x), y = static_cast<float>(at.y),
               z = static_cast<float>(at.z);
@@ -396,11 +396,11 @@ void PairHistory::sort()
   std::sort(bulges.begin(), bulges.end());
 }
 
-PastForces PairHistory::find(tagint tag, tagint partner, const Vector3 &x) const
+PairPast PairHistory::find(tagint tag, tagint partner, const Vector3 &x) const
 {
   const Entry wanted = entry_of(tag, partner, x, {});
   const auto [first, last] = std::equal_range(entries.begin(), entries.end(), wanted);
-  PastForces found;
+  PairPast found;
   float nearest = wanted.x * wanted.x + wanted.y * wanted.y + wanted.z * wanted.z;
   for (auto entry = first; entry != last; ++entry) {
     const float dx = entry->x - wanted.x, dy = entry->y - wanted.y, dz = entry->z - wanted.z;

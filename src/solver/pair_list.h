@@ -53,7 +53,7 @@ class PairHistory {
   }
   // Particle `tag` and a partner have borne these forces: another particle at the relative position x, or a wall of this
   // code < 0.
-  void add(tagint tag, tagint partner, const deformable::Vector3 &x, const PastForces &past)
+  void add(tagint tag, tagint partner, const deformable::Vector3 &x, const PairPast &past)
   {
     entries.push_back(entry_of(tag, partner, x, past));
   }
@@ -61,21 +61,21 @@ class PairHistory {
   void sort();
   // A particle in a small box may have several images of its partner: the one nearest to x counts. Nothing is known if there
   // is none within the distance that x itself has.
-  PastForces find(tagint tag, tagint partner, const deformable::Vector3 &x) const;
+  PairPast find(tagint tag, tagint partner, const deformable::Vector3 &x) const;
   double bulge(tagint tag) const;    // negative if it is not known
 
  private:
   struct Entry {    // from the particle with the smaller tag
     tagint tag, partner;
     float x, y, z;    // sufficient to tell images apart
-    PastForces past;
+    PairPast past;
     bool operator<(const Entry &other) const
     {
       return tag != other.tag ? tag < other.tag : partner < other.partner;
     }
   };
   static Entry entry_of(tagint tag, tagint partner, const deformable::Vector3 &x,
-                        const PastForces &past);
+                        const PairPast &past);
   std::vector<Entry> entries;
   std::vector<std::pair<tagint, double>> bulges;
 };

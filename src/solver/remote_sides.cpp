@@ -60,19 +60,9 @@ void RemoteSides::set_rows(int values)
 
 void RemoteSides::match(std::vector<Candidate> &candidates, bool curved)
 {
-  constexpr int LINES = PastForces::LINES;
-  enum {
-    PARTNER,
-    X,
-    Y,
-    Z,
-    PAST,
-    EARLIER,
-    TILT = EARLIER + 3,
-    BEND = TILT + LINES,
-    ALL = BEND + LINES
-  };
-  const int values = curved ? ALL : TILT;
+  enum { PARTNER, X, Y, Z, PAST };
+  constexpr int SERIES = 4;    // numbers of a PairPast::Series
+  const int kinds = curved ? KINDS : 1, values = PAST + SERIES * kinds;
   constexpr double ROUNDING = 1e-12;
   const auto square = [](double x) { return x * x; };
   const auto at = [this](int row, int slot, int value) -> double & {
@@ -95,11 +85,10 @@ void RemoteSides::match(std::vector<Candidate> &candidates, bool curved)
     at(i, slot, X) = pair.x.x;
     at(i, slot, Y) = pair.x.y;
     at(i, slot, Z) = pair.x.z;
-    at(i, slot, PAST) = pair.past.force;
-    for (int n = 0; n < 3; ++n) at(i, slot, EARLIER + n) = pair.past.earlier[n];
-    for (int n = 0; n < LINES && curved; ++n) {
-      at(i, slot, TILT + n) = pair.past.tilt[n];
-      at(i, slot, BEND + n) = pair.past.bend[n];
+    for (int kind = 0; kind < kinds; ++kind) {
+      const PairPast::Series &series = pair.past.of[kind];
+      at(i, slot, PAST + SERIES * kind) = series.last;
+      for (int n = 0; n < 3; ++n) at(i, slot, PAST + SERIES * kind + 1 + n) = series.earlier[n];
     }
   }
   comm->forward_comm_array(slots * values, rows.data());
@@ -120,13 +109,14 @@ void RemoteSides::match(std::vector<Candidate> &candidates, bool curved)
       found = slot;
     }
     if (found < 0) continue;    // by rounding at the end of the list: too far to bear a force
-    if (pair.past.force == deformable::UNKNOWN_FORCE) {
-      pair.past.force = at(j, found, PAST);
-      for (int n = 0; n < 3; ++n) pair.past.earlier[n] = at(j, found, EARLIER + n);
-      for (int n = 0; n < LINES && curved; ++n) {
-        pair.past.tilt[n] = at(j, found, TILT + n);
-        pair.past.bend[n] = -at(j, found, BEND + n);    // as this rank sees it
+    if (pair.past.of[FORCE].last == deformable::UNKNOWN) {
+      PairPast there;
+      for (int kind = 0; kind < kinds; ++kind) {
+        PairPast::Series &series = there.of[kind];
+        series.last = at(j, found, PAST + SERIES * kind);
+        for (int n = 0; n < 3; ++n) series.earlier[n] = at(j, found, PAST + SERIES * kind + 1 + n);
       }
+      pair.past = there.from_second();
     }
     candidates[kept] = pair;
     slot_here[kept++] = slot_here[c];
@@ -144,21 +134,21 @@ void RemoteSides::match(std::vector<Candidate> &candidates, bool curved)
 }
 
 template <class Number, class Other>
-void RemoteSides::exchange(Number *values, Other *more)
+void RemoteSides::exchange(Number *values, Other *more, const int *of_pairs, int end)
 {
   if (comm->nprocs == 1) return;
   const int count = static_cast<int>(sent.size());
   for (int c = 0; c < count; ++c) {
-    sent[c][0] = values[contact[c]];
-    if (more) sent[c][slots] = more[contact[c]];
+    sent[c][0] = values[of_pairs[c]];
+    if (more) sent[c][slots] = more[of_pairs[c]];
   }
   comm->forward_comm_array(more ? 2 * slots : slots, rows.data());
   for (int c = 0; c < count; ++c) {
-    values[own + c] = static_cast<Number>(received[c][0]);
-    if (more) more[own + c] = static_cast<Other>(received[c][slots]);
+    values[end + c] = static_cast<Number>(received[c][0]);
+    if (more) more[end + c] = static_cast<Other>(received[c][slots]);
   }
 }
 
-template void RemoteSides::exchange(double *, double *);
-template void RemoteSides::exchange(double *, float *);
-template void RemoteSides::exchange(float *, float *);
+template void RemoteSides::exchange(double *, double *, const int *, int);
+template void RemoteSides::exchange(double *, float *, const int *, int);
+template void RemoteSides::exchange(float *, float *, const int *, int);

@@ -20,7 +20,7 @@ class RemoteSides : protected Pointers {
   struct Candidate {
     int i, j;
     deformable::Vector3 x;
-    PastForces past;
+    PairPast past;
   };
 
   // Leaves the candidates that the other rank has too, and gives both ranks the same past. Two images of a particle
@@ -34,9 +34,22 @@ class RemoteSides : protected Pointers {
     own = contacts;
   }
 
-  // Appends the values of the other ranks' contacts to those of this rank's.
+  void arrange_rings(const int *rings_of_pairs, int rings)
+  {
+    ring = rings_of_pairs;
+    own_rings = rings;
+  }
+
+  // Appends the values of the other ranks' contacts to those of this rank's; and of the rings of pairs.
   template <class Number, class Other = Number>
-  void exchange(Number *values, Other *more = nullptr);
+  void exchange(Number *values, Other *more = nullptr)
+  {
+    exchange(values, more, contact, own);
+  }
+  template <class Number> void exchange_rings(Number *values, Number *more = nullptr)
+  {
+    exchange(values, more, ring, own_rings);
+  }
 
   double sum(double of_this_rank) const;        // over all ranks
   double largest(double of_this_rank) const;    // of all ranks
@@ -50,14 +63,16 @@ class RemoteSides : protected Pointers {
   double bytes() const { return bytes_of(buffer, rows, sent, received, sides); }
 
  private:
-  const int *contact = nullptr;    // see arrange
-  int own = 0;
+  const int *contact = nullptr, *ring = nullptr;    // see arrange
+  int own = 0, own_rings = 0;
   int slots = 0;    // of a row, the same on all ranks
   std::vector<double> buffer;
   std::vector<double *> rows;              // of each particle: value by value, the slots
   std::vector<double *> sent, received;    // places of each pair in its rows, of the first value
   std::vector<int> sides;                  // of each particle: its pairs with other ranks
   void set_rows(int values);
+  template <class Number, class Other>
+  void exchange(Number *values, Other *more, const int *of_pairs, int end);
 };
 
 }    // namespace LAMMPS_NS

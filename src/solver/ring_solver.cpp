@@ -43,7 +43,7 @@ bool RingSolver::adapt(const RingBatches &rings, const float *changes, double un
 
 void RingSolver::find_slopes(const RingBatches &rings)
 {
-  kernels.slopes(rings, list.pairs.directions(), {});
+  kernels.slopes(rings, list.pairs.directions());
 }
 
 /* ---------------------------------------------------------------------- */

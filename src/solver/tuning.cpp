@@ -28,6 +28,7 @@ Tuning Tuning::changed_by_environment() const
                                                    {"of_tolerance", &t.of_tolerance},
                                                    {"of_square", &t.of_square},
                                                    {"of_lines", &t.of_lines},
+                                                   {"of_answers", &t.of_answers},
                                                    {"few", &t.few},
                                                    {"small_step", &t.small_step},
                                                    {"chebyshev", &t.chebyshev},

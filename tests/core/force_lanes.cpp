@@ -3,11 +3,13 @@
 
 #define DEFORMABLE_LEVEL level
 
-#include "kernels/correction_lanes.h"
+#include "kernels/curve_lanes.h"
 #include "kernels/pair_lanes.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <random>
 #include <vector>
 
@@ -31,13 +33,15 @@ void require_equal(double found, double expected, double scale, const char *what
 enum class Tensions { NONE, SOME, DROPLETS };
 
 struct Batch {
+  static constexpr double LENGTH = 2.0, SCALE = 0.25;
   int n;
   std::vector<double> force, angle, nx, ny, bend;    // of pairs: the last one is empty
   std::vector<int> pair_side;
-  std::vector<double> radius, kA, kP, tension, skin, ring[5], indentation, slope, rate,
-      per_pressure, free_radius;
+  std::vector<double> radius, kA, kP, tension, skin, ring[5], indentation, slope, free_radius,
+      bulk_and_swell, change, answer;
   std::vector<int> partner;
-  std::vector<float> response[3], compliance, share, green;
+  std::vector<float> response[3], compliance, share, green, own, turn, per_lengths, normal[2], rate,
+      across;
   std::vector<float> weight, left, direction, step, product, last_product;    // of corrections
   std::vector<double> memory;
   double *scratch;
@@ -78,8 +82,12 @@ struct Batch {
     }
     for (std::vector<double> &v : ring) v.assign(LANES, 0.0);
     for (std::vector<float> &v : response) v.assign(LANES, 0.0F);
-    for (std::vector<double> *v : {&indentation, &slope, &rate, &per_pressure, &free_radius})
-      v->assign(pairs, 0.0);
+    for (std::vector<double> *v : {&indentation, &slope}) v->assign(pairs, 0.0);
+    for (std::vector<double> *v : {&free_radius, &bulk_and_swell, &change}) v->assign(LANES, 0.0);
+    per_lengths.assign(LANES, 0.0F);
+    answer.assign(pairs + 1, 0.0);
+    for (std::vector<float> *v : {&own, &normal[0], &normal[1], &rate, &across})
+      v->assign(pairs, 0.0F);
     for (std::vector<float> *v : {&compliance, &share, &step, &product}) v->assign(pairs, 0.0F);
     for (int c = 0; c < pairs; ++c) {
       const bool is_empty = pair_side[c] == 2 * pairs;
@@ -90,16 +98,25 @@ struct Batch {
       partner.push_back(is_empty ? c : pairs - 1 - c);
     }
     green.assign(pairs * n, 0.0F);
-    memory.assign(5 * pairs + 2 * LANES, 0.0);
+    turn = green;
+    memory.assign(7 * pairs + 2 * LANES, 0.0);
     const auto address = reinterpret_cast<std::size_t>(memory.data());
     scratch = memory.data() + (64 - address % 64) % 64 / sizeof(double);
   }
 
-  ContactArrays contacts(int w)
+  ContactArrays contacts(int w, bool curved)
   {
     return contacts_of({pair_side.data(), indentation.data(), compliance.data(), slope.data(),
-                        share.data(), green.data(), nullptr, scratch},
+                        share.data(), green.data(), curved ? own.data() : nullptr, scratch},
                        w, w);
+  }
+  OutlineArrays outline(int w)
+  {
+    return {free_radius.data() + w, bulk_and_swell.data() + w,
+            per_lengths.data() + w, change.data() + w,
+            normal[0].data() + w,   normal[1].data() + w,
+            rate.data() + w,        across.data() + w,
+            turn.data() + w,        LENGTH};
   }
   CorrectionArrays corrections(int w)
   {
@@ -113,7 +130,7 @@ struct Batch {
                                        nullptr};
     return rings_of({radius.data(), stiffness, ring[0].data(), ring[2].data(), ring[3].data(),
                      ring[4].data(), response[1].data(), ring[1].data(), response[0].data(),
-                     response[2].data(), skin.data(), 0.25},
+                     response[2].data(), skin.data(), SCALE},
                     w);
   }
 };
@@ -127,8 +144,13 @@ void check(int n, std::mt19937 &random, Tensions tensions, bool curved)
   // a second time with pressures to start from
   for (const double factor : {1.0, 1.03}) {
     for (double &f : b.force) f *= factor;
-    for (int w = 0; w < LANES; w += W)
-      if (!shape_lanes<SIZE, SOFT>(pairs, n, b.contacts(w), b.rings(w))) std::exit(2);
+    for (int w = 0; w < LANES; w += W) {
+      const ContactArrays contacts = b.contacts(w, curved);
+      const bool exist =
+          curved ? shape_lanes<SIZE, SOFT, true>(pairs, n, contacts, b.rings(w), b.outline(w))
+                 : shape_lanes<SIZE, SOFT>(pairs, n, contacts, b.rings(w));
+      if (!exist) std::exit(2);
+    }
   }
   // a step along the last direction, and in one with the next product
   const std::vector<float> before = b.direction, left = b.left;
@@ -136,8 +158,8 @@ void check(int n, std::mt19937 &random, Tensions tensions, bool curved)
   by.per_scale = 1.0 / b.rings(0).scale;
   Sum none, curvature;
   for (int w = 0; w < LANES; w += FLOATS)
-    multiply_lanes<SIZE, SOFT, false, Turn::ADVANCE>(by, n, b.contacts(w), b.corrections(w),
-                                                     b.rings(w), none, w);
+    multiply_lanes<SIZE, SOFT, Turn::ADVANCE>(by, n, b.contacts(w, curved), b.corrections(w),
+                                              b.rings(w), none, w);
   const std::vector<float> product = b.product, direction = b.direction;
   for (int c = 0; c < n * LANES; ++c) {
     const float both = b.last_product[c] + b.last_product[b.partner[c]];
@@ -146,8 +168,8 @@ void check(int n, std::mt19937 &random, Tensions tensions, bool curved)
   }
   b.direction = before;
   for (int w = 0; w < LANES; w += FLOATS)
-    multiply_lanes<SIZE, SOFT, false, Turn::ANOTHER>(by, n, b.contacts(w), b.corrections(w),
-                                                     b.rings(w), curvature, w);
+    multiply_lanes<SIZE, SOFT, Turn::ANOTHER>(by, n, b.contacts(w, curved), b.corrections(w),
+                                              b.rings(w), curvature, w);
   if (b.product != product || b.direction != direction) std::exit(4);
   double curvatures = 0.0, size = 0.0;
   for (int place = 0; place < n * LANES; ++place) {
@@ -156,13 +178,14 @@ void check(int n, std::mt19937 &random, Tensions tensions, bool curved)
     size += std::fabs(product);
   }
   require_equal(curvature.total(), curvatures, size, "curvature", n);
-  for (int w = 0; w < LANES; w += W)
-    slope_lanes<SIZE>(pairs, n, b.contacts(w), b.rings(w),
-                      {&b.rate[w], &b.per_pressure[w], &b.free_radius[w]}, {});
+  for (int w = 0; w < LANES && !curved; w += W)
+    slope_lanes<SIZE>(pairs, n, b.contacts(w, curved), b.rings(w));
   for (const bool slopes : {false, true}) {
     for (int w = 0; w < LANES; ++w) {
       std::vector<double> f(n), x(n), t(n), gf(n, 0.0), gx(n, 0.0), slope(n, 0.0);
       RingLoad load = {0.0, 0.0};
+      double caps = 0.0, net_x = 0.0, net_y = 0.0;
+      std::vector<double> u(n, 0.0);
       for (int m = 0; m < n; ++m) {
         const int pair_side = b.pair_side[m * LANES + w], k = pair_side >> 1;
         f[m] = b.force[k];
@@ -172,6 +195,8 @@ void check(int n, std::mt19937 &random, Tensions tensions, bool curved)
                       1.0, "direction", n, 1e-7);
         t[m] = b.angle[k] + (pair_side & 1 ? PI : 0.0);
         load.total += f[m];
+        net_x += f[m] * std::cos(t[m]);
+        net_y += f[m] * std::sin(t[m]);
       }
       for (int m = 0; m < n; ++m) {
         for (int k = 0; k < n; ++k) {
@@ -187,7 +212,6 @@ void check(int n, std::mt19937 &random, Tensions tensions, bool curved)
       }
       if (curved) {
         double excess = 0.0, cap = 0.0;
-        std::vector<double> u(n);
         for (int m = 0; m < n; ++m) {
           const int pair_side = b.pair_side[m * LANES + w];
           u[m] = (pair_side & 1 ? -1.0 : 1.0) * b.bend[pair_side >> 1];
@@ -199,15 +223,24 @@ void check(int n, std::mt19937 &random, Tensions tensions, bool curved)
         const double plain = load.total;
         load.total += excess;
         load.work += (load.total * load.total - plain * plain) / (4.0 * PI) - cap;
+        caps = 0.5 * std::min(cap, load.work);
         for (int m = 0; m < n; ++m) gf[m] += excess / (2.0 * PI) - 0.5 * u[m] * f[m];
       }
       const Stiffness stiffness = {b.kA[w], b.kP[w], b.tension[w]};
       LoadedRing ring;
       if (!find_pressure(b.radius[w], stiffness, load, ring)) std::exit(3);
-      const RingCompliance c = compliance_of(b.radius[w], stiffness, load.work, ring);
+      // at fixed curvature, for curved lines (contact_curve.h)
+      RingCompliance c = compliance_of(b.radius[w], stiffness, load.work - caps, ring);
+      if (!SOFT) c.square *= 3.0 / (3.0 - 2.0 * caps * b.kA[w] / std::pow(ring.pressure, 3));
+      std::vector<double> at(n), own(n);
+      for (int m = 0; m < n; ++m) {
+        const double v = std::clamp(u[m], -0.1, 0.1), cube = v * v * v;
+        at[m] = (gf[m] - f[m] * (0.5 * v + cube)) * c.per_pressure;
+        own[m] = -v - cube;
+      }
       double along = 0.0, sum = 0.0, largest = 0.0;
       for (int m = 0; m < n; ++m) {
-        along += gf[m] * c.per_pressure * x[m];
+        along += at[m] * x[m];
         sum += x[m];
         largest = std::max(largest, std::fabs(gf[m]) * c.per_pressure);
       }
@@ -217,28 +250,125 @@ void check(int n, std::mt19937 &random, Tensions tensions, bool curved)
         if (b.pair_side[place] >> 1 == n * LANES) continue;    // empty
         if (slopes) {
           require_equal(b.slope[place], slope[m] * c.per_pressure, n * largest, "slope", n);
-          require_equal(b.rate[place],
-                        slope_rate(load.total * c.per_pressure, 0.0, a, f[m] * c.per_pressure),
-                        n * largest, "rate of the slope", n);
-          require_equal(b.per_pressure[place], c.per_pressure, c.per_pressure, "1/p", n);
+          if (!curved) continue;
+          require_equal(
+              b.rate[place],
+              slope_rate(load.total * c.per_pressure,
+                         (net_x * std::cos(t[m]) + net_y * std::sin(t[m])) * c.per_pressure, a,
+                         f[m] * c.per_pressure) /
+                  Batch::LENGTH,
+              n * largest, "rate of the slope", n, 1e-7);
           const double q =
               b.radius[w] + b.skin[w] + ring.expansion - load.total * c.per_pressure / (2.0 * PI);
-          require_equal(b.free_radius[place], q, b.radius[w] + n * largest, "free radius", n);
+          require_equal(b.free_radius[w], q, b.radius[w] + n * largest, "free radius", n);
           continue;
         }
         require_equal(b.indentation[place], a - ring.expansion, largest, "indentation", n);
         if (ring.pressure == 0.0) continue;
         const double scale = n * (c.per_pressure + c.rate +
                                   largest * (2.0 * c.mixed + largest * std::fabs(c.square)));
-        require_equal(0.25 * b.compliance[place], c.diagonal(a), scale, "compliance", n, 1e-7);
-        const double product = c.per_pressure * gx[m] - c.mixed * (a * sum + along) -
-                               c.square * a * along + c.rate * sum;
+        require_equal(0.25 * b.compliance[place], c.diagonal(at[m]) + own[m] * c.per_pressure,
+                      scale, "compliance", n, 1e-7);
+        const double product = c.per_pressure * (gx[m] + own[m] * x[m]) -
+                               c.mixed * (at[m] * sum + along) - c.square * at[m] * along +
+                               c.rate * sum;
         // in single precision
         require_equal(b.product[place], product, scale, "product", n, 3e-7);
       }
       require_equal(b.ring[0][w], ring.pressure, ring.pressure, "pressure", n);
     }
   }
+}
+
+// A ring whose lines answer, against numbers of an independent code; and what forces do to slopes is what tilts do to indentations.
+struct Known {
+  double kA, kP, tension, force[3];
+  double pressure, indentation[3], slope[3];
+  double C[3][2];       // C_11, C_12, C_13 and C_21, C_22, C_23
+  double N_12, N_21;    // da_1/dtheta_2/f_2, da_2/dtheta_1/f_1
+  double M_11, M_12, M_21;
+};
+
+template <bool SOFT> void check_answers(const Known &known)
+{
+  const double angle[] = {0.0, 2.0, 4.1}, curvature[] = {0.3, -0.2, 0.1};
+  std::mt19937 random(1);
+  Batch b(3, SOFT, SOFT ? Tensions::DROPLETS : Tensions::NONE, random);
+  for (int w = 0; w < LANES; ++w) {
+    b.radius[w] = 0.5;
+    b.kA[w] = known.kA;
+    b.kP[w] = known.kP;
+    b.tension[w] = known.tension;
+    b.skin[w] = 0.0;
+    for (int m = 0; m < 3; ++m) {
+      const int k = b.pair_side[m * LANES + w] = 2 * (m * LANES + w);
+      b.force[k / 2] = known.force[m];
+      b.angle[k / 2] = std::remainder(angle[m], 2.0 * PI);
+      b.nx[k / 2] = std::cos(angle[m]);
+      b.ny[k / 2] = std::sin(angle[m]);
+      b.bend[k / 2] = 0.0;
+    }
+  }
+  const PairDirections pairs = {b.force.data(), b.angle.data(), b.nx.data(), b.ny.data(),
+                                b.bend.data()};
+  double chord[3];
+  // sin(beta)/s is the curvature
+  for (int turn = 0; turn < 30; ++turn) {
+    for (int w = 0; w < LANES; w += W)
+      if (!shape_lanes<3, SOFT, true>(pairs, 3, b.contacts(w, true), b.rings(w), b.outline(w)))
+        std::exit(6);
+    for (int m = 0; m < 3; ++m) {
+      const double half = 0.5 * known.force[m] / b.ring[0][0];
+      chord[m] = half / (1.0 - curvature[m] * b.free_radius[0]);
+      const double sine = curvature[m] * chord[m];
+      for (int w = 0; w < LANES; ++w)
+        b.bend[m * LANES + w] = sine / (1.0 + std::sqrt(1.0 - sine * sine));
+    }
+  }
+  const double unit = Batch::LENGTH / Batch::SCALE;
+  require_equal(b.ring[0][0], known.pressure, known.pressure, "pressure", 3, 1e-9);
+  for (int m = 0; m < 3; ++m) {
+    require_equal(b.indentation[m * LANES], known.indentation[m], 1.0, "indentation", 3, 1e-6);
+    require_equal(b.slope[m * LANES], known.slope[m], 1.0, "slope", 3, 1e-6);
+  }
+  // a unit force at contact m, or a unit of f dtau, or of the area over (2/3) s^3
+  const auto act = [&](int m, double force, double pull, double flow) {
+    for (int k = 0; k < 3 * LANES; ++k) {
+      const bool is_it = k / LANES == m;
+      b.step[k] = is_it ? static_cast<float>(force / unit) : 0.0F;
+      const float two[] = {is_it ? static_cast<float>(pull / unit) : 0.0F,
+                           is_it ? static_cast<float>(flow / (Batch::LENGTH * Batch::LENGTH))
+                                 : 0.0F};
+      std::memcpy(&b.answer[k], two, sizeof two);
+    }
+    for (int w = 0; w < LANES; w += FLOATS) {
+      const CorrectionArrays g = b.corrections(w);
+      follow_lanes<3, SOFT>(b.answer.data(), nullptr, 3, b.contacts(w, true), g, b.rings(w),
+                            b.outline(w));
+      respond_lanes<3, SOFT>(b.answer.data(), false, 3, b.contacts(w, true), g, b.rings(w),
+                             b.outline(w));
+    }
+  };
+  const auto product = [&](int m) { return Batch::LENGTH * b.product[m * LANES]; };
+  const auto across = [&](int m) { return Batch::LENGTH * b.across[m * LANES]; };
+  const double size = std::fabs(known.C[0][0]), small = 1e-4;
+  for (const int m : {0, 1}) {
+    act(m, 1.0, 0.0, 0.0);
+    for (const int c : {0, 1, 2})
+      if (known.C[c][m] != 0.0) require_equal(product(c), known.C[c][m], size, "C", 3, 1e-3);
+    const double slope = across(1 - m);
+    require_equal(slope, m == 0 ? known.N_12 : known.N_21, size, "slope by force", 3, small);
+  }
+  act(1, 0.0, 1.0, 0.0);
+  require_equal(product(0), known.N_12, size, "indentation by tilt", 3, small);
+  act(0, 0.0, 1.0, 0.0);
+  require_equal(product(1), known.N_21, size, "indentation by tilt", 3, small);
+  const double volume[] = {2.0 / 3.0 * std::pow(chord[0], 3), 2.0 / 3.0 * std::pow(chord[1], 3)};
+  act(0, 0.0, 0.0, volume[0]);
+  require_equal(product(0), known.M_11, known.M_11, "M_11", 3, 0.2);
+  require_equal(product(1), known.M_21, known.M_21, "M_21", 3, 0.2);
+  act(1, 0.0, 0.0, volume[1]);
+  require_equal(product(0), known.M_12, known.M_12, "M_12", 3, 0.2);
 }
 
 template <bool SOFT> void check_sizes(std::mt19937 &random)
@@ -264,14 +394,11 @@ void check_prediction(const double (&f)[4], Extrapolation by, double expected)
   std::vector<float> earlier[3];
   for (int n = 0; n < 3; ++n)
     earlier[n].assign(pairs, static_cast<float>((f[n + 1] - f[n]) / unit));
-  PairArrays p = {};
-  p.force = force.data();
-  p.past = past.data();
-  p.unit = unit;
-  for (int n = 0; n < 3; ++n) p.earlier[n] = earlier[n].data();
+  const PastArrays p = {past.data(), {earlier[0].data(), earlier[1].data(), earlier[2].data()}};
   const std::vector<float> first = earlier[0], second = earlier[1];
   by.smooth /= unit;
-  extrapolate(p, by, 0, pairs);
+  by.unit = unit;
+  extrapolate(p, by, nullptr, force.data(), 0, pairs);
   for (const double found : force) require_equal(found, expected, 1.0, "prediction", pairs, 1e-15);
   if (earlier[1] != first || earlier[2] != second) std::exit(5);
 }
@@ -279,9 +406,9 @@ void check_prediction(const double (&f)[4], Extrapolation by, double expected)
 // Numbers that single precision has exactly.
 void check_predictions()
 {
-  const Extrapolation last = {0, 0, 0, 0}, line = {1, 0, 0, 0}, quadratic = {1, 1, 0, 100.0},
-                      stable = {1, 0.5, 0, 100.0}, cubic = {1, 1, 1, 0},
-                      no_kinks = {1, 1, 1, 100.0};
+  const Extrapolation last = {0, 0, 0, 0, 1, 0}, line = {1, 0, 0, 0, 1, 0},
+                      quadratic = {1, 1, 0, 100.0, 1, 0}, stable = {1, 0.5, 0, 100.0, 1, 0},
+                      cubic = {1, 1, 1, 0, 1, 0}, no_kinks = {1, 1, 1, 100.0, 1, 0};
   const double parabola[] = {9.0, 4.0, 1.0, 0.0},
                cube[] = {32.0 + 27.0, 32.0 + 8.0, 32.0 + 1.0, 32.0}, kink[] = {1.5, 1.0, 1.0, 1.0},
                falling[] = {1.0, 3.0, 5.0, 7.0};
@@ -306,5 +433,32 @@ int main()
   check_predictions();
   check_sizes<false>(random);
   check_sizes<true>(random);
+  const double infinite = std::numeric_limits<double>::infinity();
+  check_answers<false>({1.0,
+                        infinite,
+                        0.0,
+                        {1e-3, 1.2e-3, 0.9e-3},
+                        0.00671986202269,
+                        {0.0260556, 0.034311, 0.0257397},
+                        {-0.0059593, 0.0016109, 0.0044736},
+                        {{28.96839, -12.33055}, {-12.33055, 27.67239}, {-6.42767, 0.0}},
+                        21.72052,
+                        -20.47568,
+                        4.576e-4,
+                        4.979e-4,
+                        6.33e-4});
+  check_answers<true>({infinite,
+                       0.0,
+                       1.0,
+                       {0.5, 0.6, 0.45},
+                       2.4740055491,
+                       {0.0310147, 0.0430394, 0.0309228},
+                       {-0.0080933, 0.0021877, 0.0060755},
+                       {{0.0822606, -0.0249428}, {-0.0249428, 0.0901323}, {-0.012044, 0.0}},
+                       0.0595445,
+                       -0.0588607,
+                       2.983e-4,
+                       2.824e-4,
+                       2.944e-4});
   std::printf("%d\n", compared);
 }

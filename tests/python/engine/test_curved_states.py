@@ -73,7 +73,7 @@ def test_confluence() -> None:
 
 
 # number, seed and packing fraction; particles are then moved by a tenth of their diameter
-CROWDED = [(8, 4, 1.0), (8, 11, 1.05), (8, 22, 1.05), (12, 8, 1.05), (16, 5, 1.05)]
+CROWDED = [(12, 25, 1.05), (8, 4, 1.0), (8, 11, 1.05), (8, 22, 1.05), (12, 8, 1.05), (16, 5, 1.05)]
 
 
 def crowded(number, seed, phi):
