@@ -298,8 +298,8 @@ static double find_lines(PairArrays p, LineArrays a, int begin, int end)
     if (a.adhesion) change = select(load<T>(a.adhesion + k) > 0.0, zero, change);    // find_films
     const T chord = 0.25 * force * width + 0.5 * (Q.first - Q.second) * at_rest;
     const T s = larger(chord * per_length, zero), area = (2.0 / 3.0) * s * s;
-    const Both<T> of_i = both_of(of_rings<T>(a.outline.bulk_and_swell, a, k).first),
-                  of_j = both_of(of_rings<T>(a.outline.bulk_and_swell, a, k).second);
+    const Both<T> packed = of_rings<T>(a.outline.bulk_and_swell, a, k);
+    const Both<T> of_i = both_of(packed.first), of_j = both_of(packed.second);
     const T bulk = area * s * per_tension * p.unit * (of_i.first + of_j.first);
     const T phi = about_inverse(larger(1.0 + bulk, zero + 0.5));
     const T own = 0.25 * force * wider * per_length * change;
