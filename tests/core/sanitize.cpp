@@ -175,19 +175,21 @@ template <class Uniform> void rubs(Uniform uniform)
 template <class Uniform> void droplet(Uniform uniform)
 {
   const double radius = uniform(0.1, 2.0), tension = uniform(0.1, 10.0);
-  std::vector<DropletSide> sides(static_cast<std::size_t>(uniform(0.0, 30.0)));
+  std::vector<DropletSide> sides(static_cast<std::size_t>(uniform(0.0, 9.0)));
   for (std::size_t c = 0; c < sides.size(); ++c) {
     const double away = c % 5 == 4 ? std::pow(10.0, uniform(-16.0, -3.0)) : 2.0;
     for (int a = 0; a < 3; ++a)
       sides[c].vector[a] = (away < 1.0 ? sides[c - 1].vector[a] : 0.0) + away * uniform(-1.0, 1.0);
-    sides[c].turn = uniform(-1.0, 1.0);
-    sides[c].share = c % 3 ? 0.5 : 1.0;
+    sides[c].overlap = uniform(-1.0, 1.0);
+    sides[c].film = uniform(-2.0, 2.0);
+    for (double &weight : sides[c].weight) weight = uniform(-1.0, 1.0);
     sides[c].force = radius * tension * std::pow(10.0, uniform(-12.0, 0.5));
   }
-  EnergyBlocks blocks;
-  if (!add_droplet(sides, radius, tension, blocks)) return;    // singular
+  EnergyBlocks blocks, facets;
+  add_droplet(sides, radius, tension, blocks, facets);
   bool good = std::isfinite(blocks.energy);
   for (const double value : blocks.value) good = good && std::isfinite(value);
+  for (const double value : facets.value) good = good && std::isfinite(value);
   for (const double value : blocks.gradient) good = good && std::isfinite(value);
   require(good, "droplet", {});
 }
@@ -227,7 +229,7 @@ int main()
   }
 
   for (int trial = 0; trial < 1000; ++trial) rubs(uniform);
-  for (int trial = 0; trial < 1000; ++trial) droplet(uniform);
+  for (int trial = 0; trial < 60; ++trial) droplet(uniform);
   for (int trial = 0; trial < 1000; ++trial) {
     const double ri = uniform(0.1, 2.0), rj = uniform(0.1, 2.0), d = (ri + rj) * uniform(0.5, 1.2);
     const ContactLine line = contact_line(d, 1.0 / d, ri, rj);

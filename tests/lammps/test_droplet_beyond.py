@@ -20,7 +20,7 @@ def test_between_two_plates(half, beyond, tmp_path):
 
 @pytest.mark.slow
 def test_dense_packings_are_within_both_measures():
-    """Loads of up to a third, in a random packing, with a mean facet below 0.045."""
+    """Loads of up to a third, in a random packing, with a mean facet below 0.046."""
     spheres = ld.bidisperse(64, sizes=(0.5, 0.7), dimension=3, seed=1)
     sim = ld.Simulation(ld.jam(spheres).packing.at(0.78), ld.Droplet())
     sim.compress(phi=0.88, steps=2)
@@ -32,4 +32,4 @@ def test_dense_packings_are_within_both_measures():
     assert load == pytest.approx(state.loads, rel=1e-6)
     assert state.beyond == 0
     assert 0.3 < load.max() < 0.37
-    assert 0.03 < facet.max() < 0.045
+    assert 0.03 < facet.max() < 0.046
