@@ -116,6 +116,13 @@ def test_far_too_small_boxes_are_refused_before_lists_of_neighbors(boundary, tmp
         Droplets(case, tmp_path, boundary=boundary)
 
 
+def test_boxes_in_which_a_droplet_has_its_images_inside_are_refused(tmp_path):
+    """It would have thousands of contacts."""
+    case = {"x": [[0.1, 0.1, 5]], "box": [0.3, 30, 100], "radius": [1.0], "tension": [1.0]}
+    with pytest.raises(Exception, match=r"box is 0\.3 wide along x, less than half of the largest"):
+        Droplets(case, tmp_path)
+
+
 @pytest.mark.parametrize("distance", [1.0, 1e-9])
 def test_droplets_nearly_in_one_place(distance, tmp_path):
     """Beyond the model, and counted, with balanced forces that push them apart."""

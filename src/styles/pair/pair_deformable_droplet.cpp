@@ -135,6 +135,8 @@ void PairDeformableDroplet::compute(int eflag, int vflag)
 
 void PairDeformableDroplet::check_room()
 {
+  constexpr double LEAST_SIDE =
+      0.5;    // of a periodic box, over the radius: contacts would be too many, and mean nothing
   double volume = 0.0, largest = 0.0;
   for (int i = 0; i < atom->nlocal; ++i) {
     if (neighbor->includegroup && !(atom->mask[i] & group->bitmask[neighbor->includegroup]))
@@ -158,6 +160,12 @@ void PairDeformableDroplet::check_room()
                "as they keep their volumes, use a larger box, or fewer or smaller droplets",
                volume / (domain->xprd * domain->yprd * domain->zprd), domain->xprd, domain->yprd,
                domain->zprd);
+  for (int axis = 0; axis < 3; ++axis)
+    if (domain->periodicity[axis] && domain->prd[axis] < LEAST_SIDE * largest)
+      error->all(FLERR,
+                 "The periodic box is {:.6g} wide along {}, less than half of the largest radius, "
+                 "{:.6g}: a droplet has its own images inside, use a larger box",
+                 domain->prd[axis], "xyz"[axis], largest);
 }
 
 /* ---------------------------------------------------------------------- */
