@@ -468,21 +468,24 @@ Evaluation DualSolver::correct(const Evaluation &from)
     std::fill(batches.step.begin(), batches.step.end(), 0.0F);
   Stages stages(corrections, Stage::CORRECT);
   stages.push_back(Stage::STEP);
-  const bool follows = moves && films;
+  const bool follows = moves && (films || lines->answers);
   if (!follows) add_shape(stages, shape_after(from));
   const Evaluation stepped = accept(run(stages), from, corrections > 0, !follows);
   if (!moves) return line_search(stepped, BETTER * from.imbalance);
   lines->adapt(follows ? from.line_imbalance : stepped.line_imbalance);
   if (follows) {
     run({Stage::FOLLOW, Stage::TURN});
-    films->find(lines->part);
-    films->take();
+    if (films) {
+      films->find(lines->part);
+      films->take();
+    }
   } else {    // by outlines as they are
     lines->forget_answers();
     run({Stage::TURN});
   }
   Evaluation now = evaluate();
   now.slope = stepped.slope;
+  lines->answers &= now.exists && now.worst() <= std::max(BETTER * from.worst(), limit(now));
   // between films lines alone seldom make it worse: iterations may diverge slowly
   if (films && now.imbalance > from.imbalance) linear.invalidate_bounds();
   return line_search(now, NO_WORSE * std::max(from.worst(), stepped.worst()));

@@ -51,7 +51,7 @@ struct Tuning {
   double spectrum = 0.1;     // margin of the largest eigenvalue
 
   // Curved lines move with forces from this imbalance on
-  double close = 0.05;    // of the largest force
+  double close = 0.02;    // of the largest force
 
   // Evaluations that do not halve the imbalance, after which there may be no balance
   double stuck = 200.0;

@@ -55,8 +55,8 @@ def foam(phi: float) -> Callable[[], ld.State]:
 
     def relaxed() -> ld.State:
         jammed = ld.jam(ld.bidisperse(16, seed=2)).packing
-        with ld.Simulation(jammed.at(phi), FOAM) as sim:
-            return sim.relax(1e-10)
+        with ld.Simulation(jammed.at(0.88), FOAM) as sim:
+            return sim.compress(phi=phi, steps=5, tolerance=1e-10, keep=False)[-1]
 
     return relaxed
 
