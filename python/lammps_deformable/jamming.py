@@ -94,7 +94,7 @@ _STEPS, _SETTLED = 200_000, 0.01
 
 # Iterations at a pressure before the disks are compressed again, by so many of these steps; the
 # number, here of a packing in so many dimensions, doubles each time.
-_PATIENCE, _LONGEST, _BACK = {2: 4000, 3: 16_000}, 30_000, 4
+_PATIENCE, _LONGEST, _BACK = {2: 1000, 3: 16_000}, 30_000, 4
 
 # The pressure of the packing lies between the threshold and twice that.
 _ABOVE = 1.4

@@ -391,11 +391,11 @@ def relax_on_ranks(
 
 
 # Steps that are remembered: [4, 12] were tried.
-_MEMORY = 6
+_MEMORY = 12
 
 # Iterations after which the preconditioner of a packing in so many dimensions is renewed: [20, 400]
 # were tried.
-_LIFETIME = {2: 100, 3: 300}
+_LIFETIME = {2: 20, 3: 300}
 
 # Iterations between reports.
 _REPORT = 20
@@ -424,7 +424,7 @@ def minimize(
     patience: int,
     report: Callable[[int], object] = lambda iterations: None,
     preconditioner: Callable[[Floats], Inverse] | None = None,
-    lifetime: int = 100,
+    lifetime: int = 20,
 ) -> tuple[Floats, bool]:
     """Minimize a function.
 

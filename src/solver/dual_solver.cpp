@@ -297,6 +297,11 @@ bool DualSolver::balance()
       halved = now.worst();
       since = summary.evaluations;
     } else if (summary.evaluations > since + tuning.stuck) {
+      if (lines && !lines->held && !films) {    // lines go to and fro: straight ones
+        anew = 1;
+        now.exists = false;
+        continue;
+      }
       summary.termination = Termination::STUCK;
       break;
     }

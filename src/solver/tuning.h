@@ -36,9 +36,8 @@ struct Tuning {
   double coarse = 0.1;          // at most [0.01, 0.3]
   double of_tolerance = 0.1;    // not closer to the tolerance than that
   double of_square = 10.0;      // nor than so many squares, which Newton's method leaves [0.1, 10]
-  double of_lines =
-      0.01;    // nor than what lines, or films of droplets that turn, bring back of it [0.003, 0.1]
-  double of_answers = 0.1;    // the largest part that lines undo of a solution, twice [0, 0.25]
+  double of_lines = 0.01;       // nor than what lines and films bring back of it [0.003, 0.1]
+  double of_answers = 0.1;      // the largest part that lines undo of a solution, twice [0, 0.25]
 
   // A correction of some blocks alone: where no more than this part of them is not balanced, with their neighbors; 0: never
   double few = 0.25;    // [0.1, 0.25]
