@@ -297,7 +297,8 @@ bool DualSolver::balance()
       halved = now.worst();
       since = summary.evaluations;
     } else if (summary.evaluations > since + tuning.stuck) {
-      if (lines && !lines->held && !films) {    // lines go to and fro: straight ones
+      are_balanced = false;
+      if (lines && !lines->held && !has_room()) {    // as lines go to and fro: straight ones
         anew = 1;
         now.exists = false;
         continue;
