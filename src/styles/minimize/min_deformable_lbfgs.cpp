@@ -447,6 +447,7 @@ void MinDeformableLbfgs::renew()
     for (int i = 0; i < atom->nlocal && atom->radius_flag; ++i)
       if (atom->radius[i] > 0.0) here = std::min(here, atom->radius[i]);
     MPI_Allreduce(&here, &smallest, 1, MPI_DOUBLE, MPI_MIN, world);
+    if (force->pair) smallest = std::min(smallest, force->pair->cutforce);    // in any units
     limit = dmax > 0.0 ? dmax : std::min(0.1, 0.05 * smallest);
     return;
   }
