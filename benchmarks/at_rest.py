@@ -203,6 +203,17 @@ def summary(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
     return table
 
 
+def written(result: dict[str, Any]) -> str:
+    """JSON with a line for each row."""
+    parts = {
+        name: "[\n" + ",\n".join(map(json.dumps, value)) + "\n]"
+        if isinstance(value, list)
+        else json.dumps(value)
+        for name, value in result.items()
+    }
+    return "{" + ",\n".join(f'"{name}": {text}' for name, text in parts.items()) + "}\n"
+
+
 def markdown(table: list[dict[str, Any]]) -> str:
     """The table of the README: calls, evaluations and time of each number of particles."""
     numbers = sorted({row["N"] for row in table})
@@ -247,7 +258,7 @@ def main() -> None:
             "summary": summary(rows),
             "rows": sorted(rows, key=lambda row: (*place(case_of(row)), row["seed"])),
         }
-        options.out.write_text(json.dumps(result, indent=1) + "\n")
+        options.out.write_text(written(result))
     print(markdown(summary(rows)))
 
 
