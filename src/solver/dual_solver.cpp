@@ -516,14 +516,16 @@ DualSolver::Stages DualSolver::with_lines(double accuracy)
   return stages;
 }
 
-// The step is along no line of the dual energy: only the imbalance tells whether it leads astray, or slowly to nowhere. Then lines
-// take steps for themselves, which may be shorter.
+// What a solution with C at fixed curvature is multiplied by: lines undo up to `of_answers` of it. Over two solutions the parts are
+// those of Chebyshev's iteration.
 double DualSolver::gain(int solution, int solutions) const
 {
   const double root = solutions == 1 ? 0.0 : solution == 1 ? std::sqrt(0.5) : -std::sqrt(0.5);
   return solutions == 0 ? 1.0 : 1.0 / (1.0 + 0.5 * tuning.of_answers * (1.0 + root));
 }
 
+// The step is along no line of the dual energy: only the imbalance tells whether it leads astray, or slowly to nowhere. Then lines
+// take steps for themselves, which may be shorter.
 Evaluation DualSolver::accept_with_lines(Evaluation now, const Evaluation &from)
 {
   lines->answers = now.exists && now.worst() <= std::max(BETTER * from.worst(), limit(now));

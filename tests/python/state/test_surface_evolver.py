@@ -76,6 +76,12 @@ class File:
         return found
 
 
+def films_have_two_sides(users: list[list[int]], words: list[list[str]]) -> None:
+    """Films belong to two faces, in space to two bodies, all else to one."""
+    uses = np.bincount([abs(each) for user in users for each in user])
+    assert uses[1:].tolist() == [2 if "film" in row else 1 for row in words]
+
+
 def test_outlines_close(foam: ld.State, tmp_path: Path) -> None:
     """Each particle has a loop of nearly its area, counterclockwise, and each film two sides."""
     foam.to_surface_evolver(tmp_path / "foam.fe")
@@ -90,9 +96,7 @@ def test_outlines_close(foam: ld.State, tmp_path: Path) -> None:
         area = 0.5 * np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))
         assert 0.9 * size < area < size
         assert size == pytest.approx(math.pi * foam.packing.radii[body] ** 2)
-    uses = np.bincount([abs(edge) for face in file.faces for edge in face])
-    of_films = ["film" in words for words in file.edge_words]
-    assert uses[1:].tolist() == [2 if film else 1 for film in of_films]
+    films_have_two_sides(file.faces, file.edge_words)
 
 
 def test_surfaces_close(droplets: ld.State, tmp_path: Path) -> None:
@@ -109,9 +113,7 @@ def test_surfaces_close(droplets: ld.State, tmp_path: Path) -> None:
         triangles = np.array([[at[tail] for tail, _, _ in loop] for loop in loops])
         volume = np.linalg.det(triangles - triangles.mean(axis=(0, 1))).sum() / 6.0
         assert volume == pytest.approx(size, rel=0.2)
-    uses = np.bincount([abs(face) for body in file.bodies for face in body])
-    of_films = ["film" in words for words in file.face_words]
-    assert uses[1:].tolist() == [2 if film else 1 for film in of_films]
+    films_have_two_sides(file.bodies, file.face_words)
 
 
 def test_particles_alone(tmp_path: Path) -> None:
