@@ -132,6 +132,7 @@ def test_the_api_has_every_public_name_once():
         "core.largest_bulge",
     }
     results = {
+        "Simulation.coarsen",
         "Simulation.compress",
         "Simulation.creep",
         "Simulation.grow",

@@ -61,7 +61,7 @@ def protocol_of(name: str) -> Protocol:
     Raises:
         FileError: there is none.
     """
-    from . import compression, motion, shearing  # which know this module
+    from . import coarsening, compression, motion, shearing  # which know this module
 
     protocols = {
         "compress": compression.COMPRESS,
@@ -69,6 +69,7 @@ def protocol_of(name: str) -> Protocol:
         "shear": shearing.SHEAR,
         "oscillate": shearing.OSCILLATE,
         "creep": shearing.CREEP,
+        "coarsen": coarsening.COARSEN,
         "run": motion.RUN,
     }
     if name not in protocols:

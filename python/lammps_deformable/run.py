@@ -52,7 +52,7 @@ from .store import (
     refuse,
     summary_in,
 )
-from .tracking import mean_squared_displacement, unwrapped
+from .tracking import changes, mean_squared_displacement, unwrapped
 from .versions import optional
 
 if TYPE_CHECKING:
@@ -165,6 +165,7 @@ def _recorded_state(
         "lost_energy": float(row.get("lost_energy") or 0.0),
         "films": motion.films,
         "directions": motion.directions,
+        "labels": motion.labels,
     }
     if isinstance(law, SoftContact):
         return State(packing, law, **known)
@@ -473,6 +474,26 @@ class Run(Sequence[Any]):
             ParameterError: a lag is out of range, or times are not equally far apart.
         """
         return mean_squared_displacement(self, lags)
+
+    def events(self) -> Table:
+        """Contacts that form and break from each state to the next, and T1 events.
+
+            events = run.events()
+            rate = np.sum(events["event"] == "forms") / (run[-1].time - run[0].time)
+            events.to_pandas().to_csv("events.csv")
+
+        A row is a change since the state before. Contacts that form and break again in between are
+        not seen: take states near to each other. In the plane two particles that part, and two of
+        their common neighbors, before or afterwards, that meet, are a T1. Of a dump by LAMMPS the
+        states are `Run(State.from_file(dump, species, frame=n) for n in range(100))`.
+
+        Returns:
+            Columns: `frame`, that of the later state, and its `time`; `event`, one of `forms`,
+            `breaks`, `vanishes` and `is born`; the particles `i` and `j` by their labels, or -1 - k
+            for wall k, equal for a single one; `t1`, the number of the T1 to which both its
+            contacts belong, from 0, or -1.
+        """
+        return Table({name: np.array(values) for name, values in changes(self).items()})
 
     def radial_distribution(
         self, bins: int, r_max: float

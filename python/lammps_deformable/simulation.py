@@ -115,6 +115,7 @@ class Simulation(OneCall):
     shear_strain: float | None = None
     directions: NDArray[np.float64] | None = None
     seed: int | None = None
+    _labels: NDArray[np.int64] | None = None  # of the particles, see `State`
     _lost: float = 0.0  # energy that films had lost before LAMMPS began to count it
     _steps_before: int = 0  # steps of LAMMPS before it began to count them
     _fell_back: bool = False  # whether FIRE went on where L-BFGS failed, in the last relaxation
@@ -574,6 +575,62 @@ class Simulation(OneCall):
             FileError: see `compress`.
         """
         return play(self, "creep", locals())
+
+    def coarsen(
+        self,
+        permeability: float,
+        *,
+        time: float,
+        steps: int = 1,
+        border: float = 0.0,
+        tolerance: float | None = None,
+        record: str | Path | None = None,
+        mode: str = "x",
+        callback: Callable[[Any], object] | None = None,
+        keep: bool = True,
+        parameters: Mapping[str, Any] | None = None,
+    ) -> Run:
+        """Let gas flow from bubbles of higher pressure to their neighbors: a foam that ages.
+
+        Volumes V_i of the undeformed bubbles, areas in the plane, change by the films S_ij between
+        bubbles, their lengths or in space areas, and by the free surfaces S_i,
+
+            dV_i/dt = -permeability [sum_j S_ij (p_i - p_j) + border S_i (p_i - p)]
+
+        with the pressures p_i and p = sum S_i p_i / sum S_i, that of the gas in the liquid. The
+        foam is at rest all the time, and the sum of all volumes stays. In a step of time no volume
+        changes by more than 5 % of the mean. A bubble below 2 % of the mean vanishes; the `labels`
+        of a state tell which ones are left, and `Run.events` when the others vanished. Bubbles that
+        lie loosely between others shrink by the border alone. Walls let no gas pass. Sizes become
+        very unequal: take a reach of 2. Exact films are those of
+        Ring(kA=inf, kP=0, tension=..., contact="curved", reach=2).
+
+            run = sim.coarsen(1.0, time=50.0, steps=100, record="run")
+
+        Args:
+            permeability: of films [length^(d+1)/(energy time)].
+            time: in all [time].
+            steps: number of states, after equal parts of the time.
+            border: permeability of free surfaces over that of films.
+            tolerance: as in `compress`, as all that follows.
+            record: folder of the run.
+            mode: of the folder.
+            callback: called with each state.
+            keep: whether the result has all states.
+            parameters: for the summary.
+
+        Returns:
+            The states: the relaxed start, then that after each part of the time, with its `time`.
+
+        Raises:
+            ParameterError: a value is out of range, the law is neither `Ring` nor `Droplet`, or
+                contacts rub.
+            FileError: see `compress`.
+
+        Source: films: von Neumann, in Metal Interfaces (1952); gas in the liquid: Lemlich, Ind.
+        Eng. Chem. Fundam. 17, 89 (1978).
+        """
+        return play(self, "coarsen", locals())
 
     def run(
         self,

@@ -164,6 +164,8 @@ class State:
             conserved [energy].
         directions: in which particles propel themselves, unit vectors, shape (N, 2); None in other
             states than those of motion with a propulsion.
+        labels: number, from 0, that each particle keeps where others vanish or are born, shape
+            (N,); None as long as none do.
         friction: of the contacts; None if they slip.
         rubbing: spins, springs of contacts and what was lost, see `friction.Rubbing`; None without
             friction.
@@ -195,6 +197,7 @@ class State:
     films: Films | None = None
     lost_energy: float = 0.0
     directions: Floats | None = None
+    labels: NDArray[np.int64] | None = None
     friction: Friction | None = None
     rubbing: Rubbing | None = None
     unsaved: str = ""
@@ -380,7 +383,7 @@ class State:
         """What goes on with a simulation from this state, beside the packing."""
         history = self.velocities, self.time, self.shear_strain, self.films, self.directions
         lost = self.lost_energy - sum(self.rubbing.lost if self.rubbing else ())
-        return Motion(*history, self.rubbing, self.images, lost)
+        return Motion(*history, self.rubbing, self.images, lost, self.labels)
 
     @property
     def _squeezed(self) -> tuple[str, Floats]:
@@ -1147,7 +1150,7 @@ class State:
         found["rattler"] = self.rattlers.astype(int)
         if isinstance(self.law, _SAVED):
             found |= dict(zip(("vx", "vy", "vz"), self.velocities.T, strict=False))
-            found |= {**as_columns(self.directions), **spin_column(self.rubbing)}
+            found |= {**as_columns(self._motion), **spin_column(self.rubbing)}
         return found
 
     def to_freud(self, what: str = "points") -> Any:

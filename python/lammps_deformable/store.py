@@ -61,35 +61,54 @@ from .walls import SHAPES, Wall
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
 
-_COLUMN = "direction"
+# What particles carry with them in motion, as columns of a trajectory and comments of a data file.
+_DIRECTION, _LABEL = "direction", "label"
 
 
-def as_columns(directions: NDArray[np.float64] | None) -> dict[str, NDArray[np.float64]]:
-    """A column with the angles of unit vectors, shape (N, 2), to the x axis; none without them."""
-    return {} if directions is None else {_COLUMN: np.arctan2(directions[:, 1], directions[:, 0])}
+def as_columns(motion: Motion) -> dict[str, NDArray[Any]]:
+    """Columns of a trajectory: angles of directions to the x axis, and labels; none without."""
+    found: dict[str, NDArray[Any]] = {}
+    if motion.directions is not None:
+        found[_DIRECTION] = np.arctan2(motion.directions[:, 1], motion.directions[:, 0])
+    if motion.labels is not None:
+        found[_LABEL] = motion.labels
+    return found
 
 
-def from_columns(columns: Mapping[str, NDArray[np.float64]]) -> NDArray[np.float64] | None:
-    """The unit vectors of the columns of a trajectory, shape (N, 2); None without directions."""
-    return unit_vectors(columns[_COLUMN]) if _COLUMN in columns else None
+def from_columns(columns: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
+    """The inverse of `as_columns`: `directions` and `labels` of a motion, where there are some."""
+    found: dict[str, Any] = {}
+    if _DIRECTION in columns:
+        found["directions"] = unit_vectors(columns[_DIRECTION])
+    if _LABEL in columns:
+        found["labels"] = columns[_LABEL].astype(np.int64)
+    return found
 
 
-def direction_lines(directions: NDArray[np.float64] | None) -> str:
-    """Comments at the end of a data file, in the order of IDs; none without directions."""
-    angles = as_columns(directions).get(_COLUMN)
-    return "" if angles is None else "\n" + "".join(f"# {_COLUMN} {a!r}\n" for a in angles.tolist())
+def carried_lines(motion: Motion) -> str:
+    """Comments at the end of a data file, in the order of IDs; none without columns."""
+    lines = [
+        f"# {name} {value!r}\n"
+        for name, values in as_columns(motion).items()
+        for value in values.tolist()
+    ]
+    return "\n" * bool(lines) + "".join(lines)
 
 
-def directions_in(text: str, number: int) -> NDArray[np.float64] | None:
-    """The unit vectors in the comments of a data file of so many atoms; None without.
+def carried_in(text: str, number: int) -> dict[str, Any]:
+    """What the comments of a data file of so many atoms have, see `from_columns`.
 
     Raises:
         ValueError: they are damaged.
     """
-    angles = re.findall(rf"^# {_COLUMN} (.+)$", text, re.MULTILINE)
-    if len(angles) not in (0, number):
-        raise ValueError(f"it has directions of {len(angles)} of {number} atoms")
-    return from_columns({_COLUMN: np.array(angles, np.float64)} if angles else {})
+    columns = {}
+    for name in (_DIRECTION, _LABEL):
+        values = re.findall(rf"^# {name} (.+)$", text, re.MULTILINE)
+        if len(values) not in (0, number):
+            raise ValueError(f"it has {name}s of {len(values)} of {number} atoms")
+        if values:
+            columns[name] = np.array(values, np.float64)
+    return from_columns(columns)
 
 
 class Motion(NamedTuple):
@@ -104,6 +123,8 @@ class Motion(NamedTuple):
         rubbing: spins, and what contacts that rub remember; None if they do not.
         images: how often particles have left the box through each side, shape (N, d); None: never.
         lost: energy that films have lost so far [energy].
+        labels: number that each particle keeps where others vanish or are born, shape (N,); None
+            as long as none do.
     """
 
     velocities: NDArray[np.float64]
@@ -114,6 +135,7 @@ class Motion(NamedTuple):
     rubbing: Rubbing | None = None
     images: NDArray[np.int64] | None = None
     lost: float = 0.0
+    labels: NDArray[np.int64] | None = None
 
     @property
     def moves(self) -> bool:
@@ -126,7 +148,8 @@ def packing_file(packing: Packing, motion: Motion, frames: int | None) -> str:
     """A packing as a LAMMPS data file.
 
     Its title has time, strain and the energy lost by films where these are not 0, and the number of
-    recorded frames, if given. Films, directions and springs of contacts are comments at its end.
+    recorded frames, if given. Films, directions, labels and springs of contacts are comments at its
+    end.
     """
     style = atom_style(packing)
     space = "two" if packing.dimension == 2 else "three"
@@ -154,7 +177,7 @@ def packing_file(packing: Packing, motion: Motion, frames: int | None) -> str:
         images=motion.images,
     )
     memory = film_lines(motion.films) + rubbing_lines(motion.rubbing)
-    return text + memory + direction_lines(motion.directions)
+    return text + memory + carried_lines(motion)
 
 
 def packing_in(text: str, radii: list[float], dimension: int) -> Packing:
@@ -190,7 +213,7 @@ def motion_in(text: str, number: int, dimension: int) -> Motion:
         dimension: 2, or 3 in space.
 
     Raises:
-        ValueError: velocities or directions are missing or damaged.
+        ValueError: velocities, directions or labels are missing or damaged.
     """
     title, _, body = text.partition("\n")
     time, strain, lost = (
@@ -210,11 +233,11 @@ def motion_in(text: str, number: int, dimension: int) -> Motion:
         velocities,
         float(time[1]) if time else 0.0,
         float(strain[1]) if strain else None,
-        films_in(text),
-        directions_in(text, number),
-        rubbing_in(text, spins),
-        images_in(read_data_file(text).columns, dimension),
-        float(lost[1]) if lost else 0.0,
+        films=films_in(text),
+        rubbing=rubbing_in(text, spins),
+        images=images_in(read_data_file(text).columns, dimension),
+        lost=float(lost[1]) if lost else 0.0,
+        **carried_in(text, number),
     )
 
 
@@ -685,10 +708,14 @@ def read_frame(
         values["radius"] if own else None,
     )
     velocities = np.column_stack([values[name] for name in ("vx", "vy", "vz")[:dimension]])
-    films, directions = as_films(saved.get("films")), from_columns(values)
-    rubbing = rubbing_from_json(saved, values)
-    images = images_in(values, dimension)
-    motion = Motion(velocities, *_clock(row), films, directions, rubbing, images)
+    motion = Motion(
+        velocities,
+        *_clock(row),
+        films=as_films(saved.get("films")),
+        rubbing=rubbing_from_json(saved, values),
+        images=images_in(values, dimension),
+        **from_columns(values),
+    )
     return packing, motion, dict(values)
 
 
