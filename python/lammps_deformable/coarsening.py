@@ -2,12 +2,14 @@
 
 The volumes V_i of bubbles (areas in the plane), those of the undeformed radii, follow
 
-    dV_i/dt = -permeability [sum_j S_ij (p_i - p_j) + border S_i (p_i - p)]
+    dV_i/dt = -permeability [sum_j S_ij (p_i - p_j) + border S_i (p_i - p)/R_i]
 
-with the film between two bubbles S_ij (its length, or its area in space), their pressures p_i, the
-free surface S_i, and the pressure p = sum S_i p_i / sum S_i of gas in the liquid, which keeps the
-sum of all volumes (Lemlich 1978). The foam is at rest all the time. In the dry limit of the plane,
-films of the tension g meet at 120 degrees, so that a bubble with n neighbors has
+with the film between two bubbles S_ij (its length, or its area in space), their pressures p_i, and
+the free surface S_i. Gas in the liquid has the pressure p that keeps the sum of all volumes
+(Lemlich 1978). It crosses distances of about R_i there, in the place of the thickness of films,
+which is `border`. The foam is at rest all the time. Films alone let radii grow as t^(1/2), the
+liquid alone as t^(1/3) (Lifshitz and Slyozov; Wagner 1961). In the dry limit of the plane films of
+the tension g meet at 120 degrees, so that a bubble with n neighbors has
 
     dV_i/dt = permeability g (pi/3) (n - 6)                            (von Neumann 1952)
 
@@ -48,7 +50,7 @@ def gas_flow(state: Any, permeability: float, border: float = 0.0) -> Floats:
     np.add.at(flow, i, -through)
     np.add.at(flow, j, through)
     if border:
-        free = free_surface(state)
+        free = free_surface(state) / state.radii
         liquid = np.sum(free * pressure) / max(np.sum(free), np.finfo(float).tiny)
         flow -= border * free * (pressure - liquid)
     return permeability * flow
@@ -134,13 +136,16 @@ def after(state: Any, change: Floats) -> Any:
     table, left = state.contacts, np.ones(len(volume), np.bool_)
     pair = table["j"] >= 0
     i, j, film = table["i"][pair], table["j"][pair], films_in(table)[pair]
-    for gone in np.argsort(volume):
-        if volume[gone] >= small or left.sum() == 1:
+    while left.sum() > 1:
+        gone = int(np.argmin(np.where(left, volume, np.inf)))
+        if volume[gone] >= small:
             break
         left[gone] = False
         share = np.zeros(len(volume))
         np.add.at(share, j[i == gone], film[i == gone])
-        share = share * left if (share * left).any() else volume * left
+        share *= left
+        if not share.any():
+            share = np.maximum(volume, 0.0) * left
         volume += volume[gone] * share / share.sum()
     volume[~left] = 1.0  # of those that are gone, whose radii are cut out
     radii = np.cbrt(0.75 * volume / math.pi) if dimension == 3 else np.sqrt(volume / math.pi)

@@ -595,11 +595,11 @@ class Simulation(OneCall):
         Volumes V_i of the undeformed bubbles, areas in the plane, change by the films S_ij between
         bubbles, their lengths or in space areas, and by the free surfaces S_i,
 
-            dV_i/dt = -permeability [sum_j S_ij (p_i - p_j) + border S_i (p_i - p)]
+            dV_i/dt = -permeability [sum_j S_ij (p_i - p_j) + border S_i (p_i - p)/R_i]
 
-        with the pressures p_i and p = sum S_i p_i / sum S_i, that of the gas in the liquid. The
-        foam is at rest all the time, and the sum of all volumes stays. In a step of time no volume
-        changes by more than 5 % of the mean. A bubble below 2 % of the mean vanishes; the `labels`
+        with the pressures p_i, and that of the gas in the liquid p, which keeps the sum of all
+        volumes. Films alone let radii grow as t^(1/2), the liquid alone as t^(1/3). The foam is at
+        rest all the time. In a step no volume changes by more than 5 % of the mean. A bubble below 2 % of the mean vanishes; the `labels`
         of a state tell which ones are left, and `Run.events` when the others vanished. Bubbles that
         lie loosely between others shrink by the border alone. Walls let no gas pass. Sizes become
         very unequal: take a reach of 2. Exact films are those of
@@ -611,7 +611,8 @@ class Simulation(OneCall):
             permeability: of films [length^(d+1)/(energy time)].
             time: in all [time].
             steps: number of states, after equal parts of the time.
-            border: permeability of free surfaces over that of films.
+            border: thickness of films, over which gas crosses them, where it crosses a distance of
+                about R_i through the liquid; 0: no gas flows through the liquid [length].
             tolerance: as in `compress`, as all that follows.
             record: folder of the run.
             mode: of the folder.
@@ -628,7 +629,8 @@ class Simulation(OneCall):
             FileError: see `compress`.
 
         Source: films: von Neumann, in Metal Interfaces (1952); gas in the liquid: Lemlich, Ind.
-        Eng. Chem. Fundam. 17, 89 (1978).
+        Eng. Chem. Fundam. 17, 89 (1978); growth: Lifshitz and Slyozov, J. Phys. Chem. Solids 19, 35
+        (1961).
         """
         return play(self, "coarsen", locals())
 

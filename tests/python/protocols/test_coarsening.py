@@ -6,7 +6,7 @@ from pathlib import Path
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable.coarsening import gas_flow
+from lammps_deformable.coarsening import after, gas_flow
 from lammps_deformable.population import labels_of, remaining
 from refusals import refused
 from scipy.integrate import solve_ivp
@@ -39,6 +39,7 @@ def test_the_sum_over_films_one_by_one(foam: ld.State) -> None:
         expected[i] -= row["length"] * (foam.pressures[i] - foam.pressures[j])
         free[i] -= row["length"]
     assert gas_flow(foam, 3.0) == pytest.approx(3.0 * expected, rel=1e-6, abs=1e-9)
+    free /= foam.radii
     liquid = (free * foam.pressures).sum() / free.sum()
     expected -= 0.2 * free * (foam.pressures - liquid)
     assert gas_flow(foam, 3.0, 0.2) == pytest.approx(3.0 * expected, rel=1e-6, abs=1e-9)
@@ -62,14 +63,14 @@ def test_a_short_time_takes_the_flow(foam: ld.State) -> None:
 
 
 def test_two_bubbles_in_the_liquid() -> None:
-    """dV_1/dt = -2 pi border permeability tension (R_2 - R_1)/(R_1 + R_2): Euler's method."""
+    """dV_1/dt = -2 pi border permeability tension (1/R_1 - 1/R_2)/2: Euler's method."""
     packing = ld.Packing([[2.0, 2.0], [6.0, 6.0]], [0.9, 1.1], (8.0, 8.0))
     with ld.Simulation(packing, ld.Ring(kA=math.inf, kP=0, tension=0.7)) as sim:
         end = sim.coarsen(3.0, time=0.3, steps=10, border=0.5)[-1]
 
     def flow(_: float, volume: np.ndarray) -> np.ndarray:
         small, large = np.sqrt(volume / math.pi)
-        rate = 2.0 * math.pi * 0.5 * 3.0 * 0.7 * (large - small) / (large + small)
+        rate = 2.0 * math.pi * 0.5 * 3.0 * 0.7 * 0.5 * (1.0 / small - 1.0 / large)
         return np.array([-rate, rate])
 
     exact = solve_ivp(flow, (0.0, 0.3), math.pi * packing.radii**2, rtol=1e-10).y[:, -1]
@@ -125,6 +126,19 @@ def test_droplets_in_space(emulsion: ld.State, border: float) -> None:
     assert [each.sum() for each in volume] == pytest.approx([volume[0].sum()] * 3, rel=1e-12)
     small = emulsion.radii < emulsion.radii.mean()
     assert volume[-1][small].mean() < volume[0][small].mean()
+
+
+def test_many_vanish_at_once() -> None:
+    """Of those without films all take the gas; one that has lost too much is gone as well."""
+    places = [[2.0 * x, 2.0 * y] for x in range(1, 6) for y in range(1, 6)]
+    radii = np.where(np.arange(25) % 3 == 0, 0.9, 0.16)
+    packing = ld.Packing(places, radii, (12.0, 12.0))
+    with ld.Simulation(packing, ld.Ring(kA=math.inf, kP=0, tension=1.0)) as sim:
+        state = sim.state()
+    change = np.where(radii < 0.5, -0.2, 0.0)
+    after_it = after(state, change)
+    assert len(after_it.packing) == 9
+    assert areas(after_it).sum() == pytest.approx(areas(state).sum() + change.sum(), rel=1e-12)
 
 
 def test_films_of_those_that_are_left() -> None:
