@@ -64,6 +64,7 @@ _LAWS: dict[str, tuple[tuple[type, ...], str]] = {
     "moving": (_MOVING, "Ring, Sector and Droplet"),
     "saved": (_SAVED, "Ring, Sector, Droplet and SoftContact"),
     "droplets": ((Droplet,), "Droplet"),
+    "bubbles": ((Ring, Droplet), "Ring and Droplet"),
 }
 
 # What takes the place of what there is in the plane or in space only.
@@ -166,6 +167,7 @@ class State:
             states than those of motion with a propulsion.
         labels: number, from 0, that each particle keeps where others vanish or are born, shape
             (N,); None as long as none do.
+        clones: label of the first ancestor of each particle, shape (N,); None if none divided.
         friction: of the contacts; None if they slip.
         rubbing: spins, springs of contacts and what was lost, see `friction.Rubbing`; None without
             friction.
@@ -198,6 +200,7 @@ class State:
     lost_energy: float = 0.0
     directions: Floats | None = None
     labels: NDArray[np.int64] | None = None
+    clones: NDArray[np.int64] | None = None
     friction: Friction | None = None
     rubbing: Rubbing | None = None
     unsaved: str = ""
@@ -383,7 +386,7 @@ class State:
         """What goes on with a simulation from this state, beside the packing."""
         history = self.velocities, self.time, self.shear_strain, self.films, self.directions
         lost = self.lost_energy - sum(self.rubbing.lost if self.rubbing else ())
-        return Motion(*history, self.rubbing, self.images, lost, self.labels)
+        return Motion(*history, self.rubbing, self.images, lost, self.labels, self.clones)
 
     @property
     def _squeezed(self) -> tuple[str, Floats]:
@@ -673,6 +676,18 @@ class State:
         Source: mean stress by Love and Weber; Bagi, Mech. Mater. 22, 165 (1996).
         """
         return contacts.particle_stress(self._contact_forces, self.volumes)
+
+    @_only("bubbles")
+    def gas_flow(self, permeability: float, *, border: float = 0.0) -> Floats:
+        """dV/dt of each bubble by gas that flows, see `Simulation.coarsen`, (N,) [length^d/time].
+
+        Args:
+            permeability: of films [length^(d+1)/(energy time)].
+            border: thickness of films [length].
+        """
+        from .coarsening import gas_flow
+
+        return gas_flow(self, permeability, border)
 
     def graph(self) -> Any:
         """The contacts as a graph of networkx, a `MultiGraph` with particles as nodes.
