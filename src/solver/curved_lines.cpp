@@ -77,7 +77,7 @@ void CurvedLines::straighten(bool hold)
 void CurvedLines::turn()
 {
   kernels.turn_lines(arrays(), 0, pairs->wall);
-  if (films) films->take();
+  if (films) films->take(0, pairs->size);
 }
 
 deformable::LineArrays CurvedLines::arrays()
@@ -105,7 +105,8 @@ deformable::LineArrays CurvedLines::arrays()
   a.left = left.data();
   a.part = part;
   a.wall = p.wall;
-  a.adhesion = p.adhesive ? p.adhesion.data() : nullptr;
+  for (int side = 0; side < 2; ++side)
+    a.film_angle[side] = p.adhesive ? p.film_angle[side].data() : nullptr;
   return a;
 }
 

@@ -208,12 +208,13 @@ void DualSolver::predict()
     lines->predict(by);
   }
   summary.evaluations = 0;
-  is_first = true;
-  is_remembered = is_corrected = false;
+  problems = 0;
+  is_corrected = false;
   allowed = max_evaluations;
 }
 
-// Another solution of this call begins with the last forces.
+// Another solution of this call begins with the last forces. It is at the same time: the next call continues its forces by the
+// changes of the first one.
 void DualSolver::take_past()
 {
   const PairArrays a = arrays();
@@ -223,6 +224,8 @@ void DualSolver::take_past()
                      ? 0.0
                      : std::max(past[k], deformable::least_force<double>(a, k));
   if (lines) lines->take_past();
+  for (int kind = 0; kind < list.pairs.kinds(); ++kind)
+    changes[kind] = list.pairs.past[kind].earlier[0];
   --summary.evaluations;    // the next one repeats the last one, and does not count
 }
 
@@ -260,13 +263,12 @@ void DualSolver::average_over_ranks()
 
 bool DualSolver::balance()
 {
-  if (!is_first) take_past();
+  if (problems++ > 0) take_past();
   average_over_ranks();
   if (lines) lines->begin();
   const bool is_planned = may_plan();
   Evaluation now = is_planned ? evaluate_and_correct() : evaluate();
-  if (is_first && !is_planned) planned_from = now;
-  is_first = false;
+  if (problems == 1 && !is_planned) planned_from = now;
 
   local_corrections = 0;
   int anew = 0;
@@ -279,7 +281,6 @@ bool DualSolver::balance()
       ++anew;
       halved = std::numeric_limits<double>::infinity();
       since = summary.evaluations;
-      invalidate_history();
       std::fill(list.pairs.force.begin(), list.pairs.force.end(), 0.0);
       if (lines) lines->straighten(anew == 2);
       if (anew == 2) allowed = summary.evaluations + max_evaluations;
@@ -307,7 +308,6 @@ bool DualSolver::balance()
       break;
     }
     if (!std::isfinite(now.force)) break;
-    invalidate_history();
     if (!correct_some(now)) now = correct(now);
   }
   if (!now.exists) summary.termination = Termination::NO_SHAPE;
@@ -327,7 +327,7 @@ bool DualSolver::is_balanced(const Evaluation &now) const
 // Whether the last calls tell how far to correct: not in minimizations.
 bool DualSolver::may_plan() const
 {
-  return tuning.planned != 0.0 && is_first && successive_calls >= QUADRATIC && !minimizing() &&
+  return tuning.planned != 0.0 && problems == 1 && successive_calls >= QUADRATIC && !minimizing() &&
          linear.knows_bounds() && planned_from.exists && planned_from.norm2 > 0.0 &&
          planned_from.force > 0.0 && (!lines || lines_answer(planned_from));
 }
@@ -340,7 +340,7 @@ bool DualSolver::lines_move(const Evaluation &from) const
 
 bool DualSolver::lines_answer(const Evaluation &from) const
 {
-  return lines_move(from) && !films && lines->answers && linear.knows_bounds() && from.norm2 > 0.0;
+  return lines_move(from) && lines->answers && linear.knows_bounds() && from.norm2 > 0.0;
 }
 
 /* ----------------------------------------------------------------------
@@ -479,16 +479,8 @@ Evaluation DualSolver::correct(const Evaluation &from)
   const Evaluation stepped = accept(run(stages), from, corrections > 0, !follows);
   if (!moves) return line_search(stepped, BETTER * from.imbalance);
   lines->adapt(follows ? from.line_imbalance : stepped.line_imbalance);
-  if (follows) {
-    run({Stage::FOLLOW, Stage::TURN});
-    if (films) {
-      films->find(lines->part);
-      films->take();
-    }
-  } else {    // by outlines as they are
-    lines->forget_answers();
-    run({Stage::TURN});
-  }
+  if (!follows) lines->forget_answers();    // by outlines as they are
+  run(follows ? Stages{Stage::FOLLOW, Stage::TURN} : Stages{Stage::TURN});
   Evaluation now = evaluate();
   now.slope = stepped.slope;
   lines->answers &= now.exists && now.worst() <= std::max(BETTER * from.worst(), limit(now));
@@ -499,29 +491,33 @@ Evaluation DualSolver::correct(const Evaluation &from)
 
 /* ----------------------------------------------------------------------
    A correction with lines that answer: all in one sweep. Small ones need one
-   solution, others a second one for what lines have left of the first.
+   solution, others a second one, between films also a third one, for what lines
+   have left of those before.
 ------------------------------------------------------------------------- */
 
 DualSolver::Stages DualSolver::with_lines(double accuracy)
 {
-  const double first = std::max(accuracy, tuning.coarse);
-  Stages stages = {Stage::RESPOND};
-  stages.insert(stages.end(), linear.plan(first), Stage::CORRECT);
-  if (accuracy < first) {
-    stages.insert(stages.end(), {Stage::FOLLOW, Stage::ANSWER, Stage::RESPOND});
-    stages.insert(stages.end(), linear.plan(accuracy / first), Stage::CORRECT);
+  const int solutions = accuracy >= tuning.coarse ? 1 : films ? 3 : 2;
+  const int iterations = linear.plan(std::pow(accuracy, 1.0 / solutions));
+  Stages stages;
+  for (int solution = 0; solution < solutions; ++solution) {
+    if (solution > 0) stages.insert(stages.end(), {Stage::FOLLOW, Stage::ANSWER});
+    stages.push_back(Stage::RESPOND);
+    stages.insert(stages.end(), iterations, Stage::CORRECT);
   }
   stages.insert(stages.end(),
                 {Stage::STEP, Stage::FOLLOW, Stage::TURN, Stage::SHAPE, Stage::RESIDUAL});
   return stages;
 }
 
-// What a solution with C at fixed curvature is multiplied by: lines undo up to `of_answers` of it. Over two solutions the parts are
-// those of Chebyshev's iteration.
+// What a solution with C at fixed curvature is multiplied by: lines undo up to `of_answers` of it, and films under tension add up
+// to `of_films` to it. Over several solutions the parts are those of Chebyshev's iteration.
 double DualSolver::gain(int solution, int solutions) const
 {
-  const double root = solutions == 1 ? 0.0 : solution == 1 ? std::sqrt(0.5) : -std::sqrt(0.5);
-  return solutions == 0 ? 1.0 : 1.0 / (1.0 + 0.5 * tuning.of_answers * (1.0 + root));
+  if (solutions == 0) return 1.0;
+  const double root = std::cos(deformable::PI * (solution - 0.5) / solutions);
+  const double low = films ? 1.0 - tuning.of_films : 1.0, high = 1.0 + tuning.of_answers;
+  return 2.0 / (high + low + (high - low) * root);
 }
 
 // The step is along no line of the dual energy: only the imbalance tells whether it leads astray, or slowly to nowhere. Then lines
@@ -655,11 +651,17 @@ double DualSolver::step_alone()
 
 void DualSolver::remember()
 {
-  if (!is_remembered) {
-    kernels.remember(arrays(), 0, list.pairs.size);
-    if (lines) lines->remember();
-  }
-  is_remembered = true;
+  kernels.remember(arrays(), 0, list.pairs.size);
+  remember_lines();
+}
+
+// After the forces.
+void DualSolver::remember_lines()
+{
+  if (lines) lines->remember();
+  if (problems > 1)
+    for (int kind = 0; kind < list.pairs.kinds(); ++kind)
+      list.pairs.past[kind].earlier[0] = changes[kind];
 }
 
 // The next solution of this call is another problem: it may take as many evaluations.
@@ -667,13 +669,6 @@ void DualSolver::begin_again()
 {
   remember();
   allowed = summary.evaluations + max_evaluations;
-}
-
-// A step overwrites the force before the last call (`before` shares memory with that): the next call cannot extrapolate.
-void DualSolver::invalidate_history()
-{
-  if (is_remembered) successive_calls = 0;
-  is_remembered = false;
 }
 
 void DualSolver::forget()
@@ -690,20 +685,18 @@ void DualSolver::forget()
 void DualSolver::finish(const Push &push, double part)
 {
   deformable::RingBatches here = batches.arrays();
-  const bool remembers = !is_remembered;
   const auto work = [&](int block, int stage) {
     blocks.choose(here, block);
     if (stage == 1 && !lines) find_slopes(here);    // those have slopes
     blocks.for_pairs(block, [&](int begin, int end, double) {
       if (stage == 2)
         push(begin, end, part, true);
-      else if (remembers)
+      else
         kernels.remember(arrays(), begin, end);
     });
   };
   blocks.run(2, work, [](int) {});
-  if (lines && remembers) lines->remember();
-  is_remembered = true;
+  remember_lines();
 }
 
 /* ----------------------------------------------------------------------
@@ -797,10 +790,7 @@ Evaluation DualSolver::run(const Stages &stages, Evaluation *before,
     ++summary.evaluations;
     *before = sum_up(blocks.count(), true);
   }
-  Evaluation now = sum_up(0, exist);
-  if (films && stages.back() == Stage::RESIDUAL)
-    now.line_imbalance = std::max(now.line_imbalance, films->find(lines->part));
-  return now;
+  return sum_up(0, exist);
 }
 
 std::vector<DualSolver::Turn> DualSolver::turns_of(const Stages &stages)
@@ -841,7 +831,9 @@ void DualSolver::work(Stage stage, const Turn &turn, int solutions, int block,
         found.add(kernels.find_residuals(loop, begin, end), part);
         if (lines && !lines->held)
           found.line = std::max(found.line, kernels.find_lines(loop, lines->arrays(), begin, end));
+        if (films) found.line = std::max(found.line, films->find(begin, end));
       });
+      if (films) found.line = std::max(found.line, films->tension_imbalance(here));
       break;
     case Stage::WAIT: break;
     case Stage::RELAX:
@@ -874,6 +866,10 @@ void DualSolver::work(Stage stage, const Turn &turn, int solutions, int block,
         kernels.settle(loop, lines->arrays(), begin, end);
         kernels.turn_lines(lines->arrays(), begin, end);
       });
+      if (films) {
+        blocks.for_pairs(block, [&](int begin, int end, double) { films->take(begin, end); });
+        films->follow_tensions(here);
+      }
       break;
     case Stage::STEP:
       blocks.for_pairs(block, [&](int begin, int end, double part) {

@@ -171,8 +171,9 @@ class DualSolver : protected Pointers {
   static constexpr int LINEAR = 2, QUADRATIC = 3, CUBIC = 4;    // past forces that are needed
   int successive_calls = 0;    // at successive time steps before this one
   bigint last_step = -2;
-  bool is_first = true;    // solution of this call
-  bool is_remembered = false, is_corrected = false;
+  int problems = 0;                     // of this call so far
+  LargeVector<float> changes[KINDS];    // from the last call, as the first solution has left them
+  bool is_corrected = false;
   // Before the correction of the last call, and then of this one, which is planned from it.
   Evaluation planned_from;
 
@@ -198,8 +199,8 @@ class DualSolver : protected Pointers {
   void take_past();
   void average_over_ranks();
   void remember();
+  void remember_lines();
   void begin_again();
-  void invalidate_history();
 
   bool balance();
   bool may_plan() const;
