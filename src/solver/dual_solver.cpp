@@ -351,24 +351,24 @@ bool DualSolver::lines_answer(const Evaluation &from) const
 Evaluation DualSolver::evaluate_and_correct()
 {
   is_corrected = true;
-  Stages stages;
-  add_shape(stages, Stage::SHAPE);
+  Steps steps;
+  add_shape(steps, Stage::SHAPE);
   if (!lines && relaxation.begin(tuning, tolerance, planned_from.force)) {
     std::fill(step.begin(), step.end(), 0.0F);
-    stages.insert(stages.end(), {Stage::WAIT, Stage::RELAX});
-    add_shape(stages, Stage::RESHAPE);
+    steps.insert(steps.end(), {Stage::WAIT, Stage::RELAX});
+    add_shape(steps, Stage::RESHAPE);
   }
   if (lines) {
-    const Stages correction = with_lines(accuracy(planned_from));
-    stages.insert(stages.end(), correction.begin(), correction.end());
-    const Evaluation now = run(stages, &planned_from);
+    const Steps correction = with_lines(accuracy(planned_from));
+    steps.insert(steps.end(), correction.begin(), correction.end());
+    const Evaluation now = run(steps, &planned_from);
     return planned_from.exists ? accept_with_lines(now, planned_from) : now;
   }
-  stages.insert(stages.end(), linear.plan(accuracy(planned_from)), Stage::CORRECT);
+  add_solution(steps, linear.plan(accuracy(planned_from)));
   const Stage shape = shape_after(planned_from);
-  stages.push_back(Stage::STEP);
-  add_shape(stages, shape);
-  Evaluation now = run(stages, &planned_from);
+  steps.push_back(Stage::STEP);
+  add_shape(steps, shape);
+  Evaluation now = run(steps, &planned_from);
   if (!planned_from.exists) return now;
   if (shape == Stage::ADAPT && shape_after(planned_from) != shape) {    // larger than planned
     const double slope = now.slope;
@@ -401,11 +401,12 @@ bool DualSolver::correct_some(Evaluation &now)
 
   ++local_corrections;
   const Evaluation from = now;
-  Stages stages(linear.plan(accuracy(from)), Stage::CORRECT);
-  stages.insert(stages.end(), {Stage::STEP, shape_after(from)});
+  Steps steps;
+  add_solution(steps, linear.plan(accuracy(from)));
+  steps.insert(steps.end(), {Stage::STEP, shape_after(from)});
   hold_others(chosen);
   for (OfBlock &of : of_blocks) of.slope = 0.0;
-  const Evaluation stepped = run(stages, nullptr, &chosen);
+  const Evaluation stepped = run(steps, nullptr, &chosen);
   BlockLevels::Choice seen = chosen;
   if (has_facets()) {
     exchange_facets();
@@ -472,15 +473,16 @@ Evaluation DualSolver::correct(const Evaluation &from)
     corrections = linear.begin(batches, list.remote_sides, arrays(), from.norm2, accuracy(from));
   else    // only particles without force touch
     std::fill(batches.step.begin(), batches.step.end(), 0.0F);
-  Stages stages(corrections, Stage::CORRECT);
-  stages.push_back(Stage::STEP);
+  Steps steps;
+  add_solution(steps, corrections);
+  steps.push_back(Stage::STEP);
   const bool follows = moves && (films || lines->answers);
-  if (!follows) add_shape(stages, shape_after(from));
-  const Evaluation stepped = accept(run(stages), from, corrections > 0, !follows);
+  if (!follows) add_shape(steps, shape_after(from));
+  const Evaluation stepped = accept(run(steps), from, corrections > 0, !follows);
   if (!moves) return line_search(stepped, BETTER * from.imbalance);
   lines->adapt(follows ? from.line_imbalance : stepped.line_imbalance);
   if (!follows) lines->forget_answers();    // by outlines as they are
-  run(follows ? Stages{Stage::FOLLOW, Stage::TURN} : Stages{Stage::TURN});
+  run(follows ? Steps{Stage::FOLLOW_STEP, Stage::TURN} : Steps{Stage::TURN});
   Evaluation now = evaluate();
   now.slope = stepped.slope;
   lines->answers &= now.exists && now.worst() <= std::max(BETTER * from.worst(), limit(now));
@@ -492,32 +494,27 @@ Evaluation DualSolver::correct(const Evaluation &from)
 /* ----------------------------------------------------------------------
    A correction with lines that answer: all in one sweep. Small ones need one
    solution, others a second one, between films also a third one, for what lines
-   have left of those before.
+   have left of those before. Lines undo up to `of_answers` of a solution with C
+   at fixed curvature, and films under tension add up to `of_films` to it: steps
+   are multiplied as in Chebyshev's iteration between these bounds.
 ------------------------------------------------------------------------- */
 
-DualSolver::Stages DualSolver::with_lines(double accuracy)
+DualSolver::Steps DualSolver::with_lines(double accuracy)
 {
   const int solutions = accuracy >= tuning.coarse ? 1 : films ? 3 : 2;
   const int iterations = linear.plan(std::pow(accuracy, 1.0 / solutions));
-  Stages stages;
-  for (int solution = 0; solution < solutions; ++solution) {
-    if (solution > 0) stages.insert(stages.end(), {Stage::FOLLOW, Stage::ANSWER});
-    stages.push_back(Stage::RESPOND);
-    stages.insert(stages.end(), iterations, Stage::CORRECT);
-  }
-  stages.insert(stages.end(),
-                {Stage::STEP, Stage::FOLLOW, Stage::TURN, Stage::SHAPE, Stage::RESIDUAL});
-  return stages;
-}
-
-// What a solution with C at fixed curvature is multiplied by: lines undo up to `of_answers` of it, and films under tension add up
-// to `of_films` to it. Over several solutions the parts are those of Chebyshev's iteration.
-double DualSolver::gain(int solution, int solutions) const
-{
-  if (solutions == 0) return 1.0;
-  const double root = std::cos(deformable::PI * (solution - 0.5) / solutions);
   const double low = films ? 1.0 - tuning.of_films : 1.0, high = 1.0 + tuning.of_answers;
-  return 2.0 / (high + low + (high - low) * root);
+  Steps steps;
+  for (int solution = 0; solution < solutions; ++solution) {
+    if (solution > 0) steps.insert(steps.end(), {Stage::FOLLOW, Stage::ANSWER});
+    steps.push_back(Stage::RESPOND);
+    steps.back().goes_on = solution > 0;
+    const double root = std::cos(deformable::PI * (solution + 0.5) / solutions);
+    add_solution(steps, iterations, 2.0 / (high + low + (high - low) * root), true);
+  }
+  steps.insert(steps.end(),
+               {Stage::STEP, Stage::FOLLOW_STEP, Stage::TURN, Stage::SHAPE, Stage::RESIDUAL});
+  return steps;
 }
 
 // The step is along no line of the dual energy: only the imbalance tells whether it leads astray, or slowly to nowhere. Then lines
@@ -727,65 +724,72 @@ PairArrays DualSolver::arrays()
 }
 
 // Shapes, and then the residuals.
-void DualSolver::add_shape(Stages &stages, Stage shape) const
+void DualSolver::add_shape(Steps &steps, Stage shape) const
 {
-  stages.push_back(shape);
-  if (has_facets()) stages.push_back(Stage::TILT);
-  stages.push_back(Stage::RESIDUAL);
+  steps.push_back(shape);
+  if (has_facets()) steps.push_back(Stage::TILT);
+  steps.push_back(Stage::RESIDUAL);
+}
+
+void DualSolver::add_solution(Steps &steps, int iterations, double gain, bool goes_on)
+{
+  for (int k = 1; k <= iterations; ++k) {
+    steps.push_back(Stage::CORRECT);
+    Step &step = steps.back();
+    step.iteration = k;
+    step.last = iterations;
+    step.gain = gain;
+    step.goes_on = goes_on;
+  }
 }
 
 Evaluation DualSolver::evaluate()
 {
-  Stages stages;
-  add_shape(stages, Stage::SHAPE);
-  return run(stages);
+  Steps steps;
+  add_shape(steps, Stage::SHAPE);
+  return run(steps);
 }
 
 // Returns what the last stage RESIDUAL has found in all blocks; in `before`, unless null, what the last one before the
 // corrections has. If only some blocks are chosen, the others stay as they are.
-Evaluation DualSolver::run(const Stages &stages, Evaluation *before,
+Evaluation DualSolver::run(const Steps &steps, Evaluation *before,
                            const BlockLevels::Choice *chosen)
 {
   const deformable::RingBatches rings = batches.arrays();
   deformable::RingBatches here = rings;    // of the block that has its turn
-  const std::vector<Turn> turns = turns_of(stages);
-  int solutions = 0;    // while lines answer
-  for (const Turn &turn : turns)
-    if (turn.before == Stage::RESPOND) solutions = turn.solution;
-  const auto corrects = [](Stage stage) {
-    return stage == Stage::CORRECT || stage == Stage::RESPOND;
+  const auto corrects = [](const Step &step) {
+    return step.stage == Stage::CORRECT || step.stage == Stage::RESPOND;
   };
-  const int first =    // of them, from 0; stages count from 1
-      static_cast<int>(std::find_if(stages.begin(), stages.end(), corrects) - stages.begin());
+  const int first =    // of them, from 0; steps count from 1
+      static_cast<int>(std::find_if(steps.begin(), steps.end(), corrects) - steps.begin());
   of_blocks.resize((before ? 2 : 1) * blocks.count());
   for (std::size_t block = 0; block < of_blocks.size(); ++block)
     if (!chosen || (*chosen)[block]) of_blocks[block] = {};
   bool exist = true;
   blocks.run(
-      static_cast<int>(stages.size()),
-      [&](int block, int stage) {
-        const bool is_before = before && stage <= first;
+      static_cast<int>(steps.size()),
+      [&](int block, int number) {
+        const bool is_before = before && number <= first;
         blocks.choose(here, block);
-        work(stages[stage - 1], turns[stage - 1], solutions, block, here,
-             of_blocks[is_before ? blocks.count() + block : block], exist);
+        work(steps[number - 1], block, here, of_blocks[is_before ? blocks.count() + block : block],
+             exist);
       },
-      [&](int stage) {
-        const Stage done = stages[stage - 1];
-        const Turn &turn = turns[stage - 1];
-        const bool shaped = done == Stage::SHAPE || done == Stage::ADAPT;
-        if (done == Stage::RESPOND || (done == Stage::CORRECT && turn.iteration < turn.last)) {
-          list.remote_sides.exchange(LinearSolver::products(rings, turn.iteration));
+      [&](int number) {
+        const Step &done = steps[number - 1];
+        const bool shaped = done.stage == Stage::SHAPE || done.stage == Stage::ADAPT;
+        if (corrects(done) && (done.stage == Stage::RESPOND || done.iteration < done.last)) {
+          list.remote_sides.exchange(LinearSolver::products(rings, done.iteration));
         } else if (shaped && has_facets()) {
           exchange_facets();
-        } else if (shaped || done == Stage::TILT) {
+        } else if (shaped || done.stage == Stage::TILT) {
           list.remote_sides.exchange(batches.indentation.data(), batches.compliance.data());
           if (lines) lines->exchange_outlines();
-        } else if (done == Stage::FOLLOW) {
+        } else if (done.stage == Stage::FOLLOW || done.stage == Stage::FOLLOW_STEP) {
           lines->exchange_answers();
         }
       },
       chosen);
-  if (stages.back() == Stage::RESIDUAL) ++summary.evaluations;
+  if (steps.back().stage == Stage::RESIDUAL) ++summary.evaluations;
   if (before) {
     ++summary.evaluations;
     *before = sum_up(blocks.count(), true);
@@ -793,45 +797,18 @@ Evaluation DualSolver::run(const Stages &stages, Evaluation *before,
   return sum_up(0, exist);
 }
 
-std::vector<DualSolver::Turn> DualSolver::turns_of(const Stages &stages)
-{
-  std::vector<Turn> turns(stages.size());
-  int solutions = 0;
-  for (std::size_t k = 0; k < stages.size(); ++k) {
-    if (k > 0) turns[k].before = stages[k - 1];
-    if (stages[k] != Stage::CORRECT) continue;
-    if (turns[k].before != Stage::CORRECT) ++solutions;
-    turns[k].iteration = turns[k].before == Stage::CORRECT ? turns[k - 1].iteration + 1 : 1;
-    turns[k].solution = solutions;
-  }
-  int last = 0;
-  for (std::size_t k = stages.size(); k-- > 0;) {
-    if (stages[k] != Stage::CORRECT) continue;
-    const bool ends = k + 1 == stages.size() || stages[k + 1] != Stage::CORRECT;
-    turns[k].last = last = ends ? turns[k].iteration : last;
-  }
-  return turns;
-}
-
-void DualSolver::work(Stage stage, const Turn &turn, int solutions, int block,
-                      deformable::RingBatches &here, OfBlock &found, bool &exist)
+void DualSolver::work(const Step &now, int block, deformable::RingBatches &here, OfBlock &found,
+                      bool &exist)
 {
   const PairArrays loop = arrays();
-  const auto for_lines = [&](auto &&act) {
-    blocks.for_pairs(block, [&](int begin, int end, double) {
-      if (begin < list.pairs.wall) act(begin, end);
-    });
-  };
-  switch (stage) {
+  switch (now.stage) {
     case Stage::SHAPE: exist &= shape(here); break;
     case Stage::ADAPT: exist &= adapt(here, step.data(), loop.unit); break;
     case Stage::TILT: turn_facets(here); break;
     case Stage::RESIDUAL:
       blocks.for_pairs(block, [&](int begin, int end, double part) {
         found.add(kernels.find_residuals(loop, begin, end), part);
-        if (lines && !lines->held)
-          found.line = std::max(found.line, kernels.find_lines(loop, lines->arrays(), begin, end));
-        if (films) found.line = std::max(found.line, films->find(begin, end));
+        if (lines) found.line = std::max(found.line, lines->find(loop, begin, end));
       });
       if (films) found.line = std::max(found.line, films->tension_imbalance(here));
       break;
@@ -846,30 +823,19 @@ void DualSolver::work(Stage stage, const Turn &turn, int solutions, int block,
       });
       break;
     case Stage::CORRECT:
-      linear.iterate(here, loop, turn.iteration, turn.last,
-                     turn.before == Stage::RESPOND ? lines->arrays().left : nullptr,
-                     gain(turn.solution, solutions));
+      linear.iterate(here, loop, now.iteration, now.last,
+                     now.goes_on ? lines->arrays().left : nullptr, now.gain);
       break;
-    case Stage::FOLLOW:
-      kernels.follow(here, lines->arrays(),
-                     turn.before == Stage::STEP || turn.before == Stage::SHAPE ? step.data()
-                                                                               : nullptr);
-      break;
+    case Stage::FOLLOW: kernels.follow(here, lines->arrays(), nullptr); break;
+    case Stage::FOLLOW_STEP: kernels.follow(here, lines->arrays(), step.data()); break;
     case Stage::ANSWER:
-      for_lines([&](int begin, int end) { kernels.answer(loop, lines->arrays(), begin, end); });
+      blocks.for_pairs(block,
+                       [&](int begin, int end, double) { lines->find_answers(loop, begin, end); });
       break;
-    case Stage::RESPOND:
-      kernels.respond(here, lines->arrays(), turn.before != Stage::ANSWER);
-      break;
+    case Stage::RESPOND: kernels.respond(here, lines->arrays(), !now.goes_on); break;
     case Stage::TURN:
-      for_lines([&](int begin, int end) {
-        kernels.settle(loop, lines->arrays(), begin, end);
-        kernels.turn_lines(lines->arrays(), begin, end);
-      });
-      if (films) {
-        blocks.for_pairs(block, [&](int begin, int end, double) { films->take(begin, end); });
-        films->follow_tensions(here);
-      }
+      blocks.for_pairs(block, [&](int begin, int end, double) { lines->settle(loop, begin, end); });
+      if (films) films->follow_tensions(here);
       break;
     case Stage::STEP:
       blocks.for_pairs(block, [&](int begin, int end, double part) {

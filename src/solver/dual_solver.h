@@ -155,13 +155,22 @@ class DualSolver : protected Pointers {
     CORRECT,     // an iteration for C x = r
     STEP,        // all forces take their corrections
     // curved lines: see CurvedLines
-    FOLLOW,    // outlines follow the last answer of lines and, in the end, the step or else the correction so far
-    ANSWER,     // of lines to that
-    RESPOND,    // what it does to indentations; then comes a solution for what is left
-    TURN        // lines to where they are at rest
+    FOLLOW,         // outlines follow the last answer of lines, and the correction so far
+    ANSWER,         // of lines to that
+    RESPOND,        // what it does to indentations; then comes a solution for what is left
+    FOLLOW_STEP,    // outlines follow the last answer, and the step
+    TURN            // lines to where they are at rest
   };
-  using Stages = std::vector<Stage>;
-  void add_shape(Stages &, Stage) const;
+  struct Step {
+    Stage stage;
+    int iteration = 0, last = 0;    // CORRECT: which one of so many
+    double gain = 1.0;              // and what steps are multiplied by
+    bool goes_on = false;           // CORRECT, RESPOND: with what a solution before has left
+    Step(Stage stage) : stage(stage) {}
+  };
+  using Steps = std::vector<Step>;
+  void add_shape(Steps &, Stage) const;
+  static void add_solution(Steps &, int iterations, double gain = 1.0, bool goes_on = false);
 
   const int max_evaluations;    // of a call, without changes of films
   int allowed = 0;
@@ -206,7 +215,7 @@ class DualSolver : protected Pointers {
   bool may_plan() const;
   bool lines_move(const Evaluation &) const;
   bool lines_answer(const Evaluation &) const;
-  Stages with_lines(double accuracy);
+  Steps with_lines(double accuracy);
   Evaluation accept_with_lines(Evaluation now, const Evaluation &from);
   Evaluation evaluate_and_correct();
   int local_corrections = 0;    // of this solution
@@ -221,18 +230,10 @@ class DualSolver : protected Pointers {
   bool may_go_on() const { return summary.evaluations < allowed; }
 
   deformable::PairArrays arrays();
-  Evaluation run(const Stages &, Evaluation *before = nullptr,
+  Evaluation run(const Steps &, Evaluation *before = nullptr,
                  const BlockLevels::Choice *chosen = nullptr);
   Evaluation evaluate();
-  struct
-      Turn {    // of a stage: the iteration of a solution, of so many, and which solution; and what comes before
-    int iteration = 0, last = 0, solution = 0;
-    Stage before = Stage::SHAPE;
-  };
-  static std::vector<Turn> turns_of(const Stages &);
-  double gain(int solution, int solutions) const;
-  void work(Stage, const Turn &, int solutions, int block, deformable::RingBatches &, OfBlock &,
-            bool &exist);
+  void work(const Step &, int block, deformable::RingBatches &, OfBlock &, bool &exist);
   Evaluation sum_up(int first, bool exist) const;
   void hold_others(const BlockLevels::Choice &);
   void move(double from, double to) { move(from, to, 0, list.pairs.size); }
