@@ -16,7 +16,7 @@
 //                the facets of their neighbors, and have a stage more
 //   correct      C x = r for the active set (LinearSolver: Chebyshev's iteration, or conjugate gradients where the bounds of the
 //                spectrum are not known). A pair whose own force would become negative is not in it, and its force vanishes.
-//   correct_some the same for a few blocks of particles, if only these are not balanced
+//   correct_some the same for a few blocks of particles, if only these are not balanced (local_corrections.cpp)
 //   with_lines   the stages of a correction that curved lines answer (CurvedLines)
 //   evaluate_and_correct   both in one sweep, as planned from the last call: the usual way in a run, if the bounds are known.
 //                With straight lines pairs that are far off, as where contacts open, are relaxed before (PairRelaxation).
@@ -226,6 +226,8 @@ class DualSolver : protected Pointers {
   Evaluation accept(Evaluation now, const Evaluation &from, bool iterated, bool has_shapes);
   Evaluation line_search(Evaluation now, double enough);
   bool is_balanced(const Evaluation &now) const;
+  // A step needs no line search if the imbalance is at most this part of that before; if lines or other blocks change too.
+  static constexpr double BETTER = 0.5, NO_WORSE = 2.0;
   double limit(const Evaluation &now) const { return std::max(tolerance * now.force, enough); }
   bool may_go_on() const { return summary.evaluations < allowed; }
 
