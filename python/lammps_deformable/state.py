@@ -1061,8 +1061,8 @@ class State:
 
         In the plane these are the outlines. In space they are spheres that the planes of their
         contacts cut, with their centers in the box, seen from far away; of droplets, which bulge,
-        this is a little less than their volume. Colors begin at 0. If some values are negative, 0
-        is in the middle.
+        this is a little less than their volume. Colors go from the smallest to the largest value.
+        If some values are negative, 0 is in the middle; whole numbers have a color each.
 
         Args:
             ax: axes to draw into; if not given those of a new figure, which is as long as the box.
@@ -1085,7 +1085,7 @@ class State:
                 in the middle.
             vmin: value of the first color; that of `scale` if not given.
             vmax: value of the last color; that of `scale` if not given.
-            title: of the picture; phi and pressure if not given.
+            title: of the picture; none if not given.
             colorbar: draw a bar of the colors. One bar of several pictures is
                 `figure.colorbar(axes.collections[0], ax=all_axes)`.
             label: of the bar; that of the name if not given.

@@ -8,11 +8,6 @@ namespace deformable {
 
 static constexpr double INFINITE = std::numeric_limits<double>::infinity();
 
-static double part(const Vector3 &v, int axis)
-{
-  return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
-}
-
 void WallShape::set_planes(const std::vector<HalfPlane> &given)
 {
   for (const HalfPlane &plane : given) planes.push_back({{plane.nx, plane.ny, 0.0}, plane.offset});
@@ -177,11 +172,11 @@ int Scene::first_outside(int axis, double low, double high) const
   const bool any_face = std::any_of(walls.begin(), walls.end(),
                                     [](const Wall &wall) { return wall.kind == Wall::FACE; });
   for (const Present &wall : present) {
-    const double n = part(wall.face.n, axis), offset = wall.face.offset;
+    const double n = component(wall.face.n, axis), offset = wall.face.offset;
     if (wall.kind == Wall::FACE && std::fabs(n) == 1.0 && std::isfinite(offset) &&
         (n > 0.0 ? offset > high : -offset < low))
       return index_of(wall);
-    const double middle = part(wall.middle, axis);
+    const double middle = component(wall.middle, axis);
     if (wall.kind == Wall::RIM && !wall.is_body && !any_face &&
         (middle - wall.radius < low || middle + wall.radius > high))
       return index_of(wall);
@@ -211,9 +206,9 @@ SurfacePoint Scene::nearest_point(int wall, const Vector3 &x) const
   const Present &now = present[wall];
   Vector3 from = x - now.middle;
   for (int axis = 2; axis >= 0 && now.is_obstacle(); --axis) {
-    const double length = part(period[axis], axis);
-    if (length > 0.0 && std::isfinite(part(now.half, axis)))
-      from = from - std::rint(part(from, axis) / length) * period[axis];
+    const double length = component(period[axis], axis);
+    if (length > 0.0 && std::isfinite(component(now.half, axis)))
+      from = from - std::rint(component(from, axis) / length) * period[axis];
   }
   int feature = 0;
   return nearest_point(now, from, feature);
@@ -250,8 +245,7 @@ void Scene::begin_step(bool counts)
     if (present[w].kind == Wall::FACE && !std::isfinite(before[w].face.offset))
       before[w] = present[w];
   for (std::size_t s = 0; s < motions.size(); ++s)
-    if (!std::isfinite(motions_before[s].x) || !std::isfinite(motions_before[s].y))
-      motions_before[s] = motions[s];
+    if (!std::isfinite(length(motions_before[s].step))) motions_before[s] = motions[s];
   if (counting) given -= 0.5 * (potential(present) - potential_then);
   loads.clear();
 }
@@ -269,17 +263,17 @@ void Scene::end_step()
    second order.
 ------------------------------------------------------------------------- */
 
-Point Scene::way(int feature, double x, double y) const
+Vector3 Scene::way(int feature, const Vector3 &x) const
 {
-  if (!moves || feature >= present.back().first_feature + present.back().features) return {0, 0};
+  if (!moves || feature >= present.back().first_feature + present.back().features) return {};
   const int w = wall_of(feature);
   const Wall &wall = walls[w];
-  const int side = wall.kind == Wall::POLYGON ? (feature - present[w].first_feature) / 3 : 0;
+  const bool has_corners = dimension == 2 && wall.kind == Wall::POLYGON;
+  const int side = has_corners ? (feature - present[w].first_feature) / 3 : 0;
   const int shape = wall.sides.empty() ? wall.shape : wall.sides[side].shape;
   const Motion &now = motions[shape], &then = motions_before[shape];
-  const double angle = now.angle - then.angle;
-  return {now.x - then.x - angle * (y - 0.5 * (now.y + then.y)) + slide.x,
-          now.y - then.y + angle * (x - 0.5 * (now.x + then.x)) + slide.y};
+  const Vector3 step = now.step - then.step, from = x - 0.5 * (now.step + then.step);
+  return step + (now.angle - then.angle) * cross(now.axis, from) + slide;
 }
 
 /* ---------------------------------------------------------------------- */

@@ -42,9 +42,11 @@ struct Wall {
   std::vector<Side> sides;
 };
 
-// A rotation around the origin, then a step, in the plane: how a shape has come to where it is.
+// A rotation around an axis through the origin, then a step: how a shape has come to where it is.
 struct Motion {
-  double x = 0.0, y = 0.0, angle = 0.0;
+  Vector3 step{};
+  double angle = 0.0;
+  Vector3 axis = {0.0, 0.0, 1.0};
 };
 
 // A center that a wall refuses: it is there at this height. Or the wall is a round container, and narrower than the particle: then
@@ -120,9 +122,9 @@ class Scene {
   double energy_given() const { return given; }
   void restore(double energy) { given = energy; }
 
-  // How far the surface of a feature's wall has moved in this step at (x, y). What only changes its size stays.
-  Point way(int feature, double x, double y) const;
-  Point slide = {0.0, 0.0};    // of all walls, along themselves
+  // How far the surface of a feature's wall has moved in this step at x. What only changes its size stays.
+  Vector3 way(int feature, const Vector3 &x) const;
+  Vector3 slide{};    // of all walls, along themselves
 
   // The first feature of the wall that this one belongs to.
   int first_feature(int feature) const { return present[wall_of(feature)].first_feature; }

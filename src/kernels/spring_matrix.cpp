@@ -9,11 +9,6 @@
 using namespace deformable;
 using LAMMPS_NS::bytes_of;
 
-static double component(const Vector3 &v, int axis)
-{
-  return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
-}
-
 /* ---------------------------------------------------------------------- */
 
 void SpringMatrix::factorize(const FrontKernels &kernels_, int dimension_, int n, const double *x,

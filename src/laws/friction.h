@@ -1,9 +1,13 @@
-// Friction and damping of one contact: what a step does to its spring, and what it loses.
+// Friction, damping and the film of one contact: what a step does to its spring, and what it loses.
+//
+// A vector v along a contact with the normal n is given as n x v. That is the same from both sides, where n and v have the other
+// sign, and in the plane it is (0, 0, v.t), with the tangent t, which is n turned to the left: a number, whatever n does.
 
 #ifndef DEFORMABLE_FRICTION_H
 #define DEFORMABLE_FRICTION_H
 
 #include "laws/parameter_rules.h"
+#include "laws/vector3.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,10 +16,39 @@
 namespace deformable {
 
 // The spring along the contact has the length xi and the stiffness kt, beside it is a dashpot gt; another one, gn, is along
-// the normal. Coulomb's coefficient mu may be infinite.
+// the normal. Coulomb's coefficient mu may be infinite. A film has the constant c and the power n; it may act in one direction only.
 struct Friction {
   double mu = 0.0, kt = 0.0, gt = 0.0, gn = 0.0;
+  double film = 0.0, power = 1.0;
+  bool film_shears = true, film_squeezes = true;
 };
+
+// A vector v at a contact: n x v and n.v.
+struct ContactVector {
+  Vector3 along;
+  double normal;
+};
+
+inline ContactVector at_contact(const Vector3 &n, const Vector3 &v)
+{
+  return {cross(n, v), dot(n, v)};
+}
+inline Vector3 from_contact(const Vector3 &n, const ContactVector &v)
+{
+  return v.normal * n + cross(v.along, n);
+}
+inline ContactVector operator+(const ContactVector &a, const ContactVector &b)
+{
+  return {a.along + b.along, a.normal + b.normal};
+}
+inline ContactVector operator*(double s, const ContactVector &a)
+{
+  return {s * a.along, s * a.normal};
+}
+inline double dot(const ContactVector &a, const ContactVector &b)
+{
+  return dot(a.along, b.along) + a.normal * b.normal;
+}
 
 inline std::string invalid_friction(const Friction &c)
 {
@@ -24,6 +57,9 @@ inline std::string invalid_friction(const Friction &c)
   if (!finite(c.kt)) return "kt must be 0 or positive and finite, not " + shown_number(c.kt);
   if (!finite(c.gt)) return "gt must be 0 or positive and finite, not " + shown_number(c.gt);
   if (!finite(c.gn)) return "damp must be 0 or positive and finite, not " + shown_number(c.gn);
+  if (!finite(c.film)) return "film must be 0 or positive and finite, not " + shown_number(c.film);
+  if (!(c.power > 0.0 && c.power <= 1.0))
+    return "the power of a film must be above 0 and 1 at most, not " + shown_number(c.power);
   return "";
 }
 
@@ -34,18 +70,20 @@ inline double most_friction(double mu, double force)
 }
 
 struct Rub {
-  double xi, force;
+  Vector3 xi, force;
   bool slides;
 };
 
 // After a step dt in which the two sides have moved by `way` along the contact, which is pressed by `normal` now:
 //   f = kt xi + gt dxi/dt,   dxi/dt = way/dt   held to |f| <= mu normal. Where it slides, dxi/dt = (f - kt xi)/gt,
-// implicit in xi, so that xi = f/kt without a dashpot.
-inline Rub rub(const Friction &c, double xi, double way, double dt, double normal)
+// implicit in xi, so that xi = f/kt without a dashpot. The direction of f is that of the force without a bound.
+inline Rub rub(const Friction &c, const Vector3 &xi, const Vector3 &way, double dt, double normal)
 {
-  const double most = most_friction(c.mu, normal), force = c.kt * (xi + way) + c.gt * way / dt;
-  if (std::fabs(force) <= most) return {xi + way, force, false};
-  const double held = std::copysign(most, force), stiff = c.gt + c.kt * dt;
+  const Vector3 force = c.kt * (xi + way) + c.gt * way / dt;
+  const double most = most_friction(c.mu, normal), size = std::hypot(force.x, force.y, force.z);
+  if (size <= most) return {xi + way, force, false};
+  const Vector3 held = most * (force / size);
+  const double stiff = c.gt + c.kt * dt;
   return {(c.gt * xi + dt * held) / stiff, held, true};
 }
 
@@ -55,17 +93,37 @@ inline double damping(double gn, double way, double dt, double normal)
   return std::min(gn * way / dt, std::max(normal, 0.0));
 }
 
-// What a step loses by sliding and in the dashpot. From the mean force F of both ends and the change of xi, the work F way
+// What a step loses by sliding and in the dashpot. From the mean force F of both ends and the change of xi, the work F.way
 // is that on the spring, kt (xi_1^2 - xi_0^2)/2, and
-//   F (way - (xi_1 - xi_0))   and   (F - kt (xi_0 + xi_1)/2) (xi_1 - xi_0)
+//   F.(way - (xi_1 - xi_0))   and   (F - kt (xi_0 + xi_1)/2).(xi_1 - xi_0)
 struct RubLoss {
   double sliding, dashpot;
 };
 
-inline RubLoss loss(double kt, const Rub &before, const Rub &now, double way)
+inline RubLoss loss(double kt, const Rub &before, const Rub &now, const Vector3 &way)
 {
-  const double mean = 0.5 * (before.force + now.force), change = now.xi - before.xi;
-  return {mean * (way - change), (mean - 0.5 * kt * (before.xi + now.xi)) * change};
+  const Vector3 mean = 0.5 * (before.force + now.force), change = now.xi - before.xi;
+  return {dot(mean, way - change), dot(mean - 0.5 * kt * (before.xi + now.xi), change)};
+}
+
+// A film of the size S, its length in the plane and its area in space, drags its sides against each other by
+//   f = c S |v|^(n-1) v,   0 < n <= 1,
+// along the contact and along its normal. Returns f/v. For n < 1 it grows without bound where the sides come to rest, so that it
+// is `most` there: f is linear in v below |v| = (c S/most)^(1/(1-n)).
+inline double film_constant(const Friction &c, double size, double speed, double most)
+{
+  const double whole = c.film * size;
+  if (c.power == 1.0 || !(whole > 0.0)) return whole;
+  return std::min(whole * std::pow(speed, c.power - 1.0), most);
+}
+
+// Dashpots with this constant between particles of mass m stop them without overshooting in a step of Euler's method, with all
+// contacts together. Each of z contacts takes 2 lever g/m at most from the rate of a particle, as
+//   sum g |v_i - v_j|^2 <= 2 sum g (|v_i|^2 + |v_j|^2) and |v + w x b|^2 <= lever (m v^2 + I w^2)/m
+inline double largest_film_constant(double mass, double lever, double dt, int dimension)
+{
+  const double contacts = dimension == 2 ? 6.0 : 12.0;    // of equal particles
+  return mass / (2.0 * contacts * lever * dt);
 }
 
 // Beyond this time step a contact of two particles of mass m gets out of hand. Along it they move like the mass

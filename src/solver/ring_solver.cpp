@@ -246,6 +246,27 @@ double RingSolver::line_length(int i, int k, double length) const
   return arc_length(length, batches.free_radius(batches.place[i]), bend);
 }
 
+void RingSolver::measure_lines()
+{
+  if (list.pairs.curved) return;
+  length_per_force.resize(atom->nlocal);
+  for (int i = 0; i < atom->nlocal; ++i)
+    length_per_force[i] = batches.place[i] < 0 ? 0.0 : batches.per_pressure[batches.place[i]];
+  list.remote_sides.to_ghosts(length_per_force);
+}
+
+// A curved line that balances pressures has one length from both sides: all ranks take that of the smaller ID.
+double RingSolver::size_of_film(int k) const
+{
+  const NearPairs &p = list.pairs;
+  const int i = p.i[k], j = p.j[k];
+  if (!p.curved)
+    return p.force[k] *
+           (k < p.wall ? 0.5 * (length_per_force[i] + length_per_force[j]) : length_per_force[i]);
+  const int from = k < p.remote && atom->tag[j] < atom->tag[i] ? p.second(k) : i;
+  return line_length(from, k, p.force[k] * batches.per_pressure[batches.place[from]]);
+}
+
 // Ranks compare when the neighbor list is new.
 void RingSolver::warn_limited()
 {

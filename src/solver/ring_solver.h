@@ -69,12 +69,17 @@ class RingSolver : public DualSolver {
   // The length of the line of pair k, of the length L from ring i.
   double line_length(int i, int k, double length) const;
 
+  // The length of the line of pair k, the mean of those that both rings see; after measure_lines() on all ranks.
+  double size_of_film(int k) const;
+  void measure_lines();
+
  private:
   std::vector<int> crowded;
   int crushed = -1;
   bool lacking = false;
   bool warned = false, warned_limited = false, warned_films = false;
-  std::vector<double> softness;    // by type; of particles and ghosts, if these vary
+  std::vector<double> softness;            // by type; of particles and ghosts, if these vary
+  std::vector<double> length_per_force;    // of particles and ghosts
 
   void set_material(const Particles &, bool arranged) override;
   void set_units(const Particles &);

@@ -11,6 +11,7 @@
 #include "laws/sector.h"
 #include "laws/soft_ring.h"
 
+#include <nanobind/stl/array.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
@@ -209,8 +210,8 @@ void bind_friction(nb::module_ &m)
       [](double mu, double kt, double gt, double xi, double way, double dt, double normal) {
         const Friction c = {mu, kt, gt, 0.0};
         require(c, dt);
-        const Rub now = rub(c, xi, way, dt, normal);
-        return nb::make_tuple(now.xi, now.force, now.slides);
+        const Rub now = rub(c, {0.0, 0.0, xi}, {0.0, 0.0, way}, dt, normal);
+        return nb::make_tuple(now.xi.z, now.force.z, now.slides);
       },
       "mu"_a, "kt"_a, "gt"_a, "xi"_a, "way"_a, "dt"_a, "normal"_a,
       R"(A step of the spring of length xi along a contact whose sides move by `way` against each other.
@@ -225,13 +226,34 @@ ValueError
   m.def(
       "rub_loss",
       [](double kt, double xi_before, double force_before, double xi, double force, double way) {
-        const RubLoss lost = loss(kt, {xi_before, force_before, false}, {xi, force, false}, way);
+        const RubLoss lost = loss(kt, {{0.0, 0.0, xi_before}, {0.0, 0.0, force_before}, false},
+                                  {{0.0, 0.0, xi}, {0.0, 0.0, force}, false}, {0.0, 0.0, way});
         return nb::make_tuple(lost.sliding, lost.dashpot);
       },
       "kt"_a, "xi_before"_a, "force_before"_a, "xi"_a, "force"_a, "way"_a,
       R"(Energies that a step loses by sliding, F (way - dxi), and in the dashpot, (F - kt mean(xi)) dxi.
 
 F is the mean force of both ends of the step. With the change of kt xi^2/2 their sum is the work F way.)");
+  m.def(
+      "film_constant",
+      [](double film, double power, double size, double speed, double most) {
+        Friction c;
+        c.film = film;
+        c.power = power;
+        require(c, 1.0);
+        return film_constant(c, size, speed, most);
+      },
+      "film"_a, "power"_a, "size"_a, "speed"_a, "most"_a,
+      R"(Force over speed of a film of this size, c S v^(n-1): for n < 1 not above `most`.)");
+  m.def(
+      "turned",
+      [](const std::array<double, 3> &v, const std::array<double, 3> &n,
+         const std::array<double, 3> &m) {
+        const Vector3 found =
+            turned(Vector3{v[0], v[1], v[2]}, {n[0], n[1], n[2]}, {m[0], m[1], m[2]});
+        return nb::make_tuple(found.x, found.y, found.z);
+      },
+      "v"_a, "n"_a, "m"_a, R"(v after the shortest rotation that takes the unit vector n to m.)");
   m.def(
       "contact_damping",
       [](double damp, double way, double dt, double normal) {

@@ -85,9 +85,14 @@ class Grains(Scene):
     @property
     def rows(self):
         """Its contacts: two IDs, x, y, normal, force, friction, damping, xi, slides."""
+        return self.rows_and_films[:, :10]
+
+    @property
+    def rows_and_films(self):
+        """And the number of a wall, the force of the film along the contact and across it."""
         pointer = self.lmp.extract_fix("rub", 2, 2)
         count = self.lmp.extract_fix("rub", 2, 4) if pointer else 0
-        return np.array([[pointer[r][c] for c in range(10)] for r in range(count)]).reshape(-1, 10)
+        return np.array([[pointer[r][c] for c in range(13)] for r in range(count)]).reshape(-1, 13)
 
     def balance(self):
         """Kinetic, potential, stored and lost energy together."""

@@ -163,9 +163,9 @@ def test_words(tmp_path):
             on_belt(f"{turns}fix floor all deformable/wall {words}\nrun 0", tmp_path)
 
 
-def test_droplets_in_space_do_not_rub(tmp_path):
-    with pytest.raises(Exception, match="shear moves nothing in three dimensions"):
-        walled(ORIGIN, "zlo -2 shear x 1", tmp_path)
+def test_walls_in_space_slide_along_themselves(tmp_path):
+    with pytest.raises(Exception, match="'zlo' cannot slide along z"):
+        walled(ORIGIN, "zlo -2 shear z 1", tmp_path)
 
 
 def test_restart_and_minimization(tmp_path):

@@ -22,8 +22,10 @@
 
 using namespace LAMMPS_NS;
 using namespace FixConst;
+using deformable::ContactVector;
 using deformable::Friction;
 using deformable::Rub;
+using deformable::Vector3;
 
 // Between runs the elastic force of a contact may change by this part of it, as contacts are balanced to 1e-8.
 static constexpr double BALANCED = 1e-6;
@@ -34,6 +36,7 @@ FixDeformableFriction::FixDeformableFriction(LAMMPS *lmp, int narg, char **arg)
     : FixPartnerMemory(lmp, narg, arg, STYLE),
       words(utils::join_words({arg + std::min(3, narg), arg + narg}, " ")),
       coefficients(lmp, narg, arg),
+      in_plane(domain->dimension == 2),
       box_rate(lmp)
 {
   scalar_flag = vector_flag = extscalar = extvector = 1;
@@ -43,7 +46,7 @@ FixDeformableFriction::FixDeformableFriction(LAMMPS *lmp, int narg, char **arg)
   energy_global_flag = 1;    // see FixDeformableWall
   virial_global_flag = virial_peratom_flag = thermo_virial = 1;
   local_flag = local_freq = 1;
-  size_local_cols = COLUMNS;
+  size_local_cols = in_plane ? 13 : 22;
   size_local_rows = 0;    // until the first run
   comm_reverse = 6;
   dynamic_group_allow = 1;
@@ -72,7 +75,8 @@ void FixDeformableFriction::init()
   pairs = deformable_pairs(*force);
   if (pairs.empty())
     error->all(FLERR,
-               "Fix {} deformable/friction needs pair_style deformable/ring, but pair_style is {}",
+               "Fix {} deformable/friction needs pair_style deformable/ring or deformable/droplet, "
+               "but pair_style is {}",
                id, force->pair_style ? force->pair_style : "none");
   for (const PairDeformable *pair : pairs)
     if (!pair->slips())
@@ -112,11 +116,10 @@ void FixDeformableFriction::check_spins()
   told = true;
   if (comm->me != 0) return;
   if (!atom->omega_flag || !atom->torque_flag) {
-    utils::logmesg(
-        lmp,
-        "Fix {} deformable/friction: atoms of atom_style {} have no spins, so that they "
-        "only translate. For rotation use 'atom_style sphere' and 'fix nve/sphere disc'\n",
-        id, atom->get_style());
+    utils::logmesg(lmp,
+                   "Fix {} deformable/friction: atoms of atom_style {} have no spins, so that they "
+                   "only translate. For rotation use 'atom_style sphere' and 'fix nve/sphere{}'\n",
+                   id, atom->get_style(), in_plane ? " disc" : "");
     return;
   }
   const std::vector<Fix *> &fixes = modify->get_fix_list();
@@ -126,8 +129,8 @@ void FixDeformableFriction::check_spins()
   if (!any)
     error->warning(FLERR,
                    "Fix {} deformable/friction: no fix turns the particles, so that their spins do "
-                   "not change. Use 'fix nve/sphere disc' or another style with 'sphere'",
-                   id);
+                   "not change. Use 'fix nve/sphere{}' or another style with 'sphere'",
+                   id, in_plane ? " disc" : "");
 }
 
 void FixDeformableFriction::check_box()
@@ -153,15 +156,25 @@ void FixDeformableFriction::find_lightest()
 
 void FixDeformableFriction::check_time_step() const
 {
-  if (update->whichflag != 1) return;             // minimizers pass over friction
-  constexpr double SPHERE = 3.5;                  // 1 + m R^2/I; 3 of a disk
-  const double mass = lightest / force->ftm2v;    // force time^2/distance units
-  const double longest = coefficients.largest_time_step(mass, atom->omega_flag ? SPHERE : 1.0);
+  if (update->whichflag != 1) return;    // minimizers pass over friction
+  const double longest = coefficients.largest_time_step(mass(), lever());
   if (update->dt > longest)
     error->all(FLERR,
                "Fix {} deformable/friction: the time step {:.6g} is too long for these stiffnesses "
                "and particles of mass {:.6g}: use {:.3g} or less, or smaller kt, gt or damp",
                id, update->dt, lightest, longest);
+}
+
+// Of the lightest particle, in force time^2/distance units.
+double FixDeformableFriction::mass() const
+{
+  return lightest / force->ftm2v;
+}
+
+double FixDeformableFriction::lever() const
+{
+  constexpr double SPHERE = 3.5;    // 3 of a disk
+  return atom->omega_flag ? SPHERE : 1.0;
 }
 
 void FixDeformableFriction::reset_dt()
@@ -202,14 +215,17 @@ void FixDeformableFriction::rub_all(int vflag)
     for (int i = atom->nlocal; i < atom->nlocal + atom->nghost; ++i) std::fill_n(vatom[i], 6, 0.0);
   output[CONTACTS] = output[SLIDES] = 0.0;
   values.clear();
+  linear_film = 0.0;
+  largest_film = deformable::largest_film_constant(mass(), lever(), update->dt, domain->dimension);
   for (PairDeformable *pair : pairs)
     for (const LoadedContact &contact : pair->loaded) rub(contact);
+  if (has_films()) check_films();
   sweep();
   if (vflag_atom) comm->reverse_comm(this);
 
-  size_local_rows = static_cast<int>(values.size());
+  size_local_rows = static_cast<int>(values.size()) / size_local_cols;
   rows.resize(size_local_rows + 1);
-  for (int r = 0; r < size_local_rows; ++r) rows[r] = values[r].data();
+  for (int r = 0; r < size_local_rows; ++r) rows[r] = &values[r * size_local_cols];
   array_local = rows.data();
 }
 
@@ -221,33 +237,31 @@ void FixDeformableFriction::rub_all(int vflag)
 bool FixDeformableFriction::find_sides(const LoadedContact &c, Sides &sides,
                                        ContactPlace &place) const
 {
-  const double *const xi = atom->x[c.i];
   if (!(atom->mask[c.i] & groupbit)) return false;
   sides = {c.i, c.j, c.i};
-  place = {0.0,  0.0, c.height * c.nx - c.shift * c.ny, c.height * c.ny + c.shift * c.nx,
-           c.nx, c.ny};
+  place = {{}, c.middle, c.n};
   if (c.j < 0) return true;
   if (!(atom->mask[c.j] & groupbit)) return false;
-  place.x = atom->x[c.j][0] - xi[0];
-  place.y = atom->x[c.j][1] - xi[1];
+  place.r = vector(atom->x[c.j]) - vector(atom->x[c.i]);
   if (c.one_side || atom->tag[c.i] <= atom->tag[c.j]) return true;
   sides = {c.j, c.i, c.second};
   place = place.from_partner();
   return c.second >= 0;
 }
 
+Vector3 FixDeformableFriction::spin_of(int i) const
+{
+  if (!atom->omega_flag) return {};
+  const double *const w = atom->omega[i];
+  return {in_plane ? 0.0 : w[0], in_plane ? 0.0 : w[1], w[2]};
+}
+
 // Of the half step before.
 FixDeformableFriction::Velocity FixDeformableFriction::velocity(const Sides &s) const
 {
-  const double *const *const v = atom->v, *const *const omega = atom->omega;
-  const double *const own = v[s.particle];
-  Velocity w = {-own[0], -own[1], 0.0, 0.0};
-  if (atom->omega_flag) w.spin = omega[s.particle][2];
-  if (s.partner < 0) return w;
-  w.x += v[s.partner][0];
-  w.y += v[s.partner][1];
-  if (atom->omega_flag) w.other_spin = omega[s.partner][2];
-  return w;
+  const Vector3 own = -vector(atom->v[s.particle]), spin = spin_of(s.particle);
+  if (s.partner < 0) return {own, spin, {}};
+  return {own + vector(atom->v[s.partner]), spin, spin_of(s.partner)};
 }
 
 /* ----------------------------------------------------------------------
@@ -260,17 +274,14 @@ inline FixDeformableFriction::Speeds FixDeformableFriction::speeds(const Sides &
                                                                    const ContactPlace &p,
                                                                    double age) const
 {
-  const double vx = w.x + w.spin * p.by - w.other_spin * (p.by - p.y);
-  const double vy = w.y - w.spin * p.bx + w.other_spin * (p.bx - p.x);
-  Speeds found = {p.nx * vy - p.ny * vx, p.nx * vx + p.ny * vy, 0.0, 0.0};
+  const Vector3 v = w.v - cross(w.spin, p.b) + cross(w.other_spin, p.b - p.r);
+  Speeds found = {at_contact(p.n, v), {}};
   if (s.partner < 0 && dt > 0.0 && pairs.front()->has_wall(s.partner)) {
-    const double *const x = atom->x[s.particle], *const v = atom->v[s.particle];
-    const deformable::Point way = pairs.front()->wall(s.partner).way(
-        pairs.front()->wall_feature(s.partner), x[0] + p.bx - age * v[0], x[1] + p.by - age * v[1]);
-    found.wall_along = (p.nx * way.y - p.ny * way.x) / dt;
-    found.wall_normal = (p.nx * way.x + p.ny * way.y) / dt;
-    found.along += found.wall_along;
-    found.normal += found.wall_normal;
+    const Vector3 x = vector(atom->x[s.particle]) + p.b - age * vector(atom->v[s.particle]);
+    const ContactVector way = at_contact(
+        p.n, pairs.front()->wall(s.partner).way(pairs.front()->wall_feature(s.partner), x));
+    found.wall = {way.along / dt, way.normal / dt};
+    found.v = found.v + found.wall;
   }
   return found;
 }
@@ -280,18 +291,24 @@ inline FixDeformableFriction::Speeds FixDeformableFriction::speeds(const Sides &
 static RememberedContact *find_contact(std::vector<RememberedContact> &contacts, double partner,
                                        const ContactPlace &place, bool own_image)
 {
-  const auto square = [](double x, double y) { return x * x + y * y; };
-  double nearest = square(place.x, place.y);
+  const auto square = [](const Vector3 &v) { return dot(v, v); };
+  double nearest = square(place.r);
   RememberedContact *found = nullptr;
   for (RememberedContact &c : contacts) {
     if (c.partner != partner) continue;
-    double distance = square(c.place.x - place.x, c.place.y - place.y);
-    if (own_image) distance = std::min(distance, square(c.place.x + place.x, c.place.y + place.y));
+    double distance = square(c.place.r - place.r);
+    if (own_image) distance = std::min(distance, square(c.place.r + place.r));
     if (distance > nearest) continue;
     nearest = distance;
     found = &c;
   }
   return found;
+}
+
+// What is remembered turns with the contact. In the plane it stays.
+static void turn(RememberedContact &m, const Vector3 &n)
+{
+  for (Vector3 *const v : {&m.xi, &m.force, &m.film.along}) *v = turned(*v, m.place.n, n);
 }
 
 /* ---------------------------------------------------------------------- */
@@ -310,43 +327,105 @@ void FixDeformableFriction::rub(const LoadedContact &contact)
   Friction c =
       coefficients.between(type[i], is_wall ? FrictionCoefficients::WALL : type[sides.partner]);
   const double part = contact.one_side ? 0.5 : 1.0;
-  c.kt *= part;
-  c.gt *= part;
-  c.gn *= part;
+  for (double *const value : {&c.kt, &c.gt, &c.gn, &c.film}) *value *= part;
 
   std::vector<RememberedContact> &contacts = particles[i].rows;
   RememberedContact *remembered = find_contact(contacts, partner, place, own_image);
   const bool is_new = !remembered;
   if (is_new) {
-    remember(i, {partner, c.kt, place, 0.0, 0.0, 0.0, 0.0, 0.0});
+    remember(i, {partner, c.kt, place, {}, {}, {}, 0.0, 0.0, 0.0});
     remembered = &contacts.back();
   }
-  RememberedContact &m = *remembered;
+  RememberedContact m = *remembered;
+  if (own_image && dot(m.place.n, place.n) < 0.0) m.place = m.place.from_partner();
   const Velocity w = velocity(sides);
   const Speeds now = speeds(sides, w, place, 0.0);
   const double most = deformable::most_friction(c.mu, contact.force);
-  Rub rubbed = {m.xi, 0.0, false};
-  double damping = 0.0;
+  Rub rubbed = {m.xi, {}, false};
+  RememberedContact next = {partner, c.kt, place, {}, {}, {}, 0.0, contact.one_side ? 1.0 : 0.0,
+                            1.0};
   if (dt > 0.0) {
-    const Speeds before = is_new ? now : speeds(sides, w, m.place, dt);
-    rubbed = deformable::rub(c, m.xi, 0.5 * dt * (before.along + now.along), dt, contact.force);
-    damping = deformable::damping(c.gn, 0.5 * dt * (before.normal + now.normal), dt, contact.force);
-    lose(sides, m, 0.5 * (m.kt + c.kt), rubbed, damping, before, now);
+    Speeds before = is_new ? now : speeds(sides, w, m.place, dt);
+    for (Vector3 *const v : {&before.v.along, &before.wall.along})
+      *v = turned(*v, m.place.n, place.n);
+    turn(m, place.n);
+    const ContactVector way = 0.5 * dt * (before.v + now.v);
+    rubbed = deformable::rub(c, m.xi, way.along, dt, contact.force);
+    next.damping = deformable::damping(c.gn, way.normal, dt, contact.force);
+    next.film = film_force(c, contact.size, {way.along / dt, way.normal / dt});
+    next.xi = rubbed.xi;
+    next.force = rubbed.force;
+    lose(sides, m, next, 0.5 * (m.kt + c.kt), before, now);
   } else {
-    rubbed.force = std::clamp(is_new ? c.gt * now.along : m.force, -most, most);
-    damping = std::min(is_new ? c.gn * now.normal : m.damping, std::max(contact.force, 0.0));
-    rubbed.slides = std::fabs(rubbed.force) >= (1.0 - BALANCED) * most;
+    turn(m, place.n);
+    next.xi = m.xi;
+    next.force = is_new ? c.gt * now.v.along : m.force;
+    const double size = std::hypot(next.force.x, next.force.y, next.force.z);
+    if (size > most) next.force = most * (next.force / size);
+    next.damping = std::min(is_new ? c.gn * now.v.normal : m.damping, std::max(contact.force, 0.0));
+    next.film = is_new ? film_force(c, contact.size, now.v) : m.film;
+    rubbed.slides = size >= (1.0 - BALANCED) * most;
   }
-  m = {partner, c.kt, place, rubbed.xi, rubbed.force, damping, contact.one_side ? 1.0 : 0.0, 1.0};
-  push(sides, place, {rubbed.force, damping});
-
+  *remembered = next;
+  push(sides, place, next.film + ContactVector{next.force, next.damping});
   output[CONTACTS] += part;
   if (rubbed.slides) output[SLIDES] += part;
-  const double *const x = atom->x[sides.particle];
-  values.push_back({static_cast<double>(atom->tag[i]), is_wall ? 0.0 : partner, x[0] + place.bx,
-                    x[1] + place.by, deformable::angle_of(place.nx, place.ny), contact.force,
-                    rubbed.force, damping, rubbed.xi, rubbed.slides ? 1.0 : 0.0,
-                    is_wall ? partner : 0.0});
+  list_row(i, sides, next, contact.force, rubbed.slides);
+}
+
+/* ----------------------------------------------------------------------
+   What array_local says of a contact; see the manual.
+------------------------------------------------------------------------- */
+
+void FixDeformableFriction::list_row(int i, const Sides &sides, const RememberedContact &m,
+                                     double force, bool slides)
+{
+  const Vector3 &n = m.place.n, x = vector(atom->x[sides.particle]) + m.place.b;
+  const auto add = [this](const Vector3 &v) { values.insert(values.end(), {v.x, v.y, v.z}); };
+  const auto add_along = [&](const Vector3 &v) {
+    in_plane ? values.push_back(v.z) : add(cross(v, n));
+  };
+  const bool is_wall = sides.partner < 0;
+  values.insert(values.end(), {static_cast<double>(atom->tag[i]), is_wall ? 0.0 : m.partner});
+  if (in_plane) {
+    values.insert(values.end(), {x.x, x.y, deformable::angle_of(n.x, n.y)});
+  } else {
+    add(x);
+    add(n);
+  }
+  values.push_back(force);
+  add_along(m.force);
+  values.push_back(m.damping);
+  add_along(m.xi);
+  values.insert(values.end(), {slides ? 1.0 : 0.0, is_wall ? m.partner : 0.0});
+  add_along(m.film.along);
+  values.push_back(m.film.normal);
+}
+
+/* ----------------------------------------------------------------------
+   Of a film with n = 1 the dashpot must be one that fits the time step.
+------------------------------------------------------------------------- */
+
+ContactVector FixDeformableFriction::film_force(const Friction &c, double size, ContactVector v)
+{
+  if (!(c.film > 0.0)) return {};
+  if (!c.film_shears) v.along = {};
+  if (!c.film_squeezes) v.normal = 0.0;
+  const double g = deformable::film_constant(c, size, std::sqrt(dot(v, v)), largest_film);
+  if (c.power == 1.0) linear_film = std::max(linear_film, g);
+  return g * v;
+}
+
+void FixDeformableFriction::check_films() const
+{
+  double here = linear_film, most;    // MPI of LAMMPS' stubs takes no constants
+  MPI_Allreduce(&here, &most, 1, MPI_DOUBLE, MPI_MAX, world);
+  const double longest = deformable::largest_time_step({1.0, 0.0, most, most}, mass(), lever());
+  if (update->whichflag == 1 && update->dt > longest)
+    error->all(FLERR,
+               "Fix {} deformable/friction: the time step {:.6g} is too long for a film with the "
+               "constant {:.6g} and particles of mass {:.6g}: use {:.3g} or less, or a smaller c",
+               id, update->dt, most, lightest, longest);
 }
 
 /* ----------------------------------------------------------------------
@@ -354,21 +433,27 @@ void FixDeformableFriction::rub(const LoadedContact &contact)
    one: what the change itself does to the spring is no loss.
 ------------------------------------------------------------------------- */
 
-void FixDeformableFriction::lose(const Sides &sides, const RememberedContact &m, double kt,
-                                 const Rub &rubbed, double damping, const Speeds &before,
-                                 const Speeds &now)
+void FixDeformableFriction::lose(const Sides &sides, const RememberedContact &before,
+                                 const RememberedContact &now, double kt, const Speeds &v_before,
+                                 const Speeds &v_now)
 {
   const double half = 0.5 * dt;
   const deformable::RubLoss loss =
-      deformable::loss(kt, {m.xi, m.force, false}, rubbed, half * (before.along + now.along));
+      deformable::loss(kt, {before.xi, before.force, false}, {now.xi, now.force, false},
+                       half * (v_before.v.along + v_now.v.along));
   output[SLIDING] += loss.sliding;
   output[DASHPOTS] += loss.dashpot;
-  output[DAMPING] += half * (m.damping * before.normal + damping * now.normal);
+  output[DAMPING] += half * (before.damping * v_before.v.normal + now.damping * v_now.v.normal);
+  output[FILMS] += half * (dot(before.film, v_before.v) + dot(now.film, v_now.v));
   if (sides.partner >= 0 || !pairs.front()->has_wall(sides.partner)) return;
+  const auto push = [](const RememberedContact &m) {
+    return m.film + ContactVector{m.force, m.damping};
+  };
+  const ContactVector first = push(before), second = push(now);
   pairs.front()
       ->wall(sides.partner)
-      .do_work(-half * (m.force * before.wall_along + m.damping * before.wall_normal +
-                        rubbed.force * now.wall_along + damping * now.wall_normal));
+      .do_work(-half * (dot(first, v_before.wall) + dot(second.along, v_now.wall.along) +
+                        second.normal * v_now.wall.normal));
 }
 
 /* ----------------------------------------------------------------------
@@ -376,23 +461,29 @@ void FixDeformableFriction::lose(const Sides &sides, const RememberedContact &m,
    its partner.
 ------------------------------------------------------------------------- */
 
-void FixDeformableFriction::push(const Sides &s, const ContactPlace &p, const Pushes &force)
+void FixDeformableFriction::push(const Sides &s, const ContactPlace &p, const ContactVector &push)
 {
-  const double fx = force.normal * p.nx - force.along * p.ny;
-  const double fy = force.normal * p.ny + force.along * p.nx;
+  const Vector3 force = from_contact(p.n, push), &r = p.r;
+  const auto add = [](double *to, const Vector3 &v) {
+    to[0] += v.x;
+    to[1] += v.y;
+    to[2] += v.z;
+  };
   double *const *const f = atom->f, *const *const torque = atom->torque;
   const bool spins = atom->torque_flag;
-  if (spins) torque[s.particle][2] += p.bx * fy - p.by * fx;
-  if (s.partner < 0)
-    return pairs.front()->wall(s.partner).add_friction(s.particle, fx, fy, p.bx, p.by);
-  f[s.particle][0] += fx;
-  f[s.particle][1] += fy;
-  f[s.partner][0] -= fx;
-  f[s.partner][1] -= fy;
-  if (spins) torque[s.partner][2] -= (p.bx - p.x) * fy - (p.by - p.y) * fx;
+  if (spins) add(torque[s.particle], cross(p.b, force));
+  if (s.partner < 0) return pairs.front()->wall(s.partner).add_friction(s.particle, force, p.b);
+  add(f[s.particle], force);
+  add(f[s.partner], -force);
+  if (spins) add(torque[s.partner], -cross(p.b - r, force));
   if (!evflag) return;
   int both[] = {s.particle, s.partner};
-  double v[] = {-p.x * fx, -p.y * fy, 0.0, -0.5 * (p.x * fy + p.y * fx), 0.0, 0.0};
+  double v[] = {-r.x * force.x,
+                -r.y * force.y,
+                -r.z * force.z,
+                -0.5 * (r.x * force.y + r.y * force.x),
+                -0.5 * (r.x * force.z + r.z * force.x),
+                -0.5 * (r.y * force.z + r.z * force.y)};
   v_tally(2, both, 2.0, v);
 }
 
@@ -410,7 +501,7 @@ void FixDeformableFriction::sweep()
       RememberedContact &m = contacts[c];
       if (m.is_here != 0.0) {
         m.is_here = 0.0;
-        stored += 0.5 * m.kt * m.xi * m.xi;
+        stored += dot(0.5 * m.kt * m.xi, m.xi);
         ++c;
         continue;
       }
@@ -427,18 +518,19 @@ void FixDeformableFriction::end(int i, const RememberedContact &m)
 {
   int partner = static_cast<int>(m.partner);
   if (m.partner > 0.0) {
-    const double *const x = atom->x[i], there[] = {x[0] + m.place.x, x[1] + m.place.y, x[2]};
+    const double *const x = atom->x[i];
+    const double there[] = {x[0] + m.place.r.x, x[1] + m.place.r.y, x[2] + m.place.r.z};
     partner = domain->closest_image(there, atom->map(static_cast<tagint>(m.partner)));
     if (partner < 0) return;    // it is gone
   }
   const Sides sides = {i, partner, i};
   const Speeds before = speeds(sides, velocity(sides), m.place, dt);
-  lose(sides, m, m.kt, {0.0, 0.0, false}, 0.0, before, before);
+  lose(sides, m, {}, m.kt, before, before);
 }
 
 /* ----------------------------------------------------------------------
    The scalar is the energy stored and lost. The vector has its parts, the
-   number of contacts, and how many of them slide.
+   number of contacts, how many of them slide, and the loss of films.
 ------------------------------------------------------------------------- */
 
 double FixDeformableFriction::total(int n) const
@@ -450,7 +542,7 @@ double FixDeformableFriction::total(int n) const
 
 double FixDeformableFriction::compute_scalar()
 {
-  return total(STORED) + total(SLIDING) + total(DASHPOTS) + total(DAMPING);
+  return total(STORED) + total(SLIDING) + total(DASHPOTS) + total(DAMPING) + total(FILMS);
 }
 
 double FixDeformableFriction::compute_vector(int n)
@@ -498,18 +590,21 @@ RememberedContact FixDeformableFriction::from_partner(int i, const RememberedCon
 }
 
 /* ----------------------------------------------------------------------
-   The same from a text: fix_modify ID springs none, or springs I J x y xi f_t f_d ...,
-   and fix_modify ID lost E_sliding E_dashpots E_damping
+   The same from a text: fix_modify ID springs none, or springs I J r xi f_t f_d [film] ...,
+   and fix_modify ID lost E_sliding E_dashpots E_damping [E_films]. In space xi, f_t and the part of the
+   film along the contact are n x that.
 ------------------------------------------------------------------------- */
 
 int FixDeformableFriction::modify_param(int narg, char **arg)
 {
-  constexpr int LOSSES = 3, WORDS = 7;
+  constexpr int LOSSES[] = {SLIDING, DASHPOTS, DAMPING, FILMS};
+  const int WORDS = words_of_spring();
   const std::string word = arg[0];
   const auto number = [&](int n) { return utils::numeric(FLERR, arg[n], false, lmp); };
-  if (word == "lost" && narg > LOSSES) {
-    for (int n = 0; n < LOSSES; ++n) output[SLIDING + n] = comm->me == 0 ? number(1 + n) : 0.0;
-    return 1 + LOSSES;
+  if (word == "lost" && narg > 3) {
+    const int losses = narg > 4 && utils::is_double(arg[4]) ? 4 : 3;
+    for (int n = 0; n < losses; ++n) output[LOSSES[n]] = comm->me == 0 ? number(1 + n) : 0.0;
+    return 1 + losses;
   }
   if (word != "springs" || narg < 2) return 0;
   follow();
@@ -534,16 +629,31 @@ int FixDeformableFriction::modify_param(int narg, char **arg)
   return narg;
 }
 
+int FixDeformableFriction::words_of_spring() const
+{
+  return (in_plane ? 7 : 12) + (has_films() ? (in_plane ? 2 : 4) : 0);
+}
+
 // With contact radical both particles of a pair have a spring: a row that begins with the larger ID is such a spring.
 void FixDeformableFriction::give_spring(int i, const double *words)
 {
+  const double *next = words + 2;
+  const auto vector = [&] {
+    const Vector3 v = {next[0], next[1], in_plane ? 0.0 : next[2]};
+    next += in_plane ? 2 : 3;
+    return v;
+  };
+  const auto along = [&] { return in_plane ? Vector3{0.0, 0.0, *next++} : vector(); };
   RememberedContact m = {};
   m.partner = words[1];
-  m.place.x = words[2];
-  m.place.y = words[3];
-  m.xi = words[4];
-  m.force = words[5];
-  m.damping = words[6];
+  m.place.r = vector();
+  m.xi = along();
+  m.force = along();
+  m.damping = *next++;
+  if (has_films()) {
+    m.film.along = along();
+    m.film.normal = *next;
+  }
   m.one_side = m.partner > 0.0 && m.partner < words[0] ? 1.0 : 0.0;
   remember(i, m);
 }
@@ -630,6 +740,7 @@ FrictionCoefficients::FrictionCoefficients(LAMMPS *lmp, int narg, char **arg)
   if (narg < 6) utils::missing_cmd_args(FLERR, "fix deformable/friction", error);
   Rule all = {{WALL, WALL}, {types - 1, types - 1}};
   for (int n = 0; n < 3; ++n) all.of_friction[n] = read(arg[3 + n]);
+  all.of_friction[5].value = 1.0;
   int iarg = 6;
   if (iarg < narg && std::string(arg[iarg]) == "damp") {
     if (iarg + 1 == narg) utils::missing_cmd_args(FLERR, "fix deformable/friction damp", error);
@@ -637,14 +748,16 @@ FrictionCoefficients::FrictionCoefficients(LAMMPS *lmp, int narg, char **arg)
     iarg += 2;
   }
   rules.push_back(all);
-  for (; iarg < narg; iarg += 7) {
+  iarg = read_film(iarg, narg, arg);
+  while (iarg < narg) {
     if (std::string(arg[iarg]) != "types")
       error->all(FLERR_WORD(iarg),
                  "Fix {} deformable/friction: unknown word '{}': after mu, kt and gt come 'damp' "
-                 "and its value, then any number of 'types'",
+                 "and its value, 'film' and its two, then any number of 'types'",
                  id, arg[iarg]);
     if (iarg + 6 >= narg) utils::missing_cmd_args(FLERR, "fix deformable/friction types", error);
     read_types(arg + iarg + 1);
+    iarg = read_film(iarg + 7, narg, arg);
   }
   for (const Rule &rule : rules) {
     for (const Coefficient &c : rule.of_friction) varying |= !c.variable.empty();
@@ -663,7 +776,31 @@ void FrictionCoefficients::read_types(char **arg)
     if (n == 0 || std::string(arg[n]) != "wall")
       utils::bounds(FLERR, arg[n], 1, types - 1, rule.first[n], rule.last[n], error);
   for (int n = 0; n < 4; ++n) rule.of_friction[n] = read(arg[2 + n]);
+  rule.of_friction[5].value = 1.0;
   rules.push_back(rule);
+}
+
+// film c n [tangential or normal], if it is there, of the last rule. Returns the place of the next word.
+int FrictionCoefficients::read_film(int iarg, int narg, char **arg)
+{
+  if (iarg >= narg || std::string(arg[iarg]) != "film") return iarg;
+  if (iarg + 2 >= narg) utils::missing_cmd_args(FLERR, "fix deformable/friction film", error);
+  Rule &rule = rules.back();
+  rule.of_friction[4] = read(arg[iarg + 1]);
+  rule.of_friction[5] = read(arg[iarg + 2]);
+  if (!rule.of_friction[5].variable.empty())
+    rule.of_friction[5].value = 1.0;    // until it is known
+  const std::string only = iarg + 3 < narg ? arg[iarg + 3] : "";
+  rule.film_squeezes = only != "tangential";
+  rule.film_shears = only != "normal";
+  return iarg + (rule.film_squeezes && rule.film_shears ? 3 : 4);
+}
+
+bool FrictionCoefficients::have_films() const
+{
+  return std::any_of(rules.begin(), rules.end(), [](const Rule &rule) {
+    return rule.of_friction[4].value > 0.0 || !rule.of_friction[4].variable.empty();
+  });
 }
 
 FrictionCoefficients::Coefficient FrictionCoefficients::read(char *word) const
@@ -702,8 +839,9 @@ void FrictionCoefficients::evaluate()
 
 void FrictionCoefficients::apply(const Rule &rule)
 {
-  const auto &[mu, kt, gt, gn] = rule.of_friction;
-  const Friction c = {mu.value, kt.value, gt.value, gn.value};
+  const auto &[mu, kt, gt, gn, film, power] = rule.of_friction;
+  const Friction c = {mu.value,   kt.value,    gt.value,         gn.value,
+                      film.value, power.value, rule.film_shears, rule.film_squeezes};
   const std::string problem = deformable::invalid_friction(c);
   if (!problem.empty()) error->all(FLERR, "Fix {} deformable/friction: {}", id, problem);
   for (int a = rule.first[0]; a <= rule.last[0]; ++a)

@@ -1,4 +1,5 @@
-// Friction, rotation and damping of contacts: fix ID group deformable/friction mu kt gt [damp gn] [types I J mu kt gt gn] ...
+// Friction, rotation and damping of contacts, and their films, in the plane and in space:
+//   fix ID group deformable/friction mu kt gt [damp gn] [film c n] [types I J mu kt gt gn [film c n]] ...
 //
 // The pair style tells which contacts bear a force, where and along which normal. This fix adds what else acts between their
 // two sides, before ranks sum up the forces on ghosts. Of two particles the rank of the one with the smaller ID does so,
@@ -37,8 +38,9 @@ class FrictionCoefficients : protected Pointers {
   const deformable::Friction &between(int a, int b) const { return table[a * types + b]; }
 
   bool vary() const { return varying; }
-  void find_variables();    // before a run, as others may have been defined since
-  void evaluate();          // as of this step
+  bool have_films() const;    // of any types
+  void find_variables();      // before a run, as others may have been defined since
+  void evaluate();            // as of this step
 
   // The largest time step for particles of this mass (force time^2/distance units), and lever = 1 + m R^2/I.
   double largest_time_step(double mass, double lever) const;
@@ -51,7 +53,8 @@ class FrictionCoefficients : protected Pointers {
   };
   struct Rule {
     int first[2], last[2];                          // types
-    std::array<Coefficient, 4> of_friction = {};    // mu kt gt gn
+    std::array<Coefficient, 6> of_friction = {};    // mu kt gt gn, c n
+    bool film_shears = true, film_squeezes = true;
   };
   const std::string id;
   const int types;            // and the wall
@@ -60,6 +63,7 @@ class FrictionCoefficients : protected Pointers {
   std::vector<deformable::Friction> table;
   Coefficient read(char *word) const;
   void read_types(char **arg);
+  int read_film(int iarg, int narg, char **arg);
   void apply(const Rule &);
 };
 
@@ -89,23 +93,25 @@ class BoxRate : protected Pointers {
 class PairDeformable;
 struct LoadedContact;
 
-// Of two particles the one with the smaller ID remembers a contact. It is the same from both sides but for its directions: the
-// spring keeps its sign.
+// Of two particles the one with the smaller ID remembers a contact. It is the same from both sides but for its directions: n x xi
+// keeps its sign.
 
 // As the particle that remembers sees it.
 struct ContactPlace {
-  double x, y;      // center of the partner, from that of the particle; 0 for a wall
-  double bx, by;    // middle of the contact
-  double nx, ny;    // towards the partner
+  deformable::Vector3 r;    // center of the partner, from that of the particle; 0 for a wall
+  deformable::Vector3 b;    // middle of the contact
+  deformable::Vector3 n;    // towards the partner
 
-  ContactPlace from_partner() const { return {-x, -y, bx - x, by - y, -nx, -ny}; }
+  ContactPlace from_partner() const { return {-r, b - r, -n}; }
 };
 
 struct RememberedContact {
   double partner;    // ID, or the code < 0 of a wall
   double kt;
   ContactPlace place;
-  double xi, force, damping;
+  deformable::Vector3 xi, force;    // n x, see laws/friction.h
+  deformable::ContactVector film;
+  double damping;
   double one_side;    // the partner remembers a contact of its own
   double is_here;     // in this step
 };
@@ -128,6 +134,8 @@ class FixDeformableFriction : public FixPartnerMemory<RememberedContact> {
   double compute_scalar() override;
   double compute_vector(int) override;
 
+  bool has_films() const { return coefficients.have_films(); }
+
   double memory_usage() override;
   int pack_reverse_comm(int, int, double *) override;
   void unpack_reverse_comm(int, int *, double *) override;
@@ -149,11 +157,10 @@ class FixDeformableFriction : public FixPartnerMemory<RememberedContact> {
   void find_lightest();
   void check_time_step() const;
 
-  enum { STORED, SLIDING, DASHPOTS, DAMPING, CONTACTS, SLIDES, OUTPUTS };
+  enum { STORED, SLIDING, DASHPOTS, DAMPING, CONTACTS, SLIDES, FILMS, OUTPUTS };
   // Of this rank; losses of all runs so far, others of the last call.
   double output[OUTPUTS] = {};
-  static constexpr int COLUMNS = 11;
-  std::vector<std::array<double, COLUMNS>> values;    // see array_local
+  std::vector<double> values;    // see array_local
   std::vector<double *> rows;
 
   // A particle, which remembers the contact, and its partner. Local indices, of a wall its code < 0.
@@ -161,17 +168,23 @@ class FixDeformableFriction : public FixPartnerMemory<RememberedContact> {
     int particle, partner;
     int rememberer;    // the particle of this rank whose image it may be
   };
-  struct Pushes {
-    double along, normal;
-  };
   // Of the partner's center past the particle's, and both spins.
   struct Velocity {
-    double x, y, spin, other_spin;
+    deformable::Vector3 v, spin, other_spin;
   };
   // Of the partner's side past the particle's; and of the partner's alone if that is a wall.
   struct Speeds {
-    double along, normal, wall_along, wall_normal;
+    deformable::ContactVector v, wall;
   };
+  // In the plane what particles have of z, and of spins about x and y, does not count.
+  const bool in_plane;
+  deformable::Vector3 vector(const double *v) const { return {v[0], v[1], in_plane ? 0.0 : v[2]}; }
+  deformable::Vector3 spin_of(int i) const;
+  double lever() const;    // 1 + m R^2/I
+  double mass() const;
+  double largest_film = 0.0,
+         linear_film = 0.0;    // constants of films: allowed for n < 1, found for n = 1
+  void check_films() const;
   BoxRate box_rate;
   double dt = 0.0;    // 0: before the first step of a run
   void rub_all(int vflag);
@@ -179,11 +192,15 @@ class FixDeformableFriction : public FixPartnerMemory<RememberedContact> {
   bool find_sides(const LoadedContact &, Sides &, ContactPlace &) const;
   Velocity velocity(const Sides &) const;
   Speeds speeds(const Sides &, const Velocity &, const ContactPlace &, double age) const;
-  void lose(const Sides &, const RememberedContact &, double kt, const deformable::Rub &,
-            double damping, const Speeds &before, const Speeds &now);
-  void push(const Sides &, const ContactPlace &, const Pushes &);
+  deformable::ContactVector film_force(const deformable::Friction &, double size,
+                                       deformable::ContactVector v);
+  void lose(const Sides &, const RememberedContact &before, const RememberedContact &now, double kt,
+            const Speeds &v_before, const Speeds &v_now);
+  void push(const Sides &, const ContactPlace &, const deformable::ContactVector &);
+  void list_row(int i, const Sides &, const RememberedContact &, double force, bool slides);
   void sweep();
   void end(int i, const RememberedContact &);
+  int words_of_spring() const;
   void give_spring(int i, const double *words);
   double total(int n) const;
 };

@@ -160,7 +160,11 @@ void PairDeformable::init_style()
   results.requested = !modify->get_fix_by_style("^pair$").empty();
 
   recording = !modify->get_compute_by_style(ComputeDeformableContact::STYLE).empty();
-  rubbing = !modify->get_fix_by_style(FixDeformableFriction::STYLE).empty();
+  const std::vector<Fix *> frictions = modify->get_fix_by_style(FixDeformableFriction::STYLE);
+  rubbing = !frictions.empty();
+  measuring = std::any_of(frictions.begin(), frictions.end(), [](const Fix *fix) {
+    return static_cast<const FixDeformableFriction *>(fix)->has_films();
+  });
 
   const char *const id = FixDeformableRestart::ID;
   if (!modify->get_fix_by_id(id)) modify->add_fix(fmt::format("{} all deformable/restart", id));

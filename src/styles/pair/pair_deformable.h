@@ -95,14 +95,21 @@ struct RecordedContact {
 
 // A contact that bears a force, for fix deformable/friction.
 struct LoadedContact {
-  int i, j;         // local indices; of a wall its code < 0
-  int second;       // local index of the particle whose image j is, or -1: it is on another rank
-  double nx, ny;    // normal of the contact line, from i to j
-  // of the middle of its film from the center of i: along (nx, ny) and (-ny, nx)
-  double height, shift;
+  int i, j;      // local indices; of a wall its code < 0
+  int second;    // local index of the particle whose image j is, or -1: it is on another rank
+  deformable::Vector3 n;         // normal of the contact, from i to j
+  deformable::Vector3 middle;    // of its film, from the center of i
   double force;
+  double
+      size;    // of its film, if asked for: length in the plane, area in space; the mean of both sides
   bool one_side;    // the other side has a row, and a force, of its own
 };
+
+// In the plane: at this height along the normal, and this far to the left of it.
+inline deformable::Vector3 middle_of(double nx, double ny, double height, double shift)
+{
+  return {height * nx - shift * ny, height * ny + shift * nx, 0.0};
+}
 
 // Two particles, or a particle and a wall, at the last force call: for minimizers, which take them for springs.
 struct Spring {
@@ -247,6 +254,7 @@ class PairDeformable : public Pair {
   ParticleResults results;
   bool recording = false;    // for compute deformable/contact
   bool rubbing = false;      // whether `loaded` is asked for
+  bool measuring = false;    // and the sizes of films
 
   // Whether anyone asks for shapes and contacts of single particles in this call.
   bool needs_shapes() const { return recording || results.requested; }
@@ -314,7 +322,7 @@ template <class Prepare, class GroupOf, class Law, class Finish>
 void PairDeformable::for_each_block(const deformable::BatchKernel *chosen, Prepare &&prepare,
                                     GroupOf &&group_of, Law &&law, Finish &&finish)
 {
-  const bool shapes = results.requested || recording || neighbor->ago == 0;
+  const bool shapes = results.requested || recording || measuring || neighbor->ago == 0;
   const bool observing = results.requested || recording || rubbing || eflag_atom || vflag_either;
   if (neighbor->ago == 0) take_neighbors();
   for (int begin = 0; begin < list->inum; begin += BLOCK) {

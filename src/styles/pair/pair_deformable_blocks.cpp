@@ -219,12 +219,25 @@ LoadedContact PairDeformable::loaded_contact(const BlockParticle &p, const Place
     const WallContact &wall = wall_contacts[-1 - place.partner];
     const auto [push, shift] = push_of(wall, place);
     const double force = -push.fx * wall.nx - push.fy * wall.ny;
-    return {p.name, wall.wall, -1, wall.nx, wall.ny, wall.height, shift, force, false};
+    return {p.name,
+            wall.wall,
+            -1,
+            {wall.nx, wall.ny, 0.0},
+            middle_of(wall.nx, wall.ny, wall.height, shift),
+            force,
+            place.length,
+            false};
   }
   const Contact contact = line_of(p, place).contact;
   const double force = -place.fx * contact.nx - place.fy * contact.ny;
-  return {p.name, place.partner, -1,  contact.nx, contact.ny, p.radius - contact.indentation,
-          0.0,    force,         true};
+  return {p.name,
+          place.partner,
+          -1,
+          {contact.nx, contact.ny, 0.0},
+          middle_of(contact.nx, contact.ny, p.radius - contact.indentation, 0.0),
+          force,
+          place.length,
+          true};
 }
 
 /* ---------------------------------------------------------------------- */

@@ -76,9 +76,6 @@ void PairDeformableDroplet::init_style()
   check_room();
   if (!atom->tag_enable)
     error->all(FLERR, "Pair style deformable/droplet needs atom IDs: use 'atom_modify id yes'");
-  if (rubbing)
-    error->all(FLERR, "Fix deformable/friction is two-dimensional: droplets in three dimensions "
-                      "have no friction");
 }
 
 /* ----------------------------------------------------------------------
@@ -184,6 +181,7 @@ void PairDeformableDroplet::solve(bool new_material)
     });
     refusals.stop();
   }
+  if (rubbing) load_contacts();
   beyond_model = solver->beyond_model;
   if (neighbor->ago == 0)
     bulge_over_reach = std::max(bulge_over_reach, solver->largest_bulge / reach);
@@ -279,6 +277,24 @@ void PairDeformableDroplet::store_droplet(int i, double energy)
   }
   results.store_surface(i, {4.0 * PI * r * r + energy / tension, contacts,
                             droplet_pressure(r, tension, energy, moment), area, solver->load(i)});
+}
+
+// The two facets of a film have unlike areas, F R/(2 g), if its droplets have unlike pressures.
+void PairDeformableDroplet::load_contacts()
+{
+  const NearPairs &p = solver->pairs();
+  const auto area = [&](int k, int i) {
+    const double facet = facet_radius(p.force[k], radii[i], stiffness_of(i).tension);
+    return PI * facet * facet;
+  };
+  for (int k = 0; k < p.size; ++k) {
+    if (p.force[k] == 0.0) continue;
+    const int i = p.i[k], j = p.j[k];
+    const bool is_wall = k >= p.wall;
+    loaded.push_back({i, j, is_wall ? -1 : p.second(k), p.normal(k),
+                      (radii[i] - solver->indentation(p.side[0][k])) * p.normal(k), p.force[k],
+                      is_wall ? area(k, i) : 0.5 * (area(k, i) + area(k, j)), false});
+  }
 }
 
 // On the droplet, from its own energy; from a wall all of it.

@@ -51,6 +51,7 @@ class PairDeformableDroplet : public PairDeformable {
   void solve(bool new_material);
   void push(int begin, int end);
   void finish_droplets();
+  void load_contacts();
   void store_droplet(int i, double energy);
   deformable::Vector3 torque(int k, int side) const;
   deformable::Vector3 force_of_contact(int k, int side) const;

@@ -460,6 +460,7 @@ void PairDeformableRing::push_pairs(int begin, int end, bool counts_energy)
 void PairDeformableRing::load_contacts_of_pairs()
 {
   const NearPairs &p = balanced->pairs();
+  if (measuring) balanced->measure_lines();
   for (int k = 0; k < p.size; ++k) {
     if (!(p.force[k] > 0.0) && !(p.adhesive && p.attached[k])) continue;
     const int i = p.i[k];
@@ -469,8 +470,9 @@ void PairDeformableRing::load_contacts_of_pairs()
       shift = -(1.0 - height * p.per_distance[k]) * balanced->outline_slope(k, 0);
     else if (p.curved)
       shift = -balanced->outline_slope(k, 0);
-    loaded.push_back({i, p.j[k], k < p.wall ? p.second(k) : -1, p.nx[k], p.ny[k], height, shift,
-                      p.force[k], false});
+    loaded.push_back({i, p.j[k], k < p.wall ? p.second(k) : -1, p.normal(k),
+                      middle_of(p.nx[k], p.ny[k], height, shift), p.force[k],
+                      measuring ? balanced->size_of_film(k) : 0.0, false});
   }
 }
 

@@ -115,15 +115,10 @@ int FixDeformableWall::read_keyword(int iarg, int narg, char **arg)
                  "adhesion 0, not {}",
                  id, first);
   } else if (keyword == "shear") {
-    if (dimension == 3)
-      error->all(FLERR_WORD(iarg),
-                 "Fix {} deformable/wall: shear moves nothing in three dimensions, where droplets "
-                 "slip along walls without friction",
-                 id);
     shear.axis = first[0] - 'x';
-    if (std::strlen(first) != 1 || shear.axis < 0 || shear.axis > 1)
-      error->all(FLERR_WORD(iarg + 1), "Fix {} deformable/wall: shear goes along x or y, not '{}'",
-                 id, first);
+    if (std::strlen(first) != 1 || shear.axis < 0 || shear.axis >= dimension)
+      error->all(FLERR_WORD(iarg + 1), "Fix {} deformable/wall: shear goes along {}, not '{}'", id,
+                 dimension == 2 ? "x or y" : "x, y or z", first);
     require(shear.speed.read("shear", arg[iarg + 2], lmp));
   } else {
     require(load.force.read("load", first, lmp));
@@ -158,12 +153,12 @@ void FixDeformableWall::check_keywords(Walls &given) const
     const bool straight = wall.kind == Wall::FACE;
     const Region *const its_region = given.sources[wall.shape].region;
     const Vector3 n = straight ? given.shapes[wall.shape].planes[wall.sides[0].plane].n : Vector3{};
-    if (!straight || std::fabs(shear.axis == 0 ? n.x : n.y) > 1e-12 ||
+    if (!straight || std::fabs(component(n, shear.axis)) > 1e-12 ||
         (its_region && its_region->rotateflag))
       error->all(FLERR,
                  "Fix {} deformable/wall: '{}' cannot slide along {}, as sides and planes along it "
                  "do: give it a fix of its own without shear, or a region that rotates",
-                 id, wall.name, "xy"[shear.axis]);
+                 id, wall.name, "xyz"[shear.axis]);
   }
 }
 
@@ -325,8 +320,7 @@ void FixDeformableWall::place(bool counts)
   require(walls.place_sides(lmp, counts));
   if (update->whichflag == 2) check_places();
   require(shear.speed.begin_step(lmp, counts));
-  if (shear.axis >= 0)
-    (shear.axis == 0 ? walls.slide.x : walls.slide.y) = shear.speed.now * update->dt;
+  if (shear.axis >= 0) component(walls.slide, shear.axis) = shear.speed.now * update->dt;
   require(load.force.begin_step(lmp, counts));
   if (region) match_region();
   require(walls.follow());

@@ -103,12 +103,17 @@ class FixDeformableWall : public Fix {
     walls.add_force(feature, center(i), tx * fy - ty * fx, {torque * tx, torque * ty, 0.0}, cutoff);
   }
 
-  // The force of friction on atom i, at (bx, by) from its center. It moves no line: the virial is that of a force at a point.
-  void add_friction(int i, double fx, double fy, double bx, double by)
+  // The force of friction on atom i, at b from its center. It moves no line: the virial is that of a force at a point.
+  void add_friction(int i, const deformable::Vector3 &f, const deformable::Vector3 &b)
   {
-    add(i, {fx, fy, 0.0}, {-bx * fx, -by * fy, 0.0, -0.5 * (bx * fy + by * fx), 0.0, 0.0});
+    add(i, f,
+        {-b.x * f.x, -b.y * f.y, -b.z * f.z, -0.5 * (b.x * f.y + b.y * f.x),
+         -0.5 * (b.x * f.z + b.z * f.x), -0.5 * (b.y * f.z + b.z * f.y)});
   }
-  deformable::Point way(int feature, double x, double y) const { return walls.way(feature, x, y); }
+  deformable::Vector3 way(int feature, const deformable::Vector3 &x) const
+  {
+    return walls.way(feature, x);
+  }
   int first_feature(int feature) const { return walls.first_feature(feature); }
   std::vector<std::string> feature_names() const { return walls.feature_names(); }
   void do_work(double energy) { walls.do_work(energy); }

@@ -456,6 +456,6 @@ WallShape LAMMPS_NS::moved_with(Region *region, const WallShape &at_rest)
 Motion LAMMPS_NS::motion_of(Region *region)
 {
   const Vector3 origin = RegionMotion::moved(region, {});
-  return {origin.x, origin.y,
-          region->rotateflag ? region->theta * RegionMotion::axis(region).z : 0.0};
+  if (!region->rotateflag) return {origin};
+  return {origin, region->theta, RegionMotion::axis(region)};
 }

@@ -158,8 +158,7 @@ std::string Walls::follow()
   for (std::size_t k = 0; k < sources.size(); ++k) {
     WallSource &source = sources[k];
     Region *const region = source.region;
-    if (source.side.sign != 0)
-      (source.side.axis == 0 ? motions[k].x : motions[k].y) = source.side.place.now;
+    if (source.side.sign != 0) component(motions[k].step, source.side.axis) = source.side.place.now;
     if (!region) continue;
     if (dimension == 2 && region->dz != 0.0 && region->moveflag)
       return "region '" + source.name + "' leaves the xy plane: it must not move along z";
