@@ -24,6 +24,7 @@ ADDRESSES = {
     "README.md": "index.html",
     "docs/README.md": "contents/index.html",
     "CONTRIBUTING.md": "contributing/index.html",
+    "ARCHITECTURE.md": "architecture/index.html",
     "CHANGELOG.md": "changes/index.html",
 }
 STANDS_FOR = {
