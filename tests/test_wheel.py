@@ -118,7 +118,8 @@ def test_the_wheel_in_a_new_environment_without_a_compiler(dist, pythons, tmp_pa
     assert ("abi3" in module) == (pythons[0] >= STABLE)
     assert str(environment) in module
 
-    (script,) = re.findall(r"```lammps\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
+    page = (ROOT / "docs" / "start.md").read_text()
+    (script,) = re.findall(r"```lammps\n(.*?)```", page, re.DOTALL)
     (tmp_path / "in.bubbles").write_text(script)
     assert "Loop time" in run("lmp", "-in", "in.bubbles")
     run("deformable", "info")

@@ -17,13 +17,14 @@ from mkdocs.structure.pages import Page
 
 ROOT = Path(__file__).parents[2]
 PAGES = (
-    *("*.md", "docs/*.md", "docs/api/*.md", "examples/*/README.md", "benchmarks/README.md"),
+    *("*.md", "docs/*.md", "docs/guide/*.md", "docs/api/*.md", "examples/*/README.md", "benchmarks/README.md"),
     *("validation/README.md", "validation/*/README.md"),
 )
 ADDRESSES = {
     "README.md": "index.html",
     "docs/README.md": "contents/index.html",
     "CONTRIBUTING.md": "contributing/index.html",
+    "ARCHITECTURE.md": "architecture/index.html",
     "CHANGELOG.md": "changes/index.html",
 }
 STANDS_FOR = {

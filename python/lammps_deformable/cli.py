@@ -48,6 +48,7 @@ from .jamming import jam
 from .lammps import silent_lammps
 from .laws import ALL_LAWS
 from .movies import of_dimension
+from .plot import title_of
 from .ranks import print_once
 from .recording import check_tolerance
 from .relax import TOLERANCE
@@ -151,6 +152,8 @@ def _finish(state: State, folder: Path, began: float) -> None:
 
 
 def _draw(state: State, out: Path, **settings: Any) -> None:
+    if settings.get("title") is None:
+        settings["title"] = title_of(state)
     figure: Any = state.plot(**settings).figure
     figure.savefig(out, dpi=150)
 

@@ -13,6 +13,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import Collection, LineCollection, PolyCollection
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon
 from numpy.typing import NDArray
 
@@ -36,8 +37,8 @@ _NO_VALUE = "0.8"
 # Angles, whose scale is a whole turn.
 _ANGLES = ("direction",)
 
-# Values of circles, at which scales of color begin; 0 for all others.
-_ROUND = {"shape_parameter": 1.0}
+# Colors of whole numbers at most; more are continuous.
+_COLORS = 16
 
 # Width of the line of the largest force [points]: at most so wide, and in packings of many
 # particles so wide times sqrt(N), about a tenth of a particle.
@@ -58,6 +59,7 @@ class Scale:
         force: force of the widest line.
         widest: its width [points].
         cyclic: whether the first and last color are the same.
+        whole: whether each whole number has a color of its own.
     """
 
     low: float
@@ -65,6 +67,7 @@ class Scale:
     force: float
     widest: float
     cyclic: bool = False
+    whole: bool = False
 
     @property
     def signed(self) -> bool:
@@ -77,12 +80,11 @@ def scale(
 ) -> Scale:
     """One scale for several pictures, from the values of the particles and the forces of each.
 
-    It begins at 0, and at 1 for shape parameters. If some values are negative, 0 is in the middle.
-    For directions it is a whole turn.
+    It goes from the smallest to the largest value. If some values are negative, 0 is in the middle.
+    For directions it is a whole turn. A few numbers that are all whole have a color each.
     """
-    begin = _ROUND.get(color_by, 0.0) if isinstance(color_by, str) else 0.0
-    low = min(begin, *(float(np.nanmin(each)) for each in values))
-    high = max(begin, *(float(np.nanmax(each)) for each in values))
+    low = min(float(np.nanmin(each)) for each in values)
+    high = max(float(np.nanmax(each)) for each in values)
     force = max((np.abs(each).max(initial=0.0) for each in forces), default=0.0)
     cyclic = isinstance(color_by, str) and color_by in _ANGLES
     if cyclic:
@@ -92,8 +94,11 @@ def scale(
         low = -high
     elif high - low <= _EQUAL * max(abs(low), abs(high)):
         high = low
+    numbers = np.concatenate(values)
+    whole = not cyclic and 0.0 < high - low < _COLORS
+    whole &= bool(np.all(numbers[~np.isnan(numbers)] % 1.0 == 0.0))
     widest = min(_WIDEST, _WIDEST_OF_MANY / np.sqrt(len(values[0])))
-    return Scale(low, high, float(force) or 1.0, float(widest), cyclic)
+    return Scale(low, high, float(force) or 1.0, float(widest), cyclic, whole)
 
 
 def per_particle(
@@ -142,7 +147,7 @@ def limited(on: Scale, vmin: float | None, vmax: float | None) -> Scale:
         high = -low
     if not low < high:
         raise ParameterError(f"vmin must be below vmax, not {low:g} and {high:g}")
-    return replace(on, low=low, high=high)
+    return replace(on, low=low, high=high, whole=on.whole and low % 1.0 == high % 1.0 == 0.0)
 
 
 def color_map(cmap: str | None, on: Scale) -> Colormap:
@@ -157,7 +162,34 @@ def color_map(cmap: str | None, on: Scale) -> Colormap:
         cmap = _CYCLIC if on.cyclic else _DIVERGING if on.signed else _SEQUENTIAL
     if not (isinstance(cmap, str) and cmap in colormaps):
         raise ParameterError(f"cmap must be one of matplotlib's color maps, not {shown(cmap)}")
-    return colormaps[cmap].with_extremes(bad=_NO_VALUE)
+    colors = colormaps[cmap]
+    if on.whole:
+        colors = colors.resampled(round(on.high - on.low) + 1)
+    return colors.with_extremes(bad=_NO_VALUE)
+
+
+def color_limits(on: Scale) -> tuple[float, float]:
+    """The ends of the bar of the colors."""
+    if on.whole:  # each number in the middle of its color
+        return on.low - 0.5, on.high + 0.5
+    return on.low, on.low + 1.0 if on.high == on.low else on.high
+
+
+def draw_bar(ax: Axes, colors: Any, on: Scale, label: str, **place: Any) -> None:
+    """The bar of the colors beside the axes."""
+    figure: Any = ax.figure
+    bar = figure.colorbar(colors, ax=ax, label=label, shrink=0.85, **place)
+    if on.high == on.low:  # the first color is all there is: no numbers that no particle has
+        bar.set_ticks([on.low])
+    elif on.whole:
+        bar.set_ticks(np.arange(on.low, on.high + 1.0))
+
+
+def draw_key(ax: Axes, on: Scale, color: str) -> None:
+    """What the width of a force chain means, below the axes."""
+    line = Line2D([], [], color=color, linewidth=on.widest, alpha=0.6)
+    place: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": (0.0, 0.0), "frameon": False}
+    ax.legend([line], [f"force {on.force:.2g}"], fontsize=9, borderaxespad=0.2, **place)
 
 
 class Mark(NamedTuple):
@@ -190,7 +222,7 @@ _AREA, _LONGEST, _NARROWEST = 25.0, 10.0, 1.6
 _TITLE, _BESIDE, _BELOW, _WIDE, _MARGIN = 0.6, 1.4, 0.9, 1.5, 0.2
 
 # Colors of contacts that push, and of those that pull.
-_PUSH, _PULL = "orangered", "magenta"
+PUSH, _PULL = "orangered", "magenta"
 
 
 class Packing(Protocol):
@@ -302,8 +334,7 @@ def draw(
     particles = PolyCollection(
         images, array=np.array(colors), cmap=colors_of, edgecolors="0.2", linewidths=0.6
     )
-    one_value = on.high == on.low
-    particles.set_clim(on.low, on.low + 1.0 if one_value else on.high)
+    particles.set_clim(*color_limits(on))
     drawn: list[Collection] = [particles]  # the first one, of which users make color bars
     if packing.walls:
         walls = _obstacles(packing)
@@ -311,7 +342,7 @@ def draw(
     if flats:
         drawn.append(LineCollection(lines, colors="tab:red", linewidths=1.8, capstyle="butt"))
     if halves:
-        signs = [_PUSH if push >= 0.0 else _PULL for push in pushes]
+        signs = [PUSH if push >= 0.0 else _PULL for push in pushes]
         widths = np.abs(pushes).tolist()
         drawn.append(
             LineCollection(chains, colors=signs, linewidths=widths, capstyle="round", alpha=0.6)
@@ -324,9 +355,9 @@ def draw(
 
     if colorbar:
         place: dict[str, Any] = {"location": "bottom", "aspect": 40.0} if _is_wide(packing) else {}
-        bar = ax.figure.colorbar(particles, ax=ax, label=label, shrink=0.85, **place)
-        if one_value:  # the first color is all there is: no numbers that no particle has
-            bar.set_ticks([on.low])
+        draw_bar(ax, particles, on, label, **place)
+    if halves:
+        draw_key(ax, on, PUSH)
     ax.set_title(title, fontsize=11)
     margin = 0.01 * np.ptp(corners, axis=0)
     ax.set(

@@ -181,13 +181,12 @@ def go_on(sim: Simulation, motion: Motion) -> None:
     if motion.images is not None and motion.images.any():
         place_images(lmp, motion.images)
     sim.time, sim.shear_strain, sim.directions = motion.time, motion.strain, motion.directions
-    sim._lost, sim._labels = motion.lost, motion.labels
+    sim._lost, sim._labels, sim._clones = motion.lost, motion.labels, motion.clones
 
 
-def _labels(sim: Simulation, number: int) -> NDArray[np.int64] | None:
+def _of_all(names: NDArray[np.int64] | None, number: int) -> NDArray[np.int64] | None:
     """Labels of so many particles; None if commands to `lmp` have added or deleted some."""
-    labels = sim._labels
-    return labels if labels is not None and len(labels) == number else None
+    return names if names is not None and len(names) == number else None
 
 
 # Relative change of area and perimeter below which a particle counts as round, that of an
@@ -373,7 +372,8 @@ class Deformables:
             "wall_forces": wall_forces(sim.lmp, sim.walls),
             "time": sim.time,
             "shear_strain": sim.shear_strain,
-            "labels": _labels(sim, len(packing)),
+            "labels": _of_all(sim._labels, len(packing)),
+            "clones": _of_all(sim._clones, len(packing)),
             "unsaved": unsaved(sim.lmp, sim._setup),
             "images": images_of(sim.lmp),
         }

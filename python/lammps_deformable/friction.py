@@ -490,6 +490,9 @@ _BAR = 1.0
 _PLACE, _FASTEST, _HEAD, _POINTS = 0.45, 1.6 * np.pi, 0.45, 24
 _ARROW = ((2.8, "white"), (1.0, "black"))
 
+# Spins below this part of the fastest one are not drawn.
+_SLOW = 0.02
+
 
 def sliding_contacts(
     outlines: Sequence[Floats], packing: Packing, tables: Sequence[ContactTable]
@@ -521,12 +524,14 @@ def friction_bars(packing: Packing, tables: Sequence[ContactTable]) -> list[Mark
 
 
 def spin_arrows(packing: Packing, spins: Floats) -> list[Mark]:
-    """An arc with a head in each particle, the longer the faster it turns."""
+    """An arc with a head in each particle, the longer the faster it turns; none in slow ones."""
     from .drawing import Mark
 
     fastest = float(np.abs(spins).max(initial=0.0)) or 1.0
     arrows = [
         _arrow(center, _PLACE * radius, _FASTEST * spin / fastest)
+        if abs(spin) > _SLOW * fastest
+        else []
         for center, radius, spin in zip(packing.positions, packing.radii, spins, strict=True)
     ]
     return [

@@ -13,6 +13,7 @@ from ._files import writing
 from .drawing import limited, new_figure, scale
 from .errors import ParameterError
 from .packing import Packing
+from .plot import title_of
 from .ranks import progress
 from .state import State
 
@@ -96,6 +97,7 @@ def movie(
     def draw(state: State) -> None:
         figure.clear()
         drawn: dict[str, Any] = {"color": color, "contacts": contacts, "forces": forces, **own}
+        drawn["title"] = title_of(state)
         state.plot(figure.subplots(), scale=on, cmap=cmap, label=label, **drawn)
 
     draw(frames[0])  # or fail before the file is there

@@ -109,9 +109,9 @@ def scale_of(
     return scale
 
 
-def title_of(state: State, title: str | None) -> str:
-    """The title of a picture."""
-    return f"$\\phi$ = {state.phi:.4f},  $p$ = {state.pressure:.3g}" if title is None else title
+def title_of(state: State) -> str:
+    """phi and pressure, the title of pictures of a run."""
+    return f"$\\phi$ = {state.phi:.4f},  $p$ = {state.pressure:.3g}"
 
 
 def in_notebook(state: State) -> str | None:
@@ -185,7 +185,7 @@ def plot(
         state.outlines,
         values,
         label,
-        title_of(state, title),
+        title or "",
         drawing.limited(scale, vmin, vmax),
         ax,
         _flats(state) if contacts else None,

@@ -17,9 +17,18 @@ from numpy.typing import ArrayLike, NDArray
 
 from ._checks import expect, finite, numbers, shown
 from .box import cartesian, fractional, lengths
-from .drawing import Picture, Scale, color_map, limited
+from .drawing import (
+    PUSH,
+    Picture,
+    Scale,
+    color_limits,
+    color_map,
+    draw_bar,
+    draw_key,
+    limited,
+)
 from .errors import ParameterError
-from .plot import label_of, scale_of, title_of, values_of
+from .plot import label_of, scale_of, values_of
 from .room import bounds, closed, lines_around, section_between
 from .walls import Sphere, Wall
 
@@ -340,8 +349,7 @@ def draw(
     expect("scale", on, Scale)
     colors_of = color_map(cmap, on)
     turn = _turn(view)
-    one_value = on.high == on.low
-    norm = Normalize(on.low, on.low + 1.0 if one_value else on.high)
+    norm = Normalize(*color_limits(on))
     ax = new_axes(colorbar) if ax is None else ax
     expect("ax", ax, Axes)
     balls = [w for w in packing.walls if isinstance(w, Sphere) and not w.inside]
@@ -365,9 +373,9 @@ def draw(
     else:
         _draw_chains(ax, centers, colors, chains._replace(vector=chains.vector @ turn), on)
     if colorbar:
-        bar = ax.figure.colorbar(ScalarMappable(norm, colors_of), ax=ax, label=label, shrink=0.85)
-        if one_value:  # the first color is all there is: no numbers that no particle has
-            bar.set_ticks([on.low])
+        draw_bar(ax, ScalarMappable(norm, colors_of), on, label)
+    if chains is not None:
+        draw_key(ax, on, PUSH)
     ax.set_title(title, fontsize=11)
     ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
     ax.set_axis_off()
@@ -498,7 +506,7 @@ def plot(
     chains = chains_of(network.i, network.vector, network.force)
     on = limited(scale_of(state, scale, [chains.force], color_by), vmin, vmax)
     values, label = values_of(state, color_by), label_of(color_by, label)
-    title = title_of(state, title)
+    title = title or ""
     named: dict[str, Any] = {"cmap": cmap, "colorbar": colorbar}
     if slice is not None:
         cut = section_of(state.packing, facets_of(state), finite("slice", slice))

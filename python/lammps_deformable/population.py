@@ -1,21 +1,43 @@
-"""Particles that vanish: the state of those that are left, who keep their labels."""
+"""Particles that vanish or divide: the state of those that are there then, by their labels.
+
+A particle keeps its label as long as it is there. Where it divides, one of the two keeps it, and
+the other has one that no particle had before. Both are of the same clone, the label of the first
+ancestor.
+"""
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .errors import UnjammedWarning
+
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from .commands import Films
     from .state import State
+
+
+def at_rest(sim: Any, settings: Mapping[str, Any]) -> State:
+    """The relaxed state. Particles that become loose are no news where they vanish and divide."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UnjammedWarning)
+        return sim.relax(settings["tolerance"])  # type: ignore[no-any-return]
 
 
 def labels_of(state: State) -> NDArray[np.int64]:
     """The labels of particles, their numbers as long as none vanished, shape (N,)."""
     return np.arange(len(state.packing)) if state.labels is None else state.labels
+
+
+def clones_of(state: State) -> NDArray[np.int64]:
+    """The label of the first ancestor of each particle, shape (N,)."""
+    return labels_of(state) if state.clones is None else state.clones
 
 
 def remaining(state: State, left: NDArray[np.bool_]) -> State:
@@ -42,7 +64,56 @@ def remaining(state: State, left: NDArray[np.bool_]) -> State:
         images=None if images is None else images[left],
         directions=None if directions is None else directions[left],
         labels=labels_of(state)[left],
+        clones=None if state.clones is None else state.clones[left],
         films=_films_of(state.films, left),
+    )
+
+
+def divided(
+    state: State,
+    mothers: NDArray[np.int64],
+    axes: NDArray[np.float64],
+    share: NDArray[np.float64],
+    label: int,
+) -> State:
+    """The state in which particles are two each, side by side, of the same center of mass.
+
+    Args:
+        state: of all particles, without friction.
+        mothers: those that divide, shape (M,).
+        axes: unit vectors from the second to the first of the two, shape (M, d).
+        share: of the volume that the first one has, shape (M,).
+        label: of the first new particle; further ones follow.
+    """
+    packing = state.packing
+    radius, center = packing.radii[mothers], packing.positions[mothers]
+    first, second = share ** (1.0 / packing.dimension), (1.0 - share) ** (1.0 / packing.dimension)
+    small, large = np.minimum(first, second) * radius, np.maximum(first, second) * radius
+    # their contact line lies halfway between the center and the edge of the smaller one
+    apart = 0.5 * (small + np.sqrt(4.0 * large**2 - 3.0 * small**2))
+    positions, radii = packing.positions.copy(), packing.radii.copy()
+    positions[mothers] = center + ((1.0 - share) * apart)[:, None] * axes
+    radii[mothers] = first * radius
+    new = label + np.arange(len(mothers))
+
+    def joined(values: NDArray[Any], of_new: NDArray[Any]) -> NDArray[Any]:
+        return np.concatenate([values, of_new])
+
+    images, directions, clones = state.images, state.directions, clones_of(state)
+    both = packing.replace(
+        positions=joined(positions, center - (share * apart)[:, None] * axes),
+        radii=joined(radii, second * radius),
+        species=joined(packing.species, packing.species[mothers]),
+    )
+    both._set_species_radii(len(packing._species_radii))
+    return replace(
+        state,
+        packing=both,
+        velocities=joined(state.velocities, state.velocities[mothers]),
+        images=None if images is None else joined(images, images[mothers]),
+        directions=None if directions is None else joined(directions, directions[mothers]),
+        labels=joined(labels_of(state), new),
+        clones=joined(clones, clones[mothers]),
     )
 
 

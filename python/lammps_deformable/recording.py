@@ -61,7 +61,7 @@ def protocol_of(name: str) -> Protocol:
     Raises:
         FileError: there is none.
     """
-    from . import coarsening, compression, motion, shearing  # which know this module
+    from . import coarsening, compression, motion, proliferation, shearing  # which know this module
 
     protocols = {
         "compress": compression.COMPRESS,
@@ -70,6 +70,7 @@ def protocol_of(name: str) -> Protocol:
         "oscillate": shearing.OSCILLATE,
         "creep": shearing.CREEP,
         "coarsen": coarsening.COARSEN,
+        "proliferate": proliferation.PROLIFERATE,
         "run": motion.RUN,
     }
     if name not in protocols:

@@ -166,6 +166,7 @@ def _recorded_state(
         "films": motion.films,
         "directions": motion.directions,
         "labels": motion.labels,
+        "clones": motion.clones,
     }
     if isinstance(law, SoftContact):
         return State(packing, law, **known)

@@ -50,7 +50,7 @@ from .store import Motion
 from .walls import Wall
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
     from pathlib import Path
     from types import TracebackType
 
@@ -116,6 +116,7 @@ class Simulation(OneCall):
     directions: NDArray[np.float64] | None = None
     seed: int | None = None
     _labels: NDArray[np.int64] | None = None  # of the particles, see `State`
+    _clones: NDArray[np.int64] | None = None
     _lost: float = 0.0  # energy that films had lost before LAMMPS began to count it
     _steps_before: int = 0  # steps of LAMMPS before it began to count them
     _fell_back: bool = False  # whether FIRE went on where L-BFGS failed, in the last relaxation
@@ -599,10 +600,11 @@ class Simulation(OneCall):
 
         with the pressures p_i, and that of the gas in the liquid p, which keeps the sum of all
         volumes. Films alone let radii grow as t^(1/2), the liquid alone as t^(1/3). The foam is at
-        rest all the time. In a step no volume changes by more than 5 % of the mean. A bubble below 2 % of the mean vanishes; the `labels`
-        of a state tell which ones are left, and `Run.events` when the others vanished. Bubbles that
-        lie loosely between others shrink by the border alone. Walls let no gas pass. Sizes become
-        very unequal: take a reach of 2. Exact films are those of
+        rest all the time. In a step no volume changes by more than 5 % of the mean. A bubble below
+        2 % of the mean, or of its largest neighbor, vanishes; the `labels` of a state tell which
+        ones are left, and `Run.events` when the others vanished. Bubbles that lie loosely between
+        others shrink by the border alone. Walls let no gas pass. Sizes become very unequal: take a
+        reach of 2. Exact films are those of
         Ring(kA=inf, kP=0, tension=..., contact="curved", reach=2).
 
             run = sim.coarsen(1.0, time=50.0, steps=100, record="run")
@@ -633,6 +635,72 @@ class Simulation(OneCall):
         (1961).
         """
         return play(self, "coarsen", locals())
+
+    def proliferate(
+        self,
+        rate: float | Sequence[float],
+        *,
+        division: float,
+        time: float,
+        steps: int = 1,
+        axis: str = "random",
+        asymmetry: float = 0.1,
+        pressure: float | None = None,
+        death: float = 0.0,
+        tolerance: float | None = None,
+        seed: int | None = None,
+        record: str | Path | None = None,
+        mode: str = "x",
+        callback: Callable[[Any], object] | None = None,
+        keep: bool = True,
+        parameters: Mapping[str, Any] | None = None,
+    ) -> Run:
+        """Let cells grow, divide and die: a tissue.
+
+        Volumes V_i of cells at rest, areas in the plane, grow by
+
+            dV_i/dt = rate V_i max(0, 1 - p_i/pressure)
+
+        with the mean pressure p_i of the contacts of a cell, the trace of its `particle_stress`
+        over the dimension. A cell of the volume `division` or more divides in two, side by side.
+        The tissue is at rest all the time, relaxed at least each time that volumes have grown by
+        5 %. `labels` of a state tell which cell is which, `clones` the label of the first ancestor
+        of each.
+
+            run = sim.proliferate(1.0, division=1.6, time=5.0, steps=20, pressure=0.1)
+
+        Args:
+            rate: of growth, a number or one for each species, not negative [1/time].
+            division: volume at rest at which a cell divides [length^d].
+            time: in all [time].
+            steps: number of states, after equal parts of the time.
+            axis: on which the two lie, `random`, `long`, that of the outline in the plane, or
+                `stress`, along which the cell is pressed least.
+            asymmetry: shares of the two are drawn between 0.5 (1 - asymmetry) and
+                0.5 (1 + asymmetry), so that cells do not divide at the same time.
+            pressure: at which cells do not grow any more [energy/length^d]; without, they always
+                do.
+            death: rate at which cells vanish by chance [1/time]; the last one stays.
+            tolerance: as in `compress`.
+            seed: of axes, shares and deaths, as in `run`.
+            record: as in `compress`, as all that follows.
+            mode: of the folder.
+            callback: called with each state.
+            keep: whether the result has all states.
+            parameters: for the summary.
+
+        Returns:
+            The states: the relaxed start, then that after each part of the time, with its `time`.
+
+        Raises:
+            ParameterError: a value is out of range, the law is neither `Ring` nor `Droplet`, or
+                contacts rub; or cells have no room left.
+            FileError: see `compress`.
+
+        Source: growth under pressure: Shraiman, PNAS 102, 3318 (2005), and Basan et al., HFSP J. 3,
+        265 (2009); long axis: Hertwig (1884).
+        """
+        return play(self, "proliferate", locals())
 
     def run(
         self,

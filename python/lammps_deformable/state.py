@@ -64,6 +64,7 @@ _LAWS: dict[str, tuple[tuple[type, ...], str]] = {
     "moving": (_MOVING, "Ring, Sector and Droplet"),
     "saved": (_SAVED, "Ring, Sector, Droplet and SoftContact"),
     "droplets": ((Droplet,), "Droplet"),
+    "bubbles": ((Ring, Droplet), "Ring and Droplet"),
 }
 
 # What takes the place of what there is in the plane or in space only.
@@ -166,6 +167,7 @@ class State:
             states than those of motion with a propulsion.
         labels: number, from 0, that each particle keeps where others vanish or are born, shape
             (N,); None as long as none do.
+        clones: label of the first ancestor of each particle, shape (N,); None if none divided.
         friction: of the contacts; None if they slip.
         rubbing: spins, springs of contacts and what was lost, see `friction.Rubbing`; None without
             friction.
@@ -198,6 +200,7 @@ class State:
     lost_energy: float = 0.0
     directions: Floats | None = None
     labels: NDArray[np.int64] | None = None
+    clones: NDArray[np.int64] | None = None
     friction: Friction | None = None
     rubbing: Rubbing | None = None
     unsaved: str = ""
@@ -392,7 +395,7 @@ class State:
         """What goes on with a simulation from this state, beside the packing."""
         history = self.velocities, self.time, self.shear_strain, self.films, self.directions
         lost = self.lost_energy - sum(self.rubbing.lost if self.rubbing else ())
-        return Motion(*history, self.rubbing, self.images, lost, self.labels)
+        return Motion(*history, self.rubbing, self.images, lost, self.labels, self.clones)
 
     @property
     def _squeezed(self) -> tuple[str, Floats]:
@@ -683,6 +686,18 @@ class State:
         Source: mean stress by Love and Weber; Bagi, Mech. Mater. 22, 165 (1996).
         """
         return contacts.particle_stress(self._contact_forces, self.volumes)
+
+    @_only("bubbles")
+    def gas_flow(self, permeability: float, *, border: float = 0.0) -> Floats:
+        """dV/dt of each bubble by gas that flows, see `Simulation.coarsen`, (N,) [length^d/time].
+
+        Args:
+            permeability: of films [length^(d+1)/(energy time)].
+            border: thickness of films [length].
+        """
+        from .coarsening import gas_flow
+
+        return gas_flow(self, permeability, border)
 
     def graph(self) -> Any:
         """The contacts as a graph of networkx, a `MultiGraph` with particles as nodes.
@@ -1056,8 +1071,8 @@ class State:
 
         In the plane these are the outlines. In space they are spheres that the planes of their
         contacts cut, with their centers in the box, seen from far away; of droplets, which bulge,
-        this is a little less than their volume. Colors begin at 0. If some values are negative, 0
-        is in the middle.
+        this is a little less than their volume. Colors go from the smallest to the largest value.
+        If some values are negative, 0 is in the middle; whole numbers have a color each.
 
         Args:
             ax: axes to draw into; if not given those of a new figure, which is as long as the box.
@@ -1080,7 +1095,7 @@ class State:
                 in the middle.
             vmin: value of the first color; that of `scale` if not given.
             vmax: value of the last color; that of `scale` if not given.
-            title: of the picture; phi and pressure if not given.
+            title: of the picture; none if not given.
             colorbar: draw a bar of the colors. One bar of several pictures is
                 `figure.colorbar(axes.collections[0], ax=all_axes)`.
             label: of the bar; that of the name if not given.

@@ -62,26 +62,30 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
 
 # What particles carry with them in motion, as columns of a trajectory and comments of a data file.
-_DIRECTION, _LABEL = "direction", "label"
+_DIRECTION, _LABEL, _CLONE = "direction", "label", "clone"
 
 
 def as_columns(motion: Motion) -> dict[str, NDArray[Any]]:
-    """Columns of a trajectory: angles of directions to the x axis, and labels; none without."""
+    """Columns of a trajectory: angles of directions to the x axis, labels, clones; none without."""
     found: dict[str, NDArray[Any]] = {}
     if motion.directions is not None:
         found[_DIRECTION] = np.arctan2(motion.directions[:, 1], motion.directions[:, 0])
     if motion.labels is not None:
         found[_LABEL] = motion.labels
+    if motion.clones is not None:
+        found[_CLONE] = motion.clones
     return found
 
 
 def from_columns(columns: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
-    """The inverse of `as_columns`: `directions` and `labels` of a motion, where there are some."""
+    """The inverse of `as_columns`: what a motion has of it."""
     found: dict[str, Any] = {}
     if _DIRECTION in columns:
         found["directions"] = unit_vectors(columns[_DIRECTION])
     if _LABEL in columns:
         found["labels"] = columns[_LABEL].astype(np.int64)
+    if _CLONE in columns:
+        found["clones"] = columns[_CLONE].astype(np.int64)
     return found
 
 
@@ -102,7 +106,7 @@ def carried_in(text: str, number: int) -> dict[str, Any]:
         ValueError: they are damaged.
     """
     columns = {}
-    for name in (_DIRECTION, _LABEL):
+    for name in (_DIRECTION, _LABEL, _CLONE):
         values = re.findall(rf"^# {name} (.+)$", text, re.MULTILINE)
         if len(values) not in (0, number):
             raise ValueError(f"it has {name}s of {len(values)} of {number} atoms")
@@ -125,6 +129,7 @@ class Motion(NamedTuple):
         lost: energy that films have lost so far [energy].
         labels: number that each particle keeps where others vanish or are born, shape (N,); None
             as long as none do.
+        clones: label of the first ancestor of each particle, shape (N,); None if none divided.
     """
 
     velocities: NDArray[np.float64]
@@ -136,6 +141,7 @@ class Motion(NamedTuple):
     images: NDArray[np.int64] | None = None
     lost: float = 0.0
     labels: NDArray[np.int64] | None = None
+    clones: NDArray[np.int64] | None = None
 
     @property
     def moves(self) -> bool:

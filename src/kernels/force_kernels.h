@@ -19,7 +19,8 @@ constexpr int LANES = 8;
 // places of contacts that are empty, bears nothing.
 struct PairDirections {
   const double *force, *angle, *nx, *ny;
-  const double *bend;    // tan(beta/2), see contact_curve.h; null where contact lines are straight
+  const double *bend;     // tan(beta/2), see contact_curve.h; null where contact lines are straight
+  const double *least;    // -2 T sin(theta) of films, see contact_curve.h; null: no film sticks
 };
 
 // Rings: batch x LANES + lane.
@@ -174,21 +175,19 @@ struct LineArrays {
   float *left;    // residuals, without what bends that are not at rest do to their own pair
   double part;    // of the step to the next tilt and bend
   int wall;       // the first pair with a wall, whose lines stay
-  const double *adhesion;    // null, or not 0 where a pair has a film
+  const double *film_angle[2];    // tan(theta/2) of both sides; null: no film sticks
 };
 
 // Films that stick, of pairs that may: contact_curve.h. The second contact of a wall does not exist.
 struct FilmArrays {
-  const double *force, *bend, *adhesion;    // w, 0 where a pair is free
-  const int *first, *second;                // contacts of the pairs
-  const int *ring[2];                       // rings of the pairs
-  const double *pressure, *free_radius;     // by ring
-  double *angle[2], *next_angle[2];         // tan(theta/2) of both sides
-  double *next_pull;                        // T sin theta
-  double *next_bend;
-  double *terms[4];    // FilmTerms, by contact
-  int wall;            // the first pair with a wall
-  double part;         // of the step to the next bend
+  const double *bend, *adhesion;           // w, 0 where a pair is free
+  const int *first, *second;               // contacts of the pairs
+  const int *ring[2];                      // rings of the pairs
+  const double *pressure, *free_radius;    // by ring
+  double *angle[2], *next_angle[2];        // tan(theta/2) of both sides
+  double *next_pull;                       // T sin theta
+  double *terms[4];                        // FilmTerms, by contact
+  int wall;                                // the first pair with a wall
 };
 
 // Structures come by value: behind a reference, whatever a kernel stores might change them, and each use would load them

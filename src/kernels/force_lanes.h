@@ -256,17 +256,19 @@ DEFORMABLE_LANE_FUNCTION void for_contacts(const PairDirections &pairs, int n,
 }
 
 // The load of rings whose contacts are arcs (contact_curve.h) with tan(b/2) = u, and their products, p (a + delta). Returns half of
-// what caps take of the work.
+// what caps take of the work at fixed curvature: of films h = 2 T sin(theta) counts, too.
+template <class Pull>
 DEFORMABLE_LANE_FUNCTION Lanes bend_contacts(int n, const Lanes *tangent, const Lanes *force,
-                                             Lanes *product, Lanes &work, Lanes &total)
+                                             Lanes *product, Lanes &work, Lanes &total, Pull &&pull)
 {
-  Lanes excess = Lanes{}, cap = Lanes{};
+  Lanes excess = Lanes{}, cap = Lanes{}, cap_at_curvature = Lanes{};
 #pragma GCC unroll 8
   for (int m = 0; m < n; ++m) {
-    const Lanes u = tangent[m];
+    const Lanes u = tangent[m], h = pull(m);
     const ArcTerms<Lanes> arc = arc_terms(u);
     excess += force[m] * arc.excess;
     cap += force[m] * force[m] * arc.cap;
+    cap_at_curvature += (force[m] - 2.0 * h) * (force[m] + h) * arc.cap;
     product[m] -= 0.5 * u * force[m];
   }
   const CurvedLoad<Lanes> load = curved_load(work, total, excess, cap);
@@ -274,7 +276,7 @@ DEFORMABLE_LANE_FUNCTION Lanes bend_contacts(int n, const Lanes *tangent, const 
   total = load.total;
 #pragma GCC unroll 8
   for (int m = 0; m < n; ++m) product[m] += load.shift;
-  return 0.5 * smaller(cap, work);
+  return 0.5 * smaller(cap_at_curvature, work);
 }
 
 // The arrays of outlines, from the rings and contacts on that c and r begin with.
@@ -295,7 +297,7 @@ template <bool SOFT, bool CURVED, bool STICK>
 DEFORMABLE_LANE_FUNCTION bool
 finish_shapes(int n, const Lanes *force, Lanes *product, const Lanes *tangent, const Lanes *nx,
               const Lanes *ny, const Lanes *slope, const ContactArrays &c, const RingArrays &rings,
-              const OutlineArrays &outline, const StickArrays &films)
+              const OutlineArrays &outline, const StickArrays &films, const PairDirections &pairs)
 {
   Lanes work = Lanes{}, total = Lanes{};
 #pragma GCC unroll 8
@@ -304,6 +306,13 @@ finish_shapes(int n, const Lanes *force, Lanes *product, const Lanes *tangent, c
     total += force[m];
   }
   work *= 0.5;
+  // what a film bears beside its force, 2 T sin(theta)
+  const auto pull = [&](int m) DEFORMABLE_LANE_LAMBDA {
+    if constexpr (STICK)
+      return -of_pairs(pairs.least, c.pair_side + m * LANES);
+    else
+      return Lanes{};
+  };
   Lanes caps = Lanes{}, net_x = Lanes{}, net_y = Lanes{};
   if constexpr (CURVED) {
 #pragma GCC unroll 8
@@ -311,7 +320,7 @@ finish_shapes(int n, const Lanes *force, Lanes *product, const Lanes *tangent, c
       net_x += force[m] * nx[m];
       net_y += force[m] * ny[m];
     }
-    caps = bend_contacts(n, tangent, force, product, work, total);
+    caps = bend_contacts(n, tangent, force, product, work, total, pull);
   }
   Lanes size = total;    // of the sum of lengths, a scale
   if constexpr (STICK) {
@@ -333,7 +342,8 @@ finish_shapes(int n, const Lanes *force, Lanes *product, const Lanes *tangent, c
   const double per_scale = 1.0 / rings.scale;
   const Lanes per_size = select(size > 0.0, 1.0 / select(size > 0.0, size, all(1.0)), Lanes{});
   Lanes swell = Lanes{};
-  constexpr double MOST = 0.1;    // C of arcs that bend further is none of stable contacts
+  constexpr double NOTHING = 1e-280,
+                   MOST = 0.1;    // C of arcs that bend further is none of stable contacts
 #pragma GCC unroll 8
   for (int m = 0; m < n; ++m) {
     Lanes b = product[m] * per_p, a = b, own = all(GREEN_AT_ZERO);
@@ -350,8 +360,14 @@ finish_shapes(int n, const Lanes *force, Lanes *product, const Lanes *tangent, c
       store(outline.nx + m * LANES, nx[m]);
       store(outline.ny + m * LANES, ny[m]);
       store(c.slope + m * LANES, per_p * slope[m]);
-      own -= u + cube;
-      b -= length * (0.5 * u + cube);
+      if constexpr (STICK) {
+        const Lanes h = pull(m), all_of = larger(force[m] + h, all(NOTHING));
+        own -= smaller(larger((u + cube) * force[m] / all_of, all(-MOST)), all(MOST));
+        b -= (length - h * per_p) * (0.5 * u + cube);
+      } else {
+        own -= u + cube;
+        b -= length * (0.5 * u + cube);
+      }
       product[m] = b * p;
       store(c.own + m * LANES, own);
       swell = larger(swell, magnitude(by.mixed + by.square * b));
@@ -410,7 +426,7 @@ DEFORMABLE_LANE_FUNCTION bool shape_lanes(const PairDirections &pairs, int conta
         }
       });
   return finish_shapes<SOFT, CURVED, STICK>(n, force, product, tangent, of[3], of[4], slope, c,
-                                            rings, outline, films);
+                                            rings, outline, films, pairs);
 }
 
 // Shapes the rings anew after their forces have changed a little, in the same directions, with the last G in single
@@ -440,7 +456,7 @@ DEFORMABLE_LANE_FUNCTION bool adapt_lanes(const double *forces, const float *cha
     }
   }
   return finish_shapes<SOFT, false, false>(n, force, product, nullptr, nullptr, nullptr, nullptr, c,
-                                           rings, {}, {});
+                                           rings, {}, {}, {});
 }
 
 // The slopes alone.

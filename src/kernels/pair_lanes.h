@@ -261,11 +261,36 @@ DEFORMABLE_LANE_FUNCTION void store_answer(const PairArrays &p, const LineArrays
   store_both(a.answer + k, pull * (1.0 + 0.5 * sine * sine) * (1.0 / p.unit), flow);
 }
 
+// The force and the radii of curvature that a line bends by: f and Q or, of a film (contact_curve.h), g = f + h and
+// Q cos(theta), whose tension is T_i cos(theta_i) + T_j cos(theta_j). The bend has sin(beta) sum of Q = g (1/p_j - 1/p_i)/2, with
+// f + h cos(beta) in place of g.
+template <class T> struct Bending {
+  T force, Qi, Qj;
+  T pull;    // h = 2 T sin(theta)
+};
+
+template <class T>
+DEFORMABLE_LANE_FUNCTION Bending<T> bending(const PairArrays &p, const LineArrays &a, int k)
+{
+  const Both<T> Q = of_rings<T>(a.outline.free_radius, a, k);
+  Bending<T> by = {load<T>(p.force + k), Q.first, Q.second, T{}};
+  if (a.film_angle[0]) {
+    const T ti = load<T>(a.film_angle[0] + k), tj = load<T>(a.film_angle[1] + k);
+    const T u = load<T>(a.bend + k), u2 = u * u;
+    by.Qi *= (1.0 - ti * ti) / (1.0 + ti * ti);
+    by.Qj *= (1.0 - tj * tj) / (1.0 + tj * tj);
+    by.pull = T{} - load<T>(p.least + k);
+    by.force += by.pull * (1.0 - u2) / (1.0 + u2);
+  }
+  return by;
+}
+
 // What is left of the balance of a line, as a force. Of its torque d sin(tilt) - t_i - t_j, over d, nothing if the line is
 // at an end of the range and would tilt further. Of its curvature, what the bend at rest for these forces does to overlaps: of all
-// pairs of both rings, as the area (2/3) s^2 (change of sin beta) between the outlines changes their pressures, and of the own
-// pair, f (1/p_j - 1/p_i) du/2, with half the chord s. As pressures follow what flows, a bend only gets as far as the part phi, with
-//   1/phi - 1 = (2/3) s^3 (bulk_i + bulk_j)/(T_i + T_j).
+// pairs of both rings, as the area (v/s) (change of sin beta) between the outlines changes their pressures, and of the own
+// pair, (f - h) (1/p_j - 1/p_i) du/2, with half the chord s. As pressures follow what flows, a bend only gets as far as the part
+// phi,
+//   1/phi - 1 = v (bulk_i + bulk_j)/(T_i + T_j),   v = (2/3) s^3 - h s^2/p.
 // The part of the stiffness against tilts that the outlines leave is not below STABLE.
 static double find_lines(PairArrays p, LineArrays a, int begin, int end)
 {
@@ -273,11 +298,11 @@ static double find_lines(PairArrays p, LineArrays a, int begin, int end)
   const double length = a.outline.length, per_length = 1.0 / length;
   const auto look = [&](auto kind, int k, auto &worst) DEFORMABLE_LANE_LAMBDA {
     using T = decltype(kind);
-    const T force = load<T>(p.force + k), zero = T{};
-    const Both<T> pressure = of_rings<T>(a.pressure, a, k),
-                  Q = of_rings<T>(a.outline.free_radius, a, k);
-    const T pi = pressure.first, pj = pressure.second, radii = Q.first + Q.second;
-    const T tension = pi * Q.first + pj * Q.second, product = pi * pj;
+    const T zero = T{};
+    const Both<T> pressure = of_rings<T>(a.pressure, a, k);
+    const Bending<T> by = bending<T>(p, a, k);
+    const T pi = pressure.first, pj = pressure.second, radii = by.Qi + by.Qj;
+    const T tension = pi * by.Qi + pj * by.Qj, product = pi * pj;
     const T all = product * radii * tension;
     const T inverse = select(all > NOTHING, 1.0 / larger(all, zero + NOTHING), zero);
     const T per_tension = inverse * product * radii, per_radii = inverse * product * tension;
@@ -292,17 +317,17 @@ static double find_lines(PairArrays p, LineArrays a, int begin, int end)
     store(a.next_sine + k, next);
     store(a.give + k, give * per_d * length);
 
-    const T at_rest = within(0.5 * force * wider * per_radii, 0.5);
+    const T at_rest = within(0.5 * by.force * wider * per_radii, 0.5);
     const T u = load<T>(a.bend + k), square = u * u;
-    T change = (at_rest * (1.0 + square) - 2.0 * u) * (1.0 - square);
-    if (a.adhesion) change = select(load<T>(a.adhesion + k) > 0.0, zero, change);    // find_films
-    const T chord = 0.25 * force * width + 0.5 * (Q.first - Q.second) * at_rest;
-    const T s = larger(chord * per_length, zero), area = (2.0 / 3.0) * s * s;
+    const T change = (at_rest * (1.0 + square) - 2.0 * u) * (1.0 - square);
+    const T chord = 0.25 * by.force * width + 0.5 * (by.Qi - by.Qj) * at_rest;
+    const T s = larger(chord * per_length, zero),
+            area = s * ((2.0 / 3.0) * s - 0.5 * by.pull * width * per_length);
     const Both<T> packed = of_rings<T>(a.outline.bulk_and_swell, a, k);
     const Both<T> of_i = both_of(packed.first), of_j = both_of(packed.second);
     const T bulk = area * s * per_tension * p.unit * (of_i.first + of_j.first);
     const T phi = about_inverse(larger(1.0 + bulk, zero + 0.5));
-    const T own = 0.25 * force * wider * per_length * change;
+    const T own = 0.25 * (by.force - 2.0 * by.pull) * wider * per_length * change;
     store(a.first_flow + k, area * phi * change);
     store(a.flow_per_press + k, area * s * phi * per_tension * p.unit);
     store(a.curvature + k, (pi - pj) * per_tension * length);
@@ -311,7 +336,7 @@ static double find_lines(PairArrays p, LineArrays a, int begin, int end)
     store_answer<T>(p, a, k, next - sine, area * phi * change);
 
     const T of_bend = magnitude(area * change) * (of_i.second + of_j.second) + magnitude(own);
-    const T of_tilt = magnitude(force * select(next == sine, zero, off));
+    const T of_tilt = magnitude(load<T>(p.force + k) * select(next == sine, zero, off));
     worst = larger(worst, larger(of_tilt, of_bend * magnitude(load<T>(p.weight + k)) * p.unit));
   };
   const int wall = larger(begin, smaller(end, a.wall));
@@ -351,18 +376,17 @@ static void settle(PairArrays p, LineArrays a, int begin, int end)
     using T = decltype(kind);
     store(a.next_sine + k, next_tilt<T>(p, a, k));
     const Both<T> pressure = of_rings<T>(a.pressure, a, k),
-                  Q = of_rings<T>(a.outline.free_radius, a, k),
                   change = of_rings<T>(a.outline.change, a, k);
+    const Bending<T> by = bending<T>(p, a, k);
     const Both<T> of_i = both_of(change.first), of_j = both_of(change.second);
     const T pi = larger(pressure.first + pressure_unit * of_i.first, 0.5 * pressure.first);
     const T pj = larger(pressure.second + pressure_unit * of_j.first, 0.5 * pressure.second);
-    const T Ti = pressure.first * Q.first + p.unit * of_i.second;
-    const T Tj = pressure.second * Q.second + p.unit * of_j.second;
-    const T sine = within(
-        0.5 * load<T>(p.force + k) * (pi - pj) / larger(Ti * pj + Tj * pi, T{} + NOTHING), 0.5);
+    const T Ti = pressure.first * by.Qi + p.unit * of_i.second;
+    const T Tj = pressure.second * by.Qj + p.unit * of_j.second;
+    const T sine =
+        within(0.5 * by.force * (pi - pj) / larger(Ti * pj + Tj * pi, T{} + NOTHING), 0.5);
     const T u = load<T>(a.bend + k);
-    T bend = (sine * (1.0 + u * u) - 2.0 * u) * about_inverse(2.0 - 2.0 * sine * u);
-    if (a.adhesion) bend = select(load<T>(a.adhesion + k) > 0.0, T{}, bend);
+    const T bend = (sine * (1.0 + u * u) - 2.0 * u) * about_inverse(2.0 - 2.0 * sine * u);
     store(a.bend + k, within(u + a.part * bend, LARGEST_BEND));
   });
 }
@@ -404,9 +428,6 @@ static double dot(const float *x, const float *y, int begin, int end)
 
 // Pairs whose films stick (contact_curve.h). With Tf = T_i + T_j - w:  tan^2(theta_i/2) = w (2 T_j - w)/[(2 T_i - w)(2 Tf + w)],
 //   (2 Tf T sin theta)^2 = w (2 T_i - w)(2 T_j - w)(2 Tf + w);  of a wall  w/(2 T - w)  and  w (2 T - w).
-// The bend has
-//   sin(beta + psi) = f (1/p_j - 1/p_i)/(2 c),   (c cos psi, c sin psi) = (q_i cos theta_i + q_j cos theta_j,
-//   q_i sin theta_i - q_j sin theta_j).
 // The imbalance: what the changes of angles do to the overlap, over the compliances G(0)/p of both rings.
 static double find_films(FilmArrays p, int begin, int end)
 {
@@ -427,21 +448,12 @@ static double find_films(FilmArrays p, int begin, int end)
     store(p.next_angle[0] + k, ti);
     store(p.next_angle[1] + k, tj);
     store(p.next_pull + k, select(w > 0.0, 0.5 * root(pull2) / film, zero));
-    if (!any_true(w > 0.0)) return;    // CurvedLines has the bend
+    if (!any_true(w > 0.0)) return;
 
     const T per_i = 1.0 / (1.0 + ti * ti), per_j = 1.0 / (1.0 + tj * tj);
-    const T across = 2.0 * (qi * ti * per_i - qj * tj * per_j);
-    const T along = qi * (1.0 - ti * ti) * per_i + qj * (1.0 - tj * tj) * per_j;
-    const T c = larger(root(across * across + along * along), zero + NOTHING), per_c = 1.0 / c;
-    const T sine = within(0.5 * load<T>(p.force + k) * (per_pj - per_pi) * per_c, 1.0);
-    const T cosine = root(1.0 - sine * sine);
-    const T sin_b = within(per_c * (sine * along - cosine * across), 0.5);
-    const T bend = load<T>(p.bend + k), change = sin_b / (1.0 + root(1.0 - sin_b * sin_b)) - bend;
-    store(p.next_bend + k, bend + p.part * change);
     const T of_i = magnitude(ti - load<T>(p.angle[0] + k)) * qi * ti * per_i * per_i,
             of_j = magnitude(tj - load<T>(p.angle[1] + k)) * qj * tj * per_j * per_j;
-    const T arc = 0.5 * load<T>(p.force + k) * (per_pj - per_pi) + across;
-    const T off = select(w > 0.0, 4.0 * (of_i + of_j) + magnitude(change * arc), zero);
+    const T off = select(w > 0.0, 4.0 * (of_i + of_j), zero);
     worst = larger(worst, off / (GREEN_AT_ZERO * larger(per_pi + per_pj, zero + NOTHING)));
   };
   const int middle = p.wall < end ? larger(p.wall, begin) : end;
@@ -453,7 +465,7 @@ static double find_films(FilmArrays p, int begin, int end)
     const double t = w > 0.0 ? root(w / (2.0 * tension - w)) : 0.0, per = 1.0 / (1.0 + t * t);
     const double change = magnitude(t - p.angle[0][k]);
     p.next_angle[0][k] = t;
-    p.next_angle[1][k] = p.next_bend[k] = 0.0;
+    p.next_angle[1][k] = 0.0;
     p.next_pull[k] = w > 0.0 ? root(w * (2.0 * tension - w)) : 0.0;
     worst =
         larger(worst, 4.0 * change * q * t * per * per / (GREEN_AT_ZERO * larger(per_p, NOTHING)));

@@ -126,6 +126,12 @@ DEFORMABLE_INLINE CurvedLoad<T> film_load(T work, T total, T tension, T perimete
           total + 2.0 * perimeter * tension, tension * per_pi};
 }
 
+// A line that keeps its curvature, as in corrections of forces (CurvedLines), to first order in u. With h = 2 T sin theta and
+// g = f + h the chord of a film is 2 s = g/p. C is that of a straight line, but for
+//   G(0) - u f/g on its diagonal,   p b_c less by u (f - h)/2,   2 Q in e less by the sum of (f - 2 h) g cap.
+// As the curvature grows by dk, the area v dk goes to the second ring, v = (2/3) s^3 - h s^2/p: where outlines meet the film at an
+// angle, its ends take them along. h = 0 without a film.
+
 // Half of the film's chord, of a contact of the length L.
 inline double half_chord(double length, double q, double t, double u)
 {

@@ -61,7 +61,7 @@ void CurvedLines::begin()
     p.bend[k] = std::clamp(p.bend[k], -LARGEST_BEND, LARGEST_BEND);
   }
   if (films) films->begin();
-  turn();
+  turn(0, pairs->size);
 }
 
 void CurvedLines::straighten(bool hold)
@@ -71,13 +71,32 @@ void CurvedLines::straighten(bool hold)
   std::fill(pairs->bend.begin(), pairs->bend.end(), 0.0);
   part = 1.0;
   last_imbalance = 0.0;
-  turn();
+  turn(0, pairs->size);
 }
 
-void CurvedLines::turn()
+// Lines of walls stay, their films do not.
+void CurvedLines::turn(int begin, int end)
 {
-  kernels.turn_lines(arrays(), 0, pairs->wall);
-  if (films) films->take();
+  kernels.turn_lines(arrays(), begin, std::min(end, pairs->wall));
+  if (films) films->take(begin, end);
+}
+
+double CurvedLines::find(const deformable::PairArrays &loop, int begin, int end)
+{
+  double worst = held ? 0.0 : kernels.find_lines(loop, arrays(), begin, end);
+  if (films) worst = std::max(worst, films->find(begin, end));
+  return worst;
+}
+
+void CurvedLines::find_answers(const deformable::PairArrays &loop, int begin, int end)
+{
+  kernels.answer(loop, arrays(), begin, std::min(end, pairs->wall));
+}
+
+void CurvedLines::settle(const deformable::PairArrays &loop, int begin, int end)
+{
+  kernels.settle(loop, arrays(), begin, std::min(end, pairs->wall));
+  turn(begin, end);
 }
 
 deformable::LineArrays CurvedLines::arrays()
@@ -105,7 +124,8 @@ deformable::LineArrays CurvedLines::arrays()
   a.left = left.data();
   a.part = part;
   a.wall = p.wall;
-  a.adhesion = p.adhesive ? p.adhesion.data() : nullptr;
+  for (int side = 0; side < 2; ++side)
+    a.film_angle[side] = p.adhesive ? p.film_angle[side].data() : nullptr;
   return a;
 }
 

@@ -53,6 +53,12 @@ class CurvedLines {
   // All lines are straight, and perpendicular to lines of centers; held: they stay so in this solution.
   void straighten(bool held);
 
+  // Stages of a sweep, see DualSolver, of some pairs: the imbalance of their lines, a force; how they answer outlines; and the
+  // next tilts, bends and films.
+  double find(const deformable::PairArrays &, int begin, int end);
+  void find_answers(const deformable::PairArrays &, int begin, int end);
+  void settle(const deformable::PairArrays &, int begin, int end);
+
   // Steps become shorter where imbalances do not fall, and longer again where they do.
   void adapt(double imbalance);
 
@@ -84,7 +90,7 @@ class CurvedLines {
   LargeVector<float> give, first_flow, flow_per_press, curvature, feedback, left;
   double last_imbalance = 0.0;
   bool is_held(int k) const;
-  void turn();
+  void turn(int begin, int end);
 };
 
 }    // namespace LAMMPS_NS

@@ -14,9 +14,6 @@
 using namespace LAMMPS_NS;
 using deformable::PairArrays;
 
-// A step needs no line search if the imbalance is at most this part of that before; if lines or other blocks change too.
-static constexpr double BETTER = 0.5, NO_WORSE = 2.0;
-
 static Tuning with_environment(const Tuning &tuned, Error *error)
 {
   try {
@@ -208,12 +205,13 @@ void DualSolver::predict()
     lines->predict(by);
   }
   summary.evaluations = 0;
-  is_first = true;
-  is_remembered = is_corrected = false;
+  problems = 0;
+  is_corrected = false;
   allowed = max_evaluations;
 }
 
-// Another solution of this call begins with the last forces.
+// Another solution of this call begins with the last forces. It is at the same time: the next call continues its forces by the
+// changes of the first one.
 void DualSolver::take_past()
 {
   const PairArrays a = arrays();
@@ -223,6 +221,8 @@ void DualSolver::take_past()
                      ? 0.0
                      : std::max(past[k], deformable::least_force<double>(a, k));
   if (lines) lines->take_past();
+  for (int kind = 0; kind < list.pairs.kinds(); ++kind)
+    changes[kind] = list.pairs.past[kind].earlier[0];
   --summary.evaluations;    // the next one repeats the last one, and does not count
 }
 
@@ -260,13 +260,12 @@ void DualSolver::average_over_ranks()
 
 bool DualSolver::balance()
 {
-  if (!is_first) take_past();
+  if (problems++ > 0) take_past();
   average_over_ranks();
   if (lines) lines->begin();
   const bool is_planned = may_plan();
   Evaluation now = is_planned ? evaluate_and_correct() : evaluate();
-  if (is_first && !is_planned) planned_from = now;
-  is_first = false;
+  if (problems == 1 && !is_planned) planned_from = now;
 
   local_corrections = 0;
   int anew = 0;
@@ -279,7 +278,6 @@ bool DualSolver::balance()
       ++anew;
       halved = std::numeric_limits<double>::infinity();
       since = summary.evaluations;
-      invalidate_history();
       std::fill(list.pairs.force.begin(), list.pairs.force.end(), 0.0);
       if (lines) lines->straighten(anew == 2);
       if (anew == 2) allowed = summary.evaluations + max_evaluations;
@@ -307,7 +305,6 @@ bool DualSolver::balance()
       break;
     }
     if (!std::isfinite(now.force)) break;
-    invalidate_history();
     if (!correct_some(now)) now = correct(now);
   }
   if (!now.exists) summary.termination = Termination::NO_SHAPE;
@@ -327,7 +324,7 @@ bool DualSolver::is_balanced(const Evaluation &now) const
 // Whether the last calls tell how far to correct: not in minimizations.
 bool DualSolver::may_plan() const
 {
-  return tuning.planned != 0.0 && is_first && successive_calls >= QUADRATIC && !minimizing() &&
+  return tuning.planned != 0.0 && problems == 1 && successive_calls >= QUADRATIC && !minimizing() &&
          linear.knows_bounds() && planned_from.exists && planned_from.norm2 > 0.0 &&
          planned_from.force > 0.0 && (!lines || lines_answer(planned_from));
 }
@@ -340,7 +337,7 @@ bool DualSolver::lines_move(const Evaluation &from) const
 
 bool DualSolver::lines_answer(const Evaluation &from) const
 {
-  return lines_move(from) && !films && lines->answers && linear.knows_bounds() && from.norm2 > 0.0;
+  return lines_move(from) && lines->answers && linear.knows_bounds() && from.norm2 > 0.0;
 }
 
 /* ----------------------------------------------------------------------
@@ -351,24 +348,24 @@ bool DualSolver::lines_answer(const Evaluation &from) const
 Evaluation DualSolver::evaluate_and_correct()
 {
   is_corrected = true;
-  Stages stages;
-  add_shape(stages, Stage::SHAPE);
+  Steps steps;
+  add_shape(steps, Stage::SHAPE);
   if (!lines && relaxation.begin(tuning, tolerance, planned_from.force)) {
     std::fill(step.begin(), step.end(), 0.0F);
-    stages.insert(stages.end(), {Stage::WAIT, Stage::RELAX});
-    add_shape(stages, Stage::RESHAPE);
+    steps.insert(steps.end(), {Stage::WAIT, Stage::RELAX});
+    add_shape(steps, Stage::RESHAPE);
   }
   if (lines) {
-    const Stages correction = with_lines(accuracy(planned_from));
-    stages.insert(stages.end(), correction.begin(), correction.end());
-    const Evaluation now = run(stages, &planned_from);
+    const Steps correction = with_lines(accuracy(planned_from));
+    steps.insert(steps.end(), correction.begin(), correction.end());
+    const Evaluation now = run(steps, &planned_from);
     return planned_from.exists ? accept_with_lines(now, planned_from) : now;
   }
-  stages.insert(stages.end(), linear.plan(accuracy(planned_from)), Stage::CORRECT);
+  add_solution(steps, linear.plan(accuracy(planned_from)));
   const Stage shape = shape_after(planned_from);
-  stages.push_back(Stage::STEP);
-  add_shape(stages, shape);
-  Evaluation now = run(stages, &planned_from);
+  steps.push_back(Stage::STEP);
+  add_shape(steps, shape);
+  Evaluation now = run(steps, &planned_from);
   if (!planned_from.exists) return now;
   if (shape == Stage::ADAPT && shape_after(planned_from) != shape) {    // larger than planned
     const double slope = now.slope;
@@ -376,90 +373,6 @@ Evaluation DualSolver::evaluate_and_correct()
     now.slope = slope;
   }
   return line_search(accept(now, planned_from, true, true), BETTER * planned_from.imbalance);
-}
-
-/* ----------------------------------------------------------------------
-   Where a contact opens or closes, or a particle bears hardly anything, the
-   imbalance is many times that of all others, and what corrects it decays
-   within a few particles. So its block and the neighbors of that are corrected
-   on their own, with the forces on all others held. False: all have to be
-   corrected, and `now` may have been evaluated again.
-------------------------------------------------------------------------- */
-
-bool DualSolver::correct_some(Evaluation &now)
-{
-  constexpr int OFTEN = 4;
-  if (local_corrections == OFTEN || summary.evaluations + 2 >= allowed || lines ||
-      !linear.knows_bounds() || !now.exists || now.imbalance <= limit(now) ||
-      now.norm2 == 0.0)    // only particles without force touch
-    return false;
-  BlockLevels::Choice chosen(blocks.count());
-  for (int k = 0; k < blocks.count(); ++k) chosen[k] = of_blocks[k].error > limit(now);
-  blocks.widen(chosen);
-  const bool many = std::count(chosen.begin(), chosen.end(), 1) > tuning.few * blocks.count();
-  if (list.remote_sides.largest(many) > 0.0) return false;
-
-  ++local_corrections;
-  const Evaluation from = now;
-  Stages stages(linear.plan(accuracy(from)), Stage::CORRECT);
-  stages.insert(stages.end(), {Stage::STEP, shape_after(from)});
-  hold_others(chosen);
-  for (OfBlock &of : of_blocks) of.slope = 0.0;
-  const Evaluation stepped = run(stages, nullptr, &chosen);
-  BlockLevels::Choice seen = chosen;
-  if (has_facets()) {
-    exchange_facets();
-    blocks.widen(seen);
-    blocks.add_borders(seen);
-    run({Stage::TILT}, nullptr, &seen);
-  }
-  list.remote_sides.exchange(batches.indentation.data(), batches.compliance.data());
-  blocks.widen(seen);
-  blocks.add_borders(seen);
-  now = run({Stage::RESIDUAL}, nullptr, &seen);
-  now.exists &= stepped.exists;
-  now.slope = stepped.slope;
-  if (now.exists && linear.is_sound(now.slope, from.norm2 * unit_of_energy()) &&
-      now.imbalance <= NO_WORSE * from.imbalance)
-    return true;
-  for (int block = 0; block < blocks.count(); ++block)
-    if (chosen[block])
-      blocks.for_pairs(block, [this](int begin, int end, double) { move(1.0, 0.0, begin, end); });
-  now = evaluate();
-  local_corrections = OFTEN;
-  return false;
-}
-
-// Pairs with particles of other blocks take no part: no step changes them. The products of the other particles are set to 0,
-// because nobody computes them.
-void DualSolver::hold_others(const BlockLevels::Choice &chosen)
-{
-  const NearPairs &p = list.pairs;
-  const ContactBatches &b = batches;
-  const deformable::RingBatches all = batches.arrays();
-  const auto is_chosen = [&](int particle) {
-    return chosen[BlockLevels::of_ring(b.place[particle])] != 0;
-  };
-  const auto drop_product = [&](int contact) {
-    for (const int k : {0, 1}) LinearSolver::products(all, k)[contact] = 0.0F;
-  };
-  // of other ranks, as their contacts
-  std::vector<double> are_chosen(comm->nprocs > 1 ? b.indentation.size() : 0);
-  const int *const side = p.side[0].data();
-  for (int k = p.remote; k < p.wall; ++k) are_chosen[side[k]] = is_chosen(p.i[k]);
-  list.remote_sides.exchange(are_chosen.data());
-  for (int k = p.remote; k < p.wall; ++k)
-    if (!is_chosen(p.i[k])) drop_product(side[k]);
-  for (int c = 0; c < b.contacts; ++c) {
-    const int k = b.pair_side[c] >> 1;
-    if (k >= p.wall || !is_chosen(b.pair_side[c] & 1 ? p.second(k) : p.i[k])) continue;
-    if (k >= p.remote ? are_chosen[b.partner[c]] != 0.0
-                      : is_chosen(b.pair_side[c] & 1 ? p.i[k] : p.second(k)))
-      continue;
-    residual[k] = step[k] = 0.0F;
-    weight[k] = -std::fabs(weight[k]);
-    drop_product(b.partner[c]);
-  }
 }
 
 Evaluation DualSolver::correct(const Evaluation &from)
@@ -472,23 +385,16 @@ Evaluation DualSolver::correct(const Evaluation &from)
     corrections = linear.begin(batches, list.remote_sides, arrays(), from.norm2, accuracy(from));
   else    // only particles without force touch
     std::fill(batches.step.begin(), batches.step.end(), 0.0F);
-  Stages stages(corrections, Stage::CORRECT);
-  stages.push_back(Stage::STEP);
+  Steps steps;
+  add_solution(steps, corrections);
+  steps.push_back(Stage::STEP);
   const bool follows = moves && (films || lines->answers);
-  if (!follows) add_shape(stages, shape_after(from));
-  const Evaluation stepped = accept(run(stages), from, corrections > 0, !follows);
+  if (!follows) add_shape(steps, shape_after(from));
+  const Evaluation stepped = accept(run(steps), from, corrections > 0, !follows);
   if (!moves) return line_search(stepped, BETTER * from.imbalance);
   lines->adapt(follows ? from.line_imbalance : stepped.line_imbalance);
-  if (follows) {
-    run({Stage::FOLLOW, Stage::TURN});
-    if (films) {
-      films->find(lines->part);
-      films->take();
-    }
-  } else {    // by outlines as they are
-    lines->forget_answers();
-    run({Stage::TURN});
-  }
+  if (!follows) lines->forget_answers();    // by outlines as they are
+  run(follows ? Steps{Stage::FOLLOW_STEP, Stage::TURN} : Steps{Stage::TURN});
   Evaluation now = evaluate();
   now.slope = stepped.slope;
   lines->answers &= now.exists && now.worst() <= std::max(BETTER * from.worst(), limit(now));
@@ -499,29 +405,28 @@ Evaluation DualSolver::correct(const Evaluation &from)
 
 /* ----------------------------------------------------------------------
    A correction with lines that answer: all in one sweep. Small ones need one
-   solution, others a second one for what lines have left of the first.
+   solution, others a second one, between films also a third one, for what lines
+   have left of those before. Lines undo up to `of_answers` of a solution with C
+   at fixed curvature, and films under tension add up to `of_films` to it: steps
+   are multiplied as in Chebyshev's iteration between these bounds.
 ------------------------------------------------------------------------- */
 
-DualSolver::Stages DualSolver::with_lines(double accuracy)
+DualSolver::Steps DualSolver::with_lines(double accuracy)
 {
-  const double first = std::max(accuracy, tuning.coarse);
-  Stages stages = {Stage::RESPOND};
-  stages.insert(stages.end(), linear.plan(first), Stage::CORRECT);
-  if (accuracy < first) {
-    stages.insert(stages.end(), {Stage::FOLLOW, Stage::ANSWER, Stage::RESPOND});
-    stages.insert(stages.end(), linear.plan(accuracy / first), Stage::CORRECT);
+  const int solutions = accuracy >= tuning.coarse ? 1 : films ? 3 : 2;
+  const int iterations = linear.plan(std::pow(accuracy, 1.0 / solutions));
+  const double low = films ? 1.0 - tuning.of_films : 1.0, high = 1.0 + tuning.of_answers;
+  Steps steps;
+  for (int solution = 0; solution < solutions; ++solution) {
+    if (solution > 0) steps.insert(steps.end(), {Stage::FOLLOW, Stage::ANSWER});
+    steps.push_back(Stage::RESPOND);
+    steps.back().goes_on = solution > 0;
+    const double root = std::cos(deformable::PI * (solution + 0.5) / solutions);
+    add_solution(steps, iterations, 2.0 / (high + low + (high - low) * root), true);
   }
-  stages.insert(stages.end(),
-                {Stage::STEP, Stage::FOLLOW, Stage::TURN, Stage::SHAPE, Stage::RESIDUAL});
-  return stages;
-}
-
-// What a solution with C at fixed curvature is multiplied by: lines undo up to `of_answers` of it. Over two solutions the parts are
-// those of Chebyshev's iteration.
-double DualSolver::gain(int solution, int solutions) const
-{
-  const double root = solutions == 1 ? 0.0 : solution == 1 ? std::sqrt(0.5) : -std::sqrt(0.5);
-  return solutions == 0 ? 1.0 : 1.0 / (1.0 + 0.5 * tuning.of_answers * (1.0 + root));
+  steps.insert(steps.end(),
+               {Stage::STEP, Stage::FOLLOW_STEP, Stage::TURN, Stage::SHAPE, Stage::RESIDUAL});
+  return steps;
 }
 
 // The step is along no line of the dual energy: only the imbalance tells whether it leads astray, or slowly to nowhere. Then lines
@@ -655,11 +560,17 @@ double DualSolver::step_alone()
 
 void DualSolver::remember()
 {
-  if (!is_remembered) {
-    kernels.remember(arrays(), 0, list.pairs.size);
-    if (lines) lines->remember();
-  }
-  is_remembered = true;
+  kernels.remember(arrays(), 0, list.pairs.size);
+  remember_lines();
+}
+
+// After the forces.
+void DualSolver::remember_lines()
+{
+  if (lines) lines->remember();
+  if (problems > 1)
+    for (int kind = 0; kind < list.pairs.kinds(); ++kind)
+      list.pairs.past[kind].earlier[0] = changes[kind];
 }
 
 // The next solution of this call is another problem: it may take as many evaluations.
@@ -667,13 +578,6 @@ void DualSolver::begin_again()
 {
   remember();
   allowed = summary.evaluations + max_evaluations;
-}
-
-// A step overwrites the force before the last call (`before` shares memory with that): the next call cannot extrapolate.
-void DualSolver::invalidate_history()
-{
-  if (is_remembered) successive_calls = 0;
-  is_remembered = false;
 }
 
 void DualSolver::forget()
@@ -690,20 +594,18 @@ void DualSolver::forget()
 void DualSolver::finish(const Push &push, double part)
 {
   deformable::RingBatches here = batches.arrays();
-  const bool remembers = !is_remembered;
   const auto work = [&](int block, int stage) {
     blocks.choose(here, block);
     if (stage == 1 && !lines) find_slopes(here);    // those have slopes
     blocks.for_pairs(block, [&](int begin, int end, double) {
       if (stage == 2)
         push(begin, end, part, true);
-      else if (remembers)
+      else
         kernels.remember(arrays(), begin, end);
     });
   };
   blocks.run(2, work, [](int) {});
-  if (lines && remembers) lines->remember();
-  is_remembered = true;
+  remember_lines();
 }
 
 /* ----------------------------------------------------------------------
@@ -734,114 +636,93 @@ PairArrays DualSolver::arrays()
 }
 
 // Shapes, and then the residuals.
-void DualSolver::add_shape(Stages &stages, Stage shape) const
+void DualSolver::add_shape(Steps &steps, Stage shape) const
 {
-  stages.push_back(shape);
-  if (has_facets()) stages.push_back(Stage::TILT);
-  stages.push_back(Stage::RESIDUAL);
+  steps.push_back(shape);
+  if (has_facets()) steps.push_back(Stage::TILT);
+  steps.push_back(Stage::RESIDUAL);
+}
+
+void DualSolver::add_solution(Steps &steps, int iterations, double gain, bool goes_on)
+{
+  for (int k = 1; k <= iterations; ++k) {
+    steps.push_back(Stage::CORRECT);
+    Step &step = steps.back();
+    step.iteration = k;
+    step.last = iterations;
+    step.gain = gain;
+    step.goes_on = goes_on;
+  }
 }
 
 Evaluation DualSolver::evaluate()
 {
-  Stages stages;
-  add_shape(stages, Stage::SHAPE);
-  return run(stages);
+  Steps steps;
+  add_shape(steps, Stage::SHAPE);
+  return run(steps);
 }
 
 // Returns what the last stage RESIDUAL has found in all blocks; in `before`, unless null, what the last one before the
 // corrections has. If only some blocks are chosen, the others stay as they are.
-Evaluation DualSolver::run(const Stages &stages, Evaluation *before,
+Evaluation DualSolver::run(const Steps &steps, Evaluation *before,
                            const BlockLevels::Choice *chosen)
 {
   const deformable::RingBatches rings = batches.arrays();
   deformable::RingBatches here = rings;    // of the block that has its turn
-  const std::vector<Turn> turns = turns_of(stages);
-  int solutions = 0;    // while lines answer
-  for (const Turn &turn : turns)
-    if (turn.before == Stage::RESPOND) solutions = turn.solution;
-  const auto corrects = [](Stage stage) {
-    return stage == Stage::CORRECT || stage == Stage::RESPOND;
+  const auto corrects = [](const Step &step) {
+    return step.stage == Stage::CORRECT || step.stage == Stage::RESPOND;
   };
-  const int first =    // of them, from 0; stages count from 1
-      static_cast<int>(std::find_if(stages.begin(), stages.end(), corrects) - stages.begin());
+  const int first =    // of them, from 0; steps count from 1
+      static_cast<int>(std::find_if(steps.begin(), steps.end(), corrects) - steps.begin());
   of_blocks.resize((before ? 2 : 1) * blocks.count());
   for (std::size_t block = 0; block < of_blocks.size(); ++block)
     if (!chosen || (*chosen)[block]) of_blocks[block] = {};
   bool exist = true;
   blocks.run(
-      static_cast<int>(stages.size()),
-      [&](int block, int stage) {
-        const bool is_before = before && stage <= first;
+      static_cast<int>(steps.size()),
+      [&](int block, int number) {
+        const bool is_before = before && number <= first;
         blocks.choose(here, block);
-        work(stages[stage - 1], turns[stage - 1], solutions, block, here,
-             of_blocks[is_before ? blocks.count() + block : block], exist);
+        work(steps[number - 1], block, here, of_blocks[is_before ? blocks.count() + block : block],
+             exist);
       },
-      [&](int stage) {
-        const Stage done = stages[stage - 1];
-        const Turn &turn = turns[stage - 1];
-        const bool shaped = done == Stage::SHAPE || done == Stage::ADAPT;
-        if (done == Stage::RESPOND || (done == Stage::CORRECT && turn.iteration < turn.last)) {
-          list.remote_sides.exchange(LinearSolver::products(rings, turn.iteration));
+      [&](int number) {
+        const Step &done = steps[number - 1];
+        const bool shaped = done.stage == Stage::SHAPE || done.stage == Stage::ADAPT;
+        if (corrects(done) && (done.stage == Stage::RESPOND || done.iteration < done.last)) {
+          list.remote_sides.exchange(LinearSolver::products(rings, done.iteration));
         } else if (shaped && has_facets()) {
           exchange_facets();
-        } else if (shaped || done == Stage::TILT) {
+        } else if (shaped || done.stage == Stage::TILT) {
           list.remote_sides.exchange(batches.indentation.data(), batches.compliance.data());
           if (lines) lines->exchange_outlines();
-        } else if (done == Stage::FOLLOW) {
+        } else if (done.stage == Stage::FOLLOW || done.stage == Stage::FOLLOW_STEP) {
           lines->exchange_answers();
         }
       },
       chosen);
-  if (stages.back() == Stage::RESIDUAL) ++summary.evaluations;
+  if (steps.back().stage == Stage::RESIDUAL) ++summary.evaluations;
   if (before) {
     ++summary.evaluations;
     *before = sum_up(blocks.count(), true);
   }
-  Evaluation now = sum_up(0, exist);
-  if (films && stages.back() == Stage::RESIDUAL)
-    now.line_imbalance = std::max(now.line_imbalance, films->find(lines->part));
-  return now;
+  return sum_up(0, exist);
 }
 
-std::vector<DualSolver::Turn> DualSolver::turns_of(const Stages &stages)
-{
-  std::vector<Turn> turns(stages.size());
-  int solutions = 0;
-  for (std::size_t k = 0; k < stages.size(); ++k) {
-    if (k > 0) turns[k].before = stages[k - 1];
-    if (stages[k] != Stage::CORRECT) continue;
-    if (turns[k].before != Stage::CORRECT) ++solutions;
-    turns[k].iteration = turns[k].before == Stage::CORRECT ? turns[k - 1].iteration + 1 : 1;
-    turns[k].solution = solutions;
-  }
-  int last = 0;
-  for (std::size_t k = stages.size(); k-- > 0;) {
-    if (stages[k] != Stage::CORRECT) continue;
-    const bool ends = k + 1 == stages.size() || stages[k + 1] != Stage::CORRECT;
-    turns[k].last = last = ends ? turns[k].iteration : last;
-  }
-  return turns;
-}
-
-void DualSolver::work(Stage stage, const Turn &turn, int solutions, int block,
-                      deformable::RingBatches &here, OfBlock &found, bool &exist)
+void DualSolver::work(const Step &now, int block, deformable::RingBatches &here, OfBlock &found,
+                      bool &exist)
 {
   const PairArrays loop = arrays();
-  const auto for_lines = [&](auto &&act) {
-    blocks.for_pairs(block, [&](int begin, int end, double) {
-      if (begin < list.pairs.wall) act(begin, end);
-    });
-  };
-  switch (stage) {
+  switch (now.stage) {
     case Stage::SHAPE: exist &= shape(here); break;
     case Stage::ADAPT: exist &= adapt(here, step.data(), loop.unit); break;
     case Stage::TILT: turn_facets(here); break;
     case Stage::RESIDUAL:
       blocks.for_pairs(block, [&](int begin, int end, double part) {
         found.add(kernels.find_residuals(loop, begin, end), part);
-        if (lines && !lines->held)
-          found.line = std::max(found.line, kernels.find_lines(loop, lines->arrays(), begin, end));
+        if (lines) found.line = std::max(found.line, lines->find(loop, begin, end));
       });
+      if (films) found.line = std::max(found.line, films->tension_imbalance(here));
       break;
     case Stage::WAIT: break;
     case Stage::RELAX:
@@ -854,26 +735,19 @@ void DualSolver::work(Stage stage, const Turn &turn, int solutions, int block,
       });
       break;
     case Stage::CORRECT:
-      linear.iterate(here, loop, turn.iteration, turn.last,
-                     turn.before == Stage::RESPOND ? lines->arrays().left : nullptr,
-                     gain(turn.solution, solutions));
+      linear.iterate(here, loop, now.iteration, now.last,
+                     now.goes_on ? lines->arrays().left : nullptr, now.gain);
       break;
-    case Stage::FOLLOW:
-      kernels.follow(here, lines->arrays(),
-                     turn.before == Stage::STEP || turn.before == Stage::SHAPE ? step.data()
-                                                                               : nullptr);
-      break;
+    case Stage::FOLLOW: kernels.follow(here, lines->arrays(), nullptr); break;
+    case Stage::FOLLOW_STEP: kernels.follow(here, lines->arrays(), step.data()); break;
     case Stage::ANSWER:
-      for_lines([&](int begin, int end) { kernels.answer(loop, lines->arrays(), begin, end); });
+      blocks.for_pairs(block,
+                       [&](int begin, int end, double) { lines->find_answers(loop, begin, end); });
       break;
-    case Stage::RESPOND:
-      kernels.respond(here, lines->arrays(), turn.before != Stage::ANSWER);
-      break;
+    case Stage::RESPOND: kernels.respond(here, lines->arrays(), !now.goes_on); break;
     case Stage::TURN:
-      for_lines([&](int begin, int end) {
-        kernels.settle(loop, lines->arrays(), begin, end);
-        kernels.turn_lines(lines->arrays(), begin, end);
-      });
+      blocks.for_pairs(block, [&](int begin, int end, double) { lines->settle(loop, begin, end); });
+      if (films) films->follow_tensions(here);
       break;
     case Stage::STEP:
       blocks.for_pairs(block, [&](int begin, int end, double part) {
@@ -925,6 +799,6 @@ Evaluation DualSolver::sum_up(int first, bool exist) const
 double DualSolver::memory_usage() const
 {
   return list.memory_usage() + batches.bytes() + blocks.bytes() + relaxation.bytes() +
-         bytes_of(residual, weight, step, of_blocks) + (lines ? lines->bytes() : 0.0) +
-         (films ? films->bytes() : 0.0);
+         bytes_of(residual, weight, step, of_blocks, changes[0], changes[1], changes[2]) +
+         (lines ? lines->bytes() : 0.0) + (films ? films->bytes() : 0.0);
 }

@@ -16,7 +16,7 @@
 //                the facets of their neighbors, and have a stage more
 //   correct      C x = r for the active set (LinearSolver: Chebyshev's iteration, or conjugate gradients where the bounds of the
 //                spectrum are not known). A pair whose own force would become negative is not in it, and its force vanishes.
-//   correct_some the same for a few blocks of particles, if only these are not balanced
+//   correct_some the same for a few blocks of particles, if only these are not balanced (local_corrections.cpp)
 //   with_lines   the stages of a correction that curved lines answer (CurvedLines)
 //   evaluate_and_correct   both in one sweep, as planned from the last call: the usual way in a run, if the bounds are known.
 //                With straight lines pairs that are far off, as where contacts open, are relaxed before (PairRelaxation).
@@ -155,13 +155,22 @@ class DualSolver : protected Pointers {
     CORRECT,     // an iteration for C x = r
     STEP,        // all forces take their corrections
     // curved lines: see CurvedLines
-    FOLLOW,    // outlines follow the last answer of lines and, in the end, the step or else the correction so far
-    ANSWER,     // of lines to that
-    RESPOND,    // what it does to indentations; then comes a solution for what is left
-    TURN        // lines to where they are at rest
+    FOLLOW,         // outlines follow the last answer of lines, and the correction so far
+    ANSWER,         // of lines to that
+    RESPOND,        // what it does to indentations; then comes a solution for what is left
+    FOLLOW_STEP,    // outlines follow the last answer, and the step
+    TURN            // lines to where they are at rest
   };
-  using Stages = std::vector<Stage>;
-  void add_shape(Stages &, Stage) const;
+  struct Step {
+    Stage stage;
+    int iteration = 0, last = 0;    // CORRECT: which one of so many
+    double gain = 1.0;              // and what steps are multiplied by
+    bool goes_on = false;           // CORRECT, RESPOND: with what a solution before has left
+    Step(Stage stage) : stage(stage) {}
+  };
+  using Steps = std::vector<Step>;
+  void add_shape(Steps &, Stage) const;
+  static void add_solution(Steps &, int iterations, double gain = 1.0, bool goes_on = false);
 
   const int max_evaluations;    // of a call, without changes of films
   int allowed = 0;
@@ -171,8 +180,9 @@ class DualSolver : protected Pointers {
   static constexpr int LINEAR = 2, QUADRATIC = 3, CUBIC = 4;    // past forces that are needed
   int successive_calls = 0;    // at successive time steps before this one
   bigint last_step = -2;
-  bool is_first = true;    // solution of this call
-  bool is_remembered = false, is_corrected = false;
+  int problems = 0;                     // of this call so far
+  LargeVector<float> changes[KINDS];    // from the last call, as the first solution has left them
+  bool is_corrected = false;
   // Before the correction of the last call, and then of this one, which is planned from it.
   Evaluation planned_from;
 
@@ -198,14 +208,14 @@ class DualSolver : protected Pointers {
   void take_past();
   void average_over_ranks();
   void remember();
+  void remember_lines();
   void begin_again();
-  void invalidate_history();
 
   bool balance();
   bool may_plan() const;
   bool lines_move(const Evaluation &) const;
   bool lines_answer(const Evaluation &) const;
-  Stages with_lines(double accuracy);
+  Steps with_lines(double accuracy);
   Evaluation accept_with_lines(Evaluation now, const Evaluation &from);
   Evaluation evaluate_and_correct();
   int local_corrections = 0;    // of this solution
@@ -216,22 +226,16 @@ class DualSolver : protected Pointers {
   Evaluation accept(Evaluation now, const Evaluation &from, bool iterated, bool has_shapes);
   Evaluation line_search(Evaluation now, double enough);
   bool is_balanced(const Evaluation &now) const;
+  // A step needs no line search if the imbalance is at most this part of that before; if lines or other blocks change too.
+  static constexpr double BETTER = 0.5, NO_WORSE = 2.0;
   double limit(const Evaluation &now) const { return std::max(tolerance * now.force, enough); }
   bool may_go_on() const { return summary.evaluations < allowed; }
 
   deformable::PairArrays arrays();
-  Evaluation run(const Stages &, Evaluation *before = nullptr,
+  Evaluation run(const Steps &, Evaluation *before = nullptr,
                  const BlockLevels::Choice *chosen = nullptr);
   Evaluation evaluate();
-  struct
-      Turn {    // of a stage: the iteration of a solution, of so many, and which solution; and what comes before
-    int iteration = 0, last = 0, solution = 0;
-    Stage before = Stage::SHAPE;
-  };
-  static std::vector<Turn> turns_of(const Stages &);
-  double gain(int solution, int solutions) const;
-  void work(Stage, const Turn &, int solutions, int block, deformable::RingBatches &, OfBlock &,
-            bool &exist);
+  void work(const Step &, int block, deformable::RingBatches &, OfBlock &, bool &exist);
   Evaluation sum_up(int first, bool exist) const;
   void hold_others(const BlockLevels::Choice &);
   void move(double from, double to) { move(from, to, 0, list.pairs.size); }

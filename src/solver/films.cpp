@@ -14,9 +14,10 @@ void Films::arrange(ContactBatches &b, NearPairs &p, RemoteSides &r)
   pairs = &p;
   batches = &b;
   remote = &r;
-  for (std::vector<double> *const v : {&next_angle[0], &next_angle[1], &next_pull, &next_bend})
+  for (std::vector<double> *const v : {&next_angle[0], &next_angle[1], &next_pull})
     v->resize(p.size);
   has_let_go.assign(p.size, 0);
+  last_gap.resize(b.particle.size());
   agree();
   for (int k = 0; k < p.size; ++k) p.least[k] = least_until_taken(k);
 }
@@ -38,11 +39,10 @@ void Films::begin_call()
   std::fill(has_let_go.begin(), has_let_go.end(), 0);
 }
 
-FilmArrays Films::arrays(double part)
+FilmArrays Films::arrays()
 {
   NearPairs &p = *pairs;
   FilmArrays a;
-  a.force = p.force.data();
   a.bend = p.bend.data();
   a.adhesion = p.adhesion.data();
   a.first = p.side[0].data();
@@ -55,10 +55,8 @@ FilmArrays Films::arrays(double part)
     a.next_angle[n] = next_angle[n].data();
   }
   a.next_pull = next_pull.data();
-  a.next_bend = next_bend.data();
   for (int n = 0; n < 4; ++n) a.terms[n] = batches->film[n].data();
   a.wall = p.wall;
-  a.part = part;
   return a;
 }
 
@@ -66,6 +64,7 @@ FilmArrays Films::arrays(double part)
 void Films::begin()
 {
   NearPairs &p = *pairs;
+  std::fill(last_gap.begin(), last_gap.end(), 0.0);
   std::vector<double> one(batches->pressure.size(), 1.0), tension(one.size());
   for (int k = 0; k < p.size; ++k) p.adhesion[k] = p.attached[k] ? p.adhesion_if_attached[k] : 0.0;
   for (std::size_t ring = 0; ring < batches->particle.size(); ++ring) {
@@ -73,43 +72,45 @@ void Films::begin()
     tension[ring] = batches->film_tension[ring] = batches->tension_of(static_cast<int>(ring));
   }
   remote->exchange_rings(tension.data());
-  FilmArrays a = arrays(1.0);
+  FilmArrays a = arrays();
   a.pressure = one.data();
   a.free_radius = tension.data();
   kernels.find_films(a, 0, p.size);
-  std::copy_n(p.bend.data(), p.size, next_bend.data());
 }
 
-double Films::find(double part)
+double Films::find(int begin, int end)
 {
-  double worst = kernels.find_films(arrays(part), 0, pairs->size);
-  for (std::size_t ring = 0; ring < batches->particle.size(); ++ring) {
-    const int r = static_cast<int>(ring);
-    if (batches->particle[ring] < 0 || batches->stiffness_of(r).tension == 0.0) continue;
-    const double T = batches->tension_of(r);
-    worst = std::max(worst, std::fabs(T - batches->film_tension[ring]));
-  }
-  return remote->largest(worst);
+  return kernels.find_films(arrays(), begin, end);
 }
 
-// Forces respond to tensions, and tensions to forces: full steps of both may oscillate.
-void Films::take()
+void Films::take(int begin, int end)
 {
-  constexpr double PART = 0.5;
   NearPairs &p = *pairs;
-  for (int k = 0; k < p.size; ++k)
-    if (p.adhesion[k] > 0.0) p.bend[k] = next_bend[k];
-  kernels.take_films(arrays(1.0), 0, p.size);
+  kernels.take_films(arrays(), begin, end);
   // a force that was at its lower bound is set to the new bound
-  for (int k = 0; k < p.size; ++k) {
+  for (int k = begin; k < end; ++k) {
     const bool bears = p.force[k] > p.least[k];
     p.least[k] = -2.0 * next_pull[k];
     p.force[k] = bears ? std::max(p.force[k], p.least[k]) : p.least[k];
   }
-  for (std::size_t ring = 0; ring < batches->particle.size(); ++ring)
-    if (batches->particle[ring] >= 0)
-      batches->film_tension[ring] +=
-          PART * (batches->tension_of(static_cast<int>(ring)) - batches->film_tension[ring]);
+}
+
+double Films::tension_imbalance(const RingBatches &rings) const
+{
+  double worst = 0.0;
+  for_tensions(rings, [&](int ring) { worst = std::max(worst, std::fabs(gap(ring))); });
+  return worst;
+}
+
+// Forces respond to tensions, and tensions to forces: full steps of both may oscillate. They are taken where they do not.
+void Films::follow_tensions(const RingBatches &rings)
+{
+  constexpr double PART = 0.5;
+  for_tensions(rings, [&](int ring) {
+    const double now = gap(ring), part = now * last_gap[ring] > 0.0 ? 1.0 : PART;
+    batches->film_tension[ring] += part * now;
+    last_gap[ring] = now;
+  });
 }
 
 bool Films::would_change(int k, bool may_attach) const

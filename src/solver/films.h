@@ -4,8 +4,8 @@
 // force may be negative, down to the pull that tears the film off (contact_curve.h). A pair attaches where free outlines
 // touch, with a finite film at once, and lets go where its film has no length left. Both lose energy.
 //
-// Angles depend on the tensions of the outlines, and act on rings like a load. Both lag one evaluation behind the forces,
-// as the bends of CurvedLines do, whose step they share.
+// Angles depend on the tensions of the outlines, and act on rings like a load. Both lag one evaluation behind the forces. Films
+// tilt and bend as all curved lines do.
 
 #ifndef LMP_FILMS_H
 #define LMP_FILMS_H
@@ -30,9 +30,13 @@ class Films {
   // Of a solution: the first angles, from the tensions of the last call.
   void begin();
 
-  // The next angles and bends for the present forces, and their largest imbalance, a force.
-  double find(double part);
-  void take();
+  // Of some pairs: the next angles for the present tensions, and their largest imbalance, a force. They take these angles.
+  double find(int begin, int end);
+  void take(int begin, int end);
+
+  // Of the rings of some batches: what the tensions differ by from those that films know, a force; and films learn of them.
+  double tension_imbalance(const deformable::RingBatches &) const;
+  void follow_tensions(const deformable::RingBatches &);
 
   // Pairs whose film has no length let go, and pairs that touch attach, if they may. Whether any would, on all ranks.
   bool would_change(bool may_attach) const;
@@ -53,7 +57,7 @@ class Films {
 
   double bytes() const
   {
-    return bytes_of(next_angle[0], next_angle[1], next_pull, next_bend, has_let_go);
+    return bytes_of(next_angle[0], next_angle[1], next_pull, last_gap, has_let_go);
   }
 
  private:
@@ -61,10 +65,20 @@ class Films {
   NearPairs *pairs = nullptr;
   ContactBatches *batches = nullptr;
   RemoteSides *remote = nullptr;
-  std::vector<double> next_angle[2], next_pull, next_bend;
+  std::vector<double> next_angle[2], next_pull;
+  std::vector<double> last_gap;    // of tensions, by ring
   std::vector<char> has_let_go;    // in this call: such pairs stay free until the next one
-  deformable::FilmArrays arrays(double part);
+  deformable::FilmArrays arrays();
   bool would_change(int k, bool may_attach) const;
+  // rings whose tension may change, and by what it differs from that which films know
+  template <class Act> void for_tensions(const deformable::RingBatches &rings, Act &&act) const
+  {
+    for (int ring = rings.begin * deformable::LANES; ring < rings.end * deformable::LANES; ++ring)
+      if (batches->particle[ring] >= 0 && batches->stiffness_of(ring).tension != 0.0 &&
+          batches->stiffness_of(ring).kP != 0.0)
+        act(ring);
+  }
+  double gap(int ring) const { return batches->tension_of(ring) - batches->film_tension[ring]; }
   int ring_of(int k, int side) const;
   void agree();
   // At the start of a solution the lower bound of an attached pair is not known yet: there is none.

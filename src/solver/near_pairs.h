@@ -136,7 +136,12 @@ struct NearPairs : KnownPairs {
 
   deformable::PairDirections directions() const
   {
-    return {force.data(), angle.data(), nx.data(), ny.data(), curved ? bend.data() : nullptr};
+    return {force.data(),
+            angle.data(),
+            nx.data(),
+            ny.data(),
+            curved ? bend.data() : nullptr,
+            adhesive ? least.data() : nullptr};
   }
 
   double bytes() const;

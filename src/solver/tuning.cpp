@@ -29,6 +29,7 @@ Tuning Tuning::changed_by_environment() const
                                                    {"of_square", &t.of_square},
                                                    {"of_lines", &t.of_lines},
                                                    {"of_answers", &t.of_answers},
+                                                   {"of_films", &t.of_films},
                                                    {"few", &t.few},
                                                    {"small_step", &t.small_step},
                                                    {"chebyshev", &t.chebyshev},

@@ -38,6 +38,7 @@ struct Tuning {
   double of_square = 10.0;      // nor than so many squares, which Newton's method leaves [0.1, 10]
   double of_lines = 0.01;       // nor than what lines and films bring back of it [0.003, 0.1]
   double of_answers = 0.1;      // the largest part that lines undo of a solution, twice [0, 0.25]
+  double of_films = 0.4;        // and that films under tension add to it [0, 0.6]
 
   // A correction of some blocks alone: where no more than this part of them is not balanced, with their neighbors; 0: never
   double few = 0.25;    // [0.1, 0.25]

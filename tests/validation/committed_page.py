@@ -1,8 +1,10 @@
 """Pages of docs whose tables and sentences follow from committed measurements."""
 
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from pathlib import Path
+
+NUMBER = r"-?\d+(?:\.\d+)?(?:e[-+]?\d+)?"
 
 
 def check(
@@ -18,17 +20,19 @@ def check(
 
 
 def write(
-    page: Path, tables: Iterable[Iterable[str]], sentences: Mapping[Callable[[], str], str]
+    page: Path, tables: Iterable[Iterable[str]], sentences: Iterable[Callable[[], str]]
 ) -> None:
-    """Replace tables, found by their first line, and sentences, found by their patterns."""
+    """Replace tables, found by their first line, and sentences, found by all but their numbers."""
     text = page.read_text()
     for table in tables:
         rows = list(table)
         old = re.compile(re.escape(rows[0]) + r"\n(\|.*\n)*")
         assert old.search(text), rows[0]
         text = old.sub(lambda _, rows=rows: "\n".join(rows) + "\n", text)
-    for sentence, pattern in sentences.items():
-        found = re.search(pattern.replace(" ", r"\s+"), text, re.DOTALL)
-        assert found, pattern
-        text = text.replace(found[0], sentence())
+    for sentence in sentences:
+        words = map(re.escape, re.split(NUMBER, sentence()))
+        found = re.search(NUMBER.join(words).replace(r"\ ", r"\s+"), text)
+        assert found, sentence()
+        if found[0].split() != sentence().split():
+            text = text.replace(found[0], sentence())
     page.write_text(text)

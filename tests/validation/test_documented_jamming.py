@@ -1,21 +1,21 @@
-"""Tables of docs/jamming.md have the numbers of validation/jamming.
+"""Tables and sentences of docs/jamming.md have the numbers of validation/jamming.
 
 Run as a script, this writes them into the page.
 """
 
 import json
-import re
 from pathlib import Path
-from textwrap import fill
 
 import numpy as np
+from committed_page import check, write
 
+from validation.jamming.__main__ import read_table
 from validation.jamming.vibrations import exponent, summarize
 
 ROOT = Path(__file__).parents[2]
 PAGE, FOLDER = ROOT / "docs" / "jamming.md", ROOT / "validation" / "jamming"
 SUMMARY = json.loads((FOLDER / "summary.json").read_text())
-BEFORE = json.loads((FOLDER / "bisection" / "summary.json").read_text())["onset"]
+ONSETS = read_table(FOLDER / "table.csv")
 VIBRATIONS = json.loads((FOLDER / "vibrations.json").read_text())
 
 
@@ -33,38 +33,26 @@ def value(row, name, digits):
     return f"{found:.{digits}f}" + ("" if error is None else f" ± {error:.{digits}f}")
 
 
-def short(found, digits=2):
-    """A number with so many digits."""
-    text = f"{found:.{digits}g}"
-    return f"{float(text):g}" if "e" not in text or 1e-4 <= abs(found) < 1e5 else text
-
-
-def ensembles_table():
-    """Disks by the former bisection and by the method of today."""
-    rows = []
-    for method, table in (("bisection, FIRE", BEFORE), ("rigid side", SUMMARY["onset"])):
-        for row in table:
-            if row["law"] == "disk" and row["number"] in (64, 256, 512):
-                means = (value(row, *of) for of in (("phi", 4), ("excess_contacts", 2)))
-                rattlers = value(row, "rattlers", 1)
-                rows.append((row["number"], method, str(row["packings"]), *means, rattlers))
-    heads = ["N", "method", "packings", "phi_J", "contacts - (2 N' - 1)", "rattlers"]
-    return table_of(heads, [[str(n), *cells] for n, *cells in sorted(rows)])
+# Laws and thresholds with the sizes that the page shows.
+SIZES = {
+    ("disk", 1e-7): (64, 1024, 4096),
+    ("radical", 1e-16): (64, 512),
+    ("radical", 1e-7): (128, 512),
+    ("balanced", 1e-7): (128,),
+}
 
 
 def onset_table():
     """Onsets of each law and threshold."""
-    rows, last = [], None
-    for row in SUMMARY["onset"]:
-        kind = f"**{row['law']}, threshold {row['onset_pressure']:.0e}**".replace("e-0", "e-")
-        if kind != last:
-            rows.append([kind, "", "", "", "", ""])
-            last = kind
-        excess, seconds = value(row, "excess_contacts", 2), short(row["seconds"])
-        means = (value(row, "phi", 4), value(row, "contacts", 1), excess, seconds)
-        rows.append([f"{row['number']}", f"{row['packings']}", *means])
-    heads = ["N", "packings", "phi_J", "contacts", "contacts - (2 N' - 1)", "seconds"]
-    return table_of(heads, rows)
+    found = {(row["law"], row["onset_pressure"], row["number"]): row for row in SUMMARY["onset"]}
+    rows = []
+    for (law, pressure), numbers in SIZES.items():
+        for number in numbers:
+            row = found[law, pressure, number]
+            means = (value(row, "phi", 4), value(row, "excess_contacts", 2))
+            threshold = f"{pressure:.0e}".replace("e-0", "e-")
+            rows.append([law, threshold, f"{number}", f"{row['packings']}", *means])
+    return table_of(["", "threshold", "N", "packings", "phi_J", "contacts - (2 N' - 1)"], rows)
 
 
 def exponents_table():
@@ -91,30 +79,6 @@ def packings():
     return [found[key] for key in wanted]
 
 
-def vibrations_table():
-    """Means over packings near each phi - phi_J, of modes and moduli."""
-    heads = ["law, N", "packings", "phi - phi_J", "p", "z - z_iso", "G", "K", "omega*"]
-    rows = [
-        [
-            f"{row['law']}, {row['number']}",
-            str(row["packings"]),
-            f"{row['excess_phi']:.1e}",
-            f"{row['pressure']:.1e}",
-            value(row, "excess_coordination", 3),
-            *(two_digits(row, name) for name in ("shear_modulus", "bulk_modulus")),
-            *(value(row, name, 4) for name in ("omega_star", "boson_peak")),
-        ]
-        for row in VIBRATIONS["summary"]
-    ]
-    return table_of([*heads, "boson peak"], rows)
-
-
-def two_digits(row, name):
-    """A mean with its standard error, in powers of ten."""
-    error = row[f"{name}_error"]
-    return f"{row[name]:.2e}" + ("" if error is None else f" ± {error:.0e}")
-
-
 def per_contact(law):
     """omega* over z - z_iso of each phi - phi_J and size at which omega* is known."""
     return [
@@ -130,7 +94,7 @@ def slope(law, name, lowest, highest):
     return exponent(rows, name, lowest, highest)
 
 
-def sentence():
+def modes():
     """What the text says of the modes."""
     names = ("omega_star", "excess_coordination")
     disks, rings = (
@@ -142,8 +106,9 @@ def sentence():
     )
     return (
         f"`omega*` rises with the exponent {disks[0]} and z - z_iso with {disks[1]} for 1024 disks "
-        f"from x = 1e-3 to 0.1; {rings[0]} and {rings[1]} for 1024 rings from x = 3e-3 to 0.03. "
-        f"The ratio of both is {of_disks} for disks and {of_rings} for rings, at every x and N."
+        f"from x = 1e-3 to 0.1, and with {rings[0]} and {rings[1]} for 1024 rings from x = 3e-3 to "
+        f"0.03. The ratio of both is {of_disks} for disks and {of_rings} for rings, at every x and "
+        "N."
     )
 
 
@@ -157,7 +122,7 @@ def of_size(law, wanted):
     return row
 
 
-def comparison():
+def rings():
     """What the text says of rings beside disks."""
     levels = {
         law: [row["plateau"] for row in VIBRATIONS["summary"] if row["law"] == law]
@@ -176,22 +141,45 @@ def comparison():
     inner = [ratio for (*_, x), ratio in below.items() if x <= 0.01]
     outer = [ratio for (*_, x), ratio in below.items() if x > 0.01]
     return (
-        f"Rings have such a plateau too, once their stiffness is taken out, at D = {high}; that of "
-        f"disks is at {low}. Their G/K is {near:.2f} of that of disks at x = 1e-3, and {far:.2f} "
+        f"The plateau of rings is at D = {high}, that of disks at {low}. "
+        f"G/K of rings is {near:.2f} of that of disks at x = 1e-3, and {far:.2f} "
         f"at 1e-2. The boson peak is at {min(inner):.2f} to {max(inner):.2f} of `omega*` up to "
         f"x = 0.01, and at {min(outer):.2f} to {max(outer):.2f} above."
     )
 
 
-TABLES = (ensembles_table, onset_table, exponents_table, vibrations_table)
+def units():
+    """Pressure of disks over x, and which x the usual threshold means."""
+    row = of_size("disk", 1e-2)
+    factor = row["pressure"] / row["excess_phi"]
+    return (
+        f"p is about {factor:.1f} x for disks, with x = phi - phi_J. At the threshold 1e-7 disks "
+        f"have p = 1.4e-7 and x = {1.4e-7 / factor:.0e}."
+    ).replace("e-0", "e-")
+
+
+def isostatic():
+    """Packings where overlaps vanish, up to N = 512; further above the onset N matters."""
+    near = [
+        row["contacts"] - row["isostatic"]
+        for row in ONSETS
+        if (row["law"] == "disk" or row["onset_pressure"] == 1e-16) and row["number"] <= 512
+    ]
+    most = [1e-7 * 1.4 * number**2 for number in (1024, 4096)]
+    return (
+        f"Of {len(near)} packings of disks at 1e-7 and of `radical` at 1e-16 with up to 512 "
+        f"particles {sum(more == 0 for more in near)} are isostatic, and {max(near)} is the most "
+        f"that others have in addition. In larger packings extra contacts appear when p N^2 is "
+        f"about 1; it is {most[0]:.2f} at N = 1024 and {most[1]:.1f} at 4096."
+    )
+
+
+TABLES = (onset_table, exponents_table)
+SENTENCES = (units, isostatic, modes, rings)
 
 
 def test_the_page_follows_from_the_files():
-    text = PAGE.read_text()
-    for table in TABLES:
-        assert "\n".join(table()) in text
-    for said in (sentence(), comparison()):
-        assert said in " ".join(text.split())
+    check(PAGE, (table() for table in TABLES), SENTENCES)
 
 
 def test_summary_of_the_modes_is_that_of_the_packings():
@@ -215,20 +203,5 @@ def test_all_packings_are_at_rest_and_stable():
     assert all(row["residual"] < 1e-5 and row["unstable"] == 0 for row in VIBRATIONS["rows"])
 
 
-def write():
-    text = PAGE.read_text()
-    for table in TABLES:
-        lines = table()
-        old = re.compile(re.escape(lines[0].split("N = ")[0]) + r".*\n(\|.*\n)*")
-        assert old.search(text), lines[0]
-        text = old.sub(lambda _, lines=lines: "\n".join(lines) + "\n", text, count=1)
-    for said, begin in ((sentence(), r"`omega\*` rises with"), (comparison(), "Rings have such")):
-        lines = fill(said, 120, break_long_words=False, break_on_hyphens=False)
-        old = re.compile(rf"^{begin}.*?\n\n", re.DOTALL | re.MULTILINE)
-        assert old.search(text), begin
-        text = old.sub(lambda _, lines=lines: lines + "\n\n", text)
-    PAGE.write_text(text)
-
-
 if __name__ == "__main__":
-    write()
+    write(PAGE, (table() for table in TABLES), SENTENCES)

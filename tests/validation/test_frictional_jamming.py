@@ -11,6 +11,7 @@ from programs import study
 from validation.frictional_jamming import __main__ as jamming
 
 FOLDER = Path(jamming.__file__).parent
+DIGITS = {"phi": 3, "z": 2}
 
 
 def test_jamming_of_droplets_that_rub() -> None:
@@ -43,11 +44,32 @@ def test_numbers_of_frictional_jamming() -> None:
             digits = np.repeat([10.0**-n for n in jamming.MEANS.values()], 2)
             assert float(mu) == row["mu"]
             assert (np.abs(np.array(cells, float) - exact) < 0.51 * digits).all()
-            told = " | ".join(" ± ".join(cells[n : n + 2]) for n in (0, 2, 4))
-            assert f"| {mu} | {told} |" in page
+            if file.stem == "large":
+                ends = range(0, 10 if row["mu"] else 6, 2)
+                told = " | ".join(" ± ".join(cells[n : n + 2]) for n in ends)
+                assert f"| {mu} | {told} |" in page
+                assert row["packings"] == 20
         states = [state for each in found["packings"] for state in each["states"]]
         assert all(state["at_rest"] and state["coulomb"] <= 1e-6 for state in states)
         assert max(max(state["force"], state["torque"]) for state in states) < 1.1e-4
+
+
+def test_limits_of_frictional_jamming() -> None:
+    """Isostatic without friction and with much; the onset of soft disks without."""
+    page = " ".join((FOLDER / "README.md").read_text().split())
+    first, *_, last = jamming.table(json.loads((FOLDER / "large.json").read_text()))
+    fall = {name: [f"{row[name][0]:.{n}f}" for row in (first, last)] for name, n in DIGITS.items()}
+    assert (
+        f"phi_J falls from {fall['phi'][0]} to {fall['phi'][1]} and the number of contacts z from "
+        f"{fall['z'][0]} to {fall['z'][1]}"
+    ) in page
+    for row, equations, constant in ((first, 4.0, 2.0), (last, 3.0, 1.0)):
+        rigid = 64.0 - row["rattlers"][0]
+        assert row["z"][0] == pytest.approx(equations - constant / rigid, abs=0.03)
+    onsets = json.loads((FOLDER.parent / "jamming" / "summary.json").read_text())["onset"]
+    (disks,) = (row for row in onsets if (row["law"], row["number"]) == ("disk", 64))
+    (phi, error), other = first["phi"], disks["phi_error"]
+    assert abs(phi - disks["phi"]) < 2.0 * np.hypot(error, other)
 
 
 def test_friction_of_beads_on_record(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -9,6 +9,19 @@ are shared by the cores of this machine, or by the ranks of mpiexec. docs/jammin
 
 The natural unit of pressure is k for soft disks, k/2R0 with the mean radius R0 for soft spheres,
 tension/R0 for droplets, and kA R0^2 for the other laws.
+
+The tables of this folder come from, with `--out validation/jamming` each:
+
+    16 32 64 256 512 1024 --law disk --seeds 20 --pressure 1e-7
+    128 --law disk --seeds 20 --pressure 1e-7 --excess-phi 0.01
+    4096 --law disk --seeds 4 --pressure 1e-7
+    16 32 64 128 256 --law radical --seeds 20 --pressure 1e-7
+    512 --law radical --seeds 10 --pressure 1e-7
+    16 32 --law radical --seeds 10 --pressure 1e-16
+    64 128 --law radical --seeds 10 --pressure 1e-16 --excess-phi 0.01
+    256 --law radical --seeds 5 --pressure 1e-16
+    512 --law radical --seeds 3 --pressure 1e-16
+    16 32 64 128 --law balanced --seeds 20 --pressure 1e-7
 """
 
 from __future__ import annotations

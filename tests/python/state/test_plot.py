@@ -59,7 +59,7 @@ def test_shape_parameter(state: ld.State) -> None:
     expected = np.pi * state.packing.radii**2 / state.results["area"]
     assert state.shape_parameter == pytest.approx(expected, rel=1e-12)
     map_ = state.plot(color="shape_parameter").collections[0]
-    assert map_.get_clim() == pytest.approx((1.0, expected.max()))
+    assert map_.get_clim() == pytest.approx((expected.min(), expected.max()))
 
 
 def test_force_chains_are_as_wide_as_their_forces(state: ld.State) -> None:
@@ -149,12 +149,33 @@ def test_pictures_of_a_movie_share_one_scale(
     states = run[1]
     ld.Run(states).movie(tmp_path / "movie.gif", forces=True, cmap="magma", **limits)
     assert set(maps) == {"magma"}
-    pressure = max(state.pressures.max() for state in states)
+    pressures = np.concatenate([state.pressures for state in states])
     force = [state.contacts["force"].max() for state in states]
     widest = drawn[int(np.argmax(force))][2]
-    low, high = limits.get("vmin", 0.0), limits.get("vmax", pressure)
+    low, high = limits.get("vmin", pressures.min()), limits.get("vmax", pressures.max())
     expected = [(low, high, widest * one / max(force)) for one in force]
     assert np.array(drawn) == pytest.approx(np.array(expected))
+
+
+def test_whole_numbers_have_a_color_each(state: ld.State) -> None:
+    ax = state.plot(color="contacts")
+    colors, numbers = ax.collections[0], state.n_contacts
+    assert colors.get_clim() == (numbers.min() - 0.5, numbers.max() + 0.5)
+    assert np.ptp(numbers) + 1 == colors.get_cmap().N
+    (bar,) = (axes for axes in ax.figure.axes if axes is not ax)
+    low, high = numbers.min(), numbers.max()
+    assert [tick for tick in bar.get_yticks() if low <= tick <= high] == list(range(low, high + 1))
+    rattlers = state.plot(color=np.arange(len(numbers)) % 2 == 0).collections[0]
+    assert rattlers.get_clim() == (-0.5, 1.5)
+    assert state.plot(color=np.linspace(0.0, 2.0, len(numbers))).collections[0].get_clim() == (0, 2)
+
+
+def test_a_key_tells_the_widest_force(state: ld.State) -> None:
+    ax = state.plot(forces=True)
+    (text,) = ax.get_legend().get_texts()
+    assert text.get_text() == f"force {np.abs(state.contacts['force']).max():.2g}"
+    assert state.plot().get_legend() is None
+    assert state.plot().get_title() == ""
 
 
 def test_movies_that_cannot_be(

@@ -1,0 +1,159 @@
+"""Cells that grow, divide and die.
+
+The volume V_i of a cell at rest (its area in the plane) grows at a rate, the slower the more others
+press on it,
+
+    dV_i/dt = rate V_i max(0, 1 - p_i/pressure)
+
+with the mean pressure p_i that its contacts exert, and the pressure at which cells cease to grow
+(Shraiman 2005; Basan et al. 2009). A cell that has reached a size divides in two, of shares that
+are drawn, side by side along an axis; each cell may die at any time. The tissue is at rest all the
+time.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._checks import count, expect, positive, shown, zero_or_more
+from .coarsening import volumes
+from .errors import ParameterError
+from .laws import Droplet, Ring, one_or_each, per_species
+from .motion import drawn_seed, steps_so_far
+from .population import at_rest, divided, labels_of, remaining
+from .recording import Protocol, check_tolerance
+
+Floats = NDArray[np.float64]
+
+# Growth of a volume from one relaxation to the next.
+_GROWTH = 0.05
+
+_AXES = ("random", "long", "stress")
+
+
+def _settings(sim: Any, given: Mapping[str, Any]) -> dict[str, Any]:
+    expect("the law of cells", sim.law, Ring, Droplet)
+    if sim.friction:
+        raise ParameterError("cells slip: leave friction out of a simulation that proliferates")
+    rate = one_or_each("rate", given["rate"])
+    for value in np.atleast_1d(rate).tolist():
+        zero_or_more("rate", value)
+    axis, dimension = given["axis"], sim.dimension
+    if axis not in _AXES:
+        raise ParameterError(f"axis must be {', '.join(_AXES[:-1])} or stress, not {shown(axis)}")
+    if axis == "long" and dimension == 3:
+        raise ParameterError("axis 'long' is for cells in the plane: take 'stress' or 'random'")
+    asymmetry = zero_or_more("asymmetry", given["asymmetry"])
+    if asymmetry >= 1.0:
+        raise ParameterError(f"asymmetry must be below 1, not {asymmetry}")
+    pressure = given["pressure"]
+    recorded = given["record"] is not None
+    return {
+        "rate": list(rate) if isinstance(rate, tuple) else rate,
+        "division": float(positive("division", given["division"])),
+        "time": float(positive("time", given["time"])),
+        "steps": count("steps", given["steps"]),
+        "axis": axis,
+        "asymmetry": float(asymmetry),
+        "pressure": math.inf if pressure is None else float(positive("pressure", pressure)),
+        "death": float(zero_or_more("death", given["death"])),
+        "tolerance": check_tolerance(given["tolerance"], recorded),
+        "seed": drawn_seed(sim, given["seed"]),
+    }
+
+
+def _begin(sim: Any, settings: Mapping[str, Any]) -> tuple[Any, dict[str, Any]]:
+    """The relaxed start, and what its cells are called."""
+    per_species(settings["rate"], len(sim.packing._species_radii))
+    state = at_rest(sim, settings)
+    return state, {
+        "time": sim.time,
+        "step": steps_so_far(sim),
+        "label": int(labels_of(state).max()) + 1,
+        "states": settings["steps"],
+    }
+
+
+def _proliferated(
+    sim: Any, settings: Mapping[str, Any], start: dict[str, Any], done: int, before: Any
+) -> Iterator[Any]:
+    """The states that remain."""
+    state = at_rest(sim, settings) if before is None else before
+    for n in range(done + 1, settings["steps"] + 1):
+        rng = np.random.default_rng([settings["seed"], start["step"], n])
+        end = start["time"] + settings["time"] * n / settings["steps"]
+        while state.time < end:
+            rate = growth(state, settings["rate"], settings["pressure"])
+            fastest = max(float(rate.max()), settings["death"])
+            step = end - state.time
+            if fastest > 0.0:
+                step = min(step, _GROWTH / fastest)
+            later = end if step == end - state.time else state.time + step
+            radii = state.radii * np.exp(rate * step / sim.dimension)
+            state = replace(state, packing=state.packing.replace(radii=radii), time=later)
+            state = die(state, settings["death"] * step, rng)
+            sim.reset(divide(state, settings, start, rng))
+            state = at_rest(sim, settings)
+        yield state
+
+
+def growth(state: Any, rate: Any, pressure: float) -> Floats:
+    """Rate of growth of each cell, shape (N,) [1/time]."""
+    species = np.array(per_species(rate, len(state.packing._species_radii)))
+    pressed = np.trace(state.particle_stress, axis1=1, axis2=2) / state.packing.dimension
+    return species[state.packing.species] * np.maximum(0.0, 1.0 - pressed / pressure)
+
+
+def die(state: Any, chance: float, rng: np.random.Generator) -> Any:
+    """The state without the cells that die, each with a chance; one stays."""
+    if chance == 0.0:
+        return state
+    left = rng.uniform(size=len(state.packing)) >= -math.expm1(-chance)
+    if not left.any():
+        left[0] = True
+    return remaining(state, left)
+
+
+def divide(
+    state: Any, settings: Mapping[str, Any], start: dict[str, Any], rng: np.random.Generator
+) -> Any:
+    """The state in which cells of a size have divided, not relaxed."""
+    mothers = np.flatnonzero(volumes(state.radii, state.packing.dimension) >= settings["division"])
+    if not mothers.size:
+        return state
+    share = 0.5 * (1.0 + settings["asymmetry"] * rng.uniform(-1.0, 1.0, mothers.size))
+    if settings["axis"] == "random":
+        axes = rng.normal(size=(len(mothers), state.packing.dimension))
+        axes /= np.linalg.norm(axes, axis=1)[:, None]
+    else:
+        axes = (long_axes if settings["axis"] == "long" else stretched_axes)(state, mothers)
+    label = start["label"]
+    start["label"] += len(mothers)
+    return divided(state, mothers, axes, share, label)
+
+
+def stretched_axes(state: Any, cells: NDArray[np.int64]) -> Floats:
+    """Along which a cell is pressed least, or pulled most, shape (M, d)."""
+    return np.asarray(np.linalg.eigh(state.particle_stress[cells])[1][:, :, 0])
+
+
+def long_axes(state: Any, cells: NDArray[np.int64]) -> Floats:
+    """The long axes of outlines, by their second moments (Hertwig's rule), shape (M, 2)."""
+    found = []
+    for cell in cells:
+        a = state.outlines[cell] - state.positions[cell]
+        b = np.roll(a, -1, axis=0)
+        cross = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+        both = np.einsum("m,ma,mb->ab", cross, a + b, a + b)
+        ends = np.einsum("m,ma,mb->ab", cross, a, a) + np.einsum("m,ma,mb->ab", cross, b, b)
+        found.append(np.linalg.eigh(both + ends)[1][:, 1])
+    return np.array(found)
+
+
+PROLIFERATE = Protocol(_settings, _begin, _proliferated)

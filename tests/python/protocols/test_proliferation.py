@@ -1,0 +1,198 @@
+"""Cells that grow, divide and die: closed forms, axes, pressure, clones."""
+
+import math
+from pathlib import Path
+
+import lammps_deformable as ld
+import numpy as np
+import pytest
+from lammps_deformable.population import divided
+from lammps_deformable.proliferation import divide, long_axes, stretched_axes
+from refusals import refused
+
+CELL = ld.Ring(kA=20.0, kP=2.0, tension=1.0)
+NEVER = 100.0  # size at which cells divide
+
+
+def loose(number: int = 9) -> ld.Packing:
+    """Cells far apart."""
+    side = math.isqrt(number)
+    places = [[3.0 * x + 1.5, 3.0 * y + 1.5] for x in range(side) for y in range(side)]
+    return ld.Packing(places, 0.5, (3.0 * side, 3.0 * side))
+
+
+def areas(state: ld.State) -> np.ndarray:
+    return np.pi * state.radii**2
+
+
+def test_free_cells_grow_by_their_rates() -> None:
+    packing = loose().replace(species=np.arange(9) % 2)
+    with ld.Simulation(packing, CELL) as sim:
+        run = sim.proliferate([0.5, 0.0], division=NEVER, time=1.5, steps=3)
+    grown = areas(run[-1]) / areas(run[0])
+    assert grown == pytest.approx(np.exp(0.5 * 1.5 * (1 - packing.species)), rel=1e-12)
+    assert [state.time for state in run] == pytest.approx([0.0, 0.5, 1.0, 1.5])
+    assert run[-1].labels is None
+    assert run[-1].clones is None
+
+
+def test_two_in_the_place_of_one() -> None:
+    with ld.Simulation(loose(), CELL) as sim:
+        state = sim.state()
+    axes = np.array([[1.0, 0.0], [0.6, 0.8]])
+    cells = np.array([2, 5])
+    two = divided(state, cells, axes, np.array([0.5, 0.3]), 40)
+    assert two.labels.tolist() == [*range(9), 40, 41]
+    assert two.clones.tolist() == [*range(9), 2, 5]
+    volume = areas(two)
+    assert volume[cells] == pytest.approx(areas(state)[cells] * [0.5, 0.3])
+    assert volume[cells] + volume[9:] == pytest.approx(areas(state)[cells])
+    center = volume[cells, None] * two.positions[cells] + volume[9:, None] * two.positions[9:]
+    assert center / areas(state)[cells, None] == pytest.approx(state.positions[cells])
+    apart = two.positions[cells] - two.positions[9:]
+    distance = np.linalg.norm(apart, axis=1)
+    assert apart / distance[:, None] == pytest.approx(axes)
+    small = np.minimum(two.radii[cells], two.radii[9:])
+    large = np.maximum(two.radii[cells], two.radii[9:])
+    line = (distance**2 + small**2 - large**2) / (2.0 * distance)  # from the smaller one
+    assert line == pytest.approx(0.5 * small)
+
+
+def test_a_clone_in_free_space() -> None:
+    """Its area grows as if none had divided, and each cell stays below the size of division."""
+    alone = ld.Packing([[20.0, 20.0]], 0.5, (40.0, 40.0))
+    with ld.Simulation(alone, CELL) as sim:
+        run = sim.proliferate(1.0, division=1.2, time=4.0, steps=8, seed=3)
+    last = run[-1]
+    assert areas(last).sum() == pytest.approx(math.pi / 4 * math.exp(4.0), rel=1e-9)
+    assert (areas(last) < 1.2).all()
+    assert len(last.packing) >= 32
+    assert sorted(last.labels) == list(range(len(last.packing)))
+    assert set(last.clones) == {0}
+    born = run.events()["event"] == "is born"
+    assert born.sum() == len(last.packing) - 1
+
+
+def test_a_container_fills_and_growth_stops_at_the_pressure() -> None:
+    start = ld.Packing([[4.0, 4.0]], [0.5], (8.0, 8.0)).between(ld.Sphere(3.0, (4.0, 4.0)))
+    with ld.Simulation(start, CELL) as sim:
+        *_, before, last = sim.proliferate(
+            1.0, division=1.2, time=12.0, steps=4, pressure=1.0, seed=1
+        )
+    pressure = np.trace(last.particle_stress, axis1=1, axis2=2) / 2.0
+    assert 0.99 < pressure.min() < pressure.max() < 2.0  # others may have grown a little later
+    assert last.phi == pytest.approx(before.phi, rel=1e-3)
+    assert last.phi > 0.9
+    assert last.converged
+
+
+def test_deaths_by_chance() -> None:
+    number = 196
+    with ld.Simulation(loose(number), CELL) as sim:
+        run = sim.proliferate(0.0, division=NEVER, time=1.0, steps=2, death=0.5, seed=5)
+    left = [len(state.packing) for state in run]
+    for found, time in zip(left, (0.0, 0.5, 1.0), strict=True):
+        chance = math.exp(-0.5 * time)
+        spread = math.sqrt(number * chance * (1.0 - chance))
+        assert abs(found - number * chance) <= 4.0 * spread
+    assert (np.diff(run[-1].labels) > 0).all()
+    assert areas(run[-1]) == pytest.approx(math.pi / 4)
+
+
+def test_the_last_cell_stays() -> None:
+    with ld.Simulation(loose(4), CELL) as sim:
+        last = sim.proliferate(0.0, division=NEVER, time=1.0, death=100.0)[-1]
+    assert len(last.packing) == 1
+
+
+@pytest.fixture(scope="module")
+def squeezed() -> ld.State:
+    """Cells in a row along x: they are long along y, and pressed along x."""
+    packing = ld.Packing([[0.4, 3.0], [1.2, 3.0], [2.0, 3.0]], 0.5, (2.4, 6.0))
+    with ld.Simulation(packing, CELL) as sim:
+        return sim.state()
+
+
+@pytest.mark.parametrize("axes", [long_axes, stretched_axes])
+def test_axes_across_the_pressure(squeezed: ld.State, axes) -> None:
+    found = axes(squeezed, np.array([1]))
+    assert np.abs(found) == pytest.approx(np.array([[0.0, 1.0]]), abs=1e-6)
+
+
+@pytest.mark.parametrize("axis", ["long", "stress"])
+def test_daughters_lie_on_the_axis(squeezed: ld.State, axis: str) -> None:
+    settings = {"division": 0.5, "axis": axis, "asymmetry": 0.0}
+    two = divide(squeezed, settings, {"label": 3}, np.random.default_rng(1))
+    assert two.clones.tolist() == [0, 1, 2, 0, 1, 2]
+    apart = two.positions[:3] - two.positions[3:]
+    assert np.abs(apart) == pytest.approx(np.tile([0.0, 0.5 / math.sqrt(2.0)], (3, 1)), abs=1e-6)
+
+
+def test_random_axes_have_all_directions() -> None:
+    with ld.Simulation(loose(196), CELL) as sim:
+        state = sim.state()
+    settings = {"division": 0.5, "axis": "random", "asymmetry": 0.0}
+    two = divide(state, settings, {"label": 196}, np.random.default_rng(1))
+    apart = two.positions[:196] - two.positions[196:]
+    angle = np.arctan2(apart[:, 1], apart[:, 0])
+    for k in (1, 2, 4):
+        assert abs(np.exp(1j * k * angle).mean()) < 3.0 / 14.0
+
+
+def test_the_same_seed_is_the_same_tissue(tmp_path: Path) -> None:
+    def tissue(**how) -> ld.State:
+        with ld.Simulation(loose(4), CELL) as sim:
+            return sim.proliferate(1.0, division=1.0, time=1.5, steps=3, death=0.1, **how)[-1]
+
+    one, same, other = tissue(seed=7), tissue(seed=7), tissue(seed=8)
+    assert np.array_equal(one.positions, same.positions)
+    assert len(one.packing) != len(other.packing) or (one.positions != other.positions).any()
+    recorded = tissue(seed=7, record=tmp_path)
+    assert np.array_equal(recorded.labels, one.labels)
+    assert np.array_equal(recorded.clones, one.clones)
+
+
+def test_labels_of_the_dead_are_not_given_again() -> None:
+    with ld.Simulation(loose(4), CELL) as sim:
+        run = sim.proliferate(1.0, division=1.0, time=3.0, steps=30, death=0.5, seed=2)
+    seen: set[int] = set()
+    gone: set[int] = set()
+    for state in run:
+        here = set(range(4)) if state.labels is None else set(state.labels.tolist())
+        assert not here & gone
+        gone |= seen - here
+        seen |= here
+    assert gone
+    assert max(seen) > 8
+
+
+def test_droplets_divide_in_space() -> None:
+    start = ld.Packing([[3.0, 3.0, 3.0]], 1.0, (12.0, 12.0, 12.0))
+    with ld.Simulation(start, ld.Droplet()) as sim:
+        run = sim.proliferate(1.0, division=5.0, time=2.0, steps=2, axis="stress", seed=1)
+    volume = 4.0 / 3.0 * math.pi * run[-1].radii ** 3
+    assert volume.sum() == pytest.approx(4.0 / 3.0 * math.pi * math.exp(2.0), rel=1e-9)
+    assert len(volume) >= 6
+
+
+def test_what_it_refuses() -> None:
+    with ld.Simulation(loose(4), CELL) as sim:
+        with refused("rate must not be negative, not -1"):
+            sim.proliferate(-1.0, division=1.0, time=1.0)
+        with refused("there are 1 species"):
+            sim.proliferate([1.0, 2.0], division=1.0, time=1.0)
+        with refused("axis must be random, long or stress, not 'x'"):
+            sim.proliferate(1.0, division=1.0, time=1.0, axis="x")
+        with refused("asymmetry must be below 1"):
+            sim.proliferate(1.0, division=1.0, time=1.0, asymmetry=1.0)
+        with refused("pressure must be a positive number"):
+            sim.proliferate(1.0, division=1.0, time=1.0, pressure=0.0)
+    drop = ld.Packing([[3.0, 3.0, 3.0]], 1.0, (12.0, 12.0, 12.0))
+    with ld.Simulation(drop, ld.Droplet()) as sim, refused("axis 'long' is for cells in the plane"):
+        sim.proliferate(1.0, division=1.0, time=1.0, axis="long")
+    rough = ld.Friction(0.3, kt=0.01)
+    with (
+        ld.Simulation(loose(4), ld.Ring(), friction=rough) as sim,
+        refused("leave friction out of a simulation that proliferates"),
+    ):
+        sim.proliferate(1.0, division=1.0, time=1.0)
