@@ -369,7 +369,7 @@ def attached(rows: NDArray[np.float64]) -> NDArray[np.int64]:
 
 def _order(i: NDArray[np.int64], j: NDArray[np.int64], image: NDArray[np.int64]) -> NDArray[Any]:
     """Indices that sort sides by (i, j, image)."""
-    return np.lexsort((image[:, 1], image[:, 0], j, i))
+    return np.lexsort((*image.T[::-1], j, i))
 
 
 def _missing_sides(pairs: ContactTable, packing: Packing) -> ContactTable:
@@ -437,6 +437,13 @@ def droplet_table(rows: NDArray[np.float64], packing: Packing) -> DropletTable:
     Returns:
         Structured array of `COLUMNS`.
     """
+    table = sides_of_droplets(rows, packing)
+    react(table)
+    return table
+
+
+def sides_of_droplets(rows: NDArray[np.float64], packing: Packing) -> DropletTable:
+    """The same, each side with the force vector of its own energy."""
     told = dict(zip(DROPLET_ROWS, rows.T, strict=True))
     table = np.zeros(len(rows), DROPLET_COLUMNS)
     table["i"], table["j"] = told["i"] - 1, _indices(told["j"])
@@ -450,11 +457,7 @@ def droplet_table(rows: NDArray[np.float64], packing: Packing) -> DropletTable:
     # an exact integer, equal for both sides in spite of rounding
     apart = packing.positions[i] + to_j - packing.positions[j]
     table["image"][pair] = np.rint(fractional(apart, packing.box)).astype(np.int64)
-    table = table[np.lexsort((*table["image"].T[::-1], table["j"], table["i"]))]
-    pair = table["j"] >= 0
-    both = table["force_vector"][pair]
-    table["force_vector"][pair] -= both[other_side(table[pair])]
-    return table
+    return table[_order(table["i"], table["j"], table["image"])]
 
 
 def forces_of_droplets(packing: Packing, table: DropletTable) -> ContactForces:
@@ -537,8 +540,8 @@ class ContactForces(NamedTuple):
             [length].
         part: of the vector that is within i: up to the contact line, 1 for a wall, shape (M,).
         force: on i, shape (M, d) [energy/length].
-        rubbing: `friction` and `sliding` of each by name, see `friction.RUBBING`; of contacts that
-            slip freely none.
+        rubbing: `friction` and `sliding` of each by name, see `friction.rubbing_columns`; of
+            contacts that slip freely none.
     """
 
     i: Integers
@@ -721,7 +724,8 @@ def isostatic(rigid: int, walls: Sequence[Wall], dimension: int, rubs: bool) -> 
     """See `State.isostatic_contacts`, of so many particles that are no rattlers."""
     if rubs:
         free = 0 if walls else dimension
-        return (3 * rigid + 2 - free) // 2 if rigid else 0
+        motions = 3 if dimension == 2 else 6
+        return (motions * rigid + dimension - free) // dimension if rigid else 0
     return max(dimension * rigid + 1 - free_motions(walls, dimension), 0) if rigid else 0
 
 

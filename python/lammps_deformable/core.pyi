@@ -232,7 +232,14 @@ class DiskSprings:
 def friction_time_step(
     mu: float, kt: float, gt: float, damp: float, mass: float, lever: float
 ) -> float: ...
-def invalid_friction(mu: float, kt: float, gt: float = 0.0, damp: float = 0.0) -> str | None: ...
+def invalid_friction(
+    mu: float,
+    kt: float,
+    gt: float = 0.0,
+    damp: float = 0.0,
+    film: float = 0.0,
+    power: float = 1.0,
+) -> str | None: ...
 
 class SmoothPolygonEnergy:
     @property

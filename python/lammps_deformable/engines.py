@@ -175,7 +175,8 @@ def go_on(sim: Simulation, motion: Motion) -> None:
     place_velocities(lmp, motion.velocities)
     run(lmp, "\n".join(memory_commands(motion.films)))
     if rubbing is not None and lmp.has_id("fix", FRICTION):
-        place(lmp, "omega", np.outer(rubbing.spins, [0.0, 0.0, 1.0]))
+        spins = rubbing.spins
+        place(lmp, "omega", spins if spins.ndim == 2 else np.outer(spins, [0.0, 0.0, 1.0]))
         run(lmp, spring_commands(rubbing))
     if motion.images is not None and motion.images.any():
         place_images(lmp, motion.images)
@@ -252,13 +253,16 @@ def contacts_of(
         packing: of the particles.
         friction: of the contacts.
     """
+    plane = packing.dimension == 2
     if friction is None:
-        return contact_table(rows, packing), None
-    own = local_array(lmp, FRICTION, len(RUBBING_ROWS), fix=True)
-    table, springs, places = rubbing_table(rows, packing, np.concatenate(comm.allgather(own)))
-    stored, sliding, dashpots, damping = (lmp.extract_fix(FRICTION, 0, 1, n) for n in range(4))
-    spins = np.ascontiguousarray(gather(lmp, "omega", 3)[:, 2])
-    return table, Rubbing(spins, springs, (sliding, dashpots, damping), stored, places)
+        return (contact_table if plane else droplet_table)(rows, packing), None
+    own = local_array(lmp, FRICTION, RUBBING_ROWS[packing.dimension], fix=True)
+    rubbing = np.concatenate(comm.allgather(own))
+    table, springs, places = rubbing_table(rows, packing, rubbing, friction._films)
+    stored, *lost = (lmp.extract_fix(FRICTION, 0, 1, n) for n in (0, 1, 2, 3, 6))
+    omega = gather(lmp, "omega", 3)
+    spins = np.ascontiguousarray(omega[:, 2]) if plane else omega
+    return table, Rubbing(spins, springs, tuple(lost), stored, places)
 
 
 # Iterations without halving the largest force after which a relaxation counts as stalled.
@@ -426,7 +430,7 @@ class Rings(Deformables):
             stiffest = max(highest, self._single_contact_pressure, others)
             if sim.friction:
                 pressures = stiffest, forces.scale / self._largest_radius, self._natural_pressure
-                return damp(sim.lmp, sim.friction, *pressures, sim.walls)
+                return damp(sim.lmp, sim.friction, *pressures, sim.walls, 2)
             force = 0.5 * tolerance * forces.scale  # the scale falls a little further meanwhile
             run_forces(sim.lmp, fire.call(highest, stiffest, force, most), sim.walls)
             return left if told(sim.lmp, IMBALANCE) > tolerance else fire.iterations
@@ -492,27 +496,31 @@ class Droplets(Deformables):
         force = self._rows[:, DROPLET_ROWS.index("force")]
         self.loose = not force.any()
         mean = 0.0 if self.loose else float(force.mean())
-        largest = largest_force(sim.lmp)
+        largest = largest_force(sim.lmp, self._particle_radii if sim.friction else None)
         others = others_push(sim, largest, float(force.sum()))
         scale = max(mean, least) or others * largest
-        return Forces(largest, scale, force_rounding(sim.box, self._stiffness))
+        rounding = 0.0 if sim.friction else force_rounding(sim.box, self._stiffness)
+        return Forces(largest, scale, rounding)
 
     begin = after = forces
 
     def minimizer(self, sim: Simulation, tolerance: float) -> Minimizer:
-        """L-BFGS or FIRE."""
+        """L-BFGS or FIRE; with friction damped motion."""
         timestep = f"timestep {_OF_FIRE / self._stiffness**0.5!r}\n"
 
         def call(forces: Forces, left: int, most: int) -> int:
             if told(sim.lmp, IMBALANCE) > UNBALANCED:
                 return left
+            if sim.friction:
+                stiffness = self._stiffness, forces.scale / self._smallest_radius, self._stiffness
+                return damp(sim.lmp, sim.friction, *stiffness, sim.walls, 3)
             force = 0.5 * tolerance * forces.scale  # the scale falls a little further meanwhile
             beyond = told(sim.lmp, BEYOND) > 0
             count = min(left, _FEW if beyond else _ITERATIONS, most)
             run_forces(sim.lmp, timestep + minimize_command(force, count), sim.walls)
             return count * _DEARER if beyond else count
 
-        return lbfgs_or_fire(sim, tolerance, call, self._smallest_radius)
+        return call if sim.friction else lbfgs_or_fire(sim, tolerance, call, self._smallest_radius)
 
     def filled(self) -> float:
         """Volume of all droplets at the last evaluation."""
@@ -522,6 +530,7 @@ class Droplets(Deformables):
         """The state at the last evaluation."""
         area, contacts, contact_area, pressure, load = np.ascontiguousarray(self._results.T)
         common = self._common(sim, forces, converged)
+        table, rubbing = contacts_of(sim.lmp, sim.comm, self._rows, common["packing"], sim.friction)
         return State(
             **common,
             results={
@@ -531,7 +540,10 @@ class Droplets(Deformables):
                 "contact_areas": contact_area,
                 "n_contacts": contacts.astype(np.int64),
             },
-            _table=droplet_table(self._rows, common["packing"]),
+            _table=table,
+            lost_energy=sim._lost + sum(rubbing.lost if rubbing else ()),
+            friction=sim.friction,
+            rubbing=rubbing,
         )
 
 

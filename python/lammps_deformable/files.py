@@ -332,7 +332,8 @@ def data_file(
         bonds: type and both atoms of each bond, shape (M, 3).
         origin: lower left corner of the box, d numbers [length].
         velocities: of the atoms, shape (N, d) [length/time]; at rest if not given.
-        spins: angular velocities beside them, shape (N,), of `sphere` [1/time]; 0 if not given.
+        spins: angular velocities beside them, shape (N,), in space (N, 3), of `sphere` [1/time]; 0
+            if not given.
         images: how often atoms have left the box through each side, shape (N, d); written if any
             has.
     """
@@ -351,7 +352,8 @@ def data_file(
     if velocities is not None:
         none = np.zeros(len(ids), int)
         about_z = 0.0 * ids if spins is None else spins
-        turns = [none, none, about_z] if style == "sphere" else []
+        in_space = [*about_z.T] if about_z.ndim == 2 else [none, none, about_z]
+        turns = in_space if style == "sphere" else []
         lines += ["", "Velocities", "", *_table(ids, *_axes(velocities), *turns)]
     if bonds is not None:
         lines += ["", "Bonds", "", *_table(np.arange(1, len(bonds) + 1), *bonds.T)]

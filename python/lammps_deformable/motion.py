@@ -152,11 +152,12 @@ class Dynamics:
                 temperature=temperature or 1.0, seed=seed, drag=self.drag, rng=rng
             )
         elif self.drag and spins:
-            mover = damped_commands(self.drag)
+            mover = damped_commands(self.drag, dimension)
         elif self.drag:
             mover = _BATH.format(temperature=temperature, time=1.0 / self.drag, seed=seed)
         else:
-            mover = "fix deformable_move all nve" + "/sphere disc" * spins
+            sphere = "/sphere disc" if dimension == 2 else "/sphere"
+            mover = "fix deformable_move all nve" + sphere * spins
         parts = [mover, *["fix deformable_plane all enforce2d"] * (dimension == 2)]
         if self.persistence is not None:
             values = {"force": self.drive, "persistence": self.persistence, "seed": seed}
@@ -555,8 +556,8 @@ def _error_at_rest(sim: Any, state: Any, pressure: float) -> float:
         return math.inf
     largest = float(np.linalg.norm(gather(sim.lmp, "f", 3), axis=1).max())
     if rub_and_spin(sim.lmp):
-        torque = gather(sim.lmp, "torque", 3)[:, 2] / state.packing.radii
-        largest = max(largest, float(np.abs(torque).max()))
+        torque = np.linalg.norm(gather(sim.lmp, "torque", 3), axis=1) / state.packing.radii
+        largest = max(largest, float(torque.max()))
     residual = largest / float(state.contacts["force"].mean())
     return max(abs(state.pressure / pressure - 1.0), residual)
 

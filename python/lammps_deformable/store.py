@@ -225,7 +225,8 @@ def motion_in(text: str, number: int, dimension: int) -> Motion:
     time, strain, lost = (
         re.search(rf", {name} ([^,]+)", title) for name in ("time", "strain", "lost")
     )
-    velocities, spins = np.zeros((number, dimension)), np.zeros(number)
+    velocities = np.zeros((number, dimension))
+    spins = np.zeros(number if dimension == 2 else (number, 3))
     _, _, section = body.partition("\nVelocities\n\n")
     rows = [row.split() for row in section.partition("\n\n")[0].splitlines()]
     if rows:
@@ -234,7 +235,8 @@ def motion_in(text: str, number: int, dimension: int) -> Motion:
             raise ValueError(f"it has velocities of {len(ids)} of {number} atoms")
         order = ids.astype(np.int64) - 1
         velocities[order] = np.column_stack([vx, vy, vz][:dimension])
-        spins[order] = turn[2] if len(turn) > 2 else 0.0
+        if turn:
+            spins[order] = turn[2] if dimension == 2 else np.column_stack(turn)
     return Motion(
         velocities,
         float(time[1]) if time else 0.0,
@@ -316,7 +318,8 @@ def script(
     commands += f"timestep {timestep!r}\n"
     setup = setup_commands(packing)
     velocity = "" if motion.moves else f"# velocity all create {TEMPERATURE!r} 12345\n"
-    integrator = "nve/sphere disc" if friction else "nve"
+    sphere = "nve/sphere disc" if packing.dimension == 2 else "nve/sphere"
+    integrator = sphere if friction else "nve"
     relaxing = "" if friction else _RELAXING  # minimizers pass over friction
     proposed = {
         "but": " (not with deformable/sector)" if packing.dimension == 2 else "",

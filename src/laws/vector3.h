@@ -60,11 +60,12 @@ inline double component(const Vector3 &v, int axis)
 
 // The shortest rotation that takes the unit vector n to m:
 //   R v = v - (n + m).v/(1 + n.m) (n + m) + 2 (n.v) m
-// It has no axis where m = -n: then, and if n is not known (0), v stays.
+// It has no axis where m = -n: then v stays. If n is not known (0), what is left is the part of v across m.
 inline Vector3 turned(const Vector3 &v, const Vector3 &n, const Vector3 &m)
 {
   const double cosine = dot(n, m);
-  if (!(cosine > -1.0) || dot(n, n) == 0.0) return v;
+  if (dot(n, n) == 0.0) return across(v, m);
+  if (!(cosine > -1.0)) return v;
   const Vector3 both = n + m;
   return v - dot(both, v) / (1.0 + cosine) * both + 2.0 * dot(n, v) * m;
 }

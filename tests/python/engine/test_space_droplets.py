@@ -233,10 +233,6 @@ def test_refusals() -> None:
             lambda: ld.Simulation(SPHERES, Droplet()).compress(phi=1.1, steps=10)[1:],
             "phi must be below 1",
         ),
-        (
-            lambda: ld.Simulation(SPHERES, Droplet(), friction=ld.Friction(0.5, kt=0.1)),
-            "friction is for particles in the plane, and droplets",
-        ),
     ):
         with refused(told):
             make()

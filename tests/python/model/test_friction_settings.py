@@ -26,6 +26,11 @@ def test_the_fix() -> None:
             ld.Friction(0.5, kt=1.0, walls=walls),
             "0.5 1.0 0.0 damp 0.0 types * wall 0.1 2.0 0.3 0.4",
         ),
+        (
+            ld.Friction(0.5, kt=1.0, film=[[1.0, 0.0], [0.0, 2.0]], power=0.5),
+            "0.5 1.0 0.0 damp 0.0 film 1.0 0.5 types 1 1 0.5 1.0 0.0 0.0 film 1.0 0.5 "
+            "types 1 2 0.5 1.0 0.0 0.0 types 2 2 0.5 1.0 0.0 0.0 film 2.0 0.5",
+        ),
     ):
         assert friction_commands(friction, 2) == FIX + words + "\n"
         assert eval(repr(friction), {"Friction": ld.Friction, "inf": math.inf}) == friction
@@ -52,6 +57,8 @@ def test_time_steps() -> None:
 
 def test_refused() -> None:
     for values, message in (
+        ({"film": -1.0}, "film must be 0 or positive and finite, not -1"),
+        ({"power": 1.5}, "the power of a film must be above 0 and 1 at most, not 1.5"),
         ({"mu": -0.1}, "mu must be 0, positive or inf, not -0.1"),
         ({"mu": "rough"}, "mu must be a number, or a matrix.*'rough'"),
         ({"mu": [[0.1, 0.2], [0.3, 0.1]]}, "mu must be symmetric, but species 0 and 1"),
