@@ -329,7 +329,7 @@ PAGES = {
     "README.md": (short_table,),
     "docs/accuracy.md": (accuracy_table,),
     "docs/paper.md": (packing_table, mixture_table),
-    "docs/theory.md": (compression_table,),
+    "docs/theory/numerics.md": (compression_table,),
     "docs/stability.md": (),
 }
 
