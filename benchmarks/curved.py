@@ -129,7 +129,7 @@ def steps(repeats: int = 3) -> list[dict[str, Any]]:
         cell = sim.relax(1e-4).packing
     rows = []
     for times, (motion, (temperature, dt)) in itertools.product((1, 3), MOTIONS.items()):
-        packing, count = repeated(cell, times), 300 if times == 1 else 60
+        packing, count = cell.replicate(times, times), 300 if times == 1 else 60
         runs = [
             [step(packing, ld.Ring(contact=law), temperature, dt, 20.0, count) for law in LAWS]
             for _ in range(repeats)
@@ -144,16 +144,6 @@ def steps(repeats: int = 3) -> list[dict[str, Any]]:
         )
         print("step", rows[-1], flush=True)
     return rows
-
-
-def repeated(packing: ld.Packing, times: int) -> ld.Packing:
-    """The packing times x times side by side."""
-    shifts = np.array(list(itertools.product(range(times), repeat=2))) @ packing.box
-    positions = (packing.positions + shifts[:, None]).reshape(-1, 2)
-    species = np.tile(packing.species, len(shifts))
-    return ld.Packing(
-        positions, np.asarray(packing.radii)[species], times * packing.box, species=species
-    )
 
 
 def films(repeats: int = 3) -> list[dict[str, Any]]:
