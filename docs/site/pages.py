@@ -17,7 +17,14 @@ from mkdocs.structure.pages import Page
 
 ROOT = Path(__file__).parents[2]
 PAGES = (
-    *("*.md", "docs/*.md", "docs/guide/*.md", "docs/api/*.md", "examples/*/README.md", "benchmarks/README.md"),
+    *(
+        "*.md",
+        "docs/*.md",
+        "docs/guide/*.md",
+        "docs/api/*.md",
+        "examples/*/README.md",
+        "benchmarks/README.md",
+    ),
     *("validation/README.md", "validation/*/README.md"),
 )
 ADDRESSES = {

@@ -66,6 +66,23 @@ app = typer.Typer(
     rich_markup_mode=None,
 )
 
+
+def _print_version(asked: bool) -> None:
+    if asked:
+        print_once(versions()["deformable"])
+        raise typer.Exit
+
+
+@app.callback()
+def app_options(
+    version: Annotated[
+        bool,
+        Option("--version", callback=_print_version, is_eager=True, help="Print the version."),
+    ] = False,
+) -> None:
+    """Options before a subcommand."""
+
+
 # Exit code of typer after Ctrl-C.
 _INTERRUPTED = 130
 

