@@ -220,7 +220,7 @@ def moving(sim: Simulation, dynamics: Dynamics, seed: int) -> Iterator[None]:
         how = "in a heat bath do not turn: leave out temperature or drag"
         if not dynamics.inertia:
             how = (
-                "without inertia, as in flows at a rate, do not turn: let them have inertia, or "
+                "without inertia, as in flows with a drag, do not turn: let them have inertia, or "
                 "shear without a rate"
             )
         raise ParameterError(f"contacts rub, and particles {how}")

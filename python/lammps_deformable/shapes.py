@@ -192,7 +192,8 @@ def to_pandas(state: State, table: str) -> Any:
         return pandas.DataFrame(columns, index=index)
     columns, contacts = {}, state.contacts
     for name in contacts.dtype.names or ():
-        column, each = contacts[name], _VECTORS.get(name, name)
+        column = contacts[name]
+        each = _VECTORS.get(name, name + "_{}" * (column.ndim == 2))
         names = [each.format(word) for word in ("abc" if name == "image" else axes)]
         columns |= zip(names, np.atleast_2d(column.T), strict=False)
     return pandas.DataFrame(columns)

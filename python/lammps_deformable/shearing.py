@@ -1,8 +1,8 @@
 """Simple shear: quasistatic, at a rate, to and fro, or under a stress that stays.
 
 Quasistatic: tilt the box a little, relax, again. At a rate LAMMPS shears the box, and a drag holds
-the particles to the mean flow. An oscillation gives the storage and the loss modulus, creep the
-strain under a stress.
+the particles to the mean flow, or they have inertia and move by contacts alone. An oscillation
+gives the storage and the loss modulus, creep the strain under a stress.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ._checks import count, finite, number_or_nan, positive, whole
 from .errors import ParameterError
-from .lammps import images_of, place_images, run
+from .lammps import images_of, place_images, place_velocities, run
 from .laws import Droplet, Ring, Sector
 from .moduli import (
     following,
@@ -84,20 +84,27 @@ _OF_A_STEP, _OF_A_PIECE = 5e-4, 0.02
 
 
 def _flowing(sim: Simulation, settings: Mapping[str, Any]) -> Dynamics:
-    """Overdamped motion relative to the mean flow, in a flow of these settings.
+    """Overdamped motion relative to the mean flow, or one with inertia, by these settings.
 
     Raises:
-        ParameterError: a value is out of range, the drag is missing, a tolerance is given, or these
-            of a law without motion.
+        ParameterError: a value is out of range, the drag is missing, or given with inertia, a
+            tolerance is given, or these of a law without motion.
     """
     if not isinstance(sim.law, Ring | Sector | Droplet):
         raise ParameterError(
             f"a simulation of {sim.law!r} is sheared without a rate only: take Ring or Droplet"
         )
-    if settings.get("drag") is None:
-        raise ParameterError("a flow needs the drag of particles against it: give drag")
     if settings.get("tolerance") is not None:
         raise ParameterError("states of a flow are not relaxed: leave tolerance out")
+    if settings.get("inertia"):
+        for name in ("drag", "temperature"):
+            if settings[name] is not None:
+                raise ParameterError(
+                    f"a flow with inertia has contacts alone, and no {name}: leave it out"
+                )
+        return dynamics_of(sim, None, None, True, settings["timestep"])
+    if settings.get("drag") is None:
+        raise ParameterError("a flow needs the drag of particles against it: give drag")
     return dynamics_of(sim, settings["temperature"], settings["drag"], False, settings["timestep"])
 
 
@@ -107,9 +114,11 @@ _OF_FLOW = ("drag", "temperature", "timestep")
 def _flow_settings(sim: Any, given: Mapping[str, Any]) -> dict[str, Any]:
     """The settings of a flow as numbers of Python, with its seed."""
     values = {name: given[name] for name in _OF_FLOW}
-    _flowing(sim, values | {"tolerance": given.get("tolerance")})
+    inertia = {"inertia": True} if given.get("inertia") else {}
+    _flowing(sim, values | inertia | {"tolerance": given.get("tolerance")})
     return {
         **{name: None if value is None else float(value) for name, value in values.items()},
+        **inertia,
         "seed": drawn_seed(sim, given["seed"]),
     }
 
@@ -120,8 +129,8 @@ def refuse_without_flow(name: str, given: Mapping[str, Any]) -> None:
     Raises:
         ParameterError: some of it is given.
     """
-    for other in (*_OF_FLOW, "seed"):
-        if given[other] is not None:
+    for other in (*_OF_FLOW, "seed", "inertia"):
+        if given.get(other) not in (None, False):
             raise ParameterError(
                 f"{other} has no meaning without a {name}, where each state is relaxed: give a "
                 f"{name}, or leave it out"
@@ -179,15 +188,33 @@ def _noise(settings: Mapping[str, Any], start: Mapping[str, Any], done: int) -> 
     return seeds(settings["seed"], start["step"], *[done] * (done > 0))[1]
 
 
-def flow_command(xy: str, xz: str = "") -> str:
+def flow_command(xy: str, xz: str = "", remap: str = "x") -> str:
     """*fix deform*, which shears the box with the particles in it.
 
     Args:
         xy: how the tilt changes.
         xz: how the other tilt along x does, by the part yz/ly of that, in a box that leans along y:
             without it the flow would have a gradient along z too.
+        remap: `x` moves particles with the box, `v` changes velocities across its boundaries.
     """
-    return f"fix deformable_flow all deform 1 xy {xy} {xz and f'xz {xz} '}remap x"
+    return f"fix deformable_flow all deform 1 xy {xy} {xz and f'xz {xz} '}remap {remap}"
+
+
+def _flow_begins(sim: Any, rate: float) -> None:
+    """Give particles the mean velocity u = rate y along x, in place of the one that they have."""
+    state = sim.state()
+    velocities = state.velocities + _mean_flow(state, rate) - _mean_flow(state)
+    place_velocities(sim.lmp, velocities)
+
+
+def _mean_flow(state: Any, rate: float | None = None) -> NDArray[np.float64]:
+    """The part of the velocities that grows along y, or that of a rate; 0 in the middle."""
+    y = state.packing.positions[:, 1] - state.packing.positions[:, 1].mean()
+    if rate is None:
+        rate = float(y @ state.velocities[:, 0]) / max(float(y @ y), np.finfo(float).tiny)
+    flow = np.zeros_like(state.velocities)
+    flow[:, 0] = rate * y
+    return flow
 
 
 def leans(sim: Any) -> float:
@@ -197,6 +224,8 @@ def leans(sim: Any) -> float:
 
 def _piece(sim: Any, dynamics: Dynamics, duration: float, course: str, state: Any) -> Any:
     """The state after a flow with one time step, from the state before."""
+    if dynamics.inertia:  # collisions are those of velocities beside the flow
+        state = replace(state, velocities=state.velocities - _mean_flow(state))
     longest = dynamics.timestep or dynamics.default_step(state)
     steps = count("number of time steps to a state", math.ceil(duration / longest))
     dynamics.check(state, duration / steps)
@@ -205,10 +234,11 @@ def _piece(sim: Any, dynamics: Dynamics, duration: float, course: str, state: An
     run(sim.lmp, course)
     try:
         advance(sim, dynamics, steps, duration / steps)
+        # before the flow ends: it changes velocities of those that have left the box
+        return sim.state()
     finally:
         run(sim.lmp, "unfix deformable_flow")
         sim.shear_strain = (sim.shear_strain or 0.0) + _strain_since(sim, tilt)
-    return sim.state()
 
 
 def _strain_since(sim: Any, tilt: float) -> float:
@@ -246,9 +276,14 @@ def _sheared_states(
             yield sheared_state(sim, strain / steps, each, settings["tolerance"])
         return
     along, yz = math.copysign(rate, strain), leans(sim)
-    course = flow_command(f"erate {along!r}", f"vel {along * yz!r}" if yz else "")
-    of_noise, duration = _noise(settings, start, done), abs(strain) / rate / steps
     dynamics = _flowing(sim, settings)
+    course = flow_command(
+        f"erate {along!r}", f"vel {along * yz!r}" if yz else "", "v" if dynamics.inertia else "x"
+    )
+    of_noise, duration = _noise(settings, start, done), abs(strain) / rate / steps
+    if dynamics.inertia and not done:
+        _flow_begins(sim, along)
+        before = None
     yield from _flow(
         sim, dynamics, rate, duration, strains, lambda _: course, of_noise, done, before
     )

@@ -77,7 +77,7 @@ class Simulation(OneCall):
         packing: where particles start, e.g. from `bidisperse`; or a state, such as that of `jam`:
             see `reset`. Its law may be another one.
         law: `Ring`, `Sector`, `Droplet`, `SoftContact` or `DeformablePolygon`.
-        friction: of the contacts of rings, which then rub and damp, and turn the particles; these
+        friction: of the contacts of rings or droplets, which rub and damp, and turn particles; these
             get radii of their own. That of a state if not given; contacts of a packing slip freely
             then.
         minimizer: of relaxations, `lbfgs` (*min_style deformable/lbfgs*) or `fire`. L-BFGS needs
@@ -415,6 +415,7 @@ class Simulation(OneCall):
         rate: float | None = None,
         drag: float | None = None,
         temperature: float | None = None,
+        inertia: bool = False,
         timestep: float | None = None,
         tolerance: float | None = None,
         seed: int | None = None,
@@ -438,6 +439,11 @@ class Simulation(OneCall):
         as bubbles in Durian's model. LAMMPS' *fix deform* with *remap x* moves the box and the
         particles in it, *fix brownian* adds the rest. Velocities are 0 in all states.
 
+        With inertia particles move by the forces of their contacts alone, friction and films
+        included, and only the boundaries of the box shear them, by *remap v*. They begin with the
+        mean flow, in place of the mean gradient of their velocities. Velocities of states have the
+        flow in them.
+
         Args:
             strain: shear strain gamma of this call; negative shears in the other direction.
             steps: number of steps, of which each gives a state.
@@ -445,6 +451,7 @@ class Simulation(OneCall):
                 of flows is `Ring` or `Droplet`, and the next arguments belong to them.
             drag: force over velocity relative to the mean flow [1/time], as masses are 1.
             temperature: of the noise [energy]; without, there is none.
+            inertia: whether particles have inertia, and neither drag nor temperature.
             timestep: length of a time step [time]; if not given it follows from the contacts, as in
                 `run`, and is at most 5e-4/rate.
             tolerance: of each relaxation; by default that of `relax`.

@@ -219,7 +219,7 @@ def test_a_floor_that_turns_and_slides(tmp_path):
         "slides": "fix bed all deformable/wall plane 0 0 0 0 0 1 shear y 0.05",
     }
     x = np.array([[-1.5, 0, 0.97], [0.6, 0.3, 0.97], [2.2, 1.7, 0.97]])
-    for floor in floors.values():
+    for motion, floor in floors.items():
         errors = []
         for dt in (0.04, 0.01):
             weight = "\nfix weight all addforce 0 0 -0.05\nfix_modify weight energy yes"
@@ -231,6 +231,8 @@ def test_a_floor_that_turns_and_slides(tmp_path):
                 scene.run(f"run {int(2 / dt)} post no")
                 found.append(scene.balance() - before)
             errors.append(np.abs(found).max())
+        (x_, y_, _), (vx, vy, _) = scene.x.T, scene.v.T
+        assert ((x_ - 0.3) * vy - y_ * vx > 0).all() if motion == "turns" else (vy > 0).all()
         given = scene.lmp.extract_fix("bed", 0, 0)
         assert scene.terms["films"] > 1e-5
         assert abs(given) > 1e-3

@@ -99,6 +99,8 @@ def test_refusals(rest: ld.State) -> None:
             ({"rate": 1e-3, "drag": 1.0, "seed": 0}, "seed must lie between 1 and"),
             ({"rate": 1e-3, "drag": 1.0, "tolerance": 1e-6}, "leave tolerance out"),
             ({"drag": 1.0}, "drag has no meaning without a rate"),
+            ({"inertia": True}, "inertia has no meaning without a rate"),
+            ({"rate": 1e-3, "drag": 1.0, "inertia": True}, "and no drag: leave it out"),
         ):
             with refused(message):
                 sim.shear(0.1, **values)
@@ -123,3 +125,52 @@ def test_refused_simulations(rest: ld.State) -> None:
         pytest.raises(ld.ParameterError, match="walls are not sheared"),
     ):
         sim.shear(0.1, **flow)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_free_particles_of_a_flow_with_inertia(dimension: int) -> None:
+    """Those that do not touch keep their velocities, but for the boundaries that they cross."""
+    rng, rate, strain = np.random.default_rng(3), 0.05, 1.2
+    packing = ld.crystal("hex" if dimension == 2 else "sc", 3).at(0.05 / dimension)
+    law = ld.Ring() if dimension == 2 else ld.Droplet()
+    still = np.zeros(packing.positions.shape)
+    still[:, 1] = 0.8 * packing.radii.min() * rate * rng.normal(size=len(packing))
+    state = ld.Simulation(packing, law).state()
+    with ld.Simulation(ld.State(**{**vars(state), "velocities": still}), law) as sim:
+        states = sim.shear(strain, steps=3, rate=rate, inertia=True, timestep=0.01)
+    y = packing.positions[:, 1] - packing.positions[:, 1].mean()
+    height = packing.box[1, 1]
+    for found in states[1:]:
+        assert not found.n_contacts.any()
+        time = found.shear_strain / rate
+        assert found.time == pytest.approx(time)
+        there = packing.positions[:, 1] + still[:, 1] * time
+        crossed = np.round((found.packing.positions[:, 1] - there) / height)
+        np.testing.assert_allclose(
+            found.velocities[:, 0], rate * (y + crossed * height), rtol=0, atol=1e-9
+        )
+        np.testing.assert_array_equal(found.velocities[:, 1], still[:, 1])
+    assert crossed.any()
+
+
+def test_a_flow_with_inertia_balances() -> None:
+    """Its work is stored, moves particles beside the mean flow, or is lost by friction."""
+    rough = ld.Friction(0.4, kt=1.0, gt=0.2, damping=0.3, film=0.1, power=0.5)
+    for dimension, law in ((2, ld.Ring(kA=np.inf, kP=0.0, tension=1.0)), (3, ld.Droplet())):
+        packing = ld.bidisperse(24, phi=0.84 - 0.19 * (dimension - 2), seed=1, dimension=dimension)
+        rate, volume = 0.02, packing.volume
+        with ld.Simulation(packing.push_off(), law, friction=rough) as sim:
+            states = sim.shear(0.4, steps=80, rate=rate, inertia=True)[1:]
+        energy, power = [], []
+        for state in states:
+            y = state.packing.positions[:, 1] - packing.positions[:, 1].mean()
+            beside = state.velocities.copy()
+            beside[:, 0] -= rate * y
+            beside -= beside.mean(axis=0)
+            moving = 0.5 * np.sum(beside**2 - state.velocities**2) + state.kinetic_energy
+            energy.append(state.energy + moving + state.spring_energy + state.lost_energy)
+            stress = state.shear_stress - np.sum(beside[:, 0] * beside[:, 1]) / volume
+            power.append(rate * volume * stress)
+        work = np.trapezoid(power, [state.time for state in states])
+        assert states[-1].lost_energy - states[0].lost_energy > 0.3 * work
+        assert energy[-1] - energy[0] == pytest.approx(work, rel=0.02)

@@ -79,6 +79,10 @@ def test_states(tmp_path: Path) -> None:
     assert state.spring_energy == pytest.approx(0.5 * 0.15 * np.sum(table["spring"] ** 2))
     total = np.einsum("n,nab->ab", state.volumes, state.particle_stress) / state.packing.volume
     np.testing.assert_allclose(total, state.pressure_tensor, rtol=0, atol=1e-6 * state.pressure)
+    columns = state.to_pandas("contacts")
+    for name in ("friction", "spring", "film_vector", "tilt"):
+        found = columns[[f"{name}_{axis}" for axis in "xyz"]]
+        np.testing.assert_array_equal(found, table[name])
     energies = [s.energy + s.kinetic_energy + s.spring_energy + s.lost_energy for s in states]
     assert state.rubbing.lost[3] > 1e-5
     assert energies == pytest.approx([energies[0]] * len(energies), rel=1e-3)
