@@ -388,7 +388,7 @@ class Packing:
             cmap: name of one of matplotlib's color maps.
             vmin: value of the first color.
             vmax: value of the last color.
-            title: of the picture; phi if not given.
+            title: of the picture; none if not given.
             colorbar: draw a bar of the colors.
             label: of the bar; the name of the values if not given.
 
@@ -410,12 +410,11 @@ class Packing:
         on = scale or drawing.scale([values], [], color)
         if label is None:
             label = color if isinstance(color, str) else ""
-        title = f"$\\phi$ = {self.phi:.4f}" if title is None else title
         on = drawing.limited(on, vmin, vmax)
         named: dict[str, Any] = {"cmap": cmap, "colorbar": colorbar}
         if self.dimension == 3:
-            return plot3d.draw(self, values, label, title, on, ax, **named)
-        return drawing.draw(self, self.outlines, values, label, title, on, ax, **named)
+            return plot3d.draw(self, values, label, title or "", on, ax, **named)
+        return drawing.draw(self, self.outlines, values, label, title or "", on, ax, **named)
 
     def replace(self, **changes: Any) -> Packing:
         """The packing with other values of some attributes.

@@ -85,7 +85,7 @@ def test_states(tmp_path: Path) -> None:
 
 
 def test_rest_and_strain() -> None:
-    """Damped motion brings droplets to rest; a spring follows a strain by the way of its contact."""
+    """Damped motion brings droplets to rest; a spring follows a strain as its contact does."""
     smooth = ld.Friction(np.inf, kt=0.3)
     with begun(3, walls=False) as sim:
         packing, law = sim.state().packing, sim.law

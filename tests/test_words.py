@@ -1,0 +1,49 @@
+"""Pages say what they have to say in so many words, and without history."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+FOLDERS = ("", "docs", "docs/api", "docs/guide", "benchmarks", "validation/*", "examples/*")
+PAGES = sorted(path for folder in FOLDERS for path in ROOT.glob(f"{folder}/*.md".lstrip("/")))
+
+# Words of a page at most; of those without a number of their own, and of all together.
+BUDGETS = {
+    "README.md": 550,
+    "ARCHITECTURE.md": 2000,
+    "CHANGELOG.md": 1500,
+    "benchmarks/README.md": 4200,
+    "docs/theory.md": 10300,
+    "docs/pair_deformable_ring.md": 3000,
+    "docs/pair_deformable_droplet.md": 2900,
+    "docs/fix_deformable_wall.md": 3100,
+    "docs/fix_deformable_friction.md": 2400,
+    "validation/emulsion_3d/README.md": 2000,
+}
+USUAL, ALL = 1600, 80_000
+
+# How the code came to be is in the git log. What nobody has read is no source.
+BANNED = (
+    *("busy machine", "busy day", "quiet day", "quiet hour", "of then", "older code"),
+    *("older version", "cited from memory", "could read the abstract", "what it took"),
+    *("as right as", "is worth some", "the code of the day", "would take two months"),
+)
+
+
+def name(page: Path) -> str:
+    return page.relative_to(ROOT).as_posix()
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name)
+def test_a_page_keeps_its_budget(page: Path) -> None:
+    text = page.read_text()
+    assert len(text.split()) <= BUDGETS.get(name(page), USUAL)
+    plain = " ".join(re.sub(r"```.*?```", "", text, flags=re.DOTALL).lower().split())
+    assert [words for words in BANNED if words in plain] == []
+
+
+def test_all_pages_together() -> None:
+    assert sum(len(page.read_text().split()) for page in PAGES) <= ALL
+    assert set(BUDGETS) <= set(map(name, PAGES))
