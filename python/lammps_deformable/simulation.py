@@ -77,7 +77,7 @@ class Simulation(OneCall):
         packing: where particles start, e.g. from `bidisperse`; or a state, such as that of `jam`:
             see `reset`. Its law may be another one.
         law: `Ring`, `Sector`, `Droplet`, `SoftContact` or `DeformablePolygon`.
-        friction: of the contacts of rings or droplets, which rub and damp, and turn particles; these
+        friction: of the contacts of rings or droplets, which rub, damp and turn particles; these
             get radii of their own. That of a state if not given; contacts of a packing slip freely
             then.
         minimizer: of relaxations, `lbfgs` (*min_style deformable/lbfgs*) or `fire`. L-BFGS needs
