@@ -177,7 +177,7 @@ def go_on(sim: Simulation, motion: Motion) -> None:
     if rubbing is not None and lmp.has_id("fix", FRICTION):
         spins = rubbing.spins
         place(lmp, "omega", spins if spins.ndim == 2 else np.outer(spins, [0.0, 0.0, 1.0]))
-        run(lmp, spring_commands(rubbing))
+        run(lmp, spring_commands(sim.friction, rubbing))
     if motion.images is not None and motion.images.any():
         place_images(lmp, motion.images)
     sim.time, sim.shear_strain, sim.directions = motion.time, motion.strain, motion.directions

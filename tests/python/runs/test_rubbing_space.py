@@ -125,3 +125,18 @@ def test_it_lasts(tmp_path: Path) -> None:
         state = sim.state()
     assert state.rubbing.springs.shape[1] == 7
     assert state.rubbing.lost[3] == 0.0
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_another_friction(dimension: int) -> None:
+    """Springs go on where films come or go."""
+    with begun(dimension, walls=False) as sim:
+        state = sim.state()
+    dry = ld.Friction(0.5, kt=0.3)
+    with ld.Simulation(state, state.law, friction=dry) as sim:
+        found = sim.state()
+        assert not found.contacts["film_vector"].any()
+    np.testing.assert_allclose(found.contacts["spring"], state.contacts["spring"], atol=1e-12)
+    with ld.Simulation(found, state.law, friction=ROUGH) as sim:
+        again = sim.state()
+    np.testing.assert_allclose(again.contacts["spring"], state.contacts["spring"], atol=1e-12)
