@@ -44,9 +44,9 @@ Flags = NDArray[np.bool_]
 
 VOLUME = 4.0 * math.pi / 3.0
 
-# Nodes of the first mesh of a droplet, how often it is refined at the rims of facets, and how often
-# all edges are halved after that.
-NODES, GRADED, HALVED = 500, 2, 2
+# Nodes of the first mesh of a droplet, and how often it is refined at the rims of facets: of one
+# alone, and of each in a packing; then at small facets. After that all edges are halved twice.
+ALONE, PACKED, SMALL, HALVED = (1500, 2), (400, 1), 4, 2
 
 # What is left of an energy after the square falls with the third power of the edges at rims and the
 # fourth elsewhere: of what the last level changes, between 1/7 and 1/15.
@@ -66,6 +66,9 @@ _ITERATIONS, _LARGEST_STEP, _SMALLEST_STEP = 100, 0.3, 1e-7
 
 # Of films: what the last step gains, and the largest change of their numbers.
 _FILM_ITERATIONS, _LEAST_GAIN, _LARGEST_CHANGE = 30, 1e-8, 0.1
+
+# Facets with fewer nodes are small; films with fewer move, and do not turn or bend.
+_FEW, _FEW_TO_BEND = 20, 60
 
 # Numbers of a film: h, b1, b2, S11, S12, S22.
 _SIX = 6
@@ -109,7 +112,7 @@ def shape(normals: ArrayLike, indentations: ArrayLike) -> Shape:
     heights = 1.0 - np.asarray(indentations, dtype=float)
     i, none = np.zeros(len(heights), dtype=np.int64), np.full(len(heights), -1)
     films = _Films(i, none, np.asarray(normals, dtype=float), heights, 2.0 * heights)
-    found = _extrapolated(_solve(np.ones(1), films))
+    found = _extrapolated(_solve(np.ones(1), films, *ALONE))
     return Shape(
         float(found.energies[0]),
         float(found.pressures[0]),
@@ -188,7 +191,7 @@ def exact_packing(state: State) -> ExactPacking:
             tilt, bend = films.axes[k, 1:] @ row["tilt"], row["curvature"]
             films.numbers[k] = (at_a + distance[k] - at_b) / 2.0, *-tilt, -bend, 0.0, -bend
             films.awake[k] = True
-    levels = [_times(level, float(tensions[0])) for level in _solve(packing.radii, films)]
+    levels = [_times(level, float(tensions[0])) for level in _solve(packing.radii, films, *PACKED)]
     return ExactPacking(i, j, image, _extrapolated(levels), levels)
 
 
@@ -205,22 +208,27 @@ def _times(level: Level, tension: float) -> Level:
     return Level(energies, pressures, forces, level.nodes, level.seconds)
 
 
-def _solve(radii: Floats, films: _Films) -> list[Level]:
+def _solve(radii: Floats, films: _Films, nodes: int, graded: int) -> list[Level]:
     """The shapes on meshes whose edges are halved from one to the next."""
     began = time.process_time()
-    first = _Mesh.of(_spiral(NODES))
+    first = _Mesh.of(_spiral(nodes))
     drops = [_Drop(first, radius) for radius in radii]
     levels = []
-    for step in range(GRADED + HALVED + 1):
-        for drop in drops if step > 0 else ():
-            drop.refine(rims=step <= GRADED)
-        _relax(drops, films, free=step >= GRADED)
-        if step >= GRADED:
-            energies = np.array([drop.area - drop.mesh.sphere(drop.volume) for drop in drops])
-            pressures = np.array([drop.pressure for drop in drops])
-            nodes = sum(len(drop.rho) for drop in drops)
-            seconds = time.process_time() - began
-            levels.append(Level(energies, pressures, _forces(drops, films), nodes, seconds))
+    _relax(drops, films, free=False)
+    for step in range(graded + SMALL):
+        for drop in drops:
+            drop.refine(drop.at_rims() if step < graded else drop.at_small_facets())
+        _relax(drops, films, free=False)
+    for level in range(HALVED + 1):
+        for drop in drops if level > 0 else ():
+            drop.halve()
+        _relax(drops, films, free=True)
+        spheres = np.array([drop.mesh.sphere(drop.volume) for drop in drops])
+        energies = np.array([drop.area for drop in drops]) - spheres
+        flat = 2.0 / 3.0 * spheres / (VOLUME * radii**3)  # of a sphere, 2/R but for its mesh
+        pressures = np.array([drop.pressure for drop in drops]) - flat + 2.0 / radii
+        size, seconds = sum(len(drop.rho) for drop in drops), time.process_time() - began
+        levels.append(Level(energies, pressures, _forces(drops, films), size, seconds))
     return levels
 
 
@@ -372,13 +380,17 @@ def _step(drops: list[_Drop], films: _Films) -> float:
     """
     count = films.numbers.size
     push, matrix, places = np.zeros(count), _HOLD_FILM * np.eye(count), []
+    stiff = np.zeros((len(films.i), _SIX), dtype=bool)
     for k, drop in enumerate(drops):
         which, side = films.of(k)
         place, sign = (_SIX * which[:, None] + np.arange(_SIX)).ravel(), np.repeat(side, _SIX)
         push[place] += sign * drop.forces()
         matrix[np.ix_(place, place)] += sign[:, None] * drop.stiffness() * sign
         places.append((place, sign))
-    shifts = films.shifts()
+        stiff[which[drop.nodes_on_films() < _FEW_TO_BEND], 1:] = True
+    shifts, fixed = films.shifts(), stiff.ravel()
+    push[fixed], shifts[fixed], matrix[fixed], matrix[:, fixed] = 0.0, 0.0, 0.0, 0.0
+    matrix[fixed, fixed] = 1.0
     system = np.block([[matrix, shifts], [shifts.T, np.zeros((3, 3))]])
     change = np.linalg.solve(system, np.concatenate([push, np.zeros(3)]))[:count]
     gain = 0.5 * float(push @ change)
@@ -420,13 +432,34 @@ class _Drop:
         self.volume, self.pressure, self.area = VOLUME * radius**3, 2.0 / radius, 0.0
         self.held = np.zeros(len(mesh.u), dtype=bool)
 
-    def refine(self, rims: bool) -> None:
-        """Halve the edges at the rims of facets, or all."""
-        both = np.column_stack([self.rho, self.held])
-        if rims:
-            self.mesh, both = self.mesh.refined(_at_rims(self.mesh.triangles, self.held), both)
-        else:
-            self.mesh, both = self.mesh.halved(both)
+    def at_rims(self) -> Flags:
+        """Nodes of triangles at the rims of facets, and of their neighbors."""
+        held = self.held[self.mesh.triangles]
+        return self._around(np.asarray(held.any(axis=1) & ~held.all(axis=1)))
+
+    def at_small_facets(self) -> Flags:
+        """Nodes of small facets, and of their neighbors."""
+        few = self.nodes_on_films() < _FEW
+        chosen = np.zeros(len(self.rho), dtype=bool)
+        chosen[self._on[few[self._film]]] = True
+        chosen[(self.mesh.u @ self._axes[few, 0].T).argmax(axis=0)] = True
+        return self._around(np.asarray(chosen[self.mesh.triangles].any(axis=1)))
+
+    def _around(self, triangles: Flags) -> Flags:
+        near = np.zeros(len(self.rho), dtype=bool)
+        near[self.mesh.triangles[triangles]] = True
+        near[self.mesh.triangles[near[self.mesh.triangles].any(axis=1)]] = True
+        return near
+
+    def refine(self, near: Flags) -> None:
+        """Add nodes in the middle of edges between those that are `near`."""
+        if near.any():
+            self.mesh, both = self.mesh.refined(near, np.column_stack([self.rho, self.held]))
+            self.rho, self.held = both[:, 0], both[:, 1] == 1.0
+
+    def halve(self) -> None:
+        """Halve all edges."""
+        self.mesh, both = self.mesh.halved(np.column_stack([self.rho, self.held]))
         self.rho, self.held = both[:, 0], both[:, 1] == 1.0
 
     def reach(self, direction: Floats) -> float:
@@ -472,7 +505,7 @@ class _Drop:
         self.area, slope, _ = mesh.area(rho)
         self._growth = mesh.volume(rho)[1]
         self._solve, self._hessian = solve, hessian
-        self._on, self._film = np.flatnonzero(held), film[held]
+        self._on, self._film, self._axes = np.flatnonzero(held), film[held], axes
         self._push = (pressure * self._growth - slope)[held]
         first, self._second = _slopes(
             mesh.u[held], rho[held], axes[self._film], numbers[self._film]
@@ -485,6 +518,10 @@ class _Drop:
     def forces(self) -> Floats:
         """How it pushes its films, -dA/dq, shape (6 films,)."""
         return np.asarray(self._by_film[self._on].T @ self._push)
+
+    def nodes_on_films(self) -> Integers:
+        """How many of its nodes each film holds."""
+        return np.bincount(self._film, minlength=self._by_film.shape[1] // _SIX)
 
     def stiffness(self) -> Floats:
         """d2A/dq2 of its films, in which nodes follow."""
@@ -520,14 +557,6 @@ def _spiral(number: int) -> Floats:
     z = 1.0 - 2.0 * k / number
     angle, r = math.pi * (1.0 + math.sqrt(5.0)) * k, np.sqrt(1.0 - z * z)
     return np.column_stack([r * np.cos(angle), r * np.sin(angle), z])
-
-
-def _at_rims(triangles: Integers, held: Flags) -> Flags:
-    """Nodes of triangles at the rims of facets, and of their neighbors."""
-    near = np.zeros(len(held), dtype=bool)
-    near[triangles[held[triangles].any(axis=1) & ~held[triangles].all(axis=1)]] = True
-    near[triangles[near[triangles].any(axis=1)]] = True
-    return near
 
 
 class _Mesh:

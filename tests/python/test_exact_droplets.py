@@ -23,8 +23,9 @@ PACKINGS = {
 
 @pytest.fixture
 def coarse(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(exact_droplets, "NODES", 200)
-    monkeypatch.setattr(exact_droplets, "GRADED", 2)
+    monkeypatch.setattr(exact_droplets, "ALONE", (200, 1))
+    monkeypatch.setattr(exact_droplets, "PACKED", (200, 1))
+    monkeypatch.setattr(exact_droplets, "SMALL", 0)
 
 
 @pytest.mark.parametrize("name", ["plates_0.05", "mono_1_0.74_16"])
@@ -64,23 +65,23 @@ def errors(name: str, state: ld.State, exact: ExactPacking) -> tuple[float, floa
     return abs(energy), abs(pressure), float(np.abs(off).max() / known.mean())
 
 
-def test_a_crystal(coarse: None, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Has the pressure and the forces of one droplet between planes; its films are found again."""
-    monkeypatch.setattr(exact_droplets, "GRADED", 1)
+def test_a_crystal(coarse: None) -> None:
+    """Has the shapes of one droplet between planes, and a contact that is not told is found."""
     with ld.Simulation(ld.crystal("fcc", 1, phi=0.79), ld.Droplet(tension=2.0)) as sim:
         state = sim.relax()
-    table = state.contacts.copy()
-    table["tilt"] += 0.02 * np.cross(table["normal"], (1.0, 2.0, 3.0))
+    table = state.contacts
     first = (table["i"] + table["j"] == 1) & (np.abs(table["image"]).sum(axis=1) == 0)
     table = table[~first]
     start: Any = SimpleNamespace(packing=state.packing, law=state.law, contacts=table)
-    exact = exact_packing(start)
-    radius = state.packing.radii[0]
+    exact, radius = exact_packing(start), state.packing.radii[0]
     touch = exact.found.forces > 0.0
     assert touch.sum() == 24
-    assert osmotic(start, exact.found) * radius / 2.0 == pytest.approx(0.07106, rel=3e-3)
-    found = exact.found.forces[touch] / (2.0 * radius)
-    assert found == pytest.approx(8.0 * np.pi * 0.04595 / 12.0, rel=0.02)
+    around = state.contacts[state.contacts["i"] == 0]
+    single = shape(around["normal"], 1.0 - around["distance"] / (2.0 * radius))
+    np.testing.assert_allclose(exact.found.pressures * radius / 2.0, single.pressure, rtol=2e-4)
+    np.testing.assert_allclose(exact.found.energies / (2.0 * radius**2), single.energy, rtol=2e-2)
+    forces = exact.found.forces[touch] / (2.0 * radius)
+    np.testing.assert_allclose(forces, single.forces.mean(), rtol=2e-2)
 
 
 @pytest.mark.slow
@@ -150,3 +151,28 @@ def test_no_shape(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(exact_droplets, "_ITERATIONS", 1)
     with pytest.raises(ArithmeticError, match="no shape was found in 1 iterations"):
         shape([(0.0, 0.0, 1.0)], [0.1])
+
+
+def test_errors_in_space(coarse: None) -> None:
+    """Of droplets and soft spheres against exact shapes, in their units."""
+    start = ld.crystal("fcc", 1, phi=0.75)
+    compared = ld.compare(start, law=ld.Droplet(tension=2.0), strain=0.02, steps=1, workers=1)
+    methods = [row["method"] for row in compared.rows]
+    assert methods == ["sphere", "droplet", "elements", "elements", "elements", "reference"]
+    table = compared.table()
+    energy, area, seconds = (table[name] for name in ("energy_error", "area_error", "seconds"))
+    assert energy[0] < 1e-9  # all contacts are alike, and the stiffness is fitted
+    assert energy[1] < 0.01
+    assert area[1] < 0.01
+    assert energy[2] > energy[3] > energy[4] > 3.0 * compared.rows[-1]["limit_error"]
+    assert energy[-1] == 0.0
+    assert (np.diff(seconds[2:]) >= 0.0).all()
+    assert seconds[2] > seconds[1] > 0.0
+    pytest.importorskip("matplotlib")
+    assert "finite elements" in [text.get_text() for text in compared.plot().get_legend().texts]
+    for wrong, told in (
+        (ld.Ring(), "law must be of the kind Droplet"),
+        (ld.Droplet(tension=(1.0, 2.0)), "one tension"),
+    ):
+        with pytest.raises(ld.ParameterError, match=told):
+            ld.compare(start, law=wrong)

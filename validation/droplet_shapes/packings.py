@@ -38,8 +38,9 @@ class Case(NamedTuple):
 
 
 CASES = [
-    *(Case(ratio, phi) for ratio in (1.0, 1.4, 2.0) for phi in (0.70, 0.74, 0.78, 0.82, 0.85)),
-    Case(1.4, 0.74, 16, 0.1),
+    *(Case(ratio, phi) for phi in (0.70, 0.74, 0.78) for ratio in (1.0, 1.4, 2.0)),
+    Case(1.4, 0.74, strain=0.1),
+    *(Case(ratio, 0.85) for ratio in (1.0, 1.4, 2.0)),
 ]
 
 
