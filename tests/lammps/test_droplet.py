@@ -285,12 +285,6 @@ def test_coincident_droplets_are_refused(tmp_path):
         pair(0.0, tmp_path)
 
 
-def test_friction_is_refused(tmp_path):
-    scene = Droplets(CASE, tmp_path)
-    with pytest.raises(Exception, match="friction"):
-        scene.run("fix rub all deformable/friction 0.5 0.1 0\nrun 0")
-
-
 def test_the_imbalance_is_over_the_largest_force(tmp_path):
     """It does not depend on the unit of the tension: a correction is not enough in any."""
     imbalances = []
