@@ -128,10 +128,16 @@ def main() -> None:
     file = options.out / "packings.json"
     rows = json.loads(file.read_text())["rows"] if file.exists() else []
     for case in CASES:
-        if str(case) in options.cases and str(case) not in [row["case"] for row in rows]:
-            rows.append({"case": str(case), "number": case.number, **measure(relaxed(case))})
-            print(markdown(rows[-1:]).splitlines()[-1], f"{rows[-1]['seconds']:.0f} s", flush=True)
-            file.write_text(json.dumps({"rows": rows}, indent=1) + "\n")
+        if str(case) not in options.cases or str(case) in [row["case"] for row in rows]:
+            continue
+        try:
+            found = measure(relaxed(case))
+        except ArithmeticError as error:
+            print(f"{case}: {error}", flush=True)
+            continue
+        rows.append({"case": str(case), "number": case.number, **found})
+        print(markdown(rows[-1:]).splitlines()[-1], f"{rows[-1]['seconds']:.0f} s", flush=True)
+        file.write_text(json.dumps({"rows": rows}, indent=1) + "\n")
     print(markdown(rows))
 
 
