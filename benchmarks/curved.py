@@ -13,8 +13,9 @@ balanced ones, of a time step at constant energy and of compressions from jammin
 take turns in one process. `energy`: the standard deviation of the total energy of `curved` in runs
 at constant energy, over the kinetic part, against the time step, and its growth in four times the
 time: a drift would grow fourfold. `drift`: the trend of the total energy in a million steps of 16
-particles, the mean over eight or `--runs` runs and its error. `films`: processor
-time of a step of droplets that stick over that without adhesion.
+particles, the mean over eight or `--runs` runs and its error. `cooling`: the same of 36 particles
+at 0.88, where `curved` once cooled, over twelve runs. `films`: processor time of a step of
+droplets that stick over that without adhesion.
 """
 
 from __future__ import annotations
@@ -42,6 +43,7 @@ SKIN = 0.025
 RADII = np.array([0.5, 0.7])
 TIMESTEPS = (0.2, 0.1, 0.05)
 MOTIONS = {"slow": (1e-8, 0.1), "fast": (1e-5, 0.1), "fast, long steps": (1e-5, 0.4)}
+ADHESIONS = {0.84: (0.0, 0.05, 0.1), 0.9: (0.0, 0.05, 0.2)}
 FILM_MOTIONS = {"slow": (1e-6, 0.05), "fast": (1e-4, 0.05)}
 
 
@@ -127,7 +129,7 @@ def steps(repeats: int = 3) -> list[dict[str, Any]]:
         cell = sim.relax(1e-4).packing
     rows = []
     for times, (motion, (temperature, dt)) in itertools.product((1, 3), MOTIONS.items()):
-        packing, count = repeated(cell, times), 300 if times == 1 else 60
+        packing, count = cell.replicate(times, times), 300 if times == 1 else 60
         runs = [
             [step(packing, ld.Ring(contact=law), temperature, dt, 20.0, count) for law in LAWS]
             for _ in range(repeats)
@@ -144,31 +146,20 @@ def steps(repeats: int = 3) -> list[dict[str, Any]]:
     return rows
 
 
-def repeated(packing: ld.Packing, times: int) -> ld.Packing:
-    """The packing times x times side by side."""
-    shifts = np.array(list(itertools.product(range(times), repeat=2))) @ packing.box
-    positions = (packing.positions + shifts[:, None]).reshape(-1, 2)
-    species = np.tile(packing.species, len(shifts))
-    return ld.Packing(
-        positions, np.asarray(packing.radii)[species], times * packing.box, species=species
-    )
-
-
 def films(repeats: int = 3) -> list[dict[str, Any]]:
     """Droplets of tension 1, N = 1024, from the same packing, with and without adhesion."""
-    adhesions = (0.0, 0.05, 0.2)
 
     def droplets(w: float) -> ld.Ring:
         return ld.Ring(kA=np.inf, kP=0.0, tension=1.0, contact="curved", adhesion=w)
 
     rows = []
-    for phi, (motion, (temperature, dt)) in itertools.product((0.84, 0.9), FILM_MOTIONS.items()):
+    for phi, (motion, (temperature, dt)) in itertools.product(ADHESIONS, FILM_MOTIONS.items()):
         start = ld.jam(ld.bidisperse(1024, seed=1)).packing.at(phi)
         runs = [
-            [step(start, droplets(w), temperature, dt, 10.0, 200) for w in adhesions]
+            [step(start, droplets(w), temperature, dt, 10.0, 200) for w in ADHESIONS[phi]]
             for _ in range(repeats)
         ]
-        for n, w in enumerate(adhesions):
+        for n, w in enumerate(ADHESIONS[phi]):
             rows.append(
                 {
                     "phi": phi,
@@ -216,11 +207,16 @@ def energy() -> list[dict[str, Any]]:
     return rows
 
 
-def drift(runs: int = 8) -> list[dict[str, Any]]:
+def drift(
+    runs: int = 8,
+    number: int = 16,
+    fractions: tuple[float, ...] = (0.80, 0.88, 0.92),
+    laws: tuple[str, ...] = LAWS,
+) -> list[dict[str, Any]]:
     """Trends of the total energy over the kinetic one, of runs with other velocities."""
     rows, dt, samples, seeds = [], 0.1, 500, range(1, runs + 1)
-    for phi, contact in itertools.product((0.80, 0.88, 0.92), LAWS):
-        packing = ld.jam(ld.bidisperse(16, seed=1)).packing.at(phi)
+    for phi, contact in itertools.product(fractions, laws):
+        packing = ld.jam(ld.bidisperse(number, seed=1)).packing.at(phi)
         trends = []
         for seed in seeds:
             with ld.Simulation(packing, ld.Ring(contact=contact)) as sim:
@@ -235,6 +231,8 @@ def drift(runs: int = 8) -> list[dict[str, Any]]:
             {
                 "phi": phi,
                 "law": contact,
+                "N": number,
+                "runs": runs,
                 "steps": 1_000_000,
                 "drift": statistics.fmean(trends),
                 "standard_error": statistics.stdev(trends) / len(trends) ** 0.5,
@@ -244,12 +242,17 @@ def drift(runs: int = 8) -> list[dict[str, Any]]:
     return rows
 
 
+def cooling() -> list[dict[str, Any]]:
+    return drift(12, 36, (0.88,), ("curved",))
+
+
 PARTS = {
     "accuracy": accuracy,
     "mixtures": mixtures,
     "contacts": contacts,
     "energy": energy,
     "drift": drift,
+    "cooling": cooling,
     "steps": steps,
     "relaxations": relaxations,
     "films": films,

@@ -112,8 +112,8 @@ def test_a_broken_link_is_seen(tmp_path):
 
 @needs_mkdocs
 def test_pages_show_what_they_should(site):
-    theory = (site / "theory" / "index.html").read_text()
-    blocks = (ROOT / "docs" / "theory.md").read_text().count("```math")
+    theory = (site / "theory" / "laws" / "index.html").read_text()
+    blocks = (ROOT / "docs" / "theory" / "laws.md").read_text().count("```math")
     assert theory.count('<div class="arithmatex">') == blocks > 20
     assert (
         'id="error-against-run-time"' in (site / "validation" / "report" / "index.html").read_text()
@@ -258,7 +258,7 @@ def test_search_in_a_browser(page, address):
     """A word of the theory, an option of a style, and a name of Python lead to their pages."""
     page.goto(address)
     for word, place in (
-        ("Steiner point", "/theory/"),
+        ("Steiner point", "/theory/numerics/"),
         ("maxeval", "/pair_deformable_ring/"),
         ("push_off", "/api/packings/"),
         ("hopper", "/examples/hopper/"),

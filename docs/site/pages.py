@@ -21,6 +21,7 @@ PAGES = (
         "*.md",
         "docs/*.md",
         "docs/guide/*.md",
+        "docs/theory/*.md",
         "docs/api/*.md",
         "examples/*/README.md",
         "benchmarks/README.md",

@@ -37,6 +37,7 @@ from .cli_options import (
     Settings,
     check_same,
     command,
+    law_and_dimension,
     option,
     refuse_ranks,
     unset,
@@ -370,6 +371,7 @@ def report_command(
     given: dict[str, Any],
     number: Number = 16,
     seed: Seed = 1,
+    dimension: Annotated[int, Option(help="2, or 3 for droplets in space.")] = 2,
     strain: Annotated[float, Option(help="Linear strain of all steps together.")] = 0.02,
     steps: Annotated[int, Option(help="Number of steps.")] = 2,
     vertices: Annotated[
@@ -391,8 +393,9 @@ def report_command(
     A random packing of two sizes is jammed; one from a file is to be at the onset of jamming. Each
     method compresses it and relaxes on its own. Writes report.json, report.csv and, if matplotlib
     is installed, error_against_time.png. An interrupted report goes on when the command is
-    repeated. Errors are those against the finest polygons: more of them tell more. Seconds are
-    processor time.
+    repeated. Errors are those against the finest polygons: more of them tell more. In three
+    dimensions they are those of droplets against their exact shapes by finite elements, and of soft
+    spheres. Seconds are processor time.
     """
     refuse_ranks("report times one core")
     from .report import write_report
@@ -402,12 +405,20 @@ def report_command(
     counts = {"vertices": _counts("vertices", vertices), "beads": _counts("beads", beads)}
     if not counts["vertices"]:
         raise ParameterError("vertices must have a number at least")
-    settings = counts | {"strain": strain, "steps": steps}
+    law_and_dimension(None, dimension)
+    settings: dict[str, Any] = ({} if dimension == 3 else counts) | {
+        "strain": strain,
+        "steps": steps,
+    }
+    for name in counts if dimension == 3 else ():
+        if name in given:
+            raise ParameterError(f"{option(name)} is about polygons in the plane: leave it out")
     if material.from_file is None:
-        origin: dict[str, Any] = {"number": number, "seed": seed}
-        start = jam(bidisperse(number, seed=seed)).packing
+        origin: dict[str, Any] = {"number": number, "seed": seed, "dimension": dimension}
+        start = jam(bidisperse(number, seed=seed, dimension=dimension)).packing
     else:
-        origin, start = asdict(material), material.packing_in_file(2)
+        origin = asdict(material) | {"dimension": dimension}
+        start = material.packing_in_file(dimension)
     found = write_report(
         out, start, overwrite=overwrite, parameters=origin | settings, workers=workers, **settings
     )

@@ -1,7 +1,8 @@
-"""Contact laws against deformable polygons: errors, and error against run time.
+"""Contact laws against reference models: errors, and error against run time.
 
-Smooth polygons (docs/theory.md, "Smooth polygons") come to rest where smooth particles do. Bead
-polygons have friction: they interlock, and their energy depends on the way.
+In space these are exact shapes of droplets, in the plane deformable polygons. Smooth polygons
+(docs/theory.md, "Smooth polygons") come to rest where smooth particles do. Bead polygons have
+friction: they interlock, and their energy depends on the way.
 """
 
 from __future__ import annotations
@@ -9,7 +10,7 @@ from __future__ import annotations
 import math
 import time
 import warnings
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import pairwise
@@ -25,8 +26,10 @@ from ._checks import count, expect, shown
 from ._files import make_folder
 from .box import cartesian, fractional
 from .core import angles, norm, unit_vectors
+from .error_plot import plot_errors
 from .errors import ParameterError
-from .laws import Law, Ring, Sector, SoftContact, per_species, refuse_adhesion
+from .exact_droplets import ExactPacking, exact_packing, osmotic
+from .laws import Droplet, Law, Ring, Sector, SoftContact, per_species, refuse_adhesion
 from .packing import Packing
 from .parallel import parallel_map
 from .polygons import DeformablePolygon, Polygons
@@ -36,13 +39,6 @@ from .versions import optional
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-_QUANTITIES = {
-    "energy_error": "error of the energy",
-    "pressure_error": "error of the pressure",
-    "area_error": "error of the area deficits (rms)",
-    "shape_error": "error of the outline over the radius",
-}
 
 T = TypeVar("T")
 Row = dict[str, Any]
@@ -90,19 +86,23 @@ class Comparison:
 
     Attributes:
         rows: of each method, in the order of measuring: `disk` for soft disks, names of laws,
-            `smooth` and `bead` for polygons, and `reference`. Keys:
+            `smooth` and `bead` for polygons, and `reference`. In space `sphere` for soft spheres,
+            `droplet`, `elements` for finite elements on meshes of one size, and `reference`, what
+            is extrapolated from them. Keys:
 
-            method, vertices: its name, and N_v of the smallest polygons, else None.
+            method, vertices: its name, and N_v of the smallest polygons, or nodes for each droplet,
+                else None.
             strain: linear, beyond the start; None at given centers.
             energy_ratio, pressure_ratio: over those of the reference, energies over those of
                 polygons of very many vertices if there are two kinds of smooth polygons.
             energy_error, pressure_error: distance of these ratios from 1.
-            area_error: rms difference of the area deficits over their rms; 1 for disks.
+            area_error: rms difference of the area deficits over their rms; 1 for disks. In space of
+                what surfaces have gained; of soft spheres their energies.
             shape_error: mean distance of the outlines over the radius.
             seconds: processor time of all steps.
             residual: largest of the forces that are left over the mean contact force.
             limit_error: of the reference, how far the limit of very many vertices changes if it is
-                taken from coarser polygons.
+                taken from coarser polygons; in space what the extrapolation is uncertain by.
 
             A value that is not known is None: the stiffness of disks is free, and a packing may be
             loose.
@@ -162,7 +162,7 @@ class Comparison:
 def compare(
     start: Packing | State | Sequence[State],
     *,
-    law: Law | None = None,
+    law: Law | Droplet | None = None,
     polygon: DeformablePolygon | None = None,
     vertices: Iterable[int] = (38, 57, 76),
     beads: Iterable[int] = (),
@@ -174,19 +174,24 @@ def compare(
     """Measure errors of contact laws and of polygons against their processor times.
 
     Each method compresses the same packing in the same steps and relaxes on its own. Errors are
-    those against the finest smooth polygons, at the last strain.
+    those against the finest smooth polygons, at the last strain. In space they are those of
+    droplets against their exact shapes by finite elements, which begin where the law is at rest;
+    soft spheres have the stiffness with which their energies come nearest to the exact ones. That
+    takes some seconds of each droplet and step.
 
     Args:
         start: a packing at the onset of jamming, or a state there: circles must not overlap, as
             polygons begin as circles. Of a run that is an isotropic compression the first state,
             with its strain and steps. Of a state of polygons the laws are evaluated at its centers
             at once, and have no times.
-        law: only this one, a `Ring` or `Sector`; all laws if not given.
+        law: only this one, a `Ring` or `Sector`; all laws if not given. In space a `Droplet` of one
+            tension.
         polygon: the stiffness of the polygons at its number of vertices; others have the same kP.
             By default that of the law, or of the state's law; kP = 10 kA R^2 stands for an
             infinite one, also in the laws. Of a packing alone kA = 1 and kP = 6.
         vertices: N_v of the smallest smooth polygons; the most are the reference. Multiples of 19
-            give radii of 0.5 and 0.7 the same kP at each number.
+            give radii of 0.5 and 0.7 the same kP at each number. No arguments about polygons
+            matter in space.
         beads: N_v of bead polygons.
         strain: total linear strain of the compression.
         steps: number of steps.
@@ -198,24 +203,30 @@ def compare(
         ParameterError: circles overlap; a run is no isotropic compression; or particles stick, or
             have a tension: polygons have none.
     """
+    given: Any = law
     if isinstance(start, State) and isinstance(start.law, DeformablePolygon):
-        return _at_centers(start, law)
+        return _at_centers(start, given)
     first, strain, steps = _begin(start, strain, steps)
     if not 0.0 < strain < 1.0:
         raise ParameterError(f"strain must lie between 0 and 1, not {strain}")
     packing = first if isinstance(first, Packing) else first.packing
     expect("packing", packing, Packing)
-    own = None if isinstance(first, Packing) or isinstance(first.law, SoftContact) else first.law
-    for each in (law, own):
+    own: Any = first.law if isinstance(first, State) else None
+    own = None if isinstance(own, SoftContact) else own
+    if packing.dimension == 3:
+        droplets = given or own or Droplet()
+        expect("law", droplets, Droplet)
+        return _in_space(packing, droplets, strain, steps, workers, keep)
+    for each in (given, own):
         if each is not None:
             _refuse_law(each)
-    stiffness = law or own
+    stiffness = given or own
     model = partial(_polygons, packing, polygon, None if polygon else stiffness)
     *coarse, finest = sorted({count("vertices", each) for each in vertices})
     rivals = [model(each) for each in coarse]
     rivals += [model(count("beads", each), smooth=False) for each in beads]
     reference = model(finest)
-    laws = None if law is None else {law.name: _matched(law, reference, packing)}
+    laws = None if given is None else {given.name: _matched(given, reference, packing)}
     rows = compression_rows(
         packing, reference, strain, steps, rivals, laws=laws, workers=workers, keep=keep
     )
@@ -303,6 +314,96 @@ def _matched(law: Law, model: DeformablePolygon, packing: Packing) -> Law:
     return replace(law, kP=polygons.kP.tolist(), skin=polygons.skin.tolist())
 
 
+def _in_space(
+    start: Packing,
+    law: Droplet,
+    strain: float,
+    steps: int,
+    workers: int | None,
+    keep: str | Path | None,
+) -> Comparison:
+    """Droplets and soft spheres against exact shapes."""
+    if start.walls or len(set(np.atleast_1d(law.tension).tolist())) > 1:
+        raise ParameterError(
+            "droplets must have one tension, and no walls, to be compared in space"
+        )
+    calls: list[tuple[Callable[..., Any], Any]]
+    calls = [(_path, law), (_path, SoftContact()), (exact_path, law)]
+    droplets, spheres, exact = parallel_map(
+        lambda call: _kept(call[0], keep)(start, call[1], strain, steps), calls, workers=workers
+    )
+    soft = [_stored(state) for state, _ in spheres]
+    known = [shapes.found.energies for _, shapes, _ in exact]
+    k = math.fsum(map(np.dot, soft, known)) / math.fsum(map(np.dot, soft, soft))
+    rows: list[Row] = []
+    for n, (state, shapes, seconds) in enumerate(exact):
+        (own, own_seconds), (sphere, soft_seconds) = droplets[n], spheres[n]
+        methods = [
+            ("sphere", None, k * soft[n], k * sphere.pressure, sphere.residual, soft_seconds),
+            ("droplet", None, _stored(own), own.pressure, own.residual, own_seconds),
+        ]
+        for level in [*shapes.levels, shapes.found]:
+            nodes, took = level.nodes // len(start), seconds + level.seconds
+            found = level.energies, osmotic(state, level), None, took
+            methods.append(("elements", nodes, *found))
+        methods[-1] = "reference", *methods[-1][1:]
+        for method, vertices, energies, pressure, residual, took in methods:
+            rows.append(
+                {
+                    "method": method,
+                    "vertices": vertices,
+                    "n": len(start),
+                    "strain": strain * (n + 1) / steps,
+                    "energy_ratio": _over(float(energies.sum()), float(known[n].sum())),
+                    "pressure_ratio": _over(pressure, osmotic(state, shapes.found)),
+                    "S_rms": _over(norm(energies - known[n]), norm(known[n])),
+                    "I": None,
+                    "law_residual": residual,
+                    "seconds": took,
+                }
+            )
+        rows[-1]["limit_error"] = shapes.found.energy_error / float(known[n].sum())
+    each = len(rows) // steps
+    last = [
+        _with_errors(
+            rows[k] | {"seconds": math.fsum(row["seconds"] for row in rows[k % each :: each])}
+        )
+        for k in range(len(rows) - each, len(rows))
+    ]
+    last[-1]["limit_error"] = rows[-1]["limit_error"]
+    return Comparison(last, rows)
+
+
+def exact_path(
+    start: Packing, law: Droplet, strain: float, steps: int
+) -> list[tuple[State, ExactPacking, float]]:
+    """As `law_path`, with the exact shapes of each state; the seconds are those of the law."""
+    found = law_path(start, law, strain, steps)
+    return [(state, exact_packing(state), seconds) for state, seconds in found]
+
+
+def _stored(state: State) -> NDArray[np.float64]:
+    """Energy of each droplet, or of each soft sphere, which has half of that of its contacts."""
+    if isinstance(state.law, Droplet):
+        surface = state.results["surface_areas"] - 4.0 * np.pi * state.packing.radii**2
+        return np.asarray(surface * np.max(state.law.tension))
+    contacts = state.contacts
+    energies = 0.25 * contacts["force"] ** 2 / state.law.k
+    return np.asarray(np.bincount(contacts["i"], energies, len(state.packing)), float)
+
+
+def _kept(function: Callable[..., T], keep: str | Path | None) -> Callable[..., T]:
+    """A function whose results are kept in a folder, if one is given."""
+    if keep is None:
+        return function
+    from joblib import Memory
+
+    found: Callable[..., T] = Memory(str(make_folder(keep) / core.version), verbose=0).cache(
+        function
+    )
+    return found
+
+
 def _at_centers(exact: State, law: Law | None) -> Comparison:
     """The laws at the centers of polygons, not relaxed."""
     if law is not None:
@@ -368,11 +469,7 @@ def compression_rows(
     calls: list[tuple[Any, ...]] = [(start, model, strain, steps)]
     calls += [(other, rival, strain, steps) for other, rival in zip(others, rivals, strict=True)]
     calls += [(start, laws[name], strain, steps) for name in own]
-    follow = _path
-    if keep is not None:
-        from joblib import Memory
-
-        follow = Memory(str(make_folder(keep) / core.version), verbose=0).cache(_path)
+    follow = _kept(_path, keep)
     found = parallel_map(lambda call: follow(*call), calls, workers=workers)
     reference, *found = found
     paths = dict(zip(own, found[len(rivals) :], strict=True))
@@ -486,7 +583,7 @@ def polygon_path(start: Packing, model: DeformablePolygon, strain: float, steps:
         return timed(polygons, strain, steps)
 
 
-def law_path(start: Packing, law: Law, strain: float, steps: int) -> Steps:
+def law_path(start: Packing, law: Law | Droplet | SoftContact, strain: float, steps: int) -> Steps:
     """As `polygon_path`, for the particles of a law."""
     with Simulation(start, law, comm=MPI.COMM_SELF) as sim, warnings.catch_warnings():
         warnings.simplefilter("ignore")  # the rows have the residuals
@@ -723,77 +820,3 @@ def deviation(beads: ArrayLike, outline: ArrayLike) -> NDArray[np.float64]:
 def shape_error(beads: ArrayLike, outline: ArrayLike, radius: float) -> float:
     """I = 1/(R N_v) sum | |v| - g(theta) |, arguments as for `deviation`, R the radius."""
     return float(np.mean(np.abs(deviation(beads, outline))) / radius)
-
-
-# One color, marker and line for each contact law in all figures, in the order of the legends.
-
-
-@dataclass(frozen=True)
-class Style:
-    """Color, marker and line of one law; laws differ in each of the three."""
-
-    color: str
-    marker: str
-    line: Any  # a line style of Matplotlib
-
-
-# Colors that differ for color-blind readers and in gray.
-BEAD = Style("#c22026", "o", "-")
-SMOOTH = Style("#6a3d9a", "v", "-")
-STYLES = {
-    "disk": Style("0.55", "o", (0, (1, 3))),
-    "sector": Style("black", "s", "-"),
-    "radical, kP inf": Style("#0072b2", "D", "--"),
-    "radical": Style("#009e73", "^", (0, (1, 1))),
-    "balanced": Style("#e69f00", "*", "-."),
-    "curved": Style("#56b4e9", "X", (0, (5, 1))),
-    "balanced, kP inf": Style("#cc79a7", "P", (0, (4, 1, 1, 1, 1, 1))),
-}
-# Between walls there is no choice of contact lines: one style for the ring law.
-STYLES["ring, kP inf"] = STYLES["radical, kP inf"]
-STYLES["ring"] = STYLES["radical"]
-
-# Polygons by kind.
-POLYGONS = {"smooth": SMOOTH, "bead": BEAD}
-POLYGON_NAMES = {"smooth": "smooth polygons", "bead": "bead polygons"}
-
-
-def plot_errors(rows: Sequence[Row], ax: Axes, quantity: str) -> None:
-    """Draw errors against processor time, see `Comparison.plot`."""
-    if quantity not in _QUANTITIES:
-        raise ParameterError(f"quantity must be one of {', '.join(_QUANTITIES)}, not {quantity}")
-    known = [row for row in rows if row[quantity] and row["seconds"] is not None]
-    if not known:
-        raise ParameterError("no method has a time and this error: laws at given centers have none")
-    kinds = ["smooth" if row["method"] == "reference" else row["method"] for row in known]
-    for kind, style in POLYGONS.items():
-        line = [row for row, its in zip(known, kinds, strict=True) if its == kind]
-        x, y = [row["seconds"] for row in line], [row[quantity] for row in line]
-        ax.loglog(x, y, style.marker, color=style.color, linestyle="-", label=POLYGON_NAMES[kind])
-        side = -1 if kind == "smooth" else 1
-        for row in line:
-            ax.annotate(
-                f"{row['vertices']}",
-                (row["seconds"], row[quantity]),
-                textcoords="offset points",
-                xytext=(5 * side, 4 * side),
-                ha="right" if kind == "smooth" else "left",
-                va="top" if kind == "smooth" else "bottom",
-                color=style.color,
-                fontsize=8,
-            )
-    for row, kind in zip(known, kinds, strict=True):
-        if kind not in POLYGONS:
-            style = STYLES[kind]
-            ax.loglog(
-                row["seconds"],
-                row[quantity],
-                style.marker,
-                color=style.color,
-                markersize=11 if style.marker == "*" else 7,
-                linestyle="none",
-                label=kind,
-            )
-    ax.set(xlabel="processor time [s]", ylabel=_QUANTITIES[quantity])
-    ax.margins(0.12)
-    ax.grid(which="major", alpha=0.3)

@@ -77,7 +77,7 @@ class Simulation(OneCall):
         packing: where particles start, e.g. from `bidisperse`; or a state, such as that of `jam`:
             see `reset`. Its law may be another one.
         law: `Ring`, `Sector`, `Droplet`, `SoftContact` or `DeformablePolygon`.
-        friction: of the contacts of rings or droplets, which rub, damp and turn particles; these
+        friction: of the contacts of rings or droplets, which rub and damp and turn them; particles
             get radii of their own. That of a state if not given; contacts of a packing slip freely
             then.
         minimizer: of relaxations, `lbfgs` (*min_style deformable/lbfgs*) or `fire`. L-BFGS needs
@@ -608,7 +608,7 @@ class Simulation(OneCall):
         with the pressures p_i, and that of the gas in the liquid p, which keeps the sum of all
         volumes. Films alone let radii grow as t^(1/2), the liquid alone as t^(1/3). The foam is at
         rest all the time. In a step no volume changes by more than 5 % of the mean. A bubble below
-        2 % of the mean, or of its largest neighbor, vanishes; the `labels` of a state tell which
+        4 % of the mean, or of its largest neighbor, vanishes; the `labels` of a state tell which
         ones are left, and `Run.events` when the others vanished. Bubbles that lie loosely between
         others shrink by the border alone. Walls let no gas pass. Sizes become very unequal: take a
         reach of 2. Exact films are those of

@@ -252,7 +252,7 @@ struct ForceKernels {
   void (*settle)(PairArrays, LineArrays, int begin, int end);
   void (*turn_lines)(LineArrays, int begin, int end);
 
-  // The next angles of films, the bends that they need, and their largest imbalance. Films take their angles; both
+  // The next angles of films, and their largest imbalance. Films take their angles; both
   // sides of a pair get their terms.
   double (*find_films)(FilmArrays, int begin, int end);
   void (*take_films)(FilmArrays, int begin, int end);

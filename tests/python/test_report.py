@@ -43,6 +43,11 @@ def test_files_of_a_report(tmp_path: Path) -> None:
     for wrong, told in (
         (("--from", "a.xyz", "--seed", 2), "--seed is about a random one: leave it out"),
         (("--vertices", "many"), "vertices must be whole numbers such as 38,57, not many"),
+        (("--dimension", 4), "--dimension must be 2 or 3, not 4"),
+        (
+            ("--dimension", 3, "--beads", "19"),
+            "--beads is about polygons in the plane: leave it out",
+        ),
         (("--from-frame", 1), "--from-frame is about the file of a packing: give --from too"),
     ):
         done = command("report", *wrong, "--out", "other", cwd=tmp_path)

@@ -15,8 +15,7 @@ from typing import Any
 
 import lammps_deformable as ld
 import numpy as np
-
-from . import VOLUME, shape
+from lammps_deformable.exact_droplets import VOLUME, shape
 
 HERE = Path(__file__).parent
 PHI = {

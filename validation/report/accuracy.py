@@ -9,17 +9,12 @@ from typing import Any
 
 import numpy as np
 from lammps_deformable.comparison import (
-    POLYGON_NAMES,
-    POLYGONS,
-    SMOOTH,
-    STYLES,
-    Style,
     compare,
     compression_rows,
     of_many_vertices,
-    plot_errors,
     standard_polygons,
 )
+from lammps_deformable.error_plot import POLYGON_NAMES, POLYGONS, SMOOTH, STYLES, Style, plot_errors
 from lammps_deformable.generators import bidisperse
 from lammps_deformable.jamming import jam
 from lammps_deformable.polygons import DeformablePolygon

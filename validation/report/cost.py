@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from lammps_deformable.box import cartesian, fractional
 from lammps_deformable.commands import pair_style
-from lammps_deformable.comparison import STYLES
+from lammps_deformable.error_plot import STYLES
 from lammps_deformable.generators import bidisperse
 from lammps_deformable.jamming import jam
 from lammps_deformable.lammps import run

@@ -16,8 +16,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from lammps_deformable import core
 from lammps_deformable.comparison import (
-    BEAD,
-    STYLES,
     deviation,
     is_unjammed,
     matching_laws,
@@ -28,6 +26,7 @@ from lammps_deformable.comparison import (
     stiff_polygons,
     timed,
 )
+from lammps_deformable.error_plot import BEAD, STYLES
 from lammps_deformable.generators import bidisperse
 from lammps_deformable.jamming import jam
 from lammps_deformable.lammps import run

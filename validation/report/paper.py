@@ -17,7 +17,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from lammps_deformable import core
 from lammps_deformable._checks import expect, numbers, positive
-from lammps_deformable.comparison import BEAD, STYLES, deviation, shape_error
+from lammps_deformable.comparison import deviation, shape_error
+from lammps_deformable.error_plot import BEAD, STYLES
 from lammps_deformable.errors import ParameterError
 from lammps_deformable.laws import Ring
 from lammps_deformable.packing import Packing

@@ -7,15 +7,8 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from lammps_deformable.comparison import (
-    POLYGON_NAMES,
-    POLYGONS,
-    SMOOTH,
-    matching_laws,
-    polygon_path,
-    predict,
-    timed,
-)
+from lammps_deformable.comparison import matching_laws, polygon_path, predict, timed
+from lammps_deformable.error_plot import POLYGON_NAMES, POLYGONS, SMOOTH
 from lammps_deformable.errors import ParameterError
 from lammps_deformable.generators import bidisperse
 from lammps_deformable.jamming import jam
