@@ -29,6 +29,12 @@ struct ContactVector {
   double normal;
 };
 
+// Of a vector along a contact: exact in the plane.
+inline double size_along(const Vector3 &v)
+{
+  return v.x == 0.0 && v.y == 0.0 ? std::fabs(v.z) : length(v);
+}
+
 inline ContactVector at_contact(const Vector3 &n, const Vector3 &v)
 {
   return {cross(n, v), dot(n, v)};
@@ -80,7 +86,7 @@ struct Rub {
 inline Rub rub(const Friction &c, const Vector3 &xi, const Vector3 &way, double dt, double normal)
 {
   const Vector3 force = c.kt * (xi + way) + c.gt * way / dt;
-  const double most = most_friction(c.mu, normal), size = std::hypot(force.x, force.y, force.z);
+  const double most = most_friction(c.mu, normal), size = size_along(force);
   if (size <= most) return {xi + way, force, false};
   const Vector3 held = most * (force / size);
   const double stiff = c.gt + c.kt * dt;

@@ -305,7 +305,7 @@ static RememberedContact *find_contact(std::vector<RememberedContact> &contacts,
   return found;
 }
 
-// What is remembered turns with the contact. In the plane it stays.
+// What is remembered turns with the contact.
 static void turn(RememberedContact &m, const Vector3 &n)
 {
   for (Vector3 *const v : {&m.xi, &m.force, &m.film.along}) *v = turned(*v, m.place.n, n);
@@ -336,70 +336,71 @@ void FixDeformableFriction::rub(const LoadedContact &contact)
     remember(i, {partner, c.kt, place, {}, {}, {}, 0.0, 0.0, 0.0});
     remembered = &contacts.back();
   }
-  RememberedContact m = *remembered;
+  RememberedContact &m = *remembered;
   if (own_image && dot(m.place.n, place.n) < 0.0) m.place = m.place.from_partner();
   const Velocity w = velocity(sides);
   const Speeds now = speeds(sides, w, place, 0.0);
   const double most = deformable::most_friction(c.mu, contact.force);
-  Rub rubbed = {m.xi, {}, false};
-  RememberedContact next = {partner, c.kt, place, {}, {}, {}, 0.0, contact.one_side ? 1.0 : 0.0,
-                            1.0};
+  Acting next = {{m.xi, {}, false}, 0.0, {}};
   if (dt > 0.0) {
     Speeds before = is_new ? now : speeds(sides, w, m.place, dt);
-    for (Vector3 *const v : {&before.v.along, &before.wall.along})
-      *v = turned(*v, m.place.n, place.n);
-    turn(m, place.n);
+    if (!in_plane) {    // in the plane n x v stays
+      before.v.along = turned(before.v.along, m.place.n, place.n);
+      before.wall.along = turned(before.wall.along, m.place.n, place.n);
+      turn(m, place.n);
+    }
     const ContactVector way = 0.5 * dt * (before.v + now.v);
-    rubbed = deformable::rub(c, m.xi, way.along, dt, contact.force);
+    next.rub = deformable::rub(c, m.xi, way.along, dt, contact.force);
     next.damping = deformable::damping(c.gn, way.normal, dt, contact.force);
-    next.film = film_force(c, contact.size, {way.along / dt, way.normal / dt});
-    next.xi = rubbed.xi;
-    next.force = rubbed.force;
+    if (c.film > 0.0) next.film = film_force(c, contact.size, (1.0 / dt) * way);
     lose(sides, m, next, 0.5 * (m.kt + c.kt), before, now);
   } else {
-    turn(m, place.n);
-    next.xi = m.xi;
-    next.force = is_new ? c.gt * now.v.along : m.force;
-    const double size = std::hypot(next.force.x, next.force.y, next.force.z);
-    if (size > most) next.force = most * (next.force / size);
+    if (!in_plane) turn(m, place.n);
+    Vector3 force = is_new ? c.gt * now.v.along : m.force;
+    const double size = deformable::size_along(force);
+    if (size > most) force = most * (force / size);
+    next.rub = {m.xi, force, size >= (1.0 - BALANCED) * most};
     next.damping = std::min(is_new ? c.gn * now.v.normal : m.damping, std::max(contact.force, 0.0));
-    next.film = is_new ? film_force(c, contact.size, now.v) : m.film;
-    rubbed.slides = size >= (1.0 - BALANCED) * most;
+    next.film = m.film;
+    if (is_new && c.film > 0.0) next.film = film_force(c, contact.size, now.v);
   }
-  *remembered = next;
-  push(sides, place, next.film + ContactVector{next.force, next.damping});
+  m = {partner,
+       c.kt,
+       place,
+       next.rub.xi,
+       next.rub.force,
+       next.film,
+       next.damping,
+       contact.one_side ? 1.0 : 0.0,
+       1.0};
+  push(sides, place, next.film + ContactVector{next.rub.force, next.damping});
   output[CONTACTS] += part;
-  if (rubbed.slides) output[SLIDES] += part;
-  list_row(i, sides, next, contact.force, rubbed.slides);
+  if (next.rub.slides) output[SLIDES] += part;
+  list_row(i, sides, place, next, contact.force);
 }
 
 /* ----------------------------------------------------------------------
    What array_local says of a contact; see the manual.
 ------------------------------------------------------------------------- */
 
-void FixDeformableFriction::list_row(int i, const Sides &sides, const RememberedContact &m,
-                                     double force, bool slides)
+void FixDeformableFriction::list_row(int i, const Sides &sides, const ContactPlace &place,
+                                     const Acting &a, double force)
 {
-  const Vector3 &n = m.place.n, x = vector(atom->x[sides.particle]) + m.place.b;
-  const auto add = [this](const Vector3 &v) { values.insert(values.end(), {v.x, v.y, v.z}); };
-  const auto add_along = [&](const Vector3 &v) {
-    in_plane ? values.push_back(v.z) : add(cross(v, n));
-  };
+  const Vector3 &n = place.n, x = vector(atom->x[sides.particle]) + place.b;
+  const double id = static_cast<double>(atom->tag[i]), slide = a.rub.slides ? 1.0 : 0.0;
   const bool is_wall = sides.partner < 0;
-  values.insert(values.end(), {static_cast<double>(atom->tag[i]), is_wall ? 0.0 : m.partner});
+  const double partner = is_wall ? 0.0 : static_cast<double>(atom->tag[sides.partner]);
+  const double wall = is_wall ? pairs.front()->wall_key(sides.partner) : 0.0;
   if (in_plane) {
-    values.insert(values.end(), {x.x, x.y, deformable::angle_of(n.x, n.y)});
-  } else {
-    add(x);
-    add(n);
+    values.insert(values.end(),
+                  {id, partner, x.x, x.y, deformable::angle_of(n.x, n.y), force, a.rub.force.z,
+                   a.damping, a.rub.xi.z, slide, wall, a.film.along.z, a.film.normal});
+    return;
   }
-  values.push_back(force);
-  add_along(m.force);
-  values.push_back(m.damping);
-  add_along(m.xi);
-  values.insert(values.end(), {slides ? 1.0 : 0.0, is_wall ? m.partner : 0.0});
-  add_along(m.film.along);
-  values.push_back(m.film.normal);
+  const Vector3 f = cross(a.rub.force, n), xi = cross(a.rub.xi, n), film = cross(a.film.along, n);
+  values.insert(values.end(), {id,    partner, x.x,    x.y,    x.z,       n.x,          n.y,  n.z,
+                               force, f.x,     f.y,    f.z,    a.damping, xi.x,         xi.y, xi.z,
+                               slide, wall,    film.x, film.y, film.z,    a.film.normal});
 }
 
 /* ----------------------------------------------------------------------
@@ -408,7 +409,6 @@ void FixDeformableFriction::list_row(int i, const Sides &sides, const Remembered
 
 ContactVector FixDeformableFriction::film_force(const Friction &c, double size, ContactVector v)
 {
-  if (!(c.film > 0.0)) return {};
   if (!c.film_shears) v.along = {};
   if (!c.film_squeezes) v.normal = 0.0;
   const double g = deformable::film_constant(c, size, std::sqrt(dot(v, v)), largest_film);
@@ -434,22 +434,19 @@ void FixDeformableFriction::check_films() const
 ------------------------------------------------------------------------- */
 
 void FixDeformableFriction::lose(const Sides &sides, const RememberedContact &before,
-                                 const RememberedContact &now, double kt, const Speeds &v_before,
+                                 const Acting &now, double kt, const Speeds &v_before,
                                  const Speeds &v_now)
 {
   const double half = 0.5 * dt;
-  const deformable::RubLoss loss =
-      deformable::loss(kt, {before.xi, before.force, false}, {now.xi, now.force, false},
-                       half * (v_before.v.along + v_now.v.along));
+  const deformable::RubLoss loss = deformable::loss(kt, {before.xi, before.force, false}, now.rub,
+                                                    half * (v_before.v.along + v_now.v.along));
   output[SLIDING] += loss.sliding;
   output[DASHPOTS] += loss.dashpot;
   output[DAMPING] += half * (before.damping * v_before.v.normal + now.damping * v_now.v.normal);
   output[FILMS] += half * (dot(before.film, v_before.v) + dot(now.film, v_now.v));
   if (sides.partner >= 0 || !pairs.front()->has_wall(sides.partner)) return;
-  const auto push = [](const RememberedContact &m) {
-    return m.film + ContactVector{m.force, m.damping};
-  };
-  const ContactVector first = push(before), second = push(now);
+  const ContactVector first = before.film + ContactVector{before.force, before.damping};
+  const ContactVector second = now.film + ContactVector{now.rub.force, now.damping};
   pairs.front()
       ->wall(sides.partner)
       .do_work(-half * (dot(first, v_before.wall) + dot(second.along, v_now.wall.along) +

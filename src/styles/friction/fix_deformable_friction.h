@@ -194,10 +194,16 @@ class FixDeformableFriction : public FixPartnerMemory<RememberedContact> {
   Speeds speeds(const Sides &, const Velocity &, const ContactPlace &, double age) const;
   deformable::ContactVector film_force(const deformable::Friction &, double size,
                                        deformable::ContactVector v);
-  void lose(const Sides &, const RememberedContact &before, const RememberedContact &now, double kt,
+  // At the end of a step.
+  struct Acting {
+    deformable::Rub rub;
+    double damping;
+    deformable::ContactVector film;
+  };
+  void lose(const Sides &, const RememberedContact &before, const Acting &now, double kt,
             const Speeds &v_before, const Speeds &v_now);
   void push(const Sides &, const ContactPlace &, const deformable::ContactVector &);
-  void list_row(int i, const Sides &, const RememberedContact &, double force, bool slides);
+  void list_row(int i, const Sides &, const ContactPlace &, const Acting &, double force);
   void sweep();
   void end(int i, const RememberedContact &);
   int words_of_spring() const;
