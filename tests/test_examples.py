@@ -301,7 +301,7 @@ def test_shell_commands_are_understood():
     """The command line accepts every option and value that pages show."""
     group = typer.main.get_command(app)
     found = [words for page in PAGES for words in commands(page)]
-    assert len(found) > 10
+    assert len(found) > 5
     for name, *arguments in found:
         group.commands[name].make_context(name, arguments)
 
