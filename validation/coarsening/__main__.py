@@ -162,7 +162,7 @@ def draw(foams, file):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--number", type=int, default=512, help="bubbles of a foam")
+    parser.add_argument("--number", type=int, default=256, help="bubbles of a foam")
     parser.add_argument("--foams", type=int, default=2, help="of each case")
     parser.add_argument("--workers", type=int, help="foams at a time")
     asked = options_of(parser, __file__)
