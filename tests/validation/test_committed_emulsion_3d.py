@@ -12,6 +12,7 @@ from committed_page import check, write
 
 from validation.emulsion_3d import __main__ as emulsion
 from validation.emulsion_3d import own_weight as weight
+from validation.emulsion_3d import yielding
 
 pytest.importorskip("matplotlib")
 
@@ -158,7 +159,34 @@ SENTENCES = (
 
 def tables() -> list[list[str]]:
     found = [list(emulsion.table(PACKINGS, kind)) for kind in emulsion.KINDS]
-    return [*found, list(emulsion.exponents(PACKINGS)), list(weight.table(COLUMNS, PACKINGS))]
+    return [
+        *found,
+        list(emulsion.exponents(PACKINGS)),
+        list(weight.table(COLUMNS, PACKINGS)),
+        list(yielding.table(YIELDS)),
+    ]
+
+
+YIELDS = json.loads((FOLDER / "yielding_256.json").read_text())
+
+
+def yield_strains(n: int) -> list[float]:
+    """Of the largest stress, n = 2, or of the flow, n = 1, at each phi."""
+    found = []
+    for phi in yielding.PHI:
+        some = [yielding.quantities(each) for each in YIELDS if each["phi"] == phi]
+        modulus, *stress = np.mean(some, axis=0)
+        found.append(float(stress[n - 1] / modulus))
+    return found
+
+
+def test_yield_strains() -> None:
+    """They rise from the onset, as those of foams; the largest stress is twice that of flow."""
+    flow, largest = yield_strains(1), yield_strains(2)
+    assert (np.diff(largest) > 0.0).all()
+    over = np.array(largest) / [yielding.measured(phi) for phi in yielding.PHI]
+    assert 0.58 < over.min() < over.max() < 0.88
+    assert np.array(largest) / flow == pytest.approx(1.9, abs=0.15)
 
 
 def logs() -> dict[str, list[str]]:
