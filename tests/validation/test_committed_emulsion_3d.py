@@ -159,12 +159,8 @@ SENTENCES = (
 
 def tables() -> list[list[str]]:
     found = [list(emulsion.table(PACKINGS, kind)) for kind in emulsion.KINDS]
-    return [
-        *found,
-        list(emulsion.exponents(PACKINGS)),
-        list(weight.table(COLUMNS, PACKINGS)),
-        list(yielding.table(YIELDS)),
-    ]
+    found += [list(emulsion.exponents(PACKINGS)), list(yielding.table(YIELDS))]
+    return [*found, list(weight.table(COLUMNS, PACKINGS))]
 
 
 YIELDS = json.loads((FOLDER / "yielding_256.json").read_text())
