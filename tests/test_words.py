@@ -23,7 +23,7 @@ BUDGETS = {
     "README.md": 550,
     "ARCHITECTURE.md": 2000,
     "CHANGELOG.md": 1500,
-    "benchmarks/README.md": 4300,
+    "benchmarks/README.md": 4450,
     "docs/theory/laws.md": 3700,
     "docs/theory/lines.md": 2300,
     "docs/pair_deformable_ring.md": 3000,
@@ -32,7 +32,7 @@ BUDGETS = {
     "docs/fix_deformable_friction.md": 2400,
     "validation/emulsion_3d/README.md": 2250,
 }
-USUAL, ALL = 1600, 80_000
+USUAL, ALL = 1600, 82_000
 
 # How the code came to be is in the git log. What nobody has read is no source.
 BANNED = (

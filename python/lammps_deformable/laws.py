@@ -190,9 +190,9 @@ class Ring:
             particles, and for droplets that of a foam. `radical`: on the radical axis of the
             undeformed circles. Compared with smooth polygons, `balanced` is right to 1.4 % up to
             3 % strain, `curved` to less than the polygons' own error, and `radical` wrong by
-            factors. A relaxation takes about 1.4 times as long with `balanced` as with `radical`,
-            and a relaxation about twice, a step of motion two to four times as long with `curved`
-            as with `balanced`.
+            factors. A relaxation takes about 1.3 times as long with `balanced` as with `radical`;
+            with `curved` it takes 1.2 to 1.4 times, and a step of motion two to three and a half
+            times as long as with `balanced`.
         reach: neighbors count up to a distance of (1 + reach) (R_i + R_j), because outlines bulge
             between their contacts; 0.6 if not given, with `radical` 0.3. A larger one costs next to
             nothing, but with `radical` a quarter at 0.6. One that is too small stops the run with
