@@ -41,6 +41,17 @@ def test_contacts_elsewhere_are_no_t1() -> None:
     assert rows(before, after) == [(1, "breaks", 0, 1, -1), (1, "forms", 2, 3, -1)]
 
 
+def test_a_neighbor_of_one_only_is_no_t1() -> None:
+    """Disk 3 touches 0 all the time, and never 1."""
+    before = state([[4.5, 5.0], [5.45, 5.0], [4.97, 5.8], [3.7, 5.5]])
+    after = state([[4.2, 5.0], [5.75, 5.0], [4.6, 5.9], [3.75, 5.85]])
+    assert rows(before, after) == [
+        (1, "breaks", 0, 1, -1),
+        (1, "breaks", 1, 2, -1),
+        (1, "forms", 2, 3, -1),
+    ]
+
+
 def test_walls_and_images() -> None:
     """A contact over the boundary is one like others; a wall has its code."""
     floor = ld.Plane((0.0, 0.0), (0.0, 1.0))
