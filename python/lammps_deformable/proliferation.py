@@ -96,9 +96,8 @@ def _proliferated(
                 step = min(step, _GROWTH / fastest)
             later = end if step == end - state.time else state.time + step
             radii = state.radii * np.exp(rate * step / sim.dimension)
-            state = replace(state, packing=state.packing.replace(radii=radii), time=later)
-            state = die(state, settings["death"] * step, rng)
-            sim.reset(divide(state, settings, start, rng))
+            grown = divide(state, radii, settings, start, rng)
+            sim.reset(replace(die(grown, settings["death"] * step, rng), time=later))
             state = at_rest(sim, settings)
         yield state
 
@@ -121,12 +120,20 @@ def die(state: Any, chance: float, rng: np.random.Generator) -> Any:
 
 
 def divide(
-    state: Any, settings: Mapping[str, Any], start: dict[str, Any], rng: np.random.Generator
+    state: Any,
+    radii: Floats,
+    settings: Mapping[str, Any],
+    start: dict[str, Any],
+    rng: np.random.Generator,
 ) -> Any:
-    """The state in which cells of a size have divided, not relaxed."""
-    mothers = np.flatnonzero(volumes(state.radii, state.packing.dimension) >= settings["division"])
+    """The state with these radii, in which cells of a size have divided, not relaxed.
+
+    Axes are those of the shapes and stresses of the relaxed state.
+    """
+    grown = replace(state, packing=state.packing.replace(radii=radii))
+    mothers = np.flatnonzero(volumes(radii, state.packing.dimension) >= settings["division"])
     if not mothers.size:
-        return state
+        return grown
     share = 0.5 * (1.0 + settings["asymmetry"] * rng.uniform(-1.0, 1.0, mothers.size))
     if settings["axis"] == "random":
         axes = rng.normal(size=(len(mothers), state.packing.dimension))
@@ -135,7 +142,7 @@ def divide(
         axes = (long_axes if settings["axis"] == "long" else stretched_axes)(state, mothers)
     label = start["label"]
     start["label"] += len(mothers)
-    return divided(state, mothers, axes, share, label)
+    return divided(grown, mothers, axes, share, label)
 
 
 def stretched_axes(state: Any, cells: NDArray[np.int64]) -> Floats:

@@ -122,7 +122,7 @@ def test_axes_across_the_pressure(squeezed: ld.State, axes) -> None:
 @pytest.mark.parametrize("axis", ["long", "stress"])
 def test_daughters_lie_on_the_axis(squeezed: ld.State, axis: str) -> None:
     settings = {"division": 0.5, "axis": axis, "asymmetry": 0.0}
-    two = divide(squeezed, settings, {"label": 3}, np.random.default_rng(1))
+    two = divide(squeezed, squeezed.radii, settings, {"label": 3}, np.random.default_rng(1))
     assert two.clones.tolist() == [0, 1, 2, 0, 1, 2]
     apart = two.positions[:3] - two.positions[3:]
     assert np.abs(apart) == pytest.approx(np.tile([0.0, 0.5 / math.sqrt(2.0)], (3, 1)), abs=1e-6)
@@ -132,7 +132,7 @@ def test_random_axes_have_all_directions() -> None:
     with ld.Simulation(loose(196), CELL) as sim:
         state = sim.state()
     settings = {"division": 0.5, "axis": "random", "asymmetry": 0.0}
-    two = divide(state, settings, {"label": 196}, np.random.default_rng(1))
+    two = divide(state, state.radii, settings, {"label": 196}, np.random.default_rng(1))
     apart = two.positions[:196] - two.positions[196:]
     angle = np.arctan2(apart[:, 1], apart[:, 0])
     for k in (1, 2, 4):
@@ -150,6 +150,20 @@ def test_the_same_seed_is_the_same_tissue(tmp_path: Path) -> None:
     recorded = tissue(seed=7, record=tmp_path)
     assert np.array_equal(recorded.labels, one.labels)
     assert np.array_equal(recorded.clones, one.clones)
+
+
+@pytest.mark.parametrize("axis", ["long", "stress"])
+def test_cells_die_while_others_divide_along_an_axis(axis: str) -> None:
+    """Axes are those of the cells that are there, whoever dies."""
+    dense = ld.Packing([[0.4 + 0.8 * n, 1.0] for n in range(10)], 0.5, (8.0, 2.0))
+    with ld.Simulation(dense, CELL) as sim:
+        run = sim.proliferate(
+            1.0, division=1.0, time=1.0, steps=3, death=1.0, axis=axis, seed=4, pressure=5.0
+        )
+    events = run.events()["event"]
+    assert (events == "vanishes").any()
+    assert (events == "is born").any()
+    assert all(state.converged for state in run)
 
 
 def test_labels_of_the_dead_are_not_given_again() -> None:
