@@ -95,25 +95,23 @@ def divided(
     positions[mothers] = center + ((1.0 - share) * apart)[:, None] * axes
     radii[mothers] = first * radius
     new = label + np.arange(len(mothers))
-
-    def joined(values: NDArray[Any], of_new: NDArray[Any]) -> NDArray[Any]:
-        return np.concatenate([values, of_new])
-
-    images, directions, clones = state.images, state.directions, clones_of(state)
+    images, directions = state.images, state.directions
+    # each particle, and for each that divides a second one at the end
+    from_mothers = np.append(np.arange(len(packing)), mothers)
     both = packing.replace(
-        positions=joined(positions, center - (share * apart)[:, None] * axes),
-        radii=joined(radii, second * radius),
-        species=joined(packing.species, packing.species[mothers]),
+        positions=np.concatenate([positions, center - (share * apart)[:, None] * axes]),
+        radii=np.append(radii, second * radius),
+        species=packing.species[from_mothers],
     )
     both._set_species_radii(len(packing._species_radii))
     return replace(
         state,
         packing=both,
-        velocities=joined(state.velocities, state.velocities[mothers]),
-        images=None if images is None else joined(images, images[mothers]),
-        directions=None if directions is None else joined(directions, directions[mothers]),
-        labels=joined(labels_of(state), new),
-        clones=joined(clones, clones[mothers]),
+        velocities=state.velocities[from_mothers],
+        images=None if images is None else images[from_mothers],
+        directions=None if directions is None else directions[from_mothers],
+        labels=np.append(labels_of(state), new),
+        clones=clones_of(state)[from_mothers],
     )
 
 

@@ -6,6 +6,7 @@ Periodic images and boxes that changed are taken into account.
 from __future__ import annotations
 
 import warnings
+from itertools import combinations
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -189,8 +190,8 @@ def _exchanges(old: set[_Pair], new: set[_Pair]) -> list[tuple[_Pair, _Pair]]:
         if j < 0:
             continue
         common = before[i] & before[j] | after.get(i, none) & after.get(j, none)
-        for pair in sorted(formed):
-            if pair[0] in common and pair[1] in common:
+        for pair in combinations(sorted(common), 2):
+            if pair in formed:
                 found.append(((i, j), pair))
                 formed.remove(pair)
                 break
