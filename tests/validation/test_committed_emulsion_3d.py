@@ -56,8 +56,8 @@ def pressures() -> str:
     crossing = [np.interp(0.0, each, PHI) for each in below]
     return (
         "Nearly equal droplets have a higher pressure than emulsions up to phi = "
-        f"{crossing[0]:.2f}, polydisperse ones up to {crossing[1]:.2f}, and a lower one beyond: at 0.85 by "
-        f"{100.0 * below[0][-1]:.0f} % and {100.0 * below[1][-1]:.0f} %."
+        f"{crossing[0]:.2f}, polydisperse ones up to {crossing[1]:.2f}, and a lower one "
+        f"beyond: at 0.85 by {100.0 * below[0][-1]:.0f} % and {100.0 * below[1][-1]:.0f} %."
     )
 
 
@@ -71,8 +71,8 @@ def shears() -> str:
         f"From 0.73 on nearly equal droplets are softer by {percent(softer[0])}, polydisperse ones "
         f"by {percent(softer[1])}. {give_way()} of {len(rows())} states give way: their mean over "
         "all directions is negative, as the shape of the box is fixed. From 0.79 on the osmotic "
-        f"pressure is {np.min(over):.1f} to {np.max(over):.1f} times the shear modulus; in measured emulsions "
-        "both are nearly the same."
+        f"pressure is {np.min(over):.1f} to {np.max(over):.1f} times the shear modulus; "
+        "in measured emulsions both are nearly the same."
     )
 
 
