@@ -39,6 +39,7 @@ BANNED = (
     *("busy machine", "busy day", "quiet day", "quiet hour", "of then", "older code"),
     *("older version", "cited from memory", "could read the abstract", "what it took"),
     *("as right as", "is worth some", "the code of the day", "would take two months"),
+    *("and so on the processor", "all forces are computed in lammps", "neither of both"),
 )
 
 
