@@ -954,8 +954,8 @@ class State:
 
         Raises:
             ParameterError: the law is `Sector`, particles stick or rub, walls were given to `lmp`,
-                or a line is held at the largest tilt; soft spheres touch a cylinder, cone or post;
-                droplets touch walls, or the compliance of one is singular, far beyond the model.
+                or a line is held at the largest tilt; or the compliance of a droplet is singular,
+                far beyond the model.
             UndefinedError: they are polygons.
         """
         return hessian_of(self, rattlers)
