@@ -163,7 +163,7 @@ class State:
         lost_energy: what particles have lost in motion, where they have attached and let go, and
             where contacts rub and damp: with it, and with `spring_energy`, their energy is
             conserved [energy].
-        directions: in which particles propel themselves, unit vectors, shape (N, 2); None in other
+        directions: in which particles propel themselves, unit vectors, shape (N, d); None in other
             states than those of motion with a propulsion.
         labels: number, from 0, that each particle keeps where others vanish or are born, shape
             (N,); None as long as none do.
