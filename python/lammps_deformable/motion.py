@@ -288,7 +288,7 @@ def advance(sim: Simulation, dynamics: Dynamics, steps: int, timestep: float) ->
     finally:  # Ctrl-C may end it early
         sim.time += (lmp.extract_global("ntimestep") - first) * timestep
     if dynamics.persistence is not None:
-        sim.directions = gather(lmp, _DIRECTIONS, 2)
+        sim.directions = gather(lmp, _DIRECTIONS, sim.dimension)
     if not dynamics.inertia:
         run(lmp, "velocity all set 0 0 0")  # fix brownian leaves those of its last step
 
@@ -418,23 +418,17 @@ def _dynamics(sim: Any, settings: Mapping[str, Any]) -> Dynamics:
         # a loose packing does not tell how stiff contacts become
         contact = 2.0 * pressure * float(sim.state().packing.radii.max())
         return replace(dynamics, drive=contact)
-    return _propelled(
-        dynamics, settings.get("propulsion"), settings.get("persistence"), sim.dimension
-    )
+    return _propelled(dynamics, settings.get("propulsion"), settings.get("persistence"))
 
 
-def _propelled(
-    dynamics: Dynamics, propulsion: float | None, persistence: float | None, dimension: int
-) -> Dynamics:
+def _propelled(dynamics: Dynamics, propulsion: float | None, persistence: float | None) -> Dynamics:
     """The dynamics with a propulsion, if there is one.
 
     Raises:
-        ParameterError: one of both values is missing; or there is no drag, or there are three
-            dimensions.
+        ParameterError: one of both values is missing, or there is no drag.
     """
     if propulsion is None and persistence is None:
         return dynamics
-    refuse_space("a propulsion", dimension, "take LAMMPS' fix propel/self by `sim.lmp`")
     if propulsion is None or persistence is None:
         raise ParameterError("give propulsion and persistence, or none of them")
     if not dynamics.drag:
@@ -456,8 +450,13 @@ def _begin(sim: Any, settings: Mapping[str, Any]) -> tuple[Any, dict[str, Any]]:
     if dynamics.persistence is not None:
         number = lmp.get_natoms()
         if sim.directions is None or len(sim.directions) != number:
-            angles = np.random.default_rng(of_start).uniform(-np.pi, np.pi, number)
+            random = np.random.default_rng(of_start)
+            angles = random.uniform(-np.pi, np.pi, number)
             sim.directions = unit_vectors(angles)
+            if sim.dimension == 3:
+                height = random.uniform(-1.0, 1.0, (number, 1))
+                flat = np.sqrt(1.0 - height**2) * sim.directions
+                sim.directions = np.hstack([flat, height])
     start = {"step": step, "states": math.ceil(settings["steps"] / settings["every"])}
     state = _with_directions(sim, dynamics)
     if settings.get("pressure") is None:

@@ -113,7 +113,7 @@ class Simulation(OneCall):
         callback: a function that is told how relaxations go on; None if not set.
         time: of all motion and flows so far [time]; relaxations take none.
         shear_strain: of all calls of `shear` so far; None before the first one.
-        directions: in which particles propel themselves, shape (N, 2); None before.
+        directions: in which particles propel themselves, shape (N, d); None before.
         seed: of the last motion, given or drawn; None before.
 
     Raises:
@@ -763,7 +763,7 @@ class Simulation(OneCall):
         and diffuse freely by <r^2> = 2 d (temperature/drag) t in d dimensions. Then velocities are
         0 in all states.
 
-        In the plane, with a propulsion each particle adds to F a force of this size along its
+        With a propulsion each particle adds to F a force of this size along its
         direction, which diffuses (*fix deformable/propel* of this package). Without contacts and
         noise its speed is v = propulsion/drag, and in overdamped motion, with the persistence time
         tau,
