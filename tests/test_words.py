@@ -30,7 +30,6 @@ BUDGETS = {
     "docs/pair_deformable_droplet.md": 2900,
     "docs/fix_deformable_wall.md": 3100,
     "docs/fix_deformable_friction.md": 2400,
-    "validation/emulsion_3d/README.md": 2250,
 }
 USUAL, ALL = 1600, 82_000
 
