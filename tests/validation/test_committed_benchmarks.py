@@ -302,6 +302,12 @@ def test_the_page_follows_from_the_measurements() -> None:
     check(FOLDER.parent / "README.md", (), (of_a_step,))
 
 
+def test_what_the_guide_says_of_relaxations() -> None:
+    ratio = of("relaxation")["time_over_radical"]["balanced"]["median"]
+    guide = (FOLDER.parent / "docs" / "guide" / "compression.md").read_text()
+    assert f"A relaxation with `balanced` takes about {ratio:.1f} times as long" in guide
+
+
 def test_the_page_names_each_script_and_no_other() -> None:
     scripts = {path.name for path in FOLDER.glob("*.py")}
     shared = {name for name in ("motion.py", "sections.py")}
