@@ -246,7 +246,7 @@ def test_in_a_browser(page, address):
         formulas += drawn["formulas"]
         pictures += drawn["pictures"]
     assert wrong == []
-    sources = [*(ROOT / "docs").glob("*.md"), *ROOT.glob("benchmarks/*.md")]
+    sources = [*(ROOT / "docs").rglob("*.md"), *ROOT.glob("benchmarks/*.md")]
     sources += ROOT.glob("validation/*/README.md")
     assert formulas == sum(source.read_text().count("```math") for source in sources) > 40
     assert pictures > 30

@@ -27,7 +27,7 @@ BUDGETS = {
     "docs/theory/laws.md": 3700,
     "docs/theory/lines.md": 2300,
     "docs/pair_deformable_ring.md": 3000,
-    "docs/pair_deformable_droplet.md": 2900,
+    "docs/pair_deformable_droplet.md": 2000,
     "docs/fix_deformable_wall.md": 3100,
     "docs/fix_deformable_friction.md": 2400,
     "validation/emulsion_3d/README.md": 2250,
