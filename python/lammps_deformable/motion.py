@@ -17,6 +17,7 @@ from ._checks import count, number_or_nan, positive, whole, zero_or_more
 from .core import unit_vectors
 from .errors import LammpsError, ParameterError, StalledWarning
 from .friction import Friction, damped_commands, inertia
+from .gravity import largest_weight
 from .lammps import gather, place, rub_and_spin, run
 from .laws import (
     ACCURATE,
@@ -66,8 +67,9 @@ class Dynamics:
         temperature: of the heat bath [energy]; None or 0 without.
         drag: force over velocity [1/time].
         inertia: whether they have some; without, they are overdamped.
-        drive: force that drives them, beside contacts and noise [energy/length].
-        persistence: time for which they drive themselves in about one direction; None if they do
+        drive: largest force that drives one, beside contacts and noise [energy/length].
+        propulsion: the part of the drive along directions of their own [energy/length].
+        persistence: time for which they propel themselves in about one direction; None if they do
             not [time].
         part: of the usual time step that is taken, as the box is less damped than the particles.
         limit: time steps are at most this one because of the drive or the drag [time].
@@ -79,6 +81,7 @@ class Dynamics:
     drag: float = 0.0
     inertia: bool = True
     drive: float = 0.0
+    propulsion: float = 0.0
     persistence: float | None = None
     part: float = 1.0
     limit: float = np.inf
@@ -113,8 +116,11 @@ class Dynamics:
         return longest_overdamped_step(packing, law, squeeze, temperature, self.drag)
 
     def _hot(self, state: State) -> float:
-        """The temperature of the motion [energy]."""
-        return state.temperature if self.inertia else self.temperature or 0.0
+        """The temperature of the motion; by gravity all may fall together [energy]."""
+        if not self.inertia:
+            return self.temperature or 0.0
+        falls = state.velocities.mean(axis=0) if state.gravity is not None else np.zeros(1)
+        return state.temperature + float(falls @ falls) / state.packing.dimension
 
     def check(self, state: State, timestep: float) -> None:
         """Refuse a time step at which contacts are unstable."""
@@ -159,7 +165,7 @@ class Dynamics:
             mover = "fix deformable_move all nve" + sphere * spins
         parts = [mover, *["fix deformable_plane all enforce2d"] * (dimension == 2)]
         if self.persistence is not None:
-            values = {"force": self.drive, "persistence": self.persistence, "seed": seed}
+            values = {"force": self.propulsion, "persistence": self.persistence, "seed": seed}
             parts.append(_PROPULSION.format(**values))
         return "\n".join(parts)
 
@@ -195,6 +201,7 @@ def dynamics_of(
         temperature,
         drag,
         bool(inertia),
+        drive=largest_weight(sim.gravity),
         limit=_SETTLED / drag if turning else np.inf,
         timestep=timestep,
         rubbing=sim.friction,
@@ -379,6 +386,11 @@ def _refuse_at_pressure(sim: Any, given: Mapping[str, Any]) -> None:
             f"walls do not follow a box that settles, and there are {len(sim.walls)}, the first a "
             f"{sim.walls[0]._kind}: run(drag=) comes to rest between walls"
         )
+    if sim.gravity is not None:
+        raise ParameterError(
+            "with a pressure particles come to rest in a periodic box, where they fall without end "
+            "by gravity: take gravity=(0, 0), or walls and run(drag=)"
+        )
     propelled = given["propulsion"] is not None or given["persistence"] is not None
     if given["temperature"] or not given["inertia"] or propelled:
         raise ParameterError(
@@ -428,7 +440,8 @@ def _propelled(dynamics: Dynamics, propulsion: float | None, persistence: float 
         raise ParameterError("give propulsion and persistence, or none of them")
     if not dynamics.drag:
         raise ParameterError("with a propulsion particles get faster and faster: give a drag")
-    return replace(dynamics, drive=propulsion, persistence=persistence)
+    drive = dynamics.drive + propulsion
+    return replace(dynamics, drive=drive, propulsion=propulsion, persistence=persistence)
 
 
 def _begin(sim: Any, settings: Mapping[str, Any]) -> tuple[Any, dict[str, Any]]:

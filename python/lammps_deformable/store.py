@@ -52,6 +52,7 @@ from .friction import (
     rubbing_lines,
     spring_commands,
 )
+from .gravity import Floats, as_json_gravity, gravity_commands
 from .laws import ALL_LAWS, AnyLaw, SoftContact
 from .packing import Packing
 from .room import closed
@@ -306,6 +307,7 @@ def script(
     moving: float,
     motion: Motion,
     friction: Friction | None,
+    gravity: Floats | None,
 ) -> str:
     """Text of a LAMMPS script that reads a saved packing and evaluates it.
 
@@ -316,6 +318,7 @@ def script(
         moving: time step of a motion at the temperature `TEMPERATURE` [time].
         motion: of the saved particles, with films and springs of contacts.
         friction: of the contacts, if they rub.
+        gravity: of the particles, if there is one.
     """
     if isinstance(law, SoftContact):
         commands = _WITHOUT_WALLS * bool(packing.walls) + soft_commands(packing, law.k)
@@ -325,7 +328,7 @@ def script(
     commands += friction_commands(friction, len(packing._species_radii)) + spring_commands(
         friction, motion.rubbing
     )
-    commands += f"timestep {timestep!r}\n"
+    commands += gravity_commands(gravity) + f"timestep {timestep!r}\n"
     setup = setup_commands(packing)
     velocity = "" if motion.moves else f"# velocity all create {TEMPERATURE!r} 12345\n"
     sphere = "nve/sphere disc" if packing.dimension == 2 else "nve/sphere"
@@ -748,6 +751,7 @@ def save(
     parameters: Mapping[str, Any] | None = None,
     frames: int | None = None,
     friction: Friction | None = None,
+    gravity: Floats | None = None,
 ) -> None:
     """Write a state. Only one rank may call this.
 
@@ -761,17 +765,18 @@ def save(
         parameters: for the summary, what JSON can hold.
         frames: number of recorded frames up to this state, if any.
         friction: of its contacts, if they rub.
+        gravity: of its particles, if there is one.
     """
     folder = make_folder(folder)
     summary = {
         "state": as_json("state", numbers),
-        **setup(packing, law, friction),
+        **setup(packing, law, friction, gravity),
         "parameters": as_json("parameters", parameters or {}),
         "versions": versions(),
     }
     if not isinstance(law, SoftContact):  # LAMMPS' own pair styles have no species file
         write_whole(folder / SPECIES, species_file(law, packing._species_radii))
-    write_whole(folder / SCRIPT, script(packing, law, *timesteps, motion, friction))
+    write_whole(folder / SCRIPT, script(packing, law, *timesteps, motion, friction, gravity))
     write_whole(folder / SUMMARY, json.dumps(summary, indent=2, allow_nan=False) + "\n")
     # last: it completes the state
     write_whole(folder / DATA, packing_file(packing, motion, frames))
@@ -784,11 +789,17 @@ class Setup(NamedTuple):
     radii: list[float]
     walls: tuple[Wall, ...]
     friction: Friction | None
+    gravity: Floats | None
     dimension: int
 
 
-def setup(packing: Packing, law: AnyLaw | SoftContact, friction: Friction | None) -> dict[str, Any]:
-    """Law, radii of species, walls, and friction if contacts rub, as JSON."""
+def setup(
+    packing: Packing,
+    law: AnyLaw | SoftContact,
+    friction: Friction | None,
+    gravity: Floats | None,
+) -> dict[str, Any]:
+    """Law, radii of species, walls, friction if contacts rub, and gravity, as JSON."""
     settings = {name: value for name, value in asdict(law).items() if name != "contact"}
     return {
         "law": {"name": law.name} | as_json("law", settings),
@@ -796,6 +807,7 @@ def setup(packing: Packing, law: AnyLaw | SoftContact, friction: Friction | None
         "radii": packing._species_radii.tolist(),
         "walls": [{"shape": type(wall).__name__, **asdict(wall)} for wall in packing.walls],
         **({} if friction is None else {"friction": as_json("friction", asdict(friction))}),
+        **as_json_gravity(gravity),
     }
 
 
@@ -819,7 +831,8 @@ def read_setup(saved: Mapping[str, Any]) -> Setup:
     law = replace(laws[name], **from_json(settings))
     walls = tuple(_wall(**each) for each in saved.get("walls", []))
     friction = _friction(saved["friction"]) if "friction" in saved else None
-    return Setup(law, saved["radii"], walls, friction, int(saved["dimension"]))
+    gravity = np.array(saved["gravity"], np.float64) if "gravity" in saved else None
+    return Setup(law, saved["radii"], walls, friction, gravity, int(saved["dimension"]))
 
 
 def summary_in(folder: Path) -> dict[str, Any]:
@@ -858,18 +871,19 @@ def _wall(shape: str, **values: Any) -> Wall:
     return SHAPES[shape](**values)
 
 
-def read(folder: Path) -> tuple[Packing, AnyLaw | SoftContact, Friction | None]:
-    """The packing in a folder, with every digit, its contact law, and friction if contacts rub.
+def read(folder: Path) -> tuple[Packing, Setup]:
+    """The packing in a folder, with every digit, and what it is made of besides.
 
     Raises:
         FileError: a file is missing or damaged, or the folder holds other results.
     """
     summary = summary_in(refuse(folder, but="compression"))
     with reading(folder / SUMMARY):
-        law, radii, walls, friction, dimension = read_setup(summary)
+        made_of = read_setup(summary)
     with reading(folder / DATA):
-        packing = packing_in(_text(folder / DATA, folder), radii, dimension)
-        return (packing.replace(walls=walls) if walls else packing), law, friction
+        text = _text(folder / DATA, folder)
+        packing = packing_in(text, made_of.radii, made_of.dimension)
+        return (packing.replace(walls=made_of.walls) if made_of.walls else packing), made_of
 
 
 def read_motion(folder: Path, packing: Packing) -> Motion:
