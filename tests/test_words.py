@@ -28,7 +28,7 @@ BUDGETS = {
     "docs/theory/lines.md": 2200,
     "docs/pair_deformable_ring.md": 2600,
     "docs/theory/contacts.md": 1700,
-    "docs/pair_deformable_droplet.md": 2900,
+    "docs/pair_deformable_droplet.md": 2000,
     "docs/fix_deformable_wall.md": 3100,
     "docs/fix_deformable_friction.md": 2400,
 }
