@@ -47,6 +47,7 @@ from .friction import (
     rubbing_table,
     spring_commands,
 )
+from .gravity import gravity_commands, gravity_energy
 from .lammps import (
     gather,
     has_other_fixes,
@@ -132,6 +133,7 @@ def particles_in_lammps(
     law: AnyLaw,
     comm: MPI.Comm,
     friction: Friction | None,
+    gravity: Floats | None,
     former: lammps | None = None,
 ) -> lammps:
     """A LAMMPS with a packing and its law, and the computes of states.
@@ -141,6 +143,7 @@ def particles_in_lammps(
         law: of their contacts.
         comm: ranks that share the work.
         friction: of the contacts, if they rub: particles need radii of their own then.
+        gravity: of the particles, if there is one.
         former: see `open_lammps`.
 
     Raises:
@@ -152,6 +155,7 @@ def particles_in_lammps(
     place_walls(lmp, packing.walls)
     run(lmp, film_commands(law, packing.walls))
     run(lmp, friction_commands(friction, len(packing._species_radii)))
+    run(lmp, gravity_commands(gravity))
     if friction:  # evaluations have one too
         run(lmp, f"timestep {min(friction._accurate_step, _TIMESTEP)!r}")
     run(lmp, commands_of_energy(law, bool(packing.walls or friction)))
@@ -306,7 +310,7 @@ class Deformables:
         if packing.walls:
             check_centers(packing.walls, packing.box, packing.positions)
             check_sticky_walls(packing, self.law)
-        lmp = particles_in_lammps(packing, self.law, sim.comm, sim.friction, former)
+        lmp = particles_in_lammps(packing, self.law, sim.comm, sim.friction, sim.gravity, former)
         self._smallest_radius = float(packing.radii.min())
         return lmp
 
@@ -359,10 +363,13 @@ class Deformables:
             self._particle_radii,
             sim.walls,
         )
+        images = images_of(sim.lmp)
+        elastic = float(sim.lmp.extract_compute("deformable_energy", 0, 0))
         return {
             "packing": packing,
             "law": self.law,
-            "energy": float(sim.lmp.extract_compute("deformable_energy", 0, 0)),
+            "energy": elastic + gravity_energy(sim.gravity, packing, images),
+            "gravity": sim.gravity,
             "pressure_tensor": stress(sim.lmp, packing.volume if packing.walls else None),
             "residual": forces.residual,
             "converged": converged,
@@ -375,7 +382,7 @@ class Deformables:
             "labels": _of_all(sim._labels, len(packing)),
             "clones": _of_all(sim._clones, len(packing)),
             "unsaved": unsaved(sim.lmp, sim._setup),
-            "images": images_of(sim.lmp),
+            "images": images,
         }
 
 
@@ -564,8 +571,11 @@ def told(lmp: lammps, n: int) -> float:
 
 
 def others_push(sim: Simulation, largest: float, total: float) -> bool:
-    """Whether a user's fix moves particles: all contacts together bear less than a force."""
-    return largest > total and has_other_fixes(sim.lmp, sim._setup)
+    """Whether gravity or a user's fix moves particles: all contacts together bear less than a
+    force.
+    """
+    moves = sim.gravity is not None or has_other_fixes(sim.lmp, sim._setup)
+    return largest > total and moves
 
 
 _CONTACTS = """

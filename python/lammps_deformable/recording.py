@@ -326,8 +326,8 @@ def recorded_numbers(state: Any) -> dict[str, Any]:
 
 def _write(folder: Path, number: int, state: Any, parameters: Mapping[str, Any]) -> None:
     """Write a frame, and the state behind it. Only one rank calls this."""
-    made_of = store.setup(state.packing, state.law, state.friction) | store.memory(state._motion)
-    store.append_setup(folder, number, made_of)
+    made_of = store.setup(state.packing, state.law, state.friction, state.gravity)
+    store.append_setup(folder, number, made_of | store.memory(state._motion))
     images = () if state.images is None else state.images.T
     values = dict(zip(("ix", "iy", "iz"), images, strict=False)) | state._particle_values()
     store.append_frame(folder, number, state.packing, values, recorded_numbers(state))

@@ -30,6 +30,7 @@ from .friction import (
     spring_commands,
     undamped_commands,
 )
+from .gravity import forces_of
 from .hessian import hessian_of, open_contacts
 from .lammps import (
     gather,
@@ -631,8 +632,11 @@ def _step(state: State) -> NDArray[np.float64] | None:
     from scipy.sparse.linalg import lsqr
 
     hessian = hessian_of(state, rattlers=False)
+    gradient = hessian.gradient.copy()
+    if state.gravity is not None:
+        gradient[: hessian.size] -= forces_of(state.gravity, state.packing.species).ravel()
     try:
-        step = -hessian.response(hessian.gradient)[: hessian.size]
+        step = -hessian.response(gradient)[: hessian.size]
     except ParameterError:
         return None
     sides, needed = open_contacts(state)

@@ -58,8 +58,7 @@ from .versions import optional
 if TYPE_CHECKING:
     from MDAnalysis import Universe
 
-    from .friction import Friction
-    from .store import Motion
+    from .store import Motion, Setup
 
 
 Column = Callable[[Any], Any]
@@ -134,13 +133,13 @@ def _results_of(law: AnyLaw | SoftContact) -> tuple[str, ...]:
 
 def _recorded_state(
     packing: Packing,
-    law: AnyLaw | SoftContact,
-    friction: Friction | None,
+    made_of: Setup,
     motion: Motion,
     columns: Mapping[str, NDArray[Any]],
     row: Mapping[str, str],
 ) -> State:
     """A state as it was recorded; what was not is evaluated when it is asked for."""
+    law = made_of.law
     results = {
         name: columns[COLUMNS.get(name, name)].astype(
             np.int64 if name == "n_contacts" else np.float64
@@ -167,11 +166,12 @@ def _recorded_state(
         "directions": motion.directions,
         "labels": motion.labels,
         "clones": motion.clones,
+        "gravity": made_of.gravity,
     }
     if isinstance(law, SoftContact):
         return State(packing, law, **known)
-    evaluate = partial(_evaluated, packing, law, friction, motion)
-    if friction is None:
+    evaluate = partial(_evaluated, packing, made_of, motion)
+    if made_of.friction is None:
         return State(packing, law, **known, _evaluate=evaluate)
     return replace(evaluate(), **known)  # forces along contacts are not in the frame
 
@@ -184,11 +184,19 @@ def _stress_in(row: Mapping[str, str], dimension: int) -> NDArray[np.float64]:
     return stress
 
 
-def _evaluated(packing: Packing, law: AnyLaw, friction: Friction | None, motion: Motion) -> State:
+def _evaluated(packing: Packing, made_of: Setup, motion: Motion) -> State:
     """The state of recorded particles, on this rank alone."""
-    with Simulation(packing, law, comm=MPI.COMM_SELF, friction=friction) as sim:
+    with _simulation_of(packing, made_of, MPI.COMM_SELF) as sim:
         sim._engine.go_on(sim, motion)
         return sim.state()
+
+
+def _simulation_of(
+    packing: Packing, made_of: Setup, comm: MPI.Comm | None, minimizer: str | None = None
+) -> Simulation:
+    """A simulation of what was saved."""
+    forces: dict[str, Any] = {"friction": made_of.friction, "gravity": made_of.gravity}
+    return Simulation(packing, made_of.law, comm=comm, minimizer=minimizer, **forces)
 
 
 class Run(Sequence[Any]):
@@ -301,13 +309,15 @@ class Run(Sequence[Any]):
             return self._states[number]
         with reading(f"frame {number} of {self.folder / TRAJECTORY}"):
             saved, text = self._frames.setup(number), self._frames.text(number)
-            law, radii, walls, friction, dimension = read_setup(saved)
+            made_of = read_setup(saved)
             rows = self._frames.rows()
             if number >= len(rows):
                 raise LookupError(f"its row in {SERIES}")
-            packing, motion, columns = store.read_frame(text, radii, saved, rows[number], dimension)
-            packing = packing.replace(walls=walls)
-            return _recorded_state(packing, law, friction, motion, columns, rows[number])
+            packing, motion, columns = store.read_frame(
+                text, made_of.radii, saved, rows[number], made_of.dimension
+            )
+            packing = packing.replace(walls=made_of.walls)
+            return _recorded_state(packing, made_of, motion, columns, rows[number])
 
     @property
     def parameters(self) -> dict[str, Any]:
@@ -355,10 +365,9 @@ class Run(Sequence[Any]):
         return self._simulation(self.folder, comm)
 
     def _simulation(self, folder: Path, comm: MPI.Comm | None) -> Any:
-        packing, law, friction = read(folder)
+        packing, made_of = read(folder)
         motion = read_motion(folder, packing)
-        minimizer = self.parameters.get("minimizer")
-        sim = Simulation(packing, law, comm=comm, friction=friction, minimizer=minimizer)
+        sim = _simulation_of(packing, made_of, comm, self.parameters.get("minimizer"))
         sim._engine.go_on(sim, motion)
         return sim
 

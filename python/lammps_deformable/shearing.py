@@ -169,7 +169,7 @@ def _flow(
     ):
         drag = dynamics.drag * rate * 2.0 * float(state.packing.radii.max())
         limit = min(dynamics.limit, _OF_A_STEP / rate)
-        dynamics = replace(dynamics, drive=drag, limit=limit)
+        dynamics = replace(dynamics, drive=dynamics.drive + drag, limit=limit)
         pieces = math.ceil(rate * duration / _OF_A_PIECE)
         for n in range(done, len(strains)):
             for k in range(pieces):

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 from mpi4py import MPI
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from . import room
 from ._checks import count, expect, positive, shown
@@ -21,7 +21,16 @@ from .engines import (
 from .errors import ParameterError, UndefinedError
 from .free_box import check_free, relax_free_box
 from .friction import Friction
-from .lammps import box_change, close_lammps, communicator, refuse_forces_of_motion, run, setup
+from .gravity import as_gravity, check_held
+from .lammps import (
+    box_change,
+    close_lammps,
+    communicator,
+    gather,
+    refuse_forces_of_motion,
+    run,
+    setup,
+)
 from .laws import AnyLaw, Droplet, Ring, Sector, SoftContact, sticks
 from .packing import Packing
 from .polygon_engine import PolygonBeads
@@ -80,6 +89,10 @@ class Simulation(OneCall):
         friction: of the contacts of rings or droplets, which rub and damp and turn them; particles
             get radii of their own. That of a state if not given; contacts of a packing slip freely
             then.
+        gravity: acceleration (gx, gy), in space (gx, gy, gz), or a row for each species
+            [length/time^2]; as masses are 1 it is the force on a particle too, which may stand for
+            another constant force. It acts in relaxations and motion. That of a state if not given;
+            (0, 0) is none.
         minimizer: of relaxations, `lbfgs` (*min_style deformable/lbfgs*) or `fire`. L-BFGS needs
             5 to 25 times fewer force calls; where it fails, FIRE goes on. The first one that the
             law can have if not given: energies of `Sector` jump, so it has `fire` only, contacts
@@ -94,20 +107,20 @@ class Simulation(OneCall):
             boundaries and the thermo output belong to this object.
         law: of the particles.
         friction: of the contacts; None if they slip.
+        gravity: of the particles, shape (d,) or (species, d); None without.
         minimizer: that of its relaxations.
         comm: the communicator.
         callback: a function that is told how relaxations go on; None if not set.
         time: of all motion and flows so far [time]; relaxations take none.
         shear_strain: of all calls of `shear` so far; None before the first one.
-        directions: in which particles propel themselves, shape (N, 2); None before.
+        directions: in which particles propel themselves, shape (N, d); None before.
         seed: of the last motion, given or drawn; None before.
 
     Raises:
         ParameterError: no packing or no law; or a packing of another dimension than the law; or
             radii too large for LAMMPS' neighbor bins; or a center on the wrong side of a wall, or
-            an obstacle that does not fit into the periodic box; or a friction that the law cannot
-            have; or a minimizer that it cannot have; or polygons that overlap too far, or reach
-            their own images.
+            an obstacle that does not fit into the periodic box; or a friction, gravity or minimizer
+            that the law cannot have; or polygons that overlap too far, or reach their own images.
         LammpsError: LAMMPS refuses the packing or the law.
     """
 
@@ -132,6 +145,7 @@ class Simulation(OneCall):
         law: AnyLaw | SoftContact | DeformablePolygon,
         *,
         friction: Friction | None = None,
+        gravity: ArrayLike | None = None,
         minimizer: str | None = None,
         comm: MPI.Comm | None = None,
     ) -> None:
@@ -141,6 +155,8 @@ class Simulation(OneCall):
         self.law, self.comm = law, communicator(comm)
         start, state = _parts(self.comm.bcast(packing))  # those of other machines may differ
         self.friction = state.friction if state and friction is None else friction
+        gravity = state.gravity if state and gravity is None else gravity
+        self.gravity = as_gravity(gravity, start, law)
         self._engine = _ENGINES[type(law)](law)
         self.minimizer = self._choose(minimizer)
         self._rigidity = Rigidity(start)
@@ -154,6 +170,7 @@ class Simulation(OneCall):
         expect("walls", walls, Walls)
         sim = cls.__new__(cls)
         sim.law, sim.comm, sim.friction = law, communicator(comm), None
+        sim.gravity = None
         sim._engine, sim._rigidity = PolygonBeads(law, walls), Rigidity(packing)
         sim.minimizer = sim._choose(None)
         sim._open(packing, None)
@@ -197,6 +214,7 @@ class Simulation(OneCall):
         expect("packing", packing, Packing, State)
         start, state = _parts(packing)
         self._engine.check(start, self.friction)  # or fail before the old particles are gone
+        as_gravity(self.gravity, start, self.law)
         self._steps_before = 0
         self._rigidity.start = self._rigidity.start and start
         try:
@@ -745,23 +763,24 @@ class Simulation(OneCall):
         and diffuse freely by <r^2> = 2 d (temperature/drag) t in d dimensions. Then velocities are
         0 in all states.
 
-        In the plane, with a propulsion each particle adds to F a force of this size along its
+        With a propulsion each particle adds to F a force of this size along its
         direction, which diffuses (*fix deformable/propel* of this package). Without contacts and
         noise its speed is v = propulsion/drag, and in overdamped motion, with the persistence time
         tau,
 
             <r^2> = 2 v^2 tau (t - tau (1 - exp(-t/tau)))
 
-        In the plane, with a pressure p particles come to rest by damped motion in a box that
-        follows: contacts that rub, by the `friction` of the simulation, make a packing depend on
-        its way, and minimizers pass over friction. The box keeps its shape; the rate of its sides L
-        is proportional to what is missing in the pressure P of the contacts,
+        With a pressure p particles come to rest by damped motion in a box that follows: contacts
+        that rub, by the `friction` of the simulation, make a packing depend on its way, and
+        minimizers pass over friction. The box keeps its shape; the rate of its sides L is
+        proportional to what is missing in the pressure P of the contacts,
 
             d(ln L)/dt = - I sqrt(p/m) (1 - P/p),
 
-        so that a loose packing is compressed at the inertial number I = |d(ln L)/dt| sqrt(m/p), and
-        no faster later. The run ends where forces, torques and the pressure are balanced. Further
-        calls at higher or lower pressures go on from there, springs of contacts included.
+        in space with p times the mean diameter for p in the root, so that a loose packing is
+        compressed at the inertial number I = |d(ln L)/dt| sqrt(m/p), and no faster later. The run
+        ends where forces, torques and the pressure are balanced without the drag. Further calls at
+        higher or lower pressures go on from there, springs of contacts included.
 
         Args:
             steps: number of time steps, where other protocols count states; with a pressure at
@@ -777,13 +796,13 @@ class Simulation(OneCall):
                 are at rest, as after `relax`; others go on with the velocities that they have. If
                 not given, none are drawn: the velocities are those of the simulation.
             drag: rate at which velocities decay, or force over velocity [1/time]; 0 if not given,
-                with a pressure min(2, 0.16/(I N)) sqrt(p/m).
+                with a pressure min(2, 0.16/(I N^(2/d))) sqrt(p/m).
             inertia: whether particles have some; without, they need a drag.
             propulsion: force with which particles propel themselves, above 0 [energy/length]; they
                 need a drag.
             persistence: time tau in which their directions n forget the first one, <n(t).n(0)> =
                 exp(-t/tau), above 0 [time]; infinite for directions that stay.
-            pressure: p, of the state at rest [energy/length^2].
+            pressure: p, of the state at rest [energy/length^d].
             inertial_number: I, 1e-3 if not given; the smaller, the slower is the compression.
             tolerance: with a pressure, largest force on a particle, and largest torque on it over
                 its radius, over the mean contact force, and the largest relative error of the
@@ -884,8 +903,8 @@ class Simulation(OneCall):
 
         Raises:
             ParameterError: a value is out of range, or the pressure cannot be reached, or it is
-                given with friction; or with friction a motion has not ended; or a polygon reached
-                its own image.
+                given with friction; or gravity pulls the particles where no wall holds them; or
+                with friction a motion has not ended; or a polygon reached its own image.
             LammpsError: LAMMPS gave up, e.g. because a contact line is behind a center; a particle
                 has no area left; or LAMMPS was given commands that states cannot follow, or a fix
                 whose forces act in motion only, such as *fix gravity*; or the forces of droplets
@@ -921,6 +940,9 @@ class Simulation(OneCall):
         if not self.friction:
             refuse_forces_of_motion(self.lmp)
         check_free(free, self._walls, pressure, self.friction)
+        if self.gravity is not None:
+            species = gather(self.lmp, "type", 1).astype(np.int64) - 1
+            check_held(self.gravity, species, self._walls)
         if pressure is not None:
             least = max(least, pressure * self._facet)
             return relax_free_box(
@@ -978,7 +1000,7 @@ class Simulation(OneCall):
 
     def _balanced(self, packing: Packing) -> bool:
         """Whether contact forces about balance in a packing."""
-        with Simulation(packing, self.law, comm=self.comm) as sim:
+        with Simulation(packing, self.law, comm=self.comm, gravity=self.gravity) as sim:
             return sim.state().residual <= BALANCED and not sim._engine.loose
 
 

@@ -25,6 +25,7 @@ from .commands import SOFT_STEP
 from .contacts import ContactForces, ContactTable
 from .errors import ParameterError, UndefinedError, UnsavedWarning
 from .friction import Friction, Rubbing, inertia, spin_column
+from .gravity import gravity_energy
 from .hessian import at_rest, hessian_of
 from .laws import (
     AnyLaw,
@@ -130,7 +131,8 @@ class State:
             is the mean of its beads; that of a smooth one its Steiner point, which is the center in
             the ring laws.
         law: of the particles.
-        energy: of the deformation of all particles [energy].
+        energy: of the deformation of all particles, and with gravity their potential energy, see
+            `gravity_energy`: relaxations minimize it [energy].
         pressure_tensor: of the contacts, compression positive, shape (d, d)
             [energy/length^d]; motion adds N T / V to its diagonal. Of droplets its `pressure` is
             the osmotic one. With walls it is the derivative of the energy by a strain of particles
@@ -163,12 +165,14 @@ class State:
         lost_energy: what particles have lost in motion, where they have attached and let go, and
             where contacts rub and damp: with it, and with `spring_energy`, their energy is
             conserved [energy].
-        directions: in which particles propel themselves, unit vectors, shape (N, 2); None in other
+        directions: in which particles propel themselves, unit vectors, shape (N, d); None in other
             states than those of motion with a propulsion.
         labels: number, from 0, that each particle keeps where others vanish or are born, shape
             (N,); None as long as none do.
         clones: label of the first ancestor of each particle, shape (N,); None if none divided.
         friction: of the contacts; None if they slip.
+        gravity: acceleration of all particles, shape (d,), or of each species; None without
+            [length/time^2].
         rubbing: spins, springs of contacts and what was lost, see `friction.Rubbing`; None without
             friction.
         unsaved: what acts on the contacts by commands to `lmp`, and is not saved: walls, excluded
@@ -202,6 +206,7 @@ class State:
     labels: NDArray[np.int64] | None = None
     clones: NDArray[np.int64] | None = None
     friction: Friction | None = None
+    gravity: Floats | None = None
     rubbing: Rubbing | None = None
     unsaved: str = ""
     _table: ContactTable | None = None
@@ -389,6 +394,11 @@ class State:
     def spring_energy(self) -> float:
         """Energy of the springs along contacts, sum of kt xi^2/2; 0 without friction [energy]."""
         return 0.0 if self.rubbing is None else self.rubbing.stored
+
+    @property
+    def gravity_energy(self) -> float:
+        """The part -sum g.r of `energy`, of unwrapped positions r; 0 without gravity [energy]."""
+        return gravity_energy(self.gravity, self.packing, self.images)
 
     @property
     def _motion(self) -> Motion:
@@ -596,7 +606,9 @@ class State:
     @property
     def _of_rattlers(self) -> int:
         """Contacts of a rattler at most."""
-        return 1 if self._rubs else self.packing.dimension
+        if self._rubs:
+            return 1
+        return self.packing.dimension - (self.gravity is not None)
 
     @cached_property
     def _in_network(self) -> NDArray[np.bool_]:
@@ -615,8 +627,8 @@ class State:
     def rattlers(self) -> NDArray[np.bool_]:
         """Particles with fewer than three active contacts with non-rattlers, or walls, shape (N,).
 
-        They are removed one after another. In three dimensions they have fewer than four, with
-        friction fewer than two, as two hold a particle.
+        They are removed one after another. In three dimensions they have fewer than four. With
+        gravity one less holds a particle, with friction two do.
         """
         return self.network_degree == 0
 
@@ -954,8 +966,8 @@ class State:
 
         Raises:
             ParameterError: the law is `Sector`, particles stick or rub, walls were given to `lmp`,
-                or a line is held at the largest tilt; soft spheres touch a cylinder, cone or post;
-                droplets touch walls, or the compliance of one is singular, far beyond the model.
+                or a line is held at the largest tilt; or the compliance of a droplet is singular,
+                far beyond the model.
             UndefinedError: they are polygons.
         """
         return hessian_of(self, rattlers)
@@ -1333,7 +1345,8 @@ class State:
         steps = self._time_steps()
         numbers = self._numbers()
         packing, law = self.packing, self.law
-        save(folder, packing, law, steps, numbers, self._motion, parameters, frames, self.friction)
+        forces = self.friction, self.gravity
+        save(folder, packing, law, steps, numbers, self._motion, parameters, frames, *forces)
 
     def _time_steps(self) -> tuple[float, float]:
         """For the script in the folder: of a minimization, and of a motion [time]."""

@@ -52,6 +52,7 @@ from .friction import (
     rubbing_lines,
     spring_commands,
 )
+from .gravity import Floats, as_json_gravity, gravity_commands
 from .laws import ALL_LAWS, AnyLaw, SoftContact
 from .packing import Packing
 from .room import closed
@@ -62,14 +63,20 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
 
 # What particles carry with them in motion, as columns of a trajectory and comments of a data file.
-_DIRECTION, _LABEL, _CLONE = "direction", "label", "clone"
+_DIRECTION, _ELEVATION, _LABEL, _CLONE = "direction", "elevation", "label", "clone"
 
 
 def as_columns(motion: Motion) -> dict[str, NDArray[Any]]:
-    """Columns of a trajectory: angles of directions to the x axis, labels, clones; none without."""
+    """Columns of a trajectory: angles of directions, labels, clones; none without.
+
+    A direction has an angle to the x axis in the xy plane, and in space one above this plane.
+    """
     found: dict[str, NDArray[Any]] = {}
     if motion.directions is not None:
-        found[_DIRECTION] = np.arctan2(motion.directions[:, 1], motion.directions[:, 0])
+        x, y, *z = motion.directions.T
+        found[_DIRECTION] = np.arctan2(y, x)
+        if z:
+            found[_ELEVATION] = np.arctan2(z[0], np.hypot(x, y))
     if motion.labels is not None:
         found[_LABEL] = motion.labels
     if motion.clones is not None:
@@ -81,7 +88,11 @@ def from_columns(columns: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
     """The inverse of `as_columns`: what a motion has of it."""
     found: dict[str, Any] = {}
     if _DIRECTION in columns:
-        found["directions"] = unit_vectors(columns[_DIRECTION])
+        directions = unit_vectors(columns[_DIRECTION])
+        if _ELEVATION in columns:
+            flat, height = unit_vectors(columns[_ELEVATION]).T
+            directions = np.column_stack([flat[:, None] * directions, height])
+        found["directions"] = directions
     if _LABEL in columns:
         found["labels"] = columns[_LABEL].astype(np.int64)
     if _CLONE in columns:
@@ -106,7 +117,7 @@ def carried_in(text: str, number: int) -> dict[str, Any]:
         ValueError: they are damaged.
     """
     columns = {}
-    for name in (_DIRECTION, _LABEL, _CLONE):
+    for name in (_DIRECTION, _ELEVATION, _LABEL, _CLONE):
         values = re.findall(rf"^# {name} (.+)$", text, re.MULTILINE)
         if len(values) not in (0, number):
             raise ValueError(f"it has {name}s of {len(values)} of {number} atoms")
@@ -123,7 +134,7 @@ class Motion(NamedTuple):
         time: of the motion so far [time].
         strain: shear strain so far; None without shear.
         films: those that there are, see `films.py`; None if nothing sticks.
-        directions: in which particles propel themselves, shape (N, 2); None if they do not.
+        directions: in which particles propel themselves, shape (N, d); None if they do not.
         rubbing: spins, and what contacts that rub remember; None if they do not.
         images: how often particles have left the box through each side, shape (N, d); None: never.
         lost: energy that films have lost so far [energy].
@@ -296,6 +307,7 @@ def script(
     moving: float,
     motion: Motion,
     friction: Friction | None,
+    gravity: Floats | None,
 ) -> str:
     """Text of a LAMMPS script that reads a saved packing and evaluates it.
 
@@ -306,6 +318,7 @@ def script(
         moving: time step of a motion at the temperature `TEMPERATURE` [time].
         motion: of the saved particles, with films and springs of contacts.
         friction: of the contacts, if they rub.
+        gravity: of the particles, if there is one.
     """
     if isinstance(law, SoftContact):
         commands = _WITHOUT_WALLS * bool(packing.walls) + soft_commands(packing, law.k)
@@ -315,7 +328,7 @@ def script(
     commands += friction_commands(friction, len(packing._species_radii)) + spring_commands(
         friction, motion.rubbing
     )
-    commands += f"timestep {timestep!r}\n"
+    commands += gravity_commands(gravity) + f"timestep {timestep!r}\n"
     setup = setup_commands(packing)
     velocity = "" if motion.moves else f"# velocity all create {TEMPERATURE!r} 12345\n"
     sphere = "nve/sphere disc" if packing.dimension == 2 else "nve/sphere"
@@ -738,6 +751,7 @@ def save(
     parameters: Mapping[str, Any] | None = None,
     frames: int | None = None,
     friction: Friction | None = None,
+    gravity: Floats | None = None,
 ) -> None:
     """Write a state. Only one rank may call this.
 
@@ -751,17 +765,18 @@ def save(
         parameters: for the summary, what JSON can hold.
         frames: number of recorded frames up to this state, if any.
         friction: of its contacts, if they rub.
+        gravity: of its particles, if there is one.
     """
     folder = make_folder(folder)
     summary = {
         "state": as_json("state", numbers),
-        **setup(packing, law, friction),
+        **setup(packing, law, friction, gravity),
         "parameters": as_json("parameters", parameters or {}),
         "versions": versions(),
     }
     if not isinstance(law, SoftContact):  # LAMMPS' own pair styles have no species file
         write_whole(folder / SPECIES, species_file(law, packing._species_radii))
-    write_whole(folder / SCRIPT, script(packing, law, *timesteps, motion, friction))
+    write_whole(folder / SCRIPT, script(packing, law, *timesteps, motion, friction, gravity))
     write_whole(folder / SUMMARY, json.dumps(summary, indent=2, allow_nan=False) + "\n")
     # last: it completes the state
     write_whole(folder / DATA, packing_file(packing, motion, frames))
@@ -774,11 +789,17 @@ class Setup(NamedTuple):
     radii: list[float]
     walls: tuple[Wall, ...]
     friction: Friction | None
+    gravity: Floats | None
     dimension: int
 
 
-def setup(packing: Packing, law: AnyLaw | SoftContact, friction: Friction | None) -> dict[str, Any]:
-    """Law, radii of species, walls, and friction if contacts rub, as JSON."""
+def setup(
+    packing: Packing,
+    law: AnyLaw | SoftContact,
+    friction: Friction | None,
+    gravity: Floats | None,
+) -> dict[str, Any]:
+    """Law, radii of species, walls, friction if contacts rub, and gravity, as JSON."""
     settings = {name: value for name, value in asdict(law).items() if name != "contact"}
     return {
         "law": {"name": law.name} | as_json("law", settings),
@@ -786,6 +807,7 @@ def setup(packing: Packing, law: AnyLaw | SoftContact, friction: Friction | None
         "radii": packing._species_radii.tolist(),
         "walls": [{"shape": type(wall).__name__, **asdict(wall)} for wall in packing.walls],
         **({} if friction is None else {"friction": as_json("friction", asdict(friction))}),
+        **as_json_gravity(gravity),
     }
 
 
@@ -809,7 +831,8 @@ def read_setup(saved: Mapping[str, Any]) -> Setup:
     law = replace(laws[name], **from_json(settings))
     walls = tuple(_wall(**each) for each in saved.get("walls", []))
     friction = _friction(saved["friction"]) if "friction" in saved else None
-    return Setup(law, saved["radii"], walls, friction, int(saved["dimension"]))
+    gravity = np.array(saved["gravity"], np.float64) if "gravity" in saved else None
+    return Setup(law, saved["radii"], walls, friction, gravity, int(saved["dimension"]))
 
 
 def summary_in(folder: Path) -> dict[str, Any]:
@@ -848,18 +871,19 @@ def _wall(shape: str, **values: Any) -> Wall:
     return SHAPES[shape](**values)
 
 
-def read(folder: Path) -> tuple[Packing, AnyLaw | SoftContact, Friction | None]:
-    """The packing in a folder, with every digit, its contact law, and friction if contacts rub.
+def read(folder: Path) -> tuple[Packing, Setup]:
+    """The packing in a folder, with every digit, and what it is made of besides.
 
     Raises:
         FileError: a file is missing or damaged, or the folder holds other results.
     """
     summary = summary_in(refuse(folder, but="compression"))
     with reading(folder / SUMMARY):
-        law, radii, walls, friction, dimension = read_setup(summary)
+        made_of = read_setup(summary)
     with reading(folder / DATA):
-        packing = packing_in(_text(folder / DATA, folder), radii, dimension)
-        return (packing.replace(walls=walls) if walls else packing), law, friction
+        text = _text(folder / DATA, folder)
+        packing = packing_in(text, made_of.radii, made_of.dimension)
+        return (packing.replace(walls=made_of.walls) if made_of.walls else packing), made_of
 
 
 def read_motion(folder: Path, packing: Packing) -> Motion:
