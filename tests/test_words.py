@@ -32,7 +32,7 @@ BUDGETS = {
     "docs/fix_deformable_wall.md": 3100,
     "docs/fix_deformable_friction.md": 2400,
 }
-USUAL, ALL = 1600, 79_000
+USUAL, ALL = 1600, 80_000
 
 # How the code came to be is in the git log. What nobody has read is no source.
 BANNED = (
