@@ -329,7 +329,7 @@ void FixDeformableProliferate::divide(int i, std::vector<double> &daughters)
    group, velocity and custom properties of its mother.
 ------------------------------------------------------------------------- */
 
-void FixDeformableProliferate::create(const std::vector<double> &daughters)
+void FixDeformableProliferate::create(std::vector<double> &daughters)
 {
   enum { MOTHER, TYPE, MASK, IMAGE, X, V = X + 3, RADIUS = V + 3, MASS, CUSTOM };
   const int columns = CUSTOM + atom->nivector + atom->ndvector;

@@ -66,7 +66,7 @@ class FixDeformableProliferate : public Fix {
   void grow(int i);
   deformable::Vector3 axis_of(int i, deformable::CountedRandom &) const;
   void divide(int i, std::vector<double> &daughters);
-  void create(const std::vector<double> &daughters);
+  void create(std::vector<double> &daughters);
 };
 
 }    // namespace LAMMPS_NS
