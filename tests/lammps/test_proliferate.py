@@ -8,7 +8,7 @@ from contact_rows import CONTACTS, contacts
 from lammps import lammps
 from laws import LAWS, laws
 from parallel import FEW, finished, lmp, on_grids, report, reported
-from scene import BOX, SPECIES, Scene
+from scene import BOX, FOUR, SPECIES, Scene
 from test_propel import gaussian, uniforms
 from test_refusals import refuses, two_particles
 
@@ -254,6 +254,16 @@ def test_refusals():
         scene.run("run 1")
     with refuses("needs atoms that have radii: use 'atom_style sphere', not atomic"):
         two_particles().command("fix grow all deformable/proliferate 10 1 1 1")
+
+
+def test_sides_that_follow():
+    """A box that shrinks around its particles grows with them."""
+    scene = Scene(FOUR, ["any"] * 4, BOX, STYLE, boundary="s s p", radii=[0.5] * 4)
+    scene.run(grows(0.0, 0.7) + "run 10")
+    assert scene.lmp.get_natoms() == 8
+    low, high = scene.lmp.extract_box()[:2]
+    assert (scene.x >= low[:2]).all()
+    assert (scene.x <= high[:2]).all()
 
 
 TOO_LARGE = "1.0 1.2", "10.0 9.0", "Atom . has a radius of .*, but species cell allows 0.8 at most"

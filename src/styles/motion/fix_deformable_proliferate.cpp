@@ -142,7 +142,7 @@ FixDeformableProliferate::FixDeformableProliferate(LAMMPS *lmp, int narg, char *
 
 int FixDeformableProliferate::setmask()
 {
-  return PRE_EXCHANGE | POST_FORCE;
+  return PRE_EXCHANGE | FINAL_INTEGRATE;
 }
 
 void FixDeformableProliferate::init()
@@ -175,12 +175,12 @@ bool FixDeformableProliferate::needs_contacts() const
   return update->ntimestep + 1 == next_reneighbor && (most_pressure < HUGE_VAL || axis != RANDOM);
 }
 
-void FixDeformableProliferate::setup(int vflag)
+void FixDeformableProliferate::setup(int)
 {
-  post_force(vflag);
+  final_integrate();
 }
 
-void FixDeformableProliferate::post_force(int)
+void FixDeformableProliferate::final_integrate()
 {
   if (!needs_contacts()) return;
   if (most_pressure < HUGE_VAL || axis == STRESS) find_stresses();
@@ -265,22 +265,34 @@ void FixDeformableProliferate::grow(int i)
   if (atom->rmass) atom->rmass[i] *= std::exp(growth);
 }
 
-// Along which a particle is pressed least, or longest; any where nothing tells.
+// Along which a particle is pressed least, or longest; any where nothing tells. No eigenvalue is larger than the sum.
 Vector3 FixDeformableProliferate::axis_of(int i, CountedRandom &random) const
 {
   const bool plane = domain->dimension == 2;
   const auto &known = axis == STRESS ? stress : moments;
   const auto found = known.find(atom->tag[i]);
-  if (axis == RANDOM || found == known.end()) {
+  const SymmetricTensor m = found == known.end() ? SymmetricTensor{} : found->second;
+  const double sum = std::fabs(m.xx) + std::fabs(m.yy) + std::fabs(m.zz) +
+                     2.0 * (std::fabs(m.yz) + std::fabs(m.xz) + std::fabs(m.xy));
+  if (axis == RANDOM || sum == 0.0) {
     const Vector3 v = {random.gaussian(), random.gaussian(), plane ? 0.0 : random.gaussian()};
     return v / length(v);
   }
-  const SymmetricTensor &m = found->second;
   if (axis == LONG) return main_axis(m);
-  const double larger = std::fabs(m.xx) + std::fabs(m.yy) + std::fabs(m.zz) +
-                        2.0 * (std::fabs(m.yz) + std::fabs(m.xz) + std::fabs(m.xy));
-  return main_axis(
-      {larger - m.xx, larger - m.yy, plane ? 0.0 : larger - m.zz, -m.yz, -m.xz, -m.xy});
+  return main_axis({sum - m.xx, sum - m.yy, plane ? 0.0 : sum - m.zz, -m.yz, -m.xz, -m.xy});
+}
+
+// Of a box with fixed sides; others follow.
+bool FixDeformableProliferate::is_outside(const double *x) const
+{
+  double at[3], part[3];
+  std::copy_n(x, 3, at);
+  domain->x2lamda(at, part);
+  for (int d = 0; d < 3; ++d)
+    if ((domain->boundary[d][0] == 1 && part[d] < 0.0) ||
+        (domain->boundary[d][1] == 1 && part[d] >= 1.0))
+      return true;
+  return false;
 }
 
 /* ----------------------------------------------------------------------
@@ -304,7 +316,7 @@ void FixDeformableProliferate::divide(int i, std::vector<double> &daughters)
   x[0] += rest * apart * n.x;
   x[1] += rest * apart * n.y;
   x[2] += rest * apart * n.z;
-  if (!domain->inside_nonperiodic(x) || !domain->inside_nonperiodic(there))
+  if (is_outside(x) || is_outside(there))
     refuse(
         "Fix {} deformable/proliferate: atom {} would divide across a side of the box: keep atoms "
         "away from it by walls",
@@ -365,7 +377,8 @@ void FixDeformableProliferate::create(std::vector<double> &daughters)
   }
   const int before = atom->nlocal;
   atom->nghost = 0;    // new atoms take their memory
-  lammps_create_atoms(lmp, n, tags.data(), types.data(), x.data(), v.data(), images.data(), 0);
+  lammps_create_atoms(lmp, n, tags.data(), types.data(), x.data(), v.data(), images.data(),
+                      domain->nonperiodic == 2);
   for (int i = before; i < atom->nlocal; ++i) {
     const double *const row = rows[atom->tag[i] - last - 1];
     atom->mask[i] = static_cast<int>(ubuf(row[MASK]).i);

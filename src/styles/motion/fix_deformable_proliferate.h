@@ -35,7 +35,7 @@ class FixDeformableProliferate : public Fix {
   int setmask() override;
   void init() override;
   void setup(int) override;
-  void post_force(int) override;
+  void final_integrate() override;
   void pre_exchange() override;
   double compute_scalar() override { return divisions; }
   void write_restart(FILE *) override;
@@ -65,6 +65,7 @@ class FixDeformableProliferate : public Fix {
   double volume_of(double radius) const;
   void grow(int i);
   deformable::Vector3 axis_of(int i, deformable::CountedRandom &) const;
+  bool is_outside(const double *x) const;
   void divide(int i, std::vector<double> &daughters);
   void create(std::vector<double> &daughters);
 };
