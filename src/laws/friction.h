@@ -17,10 +17,12 @@ namespace deformable {
 
 // The spring along the contact has the length xi and the stiffness kt, beside it is a dashpot gt; another one, gn, is along
 // the normal. Coulomb's coefficient mu may be infinite. A film has the constant c and the power n; it may act in one direction only.
+// A coefficient of restitution below 1 is in the place of gn.
 struct Friction {
   double mu = 0.0, kt = 0.0, gt = 0.0, gn = 0.0;
   double film = 0.0, power = 1.0;
   bool film_shears = true, film_squeezes = true;
+  double restitution = 1.0, ratio = 0.0;    // and its damping ratio
 };
 
 // A vector v at a contact: n x v and n.v.
@@ -64,6 +66,10 @@ inline std::string invalid_friction(const Friction &c)
   if (!finite(c.gt)) return "gt must be 0 or positive and finite, not " + shown_number(c.gt);
   if (!finite(c.gn)) return "damp must be 0 or positive and finite, not " + shown_number(c.gn);
   if (!finite(c.film)) return "film must be 0 or positive and finite, not " + shown_number(c.film);
+  if (!(c.restitution > 0.0 && c.restitution <= 1.0))
+    return "restitution must be above 0 and 1 at most, not " + shown_number(c.restitution);
+  if (c.restitution < 1.0 && c.gn > 0.0)
+    return "damp must be 0 beside a restitution, not " + shown_number(c.gn);
   if (!(c.power > 0.0 && c.power <= 1.0))
     return "the power of a film must be above 0 and 1 at most, not " + shown_number(c.power);
   return "";
@@ -73,6 +79,37 @@ inline std::string invalid_friction(const Friction &c)
 inline double most_friction(double mu, double force)
 {
   return force > 0.0 ? mu * force : 0.0;
+}
+
+// Restitution of a spring and a dashpot of the damping ratio z, whose contact ends where its force does, as that does not pull:
+//   ln e = -2 z arccos(z)/sqrt(1 - z^2),   for z > 1 -2 z arcosh(z)/sqrt(z^2 - 1)
+inline double restitution_of(double z)
+{
+  constexpr double NEAR = 1e-4;    // of z = 1, where both are -2 (1 + 2 (z - 1)/3)
+  if (std::fabs(z - 1.0) < NEAR) return std::exp(-2.0 - 4.0 / 3.0 * (z - 1.0));
+  const double angle = z < 1.0 ? std::acos(z) : std::acosh(z);
+  return std::exp(-2.0 * z * angle / std::sqrt(std::fabs(1.0 - z * z)));
+}
+
+// The inverse, for 0 < e <= 1, by bisection: e < 1/z^2.
+inline double damping_ratio(double restitution)
+{
+  double low = 0.0, high = 1.0 / std::sqrt(restitution);
+  for (int n = 0; n < 60; ++n) {
+    const double z = 0.5 * (low + high);
+    (restitution_of(z) > restitution ? low : high) = z;
+  }
+  return 0.5 * (low + high);
+}
+
+// The dashpot gn of that damping ratio where the contact of two bodies with the reduced mass m bears the force f and has the
+// energy U: that of a spring with the same force and energy, k = f^2/2U,
+//   gn = 2 z sqrt(m k).
+// So the restitution is the same for any law of the contact and any velocity: with y = sqrt(2U/m) and ds = dy/dx dt, the
+// motion m dv/dt = -f - gn v is that of a linear oscillator, dy/ds = v, dv/ds = -y - 2 z v.
+inline double dashpot(double ratio, double mass, double force, double energy)
+{
+  return energy > 0.0 ? 2.0 * ratio * force * std::sqrt(0.5 * mass / energy) : 0.0;
 }
 
 struct Rub {

@@ -10,11 +10,9 @@
 #include "error.h"
 #include "fix.h"
 #include "force.h"
-#include "input.h"
 #include "modify.h"
 #include "neighbor.h"
 #include "update.h"
-#include "variable.h"
 
 #include <algorithm>
 #include <cmath>
@@ -84,6 +82,13 @@ void FixDeformableFriction::init()
                  "Fix {} deformable/friction needs contacts that slip, but those of pair_style "
                  "deformable/sector stick: use deformable/ring",
                  id);
+  for (const PairDeformable *pair : pairs)
+    if (coefficients.have_restitution() && !pair->knows_energy_alone())
+      error->all(
+          FLERR,
+          "Fix {} deformable/friction: a restitution needs contacts with one force, but those "
+          "of 'contact radical' have two: use 'contact balanced' or 'contact curved'",
+          id);
   if (!atom->tag_enable)
     error->all(FLERR, "Fix {} deformable/friction needs atom IDs: use 'atom_modify id yes'", id);
   comm->ghost_velocity = 1;
@@ -149,26 +154,24 @@ void FixDeformableFriction::find_lightest()
 {
   double least = std::numeric_limits<double>::infinity();
   for (int i = 0; i < atom->nlocal; ++i)
-    if (atom->mask[i] & groupbit)
-      least = std::min(least, atom->rmass ? atom->rmass[i] : atom->mass[atom->type[i]]);
+    if (atom->mask[i] & groupbit) least = std::min(least, mass_of(i));
   MPI_Allreduce(&least, &lightest, 1, MPI_DOUBLE, MPI_MIN, world);
 }
 
 void FixDeformableFriction::check_time_step() const
 {
   if (update->whichflag != 1) return;    // minimizers pass over friction
-  const double longest = coefficients.largest_time_step(mass(), lever());
+  const double longest = coefficients.largest_time_step(lightest, lever());
   if (update->dt > longest)
     error->all(FLERR,
                "Fix {} deformable/friction: the time step {:.6g} is too long for these stiffnesses "
                "and particles of mass {:.6g}: use {:.3g} or less, or smaller kt, gt or damp",
-               id, update->dt, lightest, longest);
+               id, update->dt, lightest * force->ftm2v, longest);
 }
 
-// Of the lightest particle, in force time^2/distance units.
-double FixDeformableFriction::mass() const
+double FixDeformableFriction::mass_of(int i) const
 {
-  return lightest / force->ftm2v;
+  return (atom->rmass ? atom->rmass[i] : atom->mass[atom->type[i]]) / force->ftm2v;
 }
 
 double FixDeformableFriction::lever() const
@@ -215,11 +218,12 @@ void FixDeformableFriction::rub_all(int vflag)
     for (int i = atom->nlocal; i < atom->nlocal + atom->nghost; ++i) std::fill_n(vatom[i], 6, 0.0);
   output[CONTACTS] = output[SLIDES] = 0.0;
   values.clear();
-  linear_film = 0.0;
-  largest_film = deformable::largest_film_constant(mass(), lever(), update->dt, domain->dimension);
-  for (PairDeformable *pair : pairs)
-    for (const LoadedContact &contact : pair->loaded) rub(contact);
-  if (has_films()) check_films();
+  linear_film = largest_dashpot = 0.0;
+  largest_film =
+      deformable::largest_film_constant(lightest, lever(), update->dt, domain->dimension);
+  for (const PairDeformable *pair : pairs)
+    for (const LoadedContact &contact : pair->loaded) rub(*pair, contact);
+  if (has_films() || coefficients.have_restitution()) check_dashpots();
   sweep();
   if (vflag_atom) comm->reverse_comm(this);
 
@@ -313,7 +317,25 @@ static void turn(RememberedContact &m, const Vector3 &n)
 
 /* ---------------------------------------------------------------------- */
 
-void FixDeformableFriction::rub(const LoadedContact &contact)
+// Of a restitution, where this contact bears the force.
+double FixDeformableFriction::dashpot(const PairDeformable &pair, const Sides &s, double ratio,
+                                      double force)
+{
+  if (!(force > 0.0)) return 0.0;
+  double energy = pair.energy_alone(s.particle, s.partner, force), mass = mass_of(s.particle);
+  if (s.partner >= 0) {
+    energy += pair.energy_alone(s.partner, s.particle, force);
+    const double other = mass_of(s.partner);
+    mass *= other / (mass + other);
+  }
+  const double found = deformable::dashpot(ratio, mass, force, energy);
+  largest_dashpot = std::max(largest_dashpot, found);
+  return found;
+}
+
+/* ---------------------------------------------------------------------- */
+
+void FixDeformableFriction::rub(const PairDeformable &pair, const LoadedContact &contact)
 {
   Sides sides;
   ContactPlace place;
@@ -328,6 +350,7 @@ void FixDeformableFriction::rub(const LoadedContact &contact)
       coefficients.between(type[i], is_wall ? FrictionCoefficients::WALL : type[sides.partner]);
   const double part = contact.one_side ? 0.5 : 1.0;
   for (double *const value : {&c.kt, &c.gt, &c.gn, &c.film}) *value *= part;
+  if (c.ratio > 0.0) c.gn = dashpot(pair, sides, c.ratio, contact.force);
 
   std::vector<RememberedContact> &contacts = particles[i].rows;
   RememberedContact *remembered = find_contact(contacts, partner, place, own_image);
@@ -416,16 +439,26 @@ ContactVector FixDeformableFriction::film_force(const Friction &c, double size, 
   return g * v;
 }
 
-void FixDeformableFriction::check_films() const
+void FixDeformableFriction::check_dashpots() const
 {
-  double here = linear_film, most;    // MPI of LAMMPS' stubs takes no constants
-  MPI_Allreduce(&here, &most, 1, MPI_DOUBLE, MPI_MAX, world);
-  const double longest = deformable::largest_time_step({1.0, 0.0, most, most}, mass(), lever());
-  if (update->whichflag == 1 && update->dt > longest)
+  double here[] = {linear_film, largest_dashpot},
+         most[2];    // MPI of LAMMPS' stubs takes no constants
+  MPI_Allreduce(here, most, 2, MPI_DOUBLE, MPI_MAX, world);
+  if (update->whichflag != 1) return;
+  const double film =
+      deformable::largest_time_step({1.0, 0.0, most[0], most[0]}, lightest, lever());
+  if (update->dt > film)
     error->all(FLERR,
                "Fix {} deformable/friction: the time step {:.6g} is too long for a film with the "
                "constant {:.6g} and particles of mass {:.6g}: use {:.3g} or less, or a smaller c",
-               id, update->dt, most, lightest, longest);
+               id, update->dt, most[0], lightest * force->ftm2v, film);
+  const double dashpot = deformable::largest_time_step({0.0, 0.0, 0.0, most[1]}, lightest, lever());
+  if (update->dt > dashpot)
+    error->all(
+        FLERR,
+        "Fix {} deformable/friction: the time step {:.6g} is too long for the restitution of "
+        "contacts that are pressed so hard: use {:.3g} or less, or a larger restitution",
+        id, update->dt, dashpot);
 }
 
 /* ----------------------------------------------------------------------
@@ -669,187 +702,4 @@ void FixDeformableFriction::unpack_reverse_comm(int n, int *list, double *buffer
 {
   for (int k = 0; k < n; ++k)
     for (int c = 0; c < 6; ++c) vatom[list[k]][c] += *buffer++;
-}
-
-/* ---------------------------------------------------------------------- */
-
-bool BoxRate::Box::operator==(const Box &other) const
-{
-  return std::equal(low, low + 3, other.low) && std::equal(h, h + 6, other.h);
-}
-
-BoxRate::Box BoxRate::present() const
-{
-  Box box{};
-  std::copy_n(domain->boxlo, 3, box.low);
-  std::copy_n(domain->h, 6, box.h);
-  return box;
-}
-
-void BoxRate::remember()
-{
-  before = present();
-  step = update->ntimestep;
-}
-
-void BoxRate::end_run()
-{
-  at_end = present();
-}
-
-// A run that goes on where the last one ended knows the change of the box after its last step.
-void BoxRate::begin_run()
-{
-  if (step != update->ntimestep || !(present() == at_end)) remember();
-}
-
-/* ----------------------------------------------------------------------
-   Of each fix deform the sides and tilts that it changes. A box that it has not
-   changed yet keeps LAMMPS' rates.
-------------------------------------------------------------------------- */
-
-void BoxRate::measure()
-{
-  if (!domain->deform_vremap || step != update->ntimestep - 1) return;
-  const int changes[] = {Fix::BOX_CHANGE_X,  Fix::BOX_CHANGE_Y,  Fix::BOX_CHANGE_Z,
-                         Fix::BOX_CHANGE_YZ, Fix::BOX_CHANGE_XZ, Fix::BOX_CHANGE_XY};
-  const Box now = present();
-  if (now == before) return;
-  for (const Fix *fix : modify->get_fix_by_style("^deform")) {
-    if (step % fix->nevery != 0) continue;
-    const double time = fix->nevery * update->dt;
-    for (int k = 0; k < 6; ++k) {
-      if (!(fix->box_change & changes[k])) continue;
-      domain->h_rate[k] = (now.h[k] - before.h[k]) / time;
-      if (k < 3) domain->h_ratelo[k] = (now.low[k] - before.low[k]) / time;
-    }
-  }
-}
-
-/* ---------------------------------------------------------------------- */
-
-FrictionCoefficients::FrictionCoefficients(LAMMPS *lmp, int narg, char **arg)
-    : Pointers(lmp),
-      id(arg[0]),
-      types(atom->ntypes + 1),
-      table(types * types)
-{
-  if (narg < 6) utils::missing_cmd_args(FLERR, "fix deformable/friction", error);
-  Rule all = {{WALL, WALL}, {types - 1, types - 1}};
-  for (int n = 0; n < 3; ++n) all.of_friction[n] = read(arg[3 + n]);
-  all.of_friction[5].value = 1.0;
-  int iarg = 6;
-  if (iarg < narg && std::string(arg[iarg]) == "damp") {
-    if (iarg + 1 == narg) utils::missing_cmd_args(FLERR, "fix deformable/friction damp", error);
-    all.of_friction[3] = read(arg[iarg + 1]);
-    iarg += 2;
-  }
-  rules.push_back(all);
-  iarg = read_film(iarg, narg, arg);
-  while (iarg < narg) {
-    if (std::string(arg[iarg]) != "types")
-      error->all(FLERR_WORD(iarg),
-                 "Fix {} deformable/friction: unknown word '{}': after mu, kt and gt come 'damp' "
-                 "and its value, 'film' and its two, then any number of 'types'",
-                 id, arg[iarg]);
-    if (iarg + 6 >= narg) utils::missing_cmd_args(FLERR, "fix deformable/friction types", error);
-    read_types(arg + iarg + 1);
-    iarg = read_film(iarg + 7, narg, arg);
-  }
-  for (const Rule &rule : rules) {
-    for (const Coefficient &c : rule.of_friction) varying |= !c.variable.empty();
-    apply(rule);
-  }
-}
-
-/* ----------------------------------------------------------------------
-   I J mu kt gt gn: types or ranges of them; J may be the word wall.
-------------------------------------------------------------------------- */
-
-void FrictionCoefficients::read_types(char **arg)
-{
-  Rule rule = {{WALL, WALL}, {WALL, WALL}};
-  for (int n = 0; n < 2; ++n)
-    if (n == 0 || std::string(arg[n]) != "wall")
-      utils::bounds(FLERR, arg[n], 1, types - 1, rule.first[n], rule.last[n], error);
-  for (int n = 0; n < 4; ++n) rule.of_friction[n] = read(arg[2 + n]);
-  rule.of_friction[5].value = 1.0;
-  rules.push_back(rule);
-}
-
-// film c n [tangential or normal], if it is there, of the last rule. Returns the place of the next word.
-int FrictionCoefficients::read_film(int iarg, int narg, char **arg)
-{
-  if (iarg >= narg || std::string(arg[iarg]) != "film") return iarg;
-  if (iarg + 2 >= narg) utils::missing_cmd_args(FLERR, "fix deformable/friction film", error);
-  Rule &rule = rules.back();
-  rule.of_friction[4] = read(arg[iarg + 1]);
-  rule.of_friction[5] = read(arg[iarg + 2]);
-  if (!rule.of_friction[5].variable.empty())
-    rule.of_friction[5].value = 1.0;    // until it is known
-  const std::string only = iarg + 3 < narg ? arg[iarg + 3] : "";
-  rule.film_squeezes = only != "tangential";
-  rule.film_shears = only != "normal";
-  return iarg + (rule.film_squeezes && rule.film_shears ? 3 : 4);
-}
-
-bool FrictionCoefficients::have_films() const
-{
-  return std::any_of(rules.begin(), rules.end(), [](const Rule &rule) {
-    return rule.of_friction[4].value > 0.0 || !rule.of_friction[4].variable.empty();
-  });
-}
-
-FrictionCoefficients::Coefficient FrictionCoefficients::read(char *word) const
-{
-  if (utils::strmatch(word, "^v_.")) return {0.0, word + 2};
-  if (std::string(word) == "inf") return {std::numeric_limits<double>::infinity(), ""};
-  return {utils::numeric(FLERR, word, false, lmp), ""};
-}
-
-/* ---------------------------------------------------------------------- */
-
-void FrictionCoefficients::find_variables()
-{
-  for (Rule &rule : rules)
-    for (Coefficient &c : rule.of_friction) {
-      if (c.variable.empty()) continue;
-      c.index = input->variable->find(c.variable.c_str());
-      if (c.index < 0 || !input->variable->equalstyle(c.index))
-        error->all(FLERR,
-                   "Fix {} deformable/friction: v_{} needs an equal-style variable: use "
-                   "'variable {} equal ...'",
-                   id, c.variable, c.variable);
-    }
-}
-
-void FrictionCoefficients::evaluate()
-{
-  modify->clearstep_compute();
-  for (Rule &rule : rules) {
-    for (Coefficient &c : rule.of_friction)
-      if (c.index >= 0) c.value = input->variable->compute_equal(c.index);
-    apply(rule);
-  }
-  modify->addstep_compute(update->ntimestep + 1);
-}
-
-void FrictionCoefficients::apply(const Rule &rule)
-{
-  const auto &[mu, kt, gt, gn, film, power] = rule.of_friction;
-  const Friction c = {mu.value,   kt.value,    gt.value,         gn.value,
-                      film.value, power.value, rule.film_shears, rule.film_squeezes};
-  const std::string problem = deformable::invalid_friction(c);
-  if (!problem.empty()) error->all(FLERR, "Fix {} deformable/friction: {}", id, problem);
-  for (int a = rule.first[0]; a <= rule.last[0]; ++a)
-    for (int b = rule.first[1]; b <= rule.last[1]; ++b)
-      table[a * types + b] = table[b * types + a] = c;
-}
-
-double FrictionCoefficients::largest_time_step(double mass, double lever) const
-{
-  double least = std::numeric_limits<double>::infinity();
-  for (const Friction &c : table)
-    least = std::min(least, deformable::largest_time_step(c, mass, lever));
-  return least;
 }

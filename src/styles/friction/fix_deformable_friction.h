@@ -1,5 +1,5 @@
 // Friction, rotation and damping of contacts, and their films, in the plane and in space:
-//   fix ID group deformable/friction mu kt gt [damp gn] [film c n] [types I J mu kt gt gn [film c n]] ...
+//   fix ID group deformable/friction mu kt gt [damp gn] [restitution e] [film c n] [types I J mu kt gt gn ...] ...
 //
 // The pair style tells which contacts bear a force, where and along which normal. This fix adds what else acts between their
 // two sides, before ranks sum up the forces on ghosts. Of two particles the rank of the one with the smaller ID does so,
@@ -17,78 +17,15 @@ FixStyle(deformable/friction,FixDeformableFriction);
 #ifndef LMP_FIX_DEFORMABLE_FRICTION_H
 #define LMP_FIX_DEFORMABLE_FRICTION_H
 
-#include "laws/friction.h"
+#include "styles/friction/box_rate.h"
+#include "styles/friction/friction_coefficients.h"
 #include "styles/memory/fix_partner_memory.h"
 
 #include <algorithm>
-#include <array>
 #include <string>
 #include <vector>
 
 namespace LAMMPS_NS {
-
-// The coefficients of fix deformable/friction, by the types of both sides: for all contacts, then for contacts of some types.
-// Each is a number or an equal-style variable, whose value may change from step to step.
-class FrictionCoefficients : protected Pointers {
- public:
-  // mu kt gt keyword value ..., from arg[3] on
-  FrictionCoefficients(class LAMMPS *, int narg, char **arg);
-
-  static constexpr int WALL = 0;    // in place of a type
-  const deformable::Friction &between(int a, int b) const { return table[a * types + b]; }
-
-  bool vary() const { return varying; }
-  bool have_films() const;    // of any types
-  void find_variables();      // before a run, as others may have been defined since
-  void evaluate();            // as of this step
-
-  // The largest time step for particles of this mass (force time^2/distance units), and lever = 1 + m R^2/I.
-  double largest_time_step(double mass, double lever) const;
-
- private:
-  struct Coefficient {
-    double value = 0.0;
-    std::string variable;    // its name; empty: a number
-    int index = -1;          // of the variable
-  };
-  struct Rule {
-    int first[2], last[2];                          // types
-    std::array<Coefficient, 6> of_friction = {};    // mu kt gt gn, c n
-    bool film_shears = true, film_squeezes = true;
-  };
-  const std::string id;
-  const int types;            // and the wall
-  std::vector<Rule> rules;    // the last one counts
-  bool varying = false;
-  std::vector<deformable::Friction> table;
-  Coefficient read(char *word) const;
-  void read_types(char **arg);
-  int read_film(int iarg, int narg, char **arg);
-  void apply(const Rule &);
-};
-
-// How fast the box changes, which velocities take across its boundaries with remap v.
-//
-// Some releases of LAMMPS give a side of fix deform/pressure, or a side at constant volume, its rate of strain in place of the
-// rate of its length, dL/dt. Here rates are measured by how the box has changed. From its first change on they replace LAMMPS'.
-class BoxRate : protected Pointers {
- public:
-  explicit BoxRate(class LAMMPS *lmp) : Pointers(lmp) {}
-
-  void begin_run();
-  void measure();     // before velocities are sent to ghosts
-  void remember();    // after the box has flipped, before it changes
-  void end_run();
-
- private:
-  struct Box {
-    double low[3], h[6];
-    bool operator==(const Box &) const;
-  };
-  Box present() const;
-  Box before{}, at_end{};
-  bigint step = -1;    // of `before`
-};
 
 class PairDeformable;
 struct LoadedContact;
@@ -183,12 +120,15 @@ class FixDeformableFriction : public FixPartnerMemory<RememberedContact> {
   double lever() const;    // 1 + m R^2/I
   double mass() const;
   double largest_film = 0.0,
-         linear_film = 0.0;    // constants of films: allowed for n < 1, found for n = 1
-  void check_films() const;
+         linear_film = 0.0;        // constants of films: allowed for n < 1, found for n = 1
+  double largest_dashpot = 0.0;    // of a restitution
+  void check_dashpots() const;
+  double mass_of(int i) const;    // in force time^2/distance units
+  double dashpot(const PairDeformable &, const Sides &, double ratio, double force);
   BoxRate box_rate;
   double dt = 0.0;    // 0: before the first step of a run
   void rub_all(int vflag);
-  void rub(const LoadedContact &);
+  void rub(const PairDeformable &, const LoadedContact &);
   bool find_sides(const LoadedContact &, Sides &, ContactPlace &) const;
   Velocity velocity(const Sides &) const;
   Speeds speeds(const Sides &, const Velocity &, const ContactPlace &, double age) const;
