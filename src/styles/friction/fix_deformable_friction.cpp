@@ -17,16 +17,64 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <type_traits>
 
 using namespace LAMMPS_NS;
 using namespace FixConst;
+using deformable::Along;
 using deformable::ContactVector;
 using deformable::Friction;
-using deformable::Rub;
+using deformable::Vector2;
 using deformable::Vector3;
 
 // Between runs the elastic force of a contact may change by this part of it, as contacts are balanced to 1e-8.
 static constexpr double BALANCED = 1e-6;
+
+// A vector of LAMMPS, or of a contact: its components in the plane, or all. Backwards z is 0.
+template <class V> static V vector(const double *v);
+template <> Vector2 vector<Vector2>(const double *v)
+{
+  return {v[0], v[1]};
+}
+template <> Vector3 vector<Vector3>(const double *v)
+{
+  return {v[0], v[1], v[2]};
+}
+template <class V> static V narrow(const Vector3 &v)
+{
+  return vector<V>(&v.x);
+}
+static Vector3 wide(const Vector2 &v)
+{
+  return {v.x, v.y, 0.0};
+}
+static Vector3 wide(const Vector3 &v)
+{
+  return v;
+}
+
+// A spin, or what is along a contact: its third component in the plane, or all.
+template <class V> static Along<V> along(const Vector3 &v);
+template <> double along<Vector2>(const Vector3 &v)
+{
+  return v.z;
+}
+template <> Vector3 along<Vector3>(const Vector3 &v)
+{
+  return v;
+}
+static Vector3 wide(double v)
+{
+  return {0.0, 0.0, v};
+}
+template <class V> static ContactVector<Vector3> wide(const ContactVector<V> &v)
+{
+  return {wide(v.along), v.normal};
+}
+template <class V> static ContactPlace<V> narrow(const ContactPlace<Vector3> &p)
+{
+  return {narrow<V>(p.r), narrow<V>(p.b), narrow<V>(p.n)};
+}
 
 /* ---------------------------------------------------------------------- */
 
@@ -221,8 +269,7 @@ void FixDeformableFriction::rub_all(int vflag)
   linear_film = largest_dashpot = 0.0;
   largest_film =
       deformable::largest_film_constant(lightest, lever(), update->dt, domain->dimension);
-  for (const PairDeformable *pair : pairs)
-    for (const LoadedContact &contact : pair->loaded) rub(*pair, contact);
+  in_plane ? rub_contacts<Vector2>() : rub_contacts<Vector3>();
   if (has_films() || coefficients.have_restitution()) check_dashpots();
   sweep();
   if (vflag_atom) comm->reverse_comm(this);
@@ -233,39 +280,43 @@ void FixDeformableFriction::rub_all(int vflag)
   array_local = rows.data();
 }
 
+template <class V> void FixDeformableFriction::rub_contacts()
+{
+  for (const PairDeformable *pair : pairs)
+    for (const LoadedContact &contact : pair->loaded) rub<V>(*pair, contact);
+}
+
 /* ----------------------------------------------------------------------
    Whether this rank and this fix are in charge. Of two images of a particle in
    its own box, (i, j) is as good as (j, i).
 ------------------------------------------------------------------------- */
 
-bool FixDeformableFriction::find_sides(const LoadedContact &c, Sides &sides,
-                                       ContactPlace &place) const
+template <class V>
+inline bool FixDeformableFriction::find_sides(const LoadedContact &c, Sides &sides,
+                                              ContactPlace<V> &place) const
 {
   if (!(atom->mask[c.i] & groupbit)) return false;
   sides = {c.i, c.j, c.i};
-  place = {{}, c.middle, c.n};
+  place = {{}, narrow<V>(c.middle), narrow<V>(c.n)};
   if (c.j < 0) return true;
   if (!(atom->mask[c.j] & groupbit)) return false;
-  place.r = vector(atom->x[c.j]) - vector(atom->x[c.i]);
+  place.r = vector<V>(atom->x[c.j]) - vector<V>(atom->x[c.i]);
   if (c.one_side || atom->tag[c.i] <= atom->tag[c.j]) return true;
   sides = {c.j, c.i, c.second};
   place = place.from_partner();
   return c.second >= 0;
 }
 
-Vector3 FixDeformableFriction::spin_of(int i) const
-{
-  if (!atom->omega_flag) return {};
-  const double *const w = atom->omega[i];
-  return {in_plane ? 0.0 : w[0], in_plane ? 0.0 : w[1], w[2]};
-}
-
 // Of the half step before.
-FixDeformableFriction::Velocity FixDeformableFriction::velocity(const Sides &s) const
+template <class V>
+inline FixDeformableFriction::Velocity<V> FixDeformableFriction::velocity(const Sides &s) const
 {
-  const Vector3 own = -vector(atom->v[s.particle]), spin = spin_of(s.particle);
-  if (s.partner < 0) return {own, spin, {}};
-  return {own + vector(atom->v[s.partner]), spin, spin_of(s.partner)};
+  const auto spin_of = [this](int i) {
+    return atom->omega_flag ? along<V>(vector<Vector3>(atom->omega[i])) : Along<V>{};
+  };
+  const V own = -vector<V>(atom->v[s.particle]);
+  if (s.partner < 0) return {own, spin_of(s.particle), {}};
+  return {own + vector<V>(atom->v[s.partner]), spin_of(s.particle), spin_of(s.partner)};
 }
 
 /* ----------------------------------------------------------------------
@@ -273,18 +324,18 @@ FixDeformableFriction::Velocity FixDeformableFriction::velocity(const Sides &s) 
    begin of the step, its age.
 ------------------------------------------------------------------------- */
 
-inline FixDeformableFriction::Speeds FixDeformableFriction::speeds(const Sides &s,
-                                                                   const Velocity &w,
-                                                                   const ContactPlace &p,
-                                                                   double age) const
+template <class V>
+inline FixDeformableFriction::Speeds<V>
+FixDeformableFriction::speeds(const Sides &s, const Velocity<V> &w, const ContactPlace<V> &p,
+                              double age) const
 {
-  const Vector3 v = w.v - cross(w.spin, p.b) + cross(w.other_spin, p.b - p.r);
-  Speeds found = {at_contact(p.n, v), {}};
+  const V v = w.v - cross(w.spin, p.b) + cross(w.other_spin, p.b - p.r);
+  Speeds<V> found = {at_contact(p.n, v), {}};
   if (s.partner < 0 && dt > 0.0 && pairs.front()->has_wall(s.partner)) {
-    const Vector3 x = vector(atom->x[s.particle]) + p.b - age * vector(atom->v[s.particle]);
-    const ContactVector way = at_contact(
-        p.n, pairs.front()->wall(s.partner).way(pairs.front()->wall_feature(s.partner), x));
-    found.wall = {way.along / dt, way.normal / dt};
+    const V x = vector<V>(atom->x[s.particle]) + p.b - age * vector<V>(atom->v[s.particle]);
+    const Vector3 moved =
+        pairs.front()->wall(s.partner).way(pairs.front()->wall_feature(s.partner), wide(x));
+    found.wall = 1.0 / dt * at_contact(p.n, narrow<V>(moved));
     found.v = found.v + found.wall;
   }
   return found;
@@ -292,16 +343,18 @@ inline FixDeformableFriction::Speeds FixDeformableFriction::speeds(const Sides &
 
 // The contact with this partner whose place is the nearest one, as a small box has several images of it; or null. Between a
 // particle and its own image both directions are one.
+template <class V>
 static RememberedContact *find_contact(std::vector<RememberedContact> &contacts, double partner,
-                                       const ContactPlace &place, bool own_image)
+                                       const ContactPlace<V> &place, bool own_image)
 {
-  const auto square = [](const Vector3 &v) { return dot(v, v); };
+  const auto square = [](const V &v) { return dot(v, v); };
   double nearest = square(place.r);
   RememberedContact *found = nullptr;
   for (RememberedContact &c : contacts) {
     if (c.partner != partner) continue;
-    double distance = square(c.place.r - place.r);
-    if (own_image) distance = std::min(distance, square(c.place.r + place.r));
+    const V r = narrow<V>(c.place.r);
+    double distance = square(r - place.r);
+    if (own_image) distance = std::min(distance, square(r + place.r));
     if (distance > nearest) continue;
     nearest = distance;
     found = &c;
@@ -309,10 +362,14 @@ static RememberedContact *find_contact(std::vector<RememberedContact> &contacts,
   return found;
 }
 
-// What is remembered turns with the contact.
-static void turn(RememberedContact &m, const Vector3 &n)
+// What is along a contact, after its normal has turned from n to m.
+static double turn(double v, const Vector2 &, const Vector2 &)
 {
-  for (Vector3 *const v : {&m.xi, &m.force, &m.film.along}) *v = turned(*v, m.place.n, n);
+  return v;
+}
+static Vector3 turn(const Vector3 &v, const Vector3 &n, const Vector3 &m)
+{
+  return turned(v, n, m);
 }
 
 /* ---------------------------------------------------------------------- */
@@ -335,10 +392,11 @@ double FixDeformableFriction::dashpot(const PairDeformable &pair, const Sides &s
 
 /* ---------------------------------------------------------------------- */
 
+template <class V>
 void FixDeformableFriction::rub(const PairDeformable &pair, const LoadedContact &contact)
 {
   Sides sides;
-  ContactPlace place;
+  ContactPlace<V> place;
   if (!find_sides(contact, sides, place)) return;
   const bool is_wall = sides.partner < 0;
   const int i = sides.rememberer, *const type = atom->type;
@@ -356,47 +414,51 @@ void FixDeformableFriction::rub(const PairDeformable &pair, const LoadedContact 
   RememberedContact *remembered = find_contact(contacts, partner, place, own_image);
   const bool is_new = !remembered;
   if (is_new) {
-    remember(i, {partner, c.kt, place, {}, {}, {}, 0.0, 0.0, 0.0});
+    remember(
+        i,
+        {partner, c.kt, {wide(place.r), wide(place.b), wide(place.n)}, {}, {}, {}, 0.0, 0.0, 0.0});
     remembered = &contacts.back();
   }
   RememberedContact &m = *remembered;
-  if (own_image && dot(m.place.n, place.n) < 0.0) m.place = m.place.from_partner();
-  const Velocity w = velocity(sides);
-  const Speeds now = speeds(sides, w, place, 0.0);
+  ContactPlace<V> then = narrow<V>(m.place);
+  if (own_image && dot(then.n, place.n) < 0.0) then = then.from_partner();
+  // what it remembers turns with the contact
+  const Acting<V> last = {
+      {turn(along<V>(m.xi), then.n, place.n), turn(along<V>(m.force), then.n, place.n), false},
+      m.damping,
+      {turn(along<V>(m.film.along), then.n, place.n), m.film.normal}};
+  const Velocity<V> w = velocity<V>(sides);
+  const Speeds<V> now = speeds(sides, w, place, 0.0);
   const double most = deformable::most_friction(c.mu, contact.force);
-  Acting next = {{m.xi, {}, false}, 0.0, {}};
+  Acting<V> next = {{last.rub.xi, {}, false}, 0.0, {}};
   if (dt > 0.0) {
-    Speeds before = is_new ? now : speeds(sides, w, m.place, dt);
-    if (!in_plane) {    // in the plane n x v stays
-      before.v.along = turned(before.v.along, m.place.n, place.n);
-      before.wall.along = turned(before.wall.along, m.place.n, place.n);
-      turn(m, place.n);
-    }
-    const ContactVector way = 0.5 * dt * (before.v + now.v);
-    next.rub = deformable::rub(c, m.xi, way.along, dt, contact.force);
+    Speeds<V> before = is_new ? now : speeds(sides, w, then, dt);
+    before.v.along = turn(before.v.along, then.n, place.n);
+    before.wall.along = turn(before.wall.along, then.n, place.n);
+    const ContactVector<V> way = 0.5 * dt * (before.v + now.v);
+    next.rub = deformable::rub(c, last.rub.xi, way.along, dt, contact.force);
     next.damping = deformable::damping(c.gn, way.normal, dt, contact.force);
-    if (c.film > 0.0) next.film = film_force(c, contact.size, (1.0 / dt) * way);
-    lose(sides, m, next, 0.5 * (m.kt + c.kt), before, now);
+    if (c.film > 0.0) next.film = film_force(c, contact.size, 1.0 / dt * way);
+    lose(sides, last, next, 0.5 * (m.kt + c.kt), before, now);
   } else {
-    if (!in_plane) turn(m, place.n);
-    Vector3 force = is_new ? c.gt * now.v.along : m.force;
+    Along<V> force = is_new ? c.gt * now.v.along : last.rub.force;
     const double size = deformable::size_along(force);
     if (size > most) force = most * (force / size);
-    next.rub = {m.xi, force, size >= (1.0 - BALANCED) * most};
+    next.rub = {last.rub.xi, force, size >= (1.0 - BALANCED) * most};
     next.damping = std::min(is_new ? c.gn * now.v.normal : m.damping, std::max(contact.force, 0.0));
-    next.film = m.film;
+    next.film = last.film;
     if (is_new && c.film > 0.0) next.film = film_force(c, contact.size, now.v);
   }
   m = {partner,
        c.kt,
-       place,
-       next.rub.xi,
-       next.rub.force,
-       next.film,
+       {wide(place.r), wide(place.b), wide(place.n)},
+       wide(next.rub.xi),
+       wide(next.rub.force),
+       wide(next.film),
        next.damping,
        contact.one_side ? 1.0 : 0.0,
        1.0};
-  push(sides, place, next.film + ContactVector{next.rub.force, next.damping});
+  push(sides, place, next.film + ContactVector<V>{next.rub.force, next.damping});
   output[CONTACTS] += part;
   if (next.rub.slides) output[SLIDES] += part;
   list_row(i, sides, place, next, contact.force);
@@ -406,31 +468,35 @@ void FixDeformableFriction::rub(const PairDeformable &pair, const LoadedContact 
    What array_local says of a contact; see the manual.
 ------------------------------------------------------------------------- */
 
-void FixDeformableFriction::list_row(int i, const Sides &sides, const ContactPlace &place,
-                                     const Acting &a, double force)
+template <class V>
+inline void FixDeformableFriction::list_row(int i, const Sides &sides, const ContactPlace<V> &place,
+                                            const Acting<V> &a, double force)
 {
-  const Vector3 &n = place.n, x = vector(atom->x[sides.particle]) + place.b;
+  const V &n = place.n, x = vector<V>(atom->x[sides.particle]) + place.b;
   const double id = static_cast<double>(atom->tag[i]), slide = a.rub.slides ? 1.0 : 0.0;
   const bool is_wall = sides.partner < 0;
   const double partner = is_wall ? 0.0 : static_cast<double>(atom->tag[sides.partner]);
   const double wall = is_wall ? pairs.front()->wall_key(sides.partner) : 0.0;
-  if (in_plane) {
+  if constexpr (std::is_same_v<V, Vector2>) {
     values.insert(values.end(),
-                  {id, partner, x.x, x.y, deformable::angle_of(n.x, n.y), force, a.rub.force.z,
-                   a.damping, a.rub.xi.z, slide, wall, a.film.along.z, a.film.normal});
-    return;
+                  {id, partner, x.x, x.y, deformable::angle_of(n.x, n.y), force, a.rub.force,
+                   a.damping, a.rub.xi, slide, wall, a.film.along, a.film.normal});
+  } else {
+    const V f = cross(a.rub.force, n), xi = cross(a.rub.xi, n), film = cross(a.film.along, n);
+    values.insert(values.end(),
+                  {id,    partner, x.x,    x.y,    x.z,       n.x,          n.y,  n.z,
+                   force, f.x,     f.y,    f.z,    a.damping, xi.x,         xi.y, xi.z,
+                   slide, wall,    film.x, film.y, film.z,    a.film.normal});
   }
-  const Vector3 f = cross(a.rub.force, n), xi = cross(a.rub.xi, n), film = cross(a.film.along, n);
-  values.insert(values.end(), {id,    partner, x.x,    x.y,    x.z,       n.x,          n.y,  n.z,
-                               force, f.x,     f.y,    f.z,    a.damping, xi.x,         xi.y, xi.z,
-                               slide, wall,    film.x, film.y, film.z,    a.film.normal});
 }
 
 /* ----------------------------------------------------------------------
    Of a film with n = 1 the dashpot must be one that fits the time step.
 ------------------------------------------------------------------------- */
 
-ContactVector FixDeformableFriction::film_force(const Friction &c, double size, ContactVector v)
+template <class V>
+ContactVector<V> FixDeformableFriction::film_force(const Friction &c, double size,
+                                                   ContactVector<V> v)
 {
   if (!c.film_shears) v.along = {};
   if (!c.film_squeezes) v.normal = 0.0;
@@ -466,24 +532,24 @@ void FixDeformableFriction::check_dashpots() const
    one: what the change itself does to the spring is no loss.
 ------------------------------------------------------------------------- */
 
-void FixDeformableFriction::lose(const Sides &sides, const RememberedContact &before,
-                                 const Acting &now, double kt, const Speeds &v_before,
-                                 const Speeds &v_now)
+template <class V>
+inline void FixDeformableFriction::lose(const Sides &sides, const Acting<V> &before,
+                                        const Acting<V> &now, double kt, const Speeds<V> &v_before,
+                                        const Speeds<V> &v_now)
 {
   const double half = 0.5 * dt;
-  const deformable::RubLoss loss = deformable::loss(kt, {before.xi, before.force, false}, now.rub,
-                                                    half * (v_before.v.along + v_now.v.along));
+  const Along<V> way = half * (v_before.v.along + v_now.v.along);
+  const deformable::RubLoss loss = deformable::loss(kt, before.rub, now.rub, way);
   output[SLIDING] += loss.sliding;
   output[DASHPOTS] += loss.dashpot;
   output[DAMPING] += half * (before.damping * v_before.v.normal + now.damping * v_now.v.normal);
   output[FILMS] += half * (dot(before.film, v_before.v) + dot(now.film, v_now.v));
   if (sides.partner >= 0 || !pairs.front()->has_wall(sides.partner)) return;
-  const ContactVector first = before.film + ContactVector{before.force, before.damping};
-  const ContactVector second = now.film + ContactVector{now.rub.force, now.damping};
+  const ContactVector<V> first = before.film + ContactVector<V>{before.rub.force, before.damping};
+  const ContactVector<V> second = now.film + ContactVector<V>{now.rub.force, now.damping};
   pairs.front()
       ->wall(sides.partner)
-      .do_work(-half * (dot(first, v_before.wall) + dot(second.along, v_now.wall.along) +
-                        second.normal * v_now.wall.normal));
+      .do_work(-half * (dot(first, v_before.wall) + dot(second, v_now.wall)));
 }
 
 /* ----------------------------------------------------------------------
@@ -491,29 +557,44 @@ void FixDeformableFriction::lose(const Sides &sides, const RememberedContact &be
    its partner.
 ------------------------------------------------------------------------- */
 
-void FixDeformableFriction::push(const Sides &s, const ContactPlace &p, const ContactVector &push)
+static void add(double *to, const Vector2 &v)
 {
-  const Vector3 force = from_contact(p.n, push), &r = p.r;
-  const auto add = [](double *to, const Vector3 &v) {
-    to[0] += v.x;
-    to[1] += v.y;
-    to[2] += v.z;
-  };
+  to[0] += v.x;
+  to[1] += v.y;
+}
+static void add(double *to, const Vector3 &v)
+{
+  to[0] += v.x;
+  to[1] += v.y;
+  to[2] += v.z;
+}
+static void add(double *to, double torque)
+{
+  to[2] += torque;
+}
+
+template <class V>
+inline void FixDeformableFriction::push(const Sides &s, const ContactPlace<V> &p,
+                                        const ContactVector<V> &push)
+{
+  const V force = from_contact(p.n, push);
   double *const *const f = atom->f, *const *const torque = atom->torque;
   const bool spins = atom->torque_flag;
   if (spins) add(torque[s.particle], cross(p.b, force));
-  if (s.partner < 0) return pairs.front()->wall(s.partner).add_friction(s.particle, force, p.b);
+  if (s.partner < 0)
+    return pairs.front()->wall(s.partner).add_friction(s.particle, wide(force), wide(p.b));
   add(f[s.particle], force);
   add(f[s.partner], -force);
-  if (spins) add(torque[s.partner], -cross(p.b - r, force));
+  if (spins) add(torque[s.partner], -cross(p.b - p.r, force));
   if (!evflag) return;
   int both[] = {s.particle, s.partner};
-  double v[] = {-r.x * force.x,
-                -r.y * force.y,
-                -r.z * force.z,
-                -0.5 * (r.x * force.y + r.y * force.x),
-                -0.5 * (r.x * force.z + r.z * force.x),
-                -0.5 * (r.y * force.z + r.z * force.y)};
+  const Vector3 r = wide(p.r), F = wide(force);
+  double v[] = {-r.x * F.x,
+                -r.y * F.y,
+                -r.z * F.z,
+                -0.5 * (r.x * F.y + r.y * F.x),
+                -0.5 * (r.x * F.z + r.z * F.x),
+                -0.5 * (r.y * F.z + r.z * F.y)};
   v_tally(2, both, 2.0, v);
 }
 
@@ -535,7 +616,7 @@ void FixDeformableFriction::sweep()
         ++c;
         continue;
       }
-      if (dt > 0.0) end(i, m);
+      if (dt > 0.0) in_plane ? end<Vector2>(i, m) : end<Vector3>(i, m);
       m = contacts.back();
       contacts.pop_back();
     }
@@ -544,7 +625,7 @@ void FixDeformableFriction::sweep()
 }
 
 // Across a sheared boundary images of a partner have velocities of their own.
-void FixDeformableFriction::end(int i, const RememberedContact &m)
+template <class V> void FixDeformableFriction::end(int i, const RememberedContact &m)
 {
   int partner = static_cast<int>(m.partner);
   if (m.partner > 0.0) {
@@ -554,8 +635,11 @@ void FixDeformableFriction::end(int i, const RememberedContact &m)
     if (partner < 0) return;    // it is gone
   }
   const Sides sides = {i, partner, i};
-  const Speeds before = speeds(sides, velocity(sides), m.place, dt);
-  lose(sides, m, {}, m.kt, before, before);
+  const Speeds<V> before = speeds(sides, velocity<V>(sides), narrow<V>(m.place), dt);
+  const Acting<V> last = {{along<V>(m.xi), along<V>(m.force), false},
+                          m.damping,
+                          {along<V>(m.film.along), m.film.normal}};
+  lose(sides, last, {}, m.kt, before, before);
 }
 
 /* ----------------------------------------------------------------------
