@@ -27,12 +27,12 @@ BUDGETS = {
     "docs/theory/laws.md": 2050,
     "docs/theory/lines.md": 2200,
     "docs/pair_deformable_ring.md": 2600,
-    "docs/theory/contacts.md": 1870,
+    "docs/theory/contacts.md": 2030,
     "docs/pair_deformable_droplet.md": 2000,
     "docs/fix_deformable_wall.md": 2470,
     "docs/fix_deformable_friction.md": 1880,
 }
-USUAL, ALL = 1600, 80_000
+USUAL, ALL = 1600, 81_000
 
 # How the code came to be is in the git log. What nobody has read is no source.
 BANNED = (
