@@ -127,10 +127,12 @@ void PairDeformable::check_lines_bend(const std::string &whose, bool sticks) con
 {
   if (sticks && !bends_lines())
     error->all(FLERR,
-               dimension == 3 ? "{}: droplets in three dimensions do not stick: use adhesion 0"
-                              : "{}: adhesion needs contact lines that bend, to meet outlines at "
-                                "an angle. Use 'pair_style deformable/ring contact curved', or "
-                                "adhesion 0",
+               dimension == 3
+                   ? "{}: droplets in three dimensions do not stick, as their law has no contact "
+                     "angles: use adhesion 0"
+                   : "{}: adhesion needs contact lines that bend, to meet outlines at "
+                     "an angle. Use 'pair_style deformable/ring contact curved', or "
+                     "adhesion 0",
                whose);
 }
 

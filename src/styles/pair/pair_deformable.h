@@ -133,6 +133,11 @@ class PairDeformable : public Pair {
   std::vector<LoadedContact> loaded;
   virtual bool slips() const { return true; }    // along its contacts
 
+  // The energy of particle i where nothing but one contact presses it, with this force: a restitution asks for it. The contact
+  // is one with a particle, by its local index, or with a wall < 0.
+  virtual double energy_alone(int /*i*/, int /*partner*/, double /*force*/) const { return 0.0; }
+  virtual bool knows_energy_alone() const { return false; }
+
   // What a restart file must be continued with, by what it belongs to: the law, and the species of each type.
   virtual std::string law() const = 0;
   std::map<std::string, std::string> description() const;
