@@ -7,13 +7,20 @@ does not know is translated: folders stand for their README.md, and some files f
 
 import posixpath
 import re
+import sys
 from collections.abc import Iterator
 from importlib.metadata import files as distribution_files
 from pathlib import Path
+from urllib.parse import urlsplit
 
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
 from mkdocs.structure.pages import Page
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
 
 ROOT = Path(__file__).parents[2]
 PAGES = (
@@ -75,6 +82,23 @@ def linked_files(page: str, text: str) -> set[str]:
     """Files that a page links to or shows, other than pages."""
     found = {target(page, link) for link in local_links(text)}
     return {path for path in found if not path.endswith(".md") and (ROOT / path).is_file()}
+
+
+def addresses() -> dict[str, str]:
+    """Of repository and site, as far as the owner has filled them in."""
+    urls = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["urls"]
+    known = {name for name, url in urls.items() if not urlsplit(url).netloc.endswith(".invalid")}
+    return {name: urls[name] for name in known}
+
+
+def on_config(config: MkDocsConfig) -> None:
+    """A link to the repository in the footer; `repo_url` would ask its host for numbers."""
+    known = addresses()
+    if "Documentation" in known:
+        config.site_url = known["Documentation"].rstrip("/") + "/"
+    if "Repository" in known:
+        link = {"icon": "material/source-repository", "link": known["Repository"]}
+        config.extra["social"] = [{**link, "name": "Repository"}]
 
 
 def repository_file(config: MkDocsConfig, path: str, address: str | None = None) -> File:

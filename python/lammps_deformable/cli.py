@@ -97,9 +97,11 @@ STYLES = (
     ("fix", "deformable/restart"),
     ("fix", "deformable/friction"),
     ("fix", "deformable/propel"),
+    ("fix", "deformable/outline"),
     ("fix", "deformable/stick"),
     ("fix", "deformable/polygon"),
     ("compute", "deformable/contact"),
+    ("compute", "deformable/outline"),
 )
 
 

@@ -114,14 +114,16 @@ class Sides(NamedTuple):
         j: its neighbor, -1 - k for wall k, shape (S,).
         vector: from its center to that of the neighbor, or to the nearest point of the wall, shape
             (S, d) in d dimensions [length].
-        turn: angle by which the direction of the vector turns for a step of it sideways, shape (S,)
-            [1/length].
+        turn: angle by which the direction of the vector turns for a step of it sideways, at a
+            cylinder or cone around the axis, shape (S,) [1/length].
+        axis: of a cylinder or cone, unit vectors, 0 for all others, shape (S, d).
     """
 
     i: Integers
     j: Integers
     vector: Floats
     turn: Floats
+    axis: Floats
 
     def part(self, kept: NDArray[Any]) -> Sides:
         """Some of the sides."""
@@ -135,7 +137,7 @@ class Sides(NamedTuple):
 
 def between(i: Integers, j: Integers, vector: Floats) -> Sides:
     """Sides of contacts between particles."""
-    return Sides(i, j, vector, 1.0 / lengths(vector))
+    return Sides(i, j, vector, 1.0 / lengths(vector), np.zeros_like(vector))
 
 
 def with_walls(packing: Packing, reach: float) -> Sides:
@@ -144,21 +146,31 @@ def with_walls(packing: Packing, reach: float) -> Sides:
     Raises:
         ParameterError: a particle is at the center of a circle that it reaches.
     """
-    if not packing.walls:
-        none = np.empty(0, np.int64)
-        return between(none, none, np.empty((0, packing.dimension)))
+    _, height = Distances(packing.walls, packing.box)(packing.positions)
+    return at_walls(packing, *np.nonzero((height < (1.0 + reach) * packing.radii).T))
+
+
+def at_walls(packing: Packing, i: Integers, wall: Integers) -> Sides:
+    """Sides of particles i with these walls, shape (S,) each.
+
+    Raises:
+        ParameterError: a particle is at the center of a circle.
+    """
+    if not len(i):
+        return between(i, wall, np.empty((0, packing.dimension)))
     distances = Distances(packing.walls, packing.box)
     out, height = distances(packing.positions)
-    near = (height < (1.0 + reach) * packing.radii).T
-    vector = np.swapaxes(height[..., None] * out, 0, 1)[near]
-    (i, wall), turn = np.nonzero(near), distances.turns(packing.positions).T[near]
+    turn = distances.turns(packing.positions)[wall, i]
     if (centered := np.flatnonzero(np.isinf(turn))).size:
         k, m = int(i[centered[0]]), int(wall[centered[0]])
         raise ParameterError(
             f"particle {k} is at the center of {packing.walls[m]._kind} {m + 1} and reaches it in "
             "all directions: its energy has no second derivatives there"
         )
-    return Sides(i, -1 - wall, vector, turn)
+    none = (0.0,) * packing.dimension
+    axes = [w._direction if isinstance(w, Cylinder | Cone) else none for w in packing.walls]
+    vector = height[wall, i, None] * out[wall, i]
+    return Sides(i, -1 - wall, vector, turn, np.array(axes)[wall])
 
 
 def joined(*parts: Sides) -> Sides:

@@ -18,6 +18,7 @@ from ._checks import numbers
 from .contacts import (
     ContactTable,
     Sides,
+    at_walls,
     bearing,
     between,
     by_centers,
@@ -503,7 +504,7 @@ def _wall_forces(table: ContactTable, walls: Sides) -> Floats:
 
 def _bearing(packing: Packing, table: ContactTable) -> NDArray[np.bool_]:
     """See `bearing`; both sides of a contact do, if one does."""
-    kept = bearing(table["i"], table["j"], table["force"], len(packing))
+    kept = bearing(table["i"], table["j"], table["force"], len(packing), packing.dimension)
     pair = np.flatnonzero(table["j"] >= 0)
     kept[pair] |= kept[pair[other_side(table[pair])]]
     return kept
@@ -531,9 +532,7 @@ def hessian_of(state: State, rattlers: bool = True) -> Hessian:
     """See `State.hessian`."""
     if isinstance(state.law, SoftContact):
         return _of_soft_contacts(state.packing, state.law, rattlers)
-    if isinstance(state.law, Droplet):
-        return _of_droplets(state, state.law, rattlers)
-    if not isinstance(state.law, Ring | Sector):
+    if not isinstance(state.law, Ring | Sector | Droplet):
         raise UndefinedError("polygons have no second derivatives here: take a Ring")
     if state.unsaved:
         raise ParameterError(
@@ -541,6 +540,8 @@ def hessian_of(state: State, rattlers: bool = True) -> Hessian:
         )
     if state.friction:
         raise ParameterError("friction has no energy, and so no second derivatives of one")
+    if isinstance(state.law, Droplet):
+        return _of_droplets(state, state.law, rattlers)
     return balanced(lines_of(state.packing, state.law, state.contacts, rattlers)).hessian()
 
 
@@ -586,16 +587,11 @@ class _Scaled:
 
 
 def _of_soft_contacts(packing: Packing, law: SoftContact, rattlers: bool) -> Hessian:
-    """Each contact adds k (n n^T - (o/d) (1 - n n^T)) for its direction n and overlap o."""
+    """Each contact adds k (n n^T - o dn/dv) for its direction n, vector v and overlap o."""
     sides, contact, kept = _bearing_soft(packing)
     if not rattlers:
         sides, contact = sides.part(kept), contact[kept]
-    if np.isnan(sides.turn).any():
-        raise ParameterError(
-            "second derivatives of soft spheres do not know cylinders, cones and posts: take "
-            "other walls, or a state in which none touches one"
-        )
-    blocks: Any = _Scaled(disk_blocks(sides.vector, sides.turn, contact), law.k)
+    blocks: Any = _Scaled(disk_blocks(sides.vector, sides.turn, contact, sides.axis), law.k)
     return Hessian(packing, blocks, by_centers(sides, len(packing)), by_strains(sides))
 
 
@@ -651,32 +647,37 @@ class _Films:
 
 
 def _of_droplets(state: State, law: Droplet, rattlers: bool) -> Hessian:
-    """The dual energy is stationary in the forces, which take the place of lines here."""
+    """The dual energy is stationary in the forces, which take the place of lines here.
+
+    A wall does not move, and its contact has one side. So its other side is itself here: the film
+    is flat, and does not turn.
+    """
     from scipy.sparse import csr_matrix, hstack, vstack
 
     packing, table = state.packing, state.contacts
-    if (table["j"] < 0).any():
-        raise ParameterError(
-            "second derivatives of droplets do not know walls: take a state of a periodic box "
-            "without them"
-        )
     if not rattlers:
-        force = table["force"]
-        kept = bearing(table["i"], table["j"], force, len(packing), packing.dimension)
-        table = table[kept | kept[other_side(table)]]
-    sides = between(table["i"], table["j"], table["distance"][:, None] * table["normal"])
-    other = other_side(table)
-    force, distance = 0.5 * (table["force"] + table["force"][other]), sides.distance
+        table = table[_bearing(packing, table)]
+    count, is_wall = len(table), table["j"] < 0
+    pair, wall, other = np.flatnonzero(~is_wall), np.flatnonzero(is_wall), np.arange(count)
+    met = table[pair]
+    other[pair] = pair[other_side(met)]
+    sides = joined(
+        between(met["i"], met["j"], met["distance"][:, None] * met["normal"]),
+        at_walls(packing, table["i"][wall], -1 - table["j"][wall]),
+    ).part(np.argsort(np.append(pair, wall)))
+    force, part = 0.5 * (table["force"] + table["force"][other]), np.where(is_wall, 1.0, 0.5)
     tension = law._species_parameters(packing._species_radii).of(packing.species).tension
     radius, gamma = packing.radii[sides.i], tension[sides.i]
-    radii, count = radius + radius[other], len(table)
+    radii = radius + radius[other]
+    overlap = np.where(is_wall, radius, radii) - sides.distance
     film = np.log(gamma[other] * radii / (radius[other] * (gamma + gamma[other])))
     number = np.bincount(sides.i, minlength=len(packing))
     droplets = np.column_stack([number, packing.radii, tension])
-    rows = np.column_stack([sides.vector, radii - distance, film, force, np.zeros((count, 3))])
+    columns = [sides.vector, sides.turn, sides.axis, overlap, part, film, force]
+    rows = np.column_stack([*columns, np.zeros((count, 3))])
     facets = droplet_facets(droplets, rows)
     way, damping = facets[:, :3] - facets[other, :3], facets[:, 3] * facets[other, 3]
-    rows[:, 6:] = (force / (gamma * radius) * damping / radii)[:, None] * way
+    rows[:, -3:] = (force / (gamma * radius) * damping / radii)[:, None] * way
     blocks, (row, column, value) = droplet_blocks(droplets, rows)
 
     first = np.flatnonzero(other > np.arange(count))
@@ -694,8 +695,9 @@ def _of_droplets(state: State, law: Droplet, rattlers: bool) -> Hessian:
     order = np.arange(_FILM_VARIABLES * len(first)).reshape(_FILM_VARIABLES, -1).T.ravel()
     of_films = local[order]
 
-    forces = by_lines(other, _SIDE_VARIABLES, (1.0,))
-    chain = hstack([by_centers(sides, len(packing), _SIDE_VARIABLES), *forces], format="csr")
+    _, contact = np.unique(np.minimum(other, np.arange(count)), return_inverse=True)
+    forces = csr_matrix((np.ones(count), (variable + 3, contact)), shape=(size, count - len(first)))
+    chain = hstack([by_centers(sides, len(packing), _SIDE_VARIABLES), forces], format="csr")
     strains = by_strains(sides, _SIDE_VARIABLES)
     both = vstack([chain, of_films @ chain], format="csr")
     energies: Any = _Sum(blocks, films)

@@ -14,10 +14,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ._checks import count, number_or_nan, positive, whole, zero_or_more
-from .box import refuse_space
 from .core import unit_vectors
 from .errors import LammpsError, ParameterError, StalledWarning
-from .friction import Friction, damped_commands
+from .friction import Friction, damped_commands, inertia
 from .gravity import largest_weight
 from .lammps import gather, place, rub_and_spin, run
 from .laws import (
@@ -288,7 +287,7 @@ def advance(sim: Simulation, dynamics: Dynamics, steps: int, timestep: float) ->
     finally:  # Ctrl-C may end it early
         sim.time += (lmp.extract_global("ntimestep") - first) * timestep
     if dynamics.persistence is not None:
-        sim.directions = gather(lmp, _DIRECTIONS, 2)
+        sim.directions = gather(lmp, _DIRECTIONS, sim.dimension)
     if not dynamics.inertia:
         run(lmp, "velocity all set 0 0 0")  # fix brownian leaves those of its last step
 
@@ -323,15 +322,16 @@ _LOOK = 100
 # The default time step becomes shorter where it is more than this part of the longest stable one.
 _ENOUGH = 0.5
 
-# d(ln L)/dt = gain (P - p) of both sides L, with P the pressure of states.
+# d(ln L)/dt = gain (P - p) of all sides L, with P the pressure of states. Tilts would stay: their
+# changes since a run began are variables, and follow the sides.
 _BOX = """
-fix deformable_box all deform/pressure 1 box pressure {pressure!r} {gain!r} remap x
+fix deformable_box all deform/pressure 1 box pressure {pressure!r} {gain!r}{tilts} remap x
 fix_modify deformable_box press deformable_virial
 """
 
-# At a pressure: rate at which velocities decay over sqrt(p/m), and the part of the pressure that
-# this drag bears at most: where the box closes in, it pushes N particles together by N m rate
-# drag/8 per area.
+# At a pressure: rate at which velocities decay over that of contacts, sqrt(p D^(d-2)/m) with the
+# diameter D, and the part of the pressure that this drag bears at most: where the box closes in, it
+# pushes N particles together by N^(2/d) m rate drag/(8 D^(d-2)) per area or volume.
 _DRAG, _BORNE = 2.0, 0.02
 
 # At a pressure: part of the longest stable time step, as nothing needs to be accurate on the way to
@@ -381,7 +381,6 @@ def _settings(sim: Any, given: Mapping[str, Any]) -> dict[str, Any]:
 
 def _refuse_at_pressure(sim: Any, given: Mapping[str, Any]) -> None:
     """Refuse what has no meaning where particles come to rest at a pressure."""
-    refuse_space("run(pressure=)", sim.dimension, "take relax(pressure=), or run(drag=)")
     if sim.walls:
         raise ParameterError(
             f"walls do not follow a box that settles, and there are {len(sim.walls)}, the first a "
@@ -408,33 +407,35 @@ def _dynamics(sim: Any, settings: Mapping[str, Any]) -> Dynamics:
     """
     drag, pressure = settings["drag"], settings.get("pressure")
     if pressure is not None and drag is None:
-        bears = 8.0 * _BORNE / (settings["inertial_number"] * sim.lmp.get_natoms())
-        drag = math.sqrt(pressure) * min(_DRAG, bears)
+        number = sim.lmp.get_natoms() ** (2.0 / sim.dimension)
+        bears = 8.0 * _BORNE / (settings["inertial_number"] * number)
+        drag = _rate_under(sim, pressure) * min(_DRAG, bears)
     temperature, inertia, timestep = (
         settings[name] for name in ("temperature", "inertia", "timestep")
     )
     dynamics = dynamics_of(sim, temperature, drag, inertia, timestep)
     if pressure is not None:
         # a loose packing does not tell how stiff contacts become
-        contact = 2.0 * pressure * float(sim.state().packing.radii.max())
-        return replace(dynamics, drive=contact)
-    return _propelled(
-        dynamics, settings.get("propulsion"), settings.get("persistence"), sim.dimension
-    )
+        diameter = 2.0 * float(sim.state().packing.radii.max())
+        return replace(dynamics, drive=pressure * diameter ** (sim.dimension - 1))
+    return _propelled(dynamics, settings.get("propulsion"), settings.get("persistence"))
 
 
-def _propelled(
-    dynamics: Dynamics, propulsion: float | None, persistence: float | None, dimension: int
-) -> Dynamics:
+def _rate_under(sim: Any, pressure: float) -> float:
+    """Of particles of mass 1 that a pressure moves, sqrt(p D^(d-2)/m) with the mean diameter D."""
+    if sim.dimension == 2:
+        return math.sqrt(pressure)
+    return math.sqrt(2.0 * pressure * float(sim.state().packing.radii.mean()))
+
+
+def _propelled(dynamics: Dynamics, propulsion: float | None, persistence: float | None) -> Dynamics:
     """The dynamics with a propulsion, if there is one.
 
     Raises:
-        ParameterError: one of both values is missing; or there is no drag, or there are three
-            dimensions.
+        ParameterError: one of both values is missing, or there is no drag.
     """
     if propulsion is None and persistence is None:
         return dynamics
-    refuse_space("a propulsion", dimension, "take LAMMPS' fix propel/self by `sim.lmp`")
     if propulsion is None or persistence is None:
         raise ParameterError("give propulsion and persistence, or none of them")
     if not dynamics.drag:
@@ -456,8 +457,13 @@ def _begin(sim: Any, settings: Mapping[str, Any]) -> tuple[Any, dict[str, Any]]:
     if dynamics.persistence is not None:
         number = lmp.get_natoms()
         if sim.directions is None or len(sim.directions) != number:
-            angles = np.random.default_rng(of_start).uniform(-np.pi, np.pi, number)
+            random = np.random.default_rng(of_start)
+            angles = random.uniform(-np.pi, np.pi, number)
             sim.directions = unit_vectors(angles)
+            if sim.dimension == 3:
+                height = random.uniform(-1.0, 1.0, (number, 1))
+                flat = np.sqrt(1.0 - height**2) * sim.directions
+                sim.directions = np.hstack([flat, height])
     start = {"step": step, "states": math.ceil(settings["steps"] / settings["every"])}
     state = _with_directions(sim, dynamics)
     if settings.get("pressure") is None:
@@ -520,14 +526,26 @@ def _settled(
 ) -> Iterator[Any]:
     """The states on the way to rest at a pressure, of which the last one rests."""
     pressure, tolerance, begun = settings["pressure"], settings["tolerance"], sim._begun
-    if done and _error_at_rest(sim, state, pressure) <= tolerance:
+    if done and _error_at_rest(sim, state, pressure, dynamics.drag) <= tolerance:
         return
-    gain = settings["inertial_number"] / math.sqrt(pressure)
+    gain = settings["inertial_number"] * _rate_under(sim, pressure) / pressure
     states = math.ceil(settings["steps"] / settings["every"])
+    tilts = {
+        f"deformable_{'xyz'[axis]}{'xyz'[row]}": (row, axis)
+        for row, axis in zip(*np.nonzero(np.tril(sim.box, -1)), strict=True)
+    }
+    shape = sim.box / sim.box[0, 0]
+    words = "".join(f" {name[-2:]} variable v_{name} v_deformable_rate" for name in tilts)
+    usual = _LOOK_AT_REST
+    if tilts:  # `advance` begins anew after so many steps
+        usual = _FLATTEN
+        settings = {**settings, "look": min(settings["look"] or usual, usual)}
     with moving(sim, dynamics, seed=1):
-        run(sim.lmp, _BOX.format(pressure=pressure, gain=gain).strip())
+        run(sim.lmp, "variable deformable_rate equal 0.0")
+        _follow(sim, tilts, shape)
+        run(sim.lmp, _BOX.format(pressure=pressure, gain=gain, tilts=words).strip())
         try:
-            for taken, look in _pieces(settings, done, _LOOK_AT_REST):
+            for taken, look in _pieces(settings, done, usual):
                 longest = dynamics.longest_step(state)
                 if sim.friction:
                     longest = min(longest, sim.friction._longest_step)
@@ -538,9 +556,10 @@ def _settled(
                         f"timestep = {dt:g} is too long for contacts at the pressure {pressure:g}: "
                         f"take at most {longest:.2g}, or leave it out"
                     )
+                _follow(sim, tilts, shape)
                 advance(sim, dynamics, look, dt)
                 state = sim.state()
-                error = _error_at_rest(sim, state, pressure)
+                error = _error_at_rest(sim, state, pressure, dynamics.drag)
                 rests, ends = error <= tolerance, taken == states
                 if ends and not rests:
                     warnings.warn(
@@ -557,21 +576,32 @@ def _settled(
                     return
         finally:
             if not sim.closed and sim._begun == begun:
-                run(sim.lmp, "unfix deformable_box")
+                gone = "\n".join(f"variable {name} delete" for name in ("deformable_rate", *tilts))
+                run(sim.lmp, f"unfix deformable_box\n{gone}")
 
 
-def _error_at_rest(sim: Any, state: Any, pressure: float) -> float:
+def _follow(sim: Any, tilts: Mapping[str, tuple[int, int]], shape: Any) -> None:
+    """Let tilts follow the box, of this shape over its first side, in the next run."""
+    for name, at in tilts.items():
+        tilt = f"{float(shape[at])!r}*lx-({float(sim.box[at])!r})"
+        run(sim.lmp, f"variable {name} equal {tilt}")
+
+
+def _error_at_rest(sim: Any, state: Any, pressure: float, drag: float) -> float:
     """Error of the pressure over it; or force, torque over the radius, over the mean contact force.
 
-    The largest of them.
+    The largest of them. The drag is left out: it holds up particles that creep.
     """
     if not state.n_contacts.any():
         return math.inf
-    largest = float(np.linalg.norm(gather(sim.lmp, "f", 3), axis=1).max())
-    if rub_and_spin(sim.lmp):
-        torque = np.linalg.norm(gather(sim.lmp, "torque", 3), axis=1) / state.packing.radii
-        largest = max(largest, float(torque.max()))
-    residual = largest / float(state.contacts["force"].mean())
+    force, torque = gather(sim.lmp, "f", 3), np.zeros((1, 3))
+    if rub_and_spin(sim.lmp):  # then the drag is in the forces
+        radius = state.packing.radii[:, None]
+        force += drag * gather(sim.lmp, "v", 3)
+        torque = gather(sim.lmp, "torque", 3) / radius
+        torque += drag * inertia(sim.dimension) * radius * gather(sim.lmp, "omega", 3)
+    largest = max(np.linalg.norm(each, axis=1).max() for each in (force, torque))
+    residual = float(largest / state.contacts["force"].mean())
     return max(abs(state.pressure / pressure - 1.0), residual)
 
 

@@ -240,8 +240,8 @@ class Distances:
         """Angle by which each direction turns for a sideways step, (number of walls, N) [1/length].
 
         It is 0 on a side, 1/h at a corner, 1/(rho + h) outside of a disk of radius rho, and
-        -1/(rho - h) inside of a circle or sphere. It is nan in a cylinder, where it differs by the
-        direction of the step.
+        -1/(rho - h) inside of a circle or sphere. At a cylinder or cone it is that for a step
+        around the axis.
         """
         return self._nearest(positions)[..., -1]
 

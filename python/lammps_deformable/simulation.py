@@ -113,7 +113,7 @@ class Simulation(OneCall):
         callback: a function that is told how relaxations go on; None if not set.
         time: of all motion and flows so far [time]; relaxations take none.
         shear_strain: of all calls of `shear` so far; None before the first one.
-        directions: in which particles propel themselves, shape (N, 2); None before.
+        directions: in which particles propel themselves, shape (N, d); None before.
         seed: of the last motion, given or drawn; None before.
 
     Raises:
@@ -763,23 +763,24 @@ class Simulation(OneCall):
         and diffuse freely by <r^2> = 2 d (temperature/drag) t in d dimensions. Then velocities are
         0 in all states.
 
-        In the plane, with a propulsion each particle adds to F a force of this size along its
+        With a propulsion each particle adds to F a force of this size along its
         direction, which diffuses (*fix deformable/propel* of this package). Without contacts and
         noise its speed is v = propulsion/drag, and in overdamped motion, with the persistence time
         tau,
 
             <r^2> = 2 v^2 tau (t - tau (1 - exp(-t/tau)))
 
-        In the plane, with a pressure p particles come to rest by damped motion in a box that
-        follows: contacts that rub, by the `friction` of the simulation, make a packing depend on
-        its way, and minimizers pass over friction. The box keeps its shape; the rate of its sides L
-        is proportional to what is missing in the pressure P of the contacts,
+        With a pressure p particles come to rest by damped motion in a box that follows: contacts
+        that rub, by the `friction` of the simulation, make a packing depend on its way, and
+        minimizers pass over friction. The box keeps its shape; the rate of its sides L is
+        proportional to what is missing in the pressure P of the contacts,
 
             d(ln L)/dt = - I sqrt(p/m) (1 - P/p),
 
-        so that a loose packing is compressed at the inertial number I = |d(ln L)/dt| sqrt(m/p), and
-        no faster later. The run ends where forces, torques and the pressure are balanced. Further
-        calls at higher or lower pressures go on from there, springs of contacts included.
+        in space with p times the mean diameter for p in the root, so that a loose packing is
+        compressed at the inertial number I = |d(ln L)/dt| sqrt(m/p), and no faster later. The run
+        ends where forces, torques and the pressure are balanced without the drag. Further calls at
+        higher or lower pressures go on from there, springs of contacts included.
 
         Args:
             steps: number of time steps, where other protocols count states; with a pressure at
@@ -795,13 +796,13 @@ class Simulation(OneCall):
                 are at rest, as after `relax`; others go on with the velocities that they have. If
                 not given, none are drawn: the velocities are those of the simulation.
             drag: rate at which velocities decay, or force over velocity [1/time]; 0 if not given,
-                with a pressure min(2, 0.16/(I N)) sqrt(p/m).
+                with a pressure min(2, 0.16/(I N^(2/d))) sqrt(p/m).
             inertia: whether particles have some; without, they need a drag.
             propulsion: force with which particles propel themselves, above 0 [energy/length]; they
                 need a drag.
             persistence: time tau in which their directions n forget the first one, <n(t).n(0)> =
                 exp(-t/tau), above 0 [time]; infinite for directions that stay.
-            pressure: p, of the state at rest [energy/length^2].
+            pressure: p, of the state at rest [energy/length^d].
             inertial_number: I, 1e-3 if not given; the smaller, the slower is the compression.
             tolerance: with a pressure, largest force on a particle, and largest torque on it over
                 its radius, over the mean contact force, and the largest relative error of the

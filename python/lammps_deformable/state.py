@@ -165,7 +165,7 @@ class State:
         lost_energy: what particles have lost in motion, where they have attached and let go, and
             where contacts rub and damp: with it, and with `spring_energy`, their energy is
             conserved [energy].
-        directions: in which particles propel themselves, unit vectors, shape (N, 2); None in other
+        directions: in which particles propel themselves, unit vectors, shape (N, d); None in other
             states than those of motion with a propulsion.
         labels: number, from 0, that each particle keeps where others vanish or are born, shape
             (N,); None as long as none do.
@@ -966,8 +966,8 @@ class State:
 
         Raises:
             ParameterError: the law is `Sector`, particles stick or rub, walls were given to `lmp`,
-                or a line is held at the largest tilt; soft spheres touch a cylinder, cone or post;
-                droplets touch walls, or the compliance of one is singular, far beyond the model.
+                or a line is held at the largest tilt; or the compliance of a droplet is singular,
+                far beyond the model.
             UndefinedError: they are polygons.
         """
         return hessian_of(self, rattlers)

@@ -63,14 +63,20 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
 
 # What particles carry with them in motion, as columns of a trajectory and comments of a data file.
-_DIRECTION, _LABEL, _CLONE = "direction", "label", "clone"
+_DIRECTION, _ELEVATION, _LABEL, _CLONE = "direction", "elevation", "label", "clone"
 
 
 def as_columns(motion: Motion) -> dict[str, NDArray[Any]]:
-    """Columns of a trajectory: angles of directions to the x axis, labels, clones; none without."""
+    """Columns of a trajectory: angles of directions, labels, clones; none without.
+
+    A direction has an angle to the x axis in the xy plane, and in space one above this plane.
+    """
     found: dict[str, NDArray[Any]] = {}
     if motion.directions is not None:
-        found[_DIRECTION] = np.arctan2(motion.directions[:, 1], motion.directions[:, 0])
+        x, y, *z = motion.directions.T
+        found[_DIRECTION] = np.arctan2(y, x)
+        if z:
+            found[_ELEVATION] = np.arctan2(z[0], np.hypot(x, y))
     if motion.labels is not None:
         found[_LABEL] = motion.labels
     if motion.clones is not None:
@@ -82,7 +88,11 @@ def from_columns(columns: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
     """The inverse of `as_columns`: what a motion has of it."""
     found: dict[str, Any] = {}
     if _DIRECTION in columns:
-        found["directions"] = unit_vectors(columns[_DIRECTION])
+        directions = unit_vectors(columns[_DIRECTION])
+        if _ELEVATION in columns:
+            flat, height = unit_vectors(columns[_ELEVATION]).T
+            directions = np.column_stack([flat[:, None] * directions, height])
+        found["directions"] = directions
     if _LABEL in columns:
         found["labels"] = columns[_LABEL].astype(np.int64)
     if _CLONE in columns:
@@ -107,7 +117,7 @@ def carried_in(text: str, number: int) -> dict[str, Any]:
         ValueError: they are damaged.
     """
     columns = {}
-    for name in (_DIRECTION, _LABEL, _CLONE):
+    for name in (_DIRECTION, _ELEVATION, _LABEL, _CLONE):
         values = re.findall(rf"^# {name} (.+)$", text, re.MULTILINE)
         if len(values) not in (0, number):
             raise ValueError(f"it has {name}s of {len(values)} of {number} atoms")
@@ -124,7 +134,7 @@ class Motion(NamedTuple):
         time: of the motion so far [time].
         strain: shear strain so far; None without shear.
         films: those that there are, see `films.py`; None if nothing sticks.
-        directions: in which particles propel themselves, shape (N, 2); None if they do not.
+        directions: in which particles propel themselves, shape (N, d); None if they do not.
         rubbing: spins, and what contacts that rub remember; None if they do not.
         images: how often particles have left the box through each side, shape (N, d); None: never.
         lost: energy that films have lost so far [energy].

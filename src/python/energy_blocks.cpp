@@ -21,28 +21,34 @@ Integers integers(const std::vector<int> &values)
   return Integers(data, {values.size()}, owner);
 }
 
-EnergyBlocks disk_blocks(nb::handle given, nb::handle given_turn, nb::handle given_contact)
+// None: no axes.
+EnergyBlocks disk_blocks(nb::handle given, nb::handle given_turn, nb::handle given_contact,
+                         nb::handle given_axes)
 {
   const std::size_t dimension =
       nb::cast<std::size_t>(nb::module_::import_("numpy").attr("shape")(given)[nb::int_(-1)]);
   if (dimension != 2 && dimension != 3)
     refuse("vectors must have two or three components, not " + std::to_string(dimension));
-  const Table vectors = table_of("vectors", given, dimension);
+  const Table vectors = table_of("vectors", given, dimension),
+              axes = table_of("axes", given_axes.is_none() ? given : given_axes, dimension);
   const std::vector<double> turn = vector_of("turn", given_turn),
                             contact = vector_of("contact", given_contact);
-  if (turn.size() != vectors.shape(0) || contact.size() != vectors.shape(0))
-    refuse("turn and contact must have one value for each vector");
+  const double none[3] = {};
+  if (turn.size() != vectors.shape(0) || contact.size() != vectors.shape(0) ||
+      axes.shape(0) != vectors.shape(0))
+    refuse("turn, contact and axes must have one value for each vector");
   EnergyBlocks result;
   for (std::size_t c = 0; c < turn.size(); ++c) {
     const double *const v = vectors.data() + dimension * c;
+    const double *const axis = given_axes.is_none() ? none : axes.data() + dimension * c;
     double square = 0.0;
-    for (std::size_t axis = 0; axis < dimension; ++axis) square += v[axis] * v[axis];
+    for (std::size_t k = 0; k < dimension; ++k) square += v[k] * v[k];
     if (!(square > 0.0 && std::isfinite(square)))
       refuse("vector " + std::to_string(c) + " has no direction, which a contact needs");
     if (dimension == 2)
-      add_disk_contact<2>(v, turn[c], contact[c], result);
+      add_disk_contact<2>(v, turn[c], axis, contact[c], result);
     else
-      add_disk_contact<3>(v, turn[c], contact[c], result);
+      add_disk_contact<3>(v, turn[c], axis, contact[c], result);
   }
   return result;
 }
@@ -50,7 +56,10 @@ EnergyBlocks disk_blocks(nb::handle given, nb::handle given_turn, nb::handle giv
 // Columns of the tables of droplets and of their sides.
 enum DropletColumn { SIDES_OF_DROPLET, DROPLET_RADIUS, DROPLET_TENSION, DROPLET_COLUMNS };
 enum DropletSideColumn {
-  DROPLET_OVERLAP = 3,
+  DROPLET_TURN = 3,
+  DROPLET_AXIS,
+  DROPLET_OVERLAP = DROPLET_AXIS + 3,
+  DROPLET_PART,
   DROPLET_FILM,
   DROPLET_FORCE,
   DROPLET_WEIGHT,
@@ -71,16 +80,17 @@ void for_droplets(nb::handle given_droplets, nb::handle given_sides, Use &&use)
         require_positive("tension of " + name, of[DROPLET_TENSION]);
         of_droplet.clear();
         for (std::size_t n = begin; n < end; ++n) {
-          const double *const s = sides.data() + DROPLET_SIDE_COLUMNS * n, *const w =
-                                                                               s + DROPLET_WEIGHT;
+          const double *const s = sides.data() + DROPLET_SIDE_COLUMNS * n;
+          const double *const axis = s + DROPLET_AXIS, *const w = s + DROPLET_WEIGHT;
           const double square = s[0] * s[0] + s[1] * s[1] + s[2] * s[2];
           if (!(square > 0.0 && std::isfinite(square)))
             refuse("vector " + std::to_string(n) + " has no direction, which a contact needs");
           if (!std::all_of(s, s + DROPLET_SIDE_COLUMNS, [](double x) { return std::isfinite(x); }))
             refuse("side " + std::to_string(n) + " is not finite");
           require_positive("force of side " + std::to_string(n), s[DROPLET_FORCE]);
-          of_droplet.push_back({{s[0], s[1], s[2]},
+          of_droplet.push_back({{{s[0], s[1], s[2]}, s[DROPLET_TURN], {axis[0], axis[1], axis[2]}},
                                 s[DROPLET_OVERLAP],
+                                s[DROPLET_PART],
                                 s[DROPLET_FILM],
                                 s[DROPLET_FORCE],
                                 {w[0], w[1], w[2]}});
@@ -135,20 +145,22 @@ void deformable::bind_energy_blocks(nb::module_ &m)
           "Second derivatives by the local variables, as rows, columns and values.");
 
   m.def(
-      "disk_blocks", &disk_blocks, "vectors"_a, "turn"_a, "contact"_a,
+      "disk_blocks", &disk_blocks, "vectors"_a, "turn"_a, "contact"_a, "axes"_a = nb::none(),
       R"(The energy U = o^2/2 of contacts of soft disks or spheres, and its derivatives by their vectors v.
 
-The overlap is o = contact - |v|. With the direction n of v, dU/dv = -o n and
-d^2U/dv dv = n n^T - o turn (1 - n n^T).
+The overlap is o = contact - |v|. With the direction n of v, and the direction c of its part across the axis, dU/dv = -o n and
+d^2U/dv dv = n n^T - o turn (1 - axis axis^T - c c^T).
 
 Parameters
 ----------
 vectors : array, shape (M, 2) or (M, 3)
     The vector v of each contact, from a center to that of a neighbor or to the nearest point of a wall [length].
 turn : array, shape (M,)
-    Angle by which n turns for a step of v across it: 1/|v| for a neighbor, 0 for a flat wall [1/length].
+    Angle by which n turns for a step of v across it and the axis: 1/|v| for a neighbor, 0 for a flat wall [1/length].
 contact : array, shape (M,)
     Distance at which they touch: R_i + R_j, or R_i for a wall [length].
+axes : array, shape (M, 2) or (M, 3)
+    Axis of a cylinder or cone, a unit vector; 0 for all others, the default.
 
 Returns
 -------
@@ -166,16 +178,18 @@ Source: docs/theory.md, "Second derivatives".)");
       "droplet_blocks", &droplet_blocks, "droplets"_a, "sides"_a,
       R"(The dual energy of droplets, and its derivatives by the vectors to their neighbors and by their forces.
 
-L = sum F o/2 - W(F, n), with W of `droplet`, the overlap o and the direction n of the vector v. Films that may turn are not in it.
+L = sum part F o - W(F, n), with W of `droplet`, the overlap o and the direction n of the vector v. Films that may turn are not in
+it.
 
 Parameters
 ----------
 droplets : array, shape (N, 3)
     Number of sides, radius [length] and tension [energy/length^2] of each droplet.
-sides : array, shape (S, 9)
-    Of each side v_x, v_y, v_z [length], the overlap o = R_i + R_j - |v| [length], the logarithm ln(lambda) of its film, its force
-    F > 0 [energy/length], and three numbers w: the second derivatives have the further term -g R^2 w.t, with the place R t of the
-    facet beside the line of centers. The sides of the first droplet come first.
+sides : array, shape (S, 14)
+    Of each side v_x, v_y, v_z [length], turn [1/length] and axis (three numbers) of `disk_blocks`, the overlap o = R_i + R_j - |v|,
+    of a wall R_i - |v| [length], its part of it (1/2, of a wall 1), the logarithm ln(lambda) of its film, its force F > 0
+    [energy/length], and three numbers w: the second derivatives have the further term -g R^2 w.t, with the place R t of the facet
+    beside the line of centers. The sides of the first droplet come first.
 
 Returns
 -------

@@ -90,9 +90,7 @@ Matrix nearest(Scene &scene, const std::vector<double> &x, const std::vector<dou
       const SurfacePoint point = scene.nearest_point(static_cast<int>(w), {x[k], y[k], z[k]});
       values.insert(values.end(), {point.n.x, point.n.y});
       if (scene.dimension == 3) values.push_back(point.n.z);
-      const bool is_round = point.more != 0.0;    // around an axis
-      values.insert(values.end(), {point.height, is_round ? std::numeric_limits<double>::quiet_NaN()
-                                                          : point.turn});
+      values.insert(values.end(), {point.height, point.turn + point.more});
     }
   const std::size_t columns = scene.dimension + 2;
   return to_numpy<Matrix>(values.data(), {values.size() / columns, columns});
@@ -181,5 +179,5 @@ obstacle the distance is negative, there to the nearest side.)");
           R"(Direction (three components) to the nearest point of a wall, distance, and rotation per sideways step.
 
 A row for each point (x, y, z), for one wall after the other. The distance is negative beyond a plane, sphere or
-cone and inside of a ball or post. The rotation is nan where it differs by the direction of the step, at a cone or post.)");
+cone and inside of a ball or post. At a cone or post the rotation is that for a step around the axis.)");
 }

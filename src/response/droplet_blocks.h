@@ -153,11 +153,11 @@ template <class T> struct LoadedDroplet {
   }
 };
 
-// A contact of a droplet: the vector to its neighbor, the overlap of both, ln(lambda) of the film, the force, and what multiplies t
-// in the second derivatives, over R^2 and the tension.
+// A contact of a droplet: its vector, the overlap, of which the droplet has this part (half of a pair, all of a wall), ln(lambda) of
+// the film, the force, and what multiplies t in the second derivatives, over R^2 and the tension.
 struct DropletSide {
-  std::array<double, 3> vector;
-  double overlap, film, force;
+  SpaceVector vector;
+  double overlap, part, film, force;
   std::array<double, 3> weight;
 };
 
@@ -174,10 +174,8 @@ inline DropletFacets droplet_facets(const std::vector<DropletSide> &sides, doubl
   std::vector<double> f(z);
   std::vector<std::array<double, 3>> n(z), none(z, std::array<double, 3>{});
   for (std::size_t c = 0; c < z; ++c) {
-    const auto &v = sides[c].vector;
-    const double length = std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
     f[c] = sides[c].force / (radius * tension);
-    for (int a = 0; a < 3; ++a) n[c][a] = v[a] / length;
+    n[c] = sides[c].vector.direction();
   }
   const LoadedDroplet<double> loaded(f, n, std::vector<double>(z), none);
   DropletFacets found = {loaded.facet, loaded.damping};
@@ -186,10 +184,74 @@ inline DropletFacets droplet_facets(const std::vector<DropletSide> &sides, doubl
   return found;
 }
 
+// The normal n of a side whose vector changes by d, a variable, and by how much its length grows:
+//   r = r0 + d - (axis.d) axis,   n = fixed + round r/|r|,   |v| = |v0| + fixed.d + round (|r| - |r0|)
+// with the vector r0 to the point about which n turns, see SpaceVector, and round = +-|part of n across the axis|.
+struct TurningNormal {
+  using Vector = std::array<Dual, 3>;
+  Vector n;
+  Dual farther;
+
+  TurningNormal(const SpaceVector &v, std::size_t first, std::size_t size)
+      : farther(0.0),
+        axis(v.axis),
+        to_middle{},
+        per_distance(0.0)
+  {
+    const std::array<double, 3> out = v.direction();
+    double along = 0.0, square = 0.0;
+    for (int a = 0; a < 3; ++a) along += out[a] * axis[a];
+    for (int a = 0; a < 3; ++a) square += (out[a] - along * axis[a]) * (out[a] - along * axis[a]);
+    const bool turns = v.turn != 0.0;
+    const double round = std::copysign(std::sqrt(square), v.turn);
+    Vector step;
+    Dual along_axis(0.0), distance_square(0.0);
+    for (int a = 0; a < 3; ++a) {
+      step[a] = Dual::variable(0.0, first + a, size);
+      along_axis += step[a] * axis[a];
+    }
+    for (int a = 0; a < 3; ++a) {
+      const double across = turns ? out[a] - along * axis[a] : 0.0;
+      n[a] = out[a] - across;
+      farther += step[a] * (out[a] - across);
+      if (!turns) continue;
+      to_middle[a] = across / v.turn + step[a] - along_axis * axis[a];
+      distance_square += to_middle[a] * to_middle[a];
+    }
+    if (!turns) return;
+    const Dual distance = sqrt(distance_square);
+    per_distance = round / distance;
+    farther += round * (distance - distance.value);
+    for (int a = 0; a < 3; ++a) {
+      n[a] += per_distance * to_middle[a];
+      to_middle[a] = to_middle[a] / distance;
+    }
+  }
+
+  // (dn/dv) w
+  Vector turned(const Vector &w) const
+  {
+    Dual along_axis(0.0), outward(0.0);
+    for (int a = 0; a < 3; ++a) {
+      along_axis += w[a] * axis[a];
+      outward += w[a] * to_middle[a];
+    }
+    Vector result;
+    for (int a = 0; a < 3; ++a)
+      result[a] = per_distance * (w[a] - along_axis * axis[a] - outward * to_middle[a]);
+    return result;
+  }
+
+ private:
+  std::array<double, 3> axis;
+  Vector to_middle;    // a unit vector
+  Dual per_distance;
+};
+
 constexpr int DROPLET_VARIABLES = 4;    // v and F of each side
 
-// L = sum F o/2 - W(F, n) - sum weight.t of a droplet, whose value and first derivatives leave out the last term:
-//   L_F = o/2 - a,   L_v = -F n/2 - (1 - n n^T) W_n/|v|,
+// L = sum part F o - W(F, n) - sum weight.t of a droplet, whose value and first derivatives leave out the last term:
+//   L_F = part o - a,   L_v = -part F n - (dn/dv) W_n,
 // and their derivatives by those of dual numbers. `facets`: the derivatives of R t, three rows for each side.
 inline void add_droplet(const std::vector<DropletSide> &sides, double radius, double tension,
                         EnergyBlocks &blocks, EnergyBlocks &facets)
@@ -200,30 +262,27 @@ inline void add_droplet(const std::vector<DropletSide> &sides, double radius, do
             first_row = static_cast<int>(facets.gradient.size());
   using Vector = LoadedDroplet<Dual>::Vector;
   std::vector<double> film(z), local(size * size);
-  std::vector<Vector> n(z), weight(z), v(z);
-  std::vector<Dual> f(z), length(z);
+  std::vector<Vector> n(z), weight(z);
+  std::vector<Dual> f(z);
+  std::vector<TurningNormal> normal;
   for (std::size_t c = 0; c < z; ++c) {
     film[c] = sides[c].film;
-    for (std::size_t a = 0; a < 3; ++a) {
-      weight[c][a] = sides[c].weight[a];
-      v[c][a] = Dual::variable(sides[c].vector[a], V * c + a, size);
-    }
+    for (std::size_t a = 0; a < 3; ++a) weight[c][a] = sides[c].weight[a];
     f[c] = Dual::variable(sides[c].force, V * c + 3, size) / unit;
-    length[c] = sqrt(LoadedDroplet<Dual>::product(v[c], v[c]));
-    for (int a = 0; a < 3; ++a) n[c][a] = v[c][a] / length[c];
+    normal.emplace_back(sides[c].vector, V * c, size);
+    n[c] = normal[c].n;
   }
   const LoadedDroplet<Dual> loaded(f, n, film, weight);
   const LoadedDroplet<Dual> alone(f, n, film, std::vector<Vector>(z, Vector{}));
   blocks.energy -= energy * alone.work.value;
   for (std::size_t c = 0; c < z; ++c) {
-    blocks.energy += 0.5 * sides[c].force * sides[c].overlap;
+    const double part = sides[c].part;
+    blocks.energy += part * sides[c].force * sides[c].overlap;
     const auto slope = [&](const LoadedDroplet<Dual> &droplet, std::size_t variable) {
       if (variable == 3)
-        return 0.5 * (sides[c].overlap + length[c].value - length[c]) -
-               radius * droplet.indentation[c];
-      const Dual inward = LoadedDroplet<Dual>::product(droplet.by_normal[c], n[c]);
-      return -0.5 * unit * f[c] * n[c][variable] -
-             energy * (droplet.by_normal[c][variable] - inward * n[c][variable]) / length[c];
+        return part * (sides[c].overlap - normal[c].farther) - radius * droplet.indentation[c];
+      return -part * unit * f[c] * n[c][variable] -
+             energy * normal[c].turned(droplet.by_normal[c])[variable];
     };
     for (std::size_t a = 0; a < V; ++a) {
       blocks.gradient.push_back(slope(alone, a).value);

@@ -3,6 +3,7 @@
 #ifndef DEFORMABLE_ENERGY_BLOCKS_H
 #define DEFORMABLE_ENERGY_BLOCKS_H
 
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <utility>
@@ -42,6 +43,23 @@ struct SideVector {
   double length() const { return std::sqrt(x * x + y * y); }
 };
 
+// The vector v of a contact in space, from the center of a particle to that of a neighbor, or to the nearest point of a wall. Its
+// direction n turns for a step of v across the axis and across n, by the angle `turn` for each unit of length: 1/|v| for a neighbor,
+// as at a SurfacePoint for a round wall. The axis is that of a cylinder or cone, a unit vector; 0 for all others. A part of n along
+// it does not turn. So n turns about a point: the center of a neighbor or sphere, or the point of the axis at the vector
+//   (n - (n.axis) axis)/turn.
+struct SpaceVector {
+  std::array<double, 3> v;
+  double turn;
+  std::array<double, 3> axis;
+
+  std::array<double, 3> direction() const
+  {
+    const double length = std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    return {v[0] / length, v[1] / length, v[2] / length};
+  }
+};
+
 // Energy, gradient, and the entries of the second derivatives, a dense symmetric block after the other.
 struct EnergyBlocks {
   double energy = 0.0;
@@ -65,21 +83,33 @@ struct EnergyBlocks {
 // Soft disks and soft spheres: second derivatives of the energy of a contact.
 
 // U = o^2/2 of the overlap o = contact - |v| with a neighbor (contact = R_i + R_j) or a wall (contact = R_i), with the
-// direction n of v, which turns as that of a SideVector:
-//   dU/dv = -o n,   d^2U/dv dv = n n^T - o turn (1 - n n^T).
+// direction n of v, which turns as that of a SideVector or SpaceVector, and the direction c of its part across the axis:
+//   dU/dv = -o n,   d^2U/dv dv = n n^T - o turn (1 - axis axis^T - c c^T).
 template <int dimension>
-inline void add_disk_contact(const double *v, double turn, double contact, EnergyBlocks &result)
+inline void add_disk_contact(const double *v, double turn, const double *axis, double contact,
+                             EnergyBlocks &result)
 {
-  double square = 0.0;
+  double n[dimension], c[dimension], block[dimension * dimension];
+  double square = 0.0, along = 0.0, round = 0.0;
   for (int a = 0; a < dimension; ++a) square += v[a] * v[a];
   const double length = std::sqrt(square), overlap = contact - length, across = overlap * turn;
-  double block[dimension * dimension];
+  for (int a = 0; a < dimension; ++a) {
+    n[a] = v[a] / length;
+    along += n[a] * axis[a];
+  }
+  for (int a = 0; a < dimension; ++a) {
+    c[a] = n[a] - along * axis[a];
+    round += c[a] * c[a];
+  }
   const std::size_t first = result.gradient.size();
   for (int a = 0; a < dimension; ++a) {
-    const double along = v[a] / length;
-    result.gradient.push_back(-overlap * along);
-    for (int b = 0; b < dimension; ++b)
-      block[a * dimension + b] = (1.0 + across) * along * (v[b] / length) - (a == b ? across : 0.0);
+    result.gradient.push_back(-overlap * n[a]);
+    for (int b = 0; b < dimension; ++b) {
+      block[a * dimension + b] = n[a] * n[b];
+      if (turn != 0.0)
+        block[a * dimension + b] -=
+            across * ((a == b ? 1.0 : 0.0) - axis[a] * axis[b] - c[a] * c[b] / round);
+    }
   }
   result.energy += 0.5 * overlap * overlap;
   result.add_block(first, dimension, block);

@@ -14,13 +14,22 @@
 
 namespace deformable {
 
+// The line from a point to the next one.
+struct Piece {
+  int contact;    // index of the contact that it is part of, or FREE
+  double turn;    // from the direction of the outline's normal at its begin to that at its end
+};
+
 struct Outline {
+  static constexpr int FREE = -1;
   bool same_area = false;
   std::vector<double> xy = {};    // x0 y0 x1 y1 ...
-  void add(double x, double y)
+  std::vector<Piece> pieces = {};
+  void add(double x, double y, const Piece &piece)
   {
     xy.push_back(x);
     xy.push_back(y);
+    pieces.push_back(piece);
   }
 };
 
@@ -43,11 +52,13 @@ inline Chords chords_of(double opening, int points, bool same_area)
 
 inline void circle_outline(double radius, int points, Outline &outline)
 {
+  points = std::max(points, 3);
   const double d = 2.0 * PI / points,
                stretch = outline.same_area ? std::sqrt(d / std::sin(d)) : 1.0;
   for (int k = 0; k < points; ++k) {
     const double theta = 2.0 * PI * k / points;
-    outline.add(stretch * radius * std::cos(theta), stretch * radius * std::sin(theta));
+    outline.add(stretch * radius * std::cos(theta), stretch * radius * std::sin(theta),
+                {Outline::FREE, d});
   }
 }
 
@@ -56,12 +67,13 @@ inline void circle_outline(double radius, int points, Outline &outline)
 inline void ring_outline(double radius, const Contacts &contacts, const Shape &shape, int *order,
                          int points, Outline &outline)
 {
-  const auto point = [&](double theta, double slope_correction, double stretch) {
+  const auto point = [&](double theta, double slope_correction, double stretch,
+                         const Piece &piece) {
     const Support support = ring_support(radius, contacts, shape, theta);
     const double c = std::cos(theta), s = std::sin(theta);
     const double height = support.height + (stretch - 1.0) * support.curvature_radius;
     const double slope = support.d_height + slope_correction;
-    outline.add(height * c - slope * s, height * s + slope * c);
+    outline.add(height * c - slope * s, height * s + slope * c, piece);
   };
   sort_by_angle(contacts, order);
   std::vector<int> active;
@@ -74,11 +86,12 @@ inline void ring_outline(double radius, const Contacts &contacts, const Shape &s
     const double from = contacts[i].angle;
     const double to = contacts[next].angle + (k + 1 < active.size() ? 0.0 : 2.0 * PI);
     // at the contact itself ring_support takes t = 0+: H' is that behind the contact
-    point(from, -shape.contact[i].length, 1.0);
-    point(from, 0.0, 1.0);
+    point(from, -shape.contact[i].length, 1.0, {i, 0.0});
     const Chords chords = chords_of(to - from, points, outline.same_area);
+    const Piece chord = {Outline::FREE, (to - from) / chords.count};
+    point(from, 0.0, 1.0, chord);
     for (int m = 1; m < chords.count; ++m)
-      point(from + (to - from) * m / chords.count, 0.0, chords.stretch);
+      point(from + (to - from) * m / chords.count, 0.0, chords.stretch, chord);
   }
 }
 
@@ -96,7 +109,8 @@ inline Arc sector_arc(double radius, const Contact &i, const Opening &o, const S
           radius - part.shrinkage, i.angle, i.angle + o.angle};
 }
 
-inline void arc_outline(const Arc &arc, int points, Outline &outline)
+// next: the contact behind the arc
+inline void arc_outline(const Arc &arc, int points, Outline &outline, int next = Outline::FREE)
 {
   const double opening = arc.to - arc.from;
   const Chords chords = chords_of(opening, points, outline.same_area);
@@ -104,7 +118,9 @@ inline void arc_outline(const Arc &arc, int points, Outline &outline)
     const double theta = arc.from + opening * m / chords.count;
     const bool is_end = m == 0 || m == chords.count;
     const double radius = is_end ? arc.radius : chords.stretch * arc.radius;
-    outline.add(arc.x + radius * std::cos(theta), arc.y + radius * std::sin(theta));
+    outline.add(arc.x + radius * std::cos(theta), arc.y + radius * std::sin(theta),
+                m == chords.count ? Piece{next, 0.0}
+                                  : Piece{Outline::FREE, opening / chords.count});
   }
 }
 
@@ -116,7 +132,7 @@ void sector_outline(double radius, const Contacts &contacts, int *order, int poi
   sort_by_angle(contacts, order);
   for_each_sector(contacts, order, [&](int, int i, int k, const Opening &o) {
     const Sector part = sector_of(o, contacts[i].indentation, contacts[k].indentation);
-    arc_outline(sector_arc(radius, contacts[i], o, part), points, outline);
+    arc_outline(sector_arc(radius, contacts[i], o, part), points, outline, k);
   });
 }
 
@@ -126,6 +142,7 @@ void sector_outline(double radius, const Contacts &contacts, int *order, int poi
 // angle at which the outline meets it, see contact_curve.h; then L may be negative.
 struct CurvedContact {
   double angle, length, half_angle, contact_angle;
+  int index = 0;    // of the caller
 
   // from the direction of the contact to that of the free outline's normal at its end
   double turn() const { return contact_angle + half_angle; }
@@ -192,19 +209,21 @@ inline void curved_outline(double radius, std::vector<CurvedContact> contacts, i
     const int next = gap + 1 < n ? gap + 1 : 0;
     const Point begin = chord[gap].end[1], end = chord[next].end[0];
     const Point first = free_point(gap, from, 1.0), last = free_point(gap, to, 1.0);
-    outline.add(begin.x, begin.y);
+    const Piece free_chord = {Outline::FREE, std::max(to - from, 0.0) / chords.count};
+    outline.add(begin.x, begin.y, free_chord);
     for (int m = 1; m < chords.count; ++m) {
       const double part = static_cast<double>(m) / chords.count, rest = 1.0 - part;
       const Point p = free_point(gap, from + (to - from) * part, chords.stretch);
       outline.add(p.x + rest * (begin.x - first.x) + part * (end.x - last.x),
-                  p.y + rest * (begin.y - first.y) + part * (end.y - last.y));
+                  p.y + rest * (begin.y - first.y) + part * (end.y - last.y), free_chord);
     }
-    outline.add(end.x, end.y);
     // from the end of this gap to the begin of the next one
     const double b = contacts[next].half_angle, theta = contacts[next].angle;
     const int parts =
         std::fabs(b) < STRAIGHT ? 1 : std::max(2, static_cast<int>(points * std::fabs(b) / PI));
     // chords cut off 1/parts^2 of the area of a flat arc
+    const Piece part_of_contact = {contacts[next].index, 2.0 * b / parts};
+    outline.add(end.x, end.y, part_of_contact);
     const double stretch = outline.same_area && parts > 1 ? 1.0 + 1.0 / (parts * parts - 1.0) : 1.0;
     const Point one = chord[next].end[0], other = chord[next].end[1];
     const double per_sine =
@@ -215,7 +234,7 @@ inline void curved_outline(double radius, std::vector<CurvedContact> contacts, i
       const double out = stretch * std::copysign(per_sine, b) * sagitta;
       const double part = 0.5 * (1.0 + std::sin(psi) / std::sin(b));
       outline.add(one.x + part * (other.x - one.x) + out * std::cos(theta),
-                  one.y + part * (other.y - one.y) + out * std::sin(theta));
+                  one.y + part * (other.y - one.y) + out * std::sin(theta), part_of_contact);
     }
   }
 }

@@ -192,7 +192,7 @@ RingSolver::Ring RingSolver::ring(int i) const
     const int pair_side = batches.pair_side[batches.contact(ring, m)];
     energy += films->energy(pair_side >> 1, pair_side & 1);
   }
-  return {{energy, loaded.pressure}, loaded.expansion, arc_radius, n};
+  return {{energy, loaded.pressure}, loaded.expansion, arc_radius, n, batches.free_radius(ring)};
 }
 
 int RingSolver::shape_of(int i, std::vector<Contact> &contacts, std::vector<int> &pair_sides,

@@ -59,6 +59,7 @@ class RingSolver : public DualSolver {
     deformable::Energy energy;
     double expansion, arc_radius;
     int contacts;
+    double free_radius;    // q, without the skin
   };
   Ring ring(int i) const;
 

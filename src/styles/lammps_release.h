@@ -20,6 +20,16 @@
 
 namespace LAMMPS_NS {
 
+// What Fix::image calls a line. Since 11Feb2026 numbers begin with an object that is not drawn.
+constexpr int IMAGE_LINE = DEFORMABLE_LAMMPS_RELEASE < 20260211 ? 1 : 2;
+// The number with which Fix::image gets the color of a type. Those of 2025 draw the color of the next one, the first after the last.
+constexpr bool IMAGE_COLOR_IS_NEXT =
+    DEFORMABLE_LAMMPS_RELEASE >= 20250722 && DEFORMABLE_LAMMPS_RELEASE < 20260211;
+inline double image_color(double type)
+{
+  return IMAGE_COLOR_IS_NEXT ? type - 1.0 : type;
+}
+
 // Since 12Jun2025 an error of these functions names their caller.
 inline void minimum_image(const Domain *domain, double *delta)
 {

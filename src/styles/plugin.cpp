@@ -9,6 +9,8 @@
 #include "styles/minimize/min_deformable_lbfgs.h"
 #include "styles/motion/fix_deformable_propel.h"
 #include "styles/pair/compute_deformable_contact.h"
+#include "styles/pair/compute_deformable_outline.h"
+#include "styles/pair/fix_deformable_outline.h"
 #include "styles/pair/pair_deformable_droplet.h"
 #include "styles/pair/pair_deformable_ring.h"
 #include "styles/pair/pair_deformable_sector.h"
@@ -162,6 +164,7 @@ extern "C" __attribute__((visibility("default"))) void lammpsplugin_init(void *l
 #include "styles/memory/fix_deformable_films.h"
 #include "styles/memory/fix_deformable_restart.h"
 #include "styles/motion/fix_deformable_propel.h"
+#include "styles/pair/fix_deformable_outline.h"
 #include "styles/walls/fix_deformable_wall.h"
 
 #define COMPUTE_CLASS
@@ -172,6 +175,7 @@ extern "C" __attribute__((visibility("default"))) void lammpsplugin_init(void *l
   plugin.creator.v2 = &creator_of<Style>;                                                          \
   register_style(&plugin, lmp)
 #include "styles/pair/compute_deformable_contact.h"
+#include "styles/pair/compute_deformable_outline.h"
 
   // Before 22Jul2025 plugins have no minimizers.
 #if defined(DEFORMABLE_HAS_MIN) && DEFORMABLE_LAMMPS_RELEASE >= 20250722

@@ -10,37 +10,68 @@ from test_droplet_kernel import changes
 RADIUS, TENSION = 1.3, 0.7
 
 
-def scene(z, seed, load=0.1):
-    """Sides of one droplet with these forces: rows of `droplet_blocks`."""
+# Columns of `droplet_blocks`.
+V, TURN, AXIS, OVERLAP, PART, FILM, FORCE = slice(0, 3), 3, slice(4, 7), 7, 8, 9, 10
+WEIGHT = slice(11, 14)
+
+
+def scene(z, seed, load=0.1, walls=()):
+    """Sides of one droplet with these forces: rows of `droplet_blocks`. The last ones are walls."""
     rng = np.random.default_rng(seed)
-    sides = np.zeros((z, 9))
-    sides[:, :3] = rng.uniform(1.8, 3.0, z)[:, None] * random_normals(z, seed)
-    sides[:, 3:5] = rng.uniform(-0.1, 0.3, (z, 2))
-    sides[:, 5] = rng.uniform(0.05, 1.0, z)
-    sides[:, 5] *= 8 * np.pi * load * RADIUS * TENSION / sides[:, 5].sum()
+    sides = np.zeros((z, 14))
+    sides[:, V] = rng.uniform(1.8, 3.0, z)[:, None] * random_normals(z, seed)
+    sides[:, TURN] = 1.0 / np.linalg.norm(sides[:, V], axis=1)
+    sides[:, [OVERLAP, FILM]] = rng.uniform(-0.1, 0.3, (z, 2))
+    sides[:, PART] = 0.5
+    sides[:, FORCE] = rng.uniform(0.05, 1.0, z)
+    sides[:, FORCE] *= 8 * np.pi * load * RADIUS * TENSION / sides[:, FORCE].sum()
+    for row, (turn, axis) in zip(sides[z - len(walls) :], walls, strict=True):
+        row[TURN], row[AXIS], row[PART] = turn, axis, 1.0
     return sides
 
 
+# Turn and axis. Flat; inside of a sphere, outside of a ball; inside of a cone, outside of one.
+WALLS = [
+    (0.0, (0, 0, 0)),
+    (-0.3, (0, 0, 0)),
+    (0.6, (0, 0, 0)),
+    (-0.25, (0, 0, 1)),
+    (0.5, (0.6, 0, -0.8)),
+]
+
+
 def moved(sides, step):
-    """The sides after a step of vectors and forces, and with them of overlaps."""
+    """The sides after a step of vectors and forces, and with them of overlaps.
+
+    Each direction turns about a point, which is the nearest one of the axis of a cone.
+    """
     new, step = sides.astype(complex), np.reshape(step, (-1, 4))
-    new[:, :3] += step[:, :3]
-    new[:, 5] += step[:, 3]
-    before, after = (np.sqrt((each[:, :3] ** 2).sum(axis=1)) for each in (sides, new))
-    new[:, 3] += before - after
+    new[:, FORCE] += step[:, 3]
+    for row, old, d in zip(new, sides, step[:, :3], strict=True):
+        v, turn, axis = old[V], old[TURN], old[AXIS]
+        length = np.sqrt(v @ v)
+        n = v / length
+        round_part = n - (n @ axis) * axis if turn else np.zeros(3)
+        flat, r = n - round_part, round_part / (turn or 1.0)
+        r0, r = np.sqrt(r @ r), r + d - (d @ axis) * axis
+        r1, cosine = np.sqrt(r @ r), np.copysign(np.sqrt(round_part @ round_part), turn)
+        further = flat @ d + cosine * (r1 - r0)
+        row[V] = (flat + (cosine * r / r1 if turn else 0.0)) * (length + further)
+        row[TURN] = cosine / r1 if turn else 0.0
+        row[OVERLAP] -= further
     return new if np.iscomplexobj(step) else new.real
 
 
 def loaded(sides):
     """Forces and normals in units of R and g R."""
-    length = np.sqrt((sides[:, :3] ** 2).sum(axis=1))
-    return sides[:, 5] / (RADIUS * TENSION), sides[:, :3] / length[:, None]
+    length = np.sqrt((sides[:, V] ** 2).sum(axis=1))
+    return sides[:, FORCE] / (RADIUS * TENSION), sides[:, V] / length[:, None]
 
 
 def energy(sides):
     f, n = loaded(sides)
-    work = formula.work(f, n) + (f**2 * sides[:, 4]).sum() / (8 * np.pi)
-    return (sides[:, 5] * sides[:, 3]).sum() / 2 - TENSION * RADIUS**2 * work
+    work = formula.work(f, n) + (f**2 * sides[:, FILM]).sum() / (8 * np.pi)
+    return (sides[:, PART] * sides[:, FORCE] * sides[:, OVERLAP]).sum() - TENSION * RADIUS**2 * work
 
 
 def blocks(sides):
@@ -62,9 +93,20 @@ def places(sides):
     return matrix
 
 
-@pytest.mark.parametrize(("z", "load"), [(1, 0.1), (2, 0.1), (7, 0.3), (13, 0.1), (13, 0.51)])
-def test_derivatives(z, load):
-    sides = scene(z, z, load)
+@pytest.mark.parametrize(
+    ("z", "load", "walls"),
+    [
+        (1, 0.1, []),
+        (2, 0.1, WALLS[:1]),
+        (7, 0.3, []),
+        (7, 0.2, WALLS),
+        (5, 0.1, WALLS),
+        (13, 0.1, WALLS[1:3]),
+        (13, 0.51, WALLS[2:]),
+    ],
+)
+def test_derivatives(z, load, walls):
+    sides = scene(z, z, load, walls)
     found, _ = blocks(sides)
     start = np.zeros(4 * z)
     if load < 0.5:  # the formula has no barrier
@@ -92,10 +134,10 @@ def test_places_of_facets():
     assert found[:, 3] == pytest.approx(np.exp(-0.065), rel=1e-14)
 
     weighted = sides.copy()
-    weighted[:, 6:] = np.random.default_rng(1).normal(size=(7, 3))
+    weighted[:, WEIGHT] = np.random.default_rng(1).normal(size=(7, 3))
     plain, other = blocks(sides)[0], blocks(weighted)[0]
     assert (plain.gradient == other.gradient).all()
-    by = changes(lambda x: weighted[:, 6:].ravel() @ places(moved(sides, x)), start, 1e-4)
+    by = changes(lambda x: weighted[:, WEIGHT].ravel() @ places(moved(sides, x)), start, 1e-4)
     assert dense(plain) - dense(other) == pytest.approx(TENSION * RADIUS * by, abs=1e-8)
 
 
@@ -118,7 +160,7 @@ def test_errors():
         ([5, 0, 1], {}, "radius of droplet 0"),
         ([5, 1, np.inf], {}, "tension of droplet 0"),
         ([5, 1, 1], {(2, 0): np.nan}, "vector 2|sides"),
-        ([5, 1, 1], {(4, 5): 0.0}, "force of side 4"),
+        ([5, 1, 1], {(4, FORCE): 0.0}, "force of side 4"),
     ):
         sides = scene(5, seed=1)
         for place, value in change.items():
@@ -126,5 +168,5 @@ def test_errors():
         for function in (core.droplet_blocks, core.droplet_facets):
             with pytest.raises(ValueError, match=message):
                 function([droplet], sides)
-            with pytest.raises(ValueError, match="9 numbers"):
+            with pytest.raises(ValueError, match="14 numbers"):
                 function([droplet], sides[:, :5])

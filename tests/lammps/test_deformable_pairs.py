@@ -10,6 +10,7 @@ from turns import in_turn
 
 ASKING = {
     "compute deformable/contact": "compute some all deformable/contact\n",
+    "compute deformable/outline": "compute some all deformable/outline\n",
     "wall": "fix some all deformable/wall disk -1.5 0.3 0.3\n",
     "friction": "fix some all deformable/friction 0.5 1 0\n",
 }

@@ -39,7 +39,7 @@ def test_limit():
     assert pytest.approx(LIMIT, abs=0.005) == 0.41
     root = Path(__file__).parents[2]
     assert "LARGEST_AT_TOUCH = 0.41;" in (root / "src" / "laws" / "contact_curve.h").read_text()
-    page = (root / "docs" / "pair_deformable_ring.md").read_text()
+    page = (root / "docs" / "theory" / "contacts.md").read_text()
     w, d = (
         [float(word) for word in re.search(rf"\| {name}/[TR] \| (.*) \|", page)[1].split("|")]
         for name in "wd"

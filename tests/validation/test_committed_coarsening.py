@@ -10,9 +10,11 @@ from committed_page import check
 pytest.importorskip("matplotlib")
 
 from validation.coarsening import __main__ as coarsening
+from validation.coarsening import angles
 
 FOLDER = Path(__file__).parents[2] / "validation" / "coarsening"
 FOAMS = json.loads((FOLDER / "coarsening_256.json").read_text())
+STICKING = json.loads((FOLDER / "angles.json").read_text())
 
 
 def of(dimension: int, phi: float) -> list[dict]:
@@ -21,7 +23,7 @@ def of(dimension: int, phi: float) -> list[dict]:
 
 def test_the_page_follows_from_the_measurements() -> None:
     lines = list(coarsening.lines(FOAMS))
-    check(FOLDER / "README.md", [lines], ())
+    check(FOLDER / "README.md", [lines, angles.lines(STICKING)], ())
     assert (FOLDER / "coarsening_256.log").read_text().splitlines() == lines
 
 
@@ -48,3 +50,21 @@ def test_a_small_foam(tmp_path: Path) -> None:
     foam = coarsening.age(2, 0.95, 0.02, 32, 1)
     assert [row["time"] for row in foam["rows"]] == sorted(row["time"] for row in foam["rows"])
     assert foam["rows"][-1]["sauter"] > 1.5
+
+
+def test_bubbles_that_stick_keep_films_where_others_part() -> None:
+    parted, lower = angles.PHIS.index(0.82), 0.0
+    for angle in angles.ANGLES:
+        rates, errors = angles.rates_of(STICKING, angle)
+        if angle == 0:
+            assert rates[parted:].max() == 0.0
+        else:  # a plateau, the higher the larger the angle
+            assert rates[parted:] == pytest.approx(rates[parted], rel=0.1)
+            assert rates[parted] > lower + 5.0 * errors[parted]
+        lower = rates[parted]
+
+
+def test_a_small_foam_that_sticks() -> None:
+    found = angles.expand(5, 16, 1)
+    assert len(found["rates"]) == len(angles.PHIS)
+    assert min(found["rates"]) > 0.02

@@ -25,10 +25,12 @@ RADII = (1.0, 1.2)  # of equal numbers: equal droplets begin to crystallize
 WIDTH = 0.2  # of the logarithm of radii
 ABOVE = (0.001, 0.003, 0.01)  # phi - phi_J
 PHI = (0.66, 0.68, 0.70, 0.73, 0.76, 0.79, 0.82, 0.85)
+SHORT = (0.66, 0.70, 0.76, 0.82, 0.85)  # rows of the page
 FINITE, STRAIN = (0.66, 0.76, 0.85), 1e-4  # where the first packing is sheared, and by how much
 
 NAMES = ("phi", "pressure", "shear", "bulk", "excess", "load", "largest", "order", "above")
 NEAR, FAR = slice(0, len(ABOVE)), slice(len(ABOVE) + 1, None)  # rows of fits over the pressure
+COLORS = ("#0072b2", "#d55e00")  # which the color-blind tell apart
 HEADS = ("pressure", "3.2 (phi - 0.64)^2/sqrt(1 - phi)", "shear modulus", "1.6 phi (phi - 0.64)")
 HEADS = (*HEADS, "bulk modulus", "z - z_iso", "mean load", "largest load")
 
@@ -159,6 +161,22 @@ def table(packings, kind):
         yield "| " + " | ".join(map(str, row)) + " |"
 
 
+def short_table(packings):
+    """Pressure and shear modulus of both kinds beside the curves of emulsions, at some phi."""
+    kinds = [f"{name}, {kind}" for name in ("pressure", "shear modulus") for kind in KINDS]
+    yield f"| phi | {kinds[0]} | {kinds[1]} | emulsions | {kinds[2]} | {kinds[3]} | emulsions |"
+    yield "|" + "---|" * 7
+    found = [means(packings, kind) for kind in KINDS]
+    for n, phi in enumerate(PHI, len(ABOVE)):
+        if phi not in SHORT:
+            continue
+        cells = []
+        for name, curve in (("pressure", master_curve(phi)), ("shear", mason(phi))):
+            cells += [with_error(values[name][n], errors[name][n]) for values, errors in found]
+            cells.append(f"{curve:.3f}")
+        yield f"| {phi} | " + " | ".join(cells) + " |"
+
+
 def height(phi, pressure, start):
     """Height above the floor of floating droplets, from dp/dz = weight phi [pressure/weight].
 
@@ -187,33 +205,36 @@ def lines(packings, number):
 
 
 def draw(packings, file):
-    """Pressure and shear modulus over phi and over phi - phi_J, contacts, and loads."""
-    figure, axes = plt.subplots(2, 3, figsize=(13, 7.2), layout="constrained")
-    (one, two, five), (three, four, six) = axes
-    for kind, mark in zip(KINDS, "os", strict=True):
-        values, errors = means(packings, kind)
-        for left, right, name in ((one, three, "pressure"), (two, four, "shear")):
-            style = {"fmt": mark, "ms": 4, "label": kind}
-            left.errorbar(values["phi"], values[name], errors[name], **style)
-            right.errorbar(values["above"], values[name], errors[name], **style)
-        five.errorbar(values["above"], values["excess"], errors["excess"], **style)
-        six.plot(values["phi"], values["load"], mark + "-", ms=4, label=f"{kind}, mean")
-        six.plot(values["phi"], values["largest"], mark + ":", ms=4, label="largest")
+    """Pressure and shear modulus over phi, and both over the curves of emulsions."""
+    figure, axes = plt.subplots(1, 3, figsize=(11, 3.6), layout="constrained")
     dense = np.linspace(0.645, 0.86, 200)
-    for left, right, curve, name in (
-        (one, three, master_curve, r"osmotic pressure [$\gamma/R_{32}$]"),
-        (two, four, mason, r"shear modulus [$\gamma/R_{32}$]"),
-    ):
-        left.plot(dense, curve(dense), "k--", lw=1, label="emulsions, published")
-        right.plot(dense - 0.64, curve(dense), "k--", lw=1)
-        left.set(xlabel=r"$\phi$", ylabel=name)
-        right.set(xlabel=r"$\phi - \phi_J$", ylabel=name, xscale="log", yscale="log")
-    five.set(xlabel=r"$\phi - \phi_J$", ylabel=r"$z - z_{iso}$", xscale="log", yscale="log")
-    six.axhline(0.4, color="k", ls=":", lw=1)
-    six.set(xlabel=r"$\phi$", ylabel="part of the surface in facets", yscale="log")
-    for each in (one, two, six):
-        each.legend(frameon=False)
-    figure.savefig(file, dpi=70)
+    quantities = (
+        ("pressure", master_curve, "osmotic pressure"),
+        ("shear", mason, "shear modulus"),
+    )
+    for (name, curve, label), left in zip(quantities, axes, strict=False):
+        left.plot(dense, curve(dense), "k--", lw=1, label="emulsions, fit to measurements")
+        left.set(xlabel=r"$\phi$", ylabel=rf"{label} [$\gamma/R_{{32}}$]")
+        for kind, mark, color in zip(KINDS, "os", COLORS, strict=True):
+            values, errors = means(packings, kind)
+            style = {"fmt": mark, "ms": 4, "color": color}
+            left.errorbar(values["phi"], values[name], errors[name], label=kind, **style)
+            fit = curve(values["phi"])
+            loose = values["phi"] > 0.69  # before, the curve is near its zero
+            axes[2].errorbar(
+                values["phi"][loose],
+                (values[name] / fit)[loose],
+                (errors[name] / fit)[loose],
+                label=f"{label}, {kind}",
+                **style | {"mfc": color if name == "pressure" else "white"},
+            )
+    axes[2].axhline(1.0, color="k", ls="--", lw=1)
+    axes[2].set(xlabel=r"$\phi$", ylabel="over that of emulsions", ylim=(0.65, 1.25))
+    for letter, each in zip("abc", axes, strict=True):
+        each.set_title(f"({letter})", loc="left", fontsize=10)
+    axes[0].legend(frameon=False, fontsize=8)
+    axes[2].legend(frameon=False, fontsize=8)
+    figure.savefig(file, dpi=150)
 
 
 def main():

@@ -30,9 +30,10 @@ template <class Memory> void write(const Memory &memory, double *numbers)
 {
   std::memcpy(numbers, &memory, sizeof memory);
 }
-template <class Memory> void read(Memory &memory, const double *numbers, int /*count*/)
+template <class Memory> void read(Memory &memory, const double *numbers, int count)
 {
-  std::memcpy(static_cast<void *>(&memory), numbers, sizeof memory);
+  std::memcpy(static_cast<void *>(&memory), numbers,
+              std::min(sizeof memory, count * sizeof(double)));
 }
 
 template <class Memory> class FixMemory : public Fix {

@@ -1,6 +1,7 @@
 #include "styles/motion/fix_deformable_propel.h"
 
 #include "laws/trigonometry.h"
+#include "laws/vector3.h"
 #include "styles/lammps_release.h"
 
 #include "atom.h"
@@ -8,13 +9,18 @@
 #include "error.h"
 #include "update.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
 
 using namespace LAMMPS_NS;
 using namespace FixConst;
+using deformable::across;
+using deformable::cross;
+using deformable::length;
 using deformable::PI;
+using deformable::Vector3;
 
 namespace {
 
@@ -56,6 +62,46 @@ class CountedRandom {
   std::uint64_t state;
 };
 
+// How directions in space diffuse in a time step: n turns by the angle theta toward any side, with the density of
+// cos(theta)
+//   kappa exp(kappa (cos(theta) - 1))/(1 - exp(-2 kappa)),   <cos(theta)> = coth(kappa) - 1/kappa = exp(-dt/tau),
+// so that <n(t).n(0)> is that of diffusion for any dt. <(3 (n(t).n(0))^2 - 1)/2> decays at its rate 3/tau to the
+// order (dt/tau)^2.
+// Source: R. A. Fisher, Proc. R. Soc. Lond. A 217, 295 (1953).
+class TurnInSpace {
+ public:
+  explicit TurnInSpace(double persisted)
+  {
+    const double less = -std::expm1(-persisted), c = 1.0 - less;
+    kappa = std::max(c * (3.0 - c * c) / (less * (1.0 + c)), 1e-8);    // to a few per cent
+    if (kappa > 50.0) {
+      kappa = 1.0 / less;    // coth = 1
+      return;
+    }
+    constexpr int STEPS = 6;    // of Newton's method; four are enough
+    constexpr double SMALL = 1e-2;
+    for (int n = 0; n < STEPS && kappa > SMALL; ++n) {
+      const double over = 1.0 / kappa, rise = 1.0 / std::sinh(kappa);
+      kappa += (c - 1.0 / std::tanh(kappa) + over) / (over * over - rise * rise);
+    }
+  }
+
+  Vector3 operator()(const Vector3 &n, CountedRandom &random) const
+  {
+    const double less = -std::log1p(std::expm1(-2.0 * kappa) * random.uniform()) / kappa,
+                 angle = 2.0 * PI * random.uniform();
+    const Vector3 axis = std::fabs(n.x) < 0.5 ? Vector3{1, 0, 0} : Vector3{0, 1, 0};
+    const Vector3 out = across(axis, n), beside = cross(n, out);
+    const double sine = std::sqrt(std::max(less * (2.0 - less), 0.0)) / length(out);
+    const Vector3 turned =
+        (1.0 - less) * n + sine * (std::cos(angle) * out + std::sin(angle) * beside);
+    return (1.0 / length(turned)) * turned;
+  }
+
+ private:
+  double kappa;
+};
+
 }    // namespace
 
 /* ---------------------------------------------------------------------- */
@@ -85,7 +131,7 @@ FixDeformablePropel::FixDeformablePropel(LAMMPS *lmp, int narg, char **arg)
                id);
 
   peratom_flag = 1;
-  size_peratom_cols = 2;
+  size_peratom_cols = domain->dimension;
   peratom_freq = 1;
   dynamic_group_allow = 1;
   begin();
@@ -101,8 +147,6 @@ int FixDeformablePropel::setmask()
 
 void FixDeformablePropel::init()
 {
-  if (domain->dimension != 2)
-    error->all(FLERR, "Fix {} deformable/propel is two-dimensional: use 'dimension 2'", id);
   if (utils::strmatch(update->integrate_style, "^respa"))
     error->all(FLERR, "Fix {} deformable/propel cannot be used with run_style respa", id);
 }
@@ -119,26 +163,35 @@ void FixDeformablePropel::setup(int)
 
 void FixDeformablePropel::post_force(int)
 {
-  push(std::sqrt(2.0 * update->dt / persistence));
+  push(update->dt / persistence);
 }
 
 /* ----------------------------------------------------------------------
-   Turn by a normal deviate times this angle, then push.
+   Turn for this time over tau, then push. In the plane the angle changes by a
+   normal deviate.
 ------------------------------------------------------------------------- */
 
-void FixDeformablePropel::push(double angle_per_deviation)
+void FixDeformablePropel::push(double persisted)
 {
+  const bool in_space = domain->dimension == 3;
+  const double angle_per_deviation = std::sqrt(2.0 * persisted);
+  const TurnInSpace turned(persisted > 0.0 ? persisted : 1.0);
   for (int i = 0; i < atom->nlocal; ++i) {
     if (!(atom->mask[i] & groupbit)) continue;
     Direction &n = direction_of(i);
-    if (angle_per_deviation > 0.0) {
+    if (persisted > 0.0) {
       CountedRandom random(seed, atom->tag[i], update->ntimestep);
-      const double angle = std::atan2(n.y, n.x) + angle_per_deviation * random.gaussian();
-      n.x = std::cos(angle);
-      n.y = std::sin(angle);
+      if (in_space) {
+        const Vector3 now = turned({n.x, n.y, n.z}, random);
+        n = {now.x, now.y, now.z};
+      } else {
+        const double angle = std::atan2(n.y, n.x) + angle_per_deviation * random.gaussian();
+        n = {std::cos(angle), std::sin(angle), 0.0};
+      }
     }
     atom->f[i][0] += strength * n.x;
     atom->f[i][1] += strength * n.y;
+    if (in_space) atom->f[i][2] += strength * n.z;
   }
 }
 
@@ -149,11 +202,12 @@ void FixDeformablePropel::push(double angle_per_deviation)
 Direction &FixDeformablePropel::direction_of(int i)
 {
   Direction &n = particles[i];
-  if (n.x == 0.0 && n.y == 0.0) {
+  if (n.x == 0.0 && n.y == 0.0 && n.z == 0.0) {
     CountedRandom random(seed, atom->tag[i], ~std::uint64_t{0});
     const double angle = 2.0 * PI * random.uniform();
-    n.x = std::cos(angle);
-    n.y = std::sin(angle);
+    const double height = domain->dimension == 3 ? 2.0 * random.uniform() - 1.0 : 0.0;
+    const double out = std::sqrt(1.0 - height * height);
+    n = {out * std::cos(angle), out * std::sin(angle), height};
   }
   return n;
 }

@@ -17,7 +17,7 @@ FixStyle(deformable/propel,FixDeformablePropel);
 namespace LAMMPS_NS {
 
 struct Direction {
-  double x = 0.0, y = 0.0;    // a unit vector; (0, 0) of a particle that has none yet
+  double x = 0.0, y = 0.0, z = 0.0;    // a unit vector; 0 of a particle that has none yet
 };
 
 class FixDeformablePropel : public FixMemory<Direction> {
@@ -36,7 +36,7 @@ class FixDeformablePropel : public FixMemory<Direction> {
   std::uint64_t seed;
   std::vector<double *> rows;    // see array_atom
 
-  void push(double angle_per_deviation);
+  void push(double persisted);
   Direction &direction_of(int i);
 };
 

@@ -12,14 +12,20 @@ using namespace LAMMPS_NS;
 /* ---------------------------------------------------------------------- */
 
 ComputeDeformableContact::ComputeDeformableContact(LAMMPS *lmp, int narg, char **arg)
-    : Compute(lmp, narg, arg)
+    : ComputeDeformableContact(lmp, narg, arg,
+                               PairDeformable::contact_columns(lmp->domain->dimension))
 {
   if (narg > 3)
     error->all(FLERR_WORD(3), "Unknown compute deformable/contact argument '{}': it takes none",
                arg[3]);
+}
+
+ComputeDeformableContact::ComputeDeformableContact(LAMMPS *lmp, int narg, char **arg, int columns)
+    : Compute(lmp, narg, arg)
+{
   local_flag = 1;
   size_local_rows = 0;
-  size_local_cols = PairDeformable::contact_columns(domain->dimension);
+  size_local_cols = columns;
 }
 
 /* ---------------------------------------------------------------------- */
@@ -28,11 +34,10 @@ void ComputeDeformableContact::init()
 {
   pairs = deformable_pairs(*force);
   if (pairs.empty())
-    error->all(
-        FLERR,
-        "Compute {} deformable/contact needs pair_style deformable/ring, deformable/sector or "
-        "deformable/droplet, but pair_style is {}",
-        id, force->pair_style ? force->pair_style : "none");
+    error->all(FLERR,
+               "Compute {} {} needs pair_style deformable/ring, deformable/sector or "
+               "deformable/droplet, but pair_style is {}",
+               id, style, force->pair_style ? force->pair_style : "none");
 }
 
 /* ----------------------------------------------------------------------
@@ -43,16 +48,22 @@ void ComputeDeformableContact::compute_local()
 {
   if (deformable_pairs(*force) != pairs)
     error->all(FLERR,
-               "Compute {} deformable/contact: the pair style is another one since the last run, "
-               "use 'run 0' first",
-               id);
+               "Compute {} {}: the pair style is another one since the last run, use 'run 0' first",
+               id, style);
   invoked_local = update->ntimestep;
   values.clear();
-  for (const PairDeformable *pair : pairs) pair->list_contacts(groupbit, values);
+  for (const PairDeformable *pair : pairs) list(*pair, values);
   size_local_rows = static_cast<int>(values.size()) / size_local_cols;
   rows.resize(size_local_rows + 1);
   for (int r = 0; r < size_local_rows; ++r) rows[r] = &values[r * size_local_cols];
   array_local = rows.data();
+}
+
+/* ---------------------------------------------------------------------- */
+
+void ComputeDeformableContact::list(const PairDeformable &pair, std::vector<double> &numbers) const
+{
+  pair.list_contacts(groupbit, numbers);
 }
 
 /* ---------------------------------------------------------------------- */

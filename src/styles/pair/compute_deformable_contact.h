@@ -17,12 +17,17 @@ namespace LAMMPS_NS {
 
 class ComputeDeformableContact : public Compute {
  public:
-  static constexpr const char *STYLE = "deformable/contact";
+  static constexpr const char *STYLES = "^deformable/";    // for which pair styles record contacts
 
   ComputeDeformableContact(class LAMMPS *, int, char **);
   void init() override;
   void compute_local() override;
   double memory_usage() override;
+
+ protected:
+  // Of rows with so many numbers, after its arguments.
+  ComputeDeformableContact(class LAMMPS *, int, char **, int columns);
+  virtual void list(const class PairDeformable &, std::vector<double> &numbers) const;
 
  private:
   std::vector<class PairDeformable *> pairs;    // of the last run; several within a hybrid style

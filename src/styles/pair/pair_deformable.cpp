@@ -159,7 +159,7 @@ void PairDeformable::init_style()
   // false again after unfix; extract_peratom sets it for a new fix pair
   results.requested = !modify->get_fix_by_style("^pair$").empty();
 
-  recording = !modify->get_compute_by_style(ComputeDeformableContact::STYLE).empty();
+  recording = !modify->get_compute_by_style(ComputeDeformableContact::STYLES).empty();
   const std::vector<Fix *> frictions = modify->get_fix_by_style(FixDeformableFriction::STYLE);
   rubbing = !frictions.empty();
   measuring = std::any_of(frictions.begin(), frictions.end(), [](const Fix *fix) {
@@ -289,6 +289,35 @@ void PairDeformable::list_contacts(int groupbit, std::vector<double> &rows) cons
                  contact.angle, contact.distance, contact.line.tilt, contact.line.half_angle,
                  contact.push.fx, contact.push.fy, contact.line.contact_angle,
                  contact.line.attached});
+  }
+}
+
+/* ----------------------------------------------------------------------
+   The lines of the closed polygon, counterclockwise.
+------------------------------------------------------------------------- */
+
+void PairDeformable::list_outlines(int groupbit, int points, std::vector<double> &rows) const
+{
+  std::vector<std::vector<RecordedContact>> of_atom(atom->nlocal);
+  for (const RecordedContact &contact : recorded) of_atom[contact.atom].push_back(contact);
+  for (int ii = 0; ii < list->inum; ++ii) {
+    const int i = list->ilist[ii];
+    if (!(atom->mask[i] & groupbit)) continue;
+    deformable::Outline outline;
+    outline_of(i, of_atom[i], points, outline);
+    const std::size_t size = outline.pieces.size();
+    for (std::size_t k = 0; k < size; ++k) {
+      const deformable::Piece &piece = outline.pieces[k];
+      const double *const one = &outline.xy[2 * k], *const other =
+                                                        &outline.xy[2 * (k + 1) % (2 * size)];
+      const tagint partner =
+          piece.contact == deformable::Outline::FREE ? 0 : of_atom[i][piece.contact].partner;
+      const double *const x = atom->x[i];
+      rows.insert(rows.end(),
+                  {static_cast<double>(atom->tag[i]), static_cast<double>(atom->type[i]),
+                   static_cast<double>(partner), x[0] + one[0], x[1] + one[1], x[0] + other[0],
+                   x[1] + other[1], piece.turn});
+    }
   }
 }
 

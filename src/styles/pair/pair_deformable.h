@@ -11,6 +11,7 @@
 #include "kernels/large_vector.h"
 #include "laws/shape.h"
 #include "laws/stiffness.h"
+#include "response/outline.h"
 #include "styles/refusals.h"
 #include "styles/species.h"
 #include "styles/walls/fix_deformable_wall.h"
@@ -79,6 +80,9 @@ struct RecordedLine {
   double half_angle = 0.0;       // of an arc: positive where it is convex
   double contact_angle = 0.0;    // at which the outline meets a film
   double attached = 0.0;         // 0 or 1; of a wall: 0 or its code < 0, see FixDeformableFilms
+  // The outline of a ring between contacts has the support function H = E - sum L G.
+  double support_radius = 0.0;    // E
+  double support_length = 0.0;    // L
 };
 
 // A contact from one of its two sides.
@@ -121,7 +125,7 @@ struct Spring {
 
 class PairDeformable : public Pair {
  public:
-  // Contacts of this rank's particles at the last call, if a compute deformable/contact is defined.
+  // Contacts of this rank's particles at the last call, if a compute of contacts or outlines is defined.
   std::vector<RecordedContact> recorded;
 
   // All contacts of this rank's particles that bear a force at the last call, if a fix deformable/friction is defined.
@@ -168,6 +172,9 @@ class PairDeformable : public Pair {
   // Appends the rows of compute deformable/contact: of contacts of this rank's particles in the group.
   static int contact_columns(int dimension) { return dimension == 3 ? 19 : 15; }
   virtual void list_contacts(int groupbit, std::vector<double> &rows) const;
+  // Those of compute deformable/outline; points: of a whole turn.
+  static constexpr int OUTLINE_COLUMNS = 8;
+  void list_outlines(int groupbit, int points, std::vector<double> &rows) const;
   double memory_usage() override;
 
   // All contacts of this rank's particles, and pairs with a gap up to this part of both radii. Each once, those of a particle
@@ -257,14 +264,20 @@ class PairDeformable : public Pair {
   Refusals refusals;
 
   ParticleResults results;
-  bool recording = false;    // for compute deformable/contact
+  bool recording = false;    // for computes of contacts and outlines
   bool rubbing = false;      // whether `loaded` is asked for
   bool measuring = false;    // and the sizes of films
 
   // Whether anyone asks for shapes and contacts of single particles in this call.
   bool needs_shapes() const { return recording || results.requested; }
 
-  // For compute deformable/contact, if there is one.
+  // The outline of particle i about its center, from what was recorded of its contacts.
+  virtual void outline_of(int /*i*/, const std::vector<RecordedContact> &, int /*points*/,
+                          deformable::Outline &) const
+  {
+  }
+
+  // For such computes, if there is one.
   void record(int i, int partner, const deformable::Contact &, double length, double force,
               const Push &push, double distance, const RecordedLine &line = {});
 

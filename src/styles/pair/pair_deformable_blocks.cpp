@@ -200,12 +200,15 @@ void PairDeformable::observe(const BlockParticle &p)
   if (recording)
     for_each_active(block, p, [&](const Place &place) {
       const PlacedLine line = line_of(p, place);
+      RecordedLine recorded_line;
+      recorded_line.support_radius = p.radius + p.perimeter_excess / (2.0 * PI);
+      recorded_line.support_length = place.length;
       if (place.partner >= 0)
         return record(p.name, place.partner, line.contact, place.length, place.force,
-                      {place.fx, place.fy}, 1.0 / line.per_distance);
+                      {place.fx, place.fy}, 1.0 / line.per_distance, recorded_line);
       const WallContact &wall = wall_contacts[-1 - place.partner];
       record(p.name, wall.wall, line.contact, place.length, place.force, push_of(wall, place).push,
-             0.5 / line.per_distance);
+             0.5 / line.per_distance, recorded_line);
     });
 }
 

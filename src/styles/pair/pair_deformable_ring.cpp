@@ -506,9 +506,13 @@ void PairDeformableRing::finish_balanced(int i)
     return pair_sides[c] & 1 ? p.i[k] : p.j[k];
   };
   if (neighbor->ago == 0 && !is_within_reach(i, row)) refuse_bulge(i, row, partner(deepest(row)));
+  // E = q + sum L/2 pi
+  double support_radius = ring.free_radius + materials.species_of(i).skin;
+  for (int c = 0; c < row.size; ++c) support_radius += shape.contact[c].length / (2.0 * PI);
   for (int c = 0; c < row.size; ++c) {
     const int k = pair_sides[c] >> 1, other = partner(c);
     double &length = shape.contact[c].length;
+    const double support_length = length;
     length = balanced->line_length(i, k, length);
     const double distance = other < 0 ? radii[i] - row[c].indentation : 1.0 / p.per_distance[k];
     // each of two particles has half of the force along the line of centers
@@ -521,6 +525,8 @@ void PairDeformableRing::finish_balanced(int i)
       line.contact_angle = 2.0 * std::atan(p.film_angle[side][k]);
       line.attached = other < 0 ? other : 1.0;
     }
+    line.support_radius = support_radius;
+    line.support_length = support_length;
     record(i, other, row[c], length, p.force[k], push, distance, line);
   }
   store_shape(i, row, ring.energy.derivative);
@@ -528,6 +534,37 @@ void PairDeformableRing::finish_balanced(int i)
   if (is_beyond && PI * r * r <= shape.area_deficit)
     for (int c = 0; c < row.size; ++c)
       if (partner(c) >= 0 && shape.contact[c].length > 0.0) check_own_image(i, partner(c));
+}
+
+/* ---------------------------------------------------------------------- */
+
+void PairDeformableRing::outline_of(int i, const std::vector<RecordedContact> &of_ring, int points,
+                                    Outline &outline) const
+{
+  const int size = static_cast<int>(of_ring.size());
+  if (size == 0) return circle_outline(radii[i], points, outline);
+  const double support_radius = of_ring[0].line.support_radius;
+  if (bends_lines()) {
+    std::vector<CurvedContact> lines;
+    for (int c = 0; c < size; ++c) {
+      const RecordedLine &line = of_ring[c].line;
+      if (line.support_length > 0.0 || line.contact_angle > 0.0)
+        lines.push_back(
+            {of_ring[c].angle, line.support_length, line.half_angle, line.contact_angle, c});
+    }
+    return curved_outline(support_radius, std::move(lines), points, outline);
+  }
+  std::vector<Contact> lines;
+  std::vector<int> order(size);
+  Shape lengths;
+  lengths.reset(size, support_radius);
+  for (int c = 0; c < size; ++c) {
+    const RecordedContact &at = of_ring[c];
+    lines.push_back({at.angle, std::cos(at.angle), std::sin(at.angle), at.indentation});
+    lengths.contact[c].length = at.line.support_length;
+    order[c] = c;
+  }
+  ring_outline(support_radius, {size, lines.data()}, lengths, order.data(), points, outline);
 }
 
 /* ----------------------------------------------------------------------

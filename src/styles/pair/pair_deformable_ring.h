@@ -41,6 +41,8 @@ class PairDeformableRing : public PairDeformable {
 
  protected:
   bool bends_lines() const override { return balanced && balanced->pairs().curved; }
+  void outline_of(int i, const std::vector<RecordedContact> &, int points,
+                  deformable::Outline &) const override;
 
  private:
   std::unique_ptr<RingSolver> balanced;         // null: contacts stay on their radical axes

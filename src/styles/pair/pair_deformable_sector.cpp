@@ -190,6 +190,29 @@ void PairDeformableSector::repel(const SingleContact &single)
 
 /* ---------------------------------------------------------------------- */
 
+void PairDeformableSector::outline_of(int i, const std::vector<RecordedContact> &of_particle,
+                                      int points, Outline &outline) const
+{
+  std::vector<Contact> lines;
+  for (const RecordedContact &at : of_particle)
+    lines.push_back({at.angle, std::cos(at.angle), std::sin(at.angle), at.indentation});
+  std::vector<int> order(lines.size());
+  std::iota(order.begin(), order.end(), 0);
+  const Contacts contacts = {static_cast<int>(lines.size()), lines.data()};
+  if (std::isinf(species[atom->type[i]].stiffness.kP))
+    sector_outline(radii[i], contacts, order.data(), points, outline,
+                   [](const Opening &o, double ai, double ak) {
+                     return sector(sector_coefficients(o), ai, ak);
+                   });
+  else
+    sector_outline(radii[i], contacts, order.data(), points, outline,
+                   [&](const Opening &o, double ai, double ak) {
+                     return area_sector(radii[i], o, ai, ak).part;
+                   });
+}
+
+/* ---------------------------------------------------------------------- */
+
 int PairDeformableSector::pack_forward_comm(int n, int *owned, double *buf, int, int *)
 {
   for (int k = 0; k < n; ++k) buf[k] = ncontacts[owned[k]];

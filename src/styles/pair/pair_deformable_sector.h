@@ -28,6 +28,8 @@ class PairDeformableSector : public PairDeformable {
 
  protected:
   void check_species(const Species &) const override;
+  void outline_of(int i, const std::vector<RecordedContact> &, int points,
+                  deformable::Outline &) const override;
 
  private:
   std::vector<int> by_angle;    // the contacts of one particle

@@ -271,7 +271,6 @@ def test_refusals(drum) -> None:
         with pytest.raises(ParameterError, match="walls are not sheared"):
             next(iter(sim.shear(0.1)[1:]))
         for refused, told in (
-            (lambda: state.hessian(), "do not know walls: take a state of a periodic box"),
             (lambda: sim.relax(pressure=0.1, free="aniso"), "free='aniso' is not for walls"),
             (
                 lambda: state.structure_factor(bins=100, k_max=3.0),
@@ -282,25 +281,42 @@ def test_refusals(drum) -> None:
                 refused()
 
 
-def test_second_derivatives_of_soft_spheres() -> None:
-    """In a sphere with balls as those of disks in the plane; in a tube they are refused."""
-    packing = packed("sphere and balls", 0.6)
-    with ld.Simulation(packing, ld.SoftContact()) as soft:
-        hessian = soft.state().hessian()
+@pytest.mark.parametrize("law", [LAW, ld.SoftContact()], ids=["droplets", "spheres"])
+@pytest.mark.parametrize("name", SCENES)
+def test_second_derivatives(name: str, law: Droplet | ld.SoftContact) -> None:
+    """The energy, its gradient, and differences of forces; motions that no wall resists."""
+    packing = packed(name, number=24)
     along = np.random.default_rng(1).normal(size=3 * len(packing))
-    gradients = []
-    for step in (-1e-7, 1e-7):
-        x = packing.positions + step * along.reshape(-1, 3)
-        with ld.Simulation(packing.replace(positions=x), ld.SoftContact()) as soft:
-            gradients.append(-np.array(soft.lmp.gather("f", 1, 3)) if soft.state() else 0.0)
-    slope = (gradients[1] - gradients[0]) / 2e-7
-    assert hessian.matrix @ along == pytest.approx(slope, abs=1e-5)
-    told = "do not know cylinders, cones and posts: take other walls"
-    with (
-        ld.Simulation(packed("drum", 0.6), ld.SoftContact()) as soft,
-        pytest.raises(ParameterError, match=told),
-    ):
-        soft.state().hessian()
+
+    def at(step: float) -> tuple[ld.State, np.ndarray]:
+        moved = packing.replace(positions=packing.positions + step * along.reshape(-1, 3))
+        with ld.Simulation(moved, law) as sim:
+            return sim.state(), -np.array(sim.lmp.gather("f", 1, 3))
+
+    with exactly_balanced():
+        state, gradient = at(0.0)
+        near, far = ((at(h)[1] - at(-h)[1]) / (2 * h) for h in (2e-6, 4e-6))
+    hessian, difference = state.hessian(), (4 * near - far) / 3
+    assert (state.contacts["j"] < 0).sum() >= 8
+    assert hessian.energy == pytest.approx(state.energy, rel=1e-12)
+    assert hessian.gradient[: hessian.size] == pytest.approx(gradient, abs=1e-13)
+    assert hessian.gradient[hessian.size :] == pytest.approx(0.0, abs=1e-12)
+    found = hessian.operator @ along
+    assert found == pytest.approx(difference, abs=1e-8 * np.abs(difference).max())
+    assert hessian.motions.shape[1] == {"cuboid": 0, "posts": 0, "plates": 2}.get(name, 1)
+
+
+def test_modes_between_walls(drum: ld.Packing) -> None:
+    """At rest no motion is unstable, and all droplets may turn together around the axis."""
+    with exactly_balanced(), ld.Simulation(drum.at(0.7), LAW) as sim:
+        state = sim.relax(1e-9)
+    rattling, modes = int(state.rattlers.sum()), state.modes()
+    assert modes.zero_modes == 1 + 3 * rattling
+    assert modes.stiffness[0] > 1e-5 * modes.stiffness[-1]
+    hessian = state.hessian(rattlers=False)
+    assert np.abs(hessian.operator @ hessian.motions).max() < 1e-9 * hessian.scale
+    with pytest.raises(ParameterError, match="elastic moduli need a periodic box without walls"):
+        state.moduli()
 
 
 def test_a_cone_follows_a_box_that_is_stretched() -> None:

@@ -49,6 +49,36 @@ def test_persistence(free: ld.Packing, inertia: bool) -> None:
         assert speed == pytest.approx(SPEED * larger, rel=1.0 / (FRICTION * TAU))
 
 
+@pytest.fixture(scope="module")
+def free_in_space() -> ld.Packing:
+    places = np.array(np.unravel_index(range(12**3), (12, 12, 12))).T
+    return ld.Packing(2.0 + 4.0 * places, 0.5, 48.0 * np.eye(3))
+
+
+def test_persistence_in_space(free_in_space: ld.Packing, tmp_path: Path) -> None:
+    """The same formulas; directions go on from a folder, a record and a second call."""
+    free, number, law = free_in_space, len(free_in_space), ld.Droplet(0.1)
+    settings = {"timestep": 0.5, "inertia": False, **ACTIVE}
+    with ld.Simulation(free, law) as sim:
+        start, *states = sim.run(400, every=200, seed=1, record=tmp_path, **settings)
+    assert np.abs(start.directions.mean(axis=0)).max() < 5.0 / np.sqrt(3.0 * number)
+    for state in states:
+        t = state.time
+        found = square(state, free)
+        expected = 2.0 * SPEED**2 * TAU * (t - TAU * (1.0 - np.exp(-t / TAU)))
+        assert found.mean() == pytest.approx(expected, abs=5.0 * found.std() / np.sqrt(number))
+        kept = np.mean(np.sum(state.directions * start.directions, axis=1))
+        assert kept == pytest.approx(np.exp(-t / TAU), abs=5.0 / np.sqrt(3.0 * number))
+        np.testing.assert_allclose(np.linalg.norm(state.directions, axis=1), 1.0, rtol=1e-12)
+    read = ld.Run(tmp_path)
+    for state, recorded in zip([start, *states], read, strict=True):
+        np.testing.assert_allclose(recorded.directions, state.directions, rtol=0, atol=1e-14)
+    with read.simulation() as sim:
+        (further,) = sim.run(10, seed=2, **settings)[1:]
+    turned = np.sum(further.directions * states[-1].directions, axis=1)
+    assert turned.mean() == pytest.approx(np.exp(-5 / TAU), abs=5 * turned.std() / number**0.5)
+
+
 def test_directions_go_on(free: ld.Packing, tmp_path: Path) -> None:
     """In a second call, in a simulation from a state or of a folder, and in a record."""
     with ld.Simulation(free, ld.Ring()) as sim:

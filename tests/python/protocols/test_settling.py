@@ -38,6 +38,60 @@ def test_every_particle_is_in_balance(mu: float) -> None:
     assert np.abs(torque).max() < 2e-5 * tension
 
 
+def in_space(mu: float | None, tilt: float = 0.0) -> ld.Simulation:
+    friction = None if mu is None else ld.Friction(mu, kt=1.0, gt=0.5, damping=1.0)
+    loose = ld.bidisperse(24, phi=0.45, dimension=3, seed=1, tilt=tilt).push_off()
+    return ld.Simulation(loose, ld.Droplet(), friction=friction)
+
+
+@pytest.mark.parametrize("mu", [None, 0.3, math.inf])
+def test_droplets_in_space_come_to_rest(mu: float | None) -> None:
+    """Forces and torques are balanced, at the pressure, in a box of the same shape."""
+    with in_space(mu, tilt=0.3) as sim:
+        before = sim.box
+        state = sim.run(400_000, pressure=0.02, inertial_number=0.02, tolerance=1e-4)[-1]
+        size = sim.box[0, 0] / before[0, 0]
+        assert sim.box == pytest.approx(size * before, rel=1e-6)
+        assert not {"deformable_xy", "deformable_rate"} & set(sim.lmp.available_ids("variable"))
+        sim.state()  # without the drag
+        torque = np.array(sim.lmp.gather("torque", 1, 3)) if mu else np.zeros(1)
+        relaxed = None if mu else sim.relax(1e-8)
+    table, tension = state.contacts, state.contacts["force"].mean()
+    assert state.converged
+    assert state.pressure == pytest.approx(0.02, rel=1e-4)
+    assert size < 0.95
+    force = np.zeros_like(state.packing.positions)
+    np.add.at(force, table["i"], table["force_vector"])
+    assert np.abs(force).max() < 1e-4 * tension
+    assert np.abs(torque).max() < 1e-4 * tension
+    if relaxed:
+        assert relaxed.energy == pytest.approx(state.energy, rel=1e-5)
+        return
+    along = np.linalg.norm(table["friction"].reshape(len(table), -1), axis=1)
+    assert (along <= (mu or 0.0) * table["force"] * (1.0 + 1e-12)).all()
+    assert along.max() > 0.01 * tension
+
+
+def test_friction_in_space_keeps_packings_loose() -> None:
+    """Fewer contacts at a lower packing fraction, at the same small pressure."""
+    found = []
+    for mu in (None, math.inf):
+        with in_space(mu) as sim:
+            found.append(sim.run(400_000, pressure=5e-3, inertial_number=0.02)[-1])
+    smooth, rough = found
+    assert rough.phi < smooth.phi - 0.03
+    assert rough.coordination < smooth.coordination - 0.5
+
+
+def test_a_tilted_box_keeps_its_shape() -> None:
+    loose = ld.bidisperse(16, phi=0.65, seed=1, tilt=0.3).push_off()
+    with ld.Simulation(loose, ld.Ring()) as sim:
+        before = sim.box
+        state = sim.run(4_000_000, pressure=2e-3, inertial_number=0.02)[-1]
+        assert sim.box == pytest.approx(sim.box[0, 0] / before[0, 0] * before, rel=1e-9)
+    assert state.converged
+
+
 def test_contacts_at_the_onset() -> None:
     """As many forces as keep N' particles in balance under a pressure; fewer with friction."""
     found = []

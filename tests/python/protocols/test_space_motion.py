@@ -127,7 +127,7 @@ def test_refusals(loose: Packing) -> None:
         for values, message in (
             ({"timestep": 5.0, "temperature": None}, "droplet|particle .*, whose load is"),
             ({"timestep": 5.0}, r"timestep = 5 is too long for .* take at most 0\.\d+"),
-            ({"propulsion": 1.0, "persistence": 1.0, "drag": 1.0}, "a propulsion is for .* plane"),
+            ({"propulsion": 1.0, "persistence": 1.0}, "get faster and faster: give a drag"),
             ({"inertia": False}, "need a drag"),
         ):
             with refused(message):

@@ -186,13 +186,21 @@ def test_droplets_that_do_not_touch() -> None:
     assert len(state.modes()) == 0
 
 
-def test_droplets_at_walls() -> None:
+def test_what_acts_on_contacts_and_has_no_second_derivatives() -> None:
+    """Walls that the packing does not know, and friction."""
     with ld.Simulation(ld.crystal("sc", 2, radius=1.0, phi=0.54), Droplet()) as sim:
         sim.lmp.command("fix floor all deformable/wall plane 0 0 -0.9 0 0 1")
         state = sim.state()
     assert (state.contacts["j"] < 0).any()
     with pytest.raises(ld.ParameterError, match="walls"):
         state.hessian()
+    with (
+        ld.Simulation(
+            EMULSION.at(0.72).push_off(), Droplet(), friction=ld.Friction(0.3, kt=1.0)
+        ) as sim,
+        pytest.raises(ld.ParameterError, match="friction has no energy"),
+    ):
+        sim.state().hessian()
 
 
 SCRIPT = """

@@ -1,0 +1,111 @@
+"""What pages say of the package beside measurements: defaults, limits, versions, units."""
+
+import json
+import re
+from math import pi, sqrt
+from pathlib import Path
+
+import lammps_deformable as ld
+import pytest
+
+ROOT = Path(__file__).parents[1]
+
+
+def page(name: str) -> str:
+    """The words of a page, without its line breaks."""
+    return " ".join((ROOT / name).read_text().split())
+
+
+def constant(file: str, name: str) -> float:
+    text = (ROOT / "src" / file).read_text()
+    return float(re.search(rf"\b{name} = ([\d.e+-]+)[;,]", text)[1])
+
+
+def test_defaults() -> None:
+    reach, radical = ld.Ring().reach, ld.Ring(contact="radical").reach
+    ring = page("docs/pair_deformable_ring.md")
+    assert f"reach = {reach} ({radical} with *contact radical*)" in ring
+    assert f"is *contact {ld.Ring().contact}* with *reach* {reach}" in page("CHANGELOG.md")
+
+
+def test_limits() -> None:
+    limits, ring = page("docs/limits.md"), page("docs/pair_deformable_ring.md")
+    touch = constant("laws/contact_curve.h", "LARGEST_AT_TOUCH")
+    assert f"Above w = {2 * touch} tensions" in limits
+    assert f"Above `w = {2 * touch} T`, at a wall above {touch} T" in ring
+    load = constant("laws/droplet.h", "LARGEST_LOAD")
+    assert f"warning above {load}, counted" in limits
+    reach = constant("styles/pair/pair_deformable_ring.cpp", "LARGEST_REACH")
+    assert f"`reach` up to {reach:.0f}" in limits
+    assert f"{reach:.0f} is the largest" in ring
+
+
+def test_requirements() -> None:
+    """As the build has them."""
+    (oldest,) = re.findall(r'requires-python = ">=(.+)"', (ROOT / "pyproject.toml").read_text())
+    assert f"Python {oldest} or later" in page("README.md")
+    assert f"Python >= {oldest}" in page("docs/start.md")
+    assert f"{oldest} and later" in page("docs/install.md")
+    assert "set(CMAKE_CXX_STANDARD 17)" in page("CMakeLists.txt")
+    for name in ("README.md", "docs/start.md", "docs/install.md"):
+        assert "C++17" in page(name)
+
+
+def test_the_example_of_units() -> None:
+    """R = 10 um, 5 mN/m, 1000 kg/m^3, 300 K."""
+    R, tension, heat = 1e-5, 5e-3, 1.380649e-23 * 300
+    m = 4 / 3 * pi * R**3 * 1000
+    table = page("docs/units.md")
+    for unit, value, said in (
+        ("γ/R", tension / R, "500 Pa"),
+        ("γ R", tension * R / 1e-9, "50 nN"),
+        ("γ R²", tension * R**2, "5e-13 J"),
+        ("4/3 π R³ ρ", m, "4.2e-12 kg"),
+        ("sqrt(m/γ)", sqrt(m / tension) / 1e-6, "29 µs"),
+        ("k T/(γ R²)", heat / (tension * R**2), "8e-9"),
+    ):
+        assert f"| {unit} | {said} |" in table
+        assert value == pytest.approx(float(said.split()[0]), rel=0.04)
+    assert f"a pressure of 0.1 is {0.1 * tension / R:.0f} Pa" in table
+
+
+def test_each_style_has_a_page_and_is_in_the_lists() -> None:
+    """But those that a pair style makes for itself."""
+    sources = "".join(path.read_text() for path in (ROOT / "src").rglob("*.h"))
+    styles = set(re.findall(r"Style\((deformable/\w+),", sources))
+    styles -= {"deformable/films", "deformable/restart"}
+    assert len(styles) > 8
+    pages = {path.stem for path in (ROOT / "docs").glob("*_deformable_*.md")}
+    index, install = page("docs/README.md"), page("docs/install.md").split("## What each style")[1]
+    for style in styles:
+        name = style.partition("/")[2]
+        assert any(stem.endswith(f"_deformable_{name}") for stem in pages), style
+        assert style in index, style
+        assert name in install, style
+
+
+def test_the_readme_has_lines_of_the_whole_input() -> None:
+    text = (ROOT / "README.md").read_text().partition("## From LAMMPS")[2].partition("##")[0]
+    lines = [" ".join(line.split()) for line in text.splitlines() if line.startswith("    ")]
+    whole = [
+        " ".join(line.split()) for line in (ROOT / "docs" / "start.md").read_text().splitlines()
+    ]
+    assert len(lines) > 6
+    assert [line for line in lines[1:] if line not in whole] == []
+
+
+def test_calls_that_lbfgs_saves() -> None:
+    """In the plane, medians over packings with a step of 0.1 %."""
+    rows = json.loads((ROOT / "benchmarks" / "results" / "at_rest.json").read_text())["summary"]
+    saved = [
+        row["calls"]
+        for row in rows
+        if row["minimizer"] == "lbfgs"
+        and row["law"] in ("radical", "balanced", "curved")
+        and row["step"] == 0.001
+        and row["calls"]
+    ]
+    for name in ("docs/min_deformable_lbfgs.md", "docs/howto_deformable.md"):
+        low, high = map(float, re.search(r"takes (\d+) to (\d+) times fewer", page(name)).groups())
+        assert low <= min(saved) < 1.5 * low
+        assert high / 1.5 < max(saved) <= high
