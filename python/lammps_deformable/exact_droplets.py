@@ -384,8 +384,9 @@ def _step(drops: list[_Drop], films: _Films) -> float:
     for k, drop in enumerate(drops):
         which, side = films.of(k)
         place, sign = (_SIX * which[:, None] + np.arange(_SIX)).ravel(), np.repeat(side, _SIX)
-        push[place] += sign * drop.forces()
-        matrix[np.ix_(place, place)] += sign[:, None] * drop.stiffness() * sign
+        # a film between a droplet and its own image has two places
+        np.add.at(push, place, sign * drop.forces())
+        np.add.at(matrix, np.ix_(place, place), sign[:, None] * drop.stiffness() * sign)
         places.append((place, sign))
         stiff[which[drop.nodes_on_films() < _FEW_TO_BEND], 1:] = True
     shifts, fixed = films.shifts(), stiff.ravel()

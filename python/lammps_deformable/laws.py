@@ -485,7 +485,7 @@ class Droplet:
     Raises:
         ParameterError: a tension is not a positive number.
 
-    Source: Morse and Witten, Europhys. Lett. 22, 549 (1993); docs/pair_deformable_droplet.md.
+    Source: Morse and Witten, Europhys. Lett. 22, 549 (1993); docs/theory/droplets.md.
     """
 
     dimension: ClassVar[int] = 3

@@ -24,7 +24,7 @@
 // of which both droplets have a half. A wall has lambda = 1, and does not turn.
 //
 // Sources: D. C. Morse and T. A. Witten, Europhys. Lett. 22, 549 (1993); R. Hoehler and S. Cohen-Addad, Soft Matter 13, 1371
-// (2017); the higher order is derived in docs/theory.md.
+// (2017); the higher order is derived in docs/theory/droplets.md.
 
 #ifndef DEFORMABLE_DROPLET_H
 #define DEFORMABLE_DROPLET_H

@@ -182,7 +182,7 @@ void deformable::bind_droplets(nb::module_ &m)
       "level"_a = "",
       R"(A droplet in three dimensions that keeps its volume, between contacts that bear these forces.
 
-The work W(F) of docs/pair_deformable_droplet.md, as between walls, where films do not turn.
+The work W(F) of docs/theory/droplets.md, as between walls, where films do not turn.
 
 Parameters
 ----------
@@ -204,5 +204,5 @@ Raises
 ValueError
     Values that are not finite, unequal lengths, a normal of length 0, a negative force, an unknown level.
 
-Source: D. C. Morse and T. A. Witten, Europhys. Lett. 22, 549 (1993), and docs/pair_deformable_droplet.md.)");
+Source: D. C. Morse and T. A. Witten, Europhys. Lett. 22, 549 (1993), and docs/theory/droplets.md.)");
 }

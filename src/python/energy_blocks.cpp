@@ -222,7 +222,7 @@ Raises
 ValueError
     As `droplet_blocks`.
 
-Source: docs/pair_deformable_droplet.md.)");
+Source: docs/theory/droplets.md.)");
 }
 
 namespace {

@@ -12,7 +12,7 @@ from lammps_deformable import core
 ROOT = Path(__file__).parents[2]
 DATA = json.loads((ROOT / "tests" / "data" / "droplet_cages.json").read_text())
 CAGES = {cage["name"]: cage for cage in DATA["cages"]}
-PAGE = ROOT / "docs" / "pair_deformable_droplet.md"
+PAGE = ROOT / "docs" / "theory" / "droplets.md"
 LOADS = (0.03, 0.1, 0.2, 0.3, 0.4)
 CONTACTS = ((2, 2), (4, 4), (5, 8), (9, 11), (12, 14))
 

@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 from test_droplet_kernel import between_plates
 
-PAGE = Path(__file__).parents[2] / "docs" / "pair_deformable_droplet.md"
+PAGE = Path(__file__).parents[2] / "docs" / "theory" / "droplets.md"
 ONE = np.array([[0.0, 0.0, 1.0]])
 LARGEST_LOAD, LARGEST_FACET = 0.4, 0.05
 
@@ -131,7 +131,7 @@ def test_facet_is_the_mean_weighted_by_force():
 
 
 def test_page_and_source_name_the_same_limits():
-    source = (PAGE.parents[1] / "src" / "laws" / "droplet.h").read_text()
+    source = (PAGE.parents[2] / "src" / "laws" / "droplet.h").read_text()
     for name, value in (("LOAD", LARGEST_LOAD), ("FACET", LARGEST_FACET)):
         assert re.search(rf"LARGEST_{name} = {value:g};", source)
         assert getattr(laws, f"LARGEST_{name}") == value

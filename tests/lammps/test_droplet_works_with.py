@@ -33,6 +33,7 @@ FIXES = {
     "fix temp/csvr": of(NVE + f"fix b all temp/csvr {T} 5 4711", conserves=WITH_BATH),
     "fix brownian": of(f"fix move all brownian {TEMPERATURE} 4711 gamma_t 1"),
     "fix viscous": of(NVE + "fix b all viscous 0.05"),
+    "fix deformable/propel": of(NVE + "fix b all deformable/propel 1e-3 20 4711"),
     "fix setforce": of(
         SPLIT + "velocity some set 0 0 0\n" + NVE + "fix b some setforce 0 0 0", conserves=ENERGY
     ),

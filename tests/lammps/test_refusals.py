@@ -247,7 +247,9 @@ def test_adhesion_of_droplets_in_space(tmp_path):
     scene = Droplets(case, tmp_path)
     (tmp_path / "sticky").write_text("d 1 inf 0 tension 1.0\nadhesion d d 0.1\n")
     kinds = " ".join(["d"] * scene.lmp.extract_global("ntypes"))
-    with refuses("Species: droplets in three dimensions do not stick: use adhesion 0"):
+    with refuses(
+        "Species: droplets in three dimensions do not stick, as their law has no contact angles"
+    ):
         scene.run(f"pair_coeff * * {tmp_path}/sticky {kinds}")
 
 

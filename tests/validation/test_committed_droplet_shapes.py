@@ -13,14 +13,17 @@ from validation.droplet_shapes import packings
 
 FOLDER = Path(__file__).parents[2] / "validation" / "droplet_shapes"
 PAGE = FOLDER / "README.md"
-CRYSTALS, PACKINGS = (
-    json.loads((FOLDER / f"{name}.json").read_text())["rows"] for name in ("crystals", "packings")
+FOUND, PACKED = (
+    json.loads((FOLDER / f"{name}.json").read_text()) for name in ("crystals", "packings")
 )
+CRYSTALS, PACKINGS = FOUND["rows"], PACKED["rows"]
+STRAINED = crystals.strained_markdown(FOUND["unstrained"], FOUND["strained"])
 
 
 def tables() -> list[list[str]]:
     return [
         crystals.markdown(CRYSTALS).splitlines(),
+        STRAINED.splitlines(),
         packings.markdown(PACKINGS).splitlines(),
     ]
 

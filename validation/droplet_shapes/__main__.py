@@ -1,8 +1,9 @@
-"""Crystals of droplets: exact osmotic pressures, and those of the law.
+"""Crystals of droplets: exact osmotic pressures and elastic energies, and those of the law.
 
     python -m validation.droplet_shapes [--out FOLDER]
 
-In a crystal all droplets are alike, so that one between the planes to its neighbors is exact.
+In a crystal all droplets are alike, so that one between the planes to its neighbors is exact. Where
+it is strained films turn: there it is one droplet and its images, with films as unknowns.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from typing import Any
 
 import lammps_deformable as ld
 import numpy as np
-from lammps_deformable.exact_droplets import VOLUME, shape
+from lammps_deformable.exact_droplets import VOLUME, exact_packing, shape
 
 HERE = Path(__file__).parent
 PHI = {
@@ -23,6 +24,14 @@ PHI = {
     "bcc": (0.70, 0.73, 0.76, 0.79, 0.82, 0.85),
     "sc": (0.56, 0.60, 0.65, 0.70),
 }
+
+# Strains of the fcc crystal at this packing fraction. A stretch by e keeps the volume: z grows by
+# exp(e), x and y by exp(-e/2). A shear by g moves x by g y. Both are along the axes of the cube.
+STRAINED = 0.8
+STRAINS = (
+    *(("stretch", -0.05), ("stretch", 0.05), ("stretch", 0.1)),
+    *(("shear", 0.05), ("shear", 0.1), ("shear", 0.15)),
+)
 
 # Cubic cells have so many droplets.
 _CELL = {"fcc": 4, "bcc": 2, "sc": 1}
@@ -57,6 +66,32 @@ def law(kind: str, phi: float) -> float:
         return float(sim.state().pressure * packing.radii[0])
 
 
+def strained(kind: str, strain: float) -> dict[str, float]:
+    """Energy of a droplet of the strained fcc crystal: exact, its error, and by the law."""
+    change = np.diag(np.exp([-0.5 * strain, -0.5 * strain, strain]))
+    if kind == "shear":
+        change = np.eye(3) + strain * np.outer([1, 0, 0], [0, 1, 0])
+    half = 0.5 * (_CELL["fcc"] * VOLUME / STRAINED) ** (1.0 / 3.0)
+    # one lattice vector along x, the next one in the xy plane
+    _, turned = np.linalg.qr(change @ (half * np.array([[1, 0, 1], [1, 1, 0], [0, 1, 1]])))
+    box = (np.diag(np.sign(turned.diagonal())) @ turned).T
+    with ld.Simulation(ld.Packing(np.zeros((1, 3)), 1.0, box), ld.Droplet()) as sim:
+        state = sim.state()
+    found = exact_packing(state).found
+    return {"exact": float(found.energies[0]), "error": found.energy_error, "law": state.energy}
+
+
+def strained_markdown(rest: dict[str, float], rows: list[dict[str, Any]]) -> str:
+    """The table of strains of the page: what energies grow by."""
+    lines = ["| | strain | exact | law | difference |", "|---|---|---|---|---|"]
+    for row in rows:
+        exact, law = (row[name] - rest[name] for name in ("exact", "law"))
+        part, error = 100.0 * (law / exact - 1.0), 100.0 * (row["error"] + rest["error"]) / exact
+        numbers = f"{exact:.6f} | {law:.6f} | {part:+.2f} ± {error:.2f} %"
+        lines.append(f"| {row['kind']} | {row['strain']:g} | {numbers} |")
+    return "\n".join(lines)
+
+
 def markdown(rows: list[dict[str, Any]]) -> str:
     """The table of the page."""
     lines = ["| | phi | load | exact | law | difference |", "|---|---|---|---|---|---|"]
@@ -77,7 +112,12 @@ def main() -> None:
         for phi in phis:
             rows.append({"crystal": kind, "phi": phi, **exact(kind, phi), "law": law(kind, phi)})
             print(markdown(rows[-1:]).splitlines()[-1], flush=True)
-    (options.out / "crystals.json").write_text(json.dumps({"rows": rows}, indent=1) + "\n")
+    rest, strains = strained("stretch", 0.0), []
+    for kind, strain in STRAINS:
+        strains.append({"kind": kind, "strain": strain, **strained(kind, strain)})
+        print(strained_markdown(rest, strains[-1:]).splitlines()[-1], flush=True)
+    found = {"rows": rows, "unstrained": rest, "strained": strains}
+    (options.out / "crystals.json").write_text(json.dumps(found, indent=1) + "\n")
 
 
 if __name__ == "__main__":

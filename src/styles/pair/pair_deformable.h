@@ -176,6 +176,7 @@ class PairDeformable : public Pair {
   static constexpr int OUTLINE_COLUMNS = 8;
   void list_outlines(int groupbit, int points, std::vector<double> &rows) const;
   double memory_usage() override;
+  bool has_radii_of_atoms() const { return radius_by_atom; }
 
   // All contacts of this rank's particles, and pairs with a gap up to this part of both radii. Each once, those of a particle
   // and a ghost on both sides.
@@ -264,7 +265,7 @@ class PairDeformable : public Pair {
   Refusals refusals;
 
   ParticleResults results;
-  bool recording = false;    // for computes of contacts and outlines
+  bool recording = false;    // for computes of contacts and outlines, and fixes of division
   bool rubbing = false;      // whether `loaded` is asked for
   bool measuring = false;    // and the sizes of films
 
@@ -331,6 +332,8 @@ class PairDeformable : public Pair {
   } asked{};    // for extract
 
   const int dimension;
+  bool has_computes = false;    // of contacts or outlines
+  std::vector<class FixDeformableProliferate *> proliferations;
   bool warned_beyond_model = false, warned_out_of_plane = false, warned_unused_radii = false;
 
   void allocate();
