@@ -132,6 +132,12 @@ class Friction:
         return bool(own) or bool(self.walls and self.walls._bounces)
 
     @property
+    def _overdamped(self) -> float:
+        """Part of the usual time step; less than 1 below e^-2, that of critical damping."""
+        least = float(np.min(self.restitution) * np.exp(2.0))
+        return min(1.0, least, self.walls._overdamped if self.walls else 1.0)
+
+    @property
     def _longest_step(self) -> float:
         """The longest time step that *fix deformable/friction* takes [time]."""
         own = min(

@@ -79,6 +79,14 @@ def test_refused() -> None:
             ld.Friction(**({"mu": 0.5, "kt": 1.0} | values))
 
 
+def test_a_small_restitution_has_short_steps() -> None:
+    start = ld.bidisperse(16, phi=0.92, seed=1).push_off()
+    rough = ld.Friction(0.3, kt=0.01, restitution=0.03)
+    with ld.Simulation(start, ld.Ring(), friction=rough) as sim:
+        sim.run(100, temperature=1e-4, seed=1)
+        assert sim.relax(1e-4).converged
+
+
 PACKING = ld.Packing([[1.0, 1.0], [3.0, 1.0]], [0.5, 0.7], [4.0, 2.0], species=[0, 1])
 
 
