@@ -27,7 +27,7 @@ BUDGETS = {
     "docs/theory/laws.md": 2050,
     "docs/theory/lines.md": 2200,
     "docs/pair_deformable_ring.md": 2600,
-    "docs/theory/contacts.md": 2030,
+    "docs/theory/contacts.md": 1970,
     "docs/pair_deformable_droplet.md": 2000,
     "docs/fix_deformable_wall.md": 2470,
     "docs/fix_deformable_friction.md": 1880,
