@@ -150,6 +150,21 @@ def test_pictures_of_a_run(tmp_path: Path) -> None:
     assert k * 1.2 == pytest.approx(2.0 * np.pi, rel=0.3)  # wavelength of a particle's diameter
 
 
+def test_errors_over_times(tmp_path: Path) -> None:
+    """The picture of README follows from the report."""
+    pytest.importorskip("matplotlib")
+    text("python", str(EXAMPLES / "pictures" / "accuracy.py"), cwd=tmp_path)
+    assert (tmp_path / "accuracy.png").read_bytes()[:4] == b"\x89PNG"
+
+
+@pytest.mark.slow
+def test_animation(tmp_path: Path) -> None:
+    pytest.importorskip("matplotlib")
+    shutil.copy(EXAMPLES / "pictures" / "shear.py", tmp_path)
+    text("python", "shear.py", cwd=tmp_path)
+    assert 500_000 < (tmp_path / "shear.gif").stat().st_size < 1_500_000
+
+
 def test_shear_begins_at_the_modulus_and_yields(tmp_path: Path) -> None:
     pytest.importorskip("matplotlib")
     script = (EXAMPLES / "shear" / "shear.py").read_text()
