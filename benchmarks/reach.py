@@ -1,8 +1,8 @@
 """What a larger `reach` costs, and how many starts from lattices it makes possible.
 
-    python benchmarks/reach.py
+    python benchmarks/reach.py [--out benchmarks/results/reach.json]
 
-Times are those of a time step over that with reach 0.3: 4000 particles, 3 % beyond jamming in
+Times are processor times of a step over that with reach 0.3: 4000 particles, 3 % beyond jamming in
 linear strain, medians of five turns in one process, in slow motion (temperature 1e-6) and in a fast
 one (1e-3). Starts are minimizations and single evaluations of two species at random on hexagonal
 and square lattices, the latter with random displacements; those with finite stiffnesses.
@@ -10,7 +10,9 @@ and square lattices, the latter with random displacements; those with finite sti
 
 from __future__ import annotations
 
+import argparse
 import itertools
+import json
 import math
 import statistics
 import tempfile
@@ -21,6 +23,7 @@ import lammps_deformable as ld
 from lammps_deformable.lammps import silent_lammps
 from mpi4py import MPI
 
+HERE = Path(__file__).parent
 REACHES = (0.3, 0.45, 0.6, 1.0)
 LAWS = ("balanced", "curved", "radical")
 MOTIONS = {"slow": (1e-6, 0.05), "fast": (1e-3, 0.02)}  # temperature and time step
@@ -56,9 +59,9 @@ def ratios(law: str, temperature: float, timestep: float) -> list[float]:
         )
     for _ in range(TURNS):
         for sim, found in zip(runs, times, strict=True):
-            begin = time.perf_counter()
+            begin = time.process_time()
             sim.lmp.command(f"run {STEPS} post no")
-            found.append(time.perf_counter() - begin)
+            found.append(time.process_time() - begin)
     first = statistics.median(times[0])
     return [statistics.median(found) / first for found in times]
 
@@ -91,12 +94,26 @@ def runs(
 
 
 def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--out", type=Path, default=HERE / "results" / "reach.json")
+    options = parser.parse_args()
     number = 2 * 2 * len(STIFFNESS) * 2 * len(STARTS)
     print("law       reach", *(f"{reach:6}" for reach in REACHES))
+    rows = []
     for law in LAWS:
-        for name, motion in MOTIONS.items():
-            print(f"{law:9} {name:5}", *(f"{ratio:6.3f}" for ratio in ratios(law, *motion)))
-        print(f"{law:9} start", *(f"{starts(law, reach):6d}" for reach in REACHES), f"of {number}")
+        row = {"law": law, **{name: ratios(law, *motion) for name, motion in MOTIONS.items()}}
+        row["starts"] = [starts(law, reach) for reach in REACHES]
+        for name in MOTIONS:
+            print(f"{law:9} {name:5}", *(f"{ratio:6.3f}" for ratio in row[name]))
+        print(f"{law:9} start", *(f"{count:6d}" for count in row["starts"]), f"of {number}")
+        rows.append(row)
+    result = {
+        "command": "python benchmarks/reach.py",
+        "reaches": REACHES,
+        "of": number,
+        "rows": rows,
+    }
+    options.out.write_text(json.dumps(result, indent=1) + "\n")
 
 
 if __name__ == "__main__":

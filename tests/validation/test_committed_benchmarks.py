@@ -252,6 +252,15 @@ def jamming() -> list[str]:
     return table_of(["N", "seconds", "phi_J", "contacts beyond isostatic", "rattlers"], rows)
 
 
+def reaches() -> list[str]:
+    data = of("reach")
+    rows = []
+    for row in data["rows"]:
+        rows.append([f"`{row['law']}`, fast motion", *(f"{ratio:.2f}" for ratio in row["fast"])])
+        rows.append([f"`{row['law']}`, starts", *map(str, row["starts"])])
+    return table_of(["reach", *map(str, data["reaches"])], rows)
+
+
 def polygons() -> str:
     ratios = [row["ratio_to_beads"] for row in of("edges")["rows"] if row["style"] == "edges"]
     return (
@@ -290,7 +299,7 @@ def minimizers() -> str:
     )
 
 
-TABLES = (step, many, friction, energies, at_rest, large_packings, jamming)
+TABLES = (step, many, friction, energies, at_rest, large_packings, jamming, reaches)
 SENTENCES = (
     *(avx2, memory, films, rubbing, springs, relaxations, statistics),
     *(polygons, smooth, minimizers),
@@ -300,6 +309,20 @@ SENTENCES = (
 def test_the_page_follows_from_the_measurements() -> None:
     check(PAGE, (table() for table in TABLES), SENTENCES)
     check(FOLDER.parent / "README.md", (), (of_a_step,))
+
+
+def test_what_the_ring_page_says_of_the_reach() -> None:
+    """At most 5 % up to 1, but with radical a quarter at 0.6."""
+    data = of("reach")
+    for row in data["rows"]:
+        slower = np.array([row["slow"], row["fast"]])
+        if row["law"] == "radical":
+            at = slower[:, data["reaches"].index(0.6)]
+            np.testing.assert_allclose(at, 1.25, atol=0.05)
+        else:
+            assert slower.max() < 1.05
+    page = (FOLDER.parent / "docs" / "pair_deformable_ring.md").read_text()
+    assert "Up to 1 it costs at most 5 % (*radical*:\n[a quarter at 0.6]" in page
 
 
 def test_what_the_guide_says_of_relaxations() -> None:
