@@ -109,3 +109,9 @@ def test_calls_that_lbfgs_saves() -> None:
         low, high = map(float, re.search(r"takes (\d+) to (\d+) times fewer", page(name)).groups())
         assert low <= min(saved) < 1.5 * low
         assert high / 1.5 < max(saved) <= high
+
+
+def test_pictures_of_the_readme_load_quickly() -> None:
+    pictures = re.findall(r"!\[.*?\]\((.+?)\)", (ROOT / "README.md").read_text())
+    assert any(name.endswith(".gif") for name in pictures)
+    assert max((ROOT / name).stat().st_size for name in pictures) < 1_500_000

@@ -126,6 +126,31 @@ def test_pillar(tree):
     assert (hits[:, 1] < 0).sum() > 20  # turned back
 
 
+def test_outlines(tree):
+    """A picture, and lines that close each of 50 outlines."""
+    folder = tree / "examples" / "outlines"
+    run(folder, "lmp", "-in", "in.outlines")
+    (picture,), (dump,) = (sorted(folder.glob(f"outlines.*.{kind}")) for kind in ("ppm", "dump"))
+    assert picture.stat().st_size > 3 * 700**2
+    rows = np.loadtxt(dump, skiprows=9)[:, 1:]
+    turns = np.bincount(rows[:, 0].astype(int), rows[:, 7])[1:]
+    np.testing.assert_allclose(turns, 2 * np.pi, rtol=1e-4)
+    assert len(turns) == 50
+
+
+def test_dish(tree):
+    """Cells double while there is room, then the dish is full."""
+    folder = tree / "examples" / "dish"
+    log = run(folder, "lmp", "-in", "in.dish")
+    (_, atoms, slow, fast, *_), (_, expected, *_) = (
+        numbers(text, r" +\d000 ").T for text in (log, (folder / "log.dish").read_text())
+    )
+    np.testing.assert_allclose(atoms, expected, rtol=0.1)
+    assert atoms[-1] - atoms[-3] <= 3
+    assert (atoms == slow + fast + 2).all()
+    assert (folder / "dish.8000.ppm").exists()
+
+
 def test_hopper(tree):
     """Energy is kept without drag; with drag all particles fall through and lie on the floor."""
     folder = tree / "examples" / "hopper"

@@ -54,6 +54,19 @@ MATHJAX = "mathjax/static/mathjax/es5/"
 RECIPE = ("*.py", "in.*", "*.deformable")
 LANGUAGES = {".py": "python", ".deformable": "text"}
 
+# what a search shows first, and last
+WEIGHTS = {
+    "docs/faq.md": 1.5,
+    "docs/howto_deformable.md": 2.0,
+    "docs/units.md": 2.0,
+    "docs/limits.md": 2.0,
+    "docs/works_with.md": 2.0,
+    "docs/api/kernels.md": 0.2,
+    "docs/messages.md": 0.3,
+    "validation/report/index.md": 0.3,
+}
+OF_COMMANDS = 2.0
+
 LINK = re.compile(r"(\]\()([^)#\s]*)((?:#[^)]*)?\))")
 FENCE = re.compile(r"^```.*?^```", re.MULTILINE | re.DOTALL)
 
@@ -145,6 +158,8 @@ def recipe(page: str) -> str:
 
 def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Files) -> str:
     source = page.file.src_uri
+    command = OF_COMMANDS if "_deformable_" in source else 1.0
+    page.meta.setdefault("search", {"boost": WEIGHTS.get(source, command)})
 
     def translated(match: re.Match[str]) -> str:
         before, link, after = match.groups()

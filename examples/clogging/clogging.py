@@ -41,31 +41,21 @@ def discharge(sim, weight):
     It is if no droplet passes in 1000 steps, and all those above the slit are at rest: slower than
     1e-4 of the speed of one that falls by itself.
     """
-    sim.lmp.commands_string(
-        f"fix weight all gravity {weight} vector 0 -1 0\n"
-        f"fix drag all viscous {DRAG}\n"
-        "fix move all nve\n"
-        "fix plane all enforce2d\n"
-        "timestep 0.03\n"
-        f"region below block INF INF INF {SLIT - 1.0} INF INF\n"
-        "variable speed atom sqrt(vx^2+vy^2)\n"
-        "compute fastest all reduce max v_speed"
-    )
+    sim.lmp.command(f"region below block INF INF INF {SLIT - 1.0} INF INF")
     left = NUMBER
     while left > 0:
-        before = left
-        sim.lmp.command("run 1000 post no")
+        state = sim.run(1000, every=1000, timestep=0.03, drag=DRAG)[-1]
+        above = state.packing.positions[:, 1] > SLIT - 1.0
+        if above.all() and np.abs(state.velocities).max() < 1e-4 * weight / DRAG:
+            return int(NUMBER - left), True
         sim.lmp.command("delete_atoms region below compress yes")
-        left = sim.lmp.get_natoms()
-        fastest = sim.lmp.extract_compute("fastest", 0, 0)
-        if left == before and fastest < 1e-4 * weight / DRAG:
-            return NUMBER - left, True
+        left = int(above.sum())
     return NUMBER, False
 
 
 def trial(width, weight, seed):
     """Number of droplets that have passed, and whether the slit is clogged."""
-    with ld.Simulation(filled(width, seed), DROPLET) as sim:
+    with ld.Simulation(filled(width, seed), DROPLET, gravity=(0, -weight)) as sim:
         return discharge(sim, weight)
 
 
@@ -96,7 +86,8 @@ def fitted_with_error(clogged):
 
 def clogged_state(width, weight, seed):
     """The end of a trial, on this rank alone."""
-    with ld.Simulation(filled(width, seed), DROPLET, comm=MPI.COMM_SELF) as sim:
+    start, down = filled(width, seed), (0, -weight)
+    with ld.Simulation(start, DROPLET, gravity=down, comm=MPI.COMM_SELF) as sim:
         discharge(sim, weight)
         return sim.state()
 

@@ -98,6 +98,7 @@ STYLES = (
     ("fix", "deformable/friction"),
     ("fix", "deformable/propel"),
     ("fix", "deformable/outline"),
+    ("fix", "deformable/proliferate"),
     ("fix", "deformable/stick"),
     ("fix", "deformable/polygon"),
     ("compute", "deformable/contact"),

@@ -239,6 +239,7 @@ def invalid_friction(
     damp: float = 0.0,
     film: float = 0.0,
     power: float = 1.0,
+    restitution: float = 1.0,
 ) -> str | None: ...
 
 class SmoothPolygonEnergy:

@@ -28,7 +28,7 @@ from .contacts import (
 )
 from .core import unit_vectors
 from .errors import ParameterError
-from .laws import AnyLaw, ByPair, Sector, by_pair, pair_matrix
+from .laws import AnyLaw, ByPair, Ring, Sector, by_pair, pair_matrix
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from .drawing import Mark
     from .packing import Packing
 
-_NAMES = ("mu", "kt", "gt", "damping", "film")
+_NAMES = ("mu", "kt", "gt", "damping", "film", "restitution")
 
 # Masses are 1, and 1 + m R^2/I is that of spheres at most.
 _MASS, _LEVER = 1.0, 3.5
@@ -55,7 +55,9 @@ class Friction:
         f_t = kt xi + gt dxi/dt,   dxi/dt = v.t,   held to |f_t| <= mu max(f, 0)
         f_d = min(damping v.n, max(f, 0))
 
-    f is the elastic force of the contact. A film of the size S between the sides, its length in the
+    f is the elastic force of the contact. With a restitution e below 1 that dashpot follows from
+    the contact: two particles that meet head on part with e times their velocity, whatever the law
+    and the velocity. A film of the size S between the sides, its length in the
     plane or its area in space, drags them by
 
         film S |v|^(power - 1) v
@@ -70,15 +72,18 @@ class Friction:
         damping: constant of the dashpot along its normal [force/velocity].
         film: constant of films [force/(size velocity^power)].
         power: of the velocity in the force of a film, above 0, 1 at most; for all contacts.
+        restitution: coefficient of restitution e, above 0, 1 at most: it damps in the place of
+            `damping`, which is 0 then. Lines of contacts have one force: not with `radical`.
         walls: of contacts with walls, each a number; if not given they are as those of particles.
 
-    Each of mu to film is a number for all pairs, or a symmetric matrix with a row and a column for
-    each species.
+    Each of mu to film, and restitution, is a number for all pairs, or a symmetric matrix with a row
+    and a column for each species.
 
     Raises:
         ParameterError: a value is no such number or matrix, is negative, or must be finite.
 
-    Source: Cundall and Strack, Geotechnique 29, 47 (1979); LAMMPS' *pair_style granular*.
+    Source: Cundall and Strack, Geotechnique 29, 47 (1979); LAMMPS' *pair_style granular*;
+    restitution: Schwager and Poschel, Granular Matter 9, 465 (2007).
     """
 
     mu: ByPair
@@ -88,6 +93,7 @@ class Friction:
     damping: ByPair = 0.0
     film: ByPair = 0.0
     power: float = 1.0
+    restitution: ByPair = 1.0
     walls: Friction | None = None
 
     def __post_init__(self) -> None:
@@ -95,12 +101,13 @@ class Friction:
             object.__setattr__(self, name, by_pair(name, getattr(self, name)))
         object.__setattr__(self, "power", positive("power", self.power))
         for row in self._rows():
-            if problem := core.invalid_friction(*[*row, self.power]):
+            *of_pair, restitution = row
+            if problem := core.invalid_friction(*[*of_pair, self.power, restitution]):
                 raise ParameterError(problem.replace("damp must", "damping must"))
         expect("walls", self.walls, Friction, type(None))
         if self.walls and (self.walls._by_species or self.walls.walls):
             raise ParameterError(
-                "friction with walls has one number for each of mu, kt, gt, damping, film"
+                f"friction with walls has one number for each of {', '.join(_NAMES)}"
             )
 
     @property
@@ -119,11 +126,23 @@ class Friction:
         return bool(np.any(self.film)) or bool(self.walls and self.walls._films)
 
     @property
+    def _bounces(self) -> bool:
+        """Whether any contacts have a restitution below 1."""
+        own = np.any(np.asarray(self.restitution) < 1.0)
+        return bool(own) or bool(self.walls and self.walls._bounces)
+
+    @property
+    def _overdamped(self) -> float:
+        """Part of the usual time step; less than 1 below e^-2, that of critical damping."""
+        least = float(np.min(self.restitution) * np.exp(2.0))
+        return min(1.0, least, self.walls._overdamped if self.walls else 1.0)
+
+    @property
     def _longest_step(self) -> float:
         """The longest time step that *fix deformable/friction* takes [time]."""
         own = min(
             core.friction_time_step(mu, kt, gt, damp, _MASS, _LEVER)
-            for mu, kt, gt, damp, _ in self._rows()
+            for mu, kt, gt, damp, *_ in self._rows()
         )
         return min(own, self.walls._longest_step) if self.walls else own
 
@@ -133,7 +152,7 @@ class Friction:
         return _ACCURATE * self._longest_step
 
     def _of_pairs(self, species: int) -> NDArray[np.float64]:
-        """mu, kt, gt, damping and film of each pair, shape (species, species, 5).
+        """What `_NAMES` names, of each pair, shape (species, species, 6).
 
         Raises:
             ParameterError: there is another number of species.
@@ -141,7 +160,7 @@ class Friction:
         return np.stack([pair_matrix(name, getattr(self, name), species) for name in _NAMES], 2)
 
     def _rows(self) -> list[list[float]]:
-        """mu, kt, gt, damping and film of each pair of as many species as matrices have."""
+        """What `_NAMES` names, of each pair of as many species as matrices have."""
         species = max(len(np.atleast_1d(getattr(self, name))) for name in _NAMES)
         rows: list[list[float]] = self._of_pairs(species).reshape(-1, len(_NAMES)).tolist()
         return rows
@@ -151,13 +170,19 @@ def check_friction(friction: Friction, packing: Packing, law: AnyLaw) -> None:
     """Refuse friction where contacts do not slip, or where coefficients are missing.
 
     Raises:
-        ParameterError: the law is `Sector`; there is another number of species; or there are walls,
-            and coefficients by species only.
+        ParameterError: the law is `Sector`, or it is radical and contacts have a restitution; or
+            there is another number of species; or there are walls, and coefficients by species
+            only.
     """
     expect("friction", friction, Friction)
     if isinstance(law, Sector):
         raise ParameterError(
             "friction needs contacts that slip, and those of Sector stick: take Ring"
+        )
+    if friction._bounces and isinstance(law, Ring) and law.contact == "radical":
+        raise ParameterError(
+            "a restitution needs contacts with one force, and those of radical have two: take "
+            "contact='balanced' or 'curved'"
         )
     friction._of_pairs(len(packing._species_radii))
     if packing.walls and friction._by_species and friction.walls is None:
@@ -248,8 +273,9 @@ def undamped_commands() -> str:
 
 
 def _numbers(values: list[float], power: float, before_damp: str = "") -> str:
-    mu, kt, gt, damp, film = values
+    mu, kt, gt, damp, film, restitution = values
     words = f" {mu!r} {kt!r} {gt!r}{before_damp} {damp!r}"
+    words += f" restitution {restitution!r}" if restitution < 1.0 else ""
     return words + (f" film {film!r} {power!r}" if film else "")
 
 

@@ -105,6 +105,7 @@ class Dynamics:
         if self.persistence is not None:
             steps.append(_PERSISTED * self.persistence)
         if self.rubbing:
+            steps[0] *= self.rubbing._overdamped
             steps.append(self.rubbing._accurate_step)
         return min(steps)
 
@@ -554,7 +555,7 @@ def _settled(
             for taken, look in _pieces(settings, done, usual):
                 longest = dynamics.longest_step(state)
                 if sim.friction:
-                    longest = min(longest, sim.friction._longest_step)
+                    longest = min(longest * sim.friction._overdamped, sim.friction._longest_step)
                 dt = dynamics.timestep or _OF_LONGEST * longest
                 dynamics.check(state, dt)
                 if dt > longest:

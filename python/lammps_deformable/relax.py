@@ -463,7 +463,8 @@ def damp(
         )
     collisions = _collision_pressure(lmp, natural, dimension)
     stiffest, pressure = max(stiffest, collisions), max(pressure, collisions)
-    timestep = min(_DAMPED_TIMESTEP / np.sqrt(stiffest), _OF_SPRINGS * friction._longest_step)
+    of_contacts = _DAMPED_TIMESTEP * friction._overdamped / np.sqrt(stiffest)
+    timestep = min(of_contacts, _OF_SPRINGS * friction._longest_step)
     run(lmp, damped_commands(_RATE * float(np.sqrt(pressure)), dimension))
     try:
         run_forces(lmp, f"timestep {float(timestep)!r}\nrun {_STEPS} post no", walls)

@@ -1281,8 +1281,8 @@ class State:
         In Surface Evolver `relax` minimizes the energy of all outlines, tension times perimeter, in
         space times surface, at constant areas or volumes in the box; `finer` does it again with
         edges half as long; and `results >> "packing.txt"` writes what `Evolved.from_file` reads.
-        Films are those of the contacts of this state, in the order of its rows with i < j: no new
-        ones form.
+        Films are those of the contacts of this state, in the order of its rows with i < j or with a
+        wall: no new ones form. Those at walls stay on them.
 
         Args:
             path: of the file, `.fe` by custom.
@@ -1290,8 +1290,8 @@ class State:
 
         Raises:
             ParameterError: the law is neither `Droplet` nor `Ring(kA=inf, kP=0, tension=...)`;
-                there are walls; a particle touches its own image; or droplets are squeezed so much
-                that films overlap at the start.
+                a wall is not flat, or sticks; a particle touches its own image; or droplets are
+                squeezed so much that films overlap at the start.
             FileError: there is a file, see `mode`, or it cannot be written.
 
         Source: K. A. Brakke, Experimental Mathematics 1, 141 (1992).

@@ -20,8 +20,10 @@ from numpy.typing import NDArray
 
 from ._checks import expect
 from ._files import refuse_present, replaces, write_whole
+from .core import unit_vectors
 from .errors import FileError, ParameterError
 from .laws import Droplet, Ring
+from .walls import Plane
 
 if TYPE_CHECKING:
     from .state import State
@@ -38,14 +40,15 @@ _SMALLER = 0.95
 # lie on a sphere larger by this factor than the rims.
 _APART, _BESIDE, _OUTER = 0.08, 1.15, 1.01
 
+# Many steps with straight edges let facets at the rims of films collapse.
 _RELAX = {
     2: "relax := { g 50; r; g 50; V; conj_grad on; g 200; M 2; g 1000; V 5; g 1000; }",
-    3: """relax := { g 30; u; V; g 30; u; V; conj_grad on; g 30; r; g 100; u; V; g 100;
+    3: """relax := { g 30; u; V; g 30; u; V; r; u; V; conj_grad on; g 40; u; V;
   M 2; g 100; u; V; g 500; }""",
 }
 _FINER = {
     2: "finer := { r; V 5; g 2000; }",
-    3: "finer := { M 1; r; g 100; u; V; g 100; M 2; g 100; u; V; g 500; }",
+    3: "finer := { M 1; u; V; r; M 2; g 500; }",
 }
 
 _RESULTS = """results := {{
@@ -72,7 +75,7 @@ class Evolved(NamedTuple):
         sizes: area of each particle, in space volume, shape (N,) [length^d].
         pressures: in each particle, above that around them, shape (N,) [energy/length^d].
         films: length of each contact, in space area, in the order of the rows of `state.contacts`
-            with i < j, shape (M,) [length^(d-1)].
+            with i < j or with a wall, shape (M,) [length^(d-1)].
     """
 
     energy: float
@@ -126,15 +129,14 @@ def datafile(state: State) -> str:
     """The text of a file of Surface Evolver.
 
     Raises:
-        ParameterError: particles are no droplets with constant areas or volumes, or between walls.
+        ParameterError: particles are no droplets with constant areas or volumes; or a wall is not
+            flat, or sticks.
     """
     packing, law = state.packing, state.law
     kinds = len(packing._species_radii)
-    if packing.walls:
-        raise ParameterError(
-            f"Surface Evolver gets no walls, and there are {len(packing.walls)}, the first a "
-            f"{packing.walls[0]._kind}"
-        )
+    for wall in packing.walls:
+        if not isinstance(wall, Plane) or wall.adhesion:
+            raise ParameterError(f"Surface Evolver gets flat walls without adhesion, not {wall!r}")
     if isinstance(law, Ring):
         rigid = np.isinf(np.broadcast_to(law.kA, kinds))
         loose = np.asarray(law.kP) == 0.0
@@ -147,7 +149,7 @@ def datafile(state: State) -> str:
     tension = np.broadcast_to(np.asarray(law.tension, dtype=float), kinds)
     mesh = Mesh(packing.box, tension[packing.species])
     contacts = np.asarray(state.contacts)
-    contacts = contacts[contacts["i"] <= contacts["j"]]
+    contacts = contacts[(contacts["i"] <= contacts["j"]) | (contacts["j"] < 0)]
     if packing.dimension == 2:
         adhesion = np.broadcast_to(law.adhesion, (kinds,) * 2)
         _outlines(mesh, packing.positions, packing.radii, contacts, adhesion, packing.species)
@@ -172,6 +174,8 @@ class Mesh:
     def __init__(self, box: Floats, tension: Floats) -> None:
         self.box, self.tension, self.dimension = box, tension, len(box)
         self.vertices: list[Floats] = []
+        self.walls: dict[str, str] = {}  # formula of each, and what its elements have
+        self._wall: dict[int, str] = {}  # of vertices
         self.image: list[dict[int, tuple[int, ...]]] = [{} for _ in tension]
         self.edges: list[str] = []
         self.faces: list[str] = []
@@ -179,9 +183,20 @@ class Mesh:
         self.films = 0
         self._numbers: dict[tuple[int, int, tuple[int, ...]], int] = {}
 
-    def vertex(self, x: Floats, images: dict[int, tuple[int, ...]]) -> int:
+    def wall(self, contact: np.void) -> str:
+        """What vertices, edges and faces on the wall of a contact have; nothing of a pair."""
+        if contact["j"] >= 0:
+            return ""
+        plane = self.dimension == 2
+        normal = unit_vectors(np.array([contact["angle"]]))[0] if plane else contact["normal"]
+        formula = " + ".join(f"{n!r}*{x}" for n, x in zip(normal.tolist(), "xyz", strict=False))
+        formula += f" = {float(normal @ contact['position'])!r}"
+        return self.walls.setdefault(formula, f"constraint {len(self.walls) + 1}")
+
+    def vertex(self, x: Floats, images: dict[int, tuple[int, ...]], wall: str = "") -> int:
         """A new vertex near the first of these particles."""
         self.vertices.append(x)
+        self._wall[len(self.vertices)] = wall
         for particle, image in images.items():
             self.image[particle][len(self.vertices)] = image
         return len(self.vertices)
@@ -198,6 +213,8 @@ class Mesh:
         if (head, tail, back) in self._numbers:
             return -self._numbers[head, tail, back]
         if (tail, head, wrap) not in self._numbers:
+            if self._wall[tail] == self._wall[head]:
+                words = f"{words} {self._wall[tail]}"
             signs = " ".join({0: "*", 1: "+", -1: "-"}[w] for w in wrap)
             self.edges.append(f"{tail} {head} {signs} {words}".rstrip())
             self._numbers[tail, head, wrap] = len(self.edges)
@@ -217,7 +234,12 @@ class Mesh:
         head += ["torus", "periods", *(" ".join(map(repr, map(float, row))) for row in self.box)]
         element = "edge" if plane else "facet"
         head.append(f"define {element} attribute film integer")
-        places = [" ".join(repr(float(x)) for x in vertex) for vertex in self.vertices]
+        for formula, constraint in self.walls.items():
+            head.append(f"{constraint}\nformula: {formula}")
+        places = [
+            " ".join([*(repr(float(x)) for x in vertex), self._wall[number]]).rstrip()
+            for number, vertex in enumerate(self.vertices, 1)
+        ]
         bodies = [
             f"{' '.join(map(str, faces))} volume {float(size)!r}"
             for faces, size in zip(self.bodies, sizes, strict=True)
@@ -241,6 +263,8 @@ class Mesh:
 def _images(contact: np.void) -> dict[int, tuple[int, ...]]:
     """How both particles of a contact see its film, which is stored near the first one."""
     i, j = int(contact["i"]), int(contact["j"])
+    if j < 0:
+        return {i: (0,) * len(contact["image"])}
     if i == j:
         raise ParameterError(f"particle {i} touches its own image: take a larger box")
     return {i: (0,) * len(contact["image"]), j: tuple(-int(k) for k in contact["image"])}
@@ -257,16 +281,20 @@ def _outlines(
     """Lines of contact, and arcs of a circle between them."""
     lines: list[list[tuple[float, int, int]]] = [[] for _ in x]  # angle, first and last vertex
     for number, contact in enumerate(contacts, 1):
-        images = _images(contact)
-        i, j = images
+        images, wall = _images(contact), mesh.wall(contact)
+        i, j = int(contact["i"]), int(contact["j"])
         angle = float(contact["angle"] + contact["tilt"])
         along = 0.5 * float(contact["length"]) * np.array([-math.sin(angle), math.cos(angle)])
-        first, last = (mesh.vertex(contact["position"] + way * along, images) for way in (-1, 1))
-        tension = float(mesh.tension[i] + mesh.tension[j] - adhesion[species[i], species[j]])
-        mesh.edge(i, first, last, f"tension {tension!r} film {number}")
+        first, last = (
+            mesh.vertex(contact["position"] + way * along, images, wall) for way in (-1, 1)
+        )
+        tension = float(mesh.tension[i])
         towards = float(contact["angle"])
         lines[i].append((towards, first, last))
-        lines[j].append((towards + math.pi, last, first))
+        if not wall:
+            tension += float(mesh.tension[j] - adhesion[species[i], species[j]])
+            lines[j].append((towards + math.pi, last, first))
+        mesh.edge(i, first, last, f"tension {tension!r} film {number}")
     mesh.films = len(contacts)
     for i, own in enumerate(lines):
         words = f"tension {float(mesh.tension[i])!r}"
@@ -309,28 +337,31 @@ def _surfaces(mesh: Mesh, x: Floats, radii: Floats, contacts: NDArray[np.void]) 
     sphere."""
     rims: list[list[list[int]]] = [[] for _ in x]
     for number, contact in enumerate(contacts, 1):
-        images = _images(contact)
-        i, j = images
-        away = contact["image"] @ mesh.box + x[j] - x[i]
-        distance = math.sqrt(float(np.sum(away * away)))
-        normal = away / distance
-        center = x[i] + 0.5 * (distance + (radii[i] ** 2 - radii[j] ** 2) / distance) * normal
+        images, wall = _images(contact), mesh.wall(contact)
+        sides = list(images)
+        i, normal = sides[0], contact["normal"]
+        center = contact["position"]
+        if not wall:
+            j, distance = sides[1], float(contact["distance"])
+            height = 0.5 * (distance + (radii[i] ** 2 - radii[j] ** 2) / distance)
+            center = x[i] + height * normal
         radius = _SMALLER * float(contact["facet_radius"])
-        count = max(6, round(_RING * min(1.0, radius / (0.3 * min(radii[i], radii[j])))))
+        count = max(6, round(_RING * min(1.0, radius / (0.3 * radii[sides].min()))))
         across = np.cross(normal, np.eye(3)[int(np.argmin(np.abs(normal)))])
         across /= math.sqrt(float(np.sum(across * across)))
-        middle = mesh.vertex(center, images)
+        middle = mesh.vertex(center, images, wall)
         rim = []
         for k in range(count):
             angle = 2.0 * math.pi * k / count
             out = math.cos(angle) * across + math.sin(angle) * np.cross(normal, across)
-            rim.append(mesh.vertex(center + radius * out, images))
-        words = f"tension {float(mesh.tension[i] + mesh.tension[j])!r} film {number}"
+            rim.append(mesh.vertex(center + radius * out, images, wall))
+        words = f"tension {float(mesh.tension[sides].sum())!r} film {number} {wall}".rstrip()
         film = [mesh.face(i, [middle, a, b], words) for a, b in pairwise([*rim, rim[0]])]
         mesh.bodies[i] += film
-        mesh.bodies[j] += [-face for face in film]
-        rims[i].append(rim)
-        rims[j].append(rim)
+        if not wall:
+            mesh.bodies[j] += [-face for face in film]
+        for side in sides:
+            rims[side].append(rim)
     mesh.films = len(contacts)
     for i, own in enumerate(rims):
         _free_surface(mesh, i, x[i], radii[i], own)

@@ -193,6 +193,22 @@ template <class T> DEFORMABLE_INLINE T own_compliance(T f, T l, T film, T stretc
   return (0.25 / PI) * (l + film + (stretch - 11.0 / 6.0) - f * (6.0 * l - 11.0) * (0.25 / PI));
 }
 
+// The energy f.a - W of a droplet between nothing but one contact, in units of gR^2. There T1 = 0, and the terms of third order
+// are J = G2(1) f^2, tr Q^3 = (2/9) f^3 and |sum f n|^2 = f^2.
+inline double droplet_energy_alone(double f, double film)
+{
+  const auto log = [](double x) { return std::log(x); };
+  const auto exp = [](double x) { return std::exp(x); };
+  const DropletLoad<double> of(f, f * f, log, exp);
+  const double l = std::log(8.0 * PI / f), cube = f * f * f;
+  const double second = 2.0 * BY_SUM * GREEN2_AT_ONE * cube * of.first;
+  const double third = 2.0 / 3.0 * cube * of.third *
+                       (2.0 / 9.0 * CUBE_TRACE + CUBE_FORCES + CUBE_GREEN2 * GREEN2_AT_ONE);
+  const double own = f * own_indentation(f, l, film, of.stretch) - own_work(f, l, film, of.psi);
+  return own + f * of.slope + (2.0 - DECAY * of.x) * second + (2.0 - 4.0 * DECAY * of.x) * third +
+         BALANCE * BY_SUM * cube;
+}
+
 constexpr double LOG_8_PI = 3.2241714275292361;    // ln(8 pi)
 
 // The pressure inside: 2 g/R at rest. The surface, of the energy e = g (4 pi R^2) + U, and the contacts at the distances

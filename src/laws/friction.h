@@ -1,12 +1,14 @@
 // Friction, damping and the film of one contact: what a step does to its spring, and what it loses.
 //
 // A vector v along a contact with the normal n is given as n x v. That is the same from both sides, where n and v have the other
-// sign, and in the plane it is (0, 0, v.t), with the tangent t, which is n turned to the left: a number, whatever n does.
+// sign, and in the plane it is the number v.t, with the tangent t, which is n turned to the left: it stays whatever n does.
+// V is Vector2 or Vector3.
 
 #ifndef DEFORMABLE_FRICTION_H
 #define DEFORMABLE_FRICTION_H
 
 #include "laws/parameter_rules.h"
+#include "laws/vector2.h"
 #include "laws/vector3.h"
 
 #include <algorithm>
@@ -17,41 +19,49 @@ namespace deformable {
 
 // The spring along the contact has the length xi and the stiffness kt, beside it is a dashpot gt; another one, gn, is along
 // the normal. Coulomb's coefficient mu may be infinite. A film has the constant c and the power n; it may act in one direction only.
+// A coefficient of restitution below 1 is in the place of gn.
 struct Friction {
   double mu = 0.0, kt = 0.0, gt = 0.0, gn = 0.0;
   double film = 0.0, power = 1.0;
   bool film_shears = true, film_squeezes = true;
+  double restitution = 1.0, ratio = 0.0;    // and its damping ratio
 };
 
+// A cross product: a number, or a Vector3.
+template <class V> using Along = decltype(cross(V{}, V{}));
+
 // A vector v at a contact: n x v and n.v.
-struct ContactVector {
-  Vector3 along;
+template <class V> struct ContactVector {
+  Along<V> along;
   double normal;
 };
 
-// Of a vector along a contact: exact in the plane.
+inline double size_along(double v)
+{
+  return std::fabs(v);
+}
 inline double size_along(const Vector3 &v)
 {
-  return v.x == 0.0 && v.y == 0.0 ? std::fabs(v.z) : length(v);
+  return length(v);
 }
 
-inline ContactVector at_contact(const Vector3 &n, const Vector3 &v)
+template <class V> ContactVector<V> at_contact(const V &n, const V &v)
 {
   return {cross(n, v), dot(n, v)};
 }
-inline Vector3 from_contact(const Vector3 &n, const ContactVector &v)
+template <class V> V from_contact(const V &n, const ContactVector<V> &v)
 {
   return v.normal * n + cross(v.along, n);
 }
-inline ContactVector operator+(const ContactVector &a, const ContactVector &b)
+template <class V> ContactVector<V> operator+(const ContactVector<V> &a, const ContactVector<V> &b)
 {
   return {a.along + b.along, a.normal + b.normal};
 }
-inline ContactVector operator*(double s, const ContactVector &a)
+template <class V> ContactVector<V> operator*(double s, const ContactVector<V> &a)
 {
   return {s * a.along, s * a.normal};
 }
-inline double dot(const ContactVector &a, const ContactVector &b)
+template <class V> double dot(const ContactVector<V> &a, const ContactVector<V> &b)
 {
   return dot(a.along, b.along) + a.normal * b.normal;
 }
@@ -64,6 +74,10 @@ inline std::string invalid_friction(const Friction &c)
   if (!finite(c.gt)) return "gt must be 0 or positive and finite, not " + shown_number(c.gt);
   if (!finite(c.gn)) return "damp must be 0 or positive and finite, not " + shown_number(c.gn);
   if (!finite(c.film)) return "film must be 0 or positive and finite, not " + shown_number(c.film);
+  if (!(c.restitution > 0.0 && c.restitution <= 1.0))
+    return "restitution must be above 0 and 1 at most, not " + shown_number(c.restitution);
+  if (c.restitution < 1.0 && c.gn > 0.0)
+    return "damp must be 0 beside a restitution, not " + shown_number(c.gn);
   if (!(c.power > 0.0 && c.power <= 1.0))
     return "the power of a film must be above 0 and 1 at most, not " + shown_number(c.power);
   return "";
@@ -75,20 +89,53 @@ inline double most_friction(double mu, double force)
   return force > 0.0 ? mu * force : 0.0;
 }
 
-struct Rub {
-  Vector3 xi, force;
+// Restitution of a spring and a dashpot of the damping ratio z, whose contact ends where its force does, as that does not pull:
+//   ln e = -2 z arccos(z)/sqrt(1 - z^2),   for z > 1 -2 z arcosh(z)/sqrt(z^2 - 1)
+inline double restitution_of(double z)
+{
+  constexpr double NEAR = 1e-4;    // of z = 1, where both are -2 (1 + 2 (z - 1)/3)
+  if (std::fabs(z - 1.0) < NEAR) return std::exp(-2.0 - 4.0 / 3.0 * (z - 1.0));
+  const double angle = z < 1.0 ? std::acos(z) : std::acosh(z);
+  return std::exp(-2.0 * z * angle / std::sqrt(std::fabs(1.0 - z * z)));
+}
+
+// The inverse, for 0 < e <= 1, by bisection: e < 1/z^2. Exactly 0 for e = 1.
+inline double damping_ratio(double restitution)
+{
+  if (restitution == 1.0) return 0.0;
+  double low = 0.0, high = 1.0 / std::sqrt(restitution);
+  for (int n = 0; n < 60; ++n) {
+    const double z = 0.5 * (low + high);
+    (restitution_of(z) > restitution ? low : high) = z;
+  }
+  return 0.5 * (low + high);
+}
+
+// The dashpot gn of that damping ratio where the contact of two bodies with the reduced mass m bears the force f and has the
+// energy U: that of a spring with the same force and energy, k = f^2/2U,
+//   gn = 2 z sqrt(m k).
+// So the restitution is the same for any law of the contact and any velocity: with y = sqrt(2U/m) and ds = dy/dx dt, the
+// motion m dv/dt = -f - gn v is that of a linear oscillator, dy/ds = v, dv/ds = -y - 2 z v.
+inline double dashpot(double ratio, double mass, double force, double energy)
+{
+  return energy > 0.0 ? 2.0 * ratio * force * std::sqrt(0.5 * mass / energy) : 0.0;
+}
+
+template <class A> struct Rub {    // A: Along<V>
+  A xi, force;
   bool slides;
 };
 
 // After a step dt in which the two sides have moved by `way` along the contact, which is pressed by `normal` now:
 //   f = kt xi + gt dxi/dt,   dxi/dt = way/dt   held to |f| <= mu normal. Where it slides, dxi/dt = (f - kt xi)/gt,
 // implicit in xi, so that xi = f/kt without a dashpot. The direction of f is that of the force without a bound.
-inline Rub rub(const Friction &c, const Vector3 &xi, const Vector3 &way, double dt, double normal)
+template <class A> Rub<A> rub(const Friction &c, const A &xi, const A &way, double dt,
+                              double normal)
 {
-  const Vector3 force = c.kt * (xi + way) + c.gt * way / dt;
+  const A force = c.kt * (xi + way) + c.gt * way / dt;
   const double most = most_friction(c.mu, normal), size = size_along(force);
   if (size <= most) return {xi + way, force, false};
-  const Vector3 held = most * (force / size);
+  const A held = most * (force / size);
   const double stiff = c.gt + c.kt * dt;
   return {(c.gt * xi + dt * held) / stiff, held, true};
 }
@@ -106,9 +153,9 @@ struct RubLoss {
   double sliding, dashpot;
 };
 
-inline RubLoss loss(double kt, const Rub &before, const Rub &now, const Vector3 &way)
+template <class A> RubLoss loss(double kt, const Rub<A> &before, const Rub<A> &now, const A &way)
 {
-  const Vector3 mean = 0.5 * (before.force + now.force), change = now.xi - before.xi;
+  const A mean = 0.5 * (before.force + now.force), change = now.xi - before.xi;
   return {dot(mean, way - change), dot(mean - 0.5 * kt * (before.xi + now.xi), change)};
 }
 

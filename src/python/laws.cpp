@@ -239,11 +239,16 @@ kt dt^2 + 2 gt dt = mass/(2 lever) and 2 damp dt = mass/2, with lever = 1 + m R^
 spins. A quarter of what one contact alone is stable with.)");
   m.def(
       "invalid_friction",
-      [](double mu, double kt, double gt, double damp, double film, double power) {
-        return or_none(invalid_friction({mu, kt, gt, damp, film, power}));
+      [](double mu, double kt, double gt, double damp, double film, double power,
+         double restitution) {
+        Friction c = {mu, kt, gt, damp, film, power};
+        c.restitution = restitution;
+        return or_none(invalid_friction(c));
       },
       "mu"_a, "kt"_a, "gt"_a = 0.0, "damp"_a = 0.0, "film"_a = 0.0, "power"_a = 1.0,
+      "restitution"_a = 1.0,
       R"(The problem of these coefficients in a phrase that names the value, or None.
 
-None of them may be negative; mu may be inf. The power of a film lies above 0, and is 1 at most.)");
+None of them may be negative; mu may be inf. The power of a film lies above 0, and is 1 at most; so does the restitution, beside
+which damp must be 0 if it is below 1.)");
 }

@@ -210,8 +210,8 @@ void bind_friction(nb::module_ &m)
       [](double mu, double kt, double gt, double xi, double way, double dt, double normal) {
         const Friction c = {mu, kt, gt, 0.0};
         require(c, dt);
-        const Rub now = rub(c, {0.0, 0.0, xi}, {0.0, 0.0, way}, dt, normal);
-        return nb::make_tuple(now.xi.z, now.force.z, now.slides);
+        const Rub<double> now = rub(c, xi, way, dt, normal);
+        return nb::make_tuple(now.xi, now.force, now.slides);
       },
       "mu"_a, "kt"_a, "gt"_a, "xi"_a, "way"_a, "dt"_a, "normal"_a,
       R"(A step of the spring of length xi along a contact whose sides move by `way` against each other.
@@ -226,8 +226,8 @@ ValueError
   m.def(
       "rub_loss",
       [](double kt, double xi_before, double force_before, double xi, double force, double way) {
-        const RubLoss lost = loss(kt, {{0.0, 0.0, xi_before}, {0.0, 0.0, force_before}, false},
-                                  {{0.0, 0.0, xi}, {0.0, 0.0, force}, false}, {0.0, 0.0, way});
+        const Rub<double> before = {xi_before, force_before, false}, now = {xi, force, false};
+        const RubLoss lost = loss(kt, before, now, way);
         return nb::make_tuple(lost.sliding, lost.dashpot);
       },
       "kt"_a, "xi_before"_a, "force_before"_a, "xi"_a, "force"_a, "way"_a,

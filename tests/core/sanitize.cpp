@@ -158,11 +158,11 @@ template <class Uniform> void rubs(Uniform uniform)
   const Friction c = {uniform(0.0, 1.0) < 0.1 ? infinity : some(), some(), some(), some()};
   require(invalid_friction(c).empty() && largest_time_step(c, 1.0, 3.0) > 0.0, "friction", {});
   const double dt = std::pow(10.0, uniform(-6.0, 0.0));
-  Rub before = {};
+  Rub<Vector3> before = {};
   for (int step = 0; step < 20; ++step) {
     const double normal = uniform(-0.1, 1.0);
     const Vector3 way = {dt * uniform(-1.0, 1.0), dt * uniform(-1.0, 1.0), dt * uniform(-1.0, 1.0)};
-    const Rub now = rub(c, before.xi, way, dt, normal);
+    const Rub<Vector3> now = rub(c, before.xi, way, dt, normal);
     const RubLoss lost = loss(c.kt, before, now, way);
     require(std::isfinite(length(now.xi + now.force) + lost.sliding + lost.dashpot), "rub", {});
     require(length(now.force) <= 1.000001 * most_friction(c.mu, normal), "Coulomb's bound", {});

@@ -73,7 +73,7 @@ class Polygon:
         return low
 
 
-# n, kP, energy and force in docs/theory.md
+# n, kP, energy and force in docs/theory/closed_forms.md
 DOCUMENTED = [
     (6, np.inf, "4.6116e-04", "1.0248e-02"),
     (6, 1.0, "3.1918e-04", "7.6520e-03"),

@@ -9,6 +9,7 @@ from pathlib import Path
 import test_atom_stiffness as values
 import test_boxes as boxes
 import test_films_at_touch as films
+import test_outlines as outlines
 import test_restart as files
 import test_works_with as fresh
 import test_works_with_bonds as bonds
@@ -42,6 +43,7 @@ OTHERS = {
     "fix numdiff": outputs.test_numdiff,
     "dynamical_matrix": outputs.test_dynamical_matrix,
     "compute born/matrix numdiff": outputs.test_born_matrix_by_differences,
+    "dump image": outlines.test_ranks_draw_one_picture,
     "compute contact/atom": outputs.test_contacts_of_circles,
     "replicate with adhesion": films.test_replicate,
     "restart": files.test_round_trip,

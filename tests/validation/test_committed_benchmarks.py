@@ -94,6 +94,16 @@ def many() -> list[str]:
     return table_of(["ns", "ranks", *(f"N = {count(size)}" for size in sizes)], rows)
 
 
+def of_a_step() -> str:
+    """What README says of the default law and the exact one."""
+    rows = of("loop_time_curved")["rows"]
+    told = []
+    for law in ("balanced", "curved"):
+        ratios = [row["ratio_to_disks"] for row in select(rows, law=law)]
+        told.append(f"{min(ratios):.0f} to {max(ratios):.0f}")
+    return f"A time step costs {told[0]} steps of soft disks, with the exact law {told[1]}."
+
+
 def memory() -> str:
     rows = of("loop_time_curved")["rows"]
     largest = max(row["n"] for row in rows)
@@ -289,6 +299,13 @@ SENTENCES = (
 
 def test_the_page_follows_from_the_measurements() -> None:
     check(PAGE, (table() for table in TABLES), SENTENCES)
+    check(FOLDER.parent / "README.md", (), (of_a_step,))
+
+
+def test_what_the_guide_says_of_relaxations() -> None:
+    ratio = of("relaxation")["time_over_radical"]["balanced"]["median"]
+    guide = (FOLDER.parent / "docs" / "guide" / "compression.md").read_text()
+    assert f"A relaxation with `balanced` takes about {ratio:.1f} times as long" in guide
 
 
 def test_the_page_names_each_script_and_no_other() -> None:
@@ -305,3 +322,4 @@ def test_the_page_names_each_script_and_no_other() -> None:
 
 if __name__ == "__main__":
     write(PAGE, (table() for table in TABLES), SENTENCES)
+    write(FOLDER.parent / "README.md", (), (of_a_step,))

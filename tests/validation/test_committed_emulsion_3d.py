@@ -94,7 +94,9 @@ def sheared() -> str:
 
 def bulks() -> str:
     over = [k / g for k, g in zip(of_both("bulk"), of_both("shear"), strict=True)]
-    return f"At 0.85 it is {over[0][-1]:.0f} and {over[1][-1]:.0f} times the shear modulus."
+    low, high = sorted(f"{each[-1]:.0f}" for each in over)
+    told = low if low == high else f"{low} to {high}"
+    return f"At 0.85 it is {told} times the shear modulus, of both kinds."
 
 
 def loose() -> str:

@@ -230,6 +230,7 @@ def draw(packings, file):
             )
     axes[2].axhline(1.0, color="k", ls="--", lw=1)
     axes[2].set(xlabel=r"$\phi$", ylabel="over that of emulsions", ylim=(0.65, 1.25))
+    axes[2].set_xticks([0.70, 0.75, 0.80, 0.85])
     for letter, each in zip("abc", axes, strict=True):
         each.set_title(f"({letter})", loc="left", fontsize=10)
     axes[0].legend(frameon=False, fontsize=8)

@@ -36,11 +36,8 @@ def column(number, seed):
     start = start.between([floor, ceiling]).push_off()
     r32 = np.sum(start.radii**3) / np.sum(start.radii**2)
     weight = HIGHEST / r32 * width**2 / (0.5 * start.volume)  # of a unit of volume
-    with ld.Simulation(start, ld.Droplet(tension=1.0)) as sim:
-        for species, radius in enumerate(RADII, start=1):
-            up = weight * 4.0 / 3.0 * np.pi * radius**3
-            sim.lmp.command(f"group size{species} type {species}")
-            sim.lmp.command(f"fix up{species} size{species} addforce 0 0 {up}")
+    lift = weight * 4.0 / 3.0 * np.pi * np.array(RADII) ** 3  # of each species
+    with ld.Simulation(start, ld.Droplet(tension=1.0), gravity=np.outer(lift, (0, 0, 1))) as sim:
         state = sim.relax(1e-5)
     return {"seed": seed, "load": float(state.loads.max()), "rows": slabs(state, r32, weight)}
 

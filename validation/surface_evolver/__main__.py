@@ -68,6 +68,21 @@ def doublet() -> ld.State:
         return sim.relax(1e-10)
 
 
+def plates(law: ld.Ring | ld.Droplet) -> Callable[[], ld.State]:
+    """A droplet of radius 1 that two walls indent by a tenth, side by side with its images."""
+
+    def relaxed() -> ld.State:
+        lengths = (4.0, 1.8) if isinstance(law, ld.Ring) else (4.0, 4.0, 1.8)
+        middle = [0.5 * length for length in lengths]
+        up = np.eye(len(lengths))[-1]
+        walls = [ld.Plane((0,) * len(lengths), up), ld.Plane(1.8 * up, -up)]
+        packing = ld.Packing([middle], [1.0], lengths).between(walls)
+        with ld.Simulation(packing, law) as sim:
+            return sim.relax(1e-10)
+
+    return relaxed
+
+
 def crystal(kind: str, cells: int, phi: float) -> Callable[[], ld.State]:
     def relaxed() -> ld.State:
         with ld.Simulation(ld.crystal(kind, cells, phi=phi), ld.Droplet()) as sim:
@@ -91,8 +106,10 @@ def disordered(name: str) -> Callable[[], ld.State]:
 
 
 CASES: dict[str, Callable[[], ld.State]] = {
+    "plates in the plane": plates(FOAM),
     "two that stick": doublet,
     **{f"foam {phi}": foam(phi) for phi in (0.88, 0.92, 0.95, 0.98)},
+    "plates": plates(ld.Droplet()),
     "sc 0.6": crystal("sc", 2, 0.6),
     "bcc 0.76": crystal("bcc", 1, 0.76),
     "fcc 0.79": crystal("fcc", 1, 0.79),

@@ -10,25 +10,71 @@
 #include "error.h"
 #include "fix.h"
 #include "force.h"
-#include "input.h"
 #include "modify.h"
 #include "neighbor.h"
 #include "update.h"
-#include "variable.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <type_traits>
 
 using namespace LAMMPS_NS;
 using namespace FixConst;
+using deformable::Along;
 using deformable::ContactVector;
 using deformable::Friction;
-using deformable::Rub;
+using deformable::Vector2;
 using deformable::Vector3;
 
 // Between runs the elastic force of a contact may change by this part of it, as contacts are balanced to 1e-8.
 static constexpr double BALANCED = 1e-6;
+
+// A vector of LAMMPS, or of a contact: its components in the plane, or all. Backwards z is 0.
+template <class V> static V vector(const double *v);
+template <> Vector2 vector<Vector2>(const double *v)
+{
+  return {v[0], v[1]};
+}
+template <> Vector3 vector<Vector3>(const double *v)
+{
+  return {v[0], v[1], v[2]};
+}
+template <class V> static V narrow(const Vector3 &v)
+{
+  return vector<V>(&v.x);
+}
+static Vector3 wide(const Vector2 &v)
+{
+  return {v.x, v.y, 0.0};
+}
+static Vector3 wide(const Vector3 &v)
+{
+  return v;
+}
+
+// A spin, or what is along a contact: its third component in the plane, or all.
+template <class V> static Along<V> along(const Vector3 &v);
+template <> double along<Vector2>(const Vector3 &v)
+{
+  return v.z;
+}
+template <> Vector3 along<Vector3>(const Vector3 &v)
+{
+  return v;
+}
+static Vector3 wide(double v)
+{
+  return {0.0, 0.0, v};
+}
+template <class V> static ContactVector<Vector3> wide(const ContactVector<V> &v)
+{
+  return {wide(v.along), v.normal};
+}
+template <class V> static ContactPlace<V> narrow(const ContactPlace<Vector3> &p)
+{
+  return {narrow<V>(p.r), narrow<V>(p.b), narrow<V>(p.n)};
+}
 
 /* ---------------------------------------------------------------------- */
 
@@ -84,6 +130,13 @@ void FixDeformableFriction::init()
                  "Fix {} deformable/friction needs contacts that slip, but those of pair_style "
                  "deformable/sector stick: use deformable/ring",
                  id);
+  for (const PairDeformable *pair : pairs)
+    if (coefficients.have_restitution() && !pair->knows_energy_alone())
+      error->all(
+          FLERR,
+          "Fix {} deformable/friction: a restitution needs contacts with one force, but those "
+          "of 'contact radical' have two: use 'contact balanced' or 'contact curved'",
+          id);
   if (!atom->tag_enable)
     error->all(FLERR, "Fix {} deformable/friction needs atom IDs: use 'atom_modify id yes'", id);
   comm->ghost_velocity = 1;
@@ -149,26 +202,24 @@ void FixDeformableFriction::find_lightest()
 {
   double least = std::numeric_limits<double>::infinity();
   for (int i = 0; i < atom->nlocal; ++i)
-    if (atom->mask[i] & groupbit)
-      least = std::min(least, atom->rmass ? atom->rmass[i] : atom->mass[atom->type[i]]);
+    if (atom->mask[i] & groupbit) least = std::min(least, mass_of(i));
   MPI_Allreduce(&least, &lightest, 1, MPI_DOUBLE, MPI_MIN, world);
 }
 
 void FixDeformableFriction::check_time_step() const
 {
   if (update->whichflag != 1) return;    // minimizers pass over friction
-  const double longest = coefficients.largest_time_step(mass(), lever());
+  const double longest = coefficients.largest_time_step(lightest, lever());
   if (update->dt > longest)
     error->all(FLERR,
                "Fix {} deformable/friction: the time step {:.6g} is too long for these stiffnesses "
                "and particles of mass {:.6g}: use {:.3g} or less, or smaller kt, gt or damp",
-               id, update->dt, lightest, longest);
+               id, update->dt, lightest * force->ftm2v, longest);
 }
 
-// Of the lightest particle, in force time^2/distance units.
-double FixDeformableFriction::mass() const
+double FixDeformableFriction::mass_of(int i) const
 {
-  return lightest / force->ftm2v;
+  return (atom->rmass ? atom->rmass[i] : atom->mass[atom->type[i]]) / force->ftm2v;
 }
 
 double FixDeformableFriction::lever() const
@@ -215,11 +266,11 @@ void FixDeformableFriction::rub_all(int vflag)
     for (int i = atom->nlocal; i < atom->nlocal + atom->nghost; ++i) std::fill_n(vatom[i], 6, 0.0);
   output[CONTACTS] = output[SLIDES] = 0.0;
   values.clear();
-  linear_film = 0.0;
-  largest_film = deformable::largest_film_constant(mass(), lever(), update->dt, domain->dimension);
-  for (PairDeformable *pair : pairs)
-    for (const LoadedContact &contact : pair->loaded) rub(contact);
-  if (has_films()) check_films();
+  linear_film = largest_dashpot = 0.0;
+  largest_film =
+      deformable::largest_film_constant(lightest, lever(), update->dt, domain->dimension);
+  in_plane ? rub_contacts<Vector2>() : rub_contacts<Vector3>();
+  if (has_films() || coefficients.have_restitution()) check_dashpots();
   sweep();
   if (vflag_atom) comm->reverse_comm(this);
 
@@ -229,39 +280,43 @@ void FixDeformableFriction::rub_all(int vflag)
   array_local = rows.data();
 }
 
+template <class V> void FixDeformableFriction::rub_contacts()
+{
+  for (const PairDeformable *pair : pairs)
+    for (const LoadedContact &contact : pair->loaded) rub<V>(*pair, contact);
+}
+
 /* ----------------------------------------------------------------------
    Whether this rank and this fix are in charge. Of two images of a particle in
    its own box, (i, j) is as good as (j, i).
 ------------------------------------------------------------------------- */
 
-bool FixDeformableFriction::find_sides(const LoadedContact &c, Sides &sides,
-                                       ContactPlace &place) const
+template <class V>
+inline bool FixDeformableFriction::find_sides(const LoadedContact &c, Sides &sides,
+                                              ContactPlace<V> &place) const
 {
   if (!(atom->mask[c.i] & groupbit)) return false;
   sides = {c.i, c.j, c.i};
-  place = {{}, c.middle, c.n};
+  place = {{}, narrow<V>(c.middle), narrow<V>(c.n)};
   if (c.j < 0) return true;
   if (!(atom->mask[c.j] & groupbit)) return false;
-  place.r = vector(atom->x[c.j]) - vector(atom->x[c.i]);
+  place.r = vector<V>(atom->x[c.j]) - vector<V>(atom->x[c.i]);
   if (c.one_side || atom->tag[c.i] <= atom->tag[c.j]) return true;
   sides = {c.j, c.i, c.second};
   place = place.from_partner();
   return c.second >= 0;
 }
 
-Vector3 FixDeformableFriction::spin_of(int i) const
-{
-  if (!atom->omega_flag) return {};
-  const double *const w = atom->omega[i];
-  return {in_plane ? 0.0 : w[0], in_plane ? 0.0 : w[1], w[2]};
-}
-
 // Of the half step before.
-FixDeformableFriction::Velocity FixDeformableFriction::velocity(const Sides &s) const
+template <class V>
+inline FixDeformableFriction::Velocity<V> FixDeformableFriction::velocity(const Sides &s) const
 {
-  const Vector3 own = -vector(atom->v[s.particle]), spin = spin_of(s.particle);
-  if (s.partner < 0) return {own, spin, {}};
-  return {own + vector(atom->v[s.partner]), spin, spin_of(s.partner)};
+  const auto spin_of = [this](int i) {
+    return atom->omega_flag ? along<V>(vector<Vector3>(atom->omega[i])) : Along<V>{};
+  };
+  const V own = -vector<V>(atom->v[s.particle]);
+  if (s.partner < 0) return {own, spin_of(s.particle), {}};
+  return {own + vector<V>(atom->v[s.partner]), spin_of(s.particle), spin_of(s.partner)};
 }
 
 /* ----------------------------------------------------------------------
@@ -269,18 +324,18 @@ FixDeformableFriction::Velocity FixDeformableFriction::velocity(const Sides &s) 
    begin of the step, its age.
 ------------------------------------------------------------------------- */
 
-inline FixDeformableFriction::Speeds FixDeformableFriction::speeds(const Sides &s,
-                                                                   const Velocity &w,
-                                                                   const ContactPlace &p,
-                                                                   double age) const
+template <class V>
+inline FixDeformableFriction::Speeds<V>
+FixDeformableFriction::speeds(const Sides &s, const Velocity<V> &w, const ContactPlace<V> &p,
+                              double age) const
 {
-  const Vector3 v = w.v - cross(w.spin, p.b) + cross(w.other_spin, p.b - p.r);
-  Speeds found = {at_contact(p.n, v), {}};
+  const V v = w.v - cross(w.spin, p.b) + cross(w.other_spin, p.b - p.r);
+  Speeds<V> found = {at_contact(p.n, v), {}};
   if (s.partner < 0 && dt > 0.0 && pairs.front()->has_wall(s.partner)) {
-    const Vector3 x = vector(atom->x[s.particle]) + p.b - age * vector(atom->v[s.particle]);
-    const ContactVector way = at_contact(
-        p.n, pairs.front()->wall(s.partner).way(pairs.front()->wall_feature(s.partner), x));
-    found.wall = {way.along / dt, way.normal / dt};
+    const V x = vector<V>(atom->x[s.particle]) + p.b - age * vector<V>(atom->v[s.particle]);
+    const Vector3 moved =
+        pairs.front()->wall(s.partner).way(pairs.front()->wall_feature(s.partner), wide(x));
+    found.wall = 1.0 / dt * at_contact(p.n, narrow<V>(moved));
     found.v = found.v + found.wall;
   }
   return found;
@@ -288,16 +343,18 @@ inline FixDeformableFriction::Speeds FixDeformableFriction::speeds(const Sides &
 
 // The contact with this partner whose place is the nearest one, as a small box has several images of it; or null. Between a
 // particle and its own image both directions are one.
+template <class V>
 static RememberedContact *find_contact(std::vector<RememberedContact> &contacts, double partner,
-                                       const ContactPlace &place, bool own_image)
+                                       const ContactPlace<V> &place, bool own_image)
 {
-  const auto square = [](const Vector3 &v) { return dot(v, v); };
+  const auto square = [](const V &v) { return dot(v, v); };
   double nearest = square(place.r);
   RememberedContact *found = nullptr;
   for (RememberedContact &c : contacts) {
     if (c.partner != partner) continue;
-    double distance = square(c.place.r - place.r);
-    if (own_image) distance = std::min(distance, square(c.place.r + place.r));
+    const V r = narrow<V>(c.place.r);
+    double distance = square(r - place.r);
+    if (own_image) distance = std::min(distance, square(r + place.r));
     if (distance > nearest) continue;
     nearest = distance;
     found = &c;
@@ -305,18 +362,41 @@ static RememberedContact *find_contact(std::vector<RememberedContact> &contacts,
   return found;
 }
 
-// What is remembered turns with the contact.
-static void turn(RememberedContact &m, const Vector3 &n)
+// What is along a contact, after its normal has turned from n to m.
+static double turn(double v, const Vector2 &, const Vector2 &)
 {
-  for (Vector3 *const v : {&m.xi, &m.force, &m.film.along}) *v = turned(*v, m.place.n, n);
+  return v;
+}
+static Vector3 turn(const Vector3 &v, const Vector3 &n, const Vector3 &m)
+{
+  return turned(v, n, m);
 }
 
 /* ---------------------------------------------------------------------- */
 
-void FixDeformableFriction::rub(const LoadedContact &contact)
+// Of a restitution, where this contact bears the force.
+double FixDeformableFriction::dashpot(const PairDeformable &pair, const Sides &s, double ratio,
+                                      double force)
+{
+  if (!(force > 0.0)) return 0.0;
+  double energy = pair.energy_alone(s.particle, s.partner, force), mass = mass_of(s.particle);
+  if (s.partner >= 0) {
+    energy += pair.energy_alone(s.partner, s.particle, force);
+    const double other = mass_of(s.partner);
+    mass *= other / (mass + other);
+  }
+  const double found = deformable::dashpot(ratio, mass, force, energy);
+  largest_dashpot = std::max(largest_dashpot, found);
+  return found;
+}
+
+/* ---------------------------------------------------------------------- */
+
+template <class V>
+void FixDeformableFriction::rub(const PairDeformable &pair, const LoadedContact &contact)
 {
   Sides sides;
-  ContactPlace place;
+  ContactPlace<V> place;
   if (!find_sides(contact, sides, place)) return;
   const bool is_wall = sides.partner < 0;
   const int i = sides.rememberer, *const type = atom->type;
@@ -328,52 +408,57 @@ void FixDeformableFriction::rub(const LoadedContact &contact)
       coefficients.between(type[i], is_wall ? FrictionCoefficients::WALL : type[sides.partner]);
   const double part = contact.one_side ? 0.5 : 1.0;
   for (double *const value : {&c.kt, &c.gt, &c.gn, &c.film}) *value *= part;
+  if (c.ratio > 0.0) c.gn = dashpot(pair, sides, c.ratio, contact.force);
 
   std::vector<RememberedContact> &contacts = particles[i].rows;
   RememberedContact *remembered = find_contact(contacts, partner, place, own_image);
   const bool is_new = !remembered;
   if (is_new) {
-    remember(i, {partner, c.kt, place, {}, {}, {}, 0.0, 0.0, 0.0});
+    remember(
+        i,
+        {partner, c.kt, {wide(place.r), wide(place.b), wide(place.n)}, {}, {}, {}, 0.0, 0.0, 0.0});
     remembered = &contacts.back();
   }
   RememberedContact &m = *remembered;
-  if (own_image && dot(m.place.n, place.n) < 0.0) m.place = m.place.from_partner();
-  const Velocity w = velocity(sides);
-  const Speeds now = speeds(sides, w, place, 0.0);
+  ContactPlace<V> then = narrow<V>(m.place);
+  if (own_image && dot(then.n, place.n) < 0.0) then = then.from_partner();
+  // what it remembers turns with the contact
+  const Acting<V> last = {
+      {turn(along<V>(m.xi), then.n, place.n), turn(along<V>(m.force), then.n, place.n), false},
+      m.damping,
+      {turn(along<V>(m.film.along), then.n, place.n), m.film.normal}};
+  const Velocity<V> w = velocity<V>(sides);
+  const Speeds<V> now = speeds(sides, w, place, 0.0);
   const double most = deformable::most_friction(c.mu, contact.force);
-  Acting next = {{m.xi, {}, false}, 0.0, {}};
+  Acting<V> next = {{last.rub.xi, {}, false}, 0.0, {}};
   if (dt > 0.0) {
-    Speeds before = is_new ? now : speeds(sides, w, m.place, dt);
-    if (!in_plane) {    // in the plane n x v stays
-      before.v.along = turned(before.v.along, m.place.n, place.n);
-      before.wall.along = turned(before.wall.along, m.place.n, place.n);
-      turn(m, place.n);
-    }
-    const ContactVector way = 0.5 * dt * (before.v + now.v);
-    next.rub = deformable::rub(c, m.xi, way.along, dt, contact.force);
+    Speeds<V> before = is_new ? now : speeds(sides, w, then, dt);
+    before.v.along = turn(before.v.along, then.n, place.n);
+    before.wall.along = turn(before.wall.along, then.n, place.n);
+    const ContactVector<V> way = 0.5 * dt * (before.v + now.v);
+    next.rub = deformable::rub(c, last.rub.xi, way.along, dt, contact.force);
     next.damping = deformable::damping(c.gn, way.normal, dt, contact.force);
-    if (c.film > 0.0) next.film = film_force(c, contact.size, (1.0 / dt) * way);
-    lose(sides, m, next, 0.5 * (m.kt + c.kt), before, now);
+    if (c.film > 0.0) next.film = film_force(c, contact.size, 1.0 / dt * way);
+    lose(sides, last, next, 0.5 * (m.kt + c.kt), before, now);
   } else {
-    if (!in_plane) turn(m, place.n);
-    Vector3 force = is_new ? c.gt * now.v.along : m.force;
+    Along<V> force = is_new ? c.gt * now.v.along : last.rub.force;
     const double size = deformable::size_along(force);
     if (size > most) force = most * (force / size);
-    next.rub = {m.xi, force, size >= (1.0 - BALANCED) * most};
+    next.rub = {last.rub.xi, force, size >= (1.0 - BALANCED) * most};
     next.damping = std::min(is_new ? c.gn * now.v.normal : m.damping, std::max(contact.force, 0.0));
-    next.film = m.film;
+    next.film = last.film;
     if (is_new && c.film > 0.0) next.film = film_force(c, contact.size, now.v);
   }
   m = {partner,
        c.kt,
-       place,
-       next.rub.xi,
-       next.rub.force,
-       next.film,
+       {wide(place.r), wide(place.b), wide(place.n)},
+       wide(next.rub.xi),
+       wide(next.rub.force),
+       wide(next.film),
        next.damping,
        contact.one_side ? 1.0 : 0.0,
        1.0};
-  push(sides, place, next.film + ContactVector{next.rub.force, next.damping});
+  push(sides, place, next.film + ContactVector<V>{next.rub.force, next.damping});
   output[CONTACTS] += part;
   if (next.rub.slides) output[SLIDES] += part;
   list_row(i, sides, place, next, contact.force);
@@ -383,31 +468,35 @@ void FixDeformableFriction::rub(const LoadedContact &contact)
    What array_local says of a contact; see the manual.
 ------------------------------------------------------------------------- */
 
-void FixDeformableFriction::list_row(int i, const Sides &sides, const ContactPlace &place,
-                                     const Acting &a, double force)
+template <class V>
+inline void FixDeformableFriction::list_row(int i, const Sides &sides, const ContactPlace<V> &place,
+                                            const Acting<V> &a, double force)
 {
-  const Vector3 &n = place.n, x = vector(atom->x[sides.particle]) + place.b;
+  const V &n = place.n, x = vector<V>(atom->x[sides.particle]) + place.b;
   const double id = static_cast<double>(atom->tag[i]), slide = a.rub.slides ? 1.0 : 0.0;
   const bool is_wall = sides.partner < 0;
   const double partner = is_wall ? 0.0 : static_cast<double>(atom->tag[sides.partner]);
   const double wall = is_wall ? pairs.front()->wall_key(sides.partner) : 0.0;
-  if (in_plane) {
+  if constexpr (std::is_same_v<V, Vector2>) {
     values.insert(values.end(),
-                  {id, partner, x.x, x.y, deformable::angle_of(n.x, n.y), force, a.rub.force.z,
-                   a.damping, a.rub.xi.z, slide, wall, a.film.along.z, a.film.normal});
-    return;
+                  {id, partner, x.x, x.y, deformable::angle_of(n.x, n.y), force, a.rub.force,
+                   a.damping, a.rub.xi, slide, wall, a.film.along, a.film.normal});
+  } else {
+    const V f = cross(a.rub.force, n), xi = cross(a.rub.xi, n), film = cross(a.film.along, n);
+    values.insert(values.end(),
+                  {id,    partner, x.x,    x.y,    x.z,       n.x,          n.y,  n.z,
+                   force, f.x,     f.y,    f.z,    a.damping, xi.x,         xi.y, xi.z,
+                   slide, wall,    film.x, film.y, film.z,    a.film.normal});
   }
-  const Vector3 f = cross(a.rub.force, n), xi = cross(a.rub.xi, n), film = cross(a.film.along, n);
-  values.insert(values.end(), {id,    partner, x.x,    x.y,    x.z,       n.x,          n.y,  n.z,
-                               force, f.x,     f.y,    f.z,    a.damping, xi.x,         xi.y, xi.z,
-                               slide, wall,    film.x, film.y, film.z,    a.film.normal});
 }
 
 /* ----------------------------------------------------------------------
    Of a film with n = 1 the dashpot must be one that fits the time step.
 ------------------------------------------------------------------------- */
 
-ContactVector FixDeformableFriction::film_force(const Friction &c, double size, ContactVector v)
+template <class V>
+ContactVector<V> FixDeformableFriction::film_force(const Friction &c, double size,
+                                                   ContactVector<V> v)
 {
   if (!c.film_shears) v.along = {};
   if (!c.film_squeezes) v.normal = 0.0;
@@ -416,16 +505,26 @@ ContactVector FixDeformableFriction::film_force(const Friction &c, double size, 
   return g * v;
 }
 
-void FixDeformableFriction::check_films() const
+void FixDeformableFriction::check_dashpots() const
 {
-  double here = linear_film, most;    // MPI of LAMMPS' stubs takes no constants
-  MPI_Allreduce(&here, &most, 1, MPI_DOUBLE, MPI_MAX, world);
-  const double longest = deformable::largest_time_step({1.0, 0.0, most, most}, mass(), lever());
-  if (update->whichflag == 1 && update->dt > longest)
+  double here[] = {linear_film, largest_dashpot},
+         most[2];    // MPI of LAMMPS' stubs takes no constants
+  MPI_Allreduce(here, most, 2, MPI_DOUBLE, MPI_MAX, world);
+  if (update->whichflag != 1) return;
+  const double film =
+      deformable::largest_time_step({1.0, 0.0, most[0], most[0]}, lightest, lever());
+  if (update->dt > film)
     error->all(FLERR,
                "Fix {} deformable/friction: the time step {:.6g} is too long for a film with the "
                "constant {:.6g} and particles of mass {:.6g}: use {:.3g} or less, or a smaller c",
-               id, update->dt, most, lightest, longest);
+               id, update->dt, most[0], lightest * force->ftm2v, film);
+  const double dashpot = deformable::largest_time_step({0.0, 0.0, 0.0, most[1]}, lightest, lever());
+  if (update->dt > dashpot)
+    error->all(
+        FLERR,
+        "Fix {} deformable/friction: the time step {:.6g} is too long for the restitution of "
+        "contacts that are pressed so hard: use {:.3g} or less, or a larger restitution",
+        id, update->dt, dashpot);
 }
 
 /* ----------------------------------------------------------------------
@@ -433,24 +532,24 @@ void FixDeformableFriction::check_films() const
    one: what the change itself does to the spring is no loss.
 ------------------------------------------------------------------------- */
 
-void FixDeformableFriction::lose(const Sides &sides, const RememberedContact &before,
-                                 const Acting &now, double kt, const Speeds &v_before,
-                                 const Speeds &v_now)
+template <class V>
+inline void FixDeformableFriction::lose(const Sides &sides, const Acting<V> &before,
+                                        const Acting<V> &now, double kt, const Speeds<V> &v_before,
+                                        const Speeds<V> &v_now)
 {
   const double half = 0.5 * dt;
-  const deformable::RubLoss loss = deformable::loss(kt, {before.xi, before.force, false}, now.rub,
-                                                    half * (v_before.v.along + v_now.v.along));
+  const Along<V> way = half * (v_before.v.along + v_now.v.along);
+  const deformable::RubLoss loss = deformable::loss(kt, before.rub, now.rub, way);
   output[SLIDING] += loss.sliding;
   output[DASHPOTS] += loss.dashpot;
   output[DAMPING] += half * (before.damping * v_before.v.normal + now.damping * v_now.v.normal);
   output[FILMS] += half * (dot(before.film, v_before.v) + dot(now.film, v_now.v));
   if (sides.partner >= 0 || !pairs.front()->has_wall(sides.partner)) return;
-  const ContactVector first = before.film + ContactVector{before.force, before.damping};
-  const ContactVector second = now.film + ContactVector{now.rub.force, now.damping};
+  const ContactVector<V> first = before.film + ContactVector<V>{before.rub.force, before.damping};
+  const ContactVector<V> second = now.film + ContactVector<V>{now.rub.force, now.damping};
   pairs.front()
       ->wall(sides.partner)
-      .do_work(-half * (dot(first, v_before.wall) + dot(second.along, v_now.wall.along) +
-                        second.normal * v_now.wall.normal));
+      .do_work(-half * (dot(first, v_before.wall) + dot(second, v_now.wall)));
 }
 
 /* ----------------------------------------------------------------------
@@ -458,29 +557,44 @@ void FixDeformableFriction::lose(const Sides &sides, const RememberedContact &be
    its partner.
 ------------------------------------------------------------------------- */
 
-void FixDeformableFriction::push(const Sides &s, const ContactPlace &p, const ContactVector &push)
+static void add(double *to, const Vector2 &v)
 {
-  const Vector3 force = from_contact(p.n, push), &r = p.r;
-  const auto add = [](double *to, const Vector3 &v) {
-    to[0] += v.x;
-    to[1] += v.y;
-    to[2] += v.z;
-  };
+  to[0] += v.x;
+  to[1] += v.y;
+}
+static void add(double *to, const Vector3 &v)
+{
+  to[0] += v.x;
+  to[1] += v.y;
+  to[2] += v.z;
+}
+static void add(double *to, double torque)
+{
+  to[2] += torque;
+}
+
+template <class V>
+inline void FixDeformableFriction::push(const Sides &s, const ContactPlace<V> &p,
+                                        const ContactVector<V> &push)
+{
+  const V force = from_contact(p.n, push);
   double *const *const f = atom->f, *const *const torque = atom->torque;
   const bool spins = atom->torque_flag;
   if (spins) add(torque[s.particle], cross(p.b, force));
-  if (s.partner < 0) return pairs.front()->wall(s.partner).add_friction(s.particle, force, p.b);
+  if (s.partner < 0)
+    return pairs.front()->wall(s.partner).add_friction(s.particle, wide(force), wide(p.b));
   add(f[s.particle], force);
   add(f[s.partner], -force);
-  if (spins) add(torque[s.partner], -cross(p.b - r, force));
+  if (spins) add(torque[s.partner], -cross(p.b - p.r, force));
   if (!evflag) return;
   int both[] = {s.particle, s.partner};
-  double v[] = {-r.x * force.x,
-                -r.y * force.y,
-                -r.z * force.z,
-                -0.5 * (r.x * force.y + r.y * force.x),
-                -0.5 * (r.x * force.z + r.z * force.x),
-                -0.5 * (r.y * force.z + r.z * force.y)};
+  const Vector3 r = wide(p.r), F = wide(force);
+  double v[] = {-r.x * F.x,
+                -r.y * F.y,
+                -r.z * F.z,
+                -0.5 * (r.x * F.y + r.y * F.x),
+                -0.5 * (r.x * F.z + r.z * F.x),
+                -0.5 * (r.y * F.z + r.z * F.y)};
   v_tally(2, both, 2.0, v);
 }
 
@@ -502,7 +616,7 @@ void FixDeformableFriction::sweep()
         ++c;
         continue;
       }
-      if (dt > 0.0) end(i, m);
+      if (dt > 0.0) in_plane ? end<Vector2>(i, m) : end<Vector3>(i, m);
       m = contacts.back();
       contacts.pop_back();
     }
@@ -511,7 +625,7 @@ void FixDeformableFriction::sweep()
 }
 
 // Across a sheared boundary images of a partner have velocities of their own.
-void FixDeformableFriction::end(int i, const RememberedContact &m)
+template <class V> void FixDeformableFriction::end(int i, const RememberedContact &m)
 {
   int partner = static_cast<int>(m.partner);
   if (m.partner > 0.0) {
@@ -521,8 +635,11 @@ void FixDeformableFriction::end(int i, const RememberedContact &m)
     if (partner < 0) return;    // it is gone
   }
   const Sides sides = {i, partner, i};
-  const Speeds before = speeds(sides, velocity(sides), m.place, dt);
-  lose(sides, m, {}, m.kt, before, before);
+  const Speeds<V> before = speeds(sides, velocity<V>(sides), narrow<V>(m.place), dt);
+  const Acting<V> last = {{along<V>(m.xi), along<V>(m.force), false},
+                          m.damping,
+                          {along<V>(m.film.along), m.film.normal}};
+  lose(sides, last, {}, m.kt, before, before);
 }
 
 /* ----------------------------------------------------------------------
@@ -669,187 +786,4 @@ void FixDeformableFriction::unpack_reverse_comm(int n, int *list, double *buffer
 {
   for (int k = 0; k < n; ++k)
     for (int c = 0; c < 6; ++c) vatom[list[k]][c] += *buffer++;
-}
-
-/* ---------------------------------------------------------------------- */
-
-bool BoxRate::Box::operator==(const Box &other) const
-{
-  return std::equal(low, low + 3, other.low) && std::equal(h, h + 6, other.h);
-}
-
-BoxRate::Box BoxRate::present() const
-{
-  Box box{};
-  std::copy_n(domain->boxlo, 3, box.low);
-  std::copy_n(domain->h, 6, box.h);
-  return box;
-}
-
-void BoxRate::remember()
-{
-  before = present();
-  step = update->ntimestep;
-}
-
-void BoxRate::end_run()
-{
-  at_end = present();
-}
-
-// A run that goes on where the last one ended knows the change of the box after its last step.
-void BoxRate::begin_run()
-{
-  if (step != update->ntimestep || !(present() == at_end)) remember();
-}
-
-/* ----------------------------------------------------------------------
-   Of each fix deform the sides and tilts that it changes. A box that it has not
-   changed yet keeps LAMMPS' rates.
-------------------------------------------------------------------------- */
-
-void BoxRate::measure()
-{
-  if (!domain->deform_vremap || step != update->ntimestep - 1) return;
-  const int changes[] = {Fix::BOX_CHANGE_X,  Fix::BOX_CHANGE_Y,  Fix::BOX_CHANGE_Z,
-                         Fix::BOX_CHANGE_YZ, Fix::BOX_CHANGE_XZ, Fix::BOX_CHANGE_XY};
-  const Box now = present();
-  if (now == before) return;
-  for (const Fix *fix : modify->get_fix_by_style("^deform")) {
-    if (step % fix->nevery != 0) continue;
-    const double time = fix->nevery * update->dt;
-    for (int k = 0; k < 6; ++k) {
-      if (!(fix->box_change & changes[k])) continue;
-      domain->h_rate[k] = (now.h[k] - before.h[k]) / time;
-      if (k < 3) domain->h_ratelo[k] = (now.low[k] - before.low[k]) / time;
-    }
-  }
-}
-
-/* ---------------------------------------------------------------------- */
-
-FrictionCoefficients::FrictionCoefficients(LAMMPS *lmp, int narg, char **arg)
-    : Pointers(lmp),
-      id(arg[0]),
-      types(atom->ntypes + 1),
-      table(types * types)
-{
-  if (narg < 6) utils::missing_cmd_args(FLERR, "fix deformable/friction", error);
-  Rule all = {{WALL, WALL}, {types - 1, types - 1}};
-  for (int n = 0; n < 3; ++n) all.of_friction[n] = read(arg[3 + n]);
-  all.of_friction[5].value = 1.0;
-  int iarg = 6;
-  if (iarg < narg && std::string(arg[iarg]) == "damp") {
-    if (iarg + 1 == narg) utils::missing_cmd_args(FLERR, "fix deformable/friction damp", error);
-    all.of_friction[3] = read(arg[iarg + 1]);
-    iarg += 2;
-  }
-  rules.push_back(all);
-  iarg = read_film(iarg, narg, arg);
-  while (iarg < narg) {
-    if (std::string(arg[iarg]) != "types")
-      error->all(FLERR_WORD(iarg),
-                 "Fix {} deformable/friction: unknown word '{}': after mu, kt and gt come 'damp' "
-                 "and its value, 'film' and its two, then any number of 'types'",
-                 id, arg[iarg]);
-    if (iarg + 6 >= narg) utils::missing_cmd_args(FLERR, "fix deformable/friction types", error);
-    read_types(arg + iarg + 1);
-    iarg = read_film(iarg + 7, narg, arg);
-  }
-  for (const Rule &rule : rules) {
-    for (const Coefficient &c : rule.of_friction) varying |= !c.variable.empty();
-    apply(rule);
-  }
-}
-
-/* ----------------------------------------------------------------------
-   I J mu kt gt gn: types or ranges of them; J may be the word wall.
-------------------------------------------------------------------------- */
-
-void FrictionCoefficients::read_types(char **arg)
-{
-  Rule rule = {{WALL, WALL}, {WALL, WALL}};
-  for (int n = 0; n < 2; ++n)
-    if (n == 0 || std::string(arg[n]) != "wall")
-      utils::bounds(FLERR, arg[n], 1, types - 1, rule.first[n], rule.last[n], error);
-  for (int n = 0; n < 4; ++n) rule.of_friction[n] = read(arg[2 + n]);
-  rule.of_friction[5].value = 1.0;
-  rules.push_back(rule);
-}
-
-// film c n [tangential or normal], if it is there, of the last rule. Returns the place of the next word.
-int FrictionCoefficients::read_film(int iarg, int narg, char **arg)
-{
-  if (iarg >= narg || std::string(arg[iarg]) != "film") return iarg;
-  if (iarg + 2 >= narg) utils::missing_cmd_args(FLERR, "fix deformable/friction film", error);
-  Rule &rule = rules.back();
-  rule.of_friction[4] = read(arg[iarg + 1]);
-  rule.of_friction[5] = read(arg[iarg + 2]);
-  if (!rule.of_friction[5].variable.empty())
-    rule.of_friction[5].value = 1.0;    // until it is known
-  const std::string only = iarg + 3 < narg ? arg[iarg + 3] : "";
-  rule.film_squeezes = only != "tangential";
-  rule.film_shears = only != "normal";
-  return iarg + (rule.film_squeezes && rule.film_shears ? 3 : 4);
-}
-
-bool FrictionCoefficients::have_films() const
-{
-  return std::any_of(rules.begin(), rules.end(), [](const Rule &rule) {
-    return rule.of_friction[4].value > 0.0 || !rule.of_friction[4].variable.empty();
-  });
-}
-
-FrictionCoefficients::Coefficient FrictionCoefficients::read(char *word) const
-{
-  if (utils::strmatch(word, "^v_.")) return {0.0, word + 2};
-  if (std::string(word) == "inf") return {std::numeric_limits<double>::infinity(), ""};
-  return {utils::numeric(FLERR, word, false, lmp), ""};
-}
-
-/* ---------------------------------------------------------------------- */
-
-void FrictionCoefficients::find_variables()
-{
-  for (Rule &rule : rules)
-    for (Coefficient &c : rule.of_friction) {
-      if (c.variable.empty()) continue;
-      c.index = input->variable->find(c.variable.c_str());
-      if (c.index < 0 || !input->variable->equalstyle(c.index))
-        error->all(FLERR,
-                   "Fix {} deformable/friction: v_{} needs an equal-style variable: use "
-                   "'variable {} equal ...'",
-                   id, c.variable, c.variable);
-    }
-}
-
-void FrictionCoefficients::evaluate()
-{
-  modify->clearstep_compute();
-  for (Rule &rule : rules) {
-    for (Coefficient &c : rule.of_friction)
-      if (c.index >= 0) c.value = input->variable->compute_equal(c.index);
-    apply(rule);
-  }
-  modify->addstep_compute(update->ntimestep + 1);
-}
-
-void FrictionCoefficients::apply(const Rule &rule)
-{
-  const auto &[mu, kt, gt, gn, film, power] = rule.of_friction;
-  const Friction c = {mu.value,   kt.value,    gt.value,         gn.value,
-                      film.value, power.value, rule.film_shears, rule.film_squeezes};
-  const std::string problem = deformable::invalid_friction(c);
-  if (!problem.empty()) error->all(FLERR, "Fix {} deformable/friction: {}", id, problem);
-  for (int a = rule.first[0]; a <= rule.last[0]; ++a)
-    for (int b = rule.first[1]; b <= rule.last[1]; ++b)
-      table[a * types + b] = table[b * types + a] = c;
-}
-
-double FrictionCoefficients::largest_time_step(double mass, double lever) const
-{
-  double least = std::numeric_limits<double>::infinity();
-  for (const Friction &c : table)
-    least = std::min(least, deformable::largest_time_step(c, mass, lever));
-  return least;
 }

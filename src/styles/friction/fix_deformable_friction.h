@@ -1,5 +1,5 @@
 // Friction, rotation and damping of contacts, and their films, in the plane and in space:
-//   fix ID group deformable/friction mu kt gt [damp gn] [film c n] [types I J mu kt gt gn [film c n]] ...
+//   fix ID group deformable/friction mu kt gt [damp gn] [restitution e] [film c n] [types I J mu kt gt gn ...] ...
 //
 // The pair style tells which contacts bear a force, where and along which normal. This fix adds what else acts between their
 // two sides, before ranks sum up the forces on ghosts. Of two particles the rank of the one with the smaller ID does so,
@@ -17,78 +17,15 @@ FixStyle(deformable/friction,FixDeformableFriction);
 #ifndef LMP_FIX_DEFORMABLE_FRICTION_H
 #define LMP_FIX_DEFORMABLE_FRICTION_H
 
-#include "laws/friction.h"
+#include "styles/friction/box_rate.h"
+#include "styles/friction/friction_coefficients.h"
 #include "styles/memory/fix_partner_memory.h"
 
 #include <algorithm>
-#include <array>
 #include <string>
 #include <vector>
 
 namespace LAMMPS_NS {
-
-// The coefficients of fix deformable/friction, by the types of both sides: for all contacts, then for contacts of some types.
-// Each is a number or an equal-style variable, whose value may change from step to step.
-class FrictionCoefficients : protected Pointers {
- public:
-  // mu kt gt keyword value ..., from arg[3] on
-  FrictionCoefficients(class LAMMPS *, int narg, char **arg);
-
-  static constexpr int WALL = 0;    // in place of a type
-  const deformable::Friction &between(int a, int b) const { return table[a * types + b]; }
-
-  bool vary() const { return varying; }
-  bool have_films() const;    // of any types
-  void find_variables();      // before a run, as others may have been defined since
-  void evaluate();            // as of this step
-
-  // The largest time step for particles of this mass (force time^2/distance units), and lever = 1 + m R^2/I.
-  double largest_time_step(double mass, double lever) const;
-
- private:
-  struct Coefficient {
-    double value = 0.0;
-    std::string variable;    // its name; empty: a number
-    int index = -1;          // of the variable
-  };
-  struct Rule {
-    int first[2], last[2];                          // types
-    std::array<Coefficient, 6> of_friction = {};    // mu kt gt gn, c n
-    bool film_shears = true, film_squeezes = true;
-  };
-  const std::string id;
-  const int types;            // and the wall
-  std::vector<Rule> rules;    // the last one counts
-  bool varying = false;
-  std::vector<deformable::Friction> table;
-  Coefficient read(char *word) const;
-  void read_types(char **arg);
-  int read_film(int iarg, int narg, char **arg);
-  void apply(const Rule &);
-};
-
-// How fast the box changes, which velocities take across its boundaries with remap v.
-//
-// Some releases of LAMMPS give a side of fix deform/pressure, or a side at constant volume, its rate of strain in place of the
-// rate of its length, dL/dt. Here rates are measured by how the box has changed. From its first change on they replace LAMMPS'.
-class BoxRate : protected Pointers {
- public:
-  explicit BoxRate(class LAMMPS *lmp) : Pointers(lmp) {}
-
-  void begin_run();
-  void measure();     // before velocities are sent to ghosts
-  void remember();    // after the box has flipped, before it changes
-  void end_run();
-
- private:
-  struct Box {
-    double low[3], h[6];
-    bool operator==(const Box &) const;
-  };
-  Box present() const;
-  Box before{}, at_end{};
-  bigint step = -1;    // of `before`
-};
 
 class PairDeformable;
 struct LoadedContact;
@@ -97,20 +34,21 @@ struct LoadedContact;
 // keeps its sign.
 
 // As the particle that remembers sees it.
-struct ContactPlace {
-  deformable::Vector3 r;    // center of the partner, from that of the particle; 0 for a wall
-  deformable::Vector3 b;    // middle of the contact
-  deformable::Vector3 n;    // towards the partner
+template <class V> struct ContactPlace {
+  V r;    // center of the partner, from that of the particle; 0 for a wall
+  V b;    // middle of the contact
+  V n;    // towards the partner
 
   ContactPlace from_partner() const { return {-r, b - r, -n}; }
 };
 
+// In the plane what is along a contact is the third component.
 struct RememberedContact {
   double partner;    // ID, or the code < 0 of a wall
   double kt;
-  ContactPlace place;
+  ContactPlace<deformable::Vector3> place;
   deformable::Vector3 xi, force;    // n x, see laws/friction.h
-  deformable::ContactVector film;
+  deformable::ContactVector<deformable::Vector3> film;
   double damping;
   double one_side;    // the partner remembers a contact of its own
   double is_here;     // in this step
@@ -168,44 +106,52 @@ class FixDeformableFriction : public FixPartnerMemory<RememberedContact> {
     int particle, partner;
     int rememberer;    // the particle of this rank whose image it may be
   };
-  // Of the partner's center past the particle's, and both spins.
-  struct Velocity {
-    deformable::Vector3 v, spin, other_spin;
-  };
-  // Of the partner's side past the particle's; and of the partner's alone if that is a wall.
-  struct Speeds {
-    deformable::ContactVector v, wall;
-  };
-  // In the plane what particles have of z, and of spins about x and y, does not count.
   const bool in_plane;
-  deformable::Vector3 vector(const double *v) const { return {v[0], v[1], in_plane ? 0.0 : v[2]}; }
-  deformable::Vector3 spin_of(int i) const;
   double lever() const;    // 1 + m R^2/I
-  double mass() const;
   double largest_film = 0.0,
-         linear_film = 0.0;    // constants of films: allowed for n < 1, found for n = 1
-  void check_films() const;
+         linear_film = 0.0;        // constants of films: allowed for n < 1, found for n = 1
+  double largest_dashpot = 0.0;    // of a restitution
+  void check_dashpots() const;
+  double mass_of(int i) const;    // in force time^2/distance units
+  double dashpot(const PairDeformable &, const Sides &, double ratio, double force);
   BoxRate box_rate;
   double dt = 0.0;    // 0: before the first step of a run
   void rub_all(int vflag);
-  void rub(const LoadedContact &);
-  bool find_sides(const LoadedContact &, Sides &, ContactPlace &) const;
-  Velocity velocity(const Sides &) const;
-  Speeds speeds(const Sides &, const Velocity &, const ContactPlace &, double age) const;
-  deformable::ContactVector film_force(const deformable::Friction &, double size,
-                                       deformable::ContactVector v);
-  // At the end of a step.
-  struct Acting {
-    deformable::Rub rub;
-    double damping;
-    deformable::ContactVector film;
+
+  // V: Vector2 in the plane, where what particles have of z, and of spins about x and y, does not count; or Vector3.
+  template <class V> struct Velocity {
+    V v;                                      // of the partner's center past the particle's
+    deformable::Along<V> spin, other_spin;    // of both
   };
-  void lose(const Sides &, const RememberedContact &before, const Acting &now, double kt,
-            const Speeds &v_before, const Speeds &v_now);
-  void push(const Sides &, const ContactPlace &, const deformable::ContactVector &);
-  void list_row(int i, const Sides &, const ContactPlace &, const Acting &, double force);
+  // Of the partner's side past the particle's; and of the partner's alone if that is a wall.
+  template <class V> struct Speeds {
+    deformable::ContactVector<V> v, wall;
+  };
+  // At the end of a step.
+  template <class V> struct Acting {
+    deformable::Rub<deformable::Along<V>> rub;
+    double damping;
+    deformable::ContactVector<V> film;
+  };
+  template <class V> void rub_contacts();
+  template <class V> void rub(const PairDeformable &, const LoadedContact &);
+  template <class V>
+  bool find_sides(const LoadedContact &, Sides &, ContactPlace<V> &) const;
+  template <class V> Velocity<V> velocity(const Sides &) const;
+  template <class V>
+  Speeds<V> speeds(const Sides &, const Velocity<V> &, const ContactPlace<V> &, double age) const;
+  template <class V>
+  deformable::ContactVector<V> film_force(const deformable::Friction &, double size,
+                                          deformable::ContactVector<V> v);
+  template <class V>
+  void lose(const Sides &, const Acting<V> &before, const Acting<V> &now, double kt,
+            const Speeds<V> &v_before, const Speeds<V> &v_now);
+  template <class V>
+  void push(const Sides &, const ContactPlace<V> &, const deformable::ContactVector<V> &);
+  template <class V>
+  void list_row(int i, const Sides &, const ContactPlace<V> &, const Acting<V> &, double force);
+  template <class V> void end(int i, const RememberedContact &);
   void sweep();
-  void end(int i, const RememberedContact &);
   int words_of_spring() const;
   void give_spring(int i, const double *words);
   double total(int n) const;

@@ -1,8 +1,8 @@
 #include "styles/motion/fix_deformable_propel.h"
 
-#include "laws/trigonometry.h"
 #include "laws/vector3.h"
 #include "styles/lammps_release.h"
+#include "styles/motion/counted_random.h"
 
 #include "atom.h"
 #include "domain.h"
@@ -17,50 +17,13 @@
 using namespace LAMMPS_NS;
 using namespace FixConst;
 using deformable::across;
+using deformable::CountedRandom;
 using deformable::cross;
 using deformable::length;
 using deformable::PI;
 using deformable::Vector3;
 
 namespace {
-
-// Random numbers by counters: each is a function of a seed, a particle and a step, so that any rank finds the same.
-//
-// The counters are mixed one after another by the 64-bit finalizer of the generator SplitMix64.
-// Source: Steele, Lea, Flood, OOPSLA '14, 453 (2014).
-std::uint64_t mixed(std::uint64_t bits)
-{
-  bits += 0x9e3779b97f4a7c15u;
-  bits = (bits ^ (bits >> 30)) * 0xbf58476d1ce4e5b9u;
-  bits = (bits ^ (bits >> 27)) * 0x94d049bb133111ebu;
-  return bits ^ (bits >> 31);
-}
-
-// Of a particle at a step.
-class CountedRandom {
- public:
-  CountedRandom(std::uint64_t seed, std::uint64_t particle, std::uint64_t step)
-      : state(mixed(mixed(mixed(seed) ^ particle) ^ step))
-  {
-  }
-
-  // Between 0 and 1, both excluded.
-  double uniform()
-  {
-    state = mixed(state);
-    return (static_cast<double>(state >> 11) + 0.5) * 0x1p-53;
-  }
-
-  // Of mean 0 and variance 1, by Box and Muller.
-  double gaussian()
-  {
-    const double radius = std::sqrt(-2.0 * std::log(uniform()));
-    return radius * std::cos(2.0 * PI * uniform());
-  }
-
- private:
-  std::uint64_t state;
-};
 
 // How directions in space diffuse in a time step: n turns by the angle theta toward any side, with the density of
 // cos(theta)

@@ -5,6 +5,7 @@
 #include "styles/friction/fix_deformable_friction.h"
 #include "styles/lammps_release.h"
 #include "styles/memory/fix_deformable_restart.h"
+#include "styles/motion/fix_deformable_proliferate.h"
 #include "styles/pair/compute_deformable_contact.h"
 #include "styles/refusals.h"
 #include "styles/walls/fix_deformable_wall.h"
@@ -161,7 +162,10 @@ void PairDeformable::init_style()
   // false again after unfix; extract_peratom sets it for a new fix pair
   results.requested = !modify->get_fix_by_style("^pair$").empty();
 
-  recording = !modify->get_compute_by_style(ComputeDeformableContact::STYLES).empty();
+  has_computes = !modify->get_compute_by_style(ComputeDeformableContact::STYLES).empty();
+  proliferations.clear();
+  for (Fix *fix : modify->get_fix_by_style(FixDeformableProliferate::STYLE))
+    proliferations.push_back(static_cast<FixDeformableProliferate *>(fix));
   const std::vector<Fix *> frictions = modify->get_fix_by_style(FixDeformableFriction::STYLE);
   rubbing = !frictions.empty();
   measuring = std::any_of(frictions.begin(), frictions.end(), [](const Fix *fix) {
@@ -195,6 +199,8 @@ void PairDeformable::begin_call(int eflag, int vflag)
   // a minimization that has ended with an error did not say so, and 'run N pre no' may follow
   if (update->whichflag != 2) accept_imbalance(0.0);
   beyond_model = 0;
+  recording = has_computes || std::any_of(proliferations.begin(), proliferations.end(),
+                                          [](const auto *fix) { return fix->needs_contacts(); });
   recorded.clear();
   materials.species = species.data();
   materials.type = atom->type;

@@ -133,6 +133,11 @@ class PairDeformable : public Pair {
   std::vector<LoadedContact> loaded;
   virtual bool slips() const { return true; }    // along its contacts
 
+  // The energy of particle i where nothing but one contact presses it, with this force: a restitution asks for it. The contact
+  // is one with a particle, by its local index, or with a wall < 0.
+  virtual double energy_alone(int /*i*/, int /*partner*/, double /*force*/) const { return 0.0; }
+  virtual bool knows_energy_alone() const { return false; }
+
   // What a restart file must be continued with, by what it belongs to: the law, and the species of each type.
   virtual std::string law() const = 0;
   std::map<std::string, std::string> description() const;
@@ -171,6 +176,7 @@ class PairDeformable : public Pair {
   static constexpr int OUTLINE_COLUMNS = 8;
   void list_outlines(int groupbit, int points, std::vector<double> &rows) const;
   double memory_usage() override;
+  bool has_radii_of_atoms() const { return radius_by_atom; }
 
   // All contacts of this rank's particles, and pairs with a gap up to this part of both radii. Each once, those of a particle
   // and a ghost on both sides.
@@ -259,7 +265,7 @@ class PairDeformable : public Pair {
   Refusals refusals;
 
   ParticleResults results;
-  bool recording = false;    // for computes of contacts and outlines
+  bool recording = false;    // for computes of contacts and outlines, and fixes of division
   bool rubbing = false;      // whether `loaded` is asked for
   bool measuring = false;    // and the sizes of films
 
@@ -326,6 +332,8 @@ class PairDeformable : public Pair {
   } asked{};    // for extract
 
   const int dimension;
+  bool has_computes = false;    // of contacts or outlines
+  std::vector<class FixDeformableProliferate *> proliferations;
   bool warned_beyond_model = false, warned_out_of_plane = false, warned_unused_radii = false;
 
   void allocate();

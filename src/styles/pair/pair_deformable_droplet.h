@@ -29,6 +29,8 @@ class PairDeformableDroplet : public PairDeformable {
   void compute(int, int) override;
   void list_contacts(int groupbit, std::vector<double> &rows) const override;
   double memory_usage() override;
+  double energy_alone(int i, int partner, double force) const override;
+  bool knows_energy_alone() const override { return true; }
   void accept_imbalance(double force) override { solver->enough = force; }
 
  protected:

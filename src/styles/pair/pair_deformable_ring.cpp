@@ -307,6 +307,17 @@ double PairDeformableRing::memory_usage()
   return PairDeformable::memory_usage() + (balanced ? balanced->memory_usage() : 0.0);
 }
 
+/* ---------------------------------------------------------------------- */
+
+double PairDeformableRing::energy_alone(int i, int /*partner*/, double force) const
+{
+  const double r = ring_radius_of(i);
+  const deformable::Stiffness k = stiffness_of(i);
+  const deformable::RingLoad load = {0.5 * deformable::GREEN_AT_ZERO * force * force, force};
+  deformable::LoadedRing ring;
+  return deformable::find_pressure(r, k, load, ring) ? ring.energy(r, k, load.work) : 0.0;
+}
+
 /* ----------------------------------------------------------------------
    Forces and results of balanced contacts.
 ------------------------------------------------------------------------- */

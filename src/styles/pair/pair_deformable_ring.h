@@ -32,6 +32,8 @@ class PairDeformableRing : public PairDeformable {
   void compute(int, int) override;
   void finish() override;
   double memory_usage() override;
+  double energy_alone(int i, int partner, double force) const override;
+  bool knows_energy_alone() const override { return balanced != nullptr; }
   void accept_imbalance(double force) override
   {
     if (balanced) balanced->enough = force;

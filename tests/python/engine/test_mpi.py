@@ -65,7 +65,7 @@ with ld.Simulation(packing, ld.Ring()) as sim:
 alike = MPI.COMM_WORLD.allgather(bath.temperature)  # each rank has its own noise
 assert alike == alike[:1] * len(alike)
 seen = [free.energy, free.kinetic_energy]
-rough = ld.Friction(0.4, kt=0.01, gt=0.001, damping=0.01)
+rough = ld.Friction(0.4, kt=0.01, gt=0.001, restitution=0.5)
 with ld.Simulation(packing, ld.Ring(), friction=rough) as sim:
     rubbed = sim.run(50, timestep=0.2, temperature=1e-4, seed=1)[-1]
 with ld.Simulation(rubbed, ld.Ring()) as sim:  # springs reach their ranks

@@ -224,3 +224,36 @@ def test_errors_name_the_wall(packing) -> None:
         sim.state()
     with pytest.raises(ParameterError, match="polygons have no walls"):
         ld.Simulation(packing, ld.DeformablePolygon(50, smooth=False))
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_a_lid_under_a_load(dimension: int) -> None:
+    """By lmp: it moves in runs, and in relaxations by friction, and bears its load at rest."""
+    up = np.eye(dimension)[-1]
+    floor = ld.Plane((0,) * dimension, tuple(up))
+    start = ld.bidisperse(24, sizes=(0.5, 0.6), dimension=dimension, seed=1)
+    start = start.between([floor, ld.Plane(tuple(8 * up), tuple(-up))]).at(0.35).push_off()
+    law = ld.Droplet() if dimension == 3 else ld.Ring(kA=10.0, kP=0.0, tension=0.1)
+    rough, load, top = ld.Friction(0.3, kt=0.1, gt=0.05, restitution=0.3), 0.1, start.box[-1, -1]
+
+    def place(sim: ld.Simulation) -> float:
+        return sim.lmp.extract_fix("lid", 0, 1, 3)
+
+    for friction in (None, rough):
+        with ld.Simulation(start, law, friction=friction) as sim:
+            side = "zhi" if dimension == 3 else "yhi"
+            sim.lmp.command(f"fix lid all deformable/wall {side} {0.999 * top} load {load} 20")
+            assert sim.state().unsaved == "walls"
+            if not friction:
+                assert sim.relax(1e-3).converged
+                assert place(sim) == 0.999 * top
+                for how in ({}, {"drag": 0.5}, {"drag": 0.5, "inertia": False}):
+                    before = place(sim)
+                    sim.run(500, timestep=0.02, **how)
+                    assert place(sim) < before
+            else:
+                sim.run(3000, timestep=0.02, drag=0.3)  # until the lid touches all of them
+                assert sim.relax(1e-4).converged
+                assert sim.lmp.extract_fix("lid", 0, 1, dimension - 1) == pytest.approx(
+                    load, rel=1e-2
+                )

@@ -77,8 +77,8 @@ def test_a_hopper_holds_its_filling(tmp_path: Path) -> None:
     """Walls bear the weight, and the funnel most of it; the state goes on from files."""
     packing = packed((*HOPPER[:-1], Plane((0, 0, 12), (0, 0, -1))), 0.4)
     weight = 0.02
-    with exactly_balanced(), ld.Simulation(packing, Droplet(), minimizer="fire") as sim:
-        sim.lmp.command(f"fix weight all addforce 0 0 {-weight}")
+    down = {"gravity": (0, 0, -weight), "minimizer": "fire"}
+    with exactly_balanced(), ld.Simulation(packing, Droplet(), **down) as sim:
         state = sim.relax(1e-8)
         state.save(tmp_path)
     total = state.wall_forces.sum(axis=0)

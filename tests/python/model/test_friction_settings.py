@@ -31,6 +31,10 @@ def test_the_fix() -> None:
             "0.5 1.0 0.0 damp 0.0 film 1.0 0.5 types 1 1 0.5 1.0 0.0 0.0 film 1.0 0.5 "
             "types 1 2 0.5 1.0 0.0 0.0 types 2 2 0.5 1.0 0.0 0.0 film 2.0 0.5",
         ),
+        (
+            ld.Friction(0.5, kt=1.0, restitution=0.7, film=1.0),
+            "0.5 1.0 0.0 damp 0.0 restitution 0.7 film 1.0 1.0",
+        ),
     ):
         assert friction_commands(friction, 2) == FIX + words + "\n"
         assert eval(repr(friction), {"Friction": ld.Friction, "inf": math.inf}) == friction
@@ -66,11 +70,21 @@ def test_refused() -> None:
         ({"mu": MATRIX, "kt": np.ones((3, 3))}, "3 species, so the matrix of mu.*not 2"),
         ({"kt": math.inf}, "kt must be 0 or positive and finite, not inf"),
         ({"damping": -1.0}, "damping must be 0 or positive and finite, not -1"),
+        ({"restitution": 0.0}, "restitution must be above 0 and 1 at most, not 0"),
+        ({"restitution": 0.5, "damping": 1.0}, "damping must be 0 beside a restitution, not 1"),
         ({"walls": 0.5}, "walls must be of the kind Friction"),
         ({"walls": ld.Friction(MATRIX, kt=1.0)}, "walls has one number"),
     ):
         with refused(message):
             ld.Friction(**({"mu": 0.5, "kt": 1.0} | values))
+
+
+def test_a_small_restitution_has_short_steps() -> None:
+    start = ld.bidisperse(16, phi=0.92, seed=1).push_off()
+    rough = ld.Friction(0.3, kt=0.01, restitution=0.03)
+    with ld.Simulation(start, ld.Ring(), friction=rough) as sim:
+        sim.run(100, temperature=1e-4, seed=1)
+        assert sim.relax(1e-4).converged
 
 
 PACKING = ld.Packing([[1.0, 1.0], [3.0, 1.0]], [0.5, 0.7], [4.0, 2.0], species=[0, 1])
@@ -85,6 +99,12 @@ def test_simulations_without() -> None:
             ld.Friction(MATRIX, kt=1.0),
             ld.BoxWall((4, 2)),
             r"give it walls=Friction\(",
+        ),
+        (
+            ld.Ring(contact="radical"),
+            ld.Friction(0.0, kt=1.0, walls=ld.Friction(0.0, kt=1.0, restitution=0.5)),
+            (),
+            "a restitution needs contacts with one force",
         ),
         (ld.Ring(), 0.5, (), "friction must be of the kind Friction"),
     ):

@@ -36,7 +36,8 @@ class File:
         at = lines.index("periods")
         dimension = 2 if "string" in lines else 3
         self.box = np.array([line.split() for line in lines[at + 1 : at + 1 + dimension]], float)
-        self.x = np.array(rows("vertices"), dtype=float)
+        self.vertex_words = rows("vertices")
+        self.x = np.array([row[:dimension] for row in self.vertex_words], dtype=float)
         signs = {"*": 0, "+": 1, "-": -1}
         edges = rows("edges")
         self.ends = np.array([row[:2] for row in edges], dtype=int) - 1
@@ -143,8 +144,8 @@ def test_refusals(foam: ld.State, tmp_path: Path) -> None:
             state = sim.state()
         with pytest.raises(ld.ParameterError, match="Surface Evolver gets"):
             state.to_surface_evolver(tmp_path / "other.fe")
-    walled = ld.Packing([(0.0, 0.0)], 0.5, (3.0, 3.0)).between([ld.BoxWall((2.0, 2.0))])
-    with ld.Simulation(walled, FOAM) as sim, pytest.raises(ld.ParameterError, match="no walls"):
+    walled = ld.Packing([(0.0, 0.0)], 0.5, (3.0, 3.0)).between(ld.Sphere(0.6, (0.0, 0.0)))
+    with ld.Simulation(walled, FOAM) as sim, pytest.raises(ld.ParameterError, match="flat walls"):
         sim.state().to_surface_evolver(tmp_path / "other.fe")
     image = ld.Packing([(0.5, 0.5)], 0.5, (0.99, 3.0))
     with ld.Simulation(image, FOAM) as sim, pytest.raises(ld.ParameterError, match="own image"):
@@ -168,6 +169,40 @@ def test_results(tmp_path: Path) -> None:
         ld.Evolved.from_file(path)
     with pytest.raises(ld.FileError, match="missing' cannot be read: No such file"):
         ld.Evolved.from_file(tmp_path / "missing")
+
+
+@pytest.mark.parametrize("case", ["plates", "plates in the plane"])
+def test_films_at_walls(case: str, tmp_path: Path) -> None:
+    """Vertices and edges of a film, and its faces in space, are held on its wall, and no others."""
+    state = CASES[case]()
+    state.to_surface_evolver(tmp_path / "plates.fe")
+    file, d = File(tmp_path / "plates.fe"), state.packing.dimension
+    text = (tmp_path / "plates.fe").read_text()
+    found = re.findall(r"^constraint (\d)\nformula: .*1\.0\*\w = (\S+)", text, re.MULTILINE)
+    heights = {number: abs(float(height)) for number, height in found}
+    assert sorted(heights.values()) == pytest.approx([0.0, 1.8], abs=1e-12)
+    elements = [
+        (file.vertex_words, [[k] for k in range(len(file.x))]),
+        (file.edge_words, file.ends),
+    ]
+    for words, vertices in elements:
+        for row, which in zip(words, vertices, strict=True):
+            at = set(np.round(file.x[which, -1], 9))
+            assert ("constraint" in row) == (at in ({0.0}, {1.8}))
+            if "constraint" in row:
+                assert at == {round(heights[row[row.index("constraint") + 1]], 9)}
+    films = file.edge_words if d == 2 else file.face_words
+    assert all(("film" in row) == ("constraint" in row) for row in films)
+    assert file.films == 2
+
+
+@NEEDS_IT
+def test_a_droplet_between_plates(tmp_path: Path) -> None:
+    """In the plane the law is exact."""
+    state = CASES["plates in the plane"]()
+    (found,) = evolved(state, tmp_path, finer=False)
+    assert found.energy - free_energy(state) == pytest.approx(state.energy, rel=1e-6)
+    np.testing.assert_allclose(found.pressures, state.pressures, rtol=1e-6)
 
 
 @NEEDS_IT

@@ -1,0 +1,35 @@
+// The rates of a box that fix deform changes.
+
+#ifndef LMP_BOX_RATE_H
+#define LMP_BOX_RATE_H
+
+#include "pointers.h"
+
+namespace LAMMPS_NS {
+
+// How fast the box changes, which velocities take across its boundaries with remap v.
+//
+// Some releases of LAMMPS give a side of fix deform/pressure, or a side at constant volume, its rate of strain in place of the
+// rate of its length, dL/dt. Here rates are measured by how the box has changed. From its first change on they replace LAMMPS'.
+class BoxRate : protected Pointers {
+ public:
+  explicit BoxRate(class LAMMPS *lmp) : Pointers(lmp) {}
+
+  void begin_run();
+  void measure();     // before velocities are sent to ghosts
+  void remember();    // after the box has flipped, before it changes
+  void end_run();
+
+ private:
+  struct Box {
+    double low[3], h[6];
+    bool operator==(const Box &) const;
+  };
+  Box present() const;
+  Box before{}, at_end{};
+  bigint step = -1;    // of `before`
+};
+
+}    // namespace LAMMPS_NS
+
+#endif

@@ -1,0 +1,159 @@
+#include "styles/friction/friction_coefficients.h"
+
+#include "styles/lammps_release.h"
+
+#include "atom.h"
+#include "error.h"
+#include "input.h"
+#include "modify.h"
+#include "update.h"
+#include "variable.h"
+
+#include <algorithm>
+#include <limits>
+
+using namespace LAMMPS_NS;
+using deformable::Friction;
+
+/* ---------------------------------------------------------------------- */
+
+FrictionCoefficients::FrictionCoefficients(LAMMPS *lmp, int narg, char **arg)
+    : Pointers(lmp),
+      id(arg[0]),
+      types(atom->ntypes + 1),
+      table(types * types)
+{
+  if (narg < 6) utils::missing_cmd_args(FLERR, "fix deformable/friction", error);
+  Rule all = {{WALL, WALL}, {types - 1, types - 1}};
+  for (int n = 0; n < 3; ++n) all.of_friction[n] = read(arg[3 + n]);
+  int iarg = 6;
+  if (iarg < narg && std::string(arg[iarg]) == "damp") {
+    if (iarg + 1 == narg) utils::missing_cmd_args(FLERR, "fix deformable/friction damp", error);
+    all.of_friction[3] = read(arg[iarg + 1]);
+    iarg += 2;
+  }
+  rules.push_back(all);
+  iarg = read_keywords(iarg, narg, arg);
+  while (iarg < narg) {
+    if (std::string(arg[iarg]) != "types")
+      error->all(FLERR_WORD(iarg),
+                 "Fix {} deformable/friction: unknown word '{}': after mu, kt and gt come 'damp' "
+                 "or 'restitution' and its value, 'film' and its two, then any number of 'types'",
+                 id, arg[iarg]);
+    if (iarg + 6 >= narg) utils::missing_cmd_args(FLERR, "fix deformable/friction types", error);
+    read_types(arg + iarg + 1);
+    iarg = read_keywords(iarg + 7, narg, arg);
+  }
+  for (const Rule &rule : rules) {
+    for (const Coefficient &c : rule.of_friction) varying |= !c.variable.empty();
+    apply(rule);
+  }
+}
+
+/* ----------------------------------------------------------------------
+   I J mu kt gt gn: types or ranges of them; J may be the word wall.
+------------------------------------------------------------------------- */
+
+void FrictionCoefficients::read_types(char **arg)
+{
+  Rule rule = {{WALL, WALL}, {WALL, WALL}};
+  for (int n = 0; n < 2; ++n)
+    if (n == 0 || std::string(arg[n]) != "wall")
+      utils::bounds(FLERR, arg[n], 1, types - 1, rule.first[n], rule.last[n], error);
+  for (int n = 0; n < 4; ++n) rule.of_friction[n] = read(arg[2 + n]);
+  rules.push_back(rule);
+}
+
+// [restitution e] [film c n [tangential or normal]] of the last rule. Returns the place of the next word. A variable is 1 until
+// it is known, as what is not given.
+int FrictionCoefficients::read_keywords(int iarg, int narg, char **arg)
+{
+  Coefficient &power = rules.back().of_friction[5], &restitution = rules.back().of_friction[6];
+  restitution.value = power.value = 1.0;
+  if (iarg < narg && std::string(arg[iarg]) == "restitution") {
+    if (iarg + 1 == narg)
+      utils::missing_cmd_args(FLERR, "fix deformable/friction restitution", error);
+    restitution = read(arg[iarg + 1]);
+    if (!restitution.variable.empty()) restitution.value = 1.0;
+    iarg += 2;
+  }
+  if (iarg >= narg || std::string(arg[iarg]) != "film") return iarg;
+  if (iarg + 2 >= narg) utils::missing_cmd_args(FLERR, "fix deformable/friction film", error);
+  Rule &rule = rules.back();
+  rule.of_friction[4] = read(arg[iarg + 1]);
+  power = read(arg[iarg + 2]);
+  if (!power.variable.empty()) power.value = 1.0;
+  const std::string only = iarg + 3 < narg ? arg[iarg + 3] : "";
+  rule.film_squeezes = only != "tangential";
+  rule.film_shears = only != "normal";
+  return iarg + (rule.film_squeezes && rule.film_shears ? 3 : 4);
+}
+
+bool FrictionCoefficients::have_films() const
+{
+  return std::any_of(rules.begin(), rules.end(), [](const Rule &rule) {
+    return rule.of_friction[4].value > 0.0 || !rule.of_friction[4].variable.empty();
+  });
+}
+
+bool FrictionCoefficients::have_restitution() const
+{
+  return std::any_of(rules.begin(), rules.end(), [](const Rule &rule) {
+    return rule.of_friction[6].value < 1.0 || !rule.of_friction[6].variable.empty();
+  });
+}
+
+FrictionCoefficients::Coefficient FrictionCoefficients::read(char *word) const
+{
+  if (utils::strmatch(word, "^v_.")) return {0.0, word + 2};
+  if (std::string(word) == "inf") return {std::numeric_limits<double>::infinity(), ""};
+  return {utils::numeric(FLERR, word, false, lmp), ""};
+}
+
+/* ---------------------------------------------------------------------- */
+
+void FrictionCoefficients::find_variables()
+{
+  for (Rule &rule : rules)
+    for (Coefficient &c : rule.of_friction) {
+      if (c.variable.empty()) continue;
+      c.index = input->variable->find(c.variable.c_str());
+      if (c.index < 0 || !input->variable->equalstyle(c.index))
+        error->all(FLERR,
+                   "Fix {} deformable/friction: v_{} needs an equal-style variable: use "
+                   "'variable {} equal ...'",
+                   id, c.variable, c.variable);
+    }
+}
+
+void FrictionCoefficients::evaluate()
+{
+  modify->clearstep_compute();
+  for (Rule &rule : rules) {
+    for (Coefficient &c : rule.of_friction)
+      if (c.index >= 0) c.value = input->variable->compute_equal(c.index);
+    apply(rule);
+  }
+  modify->addstep_compute(update->ntimestep + 1);
+}
+
+void FrictionCoefficients::apply(const Rule &rule)
+{
+  const auto &[mu, kt, gt, gn, film, power, restitution] = rule.of_friction;
+  Friction c = {mu.value,    kt.value,         gt.value,           gn.value,         film.value,
+                power.value, rule.film_shears, rule.film_squeezes, restitution.value};
+  const std::string problem = deformable::invalid_friction(c);
+  if (!problem.empty()) error->all(FLERR, "Fix {} deformable/friction: {}", id, problem);
+  c.ratio = deformable::damping_ratio(c.restitution);
+  for (int a = rule.first[0]; a <= rule.last[0]; ++a)
+    for (int b = rule.first[1]; b <= rule.last[1]; ++b)
+      table[a * types + b] = table[b * types + a] = c;
+}
+
+double FrictionCoefficients::largest_time_step(double mass, double lever) const
+{
+  double least = std::numeric_limits<double>::infinity();
+  for (const Friction &c : table)
+    least = std::min(least, deformable::largest_time_step(c, mass, lever));
+  return least;
+}

@@ -1,0 +1,60 @@
+// The words of fix deformable/friction:
+//   mu kt gt [damp gn] [restitution e] [film c n] [types I J mu kt gt gn [restitution e] [film c n]] ...
+
+#ifndef LMP_FRICTION_COEFFICIENTS_H
+#define LMP_FRICTION_COEFFICIENTS_H
+
+#include "laws/friction.h"
+
+#include "pointers.h"
+
+#include <array>
+#include <string>
+#include <vector>
+
+namespace LAMMPS_NS {
+
+// The coefficients of fix deformable/friction, by the types of both sides: for all contacts, then for contacts of some types.
+// Each is a number or an equal-style variable, whose value may change from step to step.
+class FrictionCoefficients : protected Pointers {
+ public:
+  // mu kt gt keyword value ..., from arg[3] on
+  FrictionCoefficients(class LAMMPS *, int narg, char **arg);
+
+  static constexpr int WALL = 0;    // in place of a type
+  const deformable::Friction &between(int a, int b) const { return table[a * types + b]; }
+
+  bool vary() const { return varying; }
+  bool have_films() const;          // of any types
+  bool have_restitution() const;    // of any types, below 1
+  void find_variables();            // before a run, as others may have been defined since
+  void evaluate();                  // as of this step
+
+  // The largest time step for particles of this mass (force time^2/distance units), and lever = 1 + m R^2/I.
+  double largest_time_step(double mass, double lever) const;
+
+ private:
+  struct Coefficient {
+    double value = 0.0;
+    std::string variable;    // its name; empty: a number
+    int index = -1;          // of the variable
+  };
+  struct Rule {
+    int first[2], last[2];                          // types
+    std::array<Coefficient, 7> of_friction = {};    // mu kt gt gn, c n, e
+    bool film_shears = true, film_squeezes = true;
+  };
+  const std::string id;
+  const int types;            // and the wall
+  std::vector<Rule> rules;    // the last one counts
+  bool varying = false;
+  std::vector<deformable::Friction> table;
+  Coefficient read(char *word) const;
+  void read_types(char **arg);
+  int read_keywords(int iarg, int narg, char **arg);
+  void apply(const Rule &);
+};
+
+}    // namespace LAMMPS_NS
+
+#endif

@@ -1,0 +1,409 @@
+#include "styles/motion/fix_deformable_proliferate.h"
+
+#include "laws/trigonometry.h"
+#include "styles/lammps_release.h"
+#include "styles/pair/pair_deformable.h"
+
+#include "atom.h"
+#include "comm.h"
+#include "domain.h"
+#include "error.h"
+#include "force.h"
+#include "update.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <cstring>
+#include <numeric>
+#include <string>
+
+using namespace LAMMPS_NS;
+using namespace FixConst;
+using deformable::CountedRandom;
+using deformable::PI;
+using deformable::Vector3;
+
+// Classes of LAMMPS that make atoms have no header in its wheel. A program without shared library may not have the function.
+extern "C" __attribute__((weak)) int lammps_create_atoms(void *, int, const tagint *, const int *,
+                                                         const double *, const double *,
+                                                         const imageint *, int);
+
+namespace {
+
+void add(SymmetricTensor &sum, double weight, const Vector3 &n)
+{
+  sum.xx += weight * n.x * n.x;
+  sum.yy += weight * n.y * n.y;
+  sum.zz += weight * n.z * n.z;
+  sum.yz += weight * n.y * n.z;
+  sum.xz += weight * n.x * n.z;
+  sum.xy += weight * n.x * n.y;
+}
+
+// The axis of the largest eigenvalue of a positive matrix, by squaring it until nothing else is left.
+Vector3 main_axis(SymmetricTensor m)
+{
+  for (int k = 0; k < 40; ++k) {
+    const double per_trace = 1.0 / (m.xx + m.yy + m.zz);
+    const Vector3 x = per_trace * Vector3{m.xx, m.xy, m.xz},
+                  y = per_trace * Vector3{m.xy, m.yy, m.yz},
+                  z = per_trace * Vector3{m.xz, m.yz, m.zz};
+    m = {dot(x, x), dot(y, y), dot(z, z), dot(y, z), dot(x, z), dot(x, y)};
+  }
+  const Vector3 column = m.xx >= m.yy && m.xx >= m.zz ? Vector3{m.xx, m.xy, m.xz}
+                         : m.yy >= m.zz               ? Vector3{m.xy, m.yy, m.yz}
+                                                      : Vector3{m.xz, m.yz, m.zz};
+  return column / length(column);
+}
+
+}    // namespace
+
+/* ---------------------------------------------------------------------- */
+
+FixDeformableProliferate::FixDeformableProliferate(LAMMPS *lmp, int narg, char **arg)
+    : Fix(lmp, narg, arg),
+      refusals(lmp)
+{
+  if (narg < 7) utils::missing_cmd_args(FLERR, "fix deformable/proliferate", error);
+  const auto positive = [&](int iarg, const char *name) {
+    const double value = utils::numeric(FLERR, arg[iarg], false, lmp);
+    if (!(value > 0.0))
+      error->all(FLERR_WORD(iarg), "Fix deformable/proliferate: {} is '{}': it must be positive",
+                 name, arg[iarg]);
+    return value;
+  };
+  nevery = utils::inumeric(FLERR, arg[3], false, lmp);
+  if (nevery <= 0)
+    error->all(FLERR_WORD(3), "Fix deformable/proliferate: N is '{}': it must be positive", arg[3]);
+  rate = utils::numeric(FLERR, arg[4], false, lmp);
+  if (!(rate >= 0.0))
+    error->all(FLERR_WORD(4),
+               "Fix deformable/proliferate: the rate is '{}': it must not be negative", arg[4]);
+  division = positive(5, "the division size");
+  const int number = utils::inumeric(FLERR, arg[6], false, lmp);
+  if (number <= 0)
+    error->all(FLERR_WORD(6), "Fix deformable/proliferate: the seed is '{}': it must be positive",
+               arg[6]);
+  seed = static_cast<std::uint64_t>(number);
+  for (int iarg = 7; iarg < narg; iarg += 2) {
+    const std::string keyword = arg[iarg];
+    if (keyword != "pressure" && keyword != "axis" && keyword != "asymmetry")
+      error->all(
+          FLERR_WORD(iarg),
+          "Unknown fix deformable/proliferate keyword '{}': it must be 'pressure', 'axis' or "
+          "'asymmetry'",
+          keyword);
+    if (iarg + 1 >= narg)
+      utils::missing_cmd_args(FLERR, "fix deformable/proliferate " + keyword, error);
+    const std::string value = arg[iarg + 1];
+    if (keyword == "pressure") {
+      most_pressure = positive(iarg + 1, "the pressure");
+    } else if (keyword == "asymmetry") {
+      asymmetry = utils::numeric(FLERR, arg[iarg + 1], false, lmp);
+      if (!(asymmetry >= 0.0 && asymmetry < 1.0))
+        error->all(FLERR_WORD(iarg + 1),
+                   "Fix deformable/proliferate: the asymmetry is '{}': it must be at least 0 and "
+                   "below 1",
+                   value);
+    } else {
+      if (value != "random" && value != "stress" && value != "long")
+        error->all(FLERR_WORD(iarg + 1),
+                   "Fix deformable/proliferate axis '{}' is not 'random', 'stress' or 'long'",
+                   value);
+      axis = value == "stress" ? STRESS : value == "long" ? LONG : RANDOM;
+      if (axis == LONG && domain->dimension == 3)
+        error->all(FLERR_WORD(iarg + 1),
+                   "Fix deformable/proliferate axis 'long' is two-dimensional: take 'stress' or "
+                   "'random'");
+    }
+  }
+  if (!atom->radius_flag)
+    error->all(
+        FLERR,
+        "Fix {} deformable/proliferate needs atoms that have radii: use 'atom_style sphere', "
+        "not {}",
+        id, atom->get_style());
+  if (!atom->tag_enable)
+    error->all(FLERR, "Fix {} deformable/proliferate needs atom IDs: use 'atom_modify id yes'", id);
+  if (!lammps_create_atoms)
+    error->all(
+        FLERR,
+        "Fix {} deformable/proliferate needs the library function lammps_create_atoms, which "
+        "this LAMMPS does not export: build it as a shared library",
+        id);
+
+  delete[] style;
+  style = utils::strdup(STYLE);
+  force_reneighbor = time_depend = restart_global = 1;
+  next_reneighbor = -1;
+  scalar_flag = global_freq = 1;
+  extscalar = 0;
+}
+
+int FixDeformableProliferate::setmask()
+{
+  return PRE_EXCHANGE | FINAL_INTEGRATE;
+}
+
+void FixDeformableProliferate::init()
+{
+  refusals.forget();
+  for (const PairDeformable *pair : deformable_pairs(*force))
+    if (!pair->has_radii_of_atoms())
+      error->all(FLERR,
+                 "Fix {} deformable/proliferate needs radii that grow: use 'radius atom' in "
+                 "pair_style {}",
+                 id, force->pair_style);
+  if (deformable_pairs(*force).empty())
+    error->all(
+        FLERR,
+        "Fix {} deformable/proliferate needs pair_style deformable/ring, deformable/sector or "
+        "deformable/droplet, but pair_style is {}",
+        id, force->pair_style ? force->pair_style : "none");
+  if (utils::strmatch(update->integrate_style, "^respa"))
+    error->all(FLERR, "Fix {} deformable/proliferate cannot be used with run_style respa", id);
+  next_reneighbor = (update->ntimestep / nevery + 1) * nevery;
+}
+
+/* ----------------------------------------------------------------------
+   What presses on particles is that of the last step before. Atoms may be
+   others in memory then, where another fix has deleted some: IDs stay.
+------------------------------------------------------------------------- */
+
+bool FixDeformableProliferate::needs_contacts() const
+{
+  return update->ntimestep + 1 == next_reneighbor && (most_pressure < HUGE_VAL || axis != RANDOM);
+}
+
+void FixDeformableProliferate::setup(int)
+{
+  final_integrate();
+}
+
+void FixDeformableProliferate::final_integrate()
+{
+  if (!needs_contacts()) return;
+  if (most_pressure < HUGE_VAL || axis == STRESS) find_stresses();
+  if (axis == LONG) find_moments();
+}
+
+void FixDeformableProliferate::find_stresses()
+{
+  const bool plane = domain->dimension == 2;
+  const int columns = PairDeformable::contact_columns(domain->dimension);
+  std::vector<double> rows;    // see docs/compute_deformable_contact.md
+  for (const PairDeformable *pair : deformable_pairs(*force)) pair->list_contacts(groupbit, rows);
+  std::unordered_map<tagint, double> radius;
+  for (int i = 0; i < atom->nlocal; ++i) radius[atom->tag[i]] = atom->radius[i];
+  stress.clear();
+  for (std::size_t k = 0; k < rows.size(); k += columns) {
+    const double *const row = &rows[k];
+    const auto name = static_cast<tagint>(row[0]);
+    const Vector3 n =
+        plane ? Vector3{std::cos(row[7]), std::sin(row[7]), 0.0} : Vector3{row[8], row[9], row[10]};
+    add(stress[name], row[4] * (radius[name] - row[2]), n);
+  }
+}
+
+// Twelve times those of the triangles from the center to each line: (a x b) (a a + b b + (a + b)(a + b)).
+void FixDeformableProliferate::find_moments()
+{
+  constexpr int POINTS = 60, COLUMNS = PairDeformable::OUTLINE_COLUMNS;
+  std::vector<double> rows;    // see docs/compute_deformable_outline.md
+  for (const PairDeformable *pair : deformable_pairs(*force))
+    pair->list_outlines(groupbit, POINTS, rows);
+  std::unordered_map<tagint, int> local;
+  for (int i = 0; i < atom->nlocal; ++i) local[atom->tag[i]] = i;
+  moments.clear();
+  for (std::size_t k = 0; k < rows.size(); k += COLUMNS) {
+    const double *const row = &rows[k];
+    const auto name = static_cast<tagint>(row[0]);
+    const double *const x = atom->x[local[name]];
+    const Vector3 a = {row[3] - x[0], row[4] - x[1], 0.0}, b = {row[5] - x[0], row[6] - x[1], 0.0};
+    const double area = cross(a, b).z;
+    for (const Vector3 &corner : {a, b, a + b}) add(moments[name], area, corner);
+  }
+}
+
+/* ----------------------------------------------------------------------
+   Particles grow before they are given to other ranks, which get the new radii
+   with them. All ranks number daughters alike, in the order of their mothers.
+------------------------------------------------------------------------- */
+
+void FixDeformableProliferate::pre_exchange()
+{
+  if (next_reneighbor != update->ntimestep) return;
+  next_reneighbor += nevery;
+  std::vector<double> daughters;
+  refusals.check([&] {
+    for (int i = 0; i < atom->nlocal; ++i) {
+      if (!(atom->mask[i] & groupbit)) continue;
+      grow(i);
+      if (volume_of(atom->radius[i]) >= division) divide(i, daughters);
+    }
+  });
+  create(daughters);
+}
+
+double FixDeformableProliferate::volume_of(double radius) const
+{
+  return domain->dimension == 2 ? PI * radius * radius : 4.0 / 3.0 * PI * radius * radius * radius;
+}
+
+// dV/dt = rate V max(0, 1 - p/P),  p = sum f h/(d V)
+void FixDeformableProliferate::grow(int i)
+{
+  const double before = volume_of(atom->radius[i]);
+  double growth = rate * nevery * update->dt;
+  const auto found = stress.find(atom->tag[i]);
+  if (found != stress.end()) {
+    const SymmetricTensor &s = found->second;
+    const double pressure = (s.xx + s.yy + s.zz) / (domain->dimension * before);
+    growth *= std::max(0.0, 1.0 - pressure / most_pressure);
+  }
+  atom->radius[i] *= std::exp(growth / domain->dimension);
+  if (atom->rmass) atom->rmass[i] *= std::exp(growth);
+}
+
+// Along which a particle is pressed least, or longest; any where nothing tells. No eigenvalue is larger than the sum.
+Vector3 FixDeformableProliferate::axis_of(int i, CountedRandom &random) const
+{
+  const bool plane = domain->dimension == 2;
+  const auto &known = axis == STRESS ? stress : moments;
+  const auto found = known.find(atom->tag[i]);
+  const SymmetricTensor m = found == known.end() ? SymmetricTensor{} : found->second;
+  const double sum = std::fabs(m.xx) + std::fabs(m.yy) + std::fabs(m.zz) +
+                     2.0 * (std::fabs(m.yz) + std::fabs(m.xz) + std::fabs(m.xy));
+  if (axis == RANDOM || sum == 0.0) {
+    const Vector3 v = {random.gaussian(), random.gaussian(), plane ? 0.0 : random.gaussian()};
+    return v / length(v);
+  }
+  if (axis == LONG) return main_axis(m);
+  return main_axis({sum - m.xx, sum - m.yy, plane ? 0.0 : sum - m.zz, -m.yz, -m.xz, -m.xy});
+}
+
+// Of a box with fixed sides; others follow.
+bool FixDeformableProliferate::is_outside(const double *x) const
+{
+  double at[3], part[3];
+  std::copy_n(x, 3, at);
+  domain->x2lamda(at, part);
+  for (int d = 0; d < 3; ++d)
+    if ((domain->boundary[d][0] == 1 && part[d] < 0.0) ||
+        (domain->boundary[d][1] == 1 && part[d] >= 1.0))
+      return true;
+  return false;
+}
+
+/* ----------------------------------------------------------------------
+   Two particles of the same density and center of mass, side by side. Their
+   contact line lies halfway between the center and the edge of the smaller one.
+------------------------------------------------------------------------- */
+
+void FixDeformableProliferate::divide(int i, std::vector<double> &daughters)
+{
+  CountedRandom random(seed, atom->tag[i], update->ntimestep);
+  const Vector3 n = axis_of(i, random);
+  const double share = 0.5 * (1.0 + asymmetry * (2.0 * random.uniform() - 1.0)), rest = 1.0 - share;
+  const double power = 1.0 / domain->dimension, radius = atom->radius[i];
+  const double first = radius * std::pow(share, power), second = radius * std::pow(rest, power);
+  const double small = std::min(first, second), large = std::max(first, second);
+  const double apart = 0.5 * (small + std::sqrt(4.0 * large * large - 3.0 * small * small));
+
+  double *const x = atom->x[i], *const v = atom->v[i];
+  double there[3] = {x[0] - share * apart * n.x, x[1] - share * apart * n.y,
+                     x[2] - share * apart * n.z};
+  x[0] += rest * apart * n.x;
+  x[1] += rest * apart * n.y;
+  x[2] += rest * apart * n.z;
+  if (is_outside(x) || is_outside(there))
+    refuse(
+        "Fix {} deformable/proliferate: atom {} would divide across a side of the box: keep atoms "
+        "away from it by walls",
+        id, atom->tag[i]);
+  imageint image = atom->image[i];
+  domain->remap(there, image);
+  const double mass = atom->rmass ? atom->rmass[i] : 0.0;
+  daughters.insert(daughters.end(), {ubuf(atom->tag[i]).d, ubuf(atom->type[i]).d,
+                                     ubuf(atom->mask[i]).d, ubuf(image).d, there[0], there[1],
+                                     there[2], v[0], v[1], v[2], second, rest * mass});
+  for (int k = 0; k < atom->nivector; ++k)
+    daughters.push_back(atom->ivector[k] ? ubuf(atom->ivector[k][i]).d : 0.0);
+  for (int k = 0; k < atom->ndvector; ++k)
+    daughters.push_back(atom->dvector[k] ? atom->dvector[k][i] : 0.0);
+
+  atom->radius[i] = first;
+  if (atom->rmass) atom->rmass[i] *= share;
+}
+
+/* ----------------------------------------------------------------------
+   Each on the rank that it belongs to. Fixes take it for a new one; it has the
+   group, velocity and custom properties of its mother.
+------------------------------------------------------------------------- */
+
+void FixDeformableProliferate::create(std::vector<double> &daughters)
+{
+  enum { MOTHER, TYPE, MASK, IMAGE, X, V = X + 3, RADIUS = V + 3, MASS, CUSTOM };
+  const int columns = CUSTOM + atom->nivector + atom->ndvector;
+  int here = static_cast<int>(daughters.size());
+  std::vector<int> sizes(comm->nprocs), begins(comm->nprocs);
+  MPI_Allgather(&here, 1, MPI_INT, sizes.data(), 1, MPI_INT, world);
+  std::partial_sum(sizes.begin(), sizes.end() - 1, begins.begin() + 1);
+  std::vector<double> all(begins.back() + sizes.back());
+  if (all.empty()) return;
+  MPI_Allgatherv(daughters.data(), here, MPI_DOUBLE, all.data(), sizes.data(), begins.data(),
+                 MPI_DOUBLE, world);
+  const int n = static_cast<int>(all.size()) / columns;
+  std::vector<const double *> rows;
+  for (int k = 0; k < n; ++k) rows.push_back(&all[k * columns]);
+  std::sort(rows.begin(), rows.end(),
+            [](const double *a, const double *b) { return ubuf(a[MOTHER]).i < ubuf(b[MOTHER]).i; });
+
+  tagint most = 0, last;
+  for (int i = 0; i < atom->nlocal; ++i) most = std::max(most, atom->tag[i]);
+  MPI_Allreduce(&most, &last, 1, MPI_LMP_TAGINT, MPI_MAX, world);
+  if (last > MAXTAGINT - n)
+    error->all(FLERR, "Fix {} deformable/proliferate: no atom IDs are left for new atoms", id);
+  std::vector<tagint> tags;
+  std::vector<int> types;
+  std::vector<imageint> images;
+  std::vector<double> x, v;
+  for (int k = 0; k < n; ++k) {
+    tags.push_back(last + 1 + k);
+    types.push_back(static_cast<int>(ubuf(rows[k][TYPE]).i));
+    images.push_back(static_cast<imageint>(ubuf(rows[k][IMAGE]).i));
+    x.insert(x.end(), rows[k] + X, rows[k] + X + 3);
+    v.insert(v.end(), rows[k] + V, rows[k] + V + 3);
+  }
+  const int before = atom->nlocal;
+  atom->nghost = 0;    // new atoms take their memory
+  lammps_create_atoms(lmp, n, tags.data(), types.data(), x.data(), v.data(), images.data(),
+                      domain->nonperiodic == 2);
+  for (int i = before; i < atom->nlocal; ++i) {
+    const double *const row = rows[atom->tag[i] - last - 1];
+    atom->mask[i] = static_cast<int>(ubuf(row[MASK]).i);
+    atom->radius[i] = row[RADIUS];
+    if (atom->rmass) atom->rmass[i] = row[MASS];
+    const double *custom = row + CUSTOM;
+    for (int k = 0; k < atom->nivector; ++k, ++custom)
+      if (atom->ivector[k]) atom->ivector[k][i] = static_cast<int>(ubuf(*custom).i);
+    for (int k = 0; k < atom->ndvector; ++k, ++custom)
+      if (atom->dvector[k]) atom->dvector[k][i] = *custom;
+  }
+  divisions += n;
+}
+
+/* ---------------------------------------------------------------------- */
+
+void FixDeformableProliferate::write_restart(FILE *file)
+{
+  if (comm->me != 0) return;
+  const int bytes = sizeof divisions;
+  std::fwrite(&bytes, sizeof bytes, 1, file);
+  std::fwrite(&divisions, bytes, 1, file);
+}
+
+void FixDeformableProliferate::restart(char *buffer)
+{
+  std::memcpy(&divisions, buffer, sizeof divisions);
+}

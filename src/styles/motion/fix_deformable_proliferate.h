@@ -1,0 +1,76 @@
+// Particles that grow and divide: fix ID group deformable/proliferate N rate division seed [pressure P]
+// [axis random|stress|long] [asymmetry a]
+
+#ifdef FIX_CLASS
+// clang-format off
+FixStyle(deformable/proliferate,FixDeformableProliferate);
+// clang-format on
+#else
+
+#ifndef LMP_FIX_DEFORMABLE_PROLIFERATE_H
+#define LMP_FIX_DEFORMABLE_PROLIFERATE_H
+
+#include "fix.h"
+
+#include "laws/vector3.h"
+#include "styles/motion/counted_random.h"
+#include "styles/refusals.h"
+
+#include <cmath>
+#include <cstdint>
+#include <unordered_map>
+#include <vector>
+
+namespace LAMMPS_NS {
+
+struct SymmetricTensor {
+  double xx = 0.0, yy = 0.0, zz = 0.0, yz = 0.0, xz = 0.0, xy = 0.0;
+};
+
+class FixDeformableProliferate : public Fix {
+ public:
+  FixDeformableProliferate(class LAMMPS *, int, char **);
+  static constexpr const char *STYLE = "grow/divide";    // see FixDeformableWall
+
+  int setmask() override;
+  void init() override;
+  void setup(int) override;
+  void final_integrate() override;
+  void pre_exchange() override;
+  double compute_scalar() override { return divisions; }
+  void write_restart(FILE *) override;
+  void restart(char *) override;
+
+  // Whether this force call is the last one before particles grow, by which they are pressed.
+  bool needs_contacts() const;
+
+ private:
+  enum Axis { RANDOM, STRESS, LONG };
+
+  double rate, division;
+  std::uint64_t seed;
+  double most_pressure = HUGE_VAL;
+  Axis axis = RANDOM;
+  double asymmetry = 0.0;
+  double divisions = 0.0;
+  Refusals refusals;
+
+  // By ID, of the last force call before particles grow.
+  std::unordered_map<tagint, SymmetricTensor>
+      stress;    // sum of f h n n over contacts, h their distance
+  std::unordered_map<tagint, SymmetricTensor> moments;    // second moments of outlines
+  void find_stresses();
+  void find_moments();
+
+  double volume_of(double radius) const;
+  void grow(int i);
+  deformable::Vector3 axis_of(int i, deformable::CountedRandom &) const;
+  bool is_outside(const double *x) const;
+  void divide(int i, std::vector<double> &daughters);
+  void create(std::vector<double> &daughters);
+};
+
+}    // namespace LAMMPS_NS
+
+#endif
+#endif
