@@ -590,8 +590,8 @@ def _settled(
 def _follow(sim: Any, tilts: Mapping[str, tuple[int, int]], shape: Any) -> None:
     """Let tilts follow the box, of this shape over its first side, in the next run."""
     for name, at in tilts.items():
-        tilt = f"{float(shape[at])!r}*lx-({float(sim.box[at])!r})"
-        run(sim.lmp, f"variable {name} equal {tilt}")
+        ratio, tilt = float(shape[at]), float(sim.box[at])
+        run(sim.lmp, f"variable {name} equal {ratio!r}*lx-({tilt!r})")
 
 
 def _error_at_rest(sim: Any, state: Any, pressure: float, drag: float) -> float:
