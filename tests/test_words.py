@@ -32,7 +32,7 @@ BUDGETS = {
     "docs/fix_deformable_wall.md": 2380,
     "docs/fix_deformable_friction.md": 1810,
 }
-USUAL, ALL = 1600, 80_000
+USUAL, ALL = 1600, 81_000
 
 # How the code came to be is in the git log. What nobody has read is no source.
 BANNED = (

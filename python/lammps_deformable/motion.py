@@ -387,6 +387,12 @@ def _refuse_at_pressure(sim: Any, given: Mapping[str, Any]) -> None:
             f"walls do not follow a box that settles, and there are {len(sim.walls)}, the first a "
             f"{sim.walls[0]._kind}: run(drag=) comes to rest between walls"
         )
+    if sim.dimension == 3 and sim.box[1, 0] and sim.box[2, 1]:  # LAMMPS does not change both
+        raise ParameterError(
+            f"a box that leans along y, by yz = {sim.box[2, 1]:.4g}, and along x, by xy = "
+            f"{sim.box[1, 0]:.4g}, does not keep its shape: take one without yz, or "
+            "relax(pressure=)"
+        )
     if sim.gravity is not None:
         raise ParameterError(
             "with a pressure particles come to rest in a periodic box, where they fall without end "

@@ -829,7 +829,8 @@ class Simulation(OneCall):
 
         Raises:
             ParameterError: a value is out of range, the time step is too long for the contacts, or
-                the law is `Sector`, whose energy jumps; or with a pressure there are walls.
+                the law is `Sector`, whose energy jumps; or with a pressure there are walls, or the
+                box leans along x and y.
             LammpsError: particles overlap too much, at the start (`push_off` helps) or later.
             FileError: see `compress`.
 

@@ -17,6 +17,7 @@ FixDeformableOutline::FixDeformableOutline(LAMMPS *lmp, int narg, char **arg) : 
     error->all(FLERR, "Fix deformable/outline has no arguments: use 'compute deformable/outline'");
   delete[] style;
   style = utils::strdup("draw/outline");    // see FixDeformableWall
+  global_freq = 1;                          // at any step: dump image of 2026 asks
 }
 
 /* ---------------------------------------------------------------------- */
