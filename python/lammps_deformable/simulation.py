@@ -27,6 +27,7 @@ from .lammps import (
     close_lammps,
     communicator,
     gather,
+    has_other_fixes,
     refuse_forces_of_motion,
     run,
     setup,
@@ -941,7 +942,7 @@ class Simulation(OneCall):
         if not self.friction:
             refuse_forces_of_motion(self.lmp)
         check_free(free, self._walls, pressure, self.friction)
-        if self.gravity is not None:
+        if self.gravity is not None and not has_other_fixes(self.lmp, self._setup):
             species = gather(self.lmp, "type", 1).astype(np.int64) - 1
             check_held(self.gravity, species, self._walls)
         if pressure is not None:

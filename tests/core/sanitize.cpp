@@ -180,7 +180,8 @@ template <class Uniform> void droplet(Uniform uniform)
   for (std::size_t c = 0; c < sides.size(); ++c) {
     const double away = c % 5 == 4 ? std::pow(10.0, uniform(-16.0, -3.0)) : 2.0;
     for (int a = 0; a < 3; ++a)
-      sides[c].vector[a] = (away < 1.0 ? sides[c - 1].vector[a] : 0.0) + away * uniform(-1.0, 1.0);
+      sides[c].vector.v[a] =
+          (away < 1.0 ? sides[c - 1].vector.v[a] : 0.0) + away * uniform(-1.0, 1.0);
     sides[c].overlap = uniform(-1.0, 1.0);
     sides[c].film = uniform(-2.0, 2.0);
     for (double &weight : sides[c].weight) weight = uniform(-1.0, 1.0);

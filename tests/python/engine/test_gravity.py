@@ -237,3 +237,14 @@ def test_obstacles_may_hold_the_particles() -> None:
     start = ld.bidisperse(16, phi=0.35, seed=1).between([post]).push_off()
     with ld.Simulation(start, RING, gravity=(0, -G)) as sim, pytest.warns(ld.StalledWarning):
         sim.relax(max_steps=50)
+
+
+def test_a_users_wall_may_hold_them() -> None:
+    start = ld.crystal("square", 3, phi=0.4)
+    start = start.replace(positions=start.positions + 0.5)
+    with ld.Simulation(start, RING, gravity=(0, -G)) as sim:
+        sim.lmp.command("fix floor all deformable/wall plane 0 0 0 1")
+        heap = sim.relax()
+        floor = sim.lmp.extract_fix("floor", 0, 1, 1)
+    assert heap.converged
+    assert floor == pytest.approx(-G * len(start), rel=1e-5)
