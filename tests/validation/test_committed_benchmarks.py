@@ -177,6 +177,25 @@ def rubbing() -> str:
     )
 
 
+def droplets() -> list[str]:
+    """Times of droplets in space over soft spheres."""
+    data = of("droplet")["steps"]
+    rows = []
+    for size in sorted({row["n"] for row in data}):
+        cells = []
+        for motion in ("slow", "fast"):
+            (row,) = select(data, n=size, motion=motion)
+            times, ns, calls = row["over_spheres"], row["ns"][1], row["iterations"]
+            cells.append(f"{times:.0f} times, {ns:.0f} ns, {calls:.1f}")
+        rows.append([count(size), *cells])
+    return table_of(["N", "slow", "fast"], rows)
+
+
+def droplets_on_ranks() -> str:
+    gain = [row["ns_passed"]["1"] / row["ns_passed"]["2"] for row in of("droplet")["ranks"]]
+    return f"Two ranks share 8000 droplets {gain[0]:.1f} and {gain[1]:.1f} times as fast as one."
+
+
 def at_rest() -> list[str]:
     """FIRE over L-BFGS: force calls, and processor time."""
     data = select(of("at_rest")["summary"], minimizer="lbfgs", step=0.001)
@@ -299,9 +318,9 @@ def minimizers() -> str:
     )
 
 
-TABLES = (step, many, friction, energies, at_rest, large_packings, jamming, reaches)
+TABLES = (step, many, friction, droplets, energies, at_rest, large_packings, jamming, reaches)
 SENTENCES = (
-    *(avx2, memory, films, rubbing, springs, relaxations, statistics),
+    *(avx2, memory, films, droplets_on_ranks, rubbing, springs, relaxations, statistics),
     *(polygons, smooth, minimizers),
 )
 
