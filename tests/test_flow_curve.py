@@ -25,9 +25,9 @@ def test_a_strain_without_blocks_is_refused(tmp_path: Path) -> None:
 def test_script(tmp_path: Path) -> None:
     """A few droplets at a few rates: each flow bears more stress than relaxed steps do.
 
-    128 droplets bear about 0.03 at the slowest of these rates, and 0.0067 without rate. Means over a
-    strain of 1 spread by 0.003 there, so those of 16 droplets by 0.008: the difference is nearly
-    four times that. Faster flows of so few may order, and then bear no more than slower ones.
+    128 droplets bear 0.03 at the slowest of these rates, and 0.007 without rate. Means over a
+    strain of 1 spread by 0.003 there, so those of 16 droplets by 0.008: the difference is three
+    times that. Faster flows of so few may order, and then bear no more than slower ones.
     """
     smaller = {"RATES": (1e-2, 2e-2, 4e-2, 8e-2), "STEP": 0.02, "BEGIN, BLOCK": (1.0, 0.5)}
     part_of(EXAMPLE / "flow_curve.py", tmp_path, **smaller)
