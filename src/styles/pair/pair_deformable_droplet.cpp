@@ -20,7 +20,7 @@ using namespace LAMMPS_NS;
 using namespace deformable;
 
 // With 1e-8 slow motion of dense packings cools, by 0.15 % of the kinetic energy in 1e5 steps; with 1e-9 (a step takes a fifth
-// longer) by a hundredth of that, and with 1e-10 and 1e-11 by as little. benchmarks/droplet_energy.py
+// longer) by a hundredth of that, with 1e-10 and 1e-11 by as little, with 3e-9 as much. benchmarks/droplet_energy.py
 static constexpr double TOLERANCE = 1e-9;
 
 /* ---------------------------------------------------------------------- */
