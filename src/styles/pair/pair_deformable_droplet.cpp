@@ -19,8 +19,8 @@
 using namespace LAMMPS_NS;
 using namespace deformable;
 
-// With 1e-8 slow motion of dense packings cools, by 0.15 % of the kinetic energy in 1e5 steps; with 1e-9 (a step takes a fifth
-// longer) by a hundredth of that, with 1e-10 and 1e-11 by as little, with 3e-9 as much. benchmarks/droplet_energy.py
+// With 1e-8 slow motion of dense packings cools, by 0.15 % of the kinetic energy in 1e5 steps, with 3e-9 too. With 1e-9 it is a
+// hundredth of that, as with 1e-10 and 1e-11, and a step takes up to 1.4 times as long. benchmarks/droplet_energy.py
 static constexpr double TOLERANCE = 1e-9;
 
 /* ---------------------------------------------------------------------- */
