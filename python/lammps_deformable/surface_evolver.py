@@ -20,12 +20,13 @@ from numpy.typing import NDArray
 
 from ._checks import expect
 from ._files import refuse_present, replaces, write_whole
-from .core import unit_vectors
 from .errors import FileError, ParameterError
 from .laws import Droplet, Ring
 from .walls import Plane
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from .state import State
 
 Floats = NDArray[np.float64]
@@ -134,9 +135,11 @@ def datafile(state: State) -> str:
     """
     packing, law = state.packing, state.law
     kinds = len(packing._species_radii)
+    planes: list[Plane] = []
     for wall in packing.walls:
         if not isinstance(wall, Plane) or wall.adhesion:
             raise ParameterError(f"Surface Evolver gets flat walls without adhesion, not {wall!r}")
+        planes.append(wall)
     if isinstance(law, Ring):
         rigid = np.isinf(np.broadcast_to(law.kA, kinds))
         loose = np.asarray(law.kP) == 0.0
@@ -147,7 +150,7 @@ def datafile(state: State) -> str:
     elif not isinstance(law, Droplet):
         raise ParameterError(f"Surface Evolver gets a Droplet or a Ring, not {law!r}")
     tension = np.broadcast_to(np.asarray(law.tension, dtype=float), kinds)
-    mesh = Mesh(packing.box, tension[packing.species])
+    mesh = Mesh(packing.box, tension[packing.species], planes)
     contacts = np.asarray(state.contacts)
     contacts = contacts[(contacts["i"] <= contacts["j"]) | (contacts["j"] < 0)]
     if packing.dimension == 2:
@@ -169,12 +172,13 @@ class Mesh:
     Args:
         box: lattice vectors.
         tension: of each particle.
+        walls: of the packing; what is on one has the constraint of its number, from 1.
     """
 
-    def __init__(self, box: Floats, tension: Floats) -> None:
+    def __init__(self, box: Floats, tension: Floats, walls: Sequence[Plane]) -> None:
         self.box, self.tension, self.dimension = box, tension, len(box)
         self.vertices: list[Floats] = []
-        self.walls: dict[str, str] = {}  # formula of each, and what its elements have
+        self.walls = walls
         self._wall: dict[int, str] = {}  # of vertices
         self.image: list[dict[int, tuple[int, ...]]] = [{} for _ in tension]
         self.edges: list[str] = []
@@ -182,16 +186,6 @@ class Mesh:
         self.bodies: list[list[int]] = [[] for _ in tension]
         self.films = 0
         self._numbers: dict[tuple[int, int, tuple[int, ...]], int] = {}
-
-    def wall(self, contact: np.void) -> str:
-        """What vertices, edges and faces on the wall of a contact have; nothing of a pair."""
-        if contact["j"] >= 0:
-            return ""
-        plane = self.dimension == 2
-        normal = unit_vectors(np.array([contact["angle"]]))[0] if plane else contact["normal"]
-        formula = " + ".join(f"{n!r}*{x}" for n, x in zip(normal.tolist(), "xyz", strict=False))
-        formula += f" = {float(normal @ contact['position'])!r}"
-        return self.walls.setdefault(formula, f"constraint {len(self.walls) + 1}")
 
     def vertex(self, x: Floats, images: dict[int, tuple[int, ...]], wall: str = "") -> int:
         """A new vertex near the first of these particles."""
@@ -234,8 +228,10 @@ class Mesh:
         head += ["torus", "periods", *(" ".join(map(repr, map(float, row))) for row in self.box)]
         element = "edge" if plane else "facet"
         head.append(f"define {element} attribute film integer")
-        for formula, constraint in self.walls.items():
-            head.append(f"{constraint}\nformula: {formula}")
+        for number, wall in enumerate(self.walls, 1):
+            terms = " + ".join(f"{n!r}*{x}" for n, x in zip(wall.normal, "xyz", strict=False))
+            height = float(np.dot(wall.normal, wall.origin))
+            head.append(f"constraint {number}\nformula: {terms} = {height!r}")
         places = [
             " ".join([*(repr(float(x)) for x in vertex), self._wall[number]]).rstrip()
             for number, vertex in enumerate(self.vertices, 1)
@@ -270,6 +266,11 @@ def _images(contact: np.void) -> dict[int, tuple[int, ...]]:
     return {i: (0,) * len(contact["image"]), j: tuple(-int(k) for k in contact["image"])}
 
 
+def _wall_of(contact: np.void) -> str:
+    """What vertices, edges and faces on the wall of a contact have; nothing of a pair."""
+    return f"constraint {-contact['j']}" if contact["j"] < 0 else ""
+
+
 def _outlines(
     mesh: Mesh,
     x: Floats,
@@ -281,7 +282,7 @@ def _outlines(
     """Lines of contact, and arcs of a circle between them."""
     lines: list[list[tuple[float, int, int]]] = [[] for _ in x]  # angle, first and last vertex
     for number, contact in enumerate(contacts, 1):
-        images, wall = _images(contact), mesh.wall(contact)
+        images, wall = _images(contact), _wall_of(contact)
         i, j = int(contact["i"]), int(contact["j"])
         angle = float(contact["angle"] + contact["tilt"])
         along = 0.5 * float(contact["length"]) * np.array([-math.sin(angle), math.cos(angle)])
@@ -337,7 +338,7 @@ def _surfaces(mesh: Mesh, x: Floats, radii: Floats, contacts: NDArray[np.void]) 
     sphere."""
     rims: list[list[list[int]]] = [[] for _ in x]
     for number, contact in enumerate(contacts, 1):
-        images, wall = _images(contact), mesh.wall(contact)
+        images, wall = _images(contact), _wall_of(contact)
         sides = list(images)
         i, normal = sides[0], contact["normal"]
         center = contact["position"]
