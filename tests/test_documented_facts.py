@@ -25,6 +25,13 @@ def test_defaults() -> None:
     reach, radical = ld.Ring().reach, ld.Ring(contact="radical").reach
     ring = page("docs/pair_deformable_ring.md")
     assert f"reach = {reach} ({radical} with *contact radical*)" in ring
+    balance = constant("styles/pair/pair_deformable.h", "tolerance")
+    droplets = constant("styles/pair/pair_deformable_droplet.cpp", "TOLERANCE")
+    assert f"balance = {balance:.0e} 1000".replace("e-0", "e-") in ring
+    droplet = f"{droplets:.0e}".replace("e-0", "e-")
+    assert f"balance = {droplet} 1000" in page("docs/pair_deformable_droplet.md")
+    assert f"of droplets in space {droplet}" in page("docs/units.md")
+    assert f"in space to {droplet}" in page("docs/guide/motion.md")
     assert f"is *contact {ld.Ring().contact}* with *reach* {reach}" in page("CHANGELOG.md")
 
 
