@@ -56,6 +56,22 @@ def test_the_site_takes_them(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) ->
         )
 
 
+def test_pictures_of_the_readme_have_addresses(monkeypatch: pytest.MonkeyPatch) -> None:
+    """PyPI shows README without the files beside it."""
+    monkeypatch.syspath_prepend(ROOT / "cmake")
+    readme = importlib.import_module("readme")
+    text = (ROOT / "README.md").read_text()
+    relative = re.findall(r"(!?)\[[^\]]*\]\((?!https?:)([^)]+)\)", text)
+    assert len(relative) > 20
+    assert readme.with_addresses(text, "https://repository.invalid/r") == text
+    found = readme.with_addresses(text, "https://example.org/r")
+    for mark, path in relative:
+        assert (ROOT / path.partition("#")[0]).exists()
+        assert f"](https://example.org/r/{'raw' if mark else 'blob'}/HEAD/{path})" in found
+    assert re.findall(r"\]\((?!https?:)[^)]+\)", found) == []
+    assert "(https://www.lammps.org)" in found
+
+
 def recipe() -> dict:
     """The recipe as conda's tools read it, for Linux."""
 
