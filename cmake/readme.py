@@ -1,4 +1,4 @@
-"""README for PyPI, which knows no files of the repository: links and pictures have whole addresses."""
+"""README for PyPI, which knows no files of the repository: its links have whole addresses."""
 
 import re
 from collections.abc import Mapping
