@@ -32,25 +32,30 @@ def test_the_page_follows_from_the_measurements() -> None:
     check(PAGE, tables(), ())
 
 
-# Of this one the energy is off by more than 0.1 %, and the meshes do not agree on the forces.
-OPEN = "1 : 1 at 0.74"
+# Largest errors of energy, pressure and a force over the mean one: below a load of 0.1, beyond, and
+# of two that the page names.
+SMALL, LARGE = (0.001, 0.002, 0.011), (0.011, 0.02, 0.06)
+OTHERS = {
+    "1 : 1 at 0.74": (0.0036, 0.006, 0.018),
+    "1 : 1 at 0.74, with a soft mode": (0.0014, 0.002, None),
+}
 
 
 def test_errors_of_packings_are_those_of_the_page() -> None:
     """As far as the exact ones are known: to twice what their extrapolation is uncertain by."""
     for row in PACKINGS:
         assert row["case"] in map(str, packings.CASES)
-        small = row["load"] < 0.1
-        for name, most in (("energy", 0.001), ("pressure", 0.002)):
+        bounds = OTHERS.get(row["case"], SMALL if row["load"] < 0.1 else LARGE)
+        for name, most in zip(("energy", "pressure"), bounds[:2], strict=True):
             exact, error = row[f"exact {name}"], row[f"error of the exact {name}"]
-            off = abs(row[name] / exact - 1.0)
-            if row["case"] == OPEN and name == "energy":
-                assert 0.001 < off < 0.0015
-                continue
-            assert off - 2.0 * error / exact < (most if small else 0.02), row["case"]
-        largest = row["largest error of a force over the mean"]
-        off = largest - 2.0 * row["error of the exact forces over the mean"]
-        assert off < (0.011 if small else 0.06), row["case"]
+            assert abs(row[name] / exact - 1.0) - 2.0 * error / exact < most, row["case"]
+        if bounds[2]:
+            assert row["softest mode"] > packings.SOFTEST
+            largest = row["largest error of a force over the mean"]
+            off = largest - 2.0 * row["error of the exact forces over the mean"]
+            assert off < bounds[2], row["case"]
+        else:
+            assert row["softest mode"] < 1e-6
 
 
 if __name__ == "__main__":

@@ -23,6 +23,10 @@ HERE = Path(__file__).parent
 # A packing is at rest when its forces are this part of the mean one.
 TOLERANCE = 1e-10
 
+# Forces change at will along a mode without stiffness. So the softest mode has this part of the
+# median stiffness at least, but in one packing.
+SOFTEST = 1e-3
+
 
 class Case(NamedTuple):
     """Droplets of two sizes, some number of them, packed and then sheared."""
@@ -31,21 +35,31 @@ class Case(NamedTuple):
     phi: float
     number: int = 12
     strain: float = 0.0
+    softest: float = SOFTEST
 
     def __str__(self) -> str:
         sheared = f" sheared by {self.strain}" if self.strain else ""
-        return f"1 : {self.ratio:g} at {self.phi}{sheared}"
+        soft = "" if self.softest else ", with a soft mode"
+        return f"1 : {self.ratio:g} at {self.phi}{sheared}{soft}"
 
 
 CASES = [
     *(Case(ratio, phi) for phi in (0.70, 0.74, 0.78) for ratio in (1.0, 1.4, 2.0)),
+    Case(1.0, 0.74, softest=0.0),
     Case(1.4, 0.74, strain=0.1),
     *(Case(ratio, 0.85) for ratio in (1.0, 1.4, 2.0)),
 ]
 
 
+def softest(state: ld.State) -> float:
+    """Stiffness of the softest mode over that of the median one."""
+    stiffness = state.modes(vectors=False).stiffness
+    return float(stiffness.min() / np.median(stiffness))
+
+
 def relaxed(case: Case) -> ld.State:
-    """The packing, at rest with the law: of the first seed for which all droplets are held."""
+    """The packing, at rest with the law: of the first seed for which all droplets are held, and the
+    softest mode has a stiffness."""
     for seed in range(1, 100):
         loose = ld.bidisperse(case.number, sizes=(1.0, case.ratio), dimension=3, seed=seed)
         with ld.Simulation(ld.jam(loose).packing.at(case.phi), ld.Droplet()) as sim:
@@ -55,9 +69,10 @@ def relaxed(case: Case) -> ld.State:
                 sheared[1, 0] += case.strain * sheared[1, 1]
                 sim.deform(sheared)
                 state = sim.relax(TOLERANCE)
-        if state.residual < 10.0 * TOLERANCE and not state.rattlers.any():
+        held = state.residual < 10.0 * TOLERANCE and not state.rattlers.any()
+        if held and softest(state) >= case.softest:
             return state
-    raise SystemExit(f"{case}: there is always a droplet that nothing holds")
+    raise SystemExit(f"{case}: there is always a droplet that nothing holds, or a soft mode")
 
 
 def forces_of(state: ld.State, exact: ExactPacking) -> np.ndarray:
@@ -80,6 +95,7 @@ def measure(state: ld.State) -> dict[str, Any]:
     return {
         "contacts": len(off),
         "load": float(np.mean(state.loads)),
+        "softest mode": softest(state),
         "energy": state.energy,
         "exact energy": float(found.energies.sum()),
         "error of the exact energy": found.energy_error,

@@ -12,6 +12,7 @@ from __future__ import annotations
 import argparse
 import json
 import math
+import re
 import shutil
 import subprocess
 import tempfile
@@ -44,7 +45,11 @@ def evolved(state: ld.State, folder: Path, finer: bool = True) -> list[ld.Evolve
     evolver = program()
     if evolver is None:
         raise SystemExit("Surface Evolver is missing: apt install evolver-nox")
-    subprocess.run([evolver, file], input=f"{commands}q\nq\n", text=True, capture_output=True)
+    ended = subprocess.run(
+        [evolver, file], input=f"{commands}q\nq\n", text=True, capture_output=True
+    )
+    if error := re.search(r"^ERROR .*", ended.stdout + ended.stderr, re.MULTILINE):
+        raise SystemExit(f"Surface Evolver: {error[0]}")
     for name in names:
         found.append(ld.Evolved.from_file(folder / name))
     return found
