@@ -1,11 +1,11 @@
-"""Does a minimizer relax every packing of the ring laws, and in how many steps?
+"""Does a minimizer relax every packing of rings and of droplets, and in how many steps?
 
     python benchmarks/relaxation.py [--minimizer fire] [--tolerance 1e-6] [--out ...]
 
-Bidisperse packings of several sizes, size ratios and box shapes are jammed as soft disks and
-compressed in steps to 5 % beyond jamming. Each state is relaxed until no force exceeds this part of
-the mean contact force, with the ring laws. The summary has the number of states, of those that
-stalled and those where FIRE went on, the largest residual, the steps of the minimizer, and the
+Bidisperse packings of several sizes, size ratios and box shapes are jammed as soft disks, or in
+space as soft spheres, and compressed in steps to 5 % beyond jamming. Each state is relaxed until no
+force exceeds this part of the mean contact force. The summary has the number of states, of those
+that stalled and those where FIRE went on, the largest residual, the steps of the minimizer, and the
 processor time of `balanced` and of `curved` over that of `radical` for each packing. The laws take
 turns, so that ratios are right on a busy machine.
 """
@@ -29,7 +29,11 @@ NUMBERS, SEEDS = (16, 32, 64, 128), (1, 2, 3)
 # ratio of the sizes, and tilt of the box
 SHAPES = ((1.4, 0.0), (1.0, 0.0), (3.0, 0.0), (1.4, 0.4))
 STRAINS = (0.002, 0.01, 0.03, 0.05)
-LAWS = ("radical", "balanced", "curved")
+LAWS: dict[str, ld.Ring | ld.Droplet] = {
+    **{contact: ld.Ring(contact=contact) for contact in ("radical", "balanced", "curved")},
+    "droplets": ld.Droplet(),
+}
+OVER_RADICAL = "balanced", "curved"
 MINIMIZERS = ("lbfgs", "fire")
 
 
@@ -38,10 +42,12 @@ def measure(
 ) -> list[dict[str, Any]]:
     """The relaxed states of one packing, from the onset of jamming on."""
     ratio, tilt = shape
-    start = ld.bidisperse(number, sizes=(0.5, 0.5 * ratio), tilt=tilt, seed=seed)
+    dimension = 3 if law == "droplets" else 2
+    sizes = (0.5, 0.5 * ratio)
+    start = ld.bidisperse(number, sizes=sizes, dimension=dimension, tilt=tilt, seed=seed)
     jammed = ld.jam(start).packing
     rows = []
-    with ld.Simulation(jammed, ld.Ring(contact=law), minimizer=minimizer) as sim:
+    with ld.Simulation(jammed, LAWS[law], minimizer=minimizer) as sim:
         box = sim.box
         for strain in STRAINS:
             sim.deform(box * (1.0 - strain))
@@ -88,7 +94,7 @@ def main() -> None:
     options = parser.parse_args()
     warnings.simplefilter("ignore", UserWarning)  # the rows have what they report
     rows: list[dict[str, Any]] = []
-    ratios: dict[str, list[float]] = {law: [] for law in LAWS[1:]}
+    ratios: dict[str, list[float]] = {law: [] for law in OVER_RADICAL}
     for number, seed, shape in itertools.product(options.numbers, SEEDS, SHAPES):
         seconds = {}
         for law in LAWS:
