@@ -7,7 +7,6 @@ tells what has it.
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -23,7 +22,7 @@ from ._files import check_parameters, replaces
 from .analysis import Cells, cells_of, space_cells_of
 from .commands import SOFT_STEP
 from .contacts import ContactForces, ContactTable
-from .errors import ParameterError, UndefinedError, UnsavedWarning
+from .errors import ParameterError, UndefinedError, UnsavedWarning, warn
 from .friction import Friction, Rubbing, inertia, spin_column
 from .gravity import gravity_energy
 from .hessian import at_rest, hessian_of
@@ -1330,11 +1329,10 @@ class State:
         if frames_in(place):
             drop_frames(place)
         if self.unsaved:
-            warnings.warn(
+            warn(
                 f"'{folder}' has the particles and the law, but not the {self.unsaved} that were "
                 "given to lmp",
                 UnsavedWarning,
-                stacklevel=2,
             )
         self._write(place, parameters)
 
