@@ -498,8 +498,9 @@ class State:
     def outlines(self) -> list[Floats]:
         """Outline of each particle, closed polygons of its area, of shape (m, 2) [length].
 
-        Points between contacts of rings lie outside of the exact outline by 1e-4 of the radius.
-        Soft disks are circles; polygons have their vertices.
+        The first point is not repeated at the end. Points between contacts of rings lie outside of
+        the exact outline by 1e-4 of the radius. Soft disks are circles; polygons have their
+        vertices.
         """
         self._check_has("outlines", "plane")
         if self.vertices:
@@ -1198,8 +1199,8 @@ class State:
         are moved.
         It is twice as long along directions that walls close, because freud finds no neighbors in
         boxes that are not periodic; walls themselves are left out. freud's densities count the
-        empty part: `radial_distribution` does not. Import freud before `deformable` to call
-        `freud.locality.Voronoi`, which crashes on the Voro++ of LAMMPS.
+        empty part: `radial_distribution` does not. Import freud before
+        `lammps_deformable` to call `freud.locality.Voronoi`, which crashes on the Voro++ of LAMMPS.
 
         Args:
             what: `points`, or `contacts`, those between particles, from both sides.
