@@ -33,7 +33,14 @@ def __getattr__(name: str) -> Any:
         from lammps_deformable_plugin import directory
 
         return Path(directory(), "potentials")
-    return _load(name)
+    try:
+        return _load(name)
+    except AttributeError as error:
+        if str(error) != f"No {__name__} attribute {name}":
+            raise
+    # in Python's words, which then proposes the nearest name
+    what = f"module {__name__!r} has no attribute {name!r}"
+    raise AttributeError(what, name=name, obj=sys.modules[__name__])
 
 
 def __dir__() -> list[str]:

@@ -52,6 +52,18 @@ Floats = NDArray[np.float64]
 _MOST_TILTED = 30.0
 
 
+# LAMMPS finds neighbors by bins, which it refuses to make much wider than the box is thick.
+_THIN = 10.0
+
+
+def half_thickness(radius: float) -> float:
+    """Half the thickness of LAMMPS' box in the plane, for a largest radius [length].
+
+    It changes no result: particles are at z = 0, and stresses are those of an area.
+    """
+    return 0.5 if radius <= _THIN else float(radius)
+
+
 def cartesian(fractions: Floats, box: Floats) -> Floats:
     """Positions x = f box, shape (..., d) [length].
 

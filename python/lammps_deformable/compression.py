@@ -5,7 +5,6 @@
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import replace
 from functools import partial
 from types import SimpleNamespace
@@ -14,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ._checks import count, expect, finite, positive
-from .errors import ParameterError, UnjammedWarning
+from .errors import ParameterError, UnjammedWarning, warn
 from .free_box import REACHED, UnreachedError, reach, told_at_the_end
 from .laws import Droplet, Ring, Sector, SoftContact
 from .polygons import DeformablePolygon
@@ -118,7 +117,7 @@ def _compressed(
     def reached(goal: float) -> Any:
         if name == "pressure":
             return relax(pressure=goal)
-        return told_at_the_end(lambda each: reach(sim, name, goal, each), relax, stacklevel=6)
+        return told_at_the_end(lambda each: reach(sim, name, goal, each), relax)
 
     return _towards(sim, name, target, steps, start, done, before, reached)
 
@@ -159,11 +158,10 @@ def _told_if_apart(
         state = step(n)
         # `relax` itself warns of a packing that becomes loose in a compression
         if expands and before.coordination and not state.coordination and world().rank == 0:
-            warnings.warn(
+            warn(
                 f"the packing has come apart at step {n}, phi = {state.phi:.5f}: from here "
                 "on no contacts hold it, and its numbers are those of loose particles",
                 UnjammedWarning,
-                stacklevel=3,
             )
         before = state
         yield state
@@ -198,7 +196,7 @@ def _grown(
     growing: Any = SimpleNamespace(box=1.0, deform=lambda size: scale_radii(sim, 1.0 / size))
 
     def reached(goal: float) -> Any:
-        return told_at_the_end(lambda each: reach(growing, name, goal, each), relax, stacklevel=6)
+        return told_at_the_end(lambda each: reach(growing, name, goal, each), relax)
 
     return _towards(sim, name, target, steps, start, done, before, reached)
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import io
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
@@ -101,6 +102,16 @@ def scale(
     return Scale(low, high, float(force) or 1.0, float(widest), cyclic, whole)
 
 
+def check_axes(ax: object) -> None:
+    """Refuse what is not of Matplotlib, such as the name of a file."""
+    if isinstance(ax, (str, Path)):
+        raise ParameterError(
+            f"ax must be axes of Matplotlib, not {shown(str(ax))}: write a file by "
+            f"plot(...).figure.savefig({str(ax)!r})"
+        )
+    expect("ax", ax, Axes)
+
+
 def per_particle(
     color_by: object, found: object, number: int, names: Iterable[str]
 ) -> NDArray[np.float64]:
@@ -123,7 +134,7 @@ def per_particle(
     if not fits or np.isinf(values).any() or np.isnan(values).all():
         kind = "real " if np.iscomplexobj(values) else ""
         raise ParameterError(
-            f"color_by must name a value of each particle, such as {', '.join(sorted(names))}, or "
+            f"color must name a value of each particle, such as {', '.join(sorted(names))}, or "
             f"be {number} {kind}numbers, not {shown(color_by)}"
         )
     return values.astype(np.float64)
@@ -299,7 +310,7 @@ def draw(
     colors_of = color_map(cmap, on)
     if ax is None:
         ax = new_figure(packing, colorbar).subplots()
-    expect("ax", ax, Axes)
+    check_axes(ax)
 
     box, shut = packing.box, closed(packing.walls)
     corners = _frame(packing)

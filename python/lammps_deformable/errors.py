@@ -2,6 +2,12 @@
 
 from __future__ import annotations
 
+import sys
+import warnings
+
+# Modules whose frames stand between those of this package.
+_BETWEEN = ("contextlib", "functools")
+
 
 class DeformableError(Exception):
     """Any error of this package."""
@@ -20,7 +26,10 @@ class FileError(DeformableError, RuntimeError):
 
 
 class LammpsError(DeformableError, RuntimeError):
-    """LAMMPS refused a command; the message is one line of LAMMPS' error."""
+    """LAMMPS refused a command; the message is one line of LAMMPS' error.
+
+    It names atoms by their IDs: atom 1 is particle 0.
+    """
 
 
 class CallError(DeformableError, RuntimeError):
@@ -45,3 +54,20 @@ class JumpWarning(UserWarning):
 
 class UnsavedWarning(UserWarning):
     """A saved state lacks walls or excluded pairs that were given to LAMMPS."""
+
+
+def warn(message: str | Warning, category: type[Warning] | None = None) -> None:
+    """Give a warning of the line that called this package, as all others are its own.
+
+    Args:
+        message: in one line, or a warning that was caught.
+        category: of the warning; that of the message if not given.
+    """
+    level, frame = 1, sys._getframe()
+    while frame.f_back and _is_own(frame.f_globals.get("__name__", "")):
+        level, frame = level + 1, frame.f_back
+    warnings.warn(message, category, stacklevel=level)
+
+
+def _is_own(module: str) -> bool:
+    return module in _BETWEEN or module.partition(".")[0] == __package__

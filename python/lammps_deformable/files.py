@@ -23,7 +23,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ._checks import LARGEST_COUNT, positive, shown, whole
 from ._files import reading, write_whole, writing
-from .box import cartesian, fractional
+from .box import cartesian, fractional, half_thickness
 from .errors import FileError, ParameterError
 from .versions import optional
 
@@ -319,6 +319,7 @@ def data_file(
     velocities: Floats | None = None,
     spins: Floats | None = None,
     images: NDArray[np.int64] | None = None,
+    half: float = 0.5,
 ) -> str:
     """Text of a LAMMPS data file, with every digit.
 
@@ -336,6 +337,7 @@ def data_file(
             if not given.
         images: how often atoms have left the box through each side, shape (N, d); written if any
             has.
+        half: the half thickness of a box in the plane, see `half_thickness` [length].
     """
     vectors, ids = np.asarray(box, np.float64), np.arange(1, len(positions) + 1)
     lines = [title, "", f"{len(positions)} atoms", f"{types} atom types"]
@@ -343,7 +345,7 @@ def data_file(
         lines += [f"{len(bonds)} bonds", f"{types} bond types"]
     sides = zip("xyz", origin, vectors.diagonal().tolist(), strict=False)
     lines += [f"{low!r} {_plus(low, side)} {axis}lo {axis}hi" for axis, low, side in sides]
-    lines += ["-0.5 0.5 zlo zhi"] * (3 - len(vectors))
+    lines += [f"{-half!r} {half!r} zlo zhi"] * (3 - len(vectors))
     lines += [" ".join(map(repr, _tilts(vectors))) + " xy xz yz", ""]
     if style != "sphere":
         lines += ["Masses", "", *(f"{n} 1" for n in range(1, types + 1)), ""]
@@ -429,6 +431,7 @@ def dump_frame(
     columns: Mapping[str, NDArray[Any]],
     origin: Sequence[float] = (0, 0, 0),
     shut: Sequence[bool] = (False, False, False),
+    half: float = 0.5,
 ) -> str:
     """Text of a frame, with every digit.
 
@@ -440,6 +443,7 @@ def dump_frame(
         columns: further values of the particles by name, arrays of shape (N,).
         origin: lower left corner of the box [length]; 0 of one that is tilted.
         shut: whether the box is not periodic along each axis.
+        half: the half thickness of a box in the plane, see `half_thickness` [length].
     """
     tilts, ends = _tilts(box), ["ff" if each else "pp" for each in (*shut, False)[:3]]
     # the bounds are those of the tilted box
@@ -449,7 +453,7 @@ def dump_frame(
             origin, box.diagonal().tolist(), _overhangs(*tilts), strict=False
         )
     ]
-    edges += ["-0.5 0.5"] * (3 - len(box))
+    edges += [f"{-half!r} {half!r}"] * (3 - len(box))
     if any(tilts):
         ends = ["xy xz yz", *ends]
         edges = [f"{edge} {tilt!r}" for edge, tilt in zip(edges, tilts, strict=True)]
@@ -892,9 +896,11 @@ def write_particles(
     if kind == _DATA:
         columns = [species + 1, *sphere_columns(radius)]
         title = _TITLE.format("two" if len(box) == 2 else "three")
-        text = data_file(title, "sphere", box, types, columns, positions, origin=corner)
+        half = half_thickness(float(radius.max()))
+        text = data_file(title, "sphere", box, types, columns, positions, origin=corner, half=half)
     elif kind == _DUMP:
-        text = dump_frame(0, box, species, positions, {"radius": radius}, corner, shut)
+        half = half_thickness(float(radius.max()))
+        text = dump_frame(0, box, species, positions, {"radius": radius}, corner, shut, half)
     else:
         text = _xyz_frame(box, species, positions, radius, corner, shut)
     write_whole(path, text)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._checks import positive, shown
-from .errors import LammpsError, ParameterError, UnjammedWarning
+from .errors import LammpsError, ParameterError, UnjammedWarning, warn
 from .laws import excess_phi, natural_pressure, root
 
 if TYPE_CHECKING:
@@ -100,7 +100,7 @@ def _unreached(name: str, target: float, state: State, why: str) -> UnreachedErr
 
 
 def told_at_the_end(
-    search: Callable[[Callable[[], State]], State], relax: Callable[[], State], stacklevel: int
+    search: Callable[[Callable[[], State]], State], relax: Callable[[], State]
 ) -> State:
     """Search with many relaxations, and give the warnings of the last one alone.
 
@@ -119,7 +119,7 @@ def told_at_the_end(
     state = search(quiet)
     for each in told:
         if each.category is not UnjammedWarning or not state.coordination:
-            warnings.warn(each.message, stacklevel=stacklevel)
+            warn(each.message)
     return state
 
 
@@ -199,7 +199,7 @@ def relax_free_box(
         state = reach(sim, "pressure", pressure, relax)
         return state if free == "iso" else _stress_free(sim, pressure, free, relax, state)
 
-    return told_at_the_end(search, relax, stacklevel=6)
+    return told_at_the_end(search, relax)
 
 
 def _stress_free(

@@ -114,7 +114,10 @@ def polydisperse(
         drawn = radii(rng, number)
     own = numbers("radii", drawn)
     if own.shape != (number,):
-        raise ParameterError(f"radii must be {number} numbers, shape ({number},), not {own.shape}")
+        raise ParameterError(
+            f"radii must be {number} numbers, shape ({number},), not {own.shape}; or a "
+            "distribution, such as scipy.stats.norm(1.0, 0.15)"
+        )
     wrong = own[own <= 0.0]
     if len(wrong) > 0:
         raise ParameterError(

@@ -17,7 +17,7 @@ from tqdm import tqdm
 
 from ._checks import expect, positive
 from .engines import separated
-from .errors import ParameterError, StalledWarning, UnjammedWarning
+from .errors import ParameterError, StalledWarning, UnjammedWarning, warn
 from .free_box import check_free
 from .laws import (
     AnyLaw,
@@ -218,12 +218,11 @@ def jam(
             ranks = comm or MPI.COMM_SELF
             state = _jammed_particles(start, law, pressure, tolerance, watch, ranks, grow)
     if not state.converged:
-        warnings.warn(
+        warn(
             f"relaxations stalled on the way to phi = {state.packing.phi:.6f}, the last one with a "
             f"largest force of {state.residual:.2g} of the mean contact force: the onset of "
             "jamming is uncertain",
             StalledWarning,
-            stacklevel=2,
         )
     ranks = comm or world()
     state = comm.bcast(state) if comm else state  # machines may differ in rounding
@@ -393,11 +392,10 @@ def push_off(packing: Packing) -> Packing:
         facet = float(packing.radii.min()) ** (packing.dimension - 1)  # about that of a contact
         pushed = sim._relax(1e-3, _PUSHED_OFF * natural_pressure(packing, SoftContact()) * facet)
     if not pushed.converged:
-        warnings.warn(
+        warn(
             f"separating the particles stalled: the largest force is {pushed.residual:.2g} of the "
             "mean contact force",
             StalledWarning,
-            stacklevel=2,
         )
     return pushed.packing
 

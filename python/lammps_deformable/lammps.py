@@ -24,8 +24,9 @@ from numpy.typing import NDArray
 
 from . import room
 from ._checks import expect
+from .box import half_thickness
 from .commands import PLANE, WALL, setup_commands, wall_commands
-from .errors import LammpsError, ParameterError
+from .errors import LammpsError
 from .ranks import agree, guarded_lammps, world
 from .shapes import in_space
 from .versions import check_lammps
@@ -101,9 +102,6 @@ create_box {species} box
 # have their centers in a wall.
 _MARGIN = 0.25
 
-# LAMMPS finds neighbors by bins, which it refuses to make much wider than the box is thick.
-_LARGEST_RADIUS = 100.0
-
 
 def box_change(walls: tuple[Wall, ...], box: NDArray[np.float64]) -> str:
     """Command that gives the box these lattice vectors, between these walls; positions follow."""
@@ -169,14 +167,10 @@ def open_lammps(packing: Packing, comm: MPI.Comm, former: lammps | None = None) 
         former: a LAMMPS that is cleared and filled anew, which gives the same digits as a new one
             in half the time; a new one if not given.
     """
-    largest, dimension = float(packing._species_radii.max()), packing.dimension
-    if dimension == 2 and largest > _LARGEST_RADIUS:
-        raise ParameterError(
-            f"a radius of {largest:g} is too large for a box of thickness 1: choose a length unit "
-            "in which radii are near 1"
-        )
+    dimension = packing.dimension
+    half = half_thickness(float(packing._species_radii.max()))
     lmp = silent_lammps(comm, setup_commands(packing), former)
-    ends = [*_ends(packing.walls, packing.box), (-0.5, 0.5)][:3]
+    ends = [*_ends(packing.walls, packing.box), (-half, half)][:3]
     tilts = [*_tilts(packing.box).values(), 0, 0][:3]
     words = [" ".join(map(repr, numbers)) for numbers in (sum(ends, ()), tilts)]
     run(lmp, _BOX.format(ends=words[0], tilts=words[1], species=len(packing._species_radii)))

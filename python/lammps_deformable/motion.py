@@ -6,7 +6,6 @@
 from __future__ import annotations
 
 import math
-import warnings
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
@@ -15,7 +14,7 @@ import numpy as np
 
 from ._checks import count, number_or_nan, positive, whole, zero_or_more
 from .core import unit_vectors
-from .errors import LammpsError, ParameterError, StalledWarning
+from .errors import LammpsError, ParameterError, StalledWarning, warn
 from .friction import Friction, damped_commands, inertia
 from .gravity import largest_weight
 from .lammps import gather, place, rub_and_spin, run
@@ -569,12 +568,11 @@ def _settled(
                 error = _error_at_rest(sim, state, pressure, dynamics.drag)
                 rests, ends = error <= tolerance, taken == states
                 if ends and not rests:
-                    warnings.warn(
+                    warn(
                         f"the particles did not come to rest at the pressure {pressure:g} in "
                         f"{settings['steps']} steps: forces, torques or the pressure are off by "
                         f"{error:.2g}, not {tolerance:g}; call again to go on",
                         StalledWarning,
-                        stacklevel=2,
                     )
                 if taken is not None or rests:
                     yield replace(state, converged=rests or not ends)

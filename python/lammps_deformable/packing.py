@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field
 from functools import cached_property
@@ -17,7 +16,7 @@ from . import room
 from ._checks import count, expect, numbers, positive, shown, whole
 from ._files import reading, writing
 from .box import cartesian, dimension_of, fractional, lattice_vectors, refuse_space, shown_box
-from .errors import FileError, ParameterError, UnsavedWarning
+from .errors import FileError, ParameterError, UnsavedWarning, warn
 from .files import RADII, check_radii, read_particles, write_particles
 from .laws import root, undeformed
 from .room import closed
@@ -306,10 +305,9 @@ class Packing:
             closed(self.walls, self.dimension),
         )
         if self.walls:
-            warnings.warn(
+            warn(
                 f"'{path}' lacks the walls of the packing: give them to Packing.from_file again",
                 UnsavedWarning,
-                stacklevel=2,
             )
 
     def to_mdanalysis(self) -> Universe:

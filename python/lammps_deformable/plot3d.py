@@ -21,6 +21,7 @@ from .drawing import (
     PUSH,
     Picture,
     Scale,
+    check_axes,
     color_limits,
     color_map,
     draw_bar,
@@ -351,7 +352,7 @@ def draw(
     turn = _turn(view)
     norm = Normalize(*color_limits(on))
     ax = new_axes(colorbar) if ax is None else ax
-    expect("ax", ax, Axes)
+    check_axes(ax)
     balls = [w for w in packing.walls if isinstance(w, Sphere) and not w.inside]
     middles = np.array([ball._middle for ball in balls]).reshape(-1, 3)
     bodies = _in_box(packing, np.concatenate([packing.positions, middles])) @ turn

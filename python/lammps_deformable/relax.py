@@ -9,7 +9,6 @@ iterations, warnings tell of states beyond the model.
 from __future__ import annotations
 
 import sys
-import warnings
 from collections.abc import Callable, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -21,7 +20,14 @@ from numpy.typing import NDArray
 
 from ._checks import shown
 from .commands import LBFGS, LONGEST_STEP, balance_command, fire_commands
-from .errors import BeyondModelWarning, LammpsError, ParameterError, StalledWarning, UnjammedWarning
+from .errors import (
+    BeyondModelWarning,
+    LammpsError,
+    ParameterError,
+    StalledWarning,
+    UnjammedWarning,
+    warn,
+)
 from .friction import (
     FRICTION,
     Friction,
@@ -381,26 +387,23 @@ def warn_of(state: State, tolerance: float, unjammed: bool, scale: str) -> None:
     if not state._root:
         return
     if unjammed:
-        warnings.warn(
+        warn(
             f"the packing lost its rigidity at phi = {state.packing.phi:.5f}: it rearranged into a "
             "loose one",
             UnjammedWarning,
-            stacklevel=6,
         )
     if not state.converged:
         why = "the contacts do not balance, so that forces are not known"
         if state.residual > tolerance:
             why = largest_force_told(state.residual, scale, tolerance)
-        warnings.warn(
+        warn(
             f"relaxation stalled at phi = {state.phi:.5f}: {why}",
             StalledWarning,
-            stacklevel=6,
         )
     if state.beyond:
-        warnings.warn(
+        warn(
             f"{state.beyond} of {len(state.packing)} {_beyond(state)}",
             BeyondModelWarning,
-            stacklevel=6,
         )
 
 

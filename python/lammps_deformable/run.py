@@ -15,7 +15,6 @@ frames. Frames beyond it are removed when the run goes on.
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
@@ -30,7 +29,7 @@ from numpy.typing import NDArray
 from . import recording, store
 from ._checks import expect, shown
 from ._files import from_json, reading, refuse_present, replaces, write_whole
-from .errors import FileError, ParameterError, StalledWarning
+from .errors import FileError, ParameterError, StalledWarning, warn
 from .lammps import communicator
 from .laws import AnyLaw, Droplet, SoftContact
 from .packing import Packing
@@ -356,11 +355,10 @@ class Run(Sequence[Any]):
         communicator(comm).barrier()  # rank 0 may still be writing
         last = summary_in(self.folder).get("state")
         if isinstance(last, dict) and last.get("stalled"):
-            warnings.warn(
+            warn(
                 f"the relaxation of the state in '{self.folder}' had stalled, at a residual of "
                 f"{last.get('residual')}: relax the simulation before you measure",
                 StalledWarning,
-                stacklevel=2,
             )
         return self._simulation(self.folder, comm)
 

@@ -128,7 +128,9 @@ def write_shapes(
     texts = {".vtp": polydata} | ({".geojson": feature_collection} if plane else {})
     if path.suffix not in texts:
         kinds = "shapes in the plane are written as" if plane else "shapes in space are written as"
-        raise ParameterError(f"{kinds} {' or '.join(texts)}, not as '{path}'")
+        raise ParameterError(
+            f"{kinds} {' or '.join(texts)}, not as '{path}': packing.to_file writes the centers"
+        )
     write_whole(path, texts[path.suffix](shapes, values, numbers))
 
 

@@ -119,9 +119,9 @@ class Simulation(OneCall):
 
     Raises:
         ParameterError: no packing or no law; or a packing of another dimension than the law; or
-            radii too large for LAMMPS' neighbor bins; or a center on the wrong side of a wall, or
-            an obstacle that does not fit into the periodic box; or a friction, gravity or minimizer
-            that the law cannot have; or polygons that overlap too far, or reach their own images.
+            a center on the wrong side of a wall, or an obstacle that does not fit into the periodic
+            box; or a friction, gravity or minimizer that the law cannot have; or polygons that
+            overlap too far, or reach their own images.
         LammpsError: LAMMPS refuses the packing or the law.
     """
 

@@ -7,7 +7,6 @@ tells what has it.
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -23,7 +22,7 @@ from ._files import check_parameters, replaces
 from .analysis import Cells, cells_of, space_cells_of
 from .commands import SOFT_STEP
 from .contacts import ContactForces, ContactTable
-from .errors import ParameterError, UndefinedError, UnsavedWarning
+from .errors import ParameterError, UndefinedError, UnsavedWarning, warn
 from .friction import Friction, Rubbing, inertia, spin_column
 from .gravity import gravity_energy
 from .hessian import at_rest, hessian_of
@@ -499,8 +498,9 @@ class State:
     def outlines(self) -> list[Floats]:
         """Outline of each particle, closed polygons of its area, of shape (m, 2) [length].
 
-        Points between contacts of rings lie outside of the exact outline by 1e-4 of the radius.
-        Soft disks are circles; polygons have their vertices.
+        The first point is not repeated at the end. Points between contacts of rings lie outside of
+        the exact outline by 1e-4 of the radius. Soft disks are circles; polygons have their
+        vertices.
         """
         self._check_has("outlines", "plane")
         if self.vertices:
@@ -1199,8 +1199,8 @@ class State:
         are moved.
         It is twice as long along directions that walls close, because freud finds no neighbors in
         boxes that are not periodic; walls themselves are left out. freud's densities count the
-        empty part: `radial_distribution` does not. Import freud before `deformable` to call
-        `freud.locality.Voronoi`, which crashes on the Voro++ of LAMMPS.
+        empty part: `radial_distribution` does not. Import freud before
+        `lammps_deformable` to call `freud.locality.Voronoi`, which crashes on the Voro++ of LAMMPS.
 
         Args:
             what: `points`, or `contacts`, those between particles, from both sides.
@@ -1330,11 +1330,10 @@ class State:
         if frames_in(place):
             drop_frames(place)
         if self.unsaved:
-            warnings.warn(
+            warn(
                 f"'{folder}' has the particles and the law, but not the {self.unsaved} that were "
                 "given to lmp",
                 UnsavedWarning,
-                stacklevel=2,
             )
         self._write(place, parameters)
 

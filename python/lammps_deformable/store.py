@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from ._checks import expect
 from ._files import as_json, from_json, make_folder, reading, refuse_present, write_whole, writing
+from .box import half_thickness
 from .commands import (
     Films,
     as_films,
@@ -192,6 +193,7 @@ def packing_file(packing: Packing, motion: Motion, frames: int | None) -> str:
         velocities=motion.velocities if motion.moves else None,
         spins=motion.rubbing.spins if motion.rubbing else None,
         images=motion.images,
+        half=half_thickness(float(packing._species_radii.max())),
     )
     memory = film_lines(motion.films) + rubbing_lines(motion.rubbing)
     return text + memory + carried_lines(motion)
@@ -696,6 +698,7 @@ def _dump_frame(number: int, packing: Packing, columns: Mapping[str, NDArray[Any
         columns,
         packing.origin.tolist(),
         closed(packing.walls, packing.dimension),
+        half_thickness(float(packing._species_radii.max())),
     )
 
 

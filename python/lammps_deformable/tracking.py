@@ -5,7 +5,6 @@ Periodic images and boxes that changed are taken into account.
 
 from __future__ import annotations
 
-import warnings
 from itertools import combinations
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -14,7 +13,7 @@ from numpy.typing import NDArray
 
 from ._checks import shown, whole
 from .box import cartesian, fractional, nearest_image
-from .errors import JumpWarning, ParameterError
+from .errors import JumpWarning, ParameterError, warn
 from .neighbors import pairs_within
 from .packing import Packing
 from .population import labels_of
@@ -119,12 +118,11 @@ def unwrapped(states: Iterable[State]) -> Floats:
                 farthest, last = far, number
         former = state
     if farthest >= _FAR:
-        warnings.warn(
+        warn(
             f"a particle moves by {farthest:.2g} of the box from state {last - 1} to state {last}, "
             "and one that moves by more than half of it is followed to a wrong image: take states "
             "nearer to each other",
             JumpWarning,
-            stacklevel=3,
         )
     if not found:
         raise ParameterError("unwrapped positions need at least one state")

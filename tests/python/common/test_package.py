@@ -53,8 +53,9 @@ def test_every_public_name_exists() -> None:
     for name in ld.__all__:
         assert getattr(ld, name).__name__ == name
     assert set(ld.__all__) <= set(dir(ld))
-    with pytest.raises(AttributeError, match="bubbles"):
-        _ = ld.bubbles
+    with pytest.raises(AttributeError, match="no attribute 'Packings'") as found:
+        _ = ld.Packings
+    assert (found.value.name, found.value.obj) == ("Packings", ld)  # Python proposes `Packing`
 
 
 def test_version() -> None:

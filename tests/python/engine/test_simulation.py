@@ -114,6 +114,16 @@ def test_unjamming_warns() -> None:
     assert len(warned) == 1
 
 
+def test_warnings_are_of_the_line_that_called(jammed: ld.Packing) -> None:
+    with ld.Simulation(jammed, ld.Ring()) as sim:
+        with pytest.warns(ld.UnjammedWarning) as by_strain:
+            sim.compress(strain=-0.05)
+        sim.compress(pressure=1e-5)
+        with pytest.warns(ld.UnjammedWarning) as to_target:
+            sim.compress(phi=0.8, steps=2)
+    assert {each.filename for each in (*by_strain, *to_target)} == {__file__}
+
+
 @pytest.mark.parametrize(("balanced", "restarted"), [("as disks", False), ("by the law", True)])
 def test_unjamming_in_the_first_relaxation_warns(balanced: str, restarted: bool) -> None:
     """As after `jam`, whose packing is at rest under the forces of disks or of the law."""

@@ -1,6 +1,7 @@
 """Packings: properties of what the builders return, and errors for wrong values."""
 
 import dataclasses
+from pathlib import Path
 from typing import Any
 
 import lammps_deformable as ld
@@ -8,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from programs import output
 from refusals import refused
 from scipy import stats
 
@@ -105,11 +107,25 @@ def test_packing_refuses_nonsense() -> None:
             ld.Packing(**(good | wrong))
 
 
-def test_radii_far_from_one_need_another_unit() -> None:
-    small, large = (ld.jam(ld.bidisperse(8, sizes=(r, r), seed=1)).packing for r in (1e-3, 50.0))
-    assert small.phi == pytest.approx(large.phi, rel=0.05)
-    with pytest.raises(ld.ParameterError, match=r"radius of 700 is too large.*unit"):
-        ld.bidisperse(8, sizes=(500.0, 700.0), seed=1).push_off()
+@pytest.mark.parametrize("unit", [2.0**-20, 2.0**7, 2.0**20])
+def test_lengths_may_have_any_unit(unit: float, tmp_path: Path) -> None:
+    """A power of two leaves all digits of disks as they are, and files are those of LAMMPS too."""
+    start = ld.jam(ld.bidisperse(16, seed=1)).packing.at(0.9)
+
+    def scaled(by: float) -> ld.Packing:
+        lengths = {name: getattr(start, name) * by for name in ("positions", "radii", "box")}
+        return start.replace(**lengths)
+
+    assert scaled(unit).at(0.7).push_off().phi == start.at(0.7).push_off().phi
+    with ld.Simulation(start, ld.Ring()) as usual, ld.Simulation(scaled(unit), ld.Ring()) as sim:
+        state = sim.relax()
+        assert state.energy / unit**4 == pytest.approx(usual.relax().energy, rel=1e-8)
+    state.save(tmp_path / "state")
+    for suffix in (".data", ".dump"):
+        state.packing.to_file(tmp_path / f"packing{suffix}")
+        again = ld.Packing.from_file(tmp_path / f"packing{suffix}")
+        assert np.array_equal(again.positions, state.packing.positions)
+    output("lmp", "-in", "in.lammps", cwd=tmp_path / "state")
 
 
 # ---- radii of their own ----
@@ -143,7 +159,7 @@ def test_polydisperse_draws_from_distributions() -> None:
 
 def test_polydisperse_names_the_bad_value() -> None:
     for radii, message in (
-        ([0.5, 0.5], r"radii must be 3 numbers, shape \(3,\), not \(2,\)"),
+        ([0.5, 0.5], r"radii must be 3 numbers, shape \(3,\), not \(2,\); or a distribution"),
         ([0.5, 0.0, -1.0], "radii must be positive, but 2 of 3 are not, such as 0: "),
         (lambda rng, n: None, "radii must be 3 numbers|radii must be finite numbers"),
     ):

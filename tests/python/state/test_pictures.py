@@ -117,8 +117,10 @@ def test_values_from_an_array(state: ld.State) -> None:
 
 def test_other_values_are_refused(state: ld.State) -> None:
     for color in ("beauty", [1.0, 2.0], np.full(32, np.nan), np.full(32, "a")):
-        with refused("color_by must name .* or be 32 numbers"):
+        with refused("color must name .* or be 32 numbers"):
             state.plot(color=color)
+    with refused(r"ax must be axes .* plot\(\.\.\.\)\.figure\.savefig\('a\.png'\)"):
+        state.plot("a.png")  # type: ignore[arg-type]
     with refused("label .* not 3"):
         state.plot(color="area", label=3)
     with refused("scale .* not 2"):

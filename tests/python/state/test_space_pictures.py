@@ -162,7 +162,7 @@ def test_refusals(states: tuple[ld.State, ld.State]) -> None:
         ({"contacts": True}, "contacts are drawn in a slice: give a slice"),
         ({"view": 3}, "view must be elevation and azimuth, not 3"),
         ({"view": (np.nan, 0)}, "view must be finite numbers"),
-        ({"color": "hue"}, "color_by must name a value of each particle"),
+        ({"color": "hue"}, "color must name a value of each particle"),
         ({"ax": 3}, "ax must be of the kind Axes"),
     ):
         draw: Callable[..., object] = states[1].plot
