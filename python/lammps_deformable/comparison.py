@@ -1,8 +1,8 @@
 """Contact laws against reference models: errors, and error against run time.
 
 In space these are exact shapes of droplets, in the plane deformable polygons. Smooth polygons
-(docs/theory.md, "Smooth polygons") come to rest where smooth particles do. Bead polygons have
-friction: they interlock, and their energy depends on the way.
+(docs/theory/numerics.md, "Smooth polygons") come to rest where smooth particles do. Bead polygons
+have friction: they interlock, and their energy depends on the way.
 """
 
 from __future__ import annotations

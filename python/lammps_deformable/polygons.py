@@ -119,7 +119,7 @@ class DeformablePolygon:
 
     Source: Boromand et al., Phys. Rev. Lett. 121, 248003 (2018); R. Maharana, "Efficient
     Simulation of Deformable Particles", whose rest area lacks a factor cos(pi/N_v).
-    docs/theory.md, "Smooth polygons".
+    docs/theory/numerics.md, "Smooth polygons".
     """
 
     vertices: int | Sequence[int] = 60

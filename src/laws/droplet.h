@@ -17,6 +17,12 @@
 // not be convex for others. Beyond the model, at x > 1/2, psi has the further term 30 (x - 1/2)^3: without it forces grew
 // without end.
 //
+// The terms of third order, with the shape of first order zeta = -sum f G(n.u):
+//   the area has none in zeta, the volume gives -(2/3) int zeta^3, and the pressure goes with the mean of zeta, which gives 2 x J;
+//   the height in a direction is 1 + zeta + |grad zeta|^2/2: a facet gains by a shift t across the line of centers, -f t^2/2;
+//   within a facet the outline is flat, and the pressure on it is p (1 - a)^2: s l becomes s (l + x - 2 a1);
+//   a pure self term remains, f^3/(96 pi^2).
+//
 // The film between droplets i and j has the curvature that the difference of their pressures asks for, so its area is F over the
 // mean pressure: l has the further term ln(lambda_i), lambda_i = g_j (R_i + R_j)/(R_j (g_i + g_j)), in the first line of W. It
 // may turn, too, if the places R t of both sides differ. That gives back the energy
@@ -24,7 +30,7 @@
 // of which both droplets have a half. A wall has lambda = 1, and does not turn.
 //
 // Sources: D. C. Morse and T. A. Witten, Europhys. Lett. 22, 549 (1993); R. Hoehler and S. Cohen-Addad, Soft Matter 13, 1371
-// (2017); the higher order is derived in docs/theory/droplets.md.
+// (2017).
 
 #ifndef DEFORMABLE_DROPLET_H
 #define DEFORMABLE_DROPLET_H

@@ -5,7 +5,7 @@
 // fixed P and Steiner point under H(theta_c) <= h_c is the convex quadratic program
 //   maximize a.L - 1/2 L.G L over L >= 0,   G_cc' = G(theta_c - theta_c').
 // The solution L is the vector of contact lengths: S = 1/2 a.L, H(theta) = R - sum_c L_c G(theta - theta_c).
-// docs/theory.md has the derivation.
+// docs/theory/laws.md has the derivation.
 
 #ifndef DEFORMABLE_RING_H
 #define DEFORMABLE_RING_H

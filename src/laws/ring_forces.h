@@ -8,7 +8,7 @@
 // and the pressure at rest p0 = gamma/r,
 //   p E - F/2 pi = gamma + 2 pi kP delta          (Laplace's law)
 //   (p - p0)/kA = Q/p^2 - pi delta (2 r + delta)    (A0 - A)
-// For kP = inf: delta = 0 and p^3 = kA Q. docs/theory.md has the derivation.
+// For kP = inf: delta = 0 and p^3 = kA Q. docs/theory/lines.md has the derivation.
 
 #ifndef DEFORMABLE_RING_FORCES_H
 #define DEFORMABLE_RING_FORCES_H

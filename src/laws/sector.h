@@ -1,8 +1,8 @@
 // The sector law: contacts stick, so that each sector between two contacts keeps its own share of the
 // conserved perimeter or area.
 //
-// R. Maharana, "Efficient Simulation of Deformable Particles"; docs/theory.md has the formulas below and the
-// corrections of the paper's.
+// R. Maharana, "Efficient Simulation of Deformable Particles"; docs/theory/sector.md has the formulas below, docs/theory.md the
+// corrections of those of the paper.
 
 #ifndef DEFORMABLE_SECTOR_H
 #define DEFORMABLE_SECTOR_H

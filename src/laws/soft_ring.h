@@ -4,7 +4,7 @@
 //   U = kA/2 (A - A0)^2 + kP/2 (P - P0)^2 + gamma (P - P0) - (gamma/r) (A - A0),
 //   A0 - A = S - pi delta (2 r + delta),   P - P0 = 2 pi delta
 // is smallest where Laplace's law holds: p q = gamma + kP (P - P0) with p = gamma/r + kA (A0 - A) and the mean
-// radius of curvature q = r + delta - sum L/2 pi. docs/theory.md has the derivation.
+// radius of curvature q = r + delta - sum L/2 pi. docs/theory/laws.md has the derivation.
 
 #ifndef DEFORMABLE_SOFT_RING_H
 #define DEFORMABLE_SOFT_RING_H

@@ -172,7 +172,7 @@ Raises
 ValueError
     Unequal lengths, values that are not finite, a vector without length.
 
-Source: docs/theory.md, "Second derivatives".)");
+Source: docs/theory/response.md.)");
 
   m.def(
       "droplet_blocks", &droplet_blocks, "droplets"_a, "sides"_a,
@@ -202,7 +202,7 @@ Raises
 ValueError
     Tables that do not fit each other, values that are not positive or not finite.
 
-Source: docs/theory.md, "Second derivatives".)");
+Source: docs/theory/response.md.)");
 
   m.def("droplet_facets", &facets_of_droplets, "droplets"_a, "sides"_a,
         R"(Where the facets of droplets are, and how much less films turn at large loads.
@@ -357,7 +357,7 @@ ValueError
     Tables that do not fit each other, parameters as for `soft_ring`, a line behind the center, or contacts that leave
     no room.
 
-Source: docs/theory.md, "Second derivatives".)");
+Source: docs/theory/response.md.)");
 
   m.def("curved_blocks", &curved_blocks, "particles"_a, "sides"_a,
         R"(As `ring_blocks`, for curved lines at rest.
@@ -386,5 +386,5 @@ Raises
 ValueError
     As for `ring_blocks`.
 
-Source: docs/theory.md, "Second derivatives".)");
+Source: docs/theory/response.md.)");
 }

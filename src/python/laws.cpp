@@ -139,7 +139,7 @@ Source: R. Maharana, "Efficient Simulation of Deformable Particles".)");
         R"(Contacts that stick: each sector between two contacts keeps its area R^2 phi/2.
 
 Parameters and errors as for `sector`; ValueError too where no such sector exists. Derivatives are
-those of the perimeter excess. Source: docs/theory.md, "Sectors that keep their area".)");
+those of the perimeter excess. Source: docs/theory/sector.md, "Sectors that keep their area".)");
   m.def("ring", &evaluate<ring_result>, "radius"_a, "angle"_a, "indentation"_a,
         R"(Contacts that slip: an inextensible ring takes the shape of largest area.
 
@@ -147,7 +147,7 @@ S = 1/2 a.L with L >= 0, a - G L <= 0, L.(a - G L) = 0 and G(t) = [1/2 + cos t/4
 Lines outside the circle (negative indentation) matter where the outline bulges up to them.
 
 Parameters and errors as for `sector`, but contacts may coincide. Derivatives are those of the area
-deficit. Source: docs/theory.md, "Ring".)");
+deficit. Source: docs/theory/laws.md, "Ring".)");
 }
 
 /* ---------------------------------------------------------------------- */

@@ -144,7 +144,7 @@ ValueError
     As for `ring`; a stiffness that is not positive, or both infinite; a tension that is negative,
     beside kP = inf, or above 2 pi r (kP + kA r^2); a skin outside [0, radius); contacts that leave no room.
 
-Source: docs/theory.md, "Rings that expand".)");
+Source: docs/theory/laws.md, "Rings that expand".)");
   m.def("contact_stiffness", &stiffness_of_contacts, "radius"_a, "angle"_a, "indentation"_a, "kA"_a,
         "kP"_a, "skin"_a = 0.0, "more"_a, "named"_a,
         R"(Derivatives of the forces of `soft_ring` with respect to the indentations.
@@ -152,7 +152,7 @@ Source: docs/theory.md, "Rings that expand".)");
 Returns the symmetric matrix dF_c/da_c' (z, z) of F_c = dU/da_c [energy/length^2], zero in rows and columns
 of contacts that are not active. Parameters and errors as for `soft_ring`.
 
-Source: docs/theory.md, "Balanced contacts".)");
+Source: docs/theory/lines.md, "Balanced contacts".)");
 }
 
 namespace {
@@ -354,5 +354,5 @@ Raises
 ValueError
     As for `soft_ring`; a negative force; forces that no ring with this stiffness bears.
 
-Source: docs/theory.md, "Balanced contacts".)");
+Source: docs/theory/lines.md, "Balanced contacts".)");
 }

@@ -182,7 +182,7 @@ ValueError
     Shapes that do not fit each other, a value that is not finite or positive, or an edge so long that it
     could meet an image of itself.
 
-Source: docs/theory.md, "Smooth polygons".)");
+Source: docs/theory/numerics.md, "Smooth polygons".)");
 }
 
 namespace {
