@@ -160,8 +160,7 @@ void FixDeformableProliferate::init()
         "Fix {} deformable/proliferate needs pair_style deformable/ring, deformable/sector or "
         "deformable/droplet, but pair_style is {}",
         id, force->pair_style ? force->pair_style : "none");
-  if (utils::strmatch(update->integrate_style, "^respa"))
-    error->all(FLERR, "Fix {} deformable/proliferate cannot be used with run_style respa", id);
+  refuse_respa(lmp, id, "deformable/proliferate");
   next_reneighbor = (update->ntimestep / nevery + 1) * nevery;
 }
 
