@@ -14,7 +14,7 @@ from . import potentials
 from ._checks import expect
 from ._files import reading
 from .errors import FileError, ParameterError
-from .files import UNTYPED, read_particles
+from .files import read_particles
 from .lammps import close_lammps, run, silent_lammps
 from .laws import ALL_LAWS, AnyLaw, Droplet, Ring, Sector, SoftContact, SpeciesParameters
 from .packing import Packing
@@ -29,6 +29,7 @@ from .store import (
     setups_in,
     summary_in,
 )
+from .text_files import UNTYPED
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

@@ -17,9 +17,10 @@ from ._checks import count, expect, numbers, positive, shown, whole
 from ._files import reading, writing
 from .box import cartesian, dimension_of, fractional, lattice_vectors, refuse_space, shown_box
 from .errors import FileError, ParameterError, UnsavedWarning, warn
-from .files import RADII, check_radii, read_particles, write_particles
+from .files import read_particles, write_particles
 from .laws import root, undeformed
 from .room import closed
+from .text_files import RADII, check_radii
 from .versions import optional
 from .walls import Plane, Wall, as_walls
 

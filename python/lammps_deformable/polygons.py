@@ -12,8 +12,8 @@ from ._checks import numbers, positive, shown
 from .box import cartesian, fractional
 from .core import unit_vectors
 from .errors import ParameterError
-from .files import data_file
 from .laws import one_or_each, per_species
+from .text_files import data_file
 from .walls import Plane
 
 if TYPE_CHECKING:

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from . import core
 from .errors import UnjammedWarning
 
 if TYPE_CHECKING:
@@ -87,20 +88,17 @@ def divided(
     """
     packing = state.packing
     radius, center = packing.radii[mothers], packing.positions[mothers]
-    first, second = share ** (1.0 / packing.dimension), (1.0 - share) ** (1.0 / packing.dimension)
-    small, large = np.minimum(first, second) * radius, np.maximum(first, second) * radius
-    # their contact line lies halfway between the center and the edge of the smaller one
-    apart = 0.5 * (small + np.sqrt(4.0 * large**2 - 3.0 * small**2))
+    first, second, apart = core.daughters(radius, share, packing.dimension)
     positions, radii = packing.positions.copy(), packing.radii.copy()
     positions[mothers] = center + ((1.0 - share) * apart)[:, None] * axes
-    radii[mothers] = first * radius
+    radii[mothers] = first
     new = label + np.arange(len(mothers))
     images, directions = state.images, state.directions
     # each particle, and for each that divides a second one at the end
     from_mothers = np.append(np.arange(len(packing)), mothers)
     both = packing.replace(
         positions=np.concatenate([positions, center - (share * apart)[:, None] * axes]),
-        radii=np.append(radii, second * radius),
+        radii=np.append(radii, second),
         species=packing.species[from_mothers],
     )
     both._set_species_radii(len(packing._species_radii))

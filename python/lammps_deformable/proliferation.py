@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from . import core
 from ._checks import count, expect, positive, shown, zero_or_more
 from .coarsening import volumes
 from .errors import ParameterError
@@ -95,7 +96,7 @@ def _proliferated(
             if fastest > 0.0:
                 step = min(step, _GROWTH / fastest)
             later = end if step == end - state.time else state.time + step
-            radii = state.radii * np.exp(rate * step / sim.dimension)
+            radii = core.grown_radius(state.radii, rate * step, sim.dimension)
             grown = divide(state, radii, settings, start, rng)
             sim.reset(replace(die(grown, settings["death"] * step, rng), time=later))
             state = at_rest(sim, settings)
@@ -106,7 +107,7 @@ def growth(state: Any, rate: Any, pressure: float) -> Floats:
     """Rate of growth of each cell, shape (N,) [1/time]."""
     species = np.array(per_species(rate, len(state.packing._species_radii)))
     pressed = np.trace(state.particle_stress, axis1=1, axis2=2) / state.packing.dimension
-    return species[state.packing.species] * np.maximum(0.0, 1.0 - pressed / pressure)
+    return core.growth_rate(species[state.packing.species], pressed, pressure)
 
 
 def die(state: Any, chance: float, rng: np.random.Generator) -> Any:
@@ -134,33 +135,26 @@ def divide(
     mothers = np.flatnonzero(volumes(radii, state.packing.dimension) >= settings["division"])
     if not mothers.size:
         return grown
-    share = 0.5 * (1.0 + settings["asymmetry"] * rng.uniform(-1.0, 1.0, mothers.size))
-    if settings["axis"] == "random":
-        axes = rng.normal(size=(len(mothers), state.packing.dimension))
-        axes /= np.linalg.norm(axes, axis=1)[:, None]
-    else:
+    share = core.first_share(settings["asymmetry"], rng.uniform(-1.0, 1.0, mothers.size))
+    axes = np.zeros((len(mothers), state.packing.dimension))
+    if settings["axis"] != "random":
         axes = (long_axes if settings["axis"] == "long" else stretched_axes)(state, mothers)
+    free = (axes == 0.0).all(axis=1)  # no direction is different: any
+    drawn = rng.normal(size=(free.sum(), state.packing.dimension))
+    axes[free] = drawn / np.linalg.norm(drawn, axis=1)[:, None]
     label = start["label"]
     start["label"] += len(mothers)
     return divided(grown, mothers, axes, share, label)
 
 
 def stretched_axes(state: Any, cells: NDArray[np.int64]) -> Floats:
-    """Along which a cell is pressed least, or pulled most, shape (M, d)."""
-    return np.asarray(np.linalg.eigh(state.particle_stress[cells])[1][:, :, 0])
+    """Along which a cell is pressed least, or pulled most, shape (M, d); 0 where nothing tells."""
+    return core.stretched_axes(state.particle_stress[cells])
 
 
 def long_axes(state: Any, cells: NDArray[np.int64]) -> Floats:
-    """The long axes of outlines, by their second moments (Hertwig's rule), shape (M, 2)."""
-    found = []
-    for cell in cells:
-        a = state.outlines[cell] - state.positions[cell]
-        b = np.roll(a, -1, axis=0)
-        cross = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
-        both = np.einsum("m,ma,mb->ab", cross, a + b, a + b)
-        ends = np.einsum("m,ma,mb->ab", cross, a, a) + np.einsum("m,ma,mb->ab", cross, b, b)
-        found.append(np.linalg.eigh(both + ends)[1][:, 1])
-    return np.array(found)
+    """The long axes of outlines (Hertwig's rule), shape (M, 2); 0 of those that are round."""
+    return np.array([core.long_axis(state.outlines[i] - state.positions[i]) for i in cells])
 
 
 PROLIFERATE = Protocol(_settings, _begin, _proliferated)

@@ -701,7 +701,7 @@ class Simulation(OneCall):
             time: in all [time].
             steps: number of states, after equal parts of the time.
             axis: on which the two lie, `random`, `long`, that of the outline in the plane, or
-                `stress`, along which the cell is pressed least.
+                `stress`, along which the cell is pressed least; without contacts any.
             asymmetry: shares of the two are drawn between 0.5 (1 - asymmetry) and
                 0.5 (1 + asymmetry), so that cells do not divide at the same time.
             pressure: at which cells do not grow any more [energy/length^d]; without, they always

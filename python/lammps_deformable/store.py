@@ -35,14 +35,6 @@ from .commands import (
 )
 from .core import unit_vectors
 from .errors import FileError, ParameterError
-from .files import (
-    data_file,
-    dump_frame,
-    frame_texts,
-    read_data_file,
-    read_dump_frame,
-    sphere_columns,
-)
 from .friction import (
     Friction,
     Rubbing,
@@ -57,6 +49,14 @@ from .gravity import Floats, as_json_gravity, gravity_commands
 from .laws import ALL_LAWS, AnyLaw, SoftContact
 from .packing import Packing
 from .room import closed
+from .text_files import (
+    data_file,
+    dump_frame,
+    frame_texts,
+    read_data_file,
+    read_dump_frame,
+    sphere_columns,
+)
 from .versions import versions
 from .walls import SHAPES, Wall
 

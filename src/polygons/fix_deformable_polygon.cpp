@@ -9,7 +9,6 @@
 #include "domain.h"
 #include "error.h"
 #include "neighbor.h"
-#include "update.h"
 
 #include <algorithm>
 #include <cmath>
@@ -95,8 +94,7 @@ void FixDeformablePolygon::init()
 {
   if (domain->dimension != 2)
     error->all(FLERR, "Fix {} deformable/polygon is two-dimensional: use 'dimension 2'", id);
-  if (utils::strmatch(update->integrate_style, "^respa"))
-    error->all(FLERR, "Fix {} deformable/polygon cannot be used with run_style respa", id);
+  refuse_respa(lmp, id, "deformable/polygon");
 }
 
 /* ----------------------------------------------------------------------

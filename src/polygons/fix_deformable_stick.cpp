@@ -8,7 +8,6 @@
 #include "error.h"
 #include "force.h"
 #include "pair.h"
-#include "update.h"
 
 #include <cmath>
 #include <cstring>
@@ -72,8 +71,7 @@ void FixDeformableStick::init()
     error->all(FLERR, "Region '{}' of fix {} deformable/stick does not exist", region_id, id);
   if (domain->dimension != 2)
     error->all(FLERR, "Fix {} deformable/stick is two-dimensional: use 'dimension 2'", id);
-  if (utils::strmatch(update->integrate_style, "^respa"))
-    error->all(FLERR, "Fix {} deformable/stick cannot be used with run_style respa", id);
+  refuse_respa(lmp, id, "deformable/stick");
 
   radii.assign(atom->ntypes + 1, given_radius);
   if (given_radius > 0.0) return;

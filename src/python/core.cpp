@@ -40,4 +40,5 @@ NB_MODULE(core, m)
   deformable::bind_energy_blocks(m);
   deformable::bind_ring_blocks(m);
   deformable::bind_droplets(m);
+  deformable::bind_proliferation(m);
 }

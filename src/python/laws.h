@@ -45,6 +45,7 @@ void bind_arithmetic(nb::module_ &m);
 void bind_energy_blocks(nb::module_ &m);
 void bind_ring_blocks(nb::module_ &m);
 void bind_droplets(nb::module_ &m);
+void bind_proliferation(nb::module_ &m);
 
 }    // namespace deformable
 

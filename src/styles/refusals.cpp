@@ -13,6 +13,7 @@
 #include "lammps.h"
 #include "modify.h"
 #include "neigh_list.h"
+#include "update.h"
 
 #include <algorithm>
 #include <cmath>
@@ -129,6 +130,12 @@ void LAMMPS_NS::check_contacts(LAMMPS *lmp, const NeighList &list,
 {
   check_special_bonds(lmp, list, species);
   check_ghosts(lmp, list);
+}
+
+void LAMMPS_NS::refuse_respa(LAMMPS *lmp, const char *id, const char *fix)
+{
+  if (utils::strmatch(lmp->update->integrate_style, "^respa"))
+    lmp->error->all(FLERR, "Fix {} {} cannot be used with run_style respa", id, fix);
 }
 
 /* ----------------------------------------------------------------------

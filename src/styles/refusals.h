@@ -70,6 +70,9 @@ void check_contacts(LAMMPS *, const NeighList &, const std::vector<Species> &);
 // The same for comm_modify only, which removes the ghosts of particles outside of a group.
 void check_ghosts(LAMMPS *, const NeighList &);
 
+// Refuses run_style respa, which would not call the fix.
+void refuse_respa(LAMMPS *, const char *id, const char *fix);
+
 // Refuses coefficients in a data file, which are of another pair style.
 void refuse_data_coefficients(LAMMPS *);
 

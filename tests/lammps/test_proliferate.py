@@ -102,6 +102,17 @@ def test_axis_between_walls(axis):
     assert abs(x[1, 0] - x[0, 0]) == pytest.approx(0.5 / np.sqrt(2.0), rel=1e-12)
 
 
+@pytest.mark.parametrize("axis", ["stress", "long"])
+def test_a_free_particle_divides_in_any_direction(axis):
+    scene = Scene([[0.3, 0.4]], ["any"], BOX, STYLE, radii=[0.5], commands=grows(0.0, 0.7))
+    other = Scene(
+        [[0.3, 0.4]], ["any"], BOX, STYLE, radii=[0.5], commands=grows(0.0, 0.7, f"axis {axis}")
+    )
+    for each in (scene, other):
+        each.run("run 10")
+    np.testing.assert_allclose(other.x, scene.x, rtol=0, atol=1e-14)
+
+
 def test_axis_of_a_droplet(tmp_path):
     """In space, pressed along z and less along y: along x."""
     (tmp_path / "species").write_text("# UNITS: lj\ndrop 0.6 inf 0 tension 1\n")
@@ -258,10 +269,12 @@ def test_refusals():
 
 
 def test_sides_that_follow():
-    """A box that shrinks around its particles grows with them."""
+    """A box that shrinks around its particles grows with them; new IDs go by those of mothers."""
     scene = Scene(FOUR, ["any"] * 4, BOX, STYLE, boundary="s s p", radii=[0.5] * 4)
     scene.run(grows(0.0, 0.7) + "run 10")
     assert scene.lmp.get_natoms() == 8
+    apart = np.linalg.norm(scene.x[:4] - scene.x[4:], axis=1)
+    np.testing.assert_allclose(apart, 0.5 / np.sqrt(2.0), rtol=1e-12)
     low, high = scene.lmp.extract_box()[:2]
     assert (scene.x >= low[:2]).all()
     assert (scene.x <= high[:2]).all()

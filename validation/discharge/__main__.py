@@ -87,14 +87,13 @@ def filled(opening, rows, seed):
 
 
 def scene(case, rows, steps):
-    """LAMMPS' commands: weight, contacts that rub, spins, and what is measured.
+    """LAMMPS' commands: motion, the bath, and what is measured. `held` has the weight's energy too.
 
     The bath ends at the floor and above the filling, so that all grains fall freely between them. A
     disk that spins has 5/4 of the energy that LAMMPS knows for spheres.
     """
     return f"""
 timestep {case.step}
-fix weight all gravity {case.weight} vector 0 -1 0
 region bath block INF INF 0.4 {0.4 + 0.87 * rows} INF INF
 group bath dynamic all region bath every 10
 fix drag bath viscous {case.drag}
@@ -132,9 +131,8 @@ class Flow:
 
 def silo(case, opening, rows, seed):
     """A simulation of the filled silo."""
-    friction = ld.Friction(case.mu, **CONTACT)
-    packing = filled(opening, rows, seed)
-    return ld.Simulation(packing, DROPLET, comm=MPI.COMM_SELF, friction=friction)
+    forces = {"friction": ld.Friction(case.mu, **CONTACT), "gravity": (0.0, -case.weight)}
+    return ld.Simulation(filled(opening, rows, seed), DROPLET, comm=MPI.COMM_SELF, **forces)
 
 
 def flow(case, opening, rows, seed, grains=GRAINS):
@@ -158,7 +156,7 @@ def discharge(sim, case, rows, grains):
     gain = [values[-1] - values[steady][0] for values in (left, fallen, held, lost)]
     return Flow(
         gain[0] / (np.count_nonzero(steady) - 1),
-        (gain[2] + gain[3]) / (case.weight * gain[1]),
+        1.0 + (gain[2] + gain[3]) / (case.weight * gain[1]),
         push[steady][1:].mean() / (case.weight * lmp.get_natoms()),
     )
 

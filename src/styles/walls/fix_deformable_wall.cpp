@@ -3,6 +3,7 @@
 #include "styles/friction/fix_deformable_friction.h"
 #include "styles/lammps_release.h"
 #include "styles/pair/pair_deformable.h"
+#include "styles/refusals.h"
 
 #include "laws/parameter_rules.h"
 
@@ -184,8 +185,7 @@ int FixDeformableWall::setmask()
 
 void FixDeformableWall::init()
 {
-  if (utils::strmatch(update->integrate_style, "^respa"))
-    error->all(FLERR, "Fix {} deformable/wall cannot be used with run_style respa", id);
+  refuse_respa(lmp, id, "deformable/wall");
   if (deformable_pairs(*force).empty())
     error->all(FLERR,
                "Fix {} deformable/wall needs pair_style deformable/ring, deformable/sector or "

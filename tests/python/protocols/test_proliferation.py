@@ -128,10 +128,11 @@ def test_daughters_lie_on_the_axis(squeezed: ld.State, axis: str) -> None:
     assert np.abs(apart) == pytest.approx(np.tile([0.0, 0.5 / math.sqrt(2.0)], (3, 1)), abs=1e-6)
 
 
-def test_random_axes_have_all_directions() -> None:
+@pytest.mark.parametrize("axis", ["random", "long", "stress"])
+def test_free_cells_divide_in_all_directions(axis: str) -> None:
     with ld.Simulation(loose(196), CELL) as sim:
         state = sim.state()
-    settings = {"division": 0.5, "axis": "random", "asymmetry": 0.0}
+    settings = {"division": 0.5, "axis": axis, "asymmetry": 0.0}
     two = divide(state, state.radii, settings, {"label": 196}, np.random.default_rng(1))
     apart = two.positions[:196] - two.positions[196:]
     angle = np.arctan2(apart[:, 1], apart[:, 0])
