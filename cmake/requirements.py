@@ -20,8 +20,8 @@ def requirements(of: str) -> list[str]:
         # pip brings these two into an environment of its own; ours gets them once
         return [*PROJECT["build-system"]["requires"], "cmake>=3.20", "ninja"]
     if of == "run":
-        (metadata,) = PROJECT["tool"]["dynamic-metadata"]
-        return list(metadata["dependencies"])
+        tables = PROJECT["tool"]["dynamic-metadata"]
+        return [line for table in tables for line in table.get("dependencies", [])]
     found = []
     for requirement in EXTRAS[of]:
         included = re.fullmatch(r"lammps-deformable\[(.*)\]", requirement)

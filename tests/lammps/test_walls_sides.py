@@ -283,6 +283,7 @@ def test_variables_that_are_defined_anew():
 
 WORDS = {
     "zlo -2": "'zlo' is no wall in 2 dimensions: it must .* or a side 'xlo' to 'yhi'",
+    "xlo -2 shears y 1": "unknown word 'shears': .* 'yhi', and after them 'shear', 'load' or",
     "xlo": "xlo' of fix deformable/wall does not exist",
     "ylo -2 xlo": "xlo needs its place: a number, EDGE or v_name",
     "ylo top": "Expected floating point.*'top'",
@@ -297,6 +298,14 @@ def test_words():
     for words, message in WORDS.items():
         with pytest.raises(Exception, match=message):
             scene.run(f"fix walls all deformable/wall {words}")
+
+
+@pytest.mark.parametrize(("boundary", "warns"), [("f p p", False), ("p f p", True)])
+def test_edge_of_a_periodic_box(boundary, warns, tmp_path):
+    """Particles meet through the side, which has nothing behind it."""
+    log = tmp_path / "log"
+    plane("xlo EDGE", boundary=boundary, log=log).evaluate()
+    assert ("'xlo' is a side of the box that is periodic" in log.read_text()) == warns
 
 
 def test_edge_of_a_tilted_box():

@@ -89,6 +89,7 @@ def test_minimizer_makes_room(law, species, style, tmp_path):
     text = log.read_text()
     assert text.count("WARNING: The contacts of") == 1
     assert text.count("WARNING: At the end of the minimization") == 1  # of the first one, at once
+    assert "the energy rises" not in text  # it does, from one iteration to the next
 
 
 @two_laws

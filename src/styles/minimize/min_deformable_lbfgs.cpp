@@ -346,7 +346,7 @@ double MinDeformableLbfgs::find_direction()
 /* ----------------------------------------------------------------------
    Moves the atoms by a part of q, or leaves them where they are. Forces that
    are not derivatives of the energy, as where a fix adds some without an
-   energy, are followed by their slope alone.
+   energy or areas give way, are followed by their slope alone.
 ------------------------------------------------------------------------- */
 
 bool MinDeformableLbfgs::search(double slope, double &part)
@@ -366,7 +366,7 @@ bool MinDeformableLbfgs::search(double slope, double &part)
       if (std::fabs(flat) <= 0.9 * std::fabs(slope) && rise <= rounding) return true;
       if (std::fabs(flat - slope) < 0.1 * std::fabs(slope) && rise - part * slope > rounding) {
         energy_follows = false;
-        if (comm->me == 0)
+        if (comm->me == 0 && !(pair && pair->law_changes()))
           error->warning(FLERR,
                          "Min style deformable/lbfgs: the energy rises along the forces, which are "
                          "not its derivatives, e.g. of a fix without 'fix_modify energy yes'. It "

@@ -145,6 +145,8 @@ class PairDeformable : public Pair {
   // For the next force calls: contacts need not balance better than to this force, where it is above the tolerance. A minimizer
   // says so as long as it is far from rest.
   virtual void accept_imbalance(double /*force*/) {}
+  // Whether the energy of the same places differs between iterations of a minimization.
+  virtual bool law_changes() const { return false; }
   const deformable::FrontKernels &front_kernels() const { return kernels->fronts; }
 
   bool has_wall(int code) const { return code < 0 && !walls.empty(); }

@@ -38,6 +38,7 @@ class PairDeformableRing : public PairDeformable {
   {
     if (balanced) balanced->enough = force;
   }
+  bool law_changes() const override { return soft_since != NEVER; }
 
  protected:
   bool bends_lines() const override { return balanced && balanced->pairs().curved; }

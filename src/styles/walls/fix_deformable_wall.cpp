@@ -225,7 +225,8 @@ void FixDeformableWall::take(Walls &&found)
   require(walls.follow());
 }
 
-// A shrink-wrapped boundary follows the particles; others hold them up before they meet the wall.
+// A shrink-wrapped boundary follows the particles; others hold them up before they meet the wall. What is at a periodic side is on
+// both sides of it.
 void FixDeformableWall::warn_of_box() const
 {
   enum { PERIODIC, FIXED };
@@ -244,6 +245,13 @@ void FixDeformableWall::warn_of_box() const
                    "(change_box), or use a boundary s or m",
                    id, walls.walls[wall].name, "xyz"[axis], low, high);
   }
+  for (const WallSource &source : walls.sources)
+    if (source.side.is_edge && domain->periodicity[source.side.axis])
+      error->warning(
+          FLERR,
+          "Fix {} deformable/wall: '{}' is a side of the box that is periodic: particles "
+          "touch each other through it. Use a boundary f there",
+          id, source.name);
 }
 
 /* ---------------------------------------------------------------------- */

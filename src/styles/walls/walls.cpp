@@ -282,7 +282,8 @@ std::string Walls::read_words(int narg, char **arg, LAMMPS *lmp)
     if (values == 0)
       return (is_word(name) ? fmt::format("'{}' is no wall in {} dimensions", name, dimension)
                             : "unknown word '" + name + "'") +
-             ": it must be " + known_words(dimension);
+             ": it must be " + known_words(dimension) + ", and after them 'shear', 'load'" +
+             (dimension == 2 ? " or 'adhesion'" : "");
     if (name == "polygon") {
       if (first >= narg) return "polygon: missing its number of corners";
       const int corners = utils::inumeric(FLERR, arg[first++], false, lmp);
