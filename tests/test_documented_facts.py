@@ -122,3 +122,17 @@ def test_pictures_of_the_readme_load_quickly() -> None:
     pictures = re.findall(r"!\[.*?\]\((.+?)\)", (ROOT / "README.md").read_text())
     assert any(name.endswith(".gif") for name in pictures)
     assert max((ROOT / name).stat().st_size for name in pictures) < 1_500_000
+
+
+def test_examples_name_species_of_their_file() -> None:
+    """Those of the package's files."""
+    files = {path.name: path.read_text() for path in (ROOT / "potentials").glob("*.deformable")}
+    command = re.compile(r"pair_coeff\b.*? (\w+\.deformable)((?: +[\w-]+)+)")
+    found = 0
+    for path in [ROOT / "README.md", *ROOT.glob("docs/**/*.md")]:
+        for file, words in command.findall(path.read_text()):
+            if file in files:
+                known = re.findall(r"^(\w+)", files[file], re.MULTILINE)
+                assert set(words.split()) <= {*known, "NULL"}, path
+                found += 1
+    assert found > 5

@@ -5,7 +5,7 @@ import pytest
 from laws import EXACT, LAWS, RING_LAWS, ring_laws, two_laws
 from parallel import finished
 from programs import program
-from scene import Scene
+from scene import SPECIES, Scene
 from turns import in_turn
 
 WITHOUT_ROOM = 6  # place in the vector of compute pair
@@ -90,6 +90,19 @@ def test_minimizer_makes_room(law, species, style, tmp_path):
     assert text.count("WARNING: The contacts of") == 1
     assert text.count("WARNING: At the end of the minimization") == 1  # of the first one, at once
     assert "the energy rises" not in text  # it does, from one iteration to the next
+
+
+def test_room_beside_another_style(tmp_path):
+    x, length = lattice(0.93, 0.25, seed=3)
+    log, box = tmp_path / "log", (0, length, 0, length)
+    style = "hybrid/overlay deformable/ring contact radical reach 1.5 zero 1.0"
+    coeff = f"pair_coeff * * deformable/ring {SPECIES} drop\npair_coeff * * zero"
+    scene = Scene(x, ["drop"] * len(x), box, style, coeff=coeff, log=log)
+    scene.run("compute room all pair deformable/ring\nmin_style deformable/lbfgs")
+    assert minimized(scene, iterations=2000)[1] == 0
+    scene.lmp.close()
+    assert "leave no room" in log.read_text()
+    assert "the energy rises" not in log.read_text()
 
 
 @two_laws

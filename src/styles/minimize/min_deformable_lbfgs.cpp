@@ -366,7 +366,10 @@ bool MinDeformableLbfgs::search(double slope, double &part)
       if (std::fabs(flat) <= 0.9 * std::fabs(slope) && rise <= rounding) return true;
       if (std::fabs(flat - slope) < 0.1 * std::fabs(slope) && rise - part * slope > rounding) {
         energy_follows = false;
-        if (comm->me == 0 && !(pair && pair->law_changes()))
+        const std::vector<PairDeformable *> pairs = deformable_pairs(*force);
+        const bool law_changes = std::any_of(pairs.begin(), pairs.end(),
+                                             [](PairDeformable *p) { return p->law_changes(); });
+        if (comm->me == 0 && !law_changes)
           error->warning(FLERR,
                          "Min style deformable/lbfgs: the energy rises along the forces, which are "
                          "not its derivatives, e.g. of a fix without 'fix_modify energy yes'. It "
