@@ -4,6 +4,7 @@ import math
 import re
 import warnings
 from pathlib import Path
+from typing import Any
 
 import lammps_deformable as ld
 import networkx
@@ -12,7 +13,9 @@ import pytest
 
 PAGE = Path(__file__).parents[1] / "docs" / "cookbook.md"
 ROW = re.compile(r"^\| \[(?P<task>[^]]+)\]\([^)]+\) \| (?P<calls>`.+`) \|$", re.MULTILINE)
-ROWS = ROW.findall(PAGE.read_text().partition("## Twenty tasks")[2])
+TASKS = PAGE.read_text().partition("## Twenty tasks")[2]
+ROWS = ROW.findall(TASKS)
+FIRST = TASKS.partition("```python\n")[2].partition("```")[0]
 SMALLER = {
     "bidisperse(64": "bidisperse(16",
     "BoxWall((12, 12))": "BoxWall((6, 6))",
@@ -28,21 +31,25 @@ def smaller(call: str) -> str:
 
 
 @pytest.fixture(scope="module")
-def names(tmp_path_factory: pytest.TempPathFactory) -> dict[str, object]:
-    """What the text above the table begins with, in a folder of its own."""
+def names(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
+    """What the lines above the table make, in a folder of their own."""
     folder = tmp_path_factory.mktemp("tasks")
-    jammed = ld.jam(ld.bidisperse(16, seed=1)).packing.at(0.87)
-    jammed.to_file(folder / "start.dump")
-    with ld.Simulation(jammed, ld.Ring()) as sim:
-        state = sim.relax()
-        sim.shear(0.02, record=folder / "run")
-    run = ld.Run(folder / "run")
-    given = {"folder": folder, "jammed": jammed, "state": state, "run": run}
-    public = {name: getattr(ld, name) for name in ld.__all__}
-    return {**public, "networkx": networkx, "numpy": np, "math": math, **given}
+    space = {name: getattr(ld, name) for name in ld.__all__}
+    space |= {"networkx": networkx, "numpy": np, "math": math, "folder": folder}
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        exec(compile(smaller(FIRST), str(PAGE), "exec"), space)
+    space["jammed"].to_file(folder / "start.dump")
+    return space
 
 
-def test_tasks(names: dict[str, object], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_tasks_start_above_the_onset(names: dict[str, Any]) -> None:
+    """Where moduli and stresses are numbers, and not rounding."""
+    assert names["state"].pressure > 1e-6
+    assert names["state"].moduli().shear_modulus > 1e-5
+
+
+def test_tasks(names: dict[str, Any], monkeypatch: pytest.MonkeyPatch) -> None:
     """Each call in turn; a failure shows the call."""
     assert len(ROWS) == 20
     monkeypatch.chdir(names["folder"])

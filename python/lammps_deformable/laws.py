@@ -433,8 +433,8 @@ def per_species(values: float | Sequence[float], species: int) -> list[float]:
     """
     if np.ndim(values) == 1 and len(np.asarray(values)) != species:
         raise ParameterError(
-            f"there are {species} species, so {np.asarray(values).tolist()} must have as many "
-            "numbers"
+            f"there are {species} species, so {shown(np.asarray(values))} must have as many "
+            "numbers; other species are made by packing.replace(species=...)"
         )
     return [_at(values, n) for n in range(species)]
 

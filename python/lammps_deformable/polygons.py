@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._checks import numbers, positive, shown
-from .box import cartesian, fractional
+from .box import cartesian, fractional, half_thickness
 from .core import unit_vectors
 from .errors import ParameterError
 from .laws import one_or_each, per_species
@@ -361,4 +361,5 @@ def polygon_file(packing: Packing, polygons: list[NDArray[np.float64]], centered
         np.vstack(polygons),
         np.column_stack([types, ids, following]),
         (-0.5 * lx, -0.5 * ly) if centered else (0, 0),
+        half=half_thickness(float(packing._species_radii.max())),
     )

@@ -98,6 +98,9 @@ def export(run: Run, path: str | Path, forces: bool = False, mode: str = "x") ->
 class Table(dict[str, NDArray[Any]]):
     """Columns of numbers by name, arrays with a number for each state."""
 
+    def __missing__(self, name: object) -> NDArray[Any]:
+        raise KeyError(f"no column {name!r}: there are {', '.join(self)}")
+
     def to_pandas(self) -> Any:
         """A DataFrame of pandas, with the frames as index.
 

@@ -120,6 +120,9 @@ def test_lengths_may_have_any_unit(unit: float, tmp_path: Path) -> None:
     with ld.Simulation(start, ld.Ring()) as usual, ld.Simulation(scaled(unit), ld.Ring()) as sim:
         state = sim.relax()
         assert state.energy / unit**4 == pytest.approx(usual.relax().energy, rel=1e-8)
+    beads = ld.DeformablePolygon(20, radius=0.05 * unit, kL=unit**2, kr=unit**2)
+    with ld.Simulation(scaled(unit).at(0.7).push_off(), beads) as polygons:
+        assert polygons.state().phi == pytest.approx(0.7, rel=0.02)
     state.save(tmp_path / "state")
     for suffix in (".data", ".dump"):
         state.packing.to_file(tmp_path / f"packing{suffix}")

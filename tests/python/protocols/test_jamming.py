@@ -259,6 +259,8 @@ def test_conjugate_gradients_jam_disks_too(kind: str) -> None:
 
 
 def test_rigid_start_is_refused() -> None:
+    with pytest.raises(ld.ParameterError, match=r"Packing, not .*: take its `packing`"):
+        ld.jam(ld.jam(ld.bidisperse(4, seed=1)))  # type: ignore[arg-type]
     with pytest.raises(ld.ParameterError, match=r"rigid already at phi = 1\.1000"):
         ld.jam(ld.bidisperse(32, phi=1.1, seed=1))
     with pytest.raises(ld.ParameterError, match="pressure must be a positive number"):

@@ -65,6 +65,8 @@ def test_table(run: tuple[Path, list[ld.State]]) -> None:
     assert table["frame"].tolist() == list(range(len(states)))
     kinds = {"particles": "i", "beyond": "i", "stalled": "b", "phi": "f", "shear_strain": "f"}
     assert {name: table[name].dtype.kind for name in kinds} == kinds
+    with pytest.raises(KeyError, match=r"no column 'presure': there are .* pressure, "):
+        _ = table["presure"]
     memory = ld.Run(states).table()
     assert memory.keys() == table.keys()
     for name, values in table.items():
