@@ -216,7 +216,9 @@ def paths(address: str, page) -> list[str]:
 @needs_mkdocs
 @pytest.mark.slow
 def test_in_a_browser(page, address):
-    """On all pages mathematics is drawn, pictures are there, and nothing comes from elsewhere."""
+    """On all pages mathematics is drawn and fits, pictures are there, and nothing comes from
+    elsewhere."""
+    page.set_viewport_size({"width": 1300, "height": 900})
     wrong: list[str] = []
     page.on("console", lambda told: wrong.append(told.text) if told.type == "error" else None)
     page.on("pageerror", lambda error: wrong.append(str(error)))
@@ -236,13 +238,15 @@ def test_in_a_browser(page, address):
             """() => ({
                 blank: [...document.querySelectorAll(".arithmatex")]
                     .filter(block => !block.querySelector("mjx-container")).length,
+                wide: [...document.querySelectorAll(".arithmatex")]
+                    .filter(block => block.scrollWidth > block.clientWidth + 1).length,
                 errors: document.querySelectorAll("mjx-merror").length,
                 formulas: document.querySelectorAll("mjx-container").length,
                 missing: [...document.images].filter(image => !image.naturalWidth).length,
                 pictures: document.images.length,
             })"""
         )
-        assert (drawn["blank"], drawn["errors"], drawn["missing"]) == (0, 0, 0), path
+        assert [drawn[name] for name in ("blank", "wide", "errors", "missing")] == [0] * 4, path
         formulas += drawn["formulas"]
         pictures += drawn["pictures"]
     assert wrong == []

@@ -13,11 +13,11 @@ with ld.Simulation(jammed, bubbles) as sim:
     foam = sim.compress(phi=0.98, steps=12)[-1]
 foam.plot(axes[0], color="pressures", cmap="YlGnBu", **plain)
 
-jammed = ld.jam(ld.bidisperse(192, sizes=(0.5, 0.7), seed=3)).packing
+jammed = ld.jam(ld.bidisperse(80, sizes=(0.5, 0.7), seed=3)).packing
 with ld.Simulation(jammed, ld.Ring()) as sim:
     sim.compress(phi=0.9, steps=4)
     sheared = sim.shear(0.1, steps=10)[-1]
-pale = {"color": np.zeros(192), "cmap": "Blues", "vmin": -1.0, "vmax": 5.0}
+pale = {"color": np.zeros(80), "cmap": "Blues", "vmin": -1.0, "vmax": 5.0}
 sheared.plot(axes[1], forces=True, **pale, **plain)
 axes[1].get_legend().remove()
 
