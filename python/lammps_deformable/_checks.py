@@ -95,7 +95,7 @@ def expect(name: str, value: object, *kinds: type) -> None:
         found = f"the class {value.__name__} itself: call it, {value.__name__}(...)"
     elif len(found) > _LONG:
         found = f"a {type(value).__name__}"
-    if isinstance(getattr(value, "packing", None), kinds):
+    if isinstance(getattr(value, "packing", ...), kinds):
         found += ": take its `packing`"
     wanted = " or ".join(kind.__name__ for kind in kinds)
     raise ParameterError(f"{name} must be of the kind {wanted}, not {found}")

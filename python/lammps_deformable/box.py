@@ -129,7 +129,7 @@ def lattice_vectors(box: ArrayLike) -> Floats:
     square = vectors.shape in ((2, 2), (3, 3))
     if not square or np.triu(vectors, 1).any() or not (vectors.diagonal() > 0.0).all():
         raise ParameterError(
-            "box must be (lx, ly) or ((lx, 0), (xy, ly)) with lx, ly > 0, or in three dimensions "
+            "box must be (lx, ly) or rows ((lx, 0), (xy, ly)) with lx, ly > 0, or in space "
             "(lx, ly, lz) or ((lx, 0, 0), (xy, ly, 0), (xz, yz, lz)), not "
             f"{shown(vectors.tolist())}"
         )

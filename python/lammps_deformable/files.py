@@ -166,8 +166,9 @@ def _open_universe(path: Path, topology: Path | int | None) -> Universe:
     except Exception as error:  # of many readers
         reason = " ".join(str(error).split()) or type(error).__name__
         raise FileError(
-            f"'{path}' is no LAMMPS data file, dump, XYZ or GSD, and MDAnalysis cannot read it: "
-            f"{reason[:200]}"
+            f"'{path}' is no LAMMPS data file, dump, XYZ or GSD, and MDAnalysis cannot read it; "
+            "numbers of a table are for Packing(positions, radii, box) (MDAnalysis says: "
+            f"{reason[:200]})"
         ) from None
 
 

@@ -120,7 +120,8 @@ def refuse_walls(hessian: Hessian) -> None:
     """
     if hessian.packing.walls:
         raise ParameterError(
-            "elastic moduli need a periodic box without walls: `bulk_modulus` strains walls too"
+            "elastic moduli need a periodic box without walls: `compress` by a small strain, and "
+            "take the difference of pressures"
         )
 
 
