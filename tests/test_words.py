@@ -29,7 +29,7 @@ BUDGETS = {
     "docs/pair_deformable_ring.md": 2420,
     "docs/theory/contacts.md": 1630,
     "docs/fix_deformable_wall.md": 1900,
-    "docs/fix_deformable_friction.md": 1640,
+    "docs/fix_deformable_friction.md": 1630,
     "docs/cookbook.md": 1160,
 }
 USUAL, GUIDE, ALL = 1600, 1000, 78_000

@@ -300,12 +300,20 @@ def test_words():
             scene.run(f"fix walls all deformable/wall {words}")
 
 
-@pytest.mark.parametrize(("boundary", "warns"), [("f p p", False), ("p f p", True)])
-def test_edge_of_a_periodic_box(boundary, warns, tmp_path):
+@pytest.mark.parametrize(
+    ("place", "boundary", "warns"),
+    [
+        ("EDGE", "f p p", False),
+        ("EDGE", "p f p", True),
+        ("-3", "p f p", True),
+        ("-2", "p p p", False),
+    ],
+)
+def test_side_of_a_periodic_box(place, boundary, warns, tmp_path):
     """Particles meet through the side, which has nothing behind it."""
     log = tmp_path / "log"
-    plane("xlo EDGE", boundary=boundary, log=log).evaluate()
-    assert ("'xlo' is a side of the box that is periodic" in log.read_text()) == warns
+    plane(f"xlo {place}", boundary=boundary, log=log).evaluate()
+    assert ("'xlo' lies at a side of the box that is periodic" in log.read_text()) == warns
 
 
 def test_edge_of_a_tilted_box():

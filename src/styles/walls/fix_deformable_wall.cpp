@@ -238,6 +238,12 @@ void FixDeformableWall::warn_of_box() const
     const double from = kind[0] <= FIXED ? low - rest : -INFINITY,
                  to = kind[1] <= FIXED ? high + rest : INFINITY;
     const int wall = walls.first_outside(axis, from, to);
+    const int end = walls.first_outside(axis, low + rest, high - rest);
+    if (wall < 0 && end >= 0 && domain->periodicity[axis])
+      error->warning(FLERR,
+                     "Fix {} deformable/wall: '{}' lies at a side of the box that is periodic: "
+                     "particles touch each other through it. Use a boundary f in {}",
+                     id, walls.walls[end].name, "xyz"[axis]);
     if (wall < 0) continue;
     error->warning(FLERR,
                    "Fix {} deformable/wall: '{}' lies outside of the simulation box in {} ({:.6g} "
@@ -245,13 +251,6 @@ void FixDeformableWall::warn_of_box() const
                    "(change_box), or use a boundary s or m",
                    id, walls.walls[wall].name, "xyz"[axis], low, high);
   }
-  for (const WallSource &source : walls.sources)
-    if (source.side.is_edge && domain->periodicity[source.side.axis])
-      error->warning(
-          FLERR,
-          "Fix {} deformable/wall: '{}' is a side of the box that is periodic: particles "
-          "touch each other through it. Use a boundary f there",
-          id, source.name);
 }
 
 /* ---------------------------------------------------------------------- */
