@@ -96,7 +96,7 @@ def _proliferated(
             if fastest > 0.0:
                 step = min(step, _GROWTH / fastest)
             later = end if step == end - state.time else state.time + step
-            radii = core.grown_radius(state.radii, rate * step, sim.dimension)
+            radii = state.radii * np.exp(rate * step / sim.dimension)
             grown = divide(state, radii, settings, start, rng)
             sim.reset(replace(die(grown, settings["death"] * step, rng), time=later))
             state = at_rest(sim, settings)

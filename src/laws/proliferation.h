@@ -5,8 +5,8 @@
 // with the mean pressure p of its contacts, and the pressure P at which growth ceases.
 // Source: Shraiman, PNAS 102, 3318 (2005); Basan et al., HFSP J. 3, 265 (2009).
 //
-// Two daughters have the sizes s V and (1 - s) V and lie side by side on an axis. The center of mass stays. The axis is that of
-// least pressure, or the long one of the outline (Hertwig's rule).
+// Two daughters have the sizes s V and (1 - s) V. They lie side by side on an axis n, at x + (1 - s) D n and x - s D n, where D is
+// their distance: the center of mass x stays. The axis is that of least pressure, or the long one of the outline (Hertwig's rule).
 
 #ifndef DEFORMABLE_PROLIFERATION_H
 #define DEFORMABLE_PROLIFERATION_H
@@ -32,12 +32,6 @@ inline double growth_rate(double rate, double pressure, double most)
   return rate * std::max(0.0, 1.0 - pressure / most);
 }
 
-// The radius of the size V exp(growth).
-inline double grown_radius(double radius, double growth, int dimension)
-{
-  return radius * std::exp(growth / dimension);
-}
-
 // s = (1 + asymmetry u)/2, with u drawn between -1 and 1
 inline double first_share(double asymmetry, double u)
 {
@@ -52,11 +46,10 @@ struct Daughters {
 };
 inline Daughters daughters(double radius, double share, int dimension)
 {
-  const double power = 1.0 / dimension;
-  const double first = radius * std::pow(share, power),
-               second = radius * std::pow(1.0 - share, power);
+  const auto root = [&](double x) { return dimension == 2 ? std::sqrt(x) : std::cbrt(x); };
+  const double first = radius * root(share), second = radius * root(1.0 - share);
   const double small = std::min(first, second), large = std::max(first, second);
-  return {first, second, 0.5 * (small + std::sqrt(4.0 * large * large - 3.0 * small * small))};
+  return {first, second, 0.5 * (small + std::sqrt(4.0 * (large * large) - 3.0 * (small * small)))};
 }
 
 struct SymmetricTensor {

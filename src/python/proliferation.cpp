@@ -14,26 +14,11 @@ void require_as_many(const std::string &one, std::size_t size, const std::string
            " and " + std::to_string(others));
 }
 
-void require_dimension(int dimension)
-{
-  if (dimension != 2 && dimension != 3)
-    refuse("dimension must be 2 or 3, not " + std::to_string(dimension));
-}
-
 Vector growth_rates(nb::handle rate, nb::handle pressure, double most)
 {
   const std::vector<double> rates = vector_of("rate", rate), p = vector_of("pressure", pressure);
   require_as_many("rate", rates.size(), "pressure", p.size());
   return per_contact(p.size(), [&](std::size_t i) { return growth_rate(rates[i], p[i], most); });
-}
-
-Vector grown_radii(nb::handle radius, nb::handle growth, int dimension)
-{
-  const std::vector<double> radii = vector_of("radius", radius), g = vector_of("growth", growth);
-  require_as_many("radius", radii.size(), "growth", g.size());
-  require_dimension(dimension);
-  return per_contact(g.size(),
-                     [&](std::size_t i) { return grown_radius(radii[i], g[i], dimension); });
 }
 
 Vector first_shares(double asymmetry, nb::handle u)
@@ -46,7 +31,8 @@ nb::tuple all_daughters(nb::handle radius, nb::handle share, int dimension)
 {
   const std::vector<double> radii = vector_of("radius", radius), shares = vector_of("share", share);
   require_as_many("radius", radii.size(), "share", shares.size());
-  require_dimension(dimension);
+  if (dimension != 2 && dimension != 3)
+    refuse("dimension must be 2 or 3, not " + std::to_string(dimension));
   std::vector<Daughters> found;
   for (std::size_t i = 0; i < radii.size(); ++i) {
     if (!(shares[i] > 0.0 && shares[i] < 1.0))
@@ -114,19 +100,10 @@ Raises
 ------
 ValueError
     Arrays of different lengths.)");
-  m.def("grown_radius", &grown_radii, "radius"_a, "growth"_a, "dimension"_a,
-        R"(Radii of particles whose sizes V have grown to V exp(growth), shape (N,) [length].
-
-Raises
-------
-ValueError
-    Arrays of different lengths, or another dimension than 2 and 3.)");
-  m.def(
-      "first_share", &first_shares, "asymmetry"_a, "u"_a,
-      R"((1 + asymmetry u)/2: the share of the first daughter, for numbers u drawn between -1 and 1.)");
-  m.def(
-      "daughters", &all_daughters, "radius"_a, "share"_a, "dimension"_a,
-      R"(Radii of both daughters of each particle, and the distance between them, each of shape (M,).
+  m.def("first_share", &first_shares, "asymmetry"_a, "u"_a,
+        R"(Shares (1 + asymmetry u)/2 of first daughters, for u drawn between -1 and 1.)");
+  m.def("daughters", &all_daughters, "radius"_a, "share"_a, "dimension"_a,
+        R"(Radii of both daughters of each particle and their distance, of shape (M,) each [length].
 
 Their contact line lies halfway between the center and the edge of the smaller one.
 
@@ -157,9 +134,8 @@ Raises
 ------
 ValueError
     Another shape.)");
-  m.def(
-      "long_axis", &long_axis_of, "outline"_a,
-      R"(The long axis of an outline by its second moments about the center, shape (2,); 0 if it is round.
+  m.def("long_axis", &long_axis_of, "outline"_a,
+        R"(The long axis of an outline by its second moments, shape (2,); 0 if it is round.
 
 Parameters
 ----------

@@ -9,10 +9,6 @@ def test_growth() -> None:
     rate, pressure = [2.0, 2.0, 2.0, 0.0], [0.0, 0.3, 2.0, 0.3]
     assert core.growth_rate(rate, pressure, 1.0) == pytest.approx([2.0, 1.4, 0.0, 0.0])
     assert core.growth_rate(rate, pressure, np.inf).tolist() == rate
-    for d in (2, 3):
-        assert core.grown_radius([0.5, 2.0], [0.3, 0.0], d) == pytest.approx(
-            [0.5 * np.exp(0.3 / d), 2.0], rel=1e-15
-        )
 
 
 def test_daughters_share_the_size_of_their_mother() -> None:
@@ -68,10 +64,8 @@ def test_long_axis_of_a_triangle_about_a_corner() -> None:
 def test_what_they_refuse() -> None:
     with pytest.raises(ValueError, match="rate and pressure must have as many numbers"):
         core.growth_rate([1.0], [1.0, 2.0], 1.0)
-    with pytest.raises(ValueError, match="radius and growth must have as many numbers"):
-        core.grown_radius([1.0], [], 2)
     with pytest.raises(ValueError, match="dimension must be 2 or 3, not 4"):
-        core.grown_radius([1.0], [1.0], 4)
+        core.daughters([1.0], [0.5], 4)
     with pytest.raises(ValueError, match="radius and share must have as many numbers"):
         core.daughters([1.0], [0.5, 0.5], 2)
     with pytest.raises(ValueError, match=r"share must be above 0 and below 1, not 1\.0"):

@@ -221,7 +221,7 @@ void FixDeformableProliferate::grow(int i)
     now = deformable::growth_rate(rate, mean_pressure(found->second, size, d), most_pressure);
   }
   const double growth = now * nevery * update->dt;
-  atom->radius[i] = deformable::grown_radius(atom->radius[i], growth, d);
+  atom->radius[i] *= std::exp(growth / d);
   if (atom->rmass) atom->rmass[i] *= std::exp(growth);
 }
 
