@@ -43,7 +43,7 @@ def test_an_adhesion_that_leaves_no_room_is_named(tmp_path):
     scene = droplets([[0, 0], *ring], tmp_path, 1.0)
     told = "Atom 1 has no shape that keeps its area: its 6 contacts of adhesion 1 leave no room. "
     told += (
-        "Begin with .minimize., which makes room, compress less, take a smaller adhesion, or give"
+        "Begin with .minimize., which makes room, take a smaller adhesion, compress less, or give"
     )
     with pytest.raises(Exception, match=told):
         scene.energy()

@@ -14,6 +14,7 @@
 #include "update.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstring>
 #include <string>
@@ -682,12 +683,15 @@ void PairDeformableRing::no_shape(int i, int contacts)
 {
   const bool keeps_area = std::isinf(stiffness_of(i).kA);
   const double adhesion = largest_adhesion(i);
-  refuse("Atom {} has no {}: its {} contacts{} leave no room. {}ompress less, {}or give "
-         "{} a {} kA",
-         atom->tag[i], keeps_area ? "shape that keeps its area" : "stable shape", contacts,
-         adhesion > 0.0 ? fmt::format(" of adhesion {:g}", adhesion) : "",
-         keeps_area && update->whichflag == 1 ? "Begin with 'minimize', which makes room, c" : "C",
-         adhesion > 0.0 ? "take a smaller adhesion, " : "",
+  const bool starts = update->whichflag == 1 && update->ntimestep == update->firststep;
+  std::string advice;
+  if (keeps_area && starts) advice += "begin with 'minimize', which makes room, ";
+  if (adhesion > 0.0) advice += "take a smaller adhesion, ";
+  advice += "compress less, ";
+  advice[0] = static_cast<char>(std::toupper(advice[0]));
+  refuse("Atom {} has no {}: its {} contacts{} leave no room. {}or give {} a {} kA", atom->tag[i],
+         keeps_area ? "shape that keeps its area" : "stable shape", contacts,
+         adhesion > 0.0 ? fmt::format(" of adhesion {:g}", adhesion) : "", advice,
          kA_by_atom ? "it" : "species '" + materials.species_of(i).name + "'",
          keeps_area ? "finite" : "larger");
 }
