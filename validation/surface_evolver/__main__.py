@@ -110,6 +110,16 @@ def disordered(name: str) -> Callable[[], ld.State]:
     return relaxed
 
 
+# names of stored packings: number of droplets, ratio of sizes, seed, phi
+STORED = "8_1.4_1_0.78", "10_1_5_0.7", "12_1.4_4_0.74", "16_1_2_0.7", "16_1_2_0.78"
+
+
+def told(name: str) -> str:
+    """What the page calls a stored packing."""
+    number, ratio, _, phi = name.split("_")
+    return f"{number} droplets, 1 : {ratio} at {phi}"
+
+
 CASES: dict[str, Callable[[], ld.State]] = {
     "plates in the plane": plates(FOAM),
     "two that stick": doublet,
@@ -119,10 +129,7 @@ CASES: dict[str, Callable[[], ld.State]] = {
     "bcc 0.76": crystal("bcc", 1, 0.76),
     "fcc 0.79": crystal("fcc", 1, 0.79),
     "fcc 0.83": crystal("fcc", 1, 0.83),
-    **{
-        f"disordered {name}": disordered(name)
-        for name in ("8_1.4_1_0.78", "10_1_5_0.7", "12_1.4_4_0.74", "16_1_2_0.7", "16_1_2_0.78")
-    },
+    **{told(name): disordered(name) for name in STORED},
 }
 
 
@@ -152,14 +159,17 @@ def measure(name: str, folder: Path) -> dict[str, Any]:
 
 def markdown(rows: list[dict[str, Any]]) -> str:
     """The table of the page."""
-    lines = ["| | law | Surface Evolver | finer | difference |", "|---|---|---|---|---|"]
+    lines = ["| | energy | two meshes | off | pressure | two meshes | off |", "|---" * 7 + "|"]
     for row in rows:
+        cells = [row["case"]]
         for name in ("energy", "pressure"):
             law, (coarse, fine) = row[name], row[f"{name} of Surface Evolver"]
-            case = row["case"] if name == "energy" else ""
-            free = abs(fine) < 1e-6  # no pressure
-            part = "" if free else f"{100.0 * (law / fine - 1.0):+.2f} %"
-            lines.append(f"| {case} {name} | {law:.5f} | {coarse:.5f} | {fine:.5f} | {part} |")
+            if abs(fine) < 1e-6:  # no pressure
+                cells += ["0", "0", ""]
+                continue
+            off = f"{100.0 * (law / fine - 1.0):+.2f} %"
+            cells += [f"{law:.5f}", f"{coarse:.5f}, {fine:.5f}", off]
+        lines.append(f"| {' | '.join(cells)} |")
     return "\n".join(lines)
 
 
@@ -174,7 +184,7 @@ def main() -> None:
     for name in options.cases:
         with tempfile.TemporaryDirectory() as folder:
             rows[name] = measure(name, Path(folder))
-        print(markdown([rows[name]]).splitlines()[2:], flush=True)
+        print(markdown([rows[name]]).splitlines()[-1], flush=True)
         ordered = [rows[case] for case in CASES if case in rows]
         file.write_text(json.dumps({"rows": ordered}, indent=1) + "\n")
     print(markdown([rows[case] for case in CASES if case in rows]))
