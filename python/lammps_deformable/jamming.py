@@ -150,8 +150,10 @@ def jam(
             walls, which are scaled with the box; particles may overlap.
         law: contact law, in three dimensions `Droplet`; if not given soft disks or spheres,
             `SoftContact()`.
-        pressure: threshold of rigidity, in units of `natural_pressure`. The distance to the onset
-            depends on the law: p ~ phi - phi_J for disks, p ~ (phi - phi_J)^3 for rings.
+        pressure: threshold of rigidity in natural units, with the mean radius R0: k of soft disks,
+            k/(2 R0) of spheres, kA R0^2 of rings that conserve their perimeter, kP of those that
+            conserve their area, tension/R0 of droplets. The distance to the onset depends on the
+            law: p ~ phi - phi_J for disks, p ~ (phi - phi_J)^3 for rings.
         free: what is free beside the centers. With its size alone, `iso`, a box keeps a shear
             stress, and many packings would yield if its shape were free. With the shape, `tri`, or
             both lengths, `aniso`, the stress is `pressure` in all free directions, to 1e-6, and the

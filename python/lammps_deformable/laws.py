@@ -261,7 +261,7 @@ class Ring:
 
     @property
     def name(self) -> str:
-        """`balanced`, `curved` or `radical`, see `LAWS`."""
+        """`balanced`, `curved` or `radical`, as in the shell and in files."""
         return self.contact
 
     def _single_contact_stiffness(self, radius: float) -> float:
@@ -370,7 +370,7 @@ class Sector:
 
     @property
     def name(self) -> str:
-        """`sector`, see `LAWS`."""
+        """`sector`, in files."""
         return "sector"
 
     @property

@@ -159,8 +159,8 @@ class State:
             of curvature, droplets with a load above 0.4, or above 0.05 in the mean facet.
         wall_forces: force of the particles on each of `packing.walls`, shape (number of walls, d)
             [energy/length].
-        films: contacts that stick, with IDs from 1 as in LAMMPS, see `commands.Films`, shape
-            (M, 2); None without adhesion.
+        films: contacts that stick, pairs of IDs that count from 1 as in LAMMPS, or an ID and a code
+            below 0 of a wall, shape (M, 2); None without adhesion.
         lost_energy: what particles have lost in motion, where they have attached and let go, and
             where contacts rub and damp: with it, and with `spring_energy`, their energy is
             conserved [energy].
@@ -172,7 +172,8 @@ class State:
         friction: of the contacts; None if they slip.
         gravity: acceleration of all particles, shape (d,), or of each species; None without
             [length/time^2].
-        rubbing: spins, springs of contacts and what was lost, see `friction.Rubbing`; None without
+        rubbing: `spins`, `springs` of contacts, and `lost`, the energies lost so far by sliding, in
+            the dashpots along contacts, in those along normals, and by films; None without
             friction.
         unsaved: what acts on the contacts by commands to `lmp`, and is not saved: walls, excluded
             pairs; empty without.
@@ -563,12 +564,43 @@ class State:
     def contacts(self) -> ContactTable:
         """Active contacts, with a row for each side, sorted by (i, j, image): structured array.
 
-        All laws have the fields i, j (-1 - k for wall k), image (d,), force and force_vector (d,),
-        the force on i. But for polygons there are distance, indentation of i and position (d,), in
-        space and of soft particles normal (d,); of rings angle, length, tilt, half_angle,
-        contact_angle and attached, see `contacts.COLUMNS`; of droplets facet_radius, see
-        `contacts.DROPLET_COLUMNS`. With friction there are friction, damping, spring, sliding too,
-        see `friction.rubbing_columns`, and the forces have these parts.
+            strong = state.contacts[state.contacts["force"] > 2 * state.contacts["force"].mean()]
+
+        Fields of all laws:
+
+        * `i` and `j`: particles; j is -1 - k for wall k
+        * `image`: periodic image of j, in lattice vectors, (d,)
+        * `force`: normal to the contact [energy/length]
+        * `force_vector`: force on i, tangential parts included, (d,) [energy/length]
+
+        Of all but polygons:
+
+        * `distance` of the centers, or of i from the wall, and `indentation` of i [length]
+        * `position`: point of the contact line nearest to i, or middle of a facet, (d,) [length]
+
+        Of rings and sectors:
+
+        * `angle`: direction from i to the contact line, normal to it [rad]
+        * `length`: of the contact on i [length]
+        * `tilt`: of the line, `angle` less the direction from i to j [rad]
+        * `half_angle`: of the line, an arc, positive where it is convex for i [rad]
+        * `contact_angle`: at which the outline of i meets the film, 0 without [rad]
+        * `attached`: whether it sticks, so that its force may be negative
+
+        Of droplets, and the first one of soft particles too:
+
+        * `normal`: of the facet, from i to j, (d,)
+        * `facet_radius`: sqrt(force R / (2 pi tension)) [length]
+        * `tilt`: of the film, whose normal is normal + tilt, (3,)
+        * `curvature`: of the film, positive where it is convex for i [1/length]
+
+        With friction, whose parts the forces have too:
+
+        * `friction`: f_t, along the contact; a vector in space [energy/length]
+        * `damping`: f_d, along the normal [energy/length]
+        * `spring`: xi, as f_t [length]
+        * `sliding`: whether friction has its largest value
+        * `film_vector`: force of the film on i, (d,) [energy/length]
         """
         if self._table is not None:
             return self._table
