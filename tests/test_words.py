@@ -40,6 +40,8 @@ BANNED = (
     *("older version", "cited from memory", "could read the abstract", "what it took"),
     *("as right as", "is worth some", "the code of the day", "would take two months"),
     *("and so on the processor", "all forces are computed in lammps", "neither of both"),
+    *("no other degree of freedom", "have no such reference", "bend between particles of unequal"),
+    *("both pair styles, the four fixes", "takes six minutes", "four seconds on one core"),
 )
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from droplet_formula import KAPPA, green, load, parts
 from lammps_deformable import core
 
 ROOT = Path(__file__).parents[2]
@@ -84,6 +85,26 @@ def test_plates():
             found, forces = solved([[0, 0, 1], [0, 0, -1]], np.full(2, indentation), [exact] * 2)
             assert forces == pytest.approx([exact] * 2, rel=7e-3)
             assert found.indentation == pytest.approx([indentation] * 2)
+
+
+def test_the_integral_of_the_cube():
+    """The closed form of I3 beside the integral, and its part of the energy, as the page says."""
+    k = np.arange(100_000) + 0.5
+    z, angle = 1 - 2 * k / len(k), np.pi * (1 + np.sqrt(5)) * k
+    r = np.sqrt(1 - z * z)
+    sphere = np.column_stack([r * np.cos(angle), r * np.sin(angle), z])
+    off, of_energy = [], []
+    for cage in CAGES.values():
+        f, n = np.array(cage["f"]), np.array(cage["normals"])
+        if re.match("mono|bi", cage["name"]) and load(f) < 0.1:
+            exact = 4 * np.pi * np.mean((-green(sphere @ n.T) @ f) ** 3)
+            wrong = parts(f, n)["I3"] - exact
+            off.append(wrong / exact)
+            of_energy.append(2 / 3 * np.exp(-4 * KAPPA * load(f)) * wrong / cage["energy"])
+    rms, most = np.sqrt(np.mean(np.square(off))), np.abs(of_energy).max()
+    text = " ".join(PAGE.read_text().split())
+    told = f"off the integral by {100 * rms:.0f} % in cages of random packings below x = 0.1 (rms)"
+    assert f"{told}, and that by {100 * most:.2f} % of the energy at most" in text
 
 
 def table():

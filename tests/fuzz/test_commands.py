@@ -2,6 +2,7 @@
 
 import re
 from itertools import chain
+from pathlib import Path
 
 import pytest
 from grammar import numbers, positive, words_of
@@ -10,6 +11,7 @@ from hypothesis import strategies as st
 from lammps_deformable.laws import LAWS
 from test_species_file import SCENE
 
+ROOT = Path(__file__).parents[2]
 CONTACTS = [name for name in LAWS if name != "sector"]
 
 SPECIES = """# UNITS: lj
@@ -91,6 +93,18 @@ POLYGONS = st.one_of(
     st.tuples(positive, st.just("rest"), numbers).map(list),
     words_of("rest", "initial"),
 ).map(" ".join)
+GROWTH = st.one_of(
+    st.tuples(
+        *(st.sampled_from(["1", "2"]), positive, positive, st.just("7")),
+        words_of("pressure", "axis", "asymmetry", "random", "stress", "long").map(" ".join),
+    ).map(list),
+    st.tuples(*[numbers] * 4).map(list),
+    words_of("pressure", "axis"),
+).map(" ".join)
+OUTLINES = st.one_of(st.just(""), numbers.map("points {}".format), words_of("points").map(" ".join))
+MINIMIZER = words_of(
+    *("memory", "precondition", "dmax", "norm", "springs", "none", "two", "inf", "max")
+).map(" ".join)
 GROUPS = st.sampled_from(["all", "all", "some", "none", "nobody"])
 RUNS = ["run 0", "minimize 0 1e-8 3 6", "fix move all nve", "velocity all set 0.1 0 0", "run 3"]
 
@@ -168,6 +182,33 @@ def test_friction(host, examples):
         assert check(host.answer(scene, {"species": SPECIES}))
 
     answers()
+
+
+@pytest.mark.parametrize("examples", SOME)
+def test_growth_outlines_and_minimizer(host, examples):
+    @settings(max_examples=examples, deadline=None)
+    @given(GROUPS, GROWTH, OUTLINES, MINIMIZER, st.sampled_from(STYLES))
+    def answers(group, growth, outline, settings, style):
+        pair = f"pair_style deformable/{style}", "pair_coeff * * species a d"
+        lines = f"compute lines {group} deformable/outline {outline}"
+        for commands in (
+            [f"fix grow {group} deformable/proliferate {growth}"],
+            [lines, "dump lines all local 1 dump.lines c_lines[*]"],
+            ["min_style deformable/lbfgs", f"min_modify {settings}"],
+        ):
+            scene = beside_regions(*pair, *commands)
+            assert check(host.answer(scene, {"species": SPECIES}))
+
+    answers()
+
+
+def test_each_style_is_drawn():
+    sources = "".join(path.read_text() for path in (ROOT / "src").rglob("*.h"))
+    styles = set(re.findall(r"Style\((deformable/\w+),", sources))
+    styles -= {"deformable/films", "deformable/restart"}  # made by pair styles
+    drawn = "".join(path.read_text() for path in Path(__file__).parent.glob("*.py"))
+    assert len(styles) > 10
+    assert {style for style in styles if style not in drawn} == set()
 
 
 def rings(molecules, images, places):
@@ -275,6 +316,9 @@ ORDERS = [
     *(["unfix w"], ["fix w all deformable/wall left"], ["fix w2 all deformable/wall left"]),
     *(["unfix s"], ["fix s all deformable/stick left 3.0 radius 0.4"]),
     *(["unfix r"], ["fix r all deformable/friction inf 0.1 0"], ['print "$(f_r[1])"']),
+    *(["fix p all deformable/proliferate 1 0.5 1.0 7 axis stress"], ["unfix p"]),
+    *(["compute o all deformable/outline"], ["dump o all local 1 dump.lines c_o[*]"], ["undump o"]),
+    *(["min_style deformable/lbfgs"], ["min_style fire"]),
     *(["uncompute sum"], ["compute c2 all deformable/contact"]),
     *(["thermo_style one"], ['print "$(v_v)"'], ['print "$(c_virial)"'], ['print "$(f_w[1])"']),
     *(["run 0"], ["run 2"], ["minimize 0 1e-8 2 4"], ["fix move all nve"]),

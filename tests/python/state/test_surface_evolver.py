@@ -20,7 +20,7 @@ def foam() -> ld.State:
 
 @pytest.fixture(scope="module")
 def droplets() -> ld.State:
-    return CASES["disordered 8_1.4_1_0.78"]()
+    return CASES["8 droplets, 1 : 1.4 at 0.78"]()
 
 
 class File:
