@@ -2,6 +2,7 @@
 
 import sys
 import warnings
+from pathlib import Path
 
 import matplotlib.pyplot as plt
 import MDAnalysis
@@ -57,10 +58,10 @@ for dump in sys.argv[1:]:
         f"g(r) {g.max():.2f} at {r[g.argmax()]:.2f}, {g[r > 0.8 * LARGEST_R].mean():.3f} far away"
     )
 
-    left.loglog(time, msd, label=dump)
-    right.plot(r, g, label=dump)
+    left.loglog(time, msd, label=Path(dump).parent.name)
+    right.plot(r, g)
 
 left.set(xlabel="time", ylabel="mean-square displacement")
 right.set(xlabel="r", ylabel="g(r)")
 left.legend(frameon=False)
-figure.savefig("thermal.png", dpi=80)
+figure.savefig("thermal.png", dpi=110)
