@@ -99,8 +99,8 @@ def show(adhesion, seed, found):
 
 def mean(values):
     """The mean of independent values and its standard error."""
-    # without the sign of a zero
-    return f"{round(np.mean(values), 3) + 0.0:.3f} ± {np.std(values, ddof=1) / np.sqrt(len(values)):.3f}"
+    error = np.std(values, ddof=1) / np.sqrt(len(values))
+    return f"{round(np.mean(values), 3) + 0.0:.3f} ± {error:.3f}"  # without the sign of a zero
 
 
 def summarize(adhesion, gels):
