@@ -64,10 +64,11 @@ def warn(message: str | Warning, category: type[Warning] | None = None) -> None:
         category: of the warning; that of the message if not given.
     """
     level, frame = 1, sys._getframe()
-    while frame.f_back and _is_own(frame.f_globals.get("__name__", "")):
+    while frame.f_back and _is_own(frame.f_globals.get("__name__")):
         level, frame = level + 1, frame.f_back
     warnings.warn(message, category, stacklevel=level)
 
 
-def _is_own(module: str) -> bool:
-    return module in _BETWEEN or module.partition(".")[0] == __package__
+def _is_own(module: object) -> bool:
+    name = str(module)  # code of `exec` may have anything
+    return name in _BETWEEN or name.partition(".")[0] == __package__

@@ -74,3 +74,13 @@ def test_what_they_refuse() -> None:
         core.stretched_axes(np.ones((2, 2, 3)))
     with pytest.raises(ValueError, match="outline must have rows of 2 numbers"):
         core.long_axis([[1.0, 0.0, 0.0]])
+    with pytest.raises(ValueError, match=r"most must be above 0, not nan"):
+        core.growth_rate([1.0], [1.0], float("nan"))
+    with pytest.raises(ValueError, match=r"asymmetry must be 0 or above and below 1, not 1\.0"):
+        core.first_share(1.0, [0.0])
+    with pytest.raises(ValueError, match="radius must be above 0, not -1"):
+        core.daughters([-1.0], [0.5], 2)
+    with pytest.raises(ValueError, match="stress must have finite numbers"):
+        core.stretched_axes(np.full((1, 2, 2), np.inf))
+    with pytest.raises(ValueError, match="outline must have finite numbers"):
+        core.long_axis(np.full((3, 2), np.nan))

@@ -316,6 +316,17 @@ def test_side_of_a_periodic_box(place, boundary, warns, tmp_path):
     assert ("'xlo' lies at a side of the box that is periodic" in log.read_text()) == warns
 
 
+@pytest.mark.parametrize(("side", "warns"), [("ylo -3", True), ("xlo -3", False)])
+def test_side_of_a_tilted_periodic_box(side, warns, tmp_path):
+    log = tmp_path / "log"
+    scene = plane("ylo -2", boundary="p p p", log=log)
+    scene.run(
+        f"unfix walls\nchange_box all triclinic xy final 1.0\nfix w all deformable/wall {side}"
+    )
+    scene.energy()
+    assert ("lies at a side of the box that is periodic" in log.read_text()) == warns
+
+
 def test_edge_of_a_tilted_box():
     with pytest.raises(Exception, match="xlo EDGE: a side of a tilted box is no plane"):
         plane("xlo EDGE", boundary="f p p", tilt=0.0)

@@ -92,6 +92,23 @@ def test_minimizer_makes_room(law, species, style, tmp_path):
     assert "the energy rises" not in text  # it does, from one iteration to the next
 
 
+def test_wrong_forces_are_told_once_there_is_room(tmp_path):
+    x, length = lattice(0.93, 0.25, seed=3)
+    log = tmp_path / "log"
+    scene = scene_of("deformable/ring", "drop", x, length, log)
+    scene.run(f"""
+        variable fx atom 0.05*({0.5 * length}-x)
+        variable fy atom 0.05*({0.5 * length}-y)
+        variable none atom 0
+        fix pull all addforce v_fx v_fy 0 energy v_none
+        min_style deformable/lbfgs
+    """)
+    assert minimized(scene, iterations=3000)[1] == 0
+    scene.lmp.close()
+    text = log.read_text()
+    assert text.index("leave no room") < text.index("the energy rises along the forces")
+
+
 def test_room_beside_another_style(tmp_path):
     x, length = lattice(0.93, 0.25, seed=3)
     log, box = tmp_path / "log", (0, length, 0, length)

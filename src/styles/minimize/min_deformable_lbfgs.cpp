@@ -241,6 +241,7 @@ int MinDeformableLbfgs::descend(int maxiter)
   outdated = true;
   energy = pe_compute->scalar;
   energy_follows = true;
+  follows_again = false;
   int failures = 0;
 
   may_be_loose = pair != nullptr;
@@ -343,10 +344,19 @@ double MinDeformableLbfgs::find_direction()
   return -sum(product(fvec, q, nvec));
 }
 
+/* ---------------------------------------------------------------------- */
+
+bool MinDeformableLbfgs::law_changes() const
+{
+  bool found = false;
+  for (const PairDeformable *each : deformable_pairs(*force)) found |= each->law_changes();
+  return found;
+}
+
 /* ----------------------------------------------------------------------
    Moves the atoms by a part of q, or leaves them where they are. Forces that
    are not derivatives of the energy, as where a fix adds some without an
-   energy or areas give way, are followed by their slope alone.
+   energy, are followed by their slope alone; and as long as areas give way.
 ------------------------------------------------------------------------- */
 
 bool MinDeformableLbfgs::search(double slope, double &part)
@@ -355,6 +365,8 @@ bool MinDeformableLbfgs::search(double slope, double &part)
   std::copy_n(xvec, nvec, x0);
   std::copy_n(fvec, nvec, f0);
   const double before = energy;
+  const bool changes = law_changes();
+  if (follows_again && !changes) energy_follows = true;
   balance_loosely();
   const double rounding = 1e-10 * std::fabs(before);
   for (int trial = 1; trial <= MOST_TRIALS; ++trial) {
@@ -366,10 +378,8 @@ bool MinDeformableLbfgs::search(double slope, double &part)
       if (std::fabs(flat) <= 0.9 * std::fabs(slope) && rise <= rounding) return true;
       if (std::fabs(flat - slope) < 0.1 * std::fabs(slope) && rise - part * slope > rounding) {
         energy_follows = false;
-        const std::vector<PairDeformable *> pairs = deformable_pairs(*force);
-        const bool law_changes = std::any_of(pairs.begin(), pairs.end(),
-                                             [](PairDeformable *p) { return p->law_changes(); });
-        if (comm->me == 0 && !law_changes)
+        follows_again = changes || law_changes();
+        if (comm->me == 0 && !follows_again)
           error->warning(FLERR,
                          "Min style deformable/lbfgs: the energy rises along the forces, which are "
                          "not its derivatives, e.g. of a fix without 'fix_modify energy yes'. It "

@@ -145,7 +145,7 @@ class PairDeformable : public Pair {
   // For the next force calls: contacts need not balance better than to this force, where it is above the tolerance. A minimizer
   // says so as long as it is far from rest.
   virtual void accept_imbalance(double /*force*/) {}
-  // Whether the energy of the same places differs between iterations of a minimization.
+  // Whether the energy of these places is another one in the next iteration of a minimization. All ranks ask, and hear the same.
   virtual bool law_changes() const { return false; }
   const deformable::FrontKernels &front_kernels() const { return kernels->fronts; }
 

@@ -38,7 +38,7 @@ class PairDeformableRing : public PairDeformable {
   {
     if (balanced) balanced->enough = force;
   }
-  bool law_changes() const override { return soft_since != NEVER; }
+  bool law_changes() const override { return soft_since != NEVER && all_giving_way() > 0; }
 
  protected:
   bool bends_lines() const override { return balanced && balanced->pairs().curved; }

@@ -231,7 +231,9 @@ void FixDeformableWall::warn_of_box() const
 {
   enum { PERIODIC, FIXED };
   constexpr double ROUNDING = 1e-9;    // of the box
-  for (int axis = 0; axis < dimension && !domain->triclinic; ++axis) {
+  const bool tilted[] = {domain->xy != 0.0 || domain->xz != 0.0, domain->yz != 0.0, false};
+  for (int axis = 0; axis < dimension; ++axis) {
+    if (tilted[axis]) continue;    // its sides are no planes across the axis
     const int *const kind = domain->boundary[axis];
     const double low = domain->boxlo[axis], high = domain->boxhi[axis];
     const double rest = ROUNDING * (high - low);

