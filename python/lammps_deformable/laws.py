@@ -190,7 +190,7 @@ class Ring:
             particles, and for droplets that of a foam. `radical`: on the radical axis of the
             undeformed circles. Compared with smooth polygons, `balanced` is right to 1.4 % up to
             3 % strain, `curved` to less than the polygons' own error, and `radical` wrong by
-            factors. A relaxation takes about 1.3 times as long with `balanced` as with `radical`;
+            factors. A relaxation takes about 1.2 times as long with `balanced` as with `radical`;
             with `curved` it takes 1.2 to 1.4 times, and a step of motion two to three and a half
             times as long as with `balanced`.
         reach: neighbors count up to a distance of (1 + reach) (R_i + R_j), because outlines bulge
