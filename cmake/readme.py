@@ -6,21 +6,17 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
 
-# a picture's mark, the words, and a link that is relative
-LINK = re.compile(r"(!?)(\[[^\]]*\])\((?!\w+:|#)([^)]+)\)")
+# what has a relative address: pictures, and then links, of words or of a picture
+RELATIVE = r"\((?!\w+:|#)([^)]+)\)"
+PICTURE, LINK = re.compile(rf"(!\[[^\]]*\]){RELATIVE}"), re.compile(rf"(\]){RELATIVE}")
 
 
 def with_addresses(text: str, repository: str) -> str:
     """Markdown with all relative links below the address of a repository."""
     if urlsplit(repository).netloc.endswith(".invalid"):  # not filled in yet
         return text
-
-    def whole(found: re.Match[str]) -> str:
-        mark, words, path = found.groups()
-        kind = "raw" if mark else "blob"
-        return f"{mark}{words}({repository}/{kind}/HEAD/{path})"
-
-    return LINK.sub(whole, text)
+    text = PICTURE.sub(rf"\1({repository}/raw/HEAD/\2)", text)
+    return LINK.sub(rf"\1({repository}/blob/HEAD/\2)", text)
 
 
 def dynamic_metadata(settings: Mapping[str, Any], project: Mapping[str, Any]) -> dict[str, Any]:

@@ -70,6 +70,9 @@ def test_pictures_of_the_readme_have_addresses(monkeypatch: pytest.MonkeyPatch) 
         assert f"](https://example.org/r/{'raw' if mark else 'blob'}/HEAD/{path})" in found
     assert re.findall(r"\]\((?!https?:)[^)]+\)", found) == []
     assert "(https://www.lammps.org)" in found
+    at = "https://example.org/r"
+    badge = readme.with_addresses("[![tests](a.svg)](docs/b.md)", at)
+    assert badge == f"[![tests]({at}/raw/HEAD/a.svg)]({at}/blob/HEAD/docs/b.md)"
 
 
 def recipe() -> dict:
