@@ -104,7 +104,7 @@ def test_means_and_their_errors() -> None:
 def test_rings_follow_a_cubic_law_and_disks_a_linear_one() -> None:
     """One packing of 12: until its contacts change, S and overlap are quadratic and linear."""
     for law, pressure, power in (("disk", 1e-7, 1.0), ("radical", 1e-16, 3.0)):
-        _, rows = measure(law, pressure, 12, 2, (1e-4, 2e-4, 4e-4))
+        _, rows = measure(law, pressure, 12, 3, (1e-4, 2e-4, 4e-4))
         (found,) = exponents(rows)
         assert found["pressure"] == pytest.approx(power, abs=0.05 * power)
         assert found["bulk_modulus"] == pytest.approx(power - 1.0, abs=0.1)

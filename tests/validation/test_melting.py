@@ -189,7 +189,7 @@ def test_interrupted_ramps_go_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     for leg, found in zip(ramp["legs"], (one, two), strict=False):
         assert leg["energy"] == np.mean([row["energy"] for row in found["rows"]])
     assert (ramp["ends"][0][1] == two["places"][-1]).all()
-    monkeypatch.setattr(ld, "move", None)
+    monkeypatch.setattr(ld.Simulation, "run", None)
     again = melting.ramp(16, measure.PHI, "crystal", 1, ((0.01, 2), (0.02, 1)), tmp_path)
     assert again["legs"] == ramp["legs"]
 
