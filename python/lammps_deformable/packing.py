@@ -41,6 +41,9 @@ _POINTS = 60
 # Largest distance from the box, in box lengths: LAMMPS brings particles back by one length a step.
 _FARTHEST = 1e6
 
+# LAMMPS has tables of all pairs of types.
+_MOST_SPECIES = 10_000
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Packing:
@@ -101,6 +104,11 @@ class Packing:
         if kinds.shape != (number,) or (kinds % 1 != 0).any() or (kinds < 0).any():
             raise ParameterError(
                 f"species must be {number} whole numbers from 0, not {shown(kinds)}"
+            )
+        if kinds.max() >= _MOST_SPECIES:
+            raise ParameterError(
+                f"species must be numbers below {_MOST_SPECIES}, not {kinds.max():.0f}: number "
+                "them from 0"
             )
         self._set("positions", positions)
         self._set("radii", np.array(np.broadcast_to(radii, number)))

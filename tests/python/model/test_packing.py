@@ -89,6 +89,7 @@ def test_packing_refuses_nonsense() -> None:
         ({"positions": np.zeros(2)}, "positions must have shape"),
         ({"positions": np.zeros((3, 2))}, "one for each of 3 particles"),
         ({"positions": [[0.0, 0.0], [0.0, 2.7e15]]}, "positions of particle 1, .* boxes away"),
+        ({"species": [0, 1e10]}, "species must be numbers below 10000, not 10000000000"),
         ({"species": np.array([0, -2])}, "species must be 2 whole numbers from 0"),
         ({"species": [0.0, 0.9]}, r"species must be 2 whole numbers from 0, not \[0.0, 0.9\]"),
         ({"radii": np.array([0.5, 0.0])}, r"radii must be positive, not \[0.0\]"),
