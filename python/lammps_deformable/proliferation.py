@@ -3,12 +3,12 @@
 The volume V_i of a cell at rest (its area in the plane) grows at a rate, the slower the more others
 press on it,
 
-    dV_i/dt = rate V_i max(0, 1 - p_i/pressure)
+    dV_i/dt = rate V_i max(0, 1 - p_i/pressure),    p_i = sum f h/(d V_i)
 
-with the mean pressure p_i that its contacts exert, and the pressure at which cells cease to grow
-(Shraiman 2005; Basan et al. 2009). A cell that has reached a size divides in two, of shares that
-are drawn, side by side along an axis; each cell may die at any time. The tissue is at rest all the
-time.
+over its contacts: f is the force, h the distance of the contact line, or facet, from the center,
+and d the dimension; cells cease to grow at `pressure` (Shraiman 2005; Basan et al. 2009). A cell
+that has reached a size divides in two, of shares that are drawn, side by side along an axis; each
+cell may die at any time. The tissue is at rest all the time.
 """
 
 from __future__ import annotations
@@ -106,7 +106,9 @@ def _proliferated(
 def growth(state: Any, rate: Any, pressure: float) -> Floats:
     """Rate of growth of each cell, shape (N,) [1/time]."""
     species = np.array(per_species(rate, len(state.packing._species_radii)))
-    pressed = np.trace(state.particle_stress, axis1=1, axis2=2) / state.packing.dimension
+    moments = np.trace(state.particle_stress, axis1=1, axis2=2) * state.volumes  # sum f h
+    d = state.packing.dimension
+    pressed = moments / (d * volumes(state.radii, d))
     return core.growth_rate(species[state.packing.species], pressed, pressure)
 
 

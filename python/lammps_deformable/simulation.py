@@ -685,13 +685,13 @@ class Simulation(OneCall):
 
         Volumes V_i of cells at rest, areas in the plane, grow by
 
-            dV_i/dt = rate V_i max(0, 1 - p_i/pressure)
+            dV_i/dt = rate V_i max(0, 1 - p_i/pressure),    p_i = sum f h/(d V_i)
 
-        with the mean pressure p_i of the contacts of a cell, the trace of its `particle_stress`
-        over the dimension. A cell of the volume `division` or more divides in two, side by side.
-        The tissue is at rest all the time, relaxed at least each time that volumes have grown by
-        5 %. `labels` of a state tell which cell is which, `clones` the label of the first ancestor
-        of each.
+        over the contacts of a cell: f is the force, h the distance of the contact line, or facet,
+        from the center, d the dimension. A cell of the volume `division` or more divides in two,
+        side by side. The tissue is at rest all the time, relaxed at least each time that volumes
+        have grown by 5 %. `labels` of a state tell which cell is which, `clones` the label of the
+        first ancestor of each.
 
             run = sim.proliferate(1.0, division=1.6, time=5.0, steps=20, pressure=0.1)
 

@@ -7,7 +7,7 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 from lammps_deformable.population import divided
-from lammps_deformable.proliferation import divide, long_axes, stretched_axes
+from lammps_deformable.proliferation import divide, growth, long_axes, stretched_axes
 from refusals import refused
 
 CELL = ld.Ring(kA=20.0, kP=2.0, tension=1.0)
@@ -84,6 +84,19 @@ def test_a_container_fills_and_growth_stops_at_the_pressure() -> None:
     assert last.phi == pytest.approx(before.phi, rel=1e-3)
     assert last.phi > 0.9
     assert last.converged
+
+
+def test_growth_by_the_pressure_of_contacts() -> None:
+    """1 - p/P, p = sum f h/2V with V without contacts, as fix deformable/proliferate has it."""
+    packing = ld.Packing([[1.0, 2.0], [1.85, 2.0], [2.9, 2.1]], [0.5, 0.6, 0.7], (3.4, 4.0))
+    with ld.Simulation(packing, CELL) as sim:
+        state = sim.state()
+    table = state.contacts
+    moments = table["force"] * (state.radii[table["i"]] - table["indentation"])
+    pressure = np.bincount(table["i"], moments) / (2.0 * areas(state))
+    most = 1.5 * pressure.max()
+    assert (pressure > 0.0).all()
+    assert growth(state, 3.0, most) == pytest.approx(3.0 * (1.0 - pressure / most), rel=1e-9)
 
 
 def test_deaths_by_chance() -> None:
