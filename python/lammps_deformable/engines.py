@@ -275,7 +275,7 @@ _PATIENCE = 60_000
 # Imbalance of contacts at most.
 UNBALANCED = 0.01
 
-# Results of the pair style for each particle, see `pair_results`.
+# Results of the pair styles for each particle, by their names in *fix pair*.
 _OF_RINGS = ("area", "perimeter", "contacts", "pressure", "arc_radius", "contact_length")
 _OF_DROPLETS = ("area", "contacts", "contact_area", "pressure", "load")
 

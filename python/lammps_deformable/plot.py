@@ -86,7 +86,7 @@ _NAMES = ("area_deficit", "volumes", "pressures", "rattlers", "shape_parameter")
 
 
 def values_of(state: State, color_by: str | ArrayLike) -> Floats:
-    """See `State.values`."""
+    """See `State._values`."""
     from .drawing import per_particle
 
     columns = state._particle_values()

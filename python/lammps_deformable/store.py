@@ -134,7 +134,7 @@ class Motion(NamedTuple):
         velocities: of the particles, shape (N, d) [length/time].
         time: of the motion so far [time].
         strain: shear strain so far; None without shear.
-        films: those that there are, see `films.py`; None if nothing sticks.
+        films: those that there are, see `commands.Films`; None if nothing sticks.
         directions: in which particles propel themselves, shape (N, d); None if they do not.
         rubbing: spins, and what contacts that rub remember; None if they do not.
         images: how often particles have left the box through each side, shape (N, d); None: never.
