@@ -625,8 +625,6 @@ class State:
         """All active contacts, each once."""
         if isinstance(self.law, SoftContact):
             return contacts.soft_forces(self.packing, self.law.k)
-        if isinstance(self.law, Droplet):
-            return contacts.forces_of_droplets(self.packing, self.contacts)
         if self.polygons is not None:
             return contacts.polygon_forces(self.packing, self.contacts)
         return contacts.forces_of_table(self.packing, self.contacts)
