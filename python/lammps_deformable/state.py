@@ -1293,8 +1293,8 @@ class State:
                 values as cell data; in the plane also `.geojson` for programs of plane geometry,
                 with the values as properties.
             forces: write lines between centers in the place of shapes: the contacts, with their
-                `force` along the line, positive where it pushes, the `distance`, and the ids `i`
-                and `j`, of which -1 is a wall.
+                `force` along the line, positive where it pushes, the `distance`, the ids `i` and
+                `j`, of which -1 is a wall, and with friction `friction` and `sliding`.
             mode: `w` replaces a file that is there, `x` refuses to.
 
         Raises:
