@@ -17,7 +17,6 @@ from ._checks import count, expect, numbers
 from .contacts import chords, flats_of, halves
 from .errors import ParameterError
 from .laws import Ring, Sector, SoftContact, refuse_adhesion
-from .versions import optional
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -174,7 +173,6 @@ def plot(
     spins: bool,
 ) -> Axes:
     """See `State.plot`, of a state in the plane."""
-    optional("matplotlib", "plot")
     from . import drawing
 
     values, each = values_of(state, color_by), halves_of(state)

@@ -410,7 +410,6 @@ class State:
     @property
     def _squeezed(self) -> tuple[str, Floats]:
         """What limits time steps: its name, the pressure in each particle or the load."""
-        self._check_has("squeezed", "moving")
         name = "load" if isinstance(self.law, Droplet) else "pressure"
         return name, self.results["loads" if name == "load" else "pressures"]
 
@@ -845,7 +844,6 @@ class State:
         Source: Nelson and Halperin, Phys. Rev. B 19, 2457 (1979).
         """
         r_max, bins = positive("r_max", r_max), count("bins", bins)
-        optional("freud", "freud")
         return analysis.correlation(self.to_freud(), self.hexatic(k), r_max, bins)
 
     @_only("space")
@@ -889,7 +887,6 @@ class State:
             ImportError: freud is missing (`pip install 'lammps-deformable[freud]'`).
         """
         r_max, bins = positive("r_max", r_max), count("bins", bins)
-        optional("freud", "freud")
         return analysis.radial_distribution(self.packing, self.to_freud(), r_max, bins)
 
     def structure_factor(self, bins: int, k_max: float) -> tuple[Floats, Floats]:

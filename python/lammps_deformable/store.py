@@ -45,7 +45,7 @@ from .friction import (
     rubbing_lines,
     spring_commands,
 )
-from .gravity import Floats, as_json_gravity, gravity_commands
+from .gravity import Floats, gravity_commands
 from .laws import ALL_LAWS, AnyLaw, SoftContact
 from .packing import Packing
 from .room import closed
@@ -810,7 +810,7 @@ def setup(
         "radii": packing._species_radii.tolist(),
         "walls": [{"shape": type(wall).__name__, **asdict(wall)} for wall in packing.walls],
         **({} if friction is None else {"friction": as_json("friction", asdict(friction))}),
-        **as_json_gravity(gravity),
+        **({} if gravity is None else {"gravity": gravity.tolist()}),
     }
 
 
