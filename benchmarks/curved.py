@@ -30,7 +30,7 @@ from typing import Any
 
 import lammps_deformable as ld
 import numpy as np
-from lammps_deformable.comparison import compression_rows, law_path, standard_polygons
+from lammps_deformable.comparison import compressed, compression_rows, standard_polygons
 from lammps_deformable.polygons import DeformablePolygon
 from lammps_deformable.versions import machine
 from motion import energies, energy_error, step
@@ -180,7 +180,7 @@ def relaxations() -> list[dict[str, Any]]:
         for seed in (1, 2, 3):
             start = ld.jam(ld.bidisperse(number, seed=seed)).packing
             seconds = [
-                sum(spent for _, spent in law_path(start, ld.Ring(contact=law), 0.05, 10))
+                sum(spent for _, spent in compressed(start, ld.Ring(contact=law), 0.05, 10))
                 for law in LAWS
             ]
             ratios.append(seconds[1] / seconds[0])

@@ -43,13 +43,12 @@ def replaces(mode: object) -> bool:
     return mode == "w"
 
 
-def refuse_present(path: Path, overwrite: bool, *ways: str) -> None:
+def refuse_present(path: Path, overwrite: bool) -> None:
     """Raise an error rather than replace a file that nobody has asked to.
 
     Args:
         path: of the file.
         overwrite: somebody has.
-        ways: further ways out to name in the error.
 
     Raises:
         FileError: there is a file.
@@ -57,8 +56,7 @@ def refuse_present(path: Path, overwrite: bool, *ways: str) -> None:
     with writing(path):  # names may be too long
         if overwrite or not path.exists():
             return
-    ways_out = ", ".join((*ways, "replace it with mode='w'"))
-    raise FileError(f"'{path}' is there already: {ways_out}, or give another name")
+    raise FileError(f"'{path}' is there already: replace it with mode='w', or give another name")
 
 
 def make_folder(folder: str | Path) -> Path:

@@ -43,6 +43,7 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 Row = dict[str, Any]
 Steps = list[tuple[State, float]]
+Method = Law | Droplet | SoftContact | DeformablePolygon
 
 # Laws without a continuous energy do not come to rest.
 _RESTLESS = {"sector"}
@@ -277,15 +278,14 @@ def _polygons(
     return stiff_polygons(packing._species_radii, vertices, kA, kP, smooth)
 
 
-def standard_polygons(count: int, kP: float = 6.0, smooth: bool = True) -> DeformablePolygon:
-    """Polygons for the measurements, of kA = 1 and contacts of range c = 0.05 and stiffness 10.
+def standard_polygons(count: int, smooth: bool = True) -> DeformablePolygon:
+    """Polygons for the measurements: kA = 1, kP = 6, contacts of range c = 0.05 and stiffness 10.
 
     Args:
         count: N_v, of the smallest polygons.
-        kP: stiffness of their perimeter [energy/length^2].
         smooth: whether they are smooth, else bead polygons.
     """
-    return DeformablePolygon(count, smooth=smooth, radius=SKIN, kL=kP * count, kr=CONTACT)
+    return DeformablePolygon(count, smooth=smooth, radius=SKIN, kL=6.0 * count, kr=CONTACT)
 
 
 def stiff_polygons(
@@ -328,7 +328,7 @@ def _in_space(
             "droplets must have one tension, and no walls, to be compared in space"
         )
     calls: list[tuple[Callable[..., Any], Any]]
-    calls = [(_path, law), (_path, SoftContact()), (exact_path, law)]
+    calls = [(compressed, law), (compressed, SoftContact()), (exact_path, law)]
     droplets, spheres, exact = parallel_map(
         lambda call: _kept(call[0], keep)(start, call[1], strain, steps), calls, workers=workers
     )
@@ -377,8 +377,8 @@ def _in_space(
 def exact_path(
     start: Packing, law: Droplet, strain: float, steps: int
 ) -> list[tuple[State, ExactPacking, float]]:
-    """As `law_path`, with the exact shapes of each state; the seconds are those of the law."""
-    found = law_path(start, law, strain, steps)
+    """As `compressed`, with the exact shapes of each state; the seconds are those of the law."""
+    found = compressed(start, law, strain, steps)
     return [(state, exact_packing(state), seconds) for state, seconds in found]
 
 
@@ -469,7 +469,7 @@ def compression_rows(
     calls: list[tuple[Any, ...]] = [(start, model, strain, steps)]
     calls += [(other, rival, strain, steps) for other, rival in zip(others, rivals, strict=True)]
     calls += [(start, laws[name], strain, steps) for name in own]
-    follow = _kept(_path, keep)
+    follow = _kept(compressed, keep)
     found = parallel_map(lambda call: follow(*call), calls, workers=workers)
     reference, *found = found
     paths = dict(zip(own, found[len(rivals) :], strict=True))
@@ -571,26 +571,14 @@ def of_many_vertices(coarse: float, fine: float, times: float) -> float:
     return fine + (fine - coarse) / (times**2 - 1.0)
 
 
-def _path(start: Packing, method: Law | DeformablePolygon, strain: float, steps: int) -> Steps:
-    path = polygon_path if isinstance(method, DeformablePolygon) else law_path
-    return path(start, method, strain, steps)  # type: ignore[arg-type]
-
-
-def polygon_path(start: Packing, model: DeformablePolygon, strain: float, steps: int) -> Steps:
-    """Polygons compressed from jamming: states, and seconds of processor time, of the steps."""
-    with Simulation(start, model, comm=MPI.COMM_SELF) as polygons, warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # the rows have the residuals
-        return timed(polygons, strain, steps)
-
-
-def law_path(start: Packing, law: Law | Droplet | SoftContact, strain: float, steps: int) -> Steps:
-    """As `polygon_path`, for the particles of a law."""
+def compressed(start: Packing, law: Method, strain: float, steps: int) -> Steps:
+    """Particles compressed from jamming: states, and seconds of processor time, of the steps."""
     with Simulation(start, law, comm=MPI.COMM_SELF) as sim, warnings.catch_warnings():
         warnings.simplefilter("ignore")  # the rows have the residuals
         return timed(sim, strain, steps)
 
 
-def timed(sim: Any, strain: float, steps: int) -> list[tuple[Any, float]]:
+def timed(sim: Simulation, strain: float, steps: int) -> Steps:
     """The states of a compression, with the seconds of processor time of each step.
 
     As `Simulation.compress`, which also evaluates the start.
@@ -696,15 +684,7 @@ def centers_rms(exact: State, own: State) -> float | None:
     """
     if is_unjammed(own, exact):
         return None
-    return _rms(exact.packing, own.packing, _held(exact) & _held(own))
-
-
-def _held(state: State) -> NDArray[np.bool_]:
-    """Particles that are no rattlers."""
-    return ~state.rattlers
-
-
-def _rms(a: Packing, b: Packing, held: NDArray[np.bool_]) -> float | None:
+    a, b, held = exact.packing, own.packing, ~(exact.rattlers | own.rattlers)
     if not held.any():
         return None
     apart = fractional((b.positions - a.positions)[held], b.box)

@@ -213,11 +213,8 @@ def other_side(pairs: NDArray[np.void]) -> Integers:
     Args:
         pairs: rows with i, j and image, both sides of each contact, sorted by these.
     """
-    other = np.empty(len(pairs), np.int64)
     # in this order the other sides come in the order of their own
-    order = np.lexsort((*-pairs["image"].T[::-1], pairs["i"], pairs["j"]))
-    other[order] = np.arange(len(pairs))
-    return other
+    return _order(pairs["j"], pairs["i"], -pairs["image"])
 
 
 def by_centers(sides: Sides, number: int, variables: int | None = None) -> Any:
@@ -283,32 +280,67 @@ def by_strains(sides: Sides, variables: int | None = None) -> Floats:
     return found.reshape(-1, dimension**2)
 
 
-# Each contact has two rows, one for each side; a contact with a wall has one row, with j = -1.
-COLUMNS = np.dtype(
-    [
-        ("i", np.int64),
-        ("j", np.int64),
-        ("image", np.int64, 2),  # periodic image of j in the contact, in lattice vectors
-        ("angle", float),  # direction from i to the contact line, normal to it [rad]
-        ("distance", float),  # of the centers, or of i from the wall [length]
-        ("indentation", float),  # of i [length]
-        ("length", float),  # of the contact on i [length]
-        ("force", float),  # of this side, dU_i/da [energy/length]
-        ("position", float, 2),  # of the contact line's point nearest to i [length]
-        ("tilt", float),  # of the line: angle less the direction from i to j [rad]
-        ("half_angle", float),  # of the line, an arc: positive where it is convex for i [rad]
-        ("force_vector", float, 2),  # on i by the contact; their sum is the force on i
-        ("contact_angle", float),  # at which the outline of i meets the film, 0 without [rad]
-        ("attached", bool),  # whether it sticks: its force may be negative
-    ]
-)
+# Of rings and sectors in the plane, of droplets in space. Each contact has two rows, one for each
+# side; a contact with wall k has one row, with j = -1 - k.
+COLUMNS = {
+    2: np.dtype(
+        [
+            ("i", np.int64),
+            ("j", np.int64),
+            ("image", np.int64, 2),  # periodic image of j in the contact, in lattice vectors
+            ("angle", float),  # direction from i to the contact line, normal to it [rad]
+            ("distance", float),  # of the centers, or of i from the wall [length]
+            ("indentation", float),  # of i [length]
+            ("length", float),  # of the contact on i [length]
+            ("force", float),  # of this side, dU_i/da [energy/length]
+            ("position", float, 2),  # of the contact line's point nearest to i [length]
+            ("tilt", float),  # of the line: angle less the direction from i to j [rad]
+            ("half_angle", float),  # of the line, an arc: positive where it is convex for i [rad]
+            ("force_vector", float, 2),  # on i by the contact; their sum is the force on i
+            ("contact_angle", float),  # at which the outline of i meets the film, 0 without [rad]
+            ("attached", bool),  # whether it sticks: its force may be negative
+        ]
+    ),
+    3: np.dtype(
+        [
+            ("i", np.int64),
+            ("j", np.int64),
+            ("image", np.int64, 3),  # periodic image of j in the contact, in lattice vectors
+            ("distance", float),  # of the centers, or of i from the wall [length]
+            ("indentation", float),  # of i [length]
+            ("facet_radius", float),  # of the facet on i, sqrt(F R / (2 pi tension)) [length]
+            ("force", float),  # F, the same from both sides [energy/length]
+            ("position", float, 3),  # of the middle of the facet [length]
+            ("normal", float, 3),  # of the facet, from i to j
+            ("force_vector", float, 3),  # on i by the contact; their sum is the force on i
+            ("tilt", float, 3),  # of the film: its normal is normal + tilt
+            ("curvature", float),  # of the film, positive where it is convex for i [1/length]
+        ]
+    ),
+}
 
 # Those of compute deformable/contact. Its force vector is that of the energy of i alone.
-ROWS = (
-    *("i", "j", "indentation", "length", "force", "x", "y"),
-    *("angle", "distance", "tilt", "half_angle", "fx", "fy"),
-    *("contact_angle", "attached"),
-)
+ROWS = {
+    2: (
+        *("i", "j", "indentation", "length", "force", "x", "y"),
+        *("angle", "distance", "tilt", "half_angle", "fx", "fy"),
+        *("contact_angle", "attached"),
+    ),
+    3: (
+        *("i", "j", "indentation", "facet_radius", "force"),
+        *("x", "y", "z", "nx", "ny", "nz", "distance", "fx", "fy", "fz"),
+        *("turn_x", "turn_y", "turn_z", "curvature"),
+    ),
+}
+_VECTORS: dict[int, dict[str, Sequence[str]]] = {
+    2: {"position": "xy", "force_vector": ("fx", "fy")},
+    3: {
+        "position": "xyz",
+        "normal": ("nx", "ny", "nz"),
+        "force_vector": ("fx", "fy", "fz"),
+        "tilt": ("turn_x", "turn_y", "turn_z"),
+    },
+}
 
 ContactTable = NDArray[np.void]
 
@@ -327,59 +359,64 @@ def sides_of(rows: NDArray[np.float64], packing: Packing) -> ContactTable:
     """Both sides of all contacts, each with the force vector of its own energy.
 
     Args:
-        rows: of compute deformable/contact on all ranks, shape (M, len(ROWS)).
-        packing: centers and box at the same time.
+        rows: of compute deformable/contact on all ranks, shape (M, len(ROWS[d])).
+        packing: centers and box at the same time, in d dimensions.
 
     Returns:
-        Structured array of `COLUMNS`, with both sides of each pair. A side without force has no row
-        in LAMMPS; here it has one with length and force 0, and the rest of the overlap.
+        Structured array of `COLUMNS`, with both sides of each pair. In the plane a side without
+        force has no row in LAMMPS; here it has one with length and force 0, and the rest of the
+        overlap.
     """
-    told = dict(zip(ROWS, rows.T, strict=True))
-    table = np.zeros(len(rows), COLUMNS)
-    table["i"], table["j"] = told["i"] - 1, _indices(told["j"])
-    for name in set(ROWS) & set(COLUMNS.names or ()) - {"i", "j"}:
+    dimension = packing.dimension
+    told = dict(zip(ROWS[dimension], rows.T, strict=True))
+    table = np.zeros(len(rows), COLUMNS[dimension])
+    vectors = _VECTORS[dimension]
+    for name in told.keys() & set(table.dtype.names or ()) - vectors.keys():
         table[name] = told[name]
-    table["position"] = np.column_stack([told["x"], told["y"]])
-    table["force_vector"] = np.column_stack([told["fx"], told["fy"]])
-    pair = table["j"] >= 0
+    for name, columns in vectors.items():
+        table[name] = np.column_stack([told[column] for column in columns])
+    # IDs count from 1; wall k is -1 - k
+    table["i"] -= 1
+    pair = table["j"] > 0
+    table["j"][pair] -= 1
     # an exact integer, equal for both sides in spite of rounding
     i, j = table["i"][pair], table["j"][pair]
-    angle = table["angle"][pair] - table["tilt"][pair]
-    out = np.column_stack([np.cos(angle), np.sin(angle)])
-    apart = packing.positions[i] + table["distance"][pair, None] * out - packing.positions[j]
-    table["image"][pair] = np.rint(apart @ np.linalg.inv(packing.box)).astype(np.int64)
-    table = np.concatenate([table, _missing_sides(table[pair], packing)])
-    return table[_order(table["i"], table["j"], table["image"])]
+    to_j = table["distance"][pair, None] * to_partner(table[pair])
+    apart = packing.positions[i] + to_j - packing.positions[j]
+    table["image"][pair] = np.rint(fractional(apart, packing.box)).astype(np.int64)
+    if dimension == 2:
+        table = np.concatenate([table, _missing_sides(table[pair], packing)])
+    return in_order(table)
 
 
-def _indices(partner: Floats) -> Floats:
-    """Of particles from IDs; those of walls stay, -1 - k for wall k."""
-    return np.where(partner > 0.0, partner - 1.0, partner)
+def to_partner(sides: ContactTable) -> Floats:
+    """Directions from i to the center of j, or to the wall, shape (S, d)."""
+    if "normal" in (sides.dtype.names or ()):
+        return sides["normal"]
+    return unit_vectors(sides["angle"] - sides["tilt"])
 
 
 def react(table: ContactTable) -> None:
     """Add to the force vector of each side the opposite of that of the other side."""
-    pair, other = other_sides(table)
-    both = table["force_vector"][pair]
-    table["force_vector"][pair] -= both[other]
-
-
-def other_sides(table: ContactTable) -> tuple[NDArray[np.bool_], NDArray[np.int64]]:
-    """Which sides are those of pairs; and of each of these the number of the other one."""
     pair = table["j"] >= 0
-    # in this order the other sides come in the order of their own
-    return pair, _order(table["j"][pair], table["i"][pair], -table["image"][pair])
+    both = table["force_vector"][pair]
+    table["force_vector"][pair] -= both[other_side(table[pair])]
 
 
 def attached(rows: NDArray[np.float64]) -> NDArray[np.int64]:
     """The contacts that stick, sorted, see `commands.Films`; a wall has its code for an ID."""
-    told = dict(zip(ROWS, rows.astype(np.int64).T, strict=True))
+    told = dict(zip(ROWS[2], rows.astype(np.int64).T, strict=True))
     partner = np.where(told["attached"] < 0, told["attached"], told["j"])
     first = (told["attached"] < 0) | (told["attached"] > 0) & (told["i"] <= told["j"])
     return np.unique(np.column_stack([told["i"], partner])[first], axis=0)
 
 
-def _order(i: NDArray[np.int64], j: NDArray[np.int64], image: NDArray[np.int64]) -> NDArray[Any]:
+def in_order(table: ContactTable) -> ContactTable:
+    """The sides sorted by (i, j, image)."""
+    return table[_order(table["i"], table["j"], table["image"])]
+
+
+def _order(i: Integers, j: Integers, image: Integers) -> Integers:
     """Indices that sort sides by (i, j, image)."""
     return np.lexsort((*image.T[::-1], j, i))
 
@@ -403,88 +440,6 @@ def _missing_sides(pairs: ContactTable, packing: Packing) -> ContactTable:
     sides["position"] += sides["image"] @ packing.box
     sides["length"] = sides["force"] = sides["force_vector"] = 0.0
     return sides
-
-
-# Each contact has two rows, one for each side; a contact with a wall has one row, with j = -1.
-DROPLET_COLUMNS = np.dtype(
-    [
-        ("i", np.int64),
-        ("j", np.int64),
-        ("image", np.int64, 3),  # periodic image of j in the contact, in lattice vectors
-        ("distance", float),  # of the centers, or of i from the wall [length]
-        ("indentation", float),  # of i [length]
-        ("facet_radius", float),  # of the facet on i, sqrt(F R / (2 pi tension)) [length]
-        ("force", float),  # F, the same from both sides [energy/length]
-        ("position", float, 3),  # of the middle of the facet [length]
-        ("normal", float, 3),  # of the facet, from i to j
-        ("force_vector", float, 3),  # on i by the contact; their sum is the force on i
-        ("tilt", float, 3),  # of the film: its normal is normal + tilt
-        ("curvature", float),  # of the film, positive where it is convex for i [1/length]
-    ]
-)
-
-# Those of compute deformable/contact. Its force vector is that of the energy of i alone.
-DROPLET_ROWS = (
-    *("i", "j", "indentation", "facet_radius", "force"),
-    *("x", "y", "z", "nx", "ny", "nz", "distance", "fx", "fy", "fz"),
-    *("turn_x", "turn_y", "turn_z", "curvature"),
-)
-_VECTORS = {
-    "position": "xyz",
-    "normal": ("nx", "ny", "nz"),
-    "force_vector": ("fx", "fy", "fz"),
-    "tilt": ("turn_x", "turn_y", "turn_z"),
-}
-
-DropletTable = NDArray[np.void]
-
-
-def droplet_table(rows: NDArray[np.float64], packing: Packing) -> DropletTable:
-    """All contacts that bear a force, sorted by (i, j, image).
-
-    Args:
-        rows: of compute deformable/contact on all ranks, shape (M, len(ROWS)).
-        packing: centers and box at the same time.
-
-    Returns:
-        Structured array of `COLUMNS`.
-    """
-    table = sides_of_droplets(rows, packing)
-    react(table)
-    return table
-
-
-def sides_of_droplets(rows: NDArray[np.float64], packing: Packing) -> DropletTable:
-    """The same, each side with the force vector of its own energy."""
-    told = dict(zip(DROPLET_ROWS, rows.T, strict=True))
-    table = np.zeros(len(rows), DROPLET_COLUMNS)
-    table["i"], table["j"] = told["i"] - 1, _indices(told["j"])
-    for name in ("indentation", "facet_radius", "force", "distance", "curvature"):
-        table[name] = told[name]
-    for name, columns in _VECTORS.items():
-        table[name] = np.column_stack([told[column] for column in columns])
-    pair = table["j"] >= 0
-    i, j = table["i"][pair], table["j"][pair]
-    to_j = table["distance"][pair, None] * table["normal"][pair]
-    # an exact integer, equal for both sides in spite of rounding
-    apart = packing.positions[i] + to_j - packing.positions[j]
-    table["image"][pair] = np.rint(fractional(apart, packing.box)).astype(np.int64)
-    return table[_order(table["i"], table["j"], table["image"])]
-
-
-def forces_of_droplets(packing: Packing, table: DropletTable) -> ContactForces:
-    """All contacts, each once."""
-    i, j = table["i"], table["j"]
-    rows = table[(i < j) | (j < 0) | ((i == j) & forward(table["image"]))]
-    distance = rows["distance"]
-    part = (packing.radii[rows["i"]] - rows["indentation"]) / distance
-    return ContactForces(
-        i=rows["i"],
-        j=np.maximum(rows["j"], -1),
-        vector=distance[:, None] * rows["normal"],
-        part=np.where(rows["j"] < 0, 1.0, part),
-        force=rows["force_vector"],
-    )
 
 
 def soft_columns(dimension: int) -> np.dtype[np.void]:
@@ -535,7 +490,7 @@ def soft_table(packing: Packing, k: float) -> ContactTable:
     both = table["j"] >= 0
     apart = packing.positions[i[both]] + vector[both] - packing.positions[table["j"][both]]
     table["image"][both] = np.rint(fractional(apart, packing.box)).astype(np.int64)
-    return table[np.lexsort((*table["image"].T[::-1], table["j"], table["i"]))]
+    return in_order(table)
 
 
 # Columns of the table where contacts rub, which edges of the graph have too.
@@ -593,17 +548,17 @@ def polygon_forces(packing: Packing, table: ContactTable) -> ContactForces:
 
 
 def forces_of_table(packing: Packing, table: ContactTable) -> ContactForces:
-    """Those of a `State`."""
-    image = table["image"]
+    """Those of rings, sectors and droplets."""
     i, j = table["i"], table["j"]
-    rows = table[(i < j) | (j < 0) | ((i == j) & forward(image))]
-    i, j = rows["i"], rows["j"]
-    within = (packing.radii[i] - rows["indentation"]) / np.cos(rows["tilt"])
+    rows = table[(i < j) | (j < 0) | ((i == j) & forward(table["image"]))]
+    within, distance = packing.radii[rows["i"]] - rows["indentation"], rows["distance"]
+    if packing.dimension == 2:
+        within /= np.cos(rows["tilt"])
     return ContactForces(
-        i=i,
-        j=np.maximum(j, -1),
-        vector=rows["distance"][:, None] * unit_vectors(rows["angle"] - rows["tilt"]),
-        part=np.where(j < 0, 1.0, within / rows["distance"]),
+        i=rows["i"],
+        j=np.maximum(rows["j"], -1),
+        vector=distance[:, None] * to_partner(rows),
+        part=np.where(rows["j"] < 0, 1.0, within / distance),
         force=rows["force_vector"],
         rubbing={name: rows[name] for name in _OF_EDGES if name in (table.dtype.names or ())},
     )

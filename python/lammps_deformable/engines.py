@@ -34,7 +34,7 @@ from .commands import (
     soft_commands,
     species_file,
 )
-from .contacts import DROPLET_ROWS, ROWS, ContactTable, attached, contact_table, droplet_table
+from .contacts import ROWS, ContactTable, attached, contact_table
 from .core import dot, unit_vectors
 from .errors import LammpsError, ParameterError
 from .friction import (
@@ -257,15 +257,14 @@ def contacts_of(
         packing: of the particles.
         friction: of the contacts.
     """
-    plane = packing.dimension == 2
     if friction is None:
-        return (contact_table if plane else droplet_table)(rows, packing), None
+        return contact_table(rows, packing), None
     own = local_array(lmp, FRICTION, RUBBING_ROWS[packing.dimension], fix=True)
     rubbing = np.concatenate(comm.allgather(own))
     table, springs, places = rubbing_table(rows, packing, rubbing, friction._films)
     stored, *lost = (lmp.extract_fix(FRICTION, 0, 1, n) for n in (0, 1, 2, 3, 6))
     omega = gather(lmp, "omega", 3)
-    spins = np.ascontiguousarray(omega[:, 2]) if plane else omega
+    spins = np.ascontiguousarray(omega[:, 2]) if packing.dimension == 2 else omega
     return table, Rubbing(spins, springs, tuple(lost), stored, places)
 
 
@@ -275,7 +274,7 @@ _PATIENCE = 60_000
 # Imbalance of contacts at most.
 UNBALANCED = 0.01
 
-# Results of the pair style for each particle, see `pair_results`.
+# Results of the pair styles for each particle, by their names in *fix pair*.
 _OF_RINGS = ("area", "perimeter", "contacts", "pressure", "arc_radius", "contact_length")
 _OF_DROPLETS = ("area", "contacts", "contact_area", "pressure", "load")
 
@@ -405,7 +404,7 @@ class Rings(Deformables):
         """Bring forces and results of the particles up to date; returns the forces."""
         self._particles(sim)
         self._results, self._rows = evaluate(
-            sim.lmp, pair_style(self.law), sim.walls, _OF_RINGS, len(ROWS)
+            sim.lmp, pair_style(self.law), sim.walls, _OF_RINGS, len(ROWS[2])
         )
         area, perimeter, contacts, pressure, _, length = self._results.T
         self._skin = self.law._species_parameters(self._radii).skin[self._species]
@@ -496,11 +495,11 @@ class Droplets(Deformables):
         """Bring forces and results of the particles up to date; returns the forces."""
         self._particles(sim)
         self._results, rows = evaluate(
-            sim.lmp, pair_style(self.law), sim.walls, _OF_DROPLETS, len(DROPLET_ROWS)
+            sim.lmp, pair_style(self.law), sim.walls, _OF_DROPLETS, len(ROWS[3])
         )
         _refuse_no_numbers(self._results)
         self._rows = np.concatenate(sim.comm.allgather(rows))
-        force = self._rows[:, DROPLET_ROWS.index("force")]
+        force = self._rows[:, ROWS[3].index("force")]
         self.loose = not force.any()
         mean = 0.0 if self.loose else float(force.mean())
         largest = largest_force(sim.lmp, self._particle_radii if sim.friction else None)

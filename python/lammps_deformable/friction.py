@@ -17,14 +17,12 @@ from . import core
 from ._checks import expect, positive
 from ._files import comment_lines, rows_in_comments
 from .contacts import (
-    COLUMNS,
-    DROPLET_COLUMNS,
     ContactTable,
     flats_of,
-    other_sides,
+    other_side,
     react,
     sides_of,
-    sides_of_droplets,
+    to_partner,
 )
 from .core import unit_vectors
 from .errors import ParameterError
@@ -438,7 +436,7 @@ def _normals(table: ContactTable) -> Floats:
 def rubbing_table(
     rows: Floats, packing: Packing, rubbing_rows: Floats, films: bool
 ) -> tuple[ContactTable, Floats, Floats]:
-    """As `contact_table` or `droplet_table`, with `rubbing_columns`, and the springs of contacts.
+    """As `contact_table`, with `rubbing_columns`, and the springs of contacts.
 
     Args:
         rows: of compute deformable/contact on all ranks.
@@ -450,10 +448,9 @@ def rubbing_table(
         The table, whose `force_vector` has all forces; and `springs` and `places` of `Rubbing`.
     """
     plane = packing.dimension == 2
-    sides = sides_of(rows, packing) if plane else sides_of_droplets(rows, packing)
-    of_rubbing, columns = rubbing_columns(packing.dimension), COLUMNS if plane else DROPLET_COLUMNS
-    table = np.zeros(len(sides), np.dtype(columns.descr + of_rubbing.descr))
-    for name in columns.names or ():
+    sides, of_rubbing = sides_of(rows, packing), rubbing_columns(packing.dimension)
+    table = np.zeros(len(sides), np.dtype(sides.dtype.descr + of_rubbing.descr))
+    for name in sides.dtype.names or ():
         table[name] = sides[name]
     told = _told(rubbing_rows)
     at = _sides_in(table, told.i, np.where(told.wall < 0, 0, told.j), told.normal)
@@ -480,7 +477,8 @@ def _sides_in(table: ContactTable, i: Floats, j: Floats, normal: Floats) -> NDAr
 
 def _tell_other_sides(table: ContactTable, known: NDArray[np.int64]) -> None:
     """Give the second side of a line what the first one has; a radical side has its own."""
-    pair, other = other_sides(table)
+    pair = table["j"] >= 0
+    other = other_side(table[pair])
     tell = table["force"] != 0.0
     tell[known] = False
     for name in ("friction", "damping", "spring", "sliding", "film_vector"):
@@ -500,8 +498,7 @@ def _springs(sides: ContactTable, told: _Told, films: bool) -> tuple[Floats, Flo
     """
     n = told.normal
     plane = n.shape[1] == 2
-    to_partner = unit_vectors(sides["angle"] - sides["tilt"]) if plane else _normals(sides)
-    apart = sides["distance"][:, None] * to_partner
+    apart = sides["distance"][:, None] * to_partner(sides)
     places = np.column_stack([_normals(sides), apart])
     apart[told.wall < 0] = 0.0
     partner = np.where(told.wall < 0, told.wall, sides["j"] + 1)

@@ -135,8 +135,3 @@ def check_held(gravity: Floats, species: NDArray[np.int64], walls: Sequence[Wall
                 "that they fall without end: give the packing walls, or let them move with "
                 "run(drag=)"
             )
-
-
-def as_json_gravity(gravity: Floats | None) -> dict[str, Any]:
-    """For a summary; nothing without gravity."""
-    return {} if gravity is None else {"gravity": gravity.tolist()}

@@ -391,7 +391,7 @@ def lines_of(packing: Packing, law: Law, table: ContactTable, rattlers: bool = T
         packing: of the state.
         law: of the state.
         table: its contacts.
-        rattlers: False leaves out the contacts of rattlers, see `SoftResponse.hessian`.
+        rattlers: False leaves out the contacts of rattlers, see `State.hessian`.
 
     Raises:
         ParameterError: the law is `Sector`, particles stick, or a line is held at the largest tilt
@@ -477,7 +477,7 @@ def balanced(lines: Lines) -> Lines:
 
 
 def rattler_contacts(packing: Packing, table: ContactTable) -> tuple[Sides, Floats]:
-    """See `RingResponse.rattler_contacts`.
+    """Contacts of rattlers, and lengths by which they open, see `open_contacts`.
 
     A contact of the length L indents its outline by G(0) L at most, see `core.ring`.
     """

@@ -162,7 +162,7 @@ class Modes:
 def modes_of(
     hessian: Hessian, outlines: Sequence[Floats], number: int | None, vectors: bool
 ) -> Modes:
-    """The modes of lowest stiffness, see `LinearResponse.modes`."""
+    """The modes of lowest stiffness, see `State.modes`."""
     most = hessian.size - hessian.zero_modes
     wanted = most if number is None else count("number", number)
     if wanted > most:

@@ -91,7 +91,7 @@ class ElasticModuli:
 
 
 def moduli_of(hessian: Hessian) -> ElasticModuli:
-    """See `LinearResponse.moduli`.
+    """See `State.moduli`.
 
     With E'' = d^2E/de de at fixed centers and lines, its coupling B to them, and M of `Hessian`,
     the second derivatives of the relaxed energy are E'' - B^T M^-1 B. Per area or volume V,
@@ -132,7 +132,7 @@ _XY = 1
 def complex_modulus_of(
     hessian: Hessian, frequencies: ArrayLike, drag: float
 ) -> NDArray[np.complex128]:
-    """See `LinearResponse.complex_modulus`.
+    """See `State.complex_modulus`.
 
     Lines of contacts are at rest at any time: M of `Hessian` takes the place of H, B that of xi,
     and only centers have a drag.

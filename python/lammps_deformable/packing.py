@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import room
 from ._checks import count, expect, numbers, positive, shown, whole
-from ._files import reading, writing
+from ._files import reading, replaces, writing
 from .box import cartesian, dimension_of, fractional, lattice_vectors, refuse_space, shown_box
 from .errors import FileError, ParameterError, UnsavedWarning, warn
 from .files import read_particles, write_particles
@@ -294,11 +294,10 @@ class Packing:
             UnsavedWarning: the packing has walls.
         """
         expect("path", path, str, Path)
-        if mode not in ("x", "w"):
-            raise ParameterError(f"mode must be 'x' or 'w', not {shown(mode)}")
+        overwrite = replaces(mode)
         with writing(path):  # names may be too long
-            there = mode == "x" and Path(path).exists()
-        if there:
+            there = Path(path).exists()
+        if there and not overwrite:
             raise FileError(
                 f"'{path}' is there already: replace it by to_file({str(path)!r}, mode='w'), or "
                 "give another name"

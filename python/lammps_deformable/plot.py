@@ -17,7 +17,6 @@ from ._checks import count, expect, numbers
 from .contacts import chords, flats_of, halves
 from .errors import ParameterError
 from .laws import Ring, Sector, SoftContact, refuse_adhesion
-from .versions import optional
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -86,7 +85,7 @@ _NAMES = ("area_deficit", "volumes", "pressures", "rattlers", "shape_parameter")
 
 
 def values_of(state: State, color_by: str | ArrayLike) -> Floats:
-    """See `State.values`."""
+    """See `State._values`."""
     from .drawing import per_particle
 
     columns = state._particle_values()
@@ -174,7 +173,6 @@ def plot(
     spins: bool,
 ) -> Axes:
     """See `State.plot`, of a state in the plane."""
-    optional("matplotlib", "plot")
     from . import drawing
 
     values, each = values_of(state, color_by), halves_of(state)

@@ -306,11 +306,6 @@ class Chains(NamedTuple):
     force: Floats
 
 
-def chains_of(i: NDArray[np.int64], vector: Floats, force: Floats) -> Chains:
-    """The chains of contacts with these vectors and forces, shape (M, 3)."""
-    return Chains(i, vector, lengths(force))
-
-
 def new_axes(colorbar: bool = True) -> Axes:
     """Axes of a new figure."""
     return Picture(figsize=_SIZE if colorbar else _SIZE_ALONE, layout="constrained").subplots()
@@ -504,7 +499,7 @@ def plot(
     if forces and slice is not None:
         raise ParameterError("forces are those of the whole network: leave it out of a slice")
     network = state._contact_forces
-    chains = chains_of(network.i, network.vector, network.force)
+    chains = Chains(network.i, network.vector, lengths(network.force))
     on = limited(scale_of(state, scale, [chains.force], color_by), vmin, vmax)
     values, label = values_of(state, color_by), label_of(color_by, label)
     title = title or ""

@@ -30,7 +30,7 @@ from .commands import (
     region_within,
     without_region,
 )
-from .contacts import POLYGON_COLUMNS, ContactTable
+from .contacts import POLYGON_COLUMNS, ContactTable, in_order
 from .core import angles
 from .errors import ParameterError
 from .hessian import factored
@@ -379,7 +379,7 @@ def sum_contacts(
     table["image"] = np.concatenate([np.transpose(across), -np.transpose(across)])
     table["force_vector"] = np.concatenate([force, -force])
     table["force"] = np.hypot(*table["force_vector"].T)
-    return table[np.lexsort((*table["image"].T[::-1], table["j"], table["i"]))]
+    return in_order(table)
 
 
 def steiner_point(outline: NDArray[np.float64]) -> NDArray[np.float64]:

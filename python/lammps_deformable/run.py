@@ -75,26 +75,6 @@ def check_columns(columns: Mapping[str, Column], others: Iterable[str]) -> None:
         raise ParameterError(f"each table has a column {name}: give yours another name")
 
 
-def export(run: Run, path: str | Path, forces: bool = False, mode: str = "x") -> None:
-    """See `Run.export`."""
-    expect("path", path, str, Path)
-    path = Path(path)
-    if path.suffix != ".pvd":
-        raise ParameterError(f"a series of shapes is a .pvd, not '{path}'")
-    names, times = [], []
-    for number, state in enumerate(run):
-        expect("a state that is exported", state, State)
-        names.append(f"{path.stem}_{number:04d}.vtp")
-        times.append(state.time)
-        if state._root and number == 0:
-            refuse_present(path, replaces(mode))
-        state.export(path.with_name(names[-1]), forces, mode)
-        if state._root:
-            write_whole(path, collection(names, times))
-    if not names:
-        raise ParameterError("a series of shapes needs at least one state")
-
-
 class Table(dict[str, NDArray[Any]]):
     """Columns of numbers by name, arrays with a number for each state."""
 
@@ -249,8 +229,7 @@ class Run(Sequence[Any]):
     def exists(folder: str | Path) -> bool:
         """Whether the folder has a run, which may be interrupted: see `resume`."""
         expect("folder", folder, str, Path)
-        found = store.holds(folder) == "compression" and (Path(folder) / store.DATA).exists()
-        return found and (Path(folder) / SUMMARY).exists()
+        return all((Path(folder) / name).exists() for name in (store.DATA, SUMMARY))
 
     def __repr__(self) -> str:
         if self.folder is None:
@@ -604,7 +583,22 @@ class Run(Sequence[Any]):
             ParameterError: the suffix is another, or there are no states.
             FileError: there is a file, see `mode`, or it cannot be written.
         """
-        export(self, path, forces, mode)
+        expect("path", path, str, Path)
+        path = Path(path)
+        if path.suffix != ".pvd":
+            raise ParameterError(f"a series of shapes is a .pvd, not '{path}'")
+        names, times = [], []
+        for number, state in enumerate(self):
+            expect("a state that is exported", state, State)
+            names.append(f"{path.stem}_{number:04d}.vtp")
+            times.append(state.time)
+            if state._root and number == 0:
+                refuse_present(path, replaces(mode))
+            state.export(path.with_name(names[-1]), forces, mode)
+            if state._root:
+                write_whole(path, collection(names, times))
+        if not names:
+            raise ParameterError("a series of shapes needs at least one state")
 
     def to_mdanalysis(self) -> Universe:
         """A Universe of MDAnalysis of a run in a folder.

@@ -68,10 +68,8 @@ def polydata(shapes: Shapes, values: Mapping[str, NDArray[Any]], numbers: Mappin
     piece = ElementTree.SubElement(data, "Piece", counts)
     if shapes.normals is not None:
         of_points = ElementTree.SubElement(piece, "PointData", Normals="Normals")
-        _add(of_points, "Normals", shapes.normals, NumberOfComponents="3")
-    place = ElementTree.SubElement(piece, "Points")
-    in_space = np.column_stack([points, np.zeros((len(points), 3 - points.shape[1]))])
-    _add(place, "Points", in_space, NumberOfComponents="3")
+        _add(of_points, "Normals", shapes.normals)
+    _add(ElementTree.SubElement(piece, "Points"), "Points", in_space(points))
     cells = ElementTree.SubElement(piece, kind)
     _add(cells, "connectivity", shapes.corners)
     _add(cells, "offsets", shapes.ends)
@@ -83,7 +81,12 @@ def polydata(shapes: Shapes, values: Mapping[str, NDArray[Any]], numbers: Mappin
 
 
 def _add(parent: ElementTree.Element, name: str, array: NDArray[Any], **attributes: str) -> None:
-    """Add an array to an XML element: its number of bytes, then the bytes, in base64."""
+    """Add an array to an XML element: its number of bytes, then the bytes, in base64.
+
+    Rows of a matrix are vectors, which VTK calls tuples of components.
+    """
+    if array.ndim == 2:
+        attributes = {"NumberOfComponents": str(array.shape[1])} | attributes
     word, layout = _TYPES["f" if array.dtype.kind == "f" else "i"]
     content = array.astype(layout).tobytes()
     element = ElementTree.SubElement(

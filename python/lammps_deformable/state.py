@@ -410,7 +410,6 @@ class State:
     @property
     def _squeezed(self) -> tuple[str, Floats]:
         """What limits time steps: its name, the pressure in each particle or the load."""
-        self._check_has("squeezed", "moving")
         name = "load" if isinstance(self.law, Droplet) else "pressure"
         return name, self.results["loads" if name == "load" else "pressures"]
 
@@ -625,8 +624,6 @@ class State:
         """All active contacts, each once."""
         if isinstance(self.law, SoftContact):
             return contacts.soft_forces(self.packing, self.law.k)
-        if isinstance(self.law, Droplet):
-            return contacts.forces_of_droplets(self.packing, self.contacts)
         if self.polygons is not None:
             return contacts.polygon_forces(self.packing, self.contacts)
         return contacts.forces_of_table(self.packing, self.contacts)
@@ -847,7 +844,6 @@ class State:
         Source: Nelson and Halperin, Phys. Rev. B 19, 2457 (1979).
         """
         r_max, bins = positive("r_max", r_max), count("bins", bins)
-        optional("freud", "freud")
         return analysis.correlation(self.to_freud(), self.hexatic(k), r_max, bins)
 
     @_only("space")
@@ -891,7 +887,6 @@ class State:
             ImportError: freud is missing (`pip install 'lammps-deformable[freud]'`).
         """
         r_max, bins = positive("r_max", r_max), count("bins", bins)
-        optional("freud", "freud")
         return analysis.radial_distribution(self.packing, self.to_freud(), r_max, bins)
 
     def structure_factor(self, bins: int, k_max: float) -> tuple[Floats, Floats]:
@@ -1295,8 +1290,8 @@ class State:
                 values as cell data; in the plane also `.geojson` for programs of plane geometry,
                 with the values as properties.
             forces: write lines between centers in the place of shapes: the contacts, with their
-                `force` along the line, positive where it pushes, the `distance`, and the ids `i`
-                and `j`, of which -1 is a wall.
+                `force` along the line, positive where it pushes, the `distance`, the ids `i` and
+                `j`, of which -1 is a wall, and with friction `friction` and `sliding`.
             mode: `w` replaces a file that is there, `x` refuses to.
 
         Raises:

@@ -45,7 +45,7 @@ from .friction import (
     rubbing_lines,
     spring_commands,
 )
-from .gravity import Floats, as_json_gravity, gravity_commands
+from .gravity import Floats, gravity_commands
 from .laws import ALL_LAWS, AnyLaw, SoftContact
 from .packing import Packing
 from .room import closed
@@ -134,7 +134,7 @@ class Motion(NamedTuple):
         velocities: of the particles, shape (N, d) [length/time].
         time: of the motion so far [time].
         strain: shear strain so far; None without shear.
-        films: those that there are, see `films.py`; None if nothing sticks.
+        films: those that there are, see `commands.Films`; None if nothing sticks.
         directions: in which particles propel themselves, shape (N, d); None if they do not.
         rubbing: spins, and what contacts that rub remember; None if they do not.
         images: how often particles have left the box through each side, shape (N, d); None: never.
@@ -810,7 +810,7 @@ def setup(
         "radii": packing._species_radii.tolist(),
         "walls": [{"shape": type(wall).__name__, **asdict(wall)} for wall in packing.walls],
         **({} if friction is None else {"friction": as_json("friction", asdict(friction))}),
-        **as_json_gravity(gravity),
+        **({} if gravity is None else {"gravity": gravity.tolist()}),
     }
 
 

@@ -52,7 +52,7 @@ class FrameReader(DumpReader):  # type: ignore[misc]
 
 
 def universe(folder: Path) -> Universe:
-    """A Universe of MDAnalysis of a recorded run, see `Run.universe`."""
+    """A Universe of MDAnalysis of a recorded run, see `Run.to_mdanalysis`."""
     import MDAnalysis
 
     packing, *_ = read(folder)

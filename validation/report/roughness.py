@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from lammps_deformable.comparison import matching_laws, polygon_path, predict, timed
+from lammps_deformable.comparison import compressed, matching_laws, predict, timed
 from lammps_deformable.error_plot import POLYGON_NAMES, POLYGONS, SMOOTH
 from lammps_deformable.errors import ParameterError
 from lammps_deformable.generators import bidisperse
@@ -187,7 +187,7 @@ def crystal_row(model: DeformablePolygon, indentation: float) -> dict[str, Any]:
     Returns:
         `n_v`, `indentation`; `energy_ratio`, of the polygons over the exact one; `residual`.
     """
-    ((state, _),) = polygon_path(_touching(), model, indentation, 1)
+    ((state, _),) = compressed(_touching(), model, indentation, 1)
     law = matching_laws(model, state.polygons)["balanced"]
     return {
         "n_v": int(state.polygons.number[0]),

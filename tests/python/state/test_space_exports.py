@@ -153,6 +153,25 @@ def test_vtk_has_the_network(state: State, tmp_path: Path) -> None:
         assert np.linalg.norm(end - begin) == pytest.approx(values["distance"][n])
 
 
+def test_networks_have_friction(tmp_path: Path) -> None:
+    """In space it is a vector along the contact, the same in the table, the graph and the file."""
+    loose = ld.bidisperse(12, dimension=3, seed=1).at(0.68).push_off()
+    rough = ld.Friction(0.3, kt=0.3)
+    with ld.Simulation(loose, ld.Droplet(), friction=rough) as sim:
+        state = sim.run(50, temperature=1e-2, seed=1)[-1]
+    table = state.contacts
+    first = table[table["i"] < table["j"]]
+    edges = [edge for *_, edge in state.graph().edges(data=True)]
+    assert np.abs(first["friction"]).max() > 0.0
+    state.export(tmp_path / "network.vtp", forces=True)
+    _, values = read_vtp(tmp_path / "network.vtp")
+    for found in (np.array([edge["friction"] for edge in edges]), values["friction"]):
+        assert sorted(found.tolist()) == sorted(first["friction"].tolist())
+    assert (
+        sum(edge["sliding"] for edge in edges) == values["sliding"].sum() == first["sliding"].sum()
+    )
+
+
 def test_networks_in_the_plane(tmp_path: Path) -> None:
     """With a wall, as lines of both formats."""
     loose = ld.bidisperse(12, seed=1).between(ld.BoxWall((6.0, 6.0)))
