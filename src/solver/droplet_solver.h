@@ -22,10 +22,8 @@ class DropletSolver : public DualSolver {
   {
     return batches.contact(batches.place[i], contact);
   }
-  int pair_side(int place) const
-  {
-    return batches.pair_side[place];
-  }    // 2 x the pair, + 1 for its second
+  // 2 x the pair, + 1 for its second droplet
+  int pair_side(int place) const { return batches.pair_side[place]; }
   double indentation(int place) const { return batches.indentation[place]; }
   // The derivative of all works by the normal of a contact of a pair.
   deformable::Vector3 torque(int k, int side) const
