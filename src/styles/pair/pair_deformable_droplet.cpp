@@ -102,7 +102,7 @@ bool PairDeformableDroplet::take_ramps()
     error->all(FLERR,
                "A fix adapt sets {}, but tensions belong to one type: give it the same type twice",
                odd);
-  if (ramps.take(species) == 0) return false;
+  if (!ramps.take(species)) return false;
   ramps.fill(species);
   check_ramped_species();
   number_definition();

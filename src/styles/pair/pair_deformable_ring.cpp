@@ -160,7 +160,7 @@ bool PairDeformableRing::take_ramps()
                "A fix adapt sets {}, but stiffnesses and tensions belong to one type: give it the "
                "same type twice",
                odd);
-  const bool new_species = ramps.take(species) != 0, new_adhesion = adhesions.take();
+  const bool new_species = ramps.take(species), new_adhesion = adhesions.take();
   unchecked |= new_species || new_adhesion;
   if (!unchecked) return false;
   ramps.fill(species);
