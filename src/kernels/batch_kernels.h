@@ -58,7 +58,6 @@ constexpr int MOST_IN_BATCH = 8;
 using BatchKernel = void (*)(BlockParticle *const *particles, int count, Place *places,
                              bool shapes);
 
-// Kernels by the number of active contacts.
 // A front of a Cholesky factor, see fronts.cpp: its columns from those of the matrix, and what they subtract from the rows and
 // columns after them; and both halves of a solution, where y has the numbers of the columns, then those of the rows below. Behind y,
 // and behind the last column, are FRONT_MARGIN numbers more.
@@ -69,6 +68,7 @@ struct FrontKernels {
   void (*backward)(const float *lower, int width, int height, float *y);
 };
 
+// All kernels of a level. Those of contact laws are in the order of their numbers of active contacts.
 struct BatchKernels {
   const BatchKernel *sector;
   // Beyond MOST_IN_BATCH: rings that change their perimeter; beyond twice that: with a tension.

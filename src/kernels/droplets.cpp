@@ -51,8 +51,8 @@ DEFORMABLE_LANE_FUNCTION Logarithm logarithm(Lanes x)
 DEFORMABLE_LANE_FUNCTION Lanes exponential(Lanes y)
 {
   typedef unsigned long long Bits __attribute__((vector_size(8 * W)));
-  constexpr double TO_52 =
-      6755399441055744.0;    // 1.5 x 2^52: the low bits of a sum with it are an integer
+  // 1.5 x 2^52: the low bits of a sum with it are an integer
+  constexpr double TO_52 = 6755399441055744.0;
   constexpr double PER_LN_2 = 1.44269504088896340736, LN_2_HIGH = 0.6931471803691238,
                    LN_2_LOW = 1.9082149292705877e-10;
   const Lanes shifted = larger(y * PER_LN_2, all(-1000.0)) + TO_52, k = shifted - TO_52;

@@ -63,11 +63,11 @@ struct StickArrays {
 struct OutlineArrays {
   // by ring, and behind those of this rank the second rings of remote pairs
   double *free_radius;    // Q; null: all lines are straight
-  double *
-      bulk_and_swell;    // two floats: p falls by `bulk` times an area that flows in; the largest dp/df
+  // two floats: p falls by `bulk` times an area that flows in; the largest dp/df
+  double *bulk_and_swell;
   float *per_lengths;    // 1/(sum of contact lengths), as in ContactArrays
-  double *
-      change;    // two floats: the changes of p and of p Q that follow from those of forces and lines
+  // two floats: the changes of p and of p Q that follow from those of forces and lines
+  double *change;
   // by contact
   float *nx, *ny;
   float *rate;      // dt/dtheta
@@ -167,10 +167,10 @@ struct LineArrays {
   double *bend;                         // tan(beta/2)
   double *overlap, *angle, *nx, *ny;    // of the tilted line
   float *give;    // the sine of the tilt changes by `give` times the change of both slopes
-  double *
-      answer;    // two floats: f dtau, and the area that flows to the second ring as the line bends
-  float *first_flow,
-      *flow_per_press;    // the area for forces as they are, and what differences of pressure add
+  // two floats: f dtau, and the area that flows to the second ring as the line bends
+  double *answer;
+  // the area for forces as they are, and what differences of pressure add
+  float *first_flow, *flow_per_press;
   float *curvature, *feedback;    // and the part that the own flow takes back
   float *left;    // residuals, without what bends that are not at rest do to their own pair
   double part;    // of the step to the next tilt and bend
@@ -201,9 +201,11 @@ struct ForceKernels {
   void (*slopes)(RingBatches, PairDirections);
 
   // Iterations for C x = r of the pairs that have a positive weight w. Sums are over the contacts of this rank; each
-  // pair of two rings has two of them. begin: takes residuals and weights, d = w r and C d; returns d C d. go_on: the same
-  // after the step so far, whose products are known. multiply: the
-  // same for d = w r + conjugation d. advance: a step of this length along d; returns w r^2 of all pairs.
+  // pair of two rings has two of them.
+  //   begin      takes residuals and weights, d = w r and C d; returns d C d
+  //   go_on      the same after the step so far, whose products are known
+  //   multiply   the same as begin for d = w r + conjugation d
+  //   advance    a step of this length along d; returns w r^2 of all pairs
   double (*begin)(RingBatches, PairArrays);
   void (*go_on)(RingBatches, PairArrays, const float *residual);
   double (*multiply)(RingBatches, double conjugation);
@@ -252,8 +254,7 @@ struct ForceKernels {
   void (*settle)(PairArrays, LineArrays, int begin, int end);
   void (*turn_lines)(LineArrays, int begin, int end);
 
-  // The next angles of films, and their largest imbalance. Films take their angles; both
-  // sides of a pair get their terms.
+  // The next angles of films, and their largest imbalance. Films take their angles; both sides of a pair get their terms.
   double (*find_films)(FilmArrays, int begin, int end);
   void (*take_films)(FilmArrays, int begin, int end);
 

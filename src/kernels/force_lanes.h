@@ -44,8 +44,7 @@ DEFORMABLE_LANE_FUNCTION void stick_contacts(int n, const StickArrays &films, La
     product[m] += loaded.shift + tension * load<Lanes>(films.terms[3] + m * LANES);
 }
 
-// Pressure and compliance. p^3 = kA Q, from the last pressure where that is close: two steps of Halley's method, each of which
-// triples the digits.
+// p of p^3 = kA Q, from the last pressure where that is close: two steps of Halley's method, each of which triples the digits.
 DEFORMABLE_LANE_FUNCTION Lanes cube_root(Lanes cube, Lanes guess)
 {
   constexpr double CLOSE = 0.05, NOTHING = 1e-280;
@@ -342,8 +341,8 @@ finish_shapes(int n, const Lanes *force, Lanes *product, const Lanes *tangent, c
   const double per_scale = 1.0 / rings.scale;
   const Lanes per_size = select(size > 0.0, 1.0 / select(size > 0.0, size, all(1.0)), Lanes{});
   Lanes swell = Lanes{};
-  constexpr double NOTHING = 1e-280,
-                   MOST = 0.1;    // C of arcs that bend further is none of stable contacts
+  // C of arcs that bend further than MOST is none of stable contacts
+  constexpr double NOTHING = 1e-280, MOST = 0.1;
 #pragma GCC unroll 8
   for (int m = 0; m < n; ++m) {
     Lanes b = product[m] * per_p, a = b, own = all(GREEN_AT_ZERO);

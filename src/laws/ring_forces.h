@@ -118,8 +118,8 @@ DEFORMABLE_INLINE bool find_expansion(double radius, const Stiffness &k, const R
   double delta = ring.expansion;
   if (!(ring.pressure > 0.0 && delta > low && delta < LARGEST_EXPANSION * radius)) {
     delta = 0.0;
-    if (k.tension ==
-        0.0) {    // without the terms of second order in delta:  p^3 <= K (Q + p^2 r F/(2 pi kP))
+    // without the terms of second order in delta:  p^3 <= K (Q + p^2 r F/(2 pi kP))
+    if (k.tension == 0.0) {
       const double K = area_stiffness(radius, k);
       const double p = std::cbrt(K * load.work) + K * radius / k.kP * tension;
       delta = std::max((p * radius - tension) / spring, 0.5 * low);

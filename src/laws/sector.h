@@ -67,8 +67,8 @@ inline SectorCoefficients<double> sector_coefficients(const Opening &o)
             taylor::VERSINE(x2) * per_d * per_phi};
   }
   double sine = o.sine, cosine = o.cosine, versine = 1.0 - cosine;
-  if (o.complement <
-      1.0) {    // D ~ 2 pi e with the complement e: sin e must be accurate relative to e
+  // D ~ 2 pi e with the complement e: sin e must be accurate relative to e
+  if (o.complement < 1.0) {
     sine = -std::sin(o.complement);
     cosine = std::cos(o.complement);
     versine = sine * sine / (1.0 + cosine);

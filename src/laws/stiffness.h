@@ -13,12 +13,17 @@ namespace deformable {
 // U = kA/2 (A - A0)^2 + kP/2 (P - P0)^2 + gamma (P - P0) - (gamma/r) (A - A0),   P0 = 2 pi r, A0 = pi r^2
 // kA or kP may be infinite: kA = inf conserves the area, kP = inf the perimeter, which then has no gamma. The last
 // term is the pressure gamma/r that a free ring of radius r holds against its tension, so that r is at rest.
+//
+// A minimization may start where contacts leave a ring of kA = inf no room. So that there are forces then, its area gives
+// way beyond a pressure y, as that of an ideal gas:  p A = y A0,  with y A0 ln(A0/A) in place of kA/2 (A - A0)^2. That is
+// continuous with its first derivatives, and the ring is the incompressible one as long as p <= y. A gas does not collapse
+// under any forces if y > gamma/r.
 struct Stiffness {
   static constexpr double INF = std::numeric_limits<double>::infinity();
   double kA = 0.0;         // of the area, energy/length^4
   double kP = INF;         // of the perimeter, energy/length^2
   double tension = 0.0;    // gamma of the perimeter at rest, energy/length
-  double yield = INF;      // of a ring that gives way, see below
+  double yield = INF;      // y, beyond which the area gives way, energy/length^2
 
   // All of a shape depends on this alone, 0 (area conserved) to infinity (perimeter conserved).
   double ratio() const { return kP / kA; }
@@ -35,7 +40,7 @@ struct Stiffness {
   double perimeter_stiffness(double /* delta */) const { return kP; }
 
   bool gives_way(double pressure) const { return pressure > yield; }
-  // dp/dD of such a ring, below
+  // dp/dD of a ring that gives way
   double yielding_kA(double ring_radius, double pressure) const
   {
     return pressure * pressure / (PI * ring_radius * ring_radius * yield);
@@ -72,10 +77,6 @@ DEFORMABLE_INLINE Stiffness stiffness_at(const StiffnessArrays &arrays, int ring
   return k;
 }
 
-// A minimization may start where contacts leave a ring of kA = inf no room. So that there are forces then, its area gives
-// way beyond a pressure y, as that of an ideal gas:  p A = y A0,  with y A0 ln(A0/A) in place of kA/2 (A - A0)^2. That is
-// continuous with its first derivatives, and the ring is the incompressible one as long as p <= y. A gas does not collapse
-// under any forces if y > gamma/r.
 // Its derivative is the pressure where an area changes, the tension where a perimeter does.
 struct Energy {
   double value;

@@ -169,8 +169,8 @@ inline void add_springs(const PolygonVertices &v, int m, const PolygonParameters
 // dA/dx_k = (y_k+1 - y_k-1)/2, dA/dy_k = (x_k-1 - x_k+1)/2.
 inline void add_area(const PolygonVertices &v, int m, const PolygonParameters &p, PolygonEnergy &u)
 {
-  const double *x = v.x.data(),
-               *origin = x + 2 * v.first[m];    // about it, far images lose no digits
+  // about the origin, far images lose no digits
+  const double *x = v.x.data(), *origin = x + 2 * v.first[m];
   double twice = 0.0;
   for (int k = v.first[m]; k < v.first[m + 1]; ++k) {
     const double *here = x + 2 * k, *next = x + 2 * v.next[k], *before = x + 2 * v.before[k];
@@ -235,8 +235,8 @@ inline Triplets polygon_hessian(const SmoothPolygons &polygons, const PolygonEne
         h.add(2 * k + i, 2 * next + j, -s);
         h.add(2 * next + j, 2 * k + i, -s);
       }
-    const double half =
-        -0.5 * u.pressure[v.polygon[k]];    // d2A/dx_k dy_k+1 = 1/2 = -d2A/dy_k dx_k+1
+    // d2A/dx_k dy_k+1 = 1/2 = -d2A/dy_k dx_k+1
+    const double half = -0.5 * u.pressure[v.polygon[k]];
     h.add(2 * k, 2 * next + 1, half);
     h.add(2 * next + 1, 2 * k, half);
     h.add(2 * k + 1, 2 * next, -half);

@@ -80,10 +80,9 @@ struct EnergyBlocks {
   }
 };
 
-// Soft disks and soft spheres: second derivatives of the energy of a contact.
-
-// U = o^2/2 of the overlap o = contact - |v| with a neighbor (contact = R_i + R_j) or a wall (contact = R_i), with the
-// direction n of v, which turns as that of a SideVector or SpaceVector, and the direction c of its part across the axis:
+// Adds a contact of soft disks or soft spheres. U = o^2/2 of the overlap o = contact - |v| with a neighbor (contact = R_i + R_j)
+// or a wall (contact = R_i), with the direction n of v, which turns as that of a SideVector or SpaceVector, and the direction c of
+// its part across the axis:
 //   dU/dv = -o n,   d^2U/dv dv = n n^T - o turn (1 - axis axis^T - c c^T).
 template <int dimension>
 inline void add_disk_contact(const double *v, double turn, const double *axis, double contact,

@@ -136,10 +136,8 @@ void sector_outline(double radius, const Contacts &contacts, int *order, int poi
   });
 }
 
-// The outline of a ring whose contacts are arcs, for pictures: a closed polygon as in outline.h.
-
-// A contact as its ring sees it, see contact_curve.h: its direction, L, and b, positive where the arc is convex. And the
-// angle at which the outline meets it, see contact_curve.h; then L may be negative.
+// A contact that is an arc, as its ring sees it (contact_curve.h): its direction, L, and b, positive where the arc is convex. And the
+// angle at which the outline meets it; then L may be negative.
 struct CurvedContact {
   double angle, length, half_angle, contact_angle;
   int index = 0;    // of the caller
@@ -148,10 +146,12 @@ struct CurvedContact {
   double turn() const { return contact_angle + half_angle; }
 };
 
-// The outline between two contacts goes from the direction of the first one plus its turn to that of the second one minus
-// its turn, with the support function H = E - sum L G; where the turn is negative that function goes on beyond the contact.
-// The ends of a contact are those of the chord of contact_curve.h, which is the same one for both its particles: away from
-// rest, where a ring has a first harmonic, the outline is shifted there by a little. An arc joins them. radius: E.
+// The outline of a ring whose contacts are arcs. radius: E.
+//
+// Between two contacts it goes from the direction of the first one plus its turn to that of the second one minus its turn, with the
+// support function H = E - sum L G; where the turn is negative that function goes on beyond the contact. The ends of a contact are
+// those of the chord of contact_curve.h, which is the same one for both its particles: away from rest, where a ring has a first
+// harmonic, the outline is shifted there by a little. An arc joins them.
 inline void curved_outline(double radius, std::vector<CurvedContact> contacts, int points,
                            Outline &outline)
 {

@@ -17,12 +17,12 @@
 namespace LAMMPS_NS {
 
 struct ContactBatches {
-  static constexpr int BLOCK =
-      512;    // rings are sorted by their numbers of contacts within blocks only
+  // rings are sorted by their numbers of contacts within blocks only
+  static constexpr int BLOCK = 512;
 
   int batches = 0;
-  int contacts =
-      0;    // places for contacts; remote ones follow, then one for walls, which yield nothing
+  // places for contacts; remote ones follow, then one for walls, which yield nothing
+  int contacts = 0;
   bool soft = false;    // some ring does not conserve its perimeter; see set_kind
 
   // of batches

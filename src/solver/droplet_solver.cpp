@@ -3,8 +3,6 @@
 #include "laws/droplet.h"
 
 #include "atom.h"
-#include "comm.h"
-#include "error.h"
 
 #include <algorithm>
 #include <cmath>
@@ -169,18 +167,6 @@ double DropletSolver::energy() const
   for (std::size_t row = 0; row < batches.particle.size(); ++row)
     if (batches.particle[row] >= 0) sum -= batches.work[row];
   return sum;
-}
-
-void DropletSolver::warn(const Particles &, bool)
-{
-  if (are_balanced || warned) return;
-  warned = true;
-  if (comm->me == 0)
-    error->warning(FLERR,
-                   "Contacts are not balanced: after {} evaluations forces are off by up to {:.2g} "
-                   "of the largest, with a tolerance of {:.2g}. {} (pair_style deformable/droplet "
-                   "balance)",
-                   summary.evaluations, summary.imbalance, tolerance, summary.why());
 }
 
 double DropletSolver::memory_usage() const

@@ -22,10 +22,8 @@ class DropletSolver : public DualSolver {
   {
     return batches.contact(batches.place[i], contact);
   }
-  int pair_side(int place) const
-  {
-    return batches.pair_side[place];
-  }    // 2 x the pair, + 1 for its second
+  // 2 x the pair, + 1 for its second droplet
+  int pair_side(int place) const { return batches.pair_side[place]; }
   double indentation(int place) const { return batches.indentation[place]; }
   // The derivative of all works by the normal of a contact of a pair.
   deformable::Vector3 torque(int k, int side) const
@@ -44,7 +42,6 @@ class DropletSolver : public DualSolver {
 
  private:
   const deformable::DropletKernels &droplets;
-  bool warned = false;
   // see DropletArrays: by droplet, by contact, by two contacts
   LargeVector<double> tension, of_load, of_facet, still_work;
   LargeVector<double> film_log, per_radii, still, normals[3], force, facets[3], damping, torques[3];
@@ -68,7 +65,7 @@ class DropletSolver : public DualSolver {
   void find_films(const Particles &);
   void find_bulges(const Particles &) override;
   double energy() const override;
-  void warn(const Particles &, bool films_changed) override;
+  void warn(const Particles &, bool) override { warn_unbalanced("deformable/droplet"); }
 };
 
 }    // namespace LAMMPS_NS

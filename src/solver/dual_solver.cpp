@@ -49,6 +49,17 @@ const char *Summary::why() const
   return "";
 }
 
+void DualSolver::warn_unbalanced(const char *style)
+{
+  if (are_balanced || warned_unbalanced) return;
+  warned_unbalanced = true;
+  if (comm->me == 0)
+    error->warning(FLERR,
+                   "Contacts are not balanced: after {} evaluations forces are off by up to {:.2g} "
+                   "of the largest, with a tolerance of {:.2g}. {} (pair_style {} balance)",
+                   summary.evaluations, summary.imbalance, tolerance, summary.why(), style);
+}
+
 /* ----------------------------------------------------------------------
    A force call. Outlines may bulge so far that the list of near pairs is not
    sufficient: then pairs are found again. Films that come or go change the

@@ -132,6 +132,7 @@ class DualSolver : protected Pointers {
   virtual double energy() const = 0;    // of all particles of this rank, without what is left
   // Of what a user should know after a solution.
   virtual void warn(const Particles &, bool films_changed) = 0;
+  void warn_unbalanced(const char *style);    // once; of the keyword balance of this pair style
 
   const deformable::ForceKernels &kernels;
   const Tuning tuning;
@@ -175,6 +176,7 @@ class DualSolver : protected Pointers {
   const int max_evaluations;    // of a call, without changes of films
   int allowed = 0;
   int wrong = -1;
+  bool warned_unbalanced = false;
 
   // prediction
   static constexpr int LINEAR = 2, QUADRATIC = 3, CUBIC = 4;    // past forces that are needed

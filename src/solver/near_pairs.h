@@ -42,8 +42,7 @@ struct KnownPairs {
 
   int remote = 0, wall = 0, size = 0;    // first remote pair, first pair with a wall, end
 
-  LargeVector<int> i,
-      j;    // local indices, as in the neighbor list; of a wall: its code, -1 - (w + n feature)
+  LargeVector<int> i, j;    // local indices, as in the neighbor list; of a wall: its code < 0
   struct Past {
     LargeVector<double> last;
     LargeVector<float> earlier[3];    // in unit(kind)
@@ -79,8 +78,8 @@ struct NearPairs : KnownPairs {
   LargeVector<int> owned;    // by local index: the particle of this rank whose image it is, or -1
   // local index of j's particle, or of the one whose image it is; -1 if that is on another rank
   int second(int k) const { return k < remote ? owned[j[k]] : -1; }
-  LargeVector<float>
-      stiffening;    // k, see PairArrays: two circles that overlap by o repel with at least k o^3
+  // k, see PairArrays: two circles that overlap by o repel with at least k o^3
+  LargeVector<float> stiffening;
 
   // one more than pairs: the last one stands for places of contacts that are empty
   LargeVector<double> force;

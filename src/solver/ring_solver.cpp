@@ -270,10 +270,8 @@ double RingSolver::size_of_film(int k) const
 // Ranks compare when the neighbor list is new.
 void RingSolver::warn_limited()
 {
-  int here = limited_lines() > 0.0, any = here;
-  if (comm->nprocs > 1) MPI_Allreduce(&here, &any, 1, MPI_INT, MPI_MAX, world);
-  if (any == 0) return;
-  warned_limited = true;
+  warned_limited = list.remote_sides.largest(limited_lines()) > 0.0;
+  if (!warned_limited) return;
   if (comm->me == 0)
     error->warning(
         FLERR, "Contact lines would tilt by more than 0.3 rad or bend by more than 30 degrees, as "
@@ -301,15 +299,7 @@ void RingSolver::warn_films()
 
 void RingSolver::warn(const Particles &p, bool films_changed)
 {
-  if (!are_balanced && !warned) {
-    warned = true;
-    if (comm->me == 0)
-      error->warning(
-          FLERR,
-          "Contacts are not balanced: after {} evaluations forces are off by up to {:.2g} of the "
-          "largest, with a tolerance of {:.2g}. {} (pair_style deformable/ring balance)",
-          summary.evaluations, summary.imbalance, tolerance, summary.why());
-  }
+  warn_unbalanced("deformable/ring");
   if (lines && p.new_list && !warned_limited) warn_limited();
   if (films_changed && !warned_films) warn_films();
 }

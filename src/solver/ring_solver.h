@@ -78,7 +78,7 @@ class RingSolver : public DualSolver {
   std::vector<int> crowded;
   int crushed = -1;
   bool lacking = false;
-  bool warned = false, warned_limited = false, warned_films = false;
+  bool warned_limited = false, warned_films = false;
   std::vector<double> softness;            // by type; of particles and ghosts, if these vary
   std::vector<double> length_per_force;    // of particles and ghosts
 

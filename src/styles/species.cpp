@@ -374,18 +374,17 @@ std::string SpeciesRamps::of_two_types(const std::vector<Species> &species) cons
   return "";
 }
 
-int SpeciesRamps::take(std::vector<Species> &species) const
+bool SpeciesRamps::take(std::vector<Species> &species) const
 {
-  int first = 0;
+  bool changed = false;
   for (std::size_t k = 0; k < arrays.size(); ++k)
-    for (std::size_t i = arrays[k].rows.size(); i-- > 1;) {
+    for (std::size_t i = 1; i < arrays[k].rows.size(); ++i) {
       if (species[i].name.empty()) continue;
       double &value = species[i].stiffness.*PARAMETERS[k].of_ring;
-      if (value == arrays[k].rows[i][i]) continue;
+      changed |= value != arrays[k].rows[i][i];
       value = arrays[k].rows[i][i];
-      if (first == 0) first = static_cast<int>(i);
     }
-  return first;
+  return changed;
 }
 
 /* ----------------------------------------------------------------------

@@ -67,8 +67,8 @@ class SpeciesRamps {
   // Empty if there is none.
   std::string of_two_types(const std::vector<Species> &) const;
 
-  // Gives the species the values of the arrays. Returns the first type with a new value, or 0.
-  int take(std::vector<Species> &) const;
+  // Gives the species the values of the arrays. Returns whether one has changed.
+  bool take(std::vector<Species> &) const;
 
  private:
   struct Array {

@@ -107,9 +107,9 @@ class FixDeformableFriction : public FixPartnerMemory<RememberedContact> {
     int rememberer;    // the particle of this rank whose image it may be
   };
   const bool in_plane;
-  double lever() const;    // 1 + m R^2/I
-  double largest_film = 0.0,
-         linear_film = 0.0;        // constants of films: allowed for n < 1, found for n = 1
+  double lever() const;            // 1 + m R^2/I
+  double largest_film = 0.0;       // constant of a film with n < 1 that is allowed
+  double linear_film = 0.0;        // largest constant of a film with n = 1
   double largest_dashpot = 0.0;    // of a restitution
   void check_dashpots() const;
   double mass_of(int i) const;    // in force time^2/distance units

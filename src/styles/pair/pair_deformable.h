@@ -104,8 +104,8 @@ struct LoadedContact {
   deformable::Vector3 n;         // normal of the contact, from i to j
   deformable::Vector3 middle;    // of its film, from the center of i
   double force;
-  double
-      size;    // of its film, if asked for: length in the plane, area in space; the mean of both sides
+  // of its film, if asked for: length in the plane, area in space; the mean of both sides
+  double size;
   bool one_side;    // the other side has a row, and a force, of its own
 };
 
@@ -208,10 +208,9 @@ class PairDeformable : public Pair {
 
   double reach = 0.0;    // largest distance of contacts over R_i + R_j, minus 1
   bool bulges() const { return reach > 0.0; }    // else contacts are the lines inside of the circle
-  std::vector<Species>
-      species;            // by atom type; without a name if the type belongs to another style
-  Materials materials;    // as of this call
-  Adhesions adhesions;    // of all pairs of types
+  std::vector<Species> species;    // by atom type; without a name: of another pair style
+  Materials materials;             // as of this call
+  Adhesions adhesions;             // of all pairs of types
   std::map<std::string, std::string> defined;    // by pair_coeff
   void describe_species();
   std::vector<FixDeformableWall *> walls;
@@ -258,7 +257,7 @@ class PairDeformable : public Pair {
   std::vector<Row> rows;    // by local index
   std::vector<int> partners;
   struct WallContact {
-    int wall;    // -1 - (w + n feature) for wall fix w of n
+    int wall;    // its code < 0
     double nx, ny, height, per_lever;
   };
   std::vector<WallContact> wall_contacts;    // of the block; a place has -1 minus the index
@@ -304,8 +303,7 @@ class PairDeformable : public Pair {
   virtual const char *what_is_beyond() const
   {
     return "part of their outline has a negative radius of curvature (past confluence, or contacts "
-           "too close to each "
-           "other). Their shape does not exist, their";
+           "too close to each other). Their shape does not exist, their";
   }
   double bulge_over_reach;    // the largest of this rank, at the last new neighbor list
 

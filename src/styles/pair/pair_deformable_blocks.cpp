@@ -74,8 +74,8 @@ template <bool WALLS> void PairDeformable::gather_block(int begin, int end)
     }
     p.active = row.active;
     Place *place = places + row.size;
-    for (auto w = wall_contacts.size(); WALLS && w-- > first_wall;
-         ++place) {    // in the order of arrange
+    // in the order of arrange
+    for (auto w = wall_contacts.size(); WALLS && w-- > first_wall; ++place) {
       const WallContact &wall = wall_contacts[w];
       const double d = 2.0 * wall.height;    // the mirror image
       *place = {d * wall.nx, d * wall.ny, ri, 0.0, 0.0, 0.0, 0.0, -1 - static_cast<int>(w)};
@@ -273,9 +273,9 @@ void PairDeformable::refuse_behind_center(int i, int j, double dx, double dy)
            "fast for its timestep, or beyond the model. Use a smaller timestep",
            atom->tag[i], atom->tag[j]);
   refuse("The contact line of atoms {} and {} does not lie well in front of the center of atom {}: "
-         "their "
-         "distance is {:.6g}, their radii are {:.6g} and {:.6g}. Separate particles that overlap "
-         "first, start from a less compressed state, or take smaller steps or a smaller timestep",
+         "their distance is {:.6g}, their radii are {:.6g} and {:.6g}. Separate particles that "
+         "overlap first, start from a less compressed state, or take smaller steps or a smaller "
+         "timestep",
          atom->tag[i], atom->tag[j], atom->tag[i], std::hypot(dx, dy), radii[i], radii[j]);
 }
 

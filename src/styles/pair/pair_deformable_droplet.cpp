@@ -102,7 +102,7 @@ bool PairDeformableDroplet::take_ramps()
     error->all(FLERR,
                "A fix adapt sets {}, but tensions belong to one type: give it the same type twice",
                odd);
-  if (ramps.take(species) == 0) return false;
+  if (!ramps.take(species)) return false;
   ramps.fill(species);
   check_ramped_species();
   number_definition();
@@ -137,8 +137,7 @@ void PairDeformableDroplet::compute(int eflag, int vflag)
 
 void PairDeformableDroplet::check_room()
 {
-  constexpr double LEAST_SIDE =
-      0.5;    // of a periodic box, over the radius: contacts would be too many, and mean nothing
+  constexpr double LEAST_SIDE = 0.5;    // of a periodic box, over the radius
   double volume = 0.0, largest = 0.0;
   for (int i = 0; i < atom->nlocal; ++i) {
     if (neighbor->includegroup && !(atom->mask[i] & group->bitmask[neighbor->includegroup]))

@@ -38,9 +38,8 @@ class PairDeformableDroplet : public PairDeformable {
   const char *what_is_beyond() const override
   {
     return "forces cover more than 0.4 of their surface with facets, or, where contacts are few "
-           "and "
-           "strong, more than 0.05 with the mean facet. Such loads are outside of the range of the "
-           "theory; their";
+           "and strong, more than 0.05 with the mean facet. Such loads are outside of the range of "
+           "the theory; their";
   }
 
  private:

@@ -121,8 +121,7 @@ void PairDeformableRing::find_films()
   if (!fix && films)
     error->all(FLERR,
                "Fix {} was deleted, which knew the attached pairs: define pair_style "
-               "deformable/ring again. "
-               "'fix_modify {} attached none' lets them go",
+               "deformable/ring again. 'fix_modify {} attached none' lets them go",
                name, name);
   if (!fix) fix = modify->add_fix(fmt::format("{} all deformable/films", name));
   if (!films) balanced->use_films();
@@ -161,7 +160,7 @@ bool PairDeformableRing::take_ramps()
                "A fix adapt sets {}, but stiffnesses and tensions belong to one type: give it the "
                "same type twice",
                odd);
-  const bool new_species = ramps.take(species) != 0, new_adhesion = adhesions.take();
+  const bool new_species = ramps.take(species), new_adhesion = adhesions.take();
   unchecked |= new_species || new_adhesion;
   if (!unchecked) return false;
   ramps.fill(species);
@@ -620,10 +619,10 @@ void PairDeformableRing::check_properties()
 /* ----------------------------------------------------------------------
    Particles of kA = inf whose contacts leave no room for their area: motion
    stops, a minimization separates them. From the first force call without room
-   on, until its end, areas give way beyond a pressure (stiffness.h): hardly above the one at rest
-   at first, because the outlines of firmer particles bulge too far between
-   their neighbors. It grows in each iteration, so that particles of any
-   pressure that are left at the end are incompressible.
+   on, until its end, areas give way beyond a pressure (stiffness.h). At first
+   it is hardly above the one at rest, because the outlines of firmer particles
+   bulge too far between their neighbors. It grows in each iteration, so that
+   particles of any pressure that are left at the end are incompressible.
 ------------------------------------------------------------------------- */
 
 static double yield_after(bigint iterations)

@@ -55,8 +55,8 @@ FixDeformableWall::FixDeformableWall(LAMMPS *lmp, int narg, char **arg)
   delete[] style;
   style = utils::strdup(STYLE);
 
-  energy_global_flag =
-      1;    // or fix_modify refuses its option by a message with the other name of the style
+  // or fix_modify refuses its option by a message with the other name of the style
+  energy_global_flag = 1;
   scalar_flag = 1;
   extscalar = 1;
   ecouple_flag = 1;

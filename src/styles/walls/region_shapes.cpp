@@ -31,9 +31,8 @@ struct RegionMotion : Region {
 
 namespace in_the_plane {
 
-constexpr double FAR = 1e12;    // beyond any region without INF
-constexpr double FAR_PRISM =
-    1e9;    // squares of distances must not exceed the 1e20 of region prism
+constexpr double FAR = 1e12;         // beyond any region without INF
+constexpr double FAR_PRISM = 1e9;    // its square must not exceed the 1e20 of region prism
 constexpr double ANY_DISTANCE = 1e300;
 constexpr double NO_FACE = 1e15;    // faces of a prism that are farther away are INF
 const char *const LEANS =
@@ -241,8 +240,8 @@ struct Extent {
 // tells where it ends.
 Extent extent_of(Region *region, bool is_cone)
 {
-  constexpr double FAR = 1e9,
-                   ASIDE = 1e-6;    // on its axis, and with a tip, a cone knows no nearest point
+  constexpr double FAR = 1e9;
+  constexpr double ASIDE = 1e-6;    // on its axis, and with a tip, a cone knows no nearest point
   Extent extent = {{-1.0, -1.0, -1.0}, {1.0, 1.0, 1.0}};
   for (int round = 0; round < (is_cone ? 3 : 4); ++round) {
     Extent next = extent;
@@ -375,8 +374,8 @@ std::string read_body(Region *region, Extent extent, WallShape &shape)
                             round == 0 ? 1e6 * size : size, (round == 0 ? 1.0 : 1e-4) * size)
                          .radius;
     }
-    const int wide =
-        radius[1] > radius[0];    // its rim is nearest to all that is beyond and beside of it
+    // the wider end: its rim is nearest to all that is beyond and beside of it
+    const int wide = radius[1] > radius[0];
     Vector3 at = body.center;
     along(at, axis) = wide ? extent.high[axis] : extent.low[axis];
     for (const int b : beside)
