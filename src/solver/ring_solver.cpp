@@ -120,11 +120,10 @@ void RingSolver::set_units(const Particles &p)
   for (int k = 0; k < pairs.size; ++k)
     pairs.stiffening[k] = static_cast<float>(stiffening(k) * unit);
   if (!pairs.adhesive) return;
-  const std::vector<FixDeformableWall *> &walls = *p.walls;
   for (int k = 0; k < pairs.size; ++k)
     pairs.adhesion_if_attached[k] =
         k < pairs.wall ? p.adhesions->between(atom->type[pairs.i[k]], atom->type[pairs.j[k]])
-                       : walls[(-1 - pairs.j[k]) % walls.size()]->adhesion();
+                       : wall_of(pairs.j[k], *p.walls).adhesion();
 }
 
 void RingSolver::find_bulges(const Particles &)

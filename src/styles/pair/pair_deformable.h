@@ -151,7 +151,7 @@ class PairDeformable : public Pair {
 
   bool has_wall(int code) const { return code < 0 && !walls.empty(); }
   // Of a wall's code.
-  FixDeformableWall &wall(int code) const { return *walls[wall_of(code, wall_count())]; }
+  FixDeformableWall &wall(int code) const { return wall_of(code, walls); }
   int wall_feature(int code) const { return wall_feature_of(code, wall_count()); }
   // In tables of contacts: -1 - k of all walls of fix k, from 0.
   int wall_number(int code) const { return -1 - wall_of(code, wall_count()); }
