@@ -1,11 +1,12 @@
 #include "polygons/polygon_edges.h"
 
+#include "kernels/large_vector.h"
+#include "laws/vector2.h"
+#include "styles/all_ranks.h"
 #include "styles/lammps_release.h"
-#include "styles/memory/fix_partner_memory.h"
 #include "styles/refusals.h"
 
 #include "atom.h"
-#include "comm.h"
 #include "domain.h"
 #include "error.h"
 #include "force.h"

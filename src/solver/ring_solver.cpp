@@ -2,6 +2,7 @@
 
 #include "laws/contact_curve.h"
 #include "laws/soft_ring.h"
+#include "styles/all_ranks.h"
 
 #include "atom.h"
 #include "comm.h"
@@ -282,9 +283,7 @@ void RingSolver::warn_limited()
 void RingSolver::warn_films()
 {
   const int i = films->pressed_without_film();
-  tagint here = i < 0 ? -1 : atom->tag[i];
-  tagint id;
-  MPI_Allreduce(&here, &id, 1, MPI_LMP_TAGINT, MPI_MAX, world);
+  const tagint id = largest_of_ranks<tagint>(world, i < 0 ? -1 : atom->tag[i]);
   warned_films = id >= 0;
   if (warned_films && comm->me == 0)
     error->warning(

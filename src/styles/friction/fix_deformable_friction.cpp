@@ -203,7 +203,7 @@ void FixDeformableFriction::find_lightest()
   double least = std::numeric_limits<double>::infinity();
   for (int i = 0; i < atom->nlocal; ++i)
     if (atom->mask[i] & groupbit) least = std::min(least, mass_of(i));
-  MPI_Allreduce(&least, &lightest, 1, MPI_DOUBLE, MPI_MIN, world);
+  lightest = smallest_of_ranks(world, least);
 }
 
 void FixDeformableFriction::check_time_step() const
@@ -507,18 +507,19 @@ ContactVector<V> FixDeformableFriction::film_force(const Friction &c, double siz
 
 void FixDeformableFriction::check_dashpots() const
 {
-  double here[] = {linear_film, largest_dashpot},
-         most[2];    // MPI of LAMMPS' stubs takes no constants
-  MPI_Allreduce(here, most, 2, MPI_DOUBLE, MPI_MAX, world);
+  double most[] = {linear_film, largest_dashpot};
+  MPI_Allreduce(MPI_IN_PLACE, most, 2, MPI_DOUBLE, MPI_MAX, world);
+  const auto [of_films, of_restitution] = most;
   if (update->whichflag != 1) return;
   const double film =
-      deformable::largest_time_step({1.0, 0.0, most[0], most[0]}, lightest, lever());
+      deformable::largest_time_step({1.0, 0.0, of_films, of_films}, lightest, lever());
   if (update->dt > film)
     error->all(FLERR,
                "Fix {} deformable/friction: the time step {:.6g} is too long for a film with the "
                "constant {:.6g} and particles of mass {:.6g}: use {:.3g} or less, or a smaller c",
-               id, update->dt, most[0], lightest * force->ftm2v, film);
-  const double dashpot = deformable::largest_time_step({0.0, 0.0, 0.0, most[1]}, lightest, lever());
+               id, update->dt, of_films, lightest * force->ftm2v, film);
+  const double dashpot =
+      deformable::largest_time_step({0.0, 0.0, 0.0, of_restitution}, lightest, lever());
   if (update->dt > dashpot)
     error->all(
         FLERR,
@@ -647,21 +648,15 @@ template <class V> void FixDeformableFriction::end(int i, const RememberedContac
    number of contacts, how many of them slide, and the loss of films.
 ------------------------------------------------------------------------- */
 
-double FixDeformableFriction::total(int n) const
-{
-  double here = output[n], all;    // MPI of LAMMPS' stubs takes no constants
-  MPI_Allreduce(&here, &all, 1, MPI_DOUBLE, MPI_SUM, world);
-  return all;
-}
-
 double FixDeformableFriction::compute_scalar()
 {
-  return total(STORED) + total(SLIDING) + total(DASHPOTS) + total(DAMPING) + total(FILMS);
+  const std::vector<double> all = all_sums();
+  return all[STORED] + all[SLIDING] + all[DASHPOTS] + all[DAMPING] + all[FILMS];
 }
 
 double FixDeformableFriction::compute_vector(int n)
 {
-  return total(n);
+  return sum_of_ranks(world, output[n]);
 }
 
 /* ---------------------------------------------------------------------- */

@@ -154,7 +154,6 @@ class FixDeformableFriction : public FixPartnerMemory<RememberedContact> {
   void sweep();
   int words_of_spring() const;
   void give_spring(int i, const double *words);
-  double total(int n) const;
 };
 
 }    // namespace LAMMPS_NS

@@ -2,6 +2,7 @@
 
 #include "laws/parameter_rules.h"
 #include "laws/trigonometry.h"
+#include "styles/all_ranks.h"
 #include "styles/friction/fix_deformable_friction.h"
 #include "styles/lammps_release.h"
 #include "styles/memory/fix_deformable_restart.h"
@@ -403,10 +404,9 @@ void PairDeformable::check_radii()
 
 double PairDeformable::smallest_radius() const
 {
-  double here = std::numeric_limits<double>::infinity(), smallest;
+  double here = std::numeric_limits<double>::infinity();
   for (int ii = 0; ii < list->inum; ++ii) here = std::min(here, radii[list->ilist[ii]]);
-  MPI_Allreduce(&here, &smallest, 1, MPI_DOUBLE, MPI_MIN, world);
-  return smallest;
+  return smallest_of_ranks(world, here);
 }
 
 /* ---------------------------------------------------------------------- */

@@ -3,6 +3,7 @@
 #include "laws/contact.h"
 #include "laws/parameter_rules.h"
 #include "laws/support.h"
+#include "styles/all_ranks.h"
 #include "styles/lammps_release.h"
 #include "styles/refusals.h"
 
@@ -697,9 +698,7 @@ void PairDeformableRing::no_shape(int i, int contacts)
 
 int PairDeformableRing::all_giving_way() const
 {
-  int all = giving_way;
-  MPI_Allreduce(MPI_IN_PLACE, &all, 1, MPI_INT, MPI_SUM, world);
-  return all;
+  return sum_of_ranks(world, giving_way);
 }
 
 void PairDeformableRing::tell_room()

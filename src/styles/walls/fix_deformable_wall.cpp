@@ -1,5 +1,6 @@
 #include "styles/walls/fix_deformable_wall.h"
 
+#include "styles/all_ranks.h"
 #include "styles/friction/fix_deformable_friction.h"
 #include "styles/lammps_release.h"
 #include "styles/pair/pair_deformable.h"
@@ -404,10 +405,7 @@ void FixDeformableWall::post_force(int vflag)
 
 double FixDeformableWall::compute_scalar()
 {
-  double here = walls.energy_given();
-  double all;
-  MPI_Allreduce(&here, &all, 1, MPI_DOUBLE, MPI_SUM, world);
-  return all;
+  return sum_of_ranks(world, walls.energy_given());
 }
 
 /* ----------------------------------------------------------------------
@@ -417,9 +415,7 @@ double FixDeformableWall::compute_scalar()
 double FixDeformableWall::compute_vector(int n)
 {
   if (n >= 3) return n == 3 ? walls.sources[0].side.place.now : load.v;
-  double all = n == 0 ? on_wall.x : n == 1 ? on_wall.y : on_wall.z;
-  MPI_Allreduce(MPI_IN_PLACE, &all, 1, MPI_DOUBLE, MPI_SUM, world);
-  return all;
+  return sum_of_ranks(world, component(on_wall, n));
 }
 
 /* ----------------------------------------------------------------------
