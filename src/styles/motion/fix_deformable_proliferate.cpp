@@ -118,18 +118,14 @@ int FixDeformableProliferate::setmask()
 void FixDeformableProliferate::init()
 {
   refusals.forget();
-  for (const PairDeformable *pair : deformable_pairs(*force))
+  for (const PairDeformable *pair :
+       require_deformable_pairs(lmp, fmt::format("Fix {} deformable/proliferate", id)))
     if (!pair->has_radii_of_atoms())
       error->all(FLERR,
                  "Fix {} deformable/proliferate needs radii that grow: use 'radius atom' in "
                  "pair_style {}",
                  id, force->pair_style);
-  if (deformable_pairs(*force).empty())
-    error->all(
-        FLERR,
-        "Fix {} deformable/proliferate needs pair_style deformable/ring, deformable/sector or "
-        "deformable/droplet, but pair_style is {}",
-        id, force->pair_style ? force->pair_style : "none");
+
   refuse_respa(lmp, id, "deformable/proliferate");
   next_reneighbor = (update->ntimestep / nevery + 1) * nevery;
 }

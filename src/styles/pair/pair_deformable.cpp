@@ -531,6 +531,21 @@ std::map<std::string, std::string> PairDeformable::description() const
 
 /* ---------------------------------------------------------------------- */
 
+std::vector<PairDeformable *> LAMMPS_NS::require_deformable_pairs(LAMMPS *lmp,
+                                                                  const std::string &command)
+{
+  const char *const style = lmp->force->pair_style;
+  std::vector<PairDeformable *> pairs = deformable_pairs(*lmp->force);
+  if (pairs.empty())
+    lmp->error->all(FLERR,
+                    "{} needs pair_style deformable/ring, deformable/sector or deformable/droplet, "
+                    "but pair_style is {}",
+                    command, style ? style : "none");
+  return pairs;
+}
+
+/* ---------------------------------------------------------------------- */
+
 double *ParticleResults::extract(const char *name)
 {
   const char *const *const names = dimension == 2 ? NAMES : NAMES_OF_SURFACE;

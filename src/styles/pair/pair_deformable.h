@@ -379,6 +379,9 @@ inline std::vector<PairDeformable *> deformable_pairs(Force &force)
   return found;
 }
 
+// The same for a command that works with them only, such as "Fix ID deformable/wall": stops if there is none.
+std::vector<PairDeformable *> require_deformable_pairs(LAMMPS *, const std::string &command);
+
 }    // namespace LAMMPS_NS
 
 #endif

@@ -187,11 +187,7 @@ int FixDeformableWall::setmask()
 void FixDeformableWall::init()
 {
   refuse_respa(lmp, id, "deformable/wall");
-  if (deformable_pairs(*force).empty())
-    error->all(FLERR,
-               "Fix {} deformable/wall needs pair_style deformable/ring, deformable/sector or "
-               "deformable/droplet, but pair_style is {}",
-               id, force->pair_style ? force->pair_style : "none");
+  require_deformable_pairs(lmp, fmt::format("Fix {} deformable/wall", id));
   if (thermo_energy)
     error->all(FLERR,
                "Fix {} deformable/wall has no energy for 'fix_modify {} energy yes': what walls "
