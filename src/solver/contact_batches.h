@@ -12,7 +12,6 @@
 
 #include <array>
 #include <cstddef>
-#include <vector>
 
 namespace LAMMPS_NS {
 

@@ -21,7 +21,6 @@ FixStyle(deformable/friction,FixDeformableFriction);
 #include "styles/friction/friction_coefficients.h"
 #include "styles/memory/fix_partner_memory.h"
 
-#include <algorithm>
 #include <string>
 #include <vector>
 

@@ -3,7 +3,6 @@
 #include "laws/trigonometry.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 using namespace LAMMPS_NS;
