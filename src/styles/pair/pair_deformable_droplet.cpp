@@ -246,10 +246,9 @@ double PairDeformableDroplet::memory_usage()
 double PairDeformableDroplet::energy_alone(int i, int partner, double force) const
 {
   const double r = radii[i], tension = stiffness_of(i).tension;
-  const double ratio = partner < 0 ? 1.0
-                                   : deformable::film_ratio(r, tension, radii[partner],
-                                                            stiffness_of(partner).tension);
-  const double energy = deformable::droplet_energy_alone(force / (r * tension), std::log(ratio));
+  const double ratio =
+      partner < 0 ? 1.0 : film_ratio(r, tension, radii[partner], stiffness_of(partner).tension);
+  const double energy = droplet_energy_alone(force / (r * tension), std::log(ratio));
   return energy * r * r * tension;
 }
 

@@ -313,10 +313,10 @@ double PairDeformableRing::memory_usage()
 double PairDeformableRing::energy_alone(int i, int /*partner*/, double force) const
 {
   const double r = ring_radius_of(i);
-  const deformable::Stiffness k = stiffness_of(i);
-  const deformable::RingLoad load = {0.5 * deformable::GREEN_AT_ZERO * force * force, force};
-  deformable::LoadedRing ring;
-  return deformable::find_pressure(r, k, load, ring) ? ring.energy(r, k, load.work) : 0.0;
+  const Stiffness k = stiffness_of(i);
+  const RingLoad load = {0.5 * GREEN_AT_ZERO * force * force, force};
+  LoadedRing ring;
+  return find_pressure(r, k, load, ring) ? ring.energy(r, k, load.work) : 0.0;
 }
 
 /* ----------------------------------------------------------------------

@@ -84,20 +84,20 @@ int FixDeformableWall::read_keywords(int narg, char **arg)
     return std::any_of(std::begin(KEYWORDS), std::end(KEYWORDS),
                        [&](const char *keyword) { return std::strcmp(word, keyword) == 0; });
   };
-  int words = 4;    // a region may be called adhesion
-  while (words < narg && !is_keyword(arg[words])) ++words;
-  for (int iarg = words; iarg < narg;) {
+  int first = 4;    // a region may be called adhesion
+  while (first < narg && !is_keyword(arg[first])) ++first;
+  for (int iarg = first; iarg < narg;) {
     if (!is_keyword(arg[iarg]))
       error->all(FLERR_WORD(iarg),
                  "Fix {} deformable/wall: unknown word '{}' after {}: only adhesion w, shear dim v "
                  "and load F m come last",
-                 id, arg[iarg], arg[words]);
-    for (int before = words; before < iarg; ++before)
+                 id, arg[iarg], arg[first]);
+    for (int before = first; before < iarg; ++before)
       if (!std::strcmp(arg[before], arg[iarg]))
         error->all(FLERR_WORD(iarg), "Fix {} deformable/wall: {} is there twice", id, arg[iarg]);
     iarg = read_keyword(iarg, narg, arg);
   }
-  return words;
+  return first;
 }
 
 // Returns the place of what follows it.
