@@ -2,6 +2,7 @@
 
 #include "laws/contact_curve.h"
 #include "laws/soft_ring.h"
+#include "laws/support.h"
 #include "styles/all_ranks.h"
 
 #include "atom.h"
@@ -15,7 +16,6 @@
 using namespace LAMMPS_NS;
 using namespace deformable;
 
-static constexpr double MOST_OUT = 0.10199;    // -G at its minimum
 // Contacts have a length of about 8 times the indentation, which is half of the overlap.
 static constexpr double BULGE_PER_OVERLAP = 0.4;
 
@@ -136,7 +136,7 @@ void RingSolver::find_bulges(const Particles &)
     if (i < 0) continue;
     double lengths = batches.total[ring] * batches.per_pressure[ring];
     const double out = films ? bulge_with_films(ring, lengths)
-                             : MOST_OUT * lengths + batches.loaded(ring).expansion;
+                             : -LEAST_GREEN * lengths + batches.loaded(ring).expansion;
     list.set_bulge(i, std::max(out, 0.0));
     if (arc_radius_at_least(ring, lengths) < 0.0) crowded.push_back(i);
   }
@@ -152,7 +152,7 @@ double RingSolver::bulge_with_films(std::size_t ring, double &lengths) const
   for (int m = 0; m < batches.count[i]; ++m) {
     const int pair = batches.pair_side[batches.contact(static_cast<int>(ring), m)] >> 1;
     const double L = list.pairs.force[pair] * per_p;
-    out += L * (0.5 / PI) + (L > 0.0 ? MOST_OUT * L : -GREEN_AT_ZERO * L);
+    out += L * (0.5 / PI) - (L > 0.0 ? LEAST_GREEN : GREEN_AT_ZERO) * L;
     lengths += std::fabs(L);
   }
   return out;
