@@ -113,13 +113,15 @@ void PairDeformable::coeff(int narg, char **arg)
     }
     check_species(of_types[type]);
   }
+  Adhesions of_pairs;
+  of_pairs.assign(of_types, known.adhesions);
+  check_lines_bend("Species", of_pairs.any());
   map_element2type(narg - 3, arg + 3);
   species = of_types;
   radius.clear();
   for (const Species &s : species) radius.push_back(s.radius);
   adhesions.assign(species, known.adhesions);
   describe_species();
-  check_lines_bend("Species", adhesions.any());
 }
 
 /* ---------------------------------------------------------------------- */
