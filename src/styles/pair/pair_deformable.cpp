@@ -32,6 +32,7 @@ using namespace LAMMPS_NS;
 using deformable::PI;
 using deformable::SurfacePoint;
 using deformable::unstable_radius;
+using deformable::Vector2;
 using deformable::Vector3;
 
 /* ---------------------------------------------------------------------- */
@@ -277,7 +278,7 @@ void PairDeformable::check_own_image(int i, int j)
 ------------------------------------------------------------------------- */
 
 void PairDeformable::record(int i, int partner, const deformable::Contact &contact, double length,
-                            double force, const Push &push, double distance,
+                            double force, const Vector2 &push, double distance,
                             const RecordedLine &line)
 {
   if (!recording || (length == 0.0 && force == 0.0)) return;
@@ -298,7 +299,7 @@ void PairDeformable::list_contacts(int groupbit, std::vector<double> &rows) cons
                 {static_cast<double>(atom->tag[contact.atom]), static_cast<double>(contact.partner),
                  contact.indentation, contact.length, contact.force, contact.x, contact.y,
                  contact.angle, contact.distance, contact.line.tilt, contact.line.half_angle,
-                 contact.push.fx, contact.push.fy, contact.line.contact_angle,
+                 contact.push.x, contact.push.y, contact.line.contact_angle,
                  contact.line.attached});
   }
 }

@@ -11,6 +11,7 @@
 #include "kernels/large_vector.h"
 #include "laws/shape.h"
 #include "laws/stiffness.h"
+#include "laws/vector2.h"
 #include "response/outline.h"
 #include "styles/refusals.h"
 #include "styles/species.h"
@@ -69,10 +70,6 @@ class ParticleResults {
   std::array<std::vector<double>, SIZE> values;
 };
 
-struct Push {
-  double fx, fy;
-};
-
 // Of a contact line, beside its place.
 struct RecordedLine {
   double tilt = 0.0;             // its normal turns by this from the line of centers
@@ -93,7 +90,7 @@ struct RecordedContact {
   double angle;       // of the direction to the line
   double distance;    // of the partner's center, or of the wall
   RecordedLine line;
-  Push push;    // force on the particle from its own energy; from a wall all of it
+  deformable::Vector2 push;    // force on the particle from its own energy; from a wall all of it
 };
 
 // A contact that bears a force, for fix deformable/friction.
@@ -280,7 +277,7 @@ class PairDeformable : public Pair {
 
   // For such computes, if there is one.
   void record(int i, int partner, const deformable::Contact &, double length, double force,
-              const Push &push, double distance, const RecordedLine &line = {});
+              const deformable::Vector2 &push, double distance, const RecordedLine &line = {});
 
   // Results of a deformed particle, and of one that is still a circle.
   void store_shape(int i, const deformable::Contacts &contacts, double pressure)
@@ -317,7 +314,7 @@ class PairDeformable : public Pair {
   void remember_active(const deformable::BlockParticle &);
   void push_mirror(const deformable::BlockParticle &, const deformable::Place &);
   struct WallPush {
-    Push push;
+    deformable::Vector2 push;
     double shift;    // of its line from the point of the wall nearest to the center
   };
   static WallPush push_of(const WallContact &, const deformable::Place &);

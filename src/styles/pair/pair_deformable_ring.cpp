@@ -387,8 +387,8 @@ void PairDeformableRing::refuse_pair(int k)
    line of centers, and the one across it from these slopes.
 ------------------------------------------------------------------------- */
 
-Push PairDeformableRing::push_of(int k, const NearPairs::Centers &centers, double share,
-                                 double slope) const
+Vector2 PairDeformableRing::push_of(int k, const NearPairs::Centers &centers, double share,
+                                    double slope) const
 {
   const NearPairs &p = balanced->pairs();
   const double force = push_part * p.force[k];
@@ -518,8 +518,9 @@ void PairDeformableRing::finish_balanced(int i)
     const double distance = other < 0 ? radii[i] - row[c].indentation : 1.0 / p.per_distance[k];
     // each of two particles has half of the force along the line of centers
     const int side = pair_sides[c] & 1;
-    Push push = push_of(k, p.centers(k), other < 0 ? 1.0 : 0.5, balanced->outline_slope(k, side));
-    if (side) push = {-push.fx, -push.fy};
+    const double part = other < 0 ? 1.0 : 0.5;
+    Vector2 push = push_of(k, p.centers(k), part, balanced->outline_slope(k, side));
+    if (side) push = -push;
     RecordedLine line = {balanced->tilt(k), balanced->half_angle(k)};
     if (side) line.half_angle = -line.half_angle;
     if (p.adhesive && p.attached[k]) {
