@@ -82,10 +82,11 @@ inline double ring_bulge(double radius, const Contacts &contacts, const Shape &s
   return best;
 }
 
+constexpr double LEAST_GREEN = -0.10199;    // at 1.305
+
 // An upper bound of ring_bulge that is cheap: -sum L min G.
 inline double ring_bulge_at_most(const Contacts &contacts, const Shape &shape)
 {
-  constexpr double LEAST_GREEN = -0.10199;    // at 1.305
   double length = 0.0;
   for (int c = 0; c < contacts.size; ++c) length += shape.contact[c].length;
   return -LEAST_GREEN * length;

@@ -185,9 +185,7 @@ void FixDeformableStick::refuse(int i, const std::string &problem)
 
 double FixDeformableStick::compute_scalar()
 {
-  double all;
-  MPI_Allreduce(&energy, &all, 1, MPI_DOUBLE, MPI_SUM, world);
-  return all;
+  return sum_of_ranks(world, energy);
 }
 
 /* ----------------------------------------------------------------------
@@ -196,8 +194,5 @@ double FixDeformableStick::compute_scalar()
 
 double FixDeformableStick::compute_vector(int n)
 {
-  if (n > 1) return 0.0;
-  double all;
-  MPI_Allreduce(&on_wall[n], &all, 1, MPI_DOUBLE, MPI_SUM, world);
-  return all;
+  return n > 1 ? 0.0 : sum_of_ranks(world, on_wall[n]);
 }

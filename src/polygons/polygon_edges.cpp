@@ -1,11 +1,12 @@
 #include "polygons/polygon_edges.h"
 
+#include "kernels/large_vector.h"
+#include "laws/vector2.h"
+#include "styles/all_ranks.h"
 #include "styles/lammps_release.h"
-#include "styles/memory/fix_partner_memory.h"
 #include "styles/refusals.h"
 
 #include "atom.h"
-#include "comm.h"
 #include "domain.h"
 #include "error.h"
 #include "force.h"
@@ -19,6 +20,7 @@
 #include <limits>
 
 using namespace LAMMPS_NS;
+using deformable::Vector2;
 
 namespace {
 
@@ -302,21 +304,7 @@ double PolygonEdges::memory_usage() const
 
 namespace {
 
-struct Vector {
-  double x, y;
-};
-
-double dot(const Vector &a, const Vector &b)
-{
-  return a.x * b.x + a.y * b.y;
-}
-
-double cross(const Vector &a, const Vector &b)
-{
-  return a.x * b.y - a.y * b.x;
-}
-
-Vector difference(const double *to, const double *from)
+Vector2 difference(const double *to, const double *from)
 {
   return {to[0] - from[0], to[1] - from[1]};
 }
@@ -328,13 +316,13 @@ Vector difference(const double *to, const double *from)
    the first vertex of the edge e to the vertex.
 ------------------------------------------------------------------------- */
 
-bool may_touch(const Vector &p, const Vector &e, double range, double skin)
+bool may_touch(const Vector2 &p, const Vector2 &e, double range, double skin)
 {
   const double along = dot(p, e), square = dot(e, e);
   const double lengths = std::sqrt(dot(p, p)) + std::sqrt(square);
   if (along <= -skin * (lengths + skin)) return false;
   const double t = along <= 0.0 ? 0.0 : along >= square ? 1.0 : along / square;
-  const Vector foot = {p.x - t * e.x, p.y - t * e.y};
+  const Vector2 foot = p - t * e;
   return dot(foot, foot) < (range + skin) * (range + skin);
 }
 
@@ -342,7 +330,7 @@ bool may_touch(const Vector &p, const Vector &e, double range, double skin)
    Whether the edges a and b cross. p: from the begin of b to that of a.
 ------------------------------------------------------------------------- */
 
-bool edges_cross(const Vector &p, const Vector &a, const Vector &b)
+bool edges_cross(const Vector2 &p, const Vector2 &a, const Vector2 &b)
 {
   const double turn = cross(b, a), side_of_b = cross(b, p), side_of_a = cross(p, a);
   return side_of_b * (side_of_b + turn) < 0.0 && side_of_a * (side_of_a - turn) < 0.0;
@@ -370,18 +358,18 @@ void LAMMPS_NS::list_edge_contacts(LAMMPS *lmp, const NeighList &list, const Pol
     const int i = list.ilist[ii];
     if (edges[i].polygon < 0)
       refuse("{}: atom {} is in no polygon that was there when the run began", style, tag[i]);
-    const Vector ei = difference(x[edges[i].next], x[i]);
+    const Vector2 ei = difference(x[edges[i].next], x[i]);
     for (int jj = 0; jj < list.numneigh[i]; ++jj) {
       const int j = list.firstneigh[i][jj] & NEIGHMASK;
       if (edges[j].polygon == edges[i].polygon) continue;
       const double range = c[type[i]][type[j]], cutoff = range + longest + skin;
-      const Vector p = difference(x[i], x[j]);
+      const Vector2 p = difference(x[i], x[j]);
       if (dot(p, p) >= cutoff * cutoff) continue;
       if (edges[j].next < 0)
         refuse("{}: the atom that follows atom {} in its polygon is not found beside it: "
                "lost, or farther away than l, the longest edge allowed, {:.6g}",
                style, tag[j], longest);
-      const Vector ej = difference(x[edges[j].next], x[j]);
+      const Vector2 ej = difference(x[edges[j].next], x[j]);
       if (edges_cross(p, ei, ej))
         refuse("{}: polygons {} and {} have crossed: the edge from atom {} to atom {} and "
                "that from atom {} to atom {}. Start from polygons that do not overlap, and "
@@ -391,7 +379,7 @@ void LAMMPS_NS::list_edge_contacts(LAMMPS *lmp, const NeighList &list, const Pol
       const int types = atom->ntypes + 1;
       if (may_touch(p, ej, range, skin))
         found.push_back({i, j, edges[j].next, type[i] * types + type[j]});
-      if (may_touch({-p.x, -p.y}, ei, range, skin))
+      if (may_touch(-p, ei, range, skin))
         found.push_back({j, i, edges[i].next, type[j] * types + type[i]});
     }
   }

@@ -14,10 +14,14 @@ void deformable::refuse(const std::string &message)
   throw nb::value_error(message.c_str());
 }
 
+nb::object deformable::contiguous(nb::handle given)
+{
+  return nb::module_::import_("numpy").attr("ascontiguousarray")(given, "dtype"_a = "float64");
+}
+
 std::vector<double> deformable::vector_of(const std::string &name, nb::handle given)
 {
-  const nb::object array =
-      nb::module_::import_("numpy").attr("ascontiguousarray")(given, "dtype"_a = "float64");
+  const nb::object array = contiguous(given);
   const auto values = nb::cast<nb::ndarray<const double, nb::c_contig, nb::device::cpu>>(array);
   if (values.ndim() != 1)
     refuse(name + " has " + std::to_string(values.ndim()) + " dimensions: it must have one");
@@ -28,12 +32,15 @@ std::vector<double> deformable::vector_of(const std::string &name, nb::handle gi
   return {values.data(), values.data() + values.size()};
 }
 
+std::vector<double> deformable::flat_vector_of(const std::string &name, nb::handle given)
+{
+  return vector_of(name, nb::module_::import_("numpy").attr("ravel")(given));
+}
+
 Table deformable::table_of(const std::string &name, nb::handle given, std::size_t columns)
 {
-  const nb::object array =
-      nb::module_::import_("numpy").attr("ascontiguousarray")(given, "dtype"_a = "float64");
   Table table;
-  if (!nb::try_cast(array, table) || table.shape(1) != columns)
+  if (!nb::try_cast(contiguous(given), table) || table.shape(1) != columns)
     refuse(name + " must have rows of " + std::to_string(columns) + " numbers");
   return table;
 }

@@ -21,18 +21,30 @@ namespace nb = nanobind;
 using namespace nb::literals;
 
 using Vector = nb::ndarray<nb::numpy, double, nb::ndim<1>>;
+using Integers = nb::ndarray<nb::numpy, int, nb::ndim<1>>;
 using Points = nb::ndarray<nb::numpy, double, nb::shape<-1, 2>>;
 using Matrix = nb::ndarray<nb::numpy, double, nb::ndim<2>>;
 using Arcs = nb::ndarray<nb::numpy, double, nb::shape<-1, 5>>;
 
-template <class Array> Array to_numpy(const double *begin, std::initializer_list<std::size_t> shape)
+// A copy of these numbers, which Python owns.
+template <class Array>
+Array to_numpy(const typename Array::Scalar *begin, std::initializer_list<std::size_t> shape)
 {
+  using Number = typename Array::Scalar;
   std::size_t count = 1;
   for (std::size_t n : shape) count *= n;
-  auto *data = new double[count];
+  auto *data = new Number[count];
   std::copy(begin, begin + count, data);
-  nb::capsule owner(data, [](void *p) noexcept { delete[] static_cast<double *>(p); });
+  nb::capsule owner(data, [](void *p) noexcept { delete[] static_cast<Number *>(p); });
   return Array(data, shape, owner);
+}
+inline Vector to_numpy(const std::vector<double> &numbers)
+{
+  return to_numpy<Vector>(numbers.data(), {numbers.size()});
+}
+inline Integers to_numpy(const std::vector<int> &numbers)
+{
+  return to_numpy<Integers>(numbers.data(), {numbers.size()});
 }
 
 // value(c) of each of so many contacts.
@@ -40,13 +52,17 @@ template <class Value> Vector per_contact(std::size_t contacts, Value &&value)
 {
   std::vector<double> values;
   for (std::size_t c = 0; c < contacts; ++c) values.push_back(value(c));
-  return to_numpy<Vector>(values.data(), {contacts});
+  return to_numpy(values);
 }
 
 [[noreturn]] void refuse(const std::string &message);
 
-// A vector of finite numbers, from anything that numpy converts to one.
+// An array of numbers without gaps in memory, from anything that numpy converts to one.
+nb::object contiguous(nb::handle given);
+
+// A vector of finite numbers; flat_vector_of: of any shape, row by row.
 std::vector<double> vector_of(const std::string &name, nb::handle given);
+std::vector<double> flat_vector_of(const std::string &name, nb::handle given);
 
 // Angles at which an outline meets its contacts, 0 if not given.
 std::vector<double> contact_angles_of(nb::handle given, std::size_t contacts);
@@ -76,7 +92,7 @@ Call checked(double radius, nb::handle angles, nb::handle indentations);
 
 using Table = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 
-// A table of rows of so many numbers, from anything that numpy converts to one.
+// A table of rows of so many numbers.
 Table table_of(const std::string &name, nb::handle given, std::size_t columns);
 
 // use(particle, its row, first and end of the rows of its sides), for each particle. The first column of particles is the

@@ -53,7 +53,7 @@ Vector angles(Vectors vector)
     const long double x = vector.data()[2 * k], y = vector.data()[2 * k + 1];
     found.push_back(static_cast<double>(std::atan2(y, x)));
   }
-  return to_numpy<Vector>(found.data(), {found.size()});
+  return to_numpy(found);
 }
 
 }    // namespace

@@ -96,8 +96,7 @@ nb::tuple evaluate(SoftDisks<dimension> &disks, Places<dimension> x, double scal
     refuse("x has " + std::to_string(x.shape(0)) + " rows: it must have one for each of " +
            std::to_string(disks.disks) + " disks");
   disk_energy(disks.pairs, x.data(), disks.disks, scale, disks.result);
-  return nb::make_tuple(disks.result.energy, disks.result.virial,
-                        to_numpy<Vector>(disks.result.gradient.data(), {dimension * disks.disks}));
+  return nb::make_tuple(disks.result.energy, disks.result.virial, to_numpy(disks.result.gradient));
 }
 
 template <int dimension> void bind(nb::module_ &m, const char *name, const char *about)
@@ -118,10 +117,8 @@ struct Springs {
   SpringMatrix matrix;
 };
 
-using Rows = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
-
 // Unit directions; j < 0: of a wall.
-Springs springs(Rows x, Numbers i, Numbers j, Rows direction, Lengths weight, double epsilon)
+Springs springs(Table x, Numbers i, Numbers j, Table direction, Lengths weight, double epsilon)
 {
   const std::size_t dimension = x.shape(1);
   if ((dimension != 2 && dimension != 3) || direction.shape(1) != dimension)
@@ -168,7 +165,7 @@ Vector solve(Springs &springs, Lengths q)
   springs.matrix.solve(index, of_three.data(), found.data());
   for (std::size_t k = 0; k < disks; ++k)
     std::copy_n(&found[3 * k], dimension, &result[dimension * k]);
-  return to_numpy<Vector>(result.data(), {result.size()});
+  return to_numpy(result);
 }
 
 }    // namespace

@@ -51,8 +51,7 @@ struct Droplet {
 
 std::vector<double> normals_of(nb::handle given)
 {
-  std::vector<double> numbers =
-      vector_of("normals", nb::module_::import_("numpy").attr("ravel")(given));
+  std::vector<double> numbers = flat_vector_of("normals", given);
   if (numbers.size() % 3 != 0) refuse("normals must have 3 numbers for each contact");
   for (std::size_t c = 0; c < numbers.size(); c += 3) {
     double *const n = &numbers[c];
@@ -157,8 +156,7 @@ void deformable::bind_droplets(nb::module_ &m)
                    "F.a - W, what the surface has more than that of a sphere [energy]")
       .def_prop_ro("pressure", &Droplet::pressure, "pressure inside, 2 g/R at rest [energy/volume]")
       .def_prop_ro(
-          "indentation",
-          [](const Droplet &d) { return to_numpy<Vector>(d.indentation.data(), {d.contacts}); },
+          "indentation", [](const Droplet &d) { return to_numpy(d.indentation); },
           nb::rv_policy::move, "a = dW/dF of each contact, (Z,) [length]")
       .def_prop_ro(
           "d_normal",

@@ -11,14 +11,10 @@ using namespace deformable;
 
 namespace {
 
-using Integers = nb::ndarray<nb::numpy, int, nb::ndim<1>>;
-
-Integers integers(const std::vector<int> &values)
+// Rows, columns and values of a matrix.
+nb::tuple entries_of(const EnergyBlocks &e)
 {
-  auto *data = new int[values.size()];
-  std::copy(values.begin(), values.end(), data);
-  nb::capsule owner(data, [](void *p) noexcept { delete[] static_cast<int *>(p); });
-  return Integers(data, {values.size()}, owner);
+  return nb::make_tuple(to_numpy(e.row), to_numpy(e.column), to_numpy(e.value));
 }
 
 // None: no axes.
@@ -106,9 +102,7 @@ nb::tuple droplet_blocks(nb::handle droplets, nb::handle sides)
                [&](const std::vector<DropletSide> &of, double radius, double tension) {
                  add_droplet(of, radius, tension, blocks, facets);
                });
-  const nb::tuple by = nb::make_tuple(integers(facets.row), integers(facets.column),
-                                      to_numpy<Vector>(facets.value.data(), {facets.value.size()}));
-  return nb::make_tuple(blocks, by);
+  return nb::make_tuple(blocks, entries_of(facets));
 }
 
 auto facets_of_droplets(nb::handle droplets, nb::handle sides)
@@ -131,18 +125,10 @@ void deformable::bind_energy_blocks(nb::module_ &m)
                            "An energy with its first and second derivatives by local variables.")
       .def_ro("energy", &EnergyBlocks::energy, "sum over all contacts or particles [energy]")
       .def_prop_ro(
-          "gradient",
-          [](const EnergyBlocks &e) {
-            return to_numpy<Vector>(e.gradient.data(), {e.gradient.size()});
-          },
+          "gradient", [](const EnergyBlocks &e) { return to_numpy(e.gradient); },
           nb::rv_policy::move, "derivatives by the local variables, (V,)")
-      .def(
-          "hessian",
-          [](const EnergyBlocks &e) {
-            return nb::make_tuple(integers(e.row), integers(e.column),
-                                  to_numpy<Vector>(e.value.data(), {e.value.size()}));
-          },
-          "Second derivatives by the local variables, as rows, columns and values.");
+      .def("hessian", &entries_of,
+           "Second derivatives by the local variables, as rows, columns and values.");
 
   m.def(
       "disk_blocks", &disk_blocks, "vectors"_a, "turn"_a, "contact"_a, "axes"_a = nb::none(),
@@ -320,9 +306,8 @@ void deformable::bind_ring_blocks(nb::module_ &m)
 {
   nb::class_<RingBlocks, EnergyBlocks>(m, "RingBlocks", "The energy of particles of the ring laws.")
       .def_prop_ro(
-          "force",
-          [](const RingBlocks &b) { return to_numpy<Vector>(b.force.data(), {b.force.size()}); },
-          nb::rv_policy::move, "dU/da = p L of each side [energy/length], (S,)");
+          "force", [](const RingBlocks &b) { return to_numpy(b.force); }, nb::rv_policy::move,
+          "dU/da = p L of each side [energy/length], (S,)");
 
   m.def(
       "ring_blocks", &ring_blocks, "law"_a, "particles"_a, "sides"_a,

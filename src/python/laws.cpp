@@ -102,7 +102,7 @@ void deformable::bind_laws(nb::module_ &m)
           "arc_radius",
           [](const Result &r) -> nb::object {
             if (!r.has_sectors) return nb::cast(r.shape.arc_radius);
-            return nb::cast(to_numpy<Vector>(r.arc_radii.data(), {r.arc_radii.size()}));
+            return nb::cast(to_numpy(r.arc_radii));
           },
           "sector laws: radius of each arc [length], (z,), the n-th from the n-th smallest\n"
           "angle to the next; ring law: the smallest radius of curvature of the free outline, a\n"

@@ -101,8 +101,7 @@ Arcs arcs_of(double radius, nb::handle angle, nb::handle indentation, bool close
 Points points_of_arcs(nb::handle given, int points, bool same_area)
 {
   require_fine(points);
-  const nb::object array =
-      nb::module_::import_("numpy").attr("ascontiguousarray")(given, "dtype"_a = "float64");
+  const nb::object array = contiguous(given);
   const auto rows = nb::cast<nb::ndarray<const double, nb::c_contig, nb::device::cpu>>(array);
   if (rows.ndim() != 2 || rows.shape(1) != 5)
     refuse("arcs must have the shape (m, 5): center x, y, radius, from, to");
@@ -143,7 +142,7 @@ nb::object lines_of(nb::handle distances, nb::handle radii_i, nb::handle radii_j
   std::vector<double> indentation(distance.size());
   for (std::size_t k = 0; k < distance.size(); ++k)
     indentation[k] = line_of(distance[k], radius_i[k], radius_j[k]);
-  return nb::cast(to_numpy<Vector>(indentation.data(), {indentation.size()}));
+  return nb::cast(to_numpy(indentation));
 }
 
 }    // namespace

@@ -276,9 +276,7 @@ ForcedRing forced_ring(double radius, nb::handle angles, nb::handle forces, doub
 void deformable::bind_ring_forces(nb::module_ &m)
 {
   const auto vector = [](std::vector<double> ForcedRing::*values) {
-    return [values](const ForcedRing &r) {
-      return to_numpy<Vector>((r.*values).data(), {(r.*values).size()});
-    };
+    return [values](const ForcedRing &r) { return to_numpy(r.*values); };
   };
   nb::class_<ForcedRing>(m, "ForcedRing", "A ring that bears given forces.")
       .def_prop_ro(

@@ -10,22 +10,12 @@ using namespace deformable;
 
 namespace {
 
-using Integers = nb::ndarray<nb::numpy, int, nb::ndim<1>>;
 using Pairs = nb::ndarray<nb::numpy, int, nb::shape<-1, 2>>;
 
 struct Evaluated {
   SmoothPolygons polygons;
   PolygonEnergy energy;
 };
-
-template <class Array> Array integers(const std::vector<int> &values,
-                                      std::initializer_list<std::size_t> shape)
-{
-  auto *data = new int[values.size()];
-  std::copy(values.begin(), values.end(), data);
-  nb::capsule owner(data, [](void *p) noexcept { delete[] static_cast<int *>(p); });
-  return Array(data, shape, owner);
-}
 
 Points points(const std::vector<double> &values)
 {
@@ -75,11 +65,6 @@ Evaluated smooth_polygons(const std::vector<double> &x, const std::vector<double
   return result;
 }
 
-std::vector<double> flat(const std::string &name, nb::handle given)
-{
-  return vector_of(name, nb::module_::import_("numpy").attr("ravel")(given));
-}
-
 nb::tuple touches(const PolygonEnergy &u)
 {
   std::vector<int> pairs;
@@ -89,16 +74,14 @@ nb::tuple touches(const PolygonEnergy &u)
     values.insert(values.end(), {t.dx, t.dy, t.contact.vertex_x, t.contact.vertex_y});
   }
   const std::size_t count = u.touches.size();
-  return nb::make_tuple(integers<Pairs>(pairs, {count, 2}),
+  return nb::make_tuple(to_numpy<Pairs>(pairs.data(), {count, 2}),
                         to_numpy<Matrix>(values.data(), {count, 4}));
 }
 
 nb::tuple hessian(const Evaluated &e)
 {
   const Triplets h = polygon_hessian(e.polygons, e.energy);
-  return nb::make_tuple(integers<Integers>(h.row, {h.row.size()}),
-                        integers<Integers>(h.column, {h.column.size()}),
-                        to_numpy<Vector>(h.value.data(), {h.value.size()}));
+  return nb::make_tuple(to_numpy(h.row), to_numpy(h.column), to_numpy(h.value));
 }
 
 }    // namespace
@@ -121,10 +104,7 @@ void deformable::bind_smooth_polygons(nb::module_ &m)
           "contacts", [](const Evaluated &e) { return e.energy.contacts; },
           "of vertices with edges of other polygons [energy]")
       .def_prop_ro(
-          "pressure",
-          [](const Evaluated &e) {
-            return to_numpy<Vector>(e.energy.pressure.data(), {e.energy.pressure.size()});
-          },
+          "pressure", [](const Evaluated &e) { return to_numpy(e.energy.pressure); },
           nb::rv_policy::move, "kA (A0 - A) of each polygon [energy/length^2], (N,)")
       .def_prop_ro(
           "gradient", [](const Evaluated &e) { return points(e.energy.gradient); },
@@ -148,9 +128,10 @@ The dense part kA grad(A) grad(A)^T of each polygon is left out: see `area_gradi
       "smooth_polygons",
       [](nb::handle vertices, nb::handle number, nb::handle box, nb::handle kL, nb::handle length,
          nb::handle kA, nb::handle area, double kr, double c) {
-        return smooth_polygons(flat("vertices", vertices), vector_of("number", number),
-                               flat("box", box), vector_of("kL", kL), vector_of("length", length),
-                               vector_of("kA", kA), vector_of("area", area), {kr, c});
+        return smooth_polygons(flat_vector_of("vertices", vertices), vector_of("number", number),
+                               flat_vector_of("box", box), vector_of("kL", kL),
+                               vector_of("length", length), vector_of("kA", kA),
+                               vector_of("area", area), {kr, c});
       },
       "vertices"_a, "number"_a, "box"_a, "kL"_a, "length"_a, "kA"_a, "area"_a, "kr"_a, "c"_a,
       R"(Smooth polygons in a periodic box: springs, soft areas, and contacts of vertices with edges.

@@ -36,13 +36,13 @@ void BlockLevels::arrange(const ContactBatches &b, const NearPairs &pairs, const
     first.push_back(static_cast<int>(neighbors.size()));
   }
 
-  const int begin_of[KINDS + 1] = {0, pairs.remote, pairs.wall, pairs.size};
-  for (int kind = 0; kind < KINDS; ++kind) {
-    std::vector<int> &of = first_pair[kind];
-    of.assign(1, begin_of[kind]);
-    int k = begin_of[kind];
+  const int begin_of[PARTS + 1] = {0, pairs.remote, pairs.wall, pairs.size};
+  for (int part = 0; part < PARTS; ++part) {
+    std::vector<int> &of = first_pair[part];
+    int k = begin_of[part];
+    of.assign(1, k);
     for (int block = 0; block < blocks; ++block) {
-      while (k < begin_of[kind + 1] && b.place[pairs.i[k]] < (block + 1) * ContactBatches::BLOCK)
+      while (k < begin_of[part + 1] && b.place[pairs.i[k]] < (block + 1) * ContactBatches::BLOCK)
         ++k;
       of.push_back(k);
     }

@@ -28,9 +28,9 @@ class BlockLevels {
   // act(begin, end, part) for the pairs whose first ring is in the block; part: 1/2 for pairs of two ranks, or 1.
   template <class Act> void for_pairs(int block, Act &&act) const
   {
-    for (int kind = 0; kind < KINDS; ++kind) {
-      const int begin = first_pair[kind][block], end = first_pair[kind][block + 1];
-      if (begin < end) act(begin, end, kind == REMOTE ? 0.5 : 1.0);
+    for (int part = 0; part < PARTS; ++part) {
+      const int begin = first_pair[part][block], end = first_pair[part][block + 1];
+      if (begin < end) act(begin, end, part == REMOTE ? 0.5 : 1.0);
     }
   }
 
@@ -79,12 +79,12 @@ class BlockLevels {
   }
 
  private:
-  static constexpr int KINDS = 3, REMOTE = 1;    // of pairs, as KnownPairs has them
-  std::vector<int> first, neighbors;             // of each block
-  std::vector<int> borders;                      // blocks with contacts of other ranks
-  std::vector<int> level;                        // the last iteration of each block
+  enum { WITHIN, REMOTE, WALLS, PARTS };    // of the pairs, in the order of KnownPairs
+  std::vector<int> first, neighbors;        // of each block
+  std::vector<int> borders;                 // blocks with contacts of other ranks
+  std::vector<int> level;                   // the last iteration of each block
   int batches = 0, group_size = 4, chunk_size = 4;
-  std::vector<int> first_pair[KINDS];    // of each block, and the end
+  std::vector<int> first_pair[PARTS];    // of each block, and the end
 
   template <class Work> void raise(int k, Work &work)
   {

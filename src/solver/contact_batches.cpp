@@ -6,8 +6,6 @@
 using namespace LAMMPS_NS;
 using deformable::LANES;
 
-// Rings with equal numbers of contacts share a batch. They are sorted within blocks only, so that neighbors stay
-// close in memory.
 void ContactBatches::arrange(const int *order, int rings, int particles, NearPairs &pairs,
                              const tagint *tags, bool has_own)
 {
@@ -16,57 +14,70 @@ void ContactBatches::arrange(const int *order, int rings, int particles, NearPai
     ++count[pairs.i[k]];
     if (k < pairs.remote) ++count[pairs.second(k)];
   }
-  batches = (rings + LANES - 1) / LANES;
-  const int lanes_in_all = batches * LANES;
-
   // pressures are the first guesses of the next call
   std::vector<deformable::LoadedRing> last(particles);
   for (std::size_t ring = 0; ring < particle.size(); ++ring)
     if (particle[ring] >= 0 && particle[ring] < particles) last[particle[ring]] = loaded(ring);
-  particle.assign(lanes_in_all, -1);
+  place_rings(order, rings, particles);
+  make_room(pairs, has_own);
+  for (std::size_t ring = 0; ring < particle.size(); ++ring) {
+    if (particle[ring] < 0) continue;
+    pressure[ring] = last[particle[ring]].pressure;
+    if (soft) expansion[ring] = last[particle[ring]].expansion;
+  }
+  number_contacts(pairs, tags);
+}
+
+// Rings with equal numbers of contacts share a batch. They are sorted within blocks only, so that neighbors stay
+// close in memory.
+void ContactBatches::place_rings(const int *order, int rings, int particles)
+{
+  batches = (rings + LANES - 1) / LANES;
+  particle.assign(batches * LANES, -1);
   std::copy_n(order, rings, particle.begin());
   for (int begin = 0; begin < rings; begin += BLOCK)
     std::stable_sort(particle.begin() + begin, particle.begin() + std::min(begin + BLOCK, rings),
                      [this](int a, int b) { return count[a] < count[b]; });
 
-  const int remote = pairs.wall - pairs.remote, remote_rings = pairs.curved ? remote : 0;
-  pressure.assign(lanes_in_all + remote_rings, 0.0);
-  for (LargeVector<double> *v : {&work, &total, &per_pressure}) v->assign(lanes_in_all, 0.0);
-  square.assign(lanes_in_all, 0.0F);
-  radius.assign(lanes_in_all, 1.0);
-  expansion.clear();    // of rings at other places
-  Members given;
-  for (int m = 0; m < deformable::MEMBERS; ++m) given[m] = !stiffness[m].empty();
-  set_kind(soft, !skin.empty(), given);
   place.assign(particles, -1);
-  for (LargeVector<int> *v : {&size, &first}) v->resize(batches + 1);
-  first_green.resize(batches + 1);
-  int places = 0, longest = 0;
-  std::size_t two = 0;
+  size.resize(batches);
+  first.assign(batches + 1, 0);
+  first_green.assign(batches + 1, 0);
   for (int b = 0; b < batches; ++b) {
     int most = 0;
     for (int w = 0; w < LANES; ++w) {
       const int i = particle[b * LANES + w];
       if (i < 0) continue;
       place[i] = b * LANES + w;
-      pressure[place[i]] = last[i].pressure;
-      if (soft) expansion[place[i]] = last[i].expansion;
       most = std::max(most, count[i]);
     }
     size[b] = most;
-    first[b] = places;
-    first_green[b] = two;
-    places += most * LANES;
-    two += static_cast<std::size_t>(most) * (most - 1) / 2 * LANES;
-    longest = std::max(longest, most);
+    first[b + 1] = first[b] + most * LANES;
+    first_green[b + 1] = first_green[b] + static_cast<std::size_t>(most) * (most - 1) / 2 * LANES;
   }
-  contacts = first[batches] = places;
+  contacts = first[batches];
+}
+
+void ContactBatches::make_room(const NearPairs &pairs, bool has_own)
+{
+  const std::size_t rings = particle.size(), two = first_green[batches];
+  const int remote = pairs.wall - pairs.remote, remote_rings = pairs.curved ? remote : 0;
+  pressure.assign(rings + remote_rings, 0.0);
+  for (LargeVector<double> *v : {&work, &total, &per_pressure}) v->assign(rings, 0.0);
+  square.assign(rings, 0.0F);
+  radius.assign(rings, 1.0);
+  expansion.clear();    // of rings at other places
+  Members given;
+  for (int m = 0; m < deformable::MEMBERS; ++m) given[m] = !stiffness[m].empty();
+  set_kind(soft, !skin.empty(), given);
+
   if (two > green.capacity()) {    // no more than needed, and no copy
     green = {};
     green.reserve(two + two / 64);
   }
   green.resize(two);
-  scratch.resize((7 * static_cast<std::size_t>(longest) + 1) * LANES * sizeof(double));
+  const std::size_t longest = size.empty() ? 0 : *std::max_element(size.begin(), size.end());
+  scratch.resize((7 * longest + 1) * LANES * sizeof(double));
   pair_side.assign(contacts, 2 * pairs.size);
   for (LargeVector<double> *v : {&indentation, &slope}) v->assign(contacts + remote + 1, 0.0);
   compliance.assign(contacts + remote + 1, 0.0F);
@@ -84,17 +95,21 @@ void ContactBatches::arrange(const int *order, int rings, int particles, NearPai
     v->assign(pairs.curved ? slope.size() : 0, 0.0F);
   turn.resize(pairs.curved ? two : 0);
   partner.assign(contacts, contacts + remote);
-  film_tension.assign(pairs.adhesive ? lanes_in_all : 0, 0.0);
+  film_tension.assign(pairs.adhesive ? rings : 0, 0.0);
   for (LargeVector<double> &v : film) v.assign(pairs.adhesive ? slope.size() : 0, 0.0);
+}
 
+void ContactBatches::number_contacts(NearPairs &pairs, const tagint *tags)
+{
+  const int remote = pairs.wall - pairs.remote;
   std::fill(count.begin(), count.end(), 0);
   const auto add_contact = [this](int i, int of) { pair_side[contact(place[i], count[i]++)] = of; };
   for (int k = 0; k < pairs.size; ++k) {
     add_contact(pairs.i[k], 2 * k);
     if (k < pairs.remote) add_contact(pairs.second(k), 2 * k + 1);
   }
-  for (int i = 0; i < particles; ++i)
-    if (place[i] >= 0) sort_contacts(i, pairs, tags);
+  for (std::size_t i = 0; i < place.size(); ++i)
+    if (place[i] >= 0) sort_contacts(static_cast<int>(i), pairs, tags);
   for (int c = 0; c < contacts; ++c)
     if (pair_side[c] < 2 * pairs.size) pairs.side[pair_side[c] & 1][pair_side[c] >> 1] = c;
   for (int k = 0; k < pairs.size; ++k) {

@@ -12,7 +12,6 @@
 
 #include <array>
 #include <cstddef>
-#include <vector>
 
 namespace LAMMPS_NS {
 
@@ -112,6 +111,10 @@ struct ContactBatches {
   double bytes() const;
 
  private:
+  // Steps of arrange: places of rings, and of contacts from their numbers; memory; which contact is where.
+  void place_rings(const int *order, int rings, int particles);
+  void make_room(const NearPairs &, bool has_own);
+  void number_contacts(NearPairs &, const tagint *tags);
   deformable::StiffnessArrays stiffnesses() const;
   void sort_contacts(int i, const NearPairs &, const tagint *tags);
 };

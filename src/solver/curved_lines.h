@@ -24,8 +24,6 @@
 #include "solver/near_pairs.h"
 #include "solver/remote_sides.h"
 
-#include <vector>
-
 namespace LAMMPS_NS {
 
 class CurvedLines {

@@ -9,7 +9,6 @@
 #include "kernels/large_vector.h"
 
 #include <cmath>
-#include <cstddef>
 #include <vector>
 
 namespace LAMMPS_NS {

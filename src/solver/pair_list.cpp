@@ -310,7 +310,7 @@ bool PairList::is_sufficient(const Particles &p, bool &refused)
     farthest2 = std::max(farthest2, d2);
   }
   farthest = are_finite ? std::sqrt(farthest2) : INFINITE;
-  return remote_sides.all_ranks_sufficient(!missed_wall && is_within_margin(p), refused);
+  return is_sufficient_after(p, refused);
 }
 
 bool PairList::is_sufficient_after(const Particles &p, bool &refused)
@@ -357,8 +357,7 @@ void PairList::recall_films(const Particles &p)
     pairs.attached[k] = is_attached(p, i, j, relative(atom->x[i], atom->x[j]));
   }
   for (int k = pairs.wall; k < pairs.size; ++k)
-    pairs.attached[k] = at_walls[k - pairs.wall] &&
-                        (*p.walls)[(-1 - pairs.j[k]) % p.walls->size()]->adhesion() > 0.0;
+    pairs.attached[k] = at_walls[k - pairs.wall] && wall_of(pairs.j[k], *p.walls).adhesion() > 0.0;
 }
 
 void PairList::store_films(const Particles &p) const

@@ -1,5 +1,7 @@
 #include "solver/remote_sides.h"
 
+#include "styles/all_ranks.h"
+
 #include "atom.h"
 #include "comm.h"
 
@@ -9,18 +11,12 @@ using namespace LAMMPS_NS;
 
 double RemoteSides::sum(double of_this_rank) const
 {
-  if (comm->nprocs == 1) return of_this_rank;
-  double all;
-  MPI_Allreduce(&of_this_rank, &all, 1, MPI_DOUBLE, MPI_SUM, world);
-  return all;
+  return comm->nprocs == 1 ? of_this_rank : sum_of_ranks(world, of_this_rank);
 }
 
 double RemoteSides::largest(double of_this_rank) const
 {
-  if (comm->nprocs == 1) return of_this_rank;
-  double all;
-  MPI_Allreduce(&of_this_rank, &all, 1, MPI_DOUBLE, MPI_MAX, world);
-  return all;
+  return comm->nprocs == 1 ? of_this_rank : largest_of_ranks(world, of_this_rank);
 }
 
 bool RemoteSides::all_ranks_sufficient(bool sufficient, bool &refused) const
@@ -73,7 +69,7 @@ void RemoteSides::match(std::vector<Candidate> &candidates, bool curved)
   sides.assign(atom->nlocal, 0);
   int longest = 1;
   for (const Candidate &c : candidates) longest = std::max(longest, ++sides[c.i]);
-  MPI_Allreduce(&longest, &slots, 1, MPI_INT, MPI_MAX, world);
+  slots = largest_of_ranks(world, longest);
   set_rows(values);
 
   std::vector<int> slot_here(count), slot_there;

@@ -2,6 +2,8 @@
 
 #include "laws/contact_curve.h"
 #include "laws/soft_ring.h"
+#include "laws/support.h"
+#include "styles/all_ranks.h"
 
 #include "atom.h"
 #include "comm.h"
@@ -14,7 +16,6 @@
 using namespace LAMMPS_NS;
 using namespace deformable;
 
-static constexpr double MOST_OUT = 0.10199;    // -G at its minimum
 // Contacts have a length of about 8 times the indentation, which is half of the overlap.
 static constexpr double BULGE_PER_OVERLAP = 0.4;
 
@@ -120,11 +121,10 @@ void RingSolver::set_units(const Particles &p)
   for (int k = 0; k < pairs.size; ++k)
     pairs.stiffening[k] = static_cast<float>(stiffening(k) * unit);
   if (!pairs.adhesive) return;
-  const std::vector<FixDeformableWall *> &walls = *p.walls;
   for (int k = 0; k < pairs.size; ++k)
     pairs.adhesion_if_attached[k] =
         k < pairs.wall ? p.adhesions->between(atom->type[pairs.i[k]], atom->type[pairs.j[k]])
-                       : walls[(-1 - pairs.j[k]) % walls.size()]->adhesion();
+                       : wall_of(pairs.j[k], *p.walls).adhesion();
 }
 
 void RingSolver::find_bulges(const Particles &)
@@ -136,7 +136,7 @@ void RingSolver::find_bulges(const Particles &)
     if (i < 0) continue;
     double lengths = batches.total[ring] * batches.per_pressure[ring];
     const double out = films ? bulge_with_films(ring, lengths)
-                             : MOST_OUT * lengths + batches.loaded(ring).expansion;
+                             : -LEAST_GREEN * lengths + batches.loaded(ring).expansion;
     list.set_bulge(i, std::max(out, 0.0));
     if (arc_radius_at_least(ring, lengths) < 0.0) crowded.push_back(i);
   }
@@ -152,7 +152,7 @@ double RingSolver::bulge_with_films(std::size_t ring, double &lengths) const
   for (int m = 0; m < batches.count[i]; ++m) {
     const int pair = batches.pair_side[batches.contact(static_cast<int>(ring), m)] >> 1;
     const double L = list.pairs.force[pair] * per_p;
-    out += L * (0.5 / PI) + (L > 0.0 ? MOST_OUT * L : -GREEN_AT_ZERO * L);
+    out += L * (0.5 / PI) - (L > 0.0 ? LEAST_GREEN : GREEN_AT_ZERO) * L;
     lengths += std::fabs(L);
   }
   return out;
@@ -283,9 +283,7 @@ void RingSolver::warn_limited()
 void RingSolver::warn_films()
 {
   const int i = films->pressed_without_film();
-  tagint here = i < 0 ? -1 : atom->tag[i];
-  tagint id;
-  MPI_Allreduce(&here, &id, 1, MPI_LMP_TAGINT, MPI_MAX, world);
+  const tagint id = largest_of_ranks<tagint>(world, i < 0 ? -1 : atom->tag[i]);
   warned_films = id >= 0;
   if (warned_films && comm->me == 0)
     error->warning(

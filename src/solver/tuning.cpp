@@ -4,6 +4,7 @@
 #include <map>
 #include <sstream>
 #include <stdexcept>
+#include <string>
 
 using namespace LAMMPS_NS;
 

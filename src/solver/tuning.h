@@ -8,8 +8,6 @@
 #ifndef DEFORMABLE_TUNING_H
 #define DEFORMABLE_TUNING_H
 
-#include <string>
-
 namespace LAMMPS_NS {
 
 struct Tuning {

@@ -29,8 +29,8 @@ using namespace LAMMPS_NS;
 // LAMMPS manual, "Writing plugins".
 extern "C" {
 
-typedef void *(*lammpsplugin_factory1)(void *);                  // pair styles
-typedef void *(*lammpsplugin_factory2)(void *, int, char **);    // fix styles
+typedef void *(*lammpsplugin_factory1)(void *);                  // of pair styles and minimizers
+typedef void *(*lammpsplugin_factory2)(void *, int, char **);    // of fixes and computes
 
 typedef struct {
   const char *version;
@@ -108,7 +108,7 @@ std::string unfit_host(void *lmp)
   return "";
 }
 
-template <class Style> void *pair_creator(void *lmp)
+template <class Style> void *creator_of(void *lmp)
 {
   return new Style(static_cast<LAMMPS *>(lmp));
 }
@@ -138,15 +138,18 @@ extern "C" __attribute__((visibility("default"))) void lammpsplugin_init(void *l
   plugin.version = static_cast<LAMMPS *>(lmp)->version;
   plugin.author = "the lammps-deformable developers, version " DEFORMABLE_VERSION;
   plugin.handle = handle;
+  const auto add = [&](const char *style, const char *name, const char *command) {
+    plugin.style = style;
+    plugin.name = name;
+    plugin.info = command;
+    register_style(&plugin, lmp);
+  };
 
   // Read again, the headers name their styles, as they do for a LAMMPS that they are compiled into.
 #define PAIR_CLASS
 #define PairStyle(key, Style)                                                                      \
-  plugin.style = "pair";                                                                           \
-  plugin.name = #key;                                                                              \
-  plugin.info = "pair_style " #key;                                                                \
-  plugin.creator.v1 = &pair_creator<Style>;                                                        \
-  register_style(&plugin, lmp)
+  plugin.creator.v1 = &creator_of<Style>;                                                          \
+  add("pair", #key, "pair_style " #key)
 #include "polygons/pair_deformable_edge.h"
 #include "styles/pair/pair_deformable_droplet.h"
 #include "styles/pair/pair_deformable_ring.h"
@@ -154,11 +157,8 @@ extern "C" __attribute__((visibility("default"))) void lammpsplugin_init(void *l
 
 #define FIX_CLASS
 #define FixStyle(key, Style)                                                                       \
-  plugin.style = "fix";                                                                            \
-  plugin.name = #key;                                                                              \
-  plugin.info = "fix " #key;                                                                       \
   plugin.creator.v2 = &creator_of<Style>;                                                          \
-  register_style(&plugin, lmp)
+  add("fix", #key, "fix " #key)
 #include "polygons/fix_deformable_polygon.h"
 #include "polygons/fix_deformable_stick.h"
 #include "styles/friction/fix_deformable_friction.h"
@@ -171,11 +171,8 @@ extern "C" __attribute__((visibility("default"))) void lammpsplugin_init(void *l
 
 #define COMPUTE_CLASS
 #define ComputeStyle(key, Style)                                                                   \
-  plugin.style = "compute";                                                                        \
-  plugin.name = #key;                                                                              \
-  plugin.info = "compute " #key;                                                                   \
   plugin.creator.v2 = &creator_of<Style>;                                                          \
-  register_style(&plugin, lmp)
+  add("compute", #key, "compute " #key)
 #include "styles/pair/compute_deformable_contact.h"
 #include "styles/pair/compute_deformable_outline.h"
 
@@ -186,11 +183,8 @@ extern "C" __attribute__((visibility("default"))) void lammpsplugin_init(void *l
                 " was built for: min_style deformable/lbfgs is not available");
 #define MINIMIZE_CLASS
 #define MinimizeStyle(key, Style)                                                                  \
-  plugin.style = "min";                                                                            \
-  plugin.name = #key;                                                                              \
-  plugin.info = "min_style " #key;                                                                 \
-  plugin.creator.v1 = &pair_creator<Style>;                                                        \
-  register_style(&plugin, lmp)
+  plugin.creator.v1 = &creator_of<Style>;                                                          \
+  add("min", #key, "min_style " #key)
 #include "styles/minimize/min_deformable_lbfgs.h"
 #endif
 }

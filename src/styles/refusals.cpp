@@ -1,5 +1,6 @@
 #include "styles/refusals.h"
 
+#include "styles/all_ranks.h"
 #include "styles/species.h"
 
 #include "atom.h"
@@ -89,11 +90,10 @@ constexpr double ROUNDING = 1e-12;
 template <class IsWrong>
 tagint largest_id(LAMMPS *lmp, const NeighList &list, IsWrong &&is_wrong)
 {
-  tagint here = -1, id;
+  tagint here = -1;
   for (int ii = 0; ii < list.inum; ++ii)
     if (is_wrong(list.ilist[ii])) here = std::max(here, lmp->atom->tag[list.ilist[ii]]);
-  MPI_Allreduce(&here, &id, 1, MPI_LMP_TAGINT, MPI_MAX, lmp->world);
-  return id;
+  return largest_of_ranks(lmp->world, here);
 }
 
 // The group of comm_modify is a protected member, and in some releases so is the present command.

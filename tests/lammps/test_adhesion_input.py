@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from laws import CURVED, EXACT, LAWS, RADICAL, straight_laws, two_laws
+from laws import BALANCED, CURVED, EXACT, LAWS, RADICAL, straight_laws, two_laws
 from scene import FOUR, ROOM_OF_FOUR, Scene
 from test_refusals import refuses
 
@@ -112,6 +112,17 @@ def test_laws_that_cannot_stick(law, tmp_path):
     some.run("run 0\nfix w all deformable/wall plane -3 0 1 0 adhesion 0.1")
     with refuses("Fix w deformable/wall: adhesion needs contact lines that bend"):
         some.run("run 0")
+
+
+def test_a_run_after_it_was_refused(tmp_path):
+    """The caller has caught the error: all is as it was."""
+    some = scene(tmp_path, SPECIES, style=BALANCED)
+    some.run("run 0")
+    file = tmp_path / "species.txt"
+    file.write_text(SPECIES + "adhesion small large 0.1\n")
+    with refuses("Species: adhesion needs contact lines that bend"):
+        some.run(f"pair_coeff * * {file} small large")
+    some.run("run 0")
 
 
 def test_another_law_afterwards(tmp_path):

@@ -165,8 +165,8 @@ void FixDeformableFriction::find_partners()
 
 void FixDeformableFriction::check_spins()
 {
-  if (told) return;
-  told = true;
+  if (told_of_spins) return;
+  told_of_spins = true;
   if (comm->me != 0) return;
   if (!atom->omega_flag || !atom->torque_flag) {
     utils::logmesg(lmp,
@@ -188,8 +188,8 @@ void FixDeformableFriction::check_spins()
 
 void FixDeformableFriction::check_box()
 {
-  if (told_box || !domain->deform_flag || domain->deform_vremap) return;
-  told_box = true;
+  if (told_of_box || !domain->deform_flag || domain->deform_vremap) return;
+  told_of_box = true;
   if (comm->me == 0)
     error->warning(
         FLERR,
@@ -203,7 +203,7 @@ void FixDeformableFriction::find_lightest()
   double least = std::numeric_limits<double>::infinity();
   for (int i = 0; i < atom->nlocal; ++i)
     if (atom->mask[i] & groupbit) least = std::min(least, mass_of(i));
-  MPI_Allreduce(&least, &lightest, 1, MPI_DOUBLE, MPI_MIN, world);
+  lightest = smallest_of_ranks(world, least);
 }
 
 void FixDeformableFriction::check_time_step() const
@@ -507,18 +507,19 @@ ContactVector<V> FixDeformableFriction::film_force(const Friction &c, double siz
 
 void FixDeformableFriction::check_dashpots() const
 {
-  double here[] = {linear_film, largest_dashpot},
-         most[2];    // MPI of LAMMPS' stubs takes no constants
-  MPI_Allreduce(here, most, 2, MPI_DOUBLE, MPI_MAX, world);
+  double most[] = {linear_film, largest_dashpot};
+  MPI_Allreduce(MPI_IN_PLACE, most, 2, MPI_DOUBLE, MPI_MAX, world);
+  const auto [of_films, of_restitution] = most;
   if (update->whichflag != 1) return;
   const double film =
-      deformable::largest_time_step({1.0, 0.0, most[0], most[0]}, lightest, lever());
+      deformable::largest_time_step({1.0, 0.0, of_films, of_films}, lightest, lever());
   if (update->dt > film)
     error->all(FLERR,
                "Fix {} deformable/friction: the time step {:.6g} is too long for a film with the "
                "constant {:.6g} and particles of mass {:.6g}: use {:.3g} or less, or a smaller c",
-               id, update->dt, most[0], lightest * force->ftm2v, film);
-  const double dashpot = deformable::largest_time_step({0.0, 0.0, 0.0, most[1]}, lightest, lever());
+               id, update->dt, of_films, lightest * force->ftm2v, film);
+  const double dashpot =
+      deformable::largest_time_step({0.0, 0.0, 0.0, of_restitution}, lightest, lever());
   if (update->dt > dashpot)
     error->all(
         FLERR,
@@ -647,21 +648,15 @@ template <class V> void FixDeformableFriction::end(int i, const RememberedContac
    number of contacts, how many of them slide, and the loss of films.
 ------------------------------------------------------------------------- */
 
-double FixDeformableFriction::total(int n) const
-{
-  double here = output[n], all;    // MPI of LAMMPS' stubs takes no constants
-  MPI_Allreduce(&here, &all, 1, MPI_DOUBLE, MPI_SUM, world);
-  return all;
-}
-
 double FixDeformableFriction::compute_scalar()
 {
-  return total(STORED) + total(SLIDING) + total(DASHPOTS) + total(DAMPING) + total(FILMS);
+  const std::vector<double> all = all_sums();
+  return all[STORED] + all[SLIDING] + all[DASHPOTS] + all[DAMPING] + all[FILMS];
 }
 
 double FixDeformableFriction::compute_vector(int n)
 {
-  return total(n);
+  return sum_of_ranks(world, output[n]);
 }
 
 /* ---------------------------------------------------------------------- */
@@ -730,15 +725,15 @@ int FixDeformableFriction::modify_param(int narg, char **arg)
   if ((narg - 1) % WORDS)
     error->all(FLERR, "{}: expected 'none', or {} numbers for each contact, not {} words", command,
                WORDS, narg - 1);
-  std::vector<double> words, partners;
-  for (int n = 1; n < narg; ++n) words.push_back(number(n));
-  for (std::size_t n = 0; n < words.size(); n += WORDS)
-    partners.insert(partners.end(), {words[n], words[n + 1]});
+  std::vector<double> numbers, partners;
+  for (int n = 1; n < narg; ++n) numbers.push_back(number(n));
+  for (std::size_t n = 0; n < numbers.size(); n += WORDS)
+    partners.insert(partners.end(), {numbers[n], numbers[n + 1]});
   require_partners(partners, command);
   const std::unordered_map<double, int> here = local_indices();
-  for (std::size_t n = 0; n < words.size(); n += WORDS) {
-    const auto found = here.find(words[n]);    // or another rank has it
-    if (found != here.end()) give_spring(found->second, &words[n]);
+  for (std::size_t n = 0; n < numbers.size(); n += WORDS) {
+    const auto found = here.find(numbers[n]);    // or another rank has it
+    if (found != here.end()) give_spring(found->second, &numbers[n]);
   }
   return narg;
 }
@@ -749,26 +744,26 @@ int FixDeformableFriction::words_of_spring() const
 }
 
 // With contact radical both particles of a pair have a spring: a row that begins with the larger ID is such a spring.
-void FixDeformableFriction::give_spring(int i, const double *words)
+void FixDeformableFriction::give_spring(int i, const double *numbers)
 {
-  const double *next = words + 2;
-  const auto vector = [&] {
+  const double *next = numbers + 2;
+  const auto next_vector = [&] {
     const Vector3 v = {next[0], next[1], in_plane ? 0.0 : next[2]};
     next += in_plane ? 2 : 3;
     return v;
   };
-  const auto along = [&] { return in_plane ? Vector3{0.0, 0.0, *next++} : vector(); };
+  const auto next_along = [&] { return in_plane ? Vector3{0.0, 0.0, *next++} : next_vector(); };
   RememberedContact m = {};
-  m.partner = words[1];
-  m.place.r = vector();
-  m.xi = along();
-  m.force = along();
+  m.partner = numbers[1];
+  m.place.r = next_vector();
+  m.xi = next_along();
+  m.force = next_along();
   m.damping = *next++;
   if (has_films()) {
-    m.film.along = along();
+    m.film.along = next_along();
     m.film.normal = *next;
   }
-  m.one_side = m.partner > 0.0 && m.partner < words[0] ? 1.0 : 0.0;
+  m.one_side = m.partner > 0.0 && m.partner < numbers[0] ? 1.0 : 0.0;
   remember(i, m);
 }
 

@@ -21,7 +21,6 @@ FixStyle(deformable/friction,FixDeformableFriction);
 #include "styles/friction/friction_coefficients.h"
 #include "styles/memory/fix_partner_memory.h"
 
-#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -87,7 +86,7 @@ class FixDeformableFriction : public FixPartnerMemory<RememberedContact> {
  private:
   FrictionCoefficients coefficients;
   std::vector<PairDeformable *> pairs;    // several within a hybrid style
-  bool told = false, told_box = false;    // of spins, of velocities
+  bool told_of_spins = false, told_of_box = false;
   void check_spins();
   void check_box();
   void find_partners();
@@ -153,8 +152,7 @@ class FixDeformableFriction : public FixPartnerMemory<RememberedContact> {
   template <class V> void end(int i, const RememberedContact &);
   void sweep();
   int words_of_spring() const;
-  void give_spring(int i, const double *words);
-  double total(int n) const;
+  void give_spring(int i, const double *numbers);
 };
 
 }    // namespace LAMMPS_NS

@@ -25,11 +25,11 @@ FrictionCoefficients::FrictionCoefficients(LAMMPS *lmp, int narg, char **arg)
 {
   if (narg < 6) utils::missing_cmd_args(FLERR, "fix deformable/friction", error);
   Rule all = {{WALL, WALL}, {types - 1, types - 1}};
-  for (int n = 0; n < 3; ++n) all.of_friction[n] = read(arg[3 + n]);
+  for (int n = MU; n <= GT; ++n) all.of_friction[n] = read(arg[3 + n]);
   int iarg = 6;
   if (iarg < narg && std::string(arg[iarg]) == "damp") {
     if (iarg + 1 == narg) utils::missing_cmd_args(FLERR, "fix deformable/friction damp", error);
-    all.of_friction[3] = read(arg[iarg + 1]);
+    all.of_friction[GN] = read(arg[iarg + 1]);
     iarg += 2;
   }
   rules.push_back(all);
@@ -60,29 +60,26 @@ void FrictionCoefficients::read_types(char **arg)
   for (int n = 0; n < 2; ++n)
     if (n == 0 || std::string(arg[n]) != "wall")
       utils::bounds(FLERR, arg[n], 1, types - 1, rule.first[n], rule.last[n], error);
-  for (int n = 0; n < 4; ++n) rule.of_friction[n] = read(arg[2 + n]);
+  for (int n = MU; n <= GN; ++n) rule.of_friction[n] = read(arg[2 + n]);
   rules.push_back(rule);
 }
 
-// [restitution e] [film c n [tangential or normal]] of the last rule. Returns the place of the next word. A variable is 1 until
-// it is known, as what is not given.
+// [restitution e] [film c n [tangential or normal]] of the last rule. Returns the place of the next word. The restitution and the
+// power n are 1 where they are not given, and as long as a variable is not known.
 int FrictionCoefficients::read_keywords(int iarg, int narg, char **arg)
 {
-  Coefficient &power = rules.back().of_friction[5], &restitution = rules.back().of_friction[6];
-  restitution.value = power.value = 1.0;
+  Rule &rule = rules.back();
+  rule.of_friction[RESTITUTION].value = rule.of_friction[POWER].value = 1.0;
   if (iarg < narg && std::string(arg[iarg]) == "restitution") {
     if (iarg + 1 == narg)
       utils::missing_cmd_args(FLERR, "fix deformable/friction restitution", error);
-    restitution = read(arg[iarg + 1]);
-    if (!restitution.variable.empty()) restitution.value = 1.0;
+    rule.of_friction[RESTITUTION] = read(arg[iarg + 1], 1.0);
     iarg += 2;
   }
   if (iarg >= narg || std::string(arg[iarg]) != "film") return iarg;
   if (iarg + 2 >= narg) utils::missing_cmd_args(FLERR, "fix deformable/friction film", error);
-  Rule &rule = rules.back();
-  rule.of_friction[4] = read(arg[iarg + 1]);
-  power = read(arg[iarg + 2]);
-  if (!power.variable.empty()) power.value = 1.0;
+  rule.of_friction[FILM] = read(arg[iarg + 1]);
+  rule.of_friction[POWER] = read(arg[iarg + 2], 1.0);
   const std::string only = iarg + 3 < narg ? arg[iarg + 3] : "";
   rule.film_squeezes = only != "tangential";
   rule.film_shears = only != "normal";
@@ -92,20 +89,21 @@ int FrictionCoefficients::read_keywords(int iarg, int narg, char **arg)
 bool FrictionCoefficients::have_films() const
 {
   return std::any_of(rules.begin(), rules.end(), [](const Rule &rule) {
-    return rule.of_friction[4].value > 0.0 || !rule.of_friction[4].variable.empty();
+    return rule.of_friction[FILM].value > 0.0 || !rule.of_friction[FILM].variable.empty();
   });
 }
 
 bool FrictionCoefficients::have_restitution() const
 {
   return std::any_of(rules.begin(), rules.end(), [](const Rule &rule) {
-    return rule.of_friction[6].value < 1.0 || !rule.of_friction[6].variable.empty();
+    const Coefficient &e = rule.of_friction[RESTITUTION];
+    return e.value < 1.0 || !e.variable.empty();
   });
 }
 
-FrictionCoefficients::Coefficient FrictionCoefficients::read(char *word) const
+FrictionCoefficients::Coefficient FrictionCoefficients::read(char *word, double until_known) const
 {
-  if (utils::strmatch(word, "^v_.")) return {0.0, word + 2};
+  if (utils::strmatch(word, "^v_.")) return {until_known, word + 2};
   if (std::string(word) == "inf") return {std::numeric_limits<double>::infinity(), ""};
   return {utils::numeric(FLERR, word, false, lmp), ""};
 }

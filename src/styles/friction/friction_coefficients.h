@@ -39,9 +39,10 @@ class FrictionCoefficients : protected Pointers {
     std::string variable;    // its name; empty: a number
     int index = -1;          // of the variable
   };
+  enum { MU, KT, GT, GN, FILM, POWER, RESTITUTION, COEFFICIENTS };
   struct Rule {
-    int first[2], last[2];                          // types
-    std::array<Coefficient, 7> of_friction = {};    // mu kt gt gn, c n, e
+    int first[2], last[2];    // types
+    std::array<Coefficient, COEFFICIENTS> of_friction = {};
     bool film_shears = true, film_squeezes = true;
   };
   const std::string id;
@@ -49,7 +50,7 @@ class FrictionCoefficients : protected Pointers {
   std::vector<Rule> rules;    // the last one counts
   bool varying = false;
   std::vector<deformable::Friction> table;
-  Coefficient read(char *word) const;
+  Coefficient read(char *word, double until_known = 0.0) const;    // of a variable
   void read_types(char **arg);
   int read_keywords(int iarg, int narg, char **arg);
   void apply(const Rule &);

@@ -10,6 +10,7 @@
 #include "fix.h"
 
 #include "kernels/large_vector.h"
+#include "styles/all_ranks.h"
 
 #include "atom.h"
 
@@ -82,10 +83,9 @@ template <class Memory> class FixMemory : public Fix {
   // Of all ranks: rank 0 writes into the file how much room a reader needs.
   int maxsize_restart() override
   {
-    int most = 1 + count_of(Memory{}), of_all;
+    int most = 1 + count_of(Memory{});
     for (int i = 0; i < atom->nlocal; ++i) most = std::max(most, size_restart(i));
-    MPI_Allreduce(&most, &of_all, 1, MPI_INT, MPI_MAX, world);
-    return of_all;
+    return largest_of_ranks(world, most);
   }
 
  protected:

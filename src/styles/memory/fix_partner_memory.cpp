@@ -3,7 +3,6 @@
 #include "styles/walls/fix_deformable_wall.h"
 
 #include "atom.h"
-#include "comm.h"
 #include "fmt/format.h"
 #include "modify.h"
 
@@ -31,19 +30,6 @@ double NewIDs::of(double id) const
   const auto found = changed.find(id);
   if (found != changed.end()) return found->second;
   return taken.count(id) ? 0.0 : id;
-}
-
-std::vector<double> LAMMPS_NS::of_all_ranks(LAMMPS *lmp, std::vector<double> here)
-{
-  const int ranks = lmp->comm->nprocs;
-  int count = static_cast<int>(here.size());    // MPI of LAMMPS' stubs takes no constants
-  std::vector<int> counts(ranks), first(ranks + 1, 0);
-  MPI_Allgather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, lmp->world);
-  for (int r = 0; r < ranks; ++r) first[r + 1] = first[r] + counts[r];
-  std::vector<double> all(first[ranks]);
-  MPI_Allgatherv(here.data(), count, MPI_DOUBLE, all.data(), counts.data(), first.data(),
-                 MPI_DOUBLE, lmp->world);
-  return all;
 }
 
 /* ---------------------------------------------------------------------- */

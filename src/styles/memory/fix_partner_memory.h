@@ -7,6 +7,7 @@
 #ifndef LMP_FIX_PARTNER_MEMORY_H
 #define LMP_FIX_PARTNER_MEMORY_H
 
+#include "styles/all_ranks.h"
 #include "styles/memory/fix_memory.h"
 
 #include "comm.h"
@@ -25,9 +26,6 @@ namespace LAMMPS_NS {
 
 // Names of partners that outlive commands between runs: delete_atoms and reset_atoms give particles new IDs, fix and unfix
 // give walls new codes.
-
-// The numbers of all ranks, one rank after the other.
-std::vector<double> of_all_ranks(LAMMPS *, std::vector<double> here);
 
 // The new IDs of all particles of all ranks that have changed theirs.
 class NewIDs {
@@ -209,11 +207,7 @@ template <class Row> class FixPartnerMemory : public FixMemory<PartnerMemory<Row
 
   WallNames walls;    // that the codes in rows are of
 
-  void make_room_everywhere()
-  {
-    int here = Base::maxexchange;    // MPI of LAMMPS' stubs takes no constants
-    MPI_Allreduce(&here, &this->maxexchange, 1, MPI_INT, MPI_MAX, world);
-  }
+  void make_room_everywhere() { this->maxexchange = largest_of_ranks(world, Base::maxexchange); }
 
   // Calls rename(partner), which may return 0 for one that is gone. Returns how many are.
   template <class Rename> int rename(Rename &&new_name)

@@ -3,6 +3,7 @@
 #ifdef DEFORMABLE_HAS_MIN
 
 #include "kernels/large_vector.h"
+#include "styles/all_ranks.h"
 #include "styles/lammps_release.h"
 
 #include "atom.h"
@@ -178,13 +179,6 @@ void MinDeformableLbfgs::reset_vectors()
 
 /* ---------------------------------------------------------------------- */
 
-double MinDeformableLbfgs::sum(double here) const
-{
-  double all;
-  MPI_Allreduce(&here, &all, 1, MPI_DOUBLE, MPI_SUM, world);
-  return all;
-}
-
 double MinDeformableLbfgs::evaluate()
 {
   ecurrent = energy_force(1);
@@ -334,14 +328,14 @@ double MinDeformableLbfgs::find_direction()
     });
   }
 
-  double here = 0.0, longest;
+  double here = 0.0;
   for (int n = 0; n < nvec; ++n) here = std::max(here, std::fabs(q[n]));
-  MPI_Allreduce(&here, &longest, 1, MPI_DOUBLE, MPI_MAX, world);
+  const double longest = largest_of_ranks(world, here);
   if (!(longest > 0.0)) return 0.0;
   double scale = std::min(1.0, limit / longest);
   if (pairs == 0) scale = FIRST_STEP * limit / longest;
   for (int n = 0; n < nvec; ++n) q[n] *= scale;
-  return -sum(product(fvec, q, nvec));
+  return -sum_of_ranks(world, product(fvec, q, nvec));
 }
 
 /* ---------------------------------------------------------------------- */
@@ -372,7 +366,7 @@ bool MinDeformableLbfgs::search(double slope, double &part)
   for (int trial = 1; trial <= MOST_TRIALS; ++trial) {
     for (int n = 0; n < nvec; ++n) xvec[n] = x0[n] + part * q[n];
     evaluate();
-    const double flat = -sum(product(fvec, q, nvec)), rise = energy - before;
+    const double flat = -sum_of_ranks(world, product(fvec, q, nvec)), rise = energy - before;
     if (energy_follows) {
       if (rise <= 1e-4 * part * slope) return true;
       if (std::fabs(flat) <= 0.9 * std::fabs(slope) && rise <= rounding) return true;
@@ -456,10 +450,10 @@ void MinDeformableLbfgs::renew()
   interval = LOOK;
   gamma = 0.0;
   if (!pair) {
-    double here = std::numeric_limits<double>::infinity(), smallest;
+    double smallest = std::numeric_limits<double>::infinity();
     for (int i = 0; i < atom->nlocal && atom->radius_flag; ++i)
-      if (atom->radius[i] > 0.0) here = std::min(here, atom->radius[i]);
-    MPI_Allreduce(&here, &smallest, 1, MPI_DOUBLE, MPI_MIN, world);
+      if (atom->radius[i] > 0.0) smallest = std::min(smallest, atom->radius[i]);
+    smallest = smallest_of_ranks(world, smallest);
     if (force->pair) smallest = std::min(smallest, force->pair->cutforce);    // in any units
     limit = dmax > 0.0 ? dmax : std::min(0.1, 0.05 * smallest);
     return;
@@ -509,9 +503,7 @@ void MinDeformableLbfgs::renew()
   held.resize(nvec);
   for (int n = 0; n < nvec; ++n) held[n] = fvec[n] == 0.0;
   matrix.factorize(pair->front_kernels(), domain->dimension, nlocal, xvec, held, elements, EPSILON);
-  double here = matrix.solves_per_factor();
-  double solves;
-  MPI_Allreduce(&here, &solves, 1, MPI_DOUBLE, MPI_MAX, world);
+  const double solves = largest_of_ranks(world, matrix.solves_per_factor());
   interval = std::max(LOOK, static_cast<int>(solves));
 }
 

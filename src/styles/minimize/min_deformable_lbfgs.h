@@ -68,7 +68,7 @@ class MinDeformableLbfgs : public Min {
   bool energy_follows = true;    // false: forces are not its derivatives
   bool follows_again = false;    // as soon as no area gives way
   bool law_changes() const;
-  double sum(double) const;
+
   bool search(double slope, double &part);
   int descend(int maxiter);
   double evaluate();

@@ -1,5 +1,6 @@
 #include "styles/motion/fix_deformable_proliferate.h"
 
+#include "styles/all_ranks.h"
 #include "styles/lammps_release.h"
 #include "styles/pair/pair_deformable.h"
 
@@ -13,7 +14,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstring>
-#include <numeric>
+
 #include <string>
 
 using namespace LAMMPS_NS;
@@ -117,18 +118,14 @@ int FixDeformableProliferate::setmask()
 void FixDeformableProliferate::init()
 {
   refusals.forget();
-  for (const PairDeformable *pair : deformable_pairs(*force))
+  for (const PairDeformable *pair :
+       require_deformable_pairs(lmp, fmt::format("Fix {} deformable/proliferate", id)))
     if (!pair->has_radii_of_atoms())
       error->all(FLERR,
                  "Fix {} deformable/proliferate needs radii that grow: use 'radius atom' in "
                  "pair_style {}",
                  id, force->pair_style);
-  if (deformable_pairs(*force).empty())
-    error->all(
-        FLERR,
-        "Fix {} deformable/proliferate needs pair_style deformable/ring, deformable/sector or "
-        "deformable/droplet, but pair_style is {}",
-        id, force->pair_style ? force->pair_style : "none");
+
   refuse_respa(lmp, id, "deformable/proliferate");
   next_reneighbor = (update->ntimestep / nevery + 1) * nevery;
 }
@@ -295,27 +292,21 @@ void FixDeformableProliferate::divide(int i, std::vector<double> &daughters)
    group, velocity and custom properties of its mother.
 ------------------------------------------------------------------------- */
 
-void FixDeformableProliferate::create(std::vector<double> &daughters)
+void FixDeformableProliferate::create(const std::vector<double> &daughters)
 {
   enum { MOTHER, TYPE, MASK, IMAGE, X, V = X + 3, RADIUS = V + 3, MASS, CUSTOM };
   const int columns = CUSTOM + atom->nivector + atom->ndvector;
-  int here = static_cast<int>(daughters.size());
-  std::vector<int> sizes(comm->nprocs), begins(comm->nprocs);
-  MPI_Allgather(&here, 1, MPI_INT, sizes.data(), 1, MPI_INT, world);
-  std::partial_sum(sizes.begin(), sizes.end() - 1, begins.begin() + 1);
-  std::vector<double> all(begins.back() + sizes.back());
+  const std::vector<double> all = of_all_ranks(lmp, daughters);
   if (all.empty()) return;
-  MPI_Allgatherv(daughters.data(), here, MPI_DOUBLE, all.data(), sizes.data(), begins.data(),
-                 MPI_DOUBLE, world);
   const int n = static_cast<int>(all.size()) / columns;
   std::vector<const double *> rows;
   for (int k = 0; k < n; ++k) rows.push_back(&all[k * columns]);
   std::sort(rows.begin(), rows.end(),
             [](const double *a, const double *b) { return ubuf(a[MOTHER]).i < ubuf(b[MOTHER]).i; });
 
-  tagint most = 0, last;
+  tagint most = 0;
   for (int i = 0; i < atom->nlocal; ++i) most = std::max(most, atom->tag[i]);
-  MPI_Allreduce(&most, &last, 1, MPI_LMP_TAGINT, MPI_MAX, world);
+  const tagint last = largest_of_ranks(world, most);
   if (last > MAXTAGINT - n)
     error->all(FLERR, "Fix {} deformable/proliferate: no atom IDs are left for new atoms", id);
   std::vector<tagint> tags;

@@ -63,7 +63,7 @@ class FixDeformableProliferate : public Fix {
   deformable::Vector3 axis_of(int i, deformable::CountedRandom &) const;
   bool is_outside(const double *x) const;
   void divide(int i, std::vector<double> &daughters);
-  void create(std::vector<double> &daughters);
+  void create(const std::vector<double> &daughters);
 };
 
 }    // namespace LAMMPS_NS

@@ -32,12 +32,7 @@ ComputeDeformableContact::ComputeDeformableContact(LAMMPS *lmp, int narg, char *
 
 void ComputeDeformableContact::init()
 {
-  pairs = deformable_pairs(*force);
-  if (pairs.empty())
-    error->all(FLERR,
-               "Compute {} {} needs pair_style deformable/ring, deformable/sector or "
-               "deformable/droplet, but pair_style is {}",
-               id, style, force->pair_style ? force->pair_style : "none");
+  pairs = require_deformable_pairs(lmp, fmt::format("Compute {} {}", id, style));
 }
 
 /* ----------------------------------------------------------------------

@@ -2,6 +2,7 @@
 
 #include "laws/parameter_rules.h"
 #include "laws/trigonometry.h"
+#include "styles/all_ranks.h"
 #include "styles/friction/fix_deformable_friction.h"
 #include "styles/lammps_release.h"
 #include "styles/memory/fix_deformable_restart.h"
@@ -31,6 +32,7 @@ using namespace LAMMPS_NS;
 using deformable::PI;
 using deformable::SurfacePoint;
 using deformable::unstable_radius;
+using deformable::Vector2;
 using deformable::Vector3;
 
 /* ---------------------------------------------------------------------- */
@@ -112,13 +114,15 @@ void PairDeformable::coeff(int narg, char **arg)
     }
     check_species(of_types[type]);
   }
+  Adhesions of_pairs;
+  of_pairs.assign(of_types, known.adhesions);
+  check_lines_bend("Species", of_pairs.any());
   map_element2type(narg - 3, arg + 3);
   species = of_types;
   radius.clear();
   for (const Species &s : species) radius.push_back(s.radius);
   adhesions.assign(species, known.adhesions);
   describe_species();
-  check_lines_bend("Species", adhesions.any());
 }
 
 /* ---------------------------------------------------------------------- */
@@ -274,7 +278,7 @@ void PairDeformable::check_own_image(int i, int j)
 ------------------------------------------------------------------------- */
 
 void PairDeformable::record(int i, int partner, const deformable::Contact &contact, double length,
-                            double force, const Push &push, double distance,
+                            double force, const Vector2 &push, double distance,
                             const RecordedLine &line)
 {
   if (!recording || (length == 0.0 && force == 0.0)) return;
@@ -295,7 +299,7 @@ void PairDeformable::list_contacts(int groupbit, std::vector<double> &rows) cons
                 {static_cast<double>(atom->tag[contact.atom]), static_cast<double>(contact.partner),
                  contact.indentation, contact.length, contact.force, contact.x, contact.y,
                  contact.angle, contact.distance, contact.line.tilt, contact.line.half_angle,
-                 contact.push.fx, contact.push.fy, contact.line.contact_angle,
+                 contact.push.x, contact.push.y, contact.line.contact_angle,
                  contact.line.attached});
   }
 }
@@ -403,10 +407,9 @@ void PairDeformable::check_radii()
 
 double PairDeformable::smallest_radius() const
 {
-  double here = std::numeric_limits<double>::infinity(), smallest;
+  double here = std::numeric_limits<double>::infinity();
   for (int ii = 0; ii < list->inum; ++ii) here = std::min(here, radii[list->ilist[ii]]);
-  MPI_Allreduce(&here, &smallest, 1, MPI_DOUBLE, MPI_MIN, world);
-  return smallest;
+  return smallest_of_ranks(world, here);
 }
 
 /* ---------------------------------------------------------------------- */
@@ -527,6 +530,21 @@ std::map<std::string, std::string> PairDeformable::description() const
   for (std::size_t type = 1; type < species.size(); ++type)
     if (!species[type].name.empty()) all[fmt::format("law of type {}", type)] = law() + of_atoms;
   return all;
+}
+
+/* ---------------------------------------------------------------------- */
+
+std::vector<PairDeformable *> LAMMPS_NS::require_deformable_pairs(LAMMPS *lmp,
+                                                                  const std::string &command)
+{
+  const char *const style = lmp->force->pair_style;
+  std::vector<PairDeformable *> pairs = deformable_pairs(*lmp->force);
+  if (pairs.empty())
+    lmp->error->all(FLERR,
+                    "{} needs pair_style deformable/ring, deformable/sector or deformable/droplet, "
+                    "but pair_style is {}",
+                    command, style ? style : "none");
+  return pairs;
 }
 
 /* ---------------------------------------------------------------------- */

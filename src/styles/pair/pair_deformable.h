@@ -11,6 +11,7 @@
 #include "kernels/large_vector.h"
 #include "laws/shape.h"
 #include "laws/stiffness.h"
+#include "laws/vector2.h"
 #include "response/outline.h"
 #include "styles/refusals.h"
 #include "styles/species.h"
@@ -23,7 +24,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <map>
 #include <string>
@@ -70,10 +70,6 @@ class ParticleResults {
   std::array<std::vector<double>, SIZE> values;
 };
 
-struct Push {
-  double fx, fy;
-};
-
 // Of a contact line, beside its place.
 struct RecordedLine {
   double tilt = 0.0;             // its normal turns by this from the line of centers
@@ -94,7 +90,7 @@ struct RecordedContact {
   double angle;       // of the direction to the line
   double distance;    // of the partner's center, or of the wall
   RecordedLine line;
-  Push push;    // force on the particle from its own energy; from a wall all of it
+  deformable::Vector2 push;    // force on the particle from its own energy; from a wall all of it
 };
 
 // A contact that bears a force, for fix deformable/friction.
@@ -151,7 +147,7 @@ class PairDeformable : public Pair {
 
   bool has_wall(int code) const { return code < 0 && !walls.empty(); }
   // Of a wall's code.
-  FixDeformableWall &wall(int code) const { return *walls[wall_of(code, wall_count())]; }
+  FixDeformableWall &wall(int code) const { return wall_of(code, walls); }
   int wall_feature(int code) const { return wall_feature_of(code, wall_count()); }
   // In tables of contacts: -1 - k of all walls of fix k, from 0.
   int wall_number(int code) const { return -1 - wall_of(code, wall_count()); }
@@ -281,7 +277,7 @@ class PairDeformable : public Pair {
 
   // For such computes, if there is one.
   void record(int i, int partner, const deformable::Contact &, double length, double force,
-              const Push &push, double distance, const RecordedLine &line = {});
+              const deformable::Vector2 &push, double distance, const RecordedLine &line = {});
 
   // Results of a deformed particle, and of one that is still a circle.
   void store_shape(int i, const deformable::Contacts &contacts, double pressure)
@@ -318,7 +314,7 @@ class PairDeformable : public Pair {
   void remember_active(const deformable::BlockParticle &);
   void push_mirror(const deformable::BlockParticle &, const deformable::Place &);
   struct WallPush {
-    Push push;
+    deformable::Vector2 push;
     double shift;    // of its line from the point of the wall nearest to the center
   };
   static WallPush push_of(const WallContact &, const deformable::Place &);
@@ -378,6 +374,9 @@ inline std::vector<PairDeformable *> deformable_pairs(Force &force)
   for (int n = 1; add(force.pair_match(NAMES, 0, n));) ++n;
   return found;
 }
+
+// The same for a command that works with them only, such as "Fix ID deformable/wall": stops if there is none.
+std::vector<PairDeformable *> require_deformable_pairs(LAMMPS *, const std::string &command);
 
 }    // namespace LAMMPS_NS
 

@@ -168,7 +168,7 @@ void PairDeformable::push_mirror(const BlockParticle &p, const Place &place)
   if (place.fx == 0.0 && place.fy == 0.0) return;
   const WallContact &wall = wall_contacts[-1 - place.partner];
   const auto [push, shift] = push_of(wall, place);
-  push_wall(p.name, wall.wall, push.fx, push.fy, {0.0, wall.nx, wall.ny, p.radius - wall.height},
+  push_wall(p.name, wall.wall, push.x, push.y, {0.0, wall.nx, wall.ny, p.radius - wall.height},
             shift);
 }
 
@@ -221,7 +221,7 @@ LoadedContact PairDeformable::loaded_contact(const BlockParticle &p, const Place
   if (place.partner < 0) {
     const WallContact &wall = wall_contacts[-1 - place.partner];
     const auto [push, shift] = push_of(wall, place);
-    const double force = -push.fx * wall.nx - push.fy * wall.ny;
+    const double force = -push.x * wall.nx - push.y * wall.ny;
     return {p.name,
             wall.wall,
             -1,

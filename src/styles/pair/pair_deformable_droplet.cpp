@@ -2,6 +2,7 @@
 
 #include "laws/droplet.h"
 #include "laws/parameter_rules.h"
+#include "styles/all_ranks.h"
 #include "styles/lammps_release.h"
 #include "styles/refusals.h"
 
@@ -149,8 +150,8 @@ void PairDeformableDroplet::check_room()
     volume += 4.0 * PI / 3.0 * r * r * r;
     largest = std::max(largest, r);
   }
-  MPI_Allreduce(MPI_IN_PLACE, &volume, 1, MPI_DOUBLE, MPI_SUM, world);
-  MPI_Allreduce(MPI_IN_PLACE, &largest, 1, MPI_DOUBLE, MPI_MAX, world);
+  volume = sum_of_ranks(world, volume);
+  largest = largest_of_ranks(world, largest);
   double room = 1.0;
   for (int axis = 0; axis < 3; ++axis)
     room *= domain->prd[axis] +
@@ -245,10 +246,9 @@ double PairDeformableDroplet::memory_usage()
 double PairDeformableDroplet::energy_alone(int i, int partner, double force) const
 {
   const double r = radii[i], tension = stiffness_of(i).tension;
-  const double ratio = partner < 0 ? 1.0
-                                   : deformable::film_ratio(r, tension, radii[partner],
-                                                            stiffness_of(partner).tension);
-  const double energy = deformable::droplet_energy_alone(force / (r * tension), std::log(ratio));
+  const double ratio =
+      partner < 0 ? 1.0 : film_ratio(r, tension, radii[partner], stiffness_of(partner).tension);
+  const double energy = droplet_energy_alone(force / (r * tension), std::log(ratio));
   return energy * r * r * tension;
 }
 

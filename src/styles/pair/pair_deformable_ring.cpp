@@ -3,6 +3,7 @@
 #include "laws/contact.h"
 #include "laws/parameter_rules.h"
 #include "laws/support.h"
+#include "styles/all_ranks.h"
 #include "styles/lammps_release.h"
 #include "styles/refusals.h"
 
@@ -312,10 +313,10 @@ double PairDeformableRing::memory_usage()
 double PairDeformableRing::energy_alone(int i, int /*partner*/, double force) const
 {
   const double r = ring_radius_of(i);
-  const deformable::Stiffness k = stiffness_of(i);
-  const deformable::RingLoad load = {0.5 * deformable::GREEN_AT_ZERO * force * force, force};
-  deformable::LoadedRing ring;
-  return deformable::find_pressure(r, k, load, ring) ? ring.energy(r, k, load.work) : 0.0;
+  const Stiffness k = stiffness_of(i);
+  const RingLoad load = {0.5 * GREEN_AT_ZERO * force * force, force};
+  LoadedRing ring;
+  return find_pressure(r, k, load, ring) ? ring.energy(r, k, load.work) : 0.0;
 }
 
 /* ----------------------------------------------------------------------
@@ -386,8 +387,8 @@ void PairDeformableRing::refuse_pair(int k)
    line of centers, and the one across it from these slopes.
 ------------------------------------------------------------------------- */
 
-Push PairDeformableRing::push_of(int k, const NearPairs::Centers &centers, double share,
-                                 double slope) const
+Vector2 PairDeformableRing::push_of(int k, const NearPairs::Centers &centers, double share,
+                                    double slope) const
 {
   const NearPairs &p = balanced->pairs();
   const double force = push_part * p.force[k];
@@ -517,8 +518,9 @@ void PairDeformableRing::finish_balanced(int i)
     const double distance = other < 0 ? radii[i] - row[c].indentation : 1.0 / p.per_distance[k];
     // each of two particles has half of the force along the line of centers
     const int side = pair_sides[c] & 1;
-    Push push = push_of(k, p.centers(k), other < 0 ? 1.0 : 0.5, balanced->outline_slope(k, side));
-    if (side) push = {-push.fx, -push.fy};
+    const double part = other < 0 ? 1.0 : 0.5;
+    Vector2 push = push_of(k, p.centers(k), part, balanced->outline_slope(k, side));
+    if (side) push = -push;
     RecordedLine line = {balanced->tilt(k), balanced->half_angle(k)};
     if (side) line.half_angle = -line.half_angle;
     if (p.adhesive && p.attached[k]) {
@@ -697,9 +699,7 @@ void PairDeformableRing::no_shape(int i, int contacts)
 
 int PairDeformableRing::all_giving_way() const
 {
-  int all = giving_way;
-  MPI_Allreduce(MPI_IN_PLACE, &all, 1, MPI_INT, MPI_SUM, world);
-  return all;
+  return sum_of_ranks(world, giving_way);
 }
 
 void PairDeformableRing::tell_room()

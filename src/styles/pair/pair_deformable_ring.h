@@ -84,7 +84,7 @@ class PairDeformableRing : public PairDeformable {
   std::vector<int> pair_sides;
   void evaluate_balanced(bool new_material);
   double push_part = 1.0;    // of forces, see DualSolver::Push
-  Push push_of(int k, const NearPairs::Centers &, double share, double slope) const;
+  deformable::Vector2 push_of(int k, const NearPairs::Centers &, double share, double slope) const;
   void push_pairs(int begin, int end, bool counts_energy);
   void refuse_pair(int k);
   void finish_balanced(int i);

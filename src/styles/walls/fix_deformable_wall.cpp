@@ -1,5 +1,6 @@
 #include "styles/walls/fix_deformable_wall.h"
 
+#include "styles/all_ranks.h"
 #include "styles/friction/fix_deformable_friction.h"
 #include "styles/lammps_release.h"
 #include "styles/pair/pair_deformable.h"
@@ -83,20 +84,20 @@ int FixDeformableWall::read_keywords(int narg, char **arg)
     return std::any_of(std::begin(KEYWORDS), std::end(KEYWORDS),
                        [&](const char *keyword) { return std::strcmp(word, keyword) == 0; });
   };
-  int words = 4;    // a region may be called adhesion
-  while (words < narg && !is_keyword(arg[words])) ++words;
-  for (int iarg = words; iarg < narg;) {
+  int first = 4;    // a region may be called adhesion
+  while (first < narg && !is_keyword(arg[first])) ++first;
+  for (int iarg = first; iarg < narg;) {
     if (!is_keyword(arg[iarg]))
       error->all(FLERR_WORD(iarg),
                  "Fix {} deformable/wall: unknown word '{}' after {}: only adhesion w, shear dim v "
                  "and load F m come last",
-                 id, arg[iarg], arg[words]);
-    for (int before = words; before < iarg; ++before)
+                 id, arg[iarg], arg[first]);
+    for (int before = first; before < iarg; ++before)
       if (!std::strcmp(arg[before], arg[iarg]))
         error->all(FLERR_WORD(iarg), "Fix {} deformable/wall: {} is there twice", id, arg[iarg]);
     iarg = read_keyword(iarg, narg, arg);
   }
-  return words;
+  return first;
 }
 
 // Returns the place of what follows it.
@@ -186,11 +187,7 @@ int FixDeformableWall::setmask()
 void FixDeformableWall::init()
 {
   refuse_respa(lmp, id, "deformable/wall");
-  if (deformable_pairs(*force).empty())
-    error->all(FLERR,
-               "Fix {} deformable/wall needs pair_style deformable/ring, deformable/sector or "
-               "deformable/droplet, but pair_style is {}",
-               id, force->pair_style ? force->pair_style : "none");
+  require_deformable_pairs(lmp, fmt::format("Fix {} deformable/wall", id));
   if (thermo_energy)
     error->all(FLERR,
                "Fix {} deformable/wall has no energy for 'fix_modify {} energy yes': what walls "
@@ -404,10 +401,7 @@ void FixDeformableWall::post_force(int vflag)
 
 double FixDeformableWall::compute_scalar()
 {
-  double here = walls.energy_given();
-  double all;
-  MPI_Allreduce(&here, &all, 1, MPI_DOUBLE, MPI_SUM, world);
-  return all;
+  return sum_of_ranks(world, walls.energy_given());
 }
 
 /* ----------------------------------------------------------------------
@@ -417,9 +411,7 @@ double FixDeformableWall::compute_scalar()
 double FixDeformableWall::compute_vector(int n)
 {
   if (n >= 3) return n == 3 ? walls.sources[0].side.place.now : load.v;
-  double all = n == 0 ? on_wall.x : n == 1 ? on_wall.y : on_wall.z;
-  MPI_Allreduce(MPI_IN_PLACE, &all, 1, MPI_DOUBLE, MPI_SUM, world);
-  return all;
+  return sum_of_ranks(world, component(on_wall, n));
 }
 
 /* ----------------------------------------------------------------------

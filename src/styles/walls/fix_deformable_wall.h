@@ -186,6 +186,10 @@ inline int wall_feature_of(int code, int walls)
 {
   return (-1 - code) / walls;
 }
+inline FixDeformableWall &wall_of(int code, const std::vector<FixDeformableWall *> &walls)
+{
+  return *walls[wall_of(code, static_cast<int>(walls.size()))];
+}
 
 // Calls visitor(code, nearest point) for each wall within (1 + reach) radii of atom i, in the plane and in space.
 template <class Visitor>

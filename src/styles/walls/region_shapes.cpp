@@ -3,7 +3,6 @@
 #include "laws/trigonometry.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 using namespace LAMMPS_NS;
@@ -201,11 +200,6 @@ namespace in_space {
 
 constexpr double UNENDING = 1e15;    // faces that are farther away are INF
 
-double &along(Vector3 &v, int axis)
-{
-  return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
-}
-
 // The point of the region nearest to x, which is outside. Returns false if there is none, as in the direction of INF.
 bool nearest_to(Region *region, Vector3 x, Vector3 &found)
 {
@@ -249,12 +243,12 @@ Extent extent_of(Region *region, bool is_cone)
       for (const double sign : {-1.0, 1.0}) {
         const int beside = (axis + 1) % 3;
         Vector3 from = extent.point(0.0, 0.0, 0.0), found;
-        if (is_cone) along(from, beside) += ASIDE * extent.half(beside);
+        if (is_cone) component(from, beside) += ASIDE * extent.half(beside);
         const double before =
             std::max(extent.half(axis) * (is_cone ? 1e6 : 2.0), round == 1 ? 1.0 : 0.0);
-        along(from, axis) = round == 0 ? sign * FAR : extent.at(axis, sign) + sign * before;
+        component(from, axis) = round == 0 ? sign * FAR : extent.at(axis, sign) + sign * before;
         (sign < 0.0 ? next.low : next.high)[axis] =
-            nearest_to(region, from, found) ? along(found, axis) : sign * INFINITY;
+            nearest_to(region, from, found) ? component(found, axis) : sign * INFINITY;
       }
     extent = next;
   }
@@ -283,7 +277,7 @@ void add_ends(const Extent &extent, int axis, WallShape &shape)
 {
   Vector3 normal = {};
   for (const double sign : {-1.0, 1.0}) {
-    along(normal, axis) = sign;
+    component(normal, axis) = sign;
     const double end = sign < 0.0 ? extent.low[axis] : extent.high[axis];
     if (std::isfinite(end)) shape.planes.push_back({normal, sign * end});
   }
@@ -325,7 +319,7 @@ int axis_of(Region *region, const Extent &extent)
 Vector3 unit(int axis)
 {
   Vector3 v = {};
-  along(v, axis) = 1.0;
+  component(v, axis) = 1.0;
   return v;
 }
 
@@ -342,7 +336,7 @@ Rim rim_of(Region *region, const Vector3 &end, const Vector3 &outward, int besid
     Vector3 found;
     if (!nearest_to(region, end + above * outward + (radius + next_to) * out, found))
       return {NAN, NAN};
-    place[side] = along(found, beside);
+    place[side] = component(found, beside);
   }
   return {0.5 * (place[0] + place[1]), 0.5 * (place[1] - place[0])};
 }
@@ -366,10 +360,10 @@ std::string read_body(Region *region, Extent extent, WallShape &shape)
       const Vector3 outward = (side == 0 ? -1.0 : 1.0) * body.axis;
       double &end = (side == 0 ? extent.low : extent.high)[axis];
       Vector3 at = body.center, found;
-      along(at, axis) = end;
+      component(at, axis) = end;
       if (!nearest_to(region, at + 1e-6 * size * unit(beside[0]) + size * outward, found))
         return "has an end or a tip that cannot be seen: give it radii above 0, or use planes";
-      along(at, axis) = end = along(found, axis);
+      component(at, axis) = end = component(found, axis);
       radius[side] = rim_of(region, at, outward, beside[0], round == 0 ? size : radius[side],
                             round == 0 ? 1e6 * size : size, (round == 0 ? 1.0 : 1e-4) * size)
                          .radius;
@@ -377,11 +371,11 @@ std::string read_body(Region *region, Extent extent, WallShape &shape)
     // the wider end: its rim is nearest to all that is beyond and beside of it
     const int wide = radius[1] > radius[0];
     Vector3 at = body.center;
-    along(at, axis) = wide ? extent.high[axis] : extent.low[axis];
+    component(at, axis) = wide ? extent.high[axis] : extent.low[axis];
     for (const int b : beside)
-      along(body.center, b) =
+      component(body.center, b) =
           rim_of(region, at, (wide ? 1.0 : -1.0) * body.axis, b, radius[wide], size, size).middle;
-    along(body.center, axis) = extent.middle(axis);
+    component(body.center, axis) = extent.middle(axis);
   }
   add_ends(extent, axis, shape);
   const double half = ends ? extent.half(axis) : 1.0, fall = radius[0] - radius[1],

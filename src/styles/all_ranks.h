@@ -1,0 +1,43 @@
+// Numbers of all ranks, on all of them. MPI of LAMMPS' stubs takes no constants: these functions take copies.
+
+#ifndef LMP_ALL_RANKS_H
+#define LMP_ALL_RANKS_H
+
+#include "lmptype.h"
+#include "pointers.h"
+
+#include <type_traits>
+#include <vector>
+
+namespace LAMMPS_NS {
+
+// Number: double, int or tagint.
+template <class Number> Number reduced(MPI_Comm world, Number here, MPI_Op operation)
+{
+  const MPI_Datatype type = std::is_same<Number, double>::value ? MPI_DOUBLE
+                            : sizeof(Number) == sizeof(int)     ? MPI_INT
+                                                                : MPI_LMP_BIGINT;
+  Number all;
+  MPI_Allreduce(&here, &all, 1, type, operation, world);
+  return all;
+}
+
+template <class Number> Number sum_of_ranks(MPI_Comm world, Number here)
+{
+  return reduced(world, here, MPI_SUM);
+}
+template <class Number> Number largest_of_ranks(MPI_Comm world, Number here)
+{
+  return reduced(world, here, MPI_MAX);
+}
+template <class Number> Number smallest_of_ranks(MPI_Comm world, Number here)
+{
+  return reduced(world, here, MPI_MIN);
+}
+
+// The numbers of one rank after the other.
+std::vector<double> of_all_ranks(LAMMPS *, std::vector<double> here);
+
+}    // namespace LAMMPS_NS
+
+#endif
