@@ -18,12 +18,17 @@ LARGEST_COUNT = 2**31 - 1
 _LONG = 60
 
 
+def as_array(value: object) -> NDArray[Any]:
+    """The value as an array; that of None, which has no numbers, if rows have unequal lengths."""
+    try:
+        return np.asarray(value)
+    except ValueError:
+        return np.asarray(None)
+
+
 def number_or_nan(value: object) -> float:
     """The value as a float; nan if it is not a single number, nor is True or False."""
-    try:
-        array = np.asarray(value)
-    except ValueError:  # rows of unequal length
-        return math.nan
+    array = as_array(value)
     return float(array) if array.ndim == 0 and array.dtype.kind in "iuf" else math.nan
 
 
@@ -77,10 +82,7 @@ def numbers(name: str, values: ArrayLike) -> NDArray[np.float64]:
 
     So `species=radius > 0.5` makes two species.
     """
-    try:
-        array = np.array(values)
-    except ValueError:
-        array = np.array(None)
+    array = as_array(values)
     if array.dtype.kind not in "biuf" or not np.isfinite(array).all():
         raise ParameterError(f"{name} must be finite numbers, not {shown(values)}")
     return array.astype(np.float64)

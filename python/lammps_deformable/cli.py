@@ -206,7 +206,7 @@ def compress_command(
         raise ParameterError("give one of --resume, --append and --overwrite")
     first, last = _WAYS_OUT
     ways = first, "compress it further with --append", last
-    folder = refuse(out, "compression" if resume or append or overwrite else None, ways)
+    folder = refuse(out, "run" if resume or append or overwrite else None, ways)
     protocol = {"steps": settings.steps, "tolerance": settings.tolerance, **settings.target}
     done, sim = 0, None
     if resume:
@@ -277,7 +277,7 @@ def shear_command(
     if resume and overwrite:
         raise ParameterError("give one of --resume and --overwrite")
     material = material.usual(given)
-    folder = refuse(out, "compression" if resume or overwrite else None, _WAYS_OUT)
+    folder = refuse(out, "run" if resume or overwrite else None, _WAYS_OUT)
     columns = ("shear_strain", "shear_stress", *_COLUMNS[1:])
     done, sim = 0, None
     if resume:

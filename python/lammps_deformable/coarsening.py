@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 
 from ._checks import count, expect, positive, zero_or_more
 from .errors import ParameterError
-from .laws import Droplet, Ring
+from .laws import Droplet, Ring, volumes
 from .population import at_rest, remaining
 from .recording import Protocol, check_tolerance
 
@@ -112,11 +112,6 @@ def _coarsened(
             sim.reset(replace(after(state, flow * step), time=later))
             state = at_rest(sim, settings)
         yield state
-
-
-def volumes(radii: Floats, dimension: int) -> Floats:
-    """Of undeformed bubbles, shape (N,) [length^d]."""
-    return math.pi * radii**2 if dimension == 2 else 4.0 / 3.0 * math.pi * radii**3
 
 
 def after(state: Any, change: Floats) -> Any:

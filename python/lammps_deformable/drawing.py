@@ -18,7 +18,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon
 from numpy.typing import NDArray
 
-from ._checks import expect, finite, shown
+from ._checks import as_array, expect, finite, shown
 from .errors import ParameterError
 from .room import closed, container, obstacles
 
@@ -126,10 +126,7 @@ def per_particle(
     Raises:
         ParameterError: they are no such numbers.
     """
-    try:
-        values = np.asarray(found)
-    except ValueError:  # rows of unequal length
-        values = np.asarray(None)
+    values = as_array(found)
     fits = values.shape == (number,) and values.dtype.kind in "biuf"
     if not fits or np.isinf(values).any() or np.isnan(values).all():
         kind = "real " if np.iscomplexobj(values) else ""

@@ -96,7 +96,7 @@ def law_of_run(path: str | Path, species: str | Path, frame: int) -> AnyLaw | No
     for file in (Path(path), Path(species)):
         if not (file.exists() and (file.parent / SUMMARY).exists()):
             continue
-        if holds(folder := file.parent) != "compression":
+        if holds(folder := file.parent) != "run":
             continue
         saved = summary_in(folder)
         if file.name == TRAJECTORY:

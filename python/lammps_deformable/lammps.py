@@ -11,7 +11,6 @@ import re
 import signal
 import tempfile
 from contextlib import contextmanager, nullcontext
-from ctypes import c_double
 from dataclasses import dataclass
 from pathlib import Path
 from threading import Thread, current_thread, main_thread
@@ -27,8 +26,9 @@ from ._checks import expect
 from .box import half_thickness
 from .commands import PLANE, WALL, setup_commands, wall_commands
 from .errors import LammpsError
+from .files import in_space
 from .ranks import agree, guarded_lammps, world
-from .shapes import in_space
+from .text_files import tilts_of
 from .versions import check_lammps
 
 if TYPE_CHECKING:
@@ -109,7 +109,7 @@ def box_change(walls: tuple[Wall, ...], box: NDArray[np.float64]) -> str:
         f"{axis} final {low!r} {high!r}"
         for axis, (low, high) in zip("xyz", _ends(walls, box), strict=False)
     ]
-    tilts = [f"{name} final {tilt!r}" for name, tilt in _tilts(box).items()]
+    tilts = [f"{name} final {tilt!r}" for name, tilt in named_tilts(box).items()]
     return f"change_box all {' '.join(ends + tilts)} remap units box"
 
 
@@ -121,10 +121,10 @@ def _ends(walls: tuple[Wall, ...], box: NDArray[np.float64]) -> list[tuple[float
     return list(zip(low, high, strict=True))
 
 
-def _tilts(box: NDArray[np.float64]) -> dict[str, float]:
+def named_tilts(box: NDArray[np.float64]) -> dict[str, float]:
     """Tilts by LAMMPS' names, in its order."""
-    names = {"xy": (1, 0)} if len(box) == 2 else {"xy": (1, 0), "xz": (2, 0), "yz": (2, 1)}
-    return {name: float(box[place]) for name, place in names.items()}
+    names = ("xy",) if len(box) == 2 else ("xy", "xz", "yz")
+    return dict(zip(names, tilts_of(box), strict=False))
 
 
 def place_walls(lmp: lammps, walls: tuple[Wall, ...], former: tuple[Wall, ...] = ()) -> None:
@@ -167,22 +167,19 @@ def open_lammps(packing: Packing, comm: MPI.Comm, former: lammps | None = None) 
         former: a LAMMPS that is cleared and filled anew, which gives the same digits as a new one
             in half the time; a new one if not given.
     """
-    dimension = packing.dimension
     half = half_thickness(float(packing._species_radii.max()))
     lmp = silent_lammps(comm, setup_commands(packing), former)
     ends = [*_ends(packing.walls, packing.box), (-half, half)][:3]
-    tilts = [*_tilts(packing.box).values(), 0, 0][:3]
-    words = [" ".join(map(repr, numbers)) for numbers in (sum(ends, ()), tilts)]
+    numbers = sum(ends, ()), tilts_of(packing.box)
+    words = [" ".join(map(repr, each)) for each in numbers]
     run(lmp, _BOX.format(ends=words[0], tilts=words[1], species=len(packing._species_radii)))
-    n = len(packing)
-    x = np.zeros((n, 3))
-    x[:, :dimension] = packing.positions
-    lmp.create_atoms(n, range(1, n + 1), (packing.species + 1).tolist(), x.ravel().tolist())
+    n, places = len(packing), in_space(packing.positions).ravel().tolist()
+    lmp.create_atoms(n, range(1, n + 1), (packing.species + 1).tolist(), places)
     if not packing._own_radii:
         run(lmp, "mass * 1")
     else:
         run(lmp, "set group all mass 1")
-        lmp.scatter("radius", 1, 1, (c_double * n)(*packing.radii))
+        place(lmp, "radius", packing.radii[:, None])
     return lmp
 
 

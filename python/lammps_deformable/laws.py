@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import core
-from ._checks import as_call, number_or_nan, positive, shown
+from ._checks import as_array, as_call, number_or_nan, positive, shown
 from .box import refuse_space
 from .errors import ParameterError
 
@@ -34,10 +34,7 @@ def by_pair(name: str, given: object) -> float | tuple[tuple[float, ...], ...]:
     Raises:
         ParameterError: it is neither.
     """
-    try:
-        values = np.asarray(given)
-    except ValueError:  # rows of unequal length
-        values = np.asarray(None)
+    values = as_array(given)
     square = values.ndim == 2 and values.size > 0 and values.shape[0] == values.shape[1]
     if values.dtype.kind not in "iuf" or not (values.ndim == 0 or square):
         raise ParameterError(
@@ -414,10 +411,7 @@ def one_or_each(name: str, given: object) -> float | tuple[float, ...]:
     Raises:
         ParameterError: it is neither.
     """
-    try:
-        values = np.asarray(given)
-    except ValueError:  # rows of unequal length
-        values = np.asarray(None)
+    values = as_array(given)
     if values.dtype.kind not in "iuf" or values.ndim > 1 or values.size == 0:
         raise ParameterError(
             f"{name} must be a number, or one number for each species, not {shown(given)}"
@@ -798,6 +792,11 @@ def filled_area(area: Floats, perimeter: Floats, skin: Floats) -> Floats:
         skin: shape (N,) [length].
     """
     return area + skin * perimeter + np.pi * skin**2
+
+
+def volumes(radius: Floats, dimension: int) -> Floats:
+    """Area of each disk, pi R^2, or volume of each sphere, 4 pi R^3/3, shape (N,)."""
+    return np.pi * radius**2 if dimension == 2 else 4.0 / 3.0 * np.pi * radius**3
 
 
 def undeformed(radius: Floats, dimension: int) -> float:

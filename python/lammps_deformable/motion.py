@@ -27,7 +27,7 @@ from .laws import (
     longest_step,
     squeeze_under,
 )
-from .recording import Protocol
+from .recording import Protocol, steps_so_far
 from .relax import balanced_to
 from .simulation import Simulation
 from .state import State
@@ -254,11 +254,6 @@ def drawn_seed(sim: Any, seed: int | None) -> int:
         raise ParameterError(f"seed must lie between 1 and 2^31 - 1, not {seed}")
     sim.seed = int(seed)
     return sim.seed
-
-
-def steps_so_far(sim: Any) -> int:
-    """Number of time steps and iterations of a simulation so far."""
-    return int(sim._steps_before + sim.lmp.extract_global("ntimestep"))
 
 
 def seeds(seed: int, *places: int) -> list[int]:

@@ -38,7 +38,9 @@ from .errors import ParameterError
 from .hessian import factored
 from .lammps import (
     gather,
+    images_of,
     local_array,
+    place_particles,
     refuse_other,
     refuse_other_types,
     run,
@@ -267,9 +269,7 @@ class PolygonBeads(Engine):
                         bar.set_postfix(residual=f"{residual:.2g}", tolerance=f"{tolerance:.2g}")
 
                     relaxed = relax_smooth(self._smooth(sim), x + shift, 0.9 * tolerance, each)
-            placed = np.zeros((len(x), 3))
-            placed[:, :2] = sim.comm.bcast(relaxed) - shift
-            sim.lmp.scatter("x", 1, 3, np.ctypeslib.as_ctypes(placed.ravel()))
+            place_particles(sim.lmp, sim.comm.bcast(relaxed) - shift)
             return left
 
         return newton if self._newton else fire
@@ -279,8 +279,8 @@ class PolygonBeads(Engine):
 
     def _positions(self, sim: Simulation) -> tuple[Array, Array]:
         """Places of the beads in the box, and the shifts that unwrap polygons, shape (V, 2)."""
-        image = np.array(sim.lmp.gather("image", 0, 3)).reshape(-1, 3)[:, :2]
-        return gather(sim.lmp, "x", 3)[:, :2], cartesian(image, sim.box)
+        images = images_of(sim.lmp).astype(np.float64)
+        return gather(sim.lmp, "x", 3)[:, :2], cartesian(images, sim.box)
 
     def filled(self) -> float:
         """Area of all polygons at the last evaluation."""
@@ -354,7 +354,7 @@ def sum_contacts(
     """
     a, b = pairs.T
     # an exact integer, equal for all beads of a contact in spite of rounding
-    image = np.rint((beads[a] - overlaps[:, :2] - beads[b]) @ np.linalg.inv(box)).astype(np.int64)
+    image = np.rint(fractional(beads[a] - overlaps[:, :2] - beads[b], box)).astype(np.int64)
     i, j = (np.searchsorted(first, bead, side="right") - 1 for bead in (a, b))
     sign = np.where(i > j, -1, 1)[:, None]  # each pair of polygons once, from its lower number
     sides = np.column_stack([np.minimum(i, j), np.maximum(i, j), sign * image])

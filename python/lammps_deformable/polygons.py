@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._checks import numbers, positive, shown
+from ._checks import as_array, numbers, positive, shown
 from .box import cartesian, fractional, half_thickness
 from .core import unit_vectors
 from .errors import ParameterError
@@ -138,10 +138,7 @@ class DeformablePolygon:
             values = np.asarray(getattr(self, name))
             if not ((values > 0.0) & np.isfinite(values)).all():
                 raise ParameterError(f"{name} must be positive and finite, not {shown(values)}")
-        try:
-            counts = np.atleast_1d(np.asarray(self.vertices))
-        except ValueError:  # rows of unequal length
-            counts = np.empty(0)
+        counts = np.atleast_1d(as_array(self.vertices))
         whole = counts.ndim == 1 and counts.dtype.kind in "iuf" and np.isfinite(counts).all()
         whole = whole and counts.size > 0
         if not (whole and (counts == np.rint(counts)).all() and (counts >= 3).all()):

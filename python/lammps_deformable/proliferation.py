@@ -23,12 +23,11 @@ from numpy.typing import NDArray
 
 from . import core
 from ._checks import count, expect, positive, shown, zero_or_more
-from .coarsening import volumes
 from .errors import ParameterError
-from .laws import Droplet, Ring, one_or_each, per_species
-from .motion import drawn_seed, steps_so_far
+from .laws import Droplet, Ring, one_or_each, per_species, volumes
+from .motion import drawn_seed
 from .population import at_rest, divided, labels_of, remaining
-from .recording import Protocol, check_tolerance
+from .recording import Protocol, check_tolerance, steps_so_far
 
 Floats = NDArray[np.float64]
 

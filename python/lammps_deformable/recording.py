@@ -271,7 +271,7 @@ def _each_anew(
     """The states after the steps that remain, each as if the one before were read from a file."""
     for n in range(done, start["states"]):
         if state is not None:
-            so_far = sim._steps_before + sim.lmp.extract_global("ntimestep")
+            so_far = steps_so_far(sim)
             sim.reset(state)
             sim._steps_before = so_far  # a later call draws other noise
         steps: Any = go(sim, told, start, n, None)
@@ -280,6 +280,11 @@ def _each_anew(
         if state is None:
             return
         yield state
+
+
+def steps_so_far(sim: Any) -> int:
+    """Number of time steps and iterations of a simulation so far."""
+    return int(sim._steps_before + sim.lmp.extract_global("ntimestep"))
 
 
 def _ends(callback: Callback | None, state: Any, comm: MPI.Comm) -> bool:

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from . import core
 from .box import cartesian, fractional, lengths, widths
 from .errors import ParameterError
 from .walls import Cone, Cylinder, HalfSpace, Plane, PolygonWall, Segment, Sphere, Wall
@@ -53,8 +54,6 @@ def corners_of(normals: Floats, offsets: Floats) -> Floats:
         offsets: shape (n,) [length].
     """
     if normals.shape[1] == 2:
-        from . import core
-
         try:
             edges = core.polygon_edges(normals[:, 0], normals[:, 1], offsets)
         except ValueError:
@@ -215,8 +214,6 @@ class Distances:
     """
 
     def __init__(self, walls: Sequence[Wall], box: Floats) -> None:
-        from . import core
-
         dimension = len(box)
         sides = np.where(closed(walls, dimension), 0.0, box.diagonal()).tolist()
         kind = core.Scene if dimension == 2 else core.SpaceScene

@@ -240,7 +240,7 @@ class Run(Sequence[Any]):
     def _check(self) -> None:
         """Say what is missing."""
         if self.folder is not None:
-            summary_in(refuse(self.folder, but="compression"))
+            summary_in(refuse(self.folder, but="run"))
 
     def __len__(self) -> int:
         if self.folder is None:

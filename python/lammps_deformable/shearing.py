@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ._checks import count, finite, number_or_nan, positive, whole
 from .errors import ParameterError
-from .lammps import images_of, place_images, place_velocities, run
+from .lammps import images_of, named_tilts, place_images, place_velocities, run
 from .laws import Droplet, Ring, Sector
 from .moduli import (
     following,
@@ -33,9 +33,8 @@ from .motion import (
     moving,
     refuse_restarted,
     seeds,
-    steps_so_far,
 )
-from .recording import Protocol, check_tolerance
+from .recording import Protocol, check_tolerance, steps_so_far
 from .relax import TOLERANCE, balanced_to
 from .simulation import Simulation
 
@@ -54,12 +53,8 @@ def straighten(sim: Any) -> None:
     """Replace the box by the equivalent one with the smallest tilts; the particles stay."""
     box = sim.box
     straight = straightened(box)
-    places = {"xy": (1, 0), "xz": (2, 0), "yz": (2, 1)}
-    ends = [
-        f"{name} final {float(straight[place])!r}"
-        for name, place in places.items()
-        if max(place) < len(box) and straight[place] != box[place]
-    ]
+    before, after = named_tilts(box), named_tilts(straight)
+    ends = [f"{name} final {tilt!r}" for name, tilt in after.items() if tilt != before[name]]
     if ends:
         images = images_of(sim.lmp)
         run(sim.lmp, f"change_box all {' '.join(ends)} units box")

@@ -34,6 +34,7 @@ from .laws import (
     SoftContact,
     accurate_step,
     filled_area,
+    volumes,
 )
 from .room import free_room
 from .store import TEMPERATURE, Motion, as_columns, drop_frames, frames_in, refuse_run, save
@@ -457,11 +458,8 @@ class State:
         pi R^2 of soft disks, 4 pi R^3/3 of spheres and droplets. Beads of other polygons interlock
         with those of a polygon of beads: it is filled up to its `effective_radius`, see `Polygons`.
         """
-        radii = self.packing.radii
-        if self.packing.dimension == 3:
-            return 4.0 / 3.0 * np.pi * radii**3
-        if isinstance(self.law, SoftContact):
-            return np.pi * radii**2
+        if self.packing.dimension == 3 or isinstance(self.law, SoftContact):
+            return volumes(self.packing.radii, self.packing.dimension)
         return filled_area(self.results["area"], self.perimeters, self._skin)
 
     @property

@@ -355,19 +355,14 @@ SPECIES, SCRIPT = "species.deformable", "in.lammps"
 # Results that are kept for an interrupted report.
 PARTS = "*parts/*/joblib"
 
-Kind = Literal["compression", "report"]
-
-_SHOWN: dict[Kind, str] = {
-    "compression": "a run",
-    "report": "a report",
-}
+Kind = Literal["run", "report"]
 
 
 def holds(folder: str | Path) -> Kind | None:
     """Kind of results in a folder, or None if it has none."""
     folder = Path(folder)
     if any((folder / name).exists() for name in (DATA, SERIES, TRAJECTORY)):
-        return "compression"
+        return "run"
     if (folder / "report.json").exists() or any(folder.glob(PARTS)):
         return "report"
     return None
@@ -398,8 +393,8 @@ def refuse(folder: str | Path, but: Kind | None = None, ways: tuple[str, ...] = 
                 raise FileError(f"'{place}' is a file, not a folder: name another folder")
         found = holds(folder)
     if found is not None and found != but:
-        ways_out = (*(ways if found == "compression" else ()), "name another folder")
-        raise FileError(f"'{folder}' holds {_SHOWN[found]}: {', or '.join(ways_out)}")
+        ways_out = (*(ways if found == "run" else ()), "name another folder")
+        raise FileError(f"'{folder}' holds a {found}: {', or '.join(ways_out)}")
     return folder
 
 
@@ -419,7 +414,7 @@ def refuse_run(
     Raises:
         FileError: as `refuse`, or it has a file of the name of one of a run.
     """
-    place = refuse(folder, "compression" if replaces else None, ways)
+    place = refuse(folder, "run" if replaces else None, ways)
     for name in (SUMMARY, SPECIES, SCRIPT, SETUPS):
         refuse_present(place / name, replaces)
     return place
@@ -880,7 +875,7 @@ def read(folder: Path) -> tuple[Packing, Setup]:
     Raises:
         FileError: a file is missing or damaged, or the folder holds other results.
     """
-    summary = summary_in(refuse(folder, but="compression"))
+    summary = summary_in(refuse(folder, but="run"))
     with reading(folder / SUMMARY):
         made_of = read_setup(summary)
     with reading(folder / DATA):

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from ._checks import expect
 from ._files import refuse_present, replaces, write_whole
 from .errors import FileError, ParameterError
-from .laws import Droplet, Ring
+from .laws import Droplet, Ring, volumes
 from .walls import Plane
 
 if TYPE_CHECKING:
@@ -161,11 +161,9 @@ def datafile(state: State) -> str:
     if packing.dimension == 2:
         adhesion = np.broadcast_to(law.adhesion, (kinds,) * 2)
         _outlines(mesh, packing.positions, packing.radii, contacts, adhesion, packing.species)
-        sizes = math.pi * packing.radii**2
     else:
         _surfaces(mesh, packing.positions, packing.radii, contacts)
-        sizes = 4.0 / 3.0 * math.pi * packing.radii**3
-    return mesh.text(sizes)
+    return mesh.text(volumes(packing.radii, packing.dimension))
 
 
 class Mesh:

@@ -16,6 +16,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from . import core
 from ._checks import as_call, expect, number_or_nan, numbers, positive, shown
 from .box import lengths
 from .errors import ParameterError
@@ -420,8 +421,6 @@ class _Cornered(Wall):
         return float(np.linalg.norm(self.corners - self._middle, axis=1).max())
 
     def _check_convex(self) -> None:
-        from . import core
-
         try:
             core.polygon_planes(*np.transpose(self.corners))
         except ValueError as error:

@@ -31,7 +31,7 @@ def test_each_command_leaves_its_mark(state: ld.State, tmp_path: Path) -> None:
         "empty": None,
         "finished": "report",
         "other": None,
-        "saved": "compression",
+        "saved": "run",
     }
     assert holds(tmp_path / "missing") is None
 
