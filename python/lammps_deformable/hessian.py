@@ -357,12 +357,6 @@ class Lines:
         lines = by_lines(self.other, variables, _OTHER_SIDE[: variables - 2])
         return hstack([centers, *lines], format="csr")
 
-    def move(self, step: Floats) -> None:
-        """Move the lines by a step of shifts."""
-        first = self.first
-        self.shift[first] += step
-        self.shift[self.other[first]] -= step
-
     def part(self, kept: NDArray[np.bool_]) -> Lines:
         """Some of the sides, both or none of a contact."""
         place = np.cumsum(kept) - 1
@@ -472,7 +466,9 @@ def balanced(lines: Lines) -> Lines:
         before = largest
         row, column, value = blocks.hessian()
         local = csr_matrix((value, (row, column)), shape=(chain.shape[0], chain.shape[0]))
-        lines.move(-factored(chain.T @ local @ chain)(gradient))
+        step, first = factored(chain.T @ local @ chain)(gradient), lines.first
+        lines.shift[first] -= step
+        lines.shift[lines.other[first]] += step
     raise ParameterError("the contact lines of this state do not balance: relax it first")
 
 

@@ -13,7 +13,7 @@ from ._checks import count, shown, whole
 from .box import refuse_space
 from .drawing import scale
 from .errors import ParameterError
-from .room import closed
+from .room import in_box
 from .versions import optional
 
 if TYPE_CHECKING:
@@ -145,9 +145,7 @@ class Modes:
         title += f"participation {self.participation[number]:.2g}"
         on, packing = scale([part], [np.zeros(1)], _LABEL), self.packing
         ax = drawing.draw(packing, self.outlines, part, _LABEL, title, on, ax)
-        fraction = packing.positions @ np.linalg.inv(packing.box)
-        cell = np.where(closed(packing.walls), 0.0, np.floor(fraction))
-        places = (fraction - cell) @ packing.box
+        places = in_box(packing.walls, packing.box, packing.positions)
         arrows = length / size.max() * vector
         ax.quiver(*places.T, *arrows.T, angles="xy", scale_units="xy", scale=1.0, color="tab:red")
         return ax

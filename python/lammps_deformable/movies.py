@@ -45,29 +45,7 @@ def movie(
     view: tuple[float, float] | None = None,
     slice: float | None = None,
 ) -> None:
-    """Draw states as a movie, all with the same scale of colors and forces.
-
-    Args:
-        states: e.g. from `compress`, or a `Run`.
-        path: of the movie, .gif, or .mp4 if ffmpeg is installed.
-        color: see `State.plot`.
-        contacts: see `State.plot`.
-        forces: see `State.plot`.
-        rate: pictures per second.
-        cmap: see `State.plot`.
-        vmin: value of the first color; that of the scale of all states if not given.
-        vmax: value of the last color; that of the scale of all states if not given.
-        label: see `State.plot`.
-        spins: see `State.plot`.
-        view: see `State.plot`.
-        slice: see `State.plot`.
-
-    Raises:
-        ParameterError: the format is another, ffmpeg is missing, or there are no states or no such
-            attribute or color map, or `vmin` is not below `vmax`.
-        FileError: the movie cannot be written.
-        ImportError: matplotlib is missing.
-    """
+    """See `Run.movie`."""
     if not 1 <= whole("rate", rate) <= _FASTEST:
         raise ParameterError(f"rate must lie between 1 and {_FASTEST}, not {shown(rate)}")
     expect("path", path, str, Path)

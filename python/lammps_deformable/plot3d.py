@@ -16,7 +16,7 @@ from matplotlib.colors import Normalize
 from numpy.typing import ArrayLike, NDArray
 
 from ._checks import expect, finite, numbers, shown
-from .box import cartesian, fractional, lengths
+from .box import lengths
 from .drawing import (
     PUSH,
     Picture,
@@ -30,7 +30,7 @@ from .drawing import (
 )
 from .errors import ParameterError
 from .plot import label_of, scale_of, values_of
-from .room import bounds, closed, lines_around, section_between
+from .room import bounds, closed, in_box, lines_around, section_between
 from .walls import Sphere, Wall
 
 if TYPE_CHECKING:
@@ -350,7 +350,7 @@ def draw(
     check_axes(ax)
     balls = [w for w in packing.walls if isinstance(w, Sphere) and not w.inside]
     middles = np.array([ball._middle for ball in balls]).reshape(-1, 3)
-    bodies = _in_box(packing, np.concatenate([packing.positions, middles])) @ turn
+    bodies = in_box(packing.walls, packing.box, np.concatenate([packing.positions, middles])) @ turn
     radius = np.append(packing.radii, [ball.radius for ball in balls])
     centers = bodies[: len(packing.positions)]
     edges = [line @ turn for line in lines_around(packing.walls, packing.box, turn[:, 2])]
@@ -387,13 +387,6 @@ def _turn(view: Any) -> Floats:
     viewer = np.array([np.cos(azimuth), np.sin(azimuth), np.tan(elevation)]) * np.cos(elevation)
     right = np.array([-np.sin(azimuth), np.cos(azimuth), 0.0])
     return np.column_stack([right, np.cross(viewer, right), viewer])
-
-
-def _in_box(packing: Packing, places: Floats) -> Floats:
-    """The images of places in the box; walls leave no others."""
-    fractions = fractional(places, packing.box)
-    cell = np.where(closed(packing.walls, 3), 0.0, np.floor(fractions))
-    return cartesian(fractions - cell, packing.box)
 
 
 def _cast(

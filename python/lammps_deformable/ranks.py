@@ -85,6 +85,33 @@ def agree(comm: MPI.Comm, call: str) -> None:
             raise CallError(f"rank 0 calls {names[0]} and rank {rank} {other}: {_WAY_OUT}")
 
 
+def together(call: Callable[[], bool], comm: MPI.Comm, name: str) -> bool:
+    """Whether a user's function says yes on any rank; its exception is raised here, on all ranks.
+
+    Args:
+        call: of the function.
+        comm: ranks that make the call too.
+        name: of the function, for an error.
+
+    Raises:
+        RuntimeError: it has failed on other ranks only.
+    """
+    error: BaseException | None = None
+    answer = False
+    try:
+        answer = call()
+    except BaseException as raised:
+        error = raised
+    if comm.size > 1:
+        failed, answers = zip(*comm.allgather((error is not None, answer)), strict=True)
+        if any(failed) and error is None:
+            raise RuntimeError(f"{name} failed on rank {failed.index(True)}")
+        answer = any(answers)
+    if error is not None:
+        raise error
+    return answer
+
+
 def end() -> None:
     """Tell all ranks that this one ends; nobody waits for that.
 

@@ -24,7 +24,7 @@ from ._files import check_parameters, make_folder
 from .errors import FileError, ParameterError
 from .lammps import has_commands_of_a_user
 from .laws import Droplet, Ring, Sector, SoftContact
-from .ranks import progress
+from .ranks import progress, together
 
 if TYPE_CHECKING:
     from .run import Run
@@ -252,7 +252,7 @@ def _steps(
             states.append(state)
             bar.set_postfix(phi=f"{state.phi:.4f}", pressure=f"{state.pressure:.3g}")
             bar.update()
-            if _ends(callback, state, getattr(sim, "comm", MPI.COMM_SELF)):
+            if callback and _ends(callback, state, sim.comm):
                 break
     if "start" in told and state is not None and (taken := number + 1 - first) < start["states"]:
         told["start"] = {**told["start"], "states": taken}  # complete: nothing is to be resumed
@@ -287,34 +287,24 @@ def steps_so_far(sim: Any) -> int:
     return int(sim._steps_before + sim.lmp.extract_global("ntimestep"))
 
 
-def _ends(callback: Callback | None, state: Any, comm: MPI.Comm) -> bool:
+def _ends(callback: Callback, state: Any, comm: MPI.Comm) -> bool:
     """Whether the callback ends the protocol; its exception is raised here, on all ranks.
 
     Raises:
-        ParameterError, TypeError: it returns neither None nor a bool.
+        TypeError: it returns neither None nor a bool.
         RuntimeError: it has failed on other ranks only.
     """
-    if callback is None:
-        return False
-    error: BaseException | None = None
-    answer: object = None
-    try:
+
+    def ends() -> bool:
         answer = callback(state)
         if answer is not None and not isinstance(answer, (bool, np.bool_)):
             raise TypeError(
                 "callback must return None to go on, or a bool, True to end here, not "
                 f"{shown(answer)}"
             )
-    except BaseException as raised:
-        error = raised
-    if comm.size > 1:
-        failed, answers = zip(*comm.allgather((error is not None, bool(answer))), strict=True)
-        if any(failed) and error is None:
-            raise RuntimeError(f"the callback failed on rank {failed.index(True)}")
-        answer = any(answers)
-    if error is not None:
-        raise error
-    return bool(answer)
+        return bool(answer)
+
+    return together(ends, comm, "the callback")
 
 
 def recorded_numbers(state: Any) -> dict[str, Any]:

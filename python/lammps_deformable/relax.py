@@ -49,6 +49,7 @@ from .lammps import (
     setup,
 )
 from .laws import LARGEST_FACET, LARGEST_LOAD, Droplet, Ring, Sector, SoftContact
+from .ranks import together
 from .state import State
 
 if TYPE_CHECKING:
@@ -362,17 +363,12 @@ def tell(callback: Callback, seen: Iteration, comm: MPI.Comm | None) -> None:
     Raises:
         RuntimeError: it has failed on other ranks only.
     """
-    error: BaseException | None = None
-    try:
+
+    def told() -> bool:
         callback(seen)
-    except BaseException as raised:
-        error = raised
-    if comm is not None and comm.size > 1:
-        failed = [rank for rank, each in enumerate(comm.allgather(error is not None)) if each]
-        if failed and error is None:
-            raise RuntimeError(f"the callback of {seen.protocol} failed on rank {failed[0]}")
-    if error is not None:
-        raise error
+        return False
+
+    together(told, comm or MPI.COMM_SELF, f"the callback of {seen.protocol}")
 
 
 def warn_of(state: State, tolerance: float, unjammed: bool, scale: str) -> None:

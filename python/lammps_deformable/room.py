@@ -205,6 +205,13 @@ def stretched(walls: Sequence[Wall], box: Floats, new: Floats) -> tuple[Wall, ..
     return tuple(wall._stretched(*factors.tolist()) for wall in walls)
 
 
+def in_box(walls: Sequence[Wall], box: Floats, places: Floats) -> Floats:
+    """The images of places in the box, shape (N, d) [length]; walls leave no others."""
+    fractions = fractional(places, box)
+    cell = np.where(closed(walls, len(box)), 0.0, np.floor(fractions))
+    return cartesian(fractions - cell, box)
+
+
 class Distances:
     """Distances of particles from walls: the nearest point of each wall.
 

@@ -63,18 +63,6 @@ if TYPE_CHECKING:
 Column = Callable[[Any], Any]
 
 
-def check_columns(columns: Mapping[str, Column], others: Iterable[str]) -> None:
-    """Refuse columns that are no functions, or have the name of another."""
-    for name, column in columns.items():
-        if not callable(column):
-            raise ParameterError(
-                f"column {name} must be a function of a state, such as "
-                f"lambda state: state.arc_radii.min(), not {shown(column)}"
-            )
-    for name in columns.keys() & {"frame", *others}:
-        raise ParameterError(f"each table has a column {name}: give yours another name")
-
-
 class Table(dict[str, NDArray[Any]]):
     """Columns of numbers by name, arrays with a number for each state."""
 
@@ -424,7 +412,14 @@ class Run(Sequence[Any]):
                     for name in columns_in(self.folder / SERIES)
                     if name != "frame"
                 }
-        check_columns(columns, found)
+        for name, column in columns.items():
+            if not callable(column):
+                raise ParameterError(
+                    f"column {name} must be a function of a state, such as "
+                    f"lambda state: state.arc_radii.min(), not {shown(column)}"
+                )
+            if name in found:
+                raise ParameterError(f"each table has a column {name}: give yours another name")
         if columns:
             more = [[column(state) for column in columns.values()] for state in self]
             for name, values in zip(columns, zip(*more, strict=True), strict=True):
