@@ -61,9 +61,9 @@ from .ranks import progress
 from .relax import (
     Forces,
     Minimizer,
+    force_rounding,
     largest_force,
     minimize_command,
-    polygon_forces,
     stress,
     thermo_commands,
     virial_command,
@@ -332,6 +332,29 @@ class PolygonBeads(Engine):
             )
             pairs, overlaps = (np.concatenate(column) for column in zip(*parts, strict=True))
         return sum_contacts(vertices, self._first, pairs.astype(np.int64), overlaps, sim.box)
+
+
+def polygon_forces(
+    largest: float,
+    pressure: NDArray[np.float64],
+    spacing: NDArray[np.float64],
+    box: NDArray[np.float64],
+    kL: NDArray[np.float64],
+) -> Forces:
+    """Forces in polygons; their scale is the force on a bead in a contact.
+
+    It is the mean of p L0 over the polygons, with p = kA max(A0 - A, 0).
+
+    Args:
+        largest: force on a bead [energy/length].
+        pressure: kA (A0 - A) of each polygon, shape (N,) [energy/length^2].
+        spacing: L0 of each polygon, shape (N,) [length].
+        box: lattice vectors as rows, shape (2, 2) [length].
+        kL: stiffnesses of springs [energy/length^2].
+    """
+    scale = float(np.mean(np.maximum(pressure, 0.0) * spacing))
+    rounding = force_rounding(box, float(kL.max()))
+    return Forces(largest, max(scale, rounding), rounding)
 
 
 def sum_contacts(

