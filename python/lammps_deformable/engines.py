@@ -117,6 +117,22 @@ compute deformable_beyond all pair {style}
 """
 
 
+def packing_in(sim: Simulation, radii: Floats) -> Packing:
+    """The packing that LAMMPS has, of species of these radii.
+
+    Commands given to `lmp` may have changed the species and radii of particles.
+    """
+    own = sim.lmp.extract_setting("radius_flag")
+    return Packing._of_species(
+        gather(sim.lmp, "x", 3)[:, : sim.dimension],
+        gather(sim.lmp, "type", 1).astype(np.int64) - 1,
+        radii,
+        sim.box,
+        gather(sim.lmp, "radius", 1) if own else None,
+        sim.walls,
+    )
+
+
 def _of_all(names: NDArray[np.int64] | None, number: int) -> NDArray[np.int64] | None:
     """Labels of so many particles; None if commands to `lmp` have added or deleted some."""
     return names if names is not None and len(names) == number else None
@@ -334,14 +350,7 @@ class Deformables(Engine):
     def _common(self, sim: Simulation, forces: Forces, converged: bool) -> dict[str, Any]:
         """What states of all these laws have."""
         dimension = sim.dimension
-        packing = Packing._of_species(
-            gather(sim.lmp, "x", 3)[:, :dimension],
-            self._species,
-            self._radii,
-            sim.box,
-            self._particle_radii,
-            sim.walls,
-        )
+        packing = packing_in(sim, self._radii)
         images = images_of(sim.lmp)
         elastic = float(sim.lmp.extract_compute("deformable_energy", 0, 0))
         return {
@@ -602,6 +611,7 @@ class SoftParticles(Engine):
     def open(self, sim: Simulation, packing: Packing, former: lammps | None) -> lammps:
         """LAMMPS with the packing and its walls."""
         self._radii, self._radius = packing._species_radii, packing.radii
+        self._dimension = packing.dimension
         self.follow(sim, packing.walls, packing.box)
         lmp = open_disks(packing, MPI.COMM_SELF, self.law.k, former)
         if packing.walls:
@@ -642,13 +652,13 @@ class SoftParticles(Engine):
         if least == 0.0:
             return self.forces(sim)
         refuse_other(sim.lmp, sim._setup)
-        self._radius = self._packing(sim).radii
+        self._radius = packing_in(sim, self._radii).radii
         return Forces(np.inf, least, force_rounding(sim.box, self.law.k))
 
     def forces(self, sim: Simulation, least: float = 0.0) -> Forces:
         """The forces at the present positions."""
         refuse_other(sim.lmp, sim._setup)
-        self._radius = self._packing(sim).radii  # for the walls
+        self._radius = packing_in(sim, self._radii).radii  # for the walls
         run(sim.lmp, "run 0 post no")
         return self.after(sim, least)
 
@@ -679,7 +689,7 @@ class SoftParticles(Engine):
 
     def state(self, sim: Simulation, forces: Forces, converged: bool) -> State:
         """The state at the last run."""
-        packing = self._packing(sim)
+        packing = packing_in(sim, self._radii)
         return State(
             packing=packing,
             law=self.law,
@@ -691,19 +701,6 @@ class SoftParticles(Engine):
             _root=sim.comm.rank == 0,
             time=sim.time,
             shear_strain=sim.shear_strain,
-        )
-
-    def _packing(self, sim: Simulation) -> Packing:
-        """The packing that LAMMPS has."""
-        by_particle = sim.lmp.extract_setting("radius_flag")
-        self._dimension = sim.dimension
-        return Packing._of_species(
-            gather(sim.lmp, "x", 3)[:, : sim.dimension],
-            gather(sim.lmp, "type", 1).astype(np.int64) - 1,
-            self._radii,
-            sim.box,
-            gather(sim.lmp, "radius", 1) if by_particle else None,
-            sim.walls,
         )
 
 

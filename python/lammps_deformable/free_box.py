@@ -217,7 +217,7 @@ def _stress_free(
             found = relax()
         except LammpsError as error:
             raise _pressure_unreached(state, pressure, free, str(error)) from None
-        relaxations, stalls = relaxations + 1, stalls + 1 if (not found.converged) else 0
+        relaxations, stalls = relaxations + 1, stalls + 1 if not found.converged else 0
         if stalls == STALLS:
             raise _pressure_unreached(found, pressure, free, STALLED)
         if relaxations == _BOX_RELAXATIONS:

@@ -12,7 +12,7 @@ from ._checks import count, finite, numbers, positive, shown
 from .box import cartesian, dimension_of
 from .errors import ParameterError
 from .laws import root, undeformed
-from .packing import Packing, drawn_seed, fraction_of, generator
+from .packing import Packing, drawn_seed, fraction_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -57,7 +57,7 @@ def bidisperse(
     if not 0.0 <= fraction <= 1.0:
         raise ParameterError(f"fraction_large must lie between 0 and 1, not {fraction}")
     seed = drawn_seed(seed)
-    positions = generator(seed).random((number, dimension_of(dimension)))
+    positions = np.random.default_rng(seed).random((number, dimension_of(dimension)))
     small, large = (positive("sizes", radius) for radius in pair)
     species = (np.arange(number) >= number - round(fraction * number)).astype(np.int64)
     box = _box(np.where(species == 1, large, small), phi, aspect, tilt, dimension)
@@ -105,7 +105,7 @@ def polydisperse(
         ParameterError: a value is out of range, e.g. a drawn radius is not positive.
     """
     number, seed = count("number", number), drawn_seed(seed)
-    rng = generator(seed)
+    rng = np.random.default_rng(seed)
     positions = rng.random((number, dimension_of(dimension)))
     drawn: Any = radii
     if hasattr(radii, "rvs"):

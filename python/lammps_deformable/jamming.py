@@ -337,7 +337,7 @@ def _jammed_particles(
         found = state.pressure / unit
         watch.tell(1, state.phi, found, state.residual)
         rigid = found > pressure
-        stalls = stalls + 1 if (not state.converged) else 0
+        stalls = stalls + 1 if not state.converged else 0
         at_rest = rigid and state.converged
         if stalls == _STALLS or (at_rest and (found <= 2.0 * pressure or longest < _SMALLEST_STEP)):
             return state

@@ -522,7 +522,7 @@ class Packing:
                 np.frombuffer(self.positions.astype("<f8").tobytes(), "<u4")
             )
         else:
-            rng = generator(seed)
+            rng = np.random.default_rng(drawn_seed(seed))
         centers = room.random_places(packing.walls, packing.box, len(self), rng)
         return packing.replace(positions=centers)
 
@@ -563,8 +563,3 @@ def drawn_seed(seed: int | None) -> int:
     if (number := whole("seed", seed)) < 0:
         raise ParameterError(f"seed must not be negative, not {number}")
     return number
-
-
-def generator(seed: int) -> np.random.Generator:
-    """Numpy's default generator of this seed."""
-    return np.random.default_rng(drawn_seed(seed))
