@@ -75,6 +75,7 @@ class RingSolver : public DualSolver {
   void measure_lines();
 
  private:
+  // see crowded_rings, without_room and lacks_room
   std::vector<int> crowded;
   int crushed = -1;
   bool lacking = false;
