@@ -279,17 +279,6 @@ class PairDeformable : public Pair {
   void record(int i, int partner, const deformable::Contact &, double length, double force,
               const deformable::Vector2 &push, double distance, const RecordedLine &line = {});
 
-  // Results of a deformed particle, and of one that is still a circle.
-  void store_shape(int i, const deformable::Contacts &contacts, double pressure)
-  {
-    if (results.requested)
-      results.store_shape(i, ring_radius_of(i), contacts.size, shape, pressure);
-  }
-  void store_circle(int i, double pressure)
-  {
-    if (results.requested) results.store_circle(i, ring_radius_of(i), pressure);
-  }
-
   // Of particle i, whose contact line does not lie in front of its center.
   [[noreturn]] void refuse_behind_center(int i, int j, double dx, double dy);
   // Stops if j is an image of particle i, which has no area left.

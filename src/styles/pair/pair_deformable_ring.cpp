@@ -493,10 +493,12 @@ void PairDeformableRing::load_contacts_of_pairs()
 void PairDeformableRing::finish_balanced(int i)
 {
   const RingSolver::Ring ring = balanced->ring(i);
+  const double r = ring_radius_of(i), pressure = ring.energy.derivative;
   if (eflag_atom) eatom[i] += ring.energy.value;
   const bool is_circle = ring.energy.value == 0.0, is_beyond = ring.arc_radius < 0.0;
   beyond_model += is_beyond;
-  if (is_circle) return store_circle(i, ring.energy.derivative);
+  if (is_circle && results.requested) results.store_circle(i, r, pressure);
+  if (is_circle) return;
   if (!needs_shapes() && !is_beyond && neighbor->ago != 0) return;
 
   const NearPairs &p = balanced->pairs();
@@ -531,8 +533,7 @@ void PairDeformableRing::finish_balanced(int i)
     line.support_length = support_length;
     record(i, other, row[c], length, p.force[k], push, distance, line);
   }
-  store_shape(i, row, ring.energy.derivative);
-  const double r = ring_radius_of(i);
+  if (results.requested) results.store_shape(i, r, row.size, shape, pressure);
   if (is_beyond && PI * r * r <= shape.area_deficit)
     for (int c = 0; c < row.size; ++c)
       if (partner(c) >= 0 && shape.contact[c].length > 0.0) check_own_image(i, partner(c));
