@@ -81,10 +81,11 @@ void PairDeformableEdge::settings(int narg, char **arg)
                "pair_style deformable/edge has {} arguments: it needs one, l, the longest edge "
                "allowed",
                narg);
-  longest = utils::numeric(FLERR, arg[0], false, lmp);
-  if (!(longest > 0.0 && std::isfinite(longest)))
+  const double given = utils::numeric(FLERR, arg[0], false, lmp);
+  if (!(given > 0.0 && std::isfinite(given)))
     error->all(FLERR_WORD(Error::ARGZERO), "{}: l is '{}': it must be positive and finite", STYLE,
                arg[0]);
+  longest = given;
 }
 
 /* ----------------------------------------------------------------------

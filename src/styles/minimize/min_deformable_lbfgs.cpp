@@ -88,10 +88,11 @@ int MinDeformableLbfgs::modify_param(int narg, char **arg)
   if (word != "memory" && word != "precondition") return 0;
   if (narg < 2) utils::missing_cmd_args(FLERR, "min_modify " + word, error);
   if (word == "memory") {
-    memory = utils::inumeric(FLERR, arg[1], false, lmp);
-    if (memory < 1 || memory > 100)
+    const int given = utils::inumeric(FLERR, arg[1], false, lmp);
+    if (given < 1 || given > 100)
       error->all(FLERR, "min_modify memory {}: the steps that L-BFGS remembers are 1 to 100",
                  arg[1]);
+    memory = given;
   } else {
     const std::string value = arg[1];
     if (value == "springs")

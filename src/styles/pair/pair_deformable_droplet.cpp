@@ -26,11 +26,14 @@ static constexpr double TOLERANCE = 1e-9;
 
 /* ---------------------------------------------------------------------- */
 
+/* ----------------------------------------------------------------------
+   After an error that the caller has caught all is as before.
+------------------------------------------------------------------------- */
+
 void PairDeformableDroplet::settings(int narg, char **arg)
 {
-  number_definition();
-  reach = LARGEST_BULGE;
-  radius_by_atom = false;
+  double given_reach = LARGEST_BULGE;
+  bool by_atom = false;
   Balance balance;
   balance.tolerance = TOLERANCE;
   for (int iarg = 0; iarg < narg;) {
@@ -44,10 +47,10 @@ void PairDeformableDroplet::settings(int narg, char **arg)
     if (iarg + values >= narg)
       utils::missing_cmd_args(FLERR, "pair_style deformable/droplet " + keyword, error);
     if (keyword == "radius") {
-      radius_by_atom = is_by_atom(iarg + 1, arg);
+      by_atom = is_by_atom(iarg + 1, arg);
     } else if (keyword == "reach") {
-      reach = utils::numeric(FLERR, arg[iarg + 1], false, lmp);
-      if (!(reach > 0.0 && reach <= LARGEST_BULGE))
+      given_reach = utils::numeric(FLERR, arg[iarg + 1], false, lmp);
+      if (!(given_reach > 0.0 && given_reach <= LARGEST_BULGE))
         error->all(FLERR_WORD(iarg + 1),
                    "pair_style deformable/droplet reach {} must be positive, and {} at most: no "
                    "droplet bulges farther",
@@ -59,6 +62,9 @@ void PairDeformableDroplet::settings(int narg, char **arg)
   }
   solver = std::make_unique<DropletSolver>(lmp, kernels->forces, kernels->droplets,
                                            balance.tolerance, balance.evaluations);
+  number_definition();
+  reach = given_reach;
+  radius_by_atom = by_atom;
   whole_list = false;
 }
 

@@ -29,20 +29,25 @@ static constexpr double LARGEST_REACH = 3.0;
 
 /* ---------------------------------------------------------------------- */
 
+/* ----------------------------------------------------------------------
+   After an error that the caller has caught all is as before.
+------------------------------------------------------------------------- */
+
 void PairDeformableRing::settings(int narg, char **arg)
 {
-  number_definition();
-  reach = 0.0;
-  radius_by_atom = kA_by_atom = tension_by_atom = false;
+  struct {
+    bool radius = false, kA = false, tension = false;
+  } of_atoms;
+  double given_reach = 0.0;
   std::string law = "balanced";
   int balance_keyword = -1;
   Balance balance;
   for (int iarg = 0; iarg < narg;) {
     const std::string keyword = arg[iarg];
     const int values = keyword == "balance" ? 2 : 1;
-    bool *const by_atom = keyword == "radius"    ? &radius_by_atom
-                          : keyword == "kA"      ? &kA_by_atom
-                          : keyword == "tension" ? &tension_by_atom
+    bool *const by_atom = keyword == "radius"    ? &of_atoms.radius
+                          : keyword == "kA"      ? &of_atoms.kA
+                          : keyword == "tension" ? &of_atoms.tension
                                                  : nullptr;
     if (keyword != "contact" && keyword != "balance" && keyword != "reach" && !by_atom)
       error->all(FLERR_WORD(iarg),
@@ -64,11 +69,11 @@ void PairDeformableRing::settings(int narg, char **arg)
     } else if (by_atom) {
       *by_atom = is_by_atom(iarg + 1, arg);
     } else {
-      reach = utils::numeric(FLERR, arg[iarg + 1], false, lmp);
-      if (!(reach > 0.0))
+      given_reach = utils::numeric(FLERR, arg[iarg + 1], false, lmp);
+      if (!(given_reach > 0.0))
         error->all(FLERR_WORD(iarg + 1), "pair_style deformable/ring reach {} must be positive",
                    arg[iarg + 1]);
-      if (reach > LARGEST_REACH)
+      if (given_reach > LARGEST_REACH)
         error->all(FLERR_WORD(iarg + 1),
                    "pair_style deformable/ring reach {} must be {} at most: no outline bulges "
                    "farther",
@@ -77,14 +82,18 @@ void PairDeformableRing::settings(int narg, char **arg)
     iarg += 1 + values;
   }
   const bool radical = law == "radical";
-  if (reach == 0.0)
-    reach = radical ? 0.3 : 0.6;    // a list of near pairs makes the larger one free
   if (radical && balance_keyword >= 0)
     error->all(FLERR_WORD(balance_keyword),
                "pair_style deformable/ring balance is for 'contact balanced' and 'curved' only");
   balanced.reset(radical ? nullptr
                          : new RingSolver(lmp, kernels->forces, law == "curved", balance.tolerance,
                                           balance.evaluations));
+  number_definition();
+  radius_by_atom = of_atoms.radius;
+  kA_by_atom = of_atoms.kA;
+  tension_by_atom = of_atoms.tension;
+  // a list of near pairs makes the larger one free
+  reach = given_reach > 0.0 ? given_reach : radical ? 0.3 : 0.6;
   films = nullptr;
   whole_list = radical;
 }

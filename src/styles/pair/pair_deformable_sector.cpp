@@ -25,10 +25,13 @@ PairDeformableSector::PairDeformableSector(LAMMPS *lmp) : PairDeformable(lmp)
 
 /* ---------------------------------------------------------------------- */
 
+/* ----------------------------------------------------------------------
+   After an error that the caller has caught all is as before.
+------------------------------------------------------------------------- */
+
 void PairDeformableSector::settings(int narg, char **arg)
 {
-  number_definition();
-  radius_by_atom = false;
+  bool by_atom = false;
   for (int iarg = 0; iarg < narg; iarg += 2) {
     if (std::string(arg[iarg]) != "radius")
       error->all(FLERR_WORD(iarg),
@@ -36,8 +39,10 @@ void PairDeformableSector::settings(int narg, char **arg)
                  arg[iarg]);
     if (iarg + 1 >= narg)
       utils::missing_cmd_args(FLERR, "pair_style deformable/sector radius", error);
-    radius_by_atom = is_by_atom(iarg + 1, arg);
+    by_atom = is_by_atom(iarg + 1, arg);
   }
+  number_definition();
+  radius_by_atom = by_atom;
   if (std::string(update->unit_style) != "lj" && comm->me == 0)
     error->warning(
         FLERR,
