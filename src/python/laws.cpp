@@ -150,8 +150,6 @@ Parameters and errors as for `sector`, but contacts may coincide. Derivatives ar
 deficit. Source: docs/theory/laws.md, "Ring".)");
 }
 
-/* ---------------------------------------------------------------------- */
-
 void deformable::refuse_invalid(double radius, const Stiffness &k, double skin)
 {
   for (const std::string &problem : {invalid_stiffness(k), invalid_skin(skin, radius)})

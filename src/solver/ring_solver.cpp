@@ -47,8 +47,6 @@ void RingSolver::find_slopes(const RingBatches &rings)
   kernels.slopes(rings, list.pairs.directions());
 }
 
-/* ---------------------------------------------------------------------- */
-
 void RingSolver::set_material(const Particles &p, bool arranged)
 {
   bool soft = false, skinned = false;
@@ -157,8 +155,6 @@ double RingSolver::bulge_with_films(std::size_t ring, double &lengths) const
   }
   return out;
 }
-
-/* ---------------------------------------------------------------------- */
 
 double RingSolver::energy() const
 {

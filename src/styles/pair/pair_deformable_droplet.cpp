@@ -24,8 +24,6 @@ using namespace deformable;
 // hundredth of that, as with 1e-10 and 1e-11, and a step takes up to 1.4 times as long. benchmarks/droplet_energy.py
 static constexpr double TOLERANCE = 1e-9;
 
-/* ---------------------------------------------------------------------- */
-
 /* ----------------------------------------------------------------------
    After an error that the caller has caught all is as before.
 ------------------------------------------------------------------------- */
@@ -67,8 +65,6 @@ void PairDeformableDroplet::settings(int narg, char **arg)
   radius_by_atom = by_atom;
   whole_list = false;
 }
-
-/* ---------------------------------------------------------------------- */
 
 void PairDeformableDroplet::check_species(const Species &s) const
 {
@@ -115,8 +111,6 @@ bool PairDeformableDroplet::take_ramps()
   number_definition();
   return true;
 }
-
-/* ---------------------------------------------------------------------- */
 
 void PairDeformableDroplet::compute(int eflag, int vflag)
 {
@@ -175,8 +169,6 @@ void PairDeformableDroplet::check_room()
                  "{:.6g}: a droplet has its own images inside, use a larger box",
                  domain->prd[axis], "xyz"[axis], largest);
 }
-
-/* ---------------------------------------------------------------------- */
 
 void PairDeformableDroplet::solve(bool new_material)
 {
@@ -240,14 +232,10 @@ void PairDeformableDroplet::push(int begin, int end)
   if (eflag_global) eng_vdwl += energy;
 }
 
-/* ---------------------------------------------------------------------- */
-
 double PairDeformableDroplet::memory_usage()
 {
   return PairDeformable::memory_usage() + solver->memory_usage();
 }
-
-/* ---------------------------------------------------------------------- */
 
 double PairDeformableDroplet::energy_alone(int i, int partner, double force) const
 {

@@ -27,8 +27,6 @@ using namespace deformable;
 // and its candidates overflow the neighbor list.
 static constexpr double LARGEST_REACH = 3.0;
 
-/* ---------------------------------------------------------------------- */
-
 /* ----------------------------------------------------------------------
    After an error that the caller has caught all is as before.
 ------------------------------------------------------------------------- */
@@ -97,8 +95,6 @@ void PairDeformableRing::settings(int narg, char **arg)
   films = nullptr;
   whole_list = radical;
 }
-
-/* ---------------------------------------------------------------------- */
 
 std::string PairDeformableRing::law() const
 {
@@ -204,8 +200,6 @@ void PairDeformableRing::check_adhesive_walls()
   }
 }
 
-/* ---------------------------------------------------------------------- */
-
 void PairDeformableRing::compute(int eflag, int vflag)
 {
   const bool ramped = take_ramps(), new_material = choose_yield() || ramped;
@@ -223,8 +217,6 @@ void PairDeformableRing::compute(int eflag, int vflag)
   end_call();
   tell_room();
 }
-
-/* ---------------------------------------------------------------------- */
 
 void PairDeformableRing::evaluate_radical()
 {
@@ -246,8 +238,6 @@ void PairDeformableRing::evaluate_radical()
         refuse_bulge(p.name, contacts, partner < 0 ? wall_contacts[-1 - partner].wall : partner);
       });
 }
-
-/* ---------------------------------------------------------------------- */
 
 Energy PairDeformableRing::shape_ring(int i, const Contacts &contacts, const Stiffness &stiffness)
 {
@@ -310,14 +300,10 @@ void PairDeformableRing::refuse_bulge(int i, const Contacts &contacts, int partn
          larger);
 }
 
-/* ---------------------------------------------------------------------- */
-
 double PairDeformableRing::memory_usage()
 {
   return PairDeformable::memory_usage() + (balanced ? balanced->memory_usage() : 0.0);
 }
-
-/* ---------------------------------------------------------------------- */
 
 double PairDeformableRing::energy_alone(int i, int /*partner*/, double force) const
 {
@@ -497,8 +483,6 @@ void PairDeformableRing::load_contacts_of_pairs()
   }
 }
 
-/* ---------------------------------------------------------------------- */
-
 void PairDeformableRing::finish_balanced(int i)
 {
   const RingSolver::Ring ring = balanced->ring(i);
@@ -547,8 +531,6 @@ void PairDeformableRing::finish_balanced(int i)
     for (int c = 0; c < row.size; ++c)
       if (partner(c) >= 0 && shape.contact[c].length > 0.0) check_own_image(i, partner(c));
 }
-
-/* ---------------------------------------------------------------------- */
 
 void PairDeformableRing::outline_of(int i, const std::vector<RecordedContact> &of_ring, int points,
                                     Outline &outline) const

@@ -16,14 +16,10 @@
 using namespace LAMMPS_NS;
 using namespace deformable;
 
-/* ---------------------------------------------------------------------- */
-
 PairDeformableSector::PairDeformableSector(LAMMPS *lmp) : PairDeformable(lmp)
 {
   comm_forward = 1;
 }
-
-/* ---------------------------------------------------------------------- */
 
 /* ----------------------------------------------------------------------
    After an error that the caller has caught all is as before.
@@ -52,8 +48,6 @@ void PairDeformableSector::settings(int narg, char **arg)
         update->unit_style);
 }
 
-/* ---------------------------------------------------------------------- */
-
 void PairDeformableSector::check_species(const Species &s) const
 {
   const std::string problem = invalid_for_sectors(s.stiffness, s.skin);
@@ -63,8 +57,6 @@ void PairDeformableSector::check_species(const Species &s) const
                "pair_style deformable/ring has no such limit",
                s.name, problem);
 }
-
-/* ---------------------------------------------------------------------- */
 
 void PairDeformableSector::init_style()
 {
@@ -76,8 +68,6 @@ void PairDeformableSector::init_style()
                    "The energy of pair style deformable/sector jumps where contacts appear: a run "
                    "does not conserve it. Use deformable/ring for dynamics");
 }
-
-/* ---------------------------------------------------------------------- */
 
 void PairDeformableSector::compute(int eflag, int vflag)
 {
@@ -193,8 +183,6 @@ void PairDeformableSector::repel(const SingleContact &single)
   if (evflag) ev_tally(i, j, atom->nlocal, 1, energy.value, 0.0, force_per_distance, dx, dy, 0.0);
 }
 
-/* ---------------------------------------------------------------------- */
-
 void PairDeformableSector::outline_of(int i, const std::vector<RecordedContact> &of_particle,
                                       int points, Outline &outline) const
 {
@@ -216,8 +204,6 @@ void PairDeformableSector::outline_of(int i, const std::vector<RecordedContact> 
                    });
 }
 
-/* ---------------------------------------------------------------------- */
-
 int PairDeformableSector::pack_forward_comm(int n, int *owned, double *buf, int, int *)
 {
   for (int k = 0; k < n; ++k) buf[k] = ncontacts[owned[k]];
@@ -228,8 +214,6 @@ void PairDeformableSector::unpack_forward_comm(int n, int first, double *buf)
 {
   for (int k = 0; k < n; ++k) ncontacts[first + k] = buf[k];
 }
-
-/* ---------------------------------------------------------------------- */
 
 double PairDeformableSector::memory_usage()
 {
