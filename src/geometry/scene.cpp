@@ -105,7 +105,7 @@ void Scene::place_body(const WallShape &shape, Present &now)
   }
 }
 
-// Of a polygon; a circle around it, about the middle of its corners. Returns false if nothing is left of it.
+// The circle around a polygon, about the middle of its corners. Returns false if nothing is left of it.
 bool Scene::find_corners(Present &now)
 {
   if (!section(now.planes, now.edges)) return false;
@@ -131,8 +131,8 @@ bool Scene::find_corners(Present &now)
   return true;
 }
 
-// Of a convex body in space: where it is nearest to a point far away, then to points in front of that, where less is lost to
-// rounding. So bodies may have any size.
+// How far a convex body in space reaches: where it is nearest to a point far away, then to points in front of that, where
+// less is lost to rounding. So bodies may have any size.
 void Scene::find_ends(Present &now)
 {
   now.middle = {};

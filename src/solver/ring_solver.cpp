@@ -275,7 +275,7 @@ void RingSolver::warn_limited()
                "'compute ID all pair' counts them");
 }
 
-// Of all ranks, which know alike that films have come or gone.
+// All ranks call this at once: all know that films have come or gone.
 void RingSolver::warn_films()
 {
   const int i = films->pressed_without_film();

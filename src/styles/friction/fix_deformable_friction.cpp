@@ -305,7 +305,7 @@ inline bool FixDeformableFriction::find_sides(const LoadedContact &c, Sides &sid
   return c.second >= 0;
 }
 
-// Of the half step before.
+// Velocities are those of the half step before.
 template <class V>
 inline FixDeformableFriction::Velocity<V> FixDeformableFriction::velocity(const Sides &s) const
 {
@@ -370,7 +370,7 @@ static Vector3 turn(const Vector3 &v, const Vector3 &n, const Vector3 &m)
   return turned(v, n, m);
 }
 
-// Of a restitution, where this contact bears the force.
+// The dashpot that has this restitution, where this contact bears the force.
 double FixDeformableFriction::dashpot(const PairDeformable &pair, const Sides &s, double ratio,
                                       double force)
 {
