@@ -30,8 +30,6 @@ void WallShape::set_body(const Revolution &given)
   intersect(lines, body.section);
 }
 
-/* ---------------------------------------------------------------------- */
-
 void Scene::add(Wall::Kind kind, const std::string &name, const WallShape &shape)
 {
   const int index = static_cast<int>(shapes.size()), sides = static_cast<int>(shape.planes.size());
@@ -40,8 +38,6 @@ void Scene::add(Wall::Kind kind, const std::string &name, const WallShape &shape
   walls.push_back(wall);
   shapes.push_back(shape);
 }
-
-/* ---------------------------------------------------------------------- */
 
 std::string Scene::update()
 {
@@ -109,7 +105,7 @@ void Scene::place_body(const WallShape &shape, Present &now)
   }
 }
 
-// Of a polygon; a circle around it, about the middle of its corners. Returns false if nothing is left of it.
+// The circle around a polygon, about the middle of its corners. Returns false if nothing is left of it.
 bool Scene::find_corners(Present &now)
 {
   if (!section(now.planes, now.edges)) return false;
@@ -135,8 +131,8 @@ bool Scene::find_corners(Present &now)
   return true;
 }
 
-// Of a convex body in space: where it is nearest to a point far away, then to points in front of that, where less is lost to
-// rounding. So bodies may have any size.
+// How far a convex body in space reaches: where it is nearest to a point far away, then to points in front of that, where
+// less is lost to rounding. So bodies may have any size.
 void Scene::find_ends(Present &now)
 {
   now.middle = {};
@@ -165,8 +161,6 @@ void Scene::find_ends(Present &now)
   now.middle = middle;
 }
 
-/* ---------------------------------------------------------------------- */
-
 int Scene::first_outside(int axis, double low, double high) const
 {
   const bool any_face = std::any_of(walls.begin(), walls.end(),
@@ -183,8 +177,6 @@ int Scene::first_outside(int axis, double low, double high) const
   }
   return -1;
 }
-
-/* ---------------------------------------------------------------------- */
 
 SurfacePoint Scene::nearest_point(const Present &wall, const Vector3 &from, int &feature)
 {
@@ -213,8 +205,6 @@ SurfacePoint Scene::nearest_point(int wall, const Vector3 &x) const
   int feature = 0;
   return nearest_point(now, from, feature);
 }
-
-/* ---------------------------------------------------------------------- */
 
 void Scene::add_force(int feature, const Vector3 &x, double force, const Vector3 &torque,
                       double cutoff)
@@ -275,8 +265,6 @@ Vector3 Scene::way(int feature, const Vector3 &x) const
   const Vector3 step = now.step - then.step, from = x - 0.5 * (now.step + then.step);
   return step + (now.angle - then.angle) * cross(now.axis, from) + slide;
 }
-
-/* ---------------------------------------------------------------------- */
 
 // The last one that begins at this feature or before it.
 int Scene::wall_of(int feature) const

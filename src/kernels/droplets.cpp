@@ -309,13 +309,11 @@ template <bool KNOWN> static void load_droplets(RingBatches b, DropletArrays d, 
         store(d.tz + c, radius * t.z);
         store(d.damping + c, of.damping);
       }
-      const Lanes uneven = turned + 2.0 * of.x * square, off = dot(all_of.balance, all_of.balance);
       const Lanes cubic =
           CUBE_TRACE * all_of.cube() + CUBE_FORCES * all_of.cubes + CUBE_GREEN2 * cube;
-      work += of.first * uneven + (2.0 / 3.0) * of.third * cubic + (0.5 * BALANCE) * of.x * off;
-      const Lanes of_all =
-          of.slope + BY_SUM * (of.first * (2.0 * square - DECAY * uneven) -
-                               (8.0 / 3.0 * DECAY) * of.third * cubic + (0.5 * BALANCE) * off);
+      const SharedTerms<Lanes> shared(of, turned, square, cubic,
+                                      dot(all_of.balance, all_of.balance));
+      work += shared.work;
 
       const Lanes trace = (1.0 / 3.0) * all_of.square();
       for (int c = begin; c < end; c += LANES) {
@@ -327,10 +325,10 @@ template <bool KNOWN> static void load_droplets(RingBatches b, DropletArrays d, 
         const Lanes of_trace = 2.0 * CUBE_TRACE * (dot(qn, qn) - trace),
                     of_cube =
                         of_trace + 2.0 * CUBE_FORCES * f * f + (4.0 / 3.0 * CUBE_GREEN2) * f * h;
-        const Lanes a = own_indentation(f, l, film, of.stretch) +
-                        response * (1.0 - f * (0.5 / PI)) + load<Lanes>(third + at) +
-                        of.first * (4.0 * of.x * h - 0.5 * load<Lanes>(beside + at)) +
-                        of.third * of_cube + BALANCE * of.x * dot(n, all_of.balance) + of_all;
+        const Lanes a =
+            own_indentation(f, l, film, of.stretch) + response * (1.0 - f * (0.5 / PI)) +
+            load<Lanes>(third + at) + of.first * (4.0 * of.x * h - 0.5 * load<Lanes>(beside + at)) +
+            of.third * of_cube + BALANCE * of.x * dot(n, all_of.balance) + shared.by_force;
         store(d.still + c, radius * a);
       }
       find_compliances(b, d, all_of, of, batch, w);

@@ -9,8 +9,6 @@
 using namespace deformable;
 using LAMMPS_NS::bytes_of;
 
-/* ---------------------------------------------------------------------- */
-
 void SpringMatrix::factorize(const FrontKernels &kernels_, int dimension_, int n, const double *x,
                              const std::vector<char> &held, const std::vector<Element> &elements,
                              double epsilon)
@@ -240,8 +238,6 @@ void SpringMatrix::factorize_fronts()
   lower.resize(lower.size() + FRONT_MARGIN);
   column.resize(highest + FRONT_MARGIN);
 }
-
-/* ---------------------------------------------------------------------- */
 
 void SpringMatrix::solve(const std::vector<int> &index, const double *q, double *z)
 {

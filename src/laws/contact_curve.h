@@ -70,8 +70,8 @@ inline double tension(double radius, const LoadedRing &ring, double total)
   return ring.pressure * (radius + ring.expansion) - total / (2.0 * PI);
 }
 
-// Contacts that stick. An adhesion w, an energy per length, lowers the tension of a film to T_i + T_j - w. Both outlines meet it at the angles
-// of Neumann's triangle,
+// Contacts that stick. An adhesion w, an energy per length, lowers the tension of a film to T_i + T_j - w. Both outlines meet it at
+// the angles of Neumann's triangle,
 //   T_i cos theta_i + T_j cos theta_j = T_i + T_j - w,   T_i sin theta_i = T_j sin theta_j,
 // which exists for w below twice the smaller tension. A wall is a partner of infinite tension: cos theta = 1 - w/T.
 

@@ -181,6 +181,21 @@ template <class T> struct DropletLoad {
   }
 };
 
+// The terms of W that all contacts share, D^4 [T1 + 2 x J] + D^16 (2/3) I3 + (BALANCE/2) x |sum f n|^2, by these four. `by_force`: what
+// they and S psi add to each indentation by way of x.
+template <class T> struct SharedTerms {
+  T work, by_force;
+
+  DEFORMABLE_INLINE SharedTerms(const DropletLoad<T> &of, const T &T1, const T &J, const T &I3,
+                                const T &off)
+  {
+    const T uneven = T1 + 2.0 * of.x * J;
+    work = of.first * uneven + (2.0 / 3.0) * of.third * I3 + (0.5 * BALANCE) * of.x * off;
+    by_force = of.slope + BY_SUM * (of.first * (2.0 * J - DECAY * uneven) -
+                                    (8.0 / 3.0 * DECAY) * of.third * I3 + (0.5 * BALANCE) * off);
+  }
+};
+
 // The part of a contact's own force in W, in a, and in da/df; l = ln(8 pi/f), `film` = ln(lambda). At f = 0 the first two vanish,
 // and the last one is as large as l.
 //   s (l + film - 1/3 + psi) + f^3/(96 pi^2) - f^3 (l - 5/6)/(16 pi^2)

@@ -1,5 +1,5 @@
-// The rules for radius, kA, kP, tension and skin of a species, and for adhesion. Each function returns an empty text if its arguments are
-// valid, otherwise a phrase with the parameter, its valid range and its value.
+// The rules for radius, kA, kP, tension and skin of a species, and for adhesion. Each function returns an empty text if its arguments
+// are valid, otherwise a phrase with the parameter, its valid range and its value.
 
 #ifndef DEFORMABLE_PARAMETER_RULES_H
 #define DEFORMABLE_PARAMETER_RULES_H

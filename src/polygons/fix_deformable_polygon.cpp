@@ -17,8 +17,6 @@
 using namespace LAMMPS_NS;
 using namespace FixConst;
 
-/* ---------------------------------------------------------------------- */
-
 FixDeformablePolygon::FixDeformablePolygon(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg)
 {
   if (narg < 4) utils::missing_cmd_args(FLERR, "fix deformable/polygon", error);
@@ -81,14 +79,10 @@ std::vector<FixDeformablePolygon::Polygon> FixDeformablePolygon::find_polygons()
   return found;
 }
 
-/* ---------------------------------------------------------------------- */
-
 int FixDeformablePolygon::setmask()
 {
   return POST_FORCE | MIN_POST_FORCE;
 }
-
-/* ---------------------------------------------------------------------- */
 
 void FixDeformablePolygon::init()
 {
@@ -119,8 +113,6 @@ void FixDeformablePolygon::setup(int vflag)
   links_of_build = -1;
   post_force(vflag);
 }
-
-/* ---------------------------------------------------------------------- */
 
 void FixDeformablePolygon::link_beads()
 {
@@ -153,8 +145,6 @@ int FixDeformablePolygon::neighbor_of(int i, const Polygon &polygon, tagint tag)
            id, tag, polygon.molecule, atom->tag[i]);
   return j;
 }
-
-/* ---------------------------------------------------------------------- */
 
 void FixDeformablePolygon::from_center(const Polygon &polygon, int i, double &x, double &y) const
 {
@@ -257,8 +247,6 @@ void FixDeformablePolygon::post_run()
   if (!perimeters_known) measure_perimeters();
 }
 
-/* ---------------------------------------------------------------------- */
-
 double FixDeformablePolygon::compute_scalar()
 {
   double energy = 0.0;
@@ -323,8 +311,6 @@ void FixDeformablePolygon::restart(char *buffer)
         "under this ID; use another fix ID",
         id, count);
 }
-
-/* ---------------------------------------------------------------------- */
 
 double FixDeformablePolygon::memory_usage()
 {

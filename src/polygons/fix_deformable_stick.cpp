@@ -15,8 +15,6 @@
 using namespace LAMMPS_NS;
 using namespace FixConst;
 
-/* ---------------------------------------------------------------------- */
-
 FixDeformableStick::FixDeformableStick(LAMMPS *lmp, int narg, char **arg)
     : FixMemory(lmp, narg, arg, "stick/wall")
 {
@@ -55,14 +53,10 @@ FixDeformableStick::FixDeformableStick(LAMMPS *lmp, int narg, char **arg)
   begin();
 }
 
-/* ---------------------------------------------------------------------- */
-
 int FixDeformableStick::setmask()
 {
   return POST_FORCE | MIN_POST_FORCE;
 }
-
-/* ---------------------------------------------------------------------- */
 
 void FixDeformableStick::init()
 {
@@ -84,8 +78,6 @@ void FixDeformableStick::init()
   for (int type = 1; type <= atom->ntypes; ++type)
     radii[type] = 0.5 * std::sqrt(force->pair->cutsq[type][type]);
 }
-
-/* ---------------------------------------------------------------------- */
 
 void FixDeformableStick::post_force(int vflag)
 {
@@ -172,16 +164,12 @@ void FixDeformableStick::add_springs(int i, double radius, const Region::Contact
   }
 }
 
-/* ---------------------------------------------------------------------- */
-
 void FixDeformableStick::refuse(int i, const std::string &problem)
 {
   const double *x = atom->x[i];
   LAMMPS_NS::refuse("Fix {} deformable/stick: atom {} at ({:.6g}, {:.6g}) {}", id, atom->tag[i],
                     x[0], x[1], problem);
 }
-
-/* ---------------------------------------------------------------------- */
 
 double FixDeformableStick::compute_scalar()
 {

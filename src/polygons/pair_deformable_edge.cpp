@@ -26,8 +26,6 @@ const char STYLE[] = "Pair style deformable/edge";
 
 }    // namespace
 
-/* ---------------------------------------------------------------------- */
-
 PairDeformableEdge::PairDeformableEdge(LAMMPS *lmp)
     : Pair(lmp),
       longest(0.0),
@@ -42,8 +40,6 @@ PairDeformableEdge::PairDeformableEdge(LAMMPS *lmp)
   centroidstressflag = CENTROID_NOTAVAIL;
 }
 
-/* ---------------------------------------------------------------------- */
-
 PairDeformableEdge::~PairDeformableEdge()
 {
   if (copymode || !allocated) return;
@@ -52,8 +48,6 @@ PairDeformableEdge::~PairDeformableEdge()
   memory->destroy(kr);
   memory->destroy(c);
 }
-
-/* ---------------------------------------------------------------------- */
 
 void PairDeformableEdge::allocate()
 {
@@ -81,10 +75,11 @@ void PairDeformableEdge::settings(int narg, char **arg)
                "pair_style deformable/edge has {} arguments: it needs one, l, the longest edge "
                "allowed",
                narg);
-  longest = utils::numeric(FLERR, arg[0], false, lmp);
-  if (!(longest > 0.0 && std::isfinite(longest)))
+  const double given = utils::numeric(FLERR, arg[0], false, lmp);
+  if (!(given > 0.0 && std::isfinite(given)))
     error->all(FLERR_WORD(Error::ARGZERO), "{}: l is '{}': it must be positive and finite", STYLE,
                arg[0]);
+  longest = given;
 }
 
 /* ----------------------------------------------------------------------
@@ -117,8 +112,6 @@ void PairDeformableEdge::coeff(int narg, char **arg)
     error->all(FLERR, "pair_coeff {} {} of deformable/edge has no pair of types I <= J", arg[0],
                arg[1]);
 }
-
-/* ---------------------------------------------------------------------- */
 
 void PairDeformableEdge::init_style()
 {
@@ -155,8 +148,6 @@ void PairDeformableEdge::set_ghost_cutoff()
   if (comm->me == 0)
     utils::logmesg(lmp, "{}: ghost cutoff set to {:.6g}, c + 2 l + skin\n", STYLE, needed);
 }
-
-/* ---------------------------------------------------------------------- */
 
 double PairDeformableEdge::init_one(int i, int j)
 {
@@ -197,8 +188,6 @@ void PairDeformableEdge::take_list()
   build_step = neighbor->lastcall;
   if (!warned_out_of_plane) warned_out_of_plane = warn_out_of_plane(lmp, *list);
 }
-
-/* ---------------------------------------------------------------------- */
 
 void PairDeformableEdge::compute(int eflag, int vflag)
 {
@@ -268,8 +257,6 @@ void PairDeformableEdge::tally(const VertexAndEdge &at, double px, double py, do
   for (int k = 0; vflag_global && !vflag_fdotr && k < 6; ++k) virial[k] += v[k];
 }
 
-/* ---------------------------------------------------------------------- */
-
 void PairDeformableEdge::write_restart_settings(FILE *fp)
 {
   std::fwrite(&longest, sizeof(double), 1, fp);
@@ -306,8 +293,6 @@ void PairDeformableEdge::read_restart(FILE *fp)
     }
 }
 
-/* ---------------------------------------------------------------------- */
-
 void PairDeformableEdge::write_data(FILE *fp)
 {
   for (int i = 1; i <= atom->ntypes; ++i)
@@ -320,8 +305,6 @@ void PairDeformableEdge::write_data_all(FILE *fp)
     for (int j = i; j <= atom->ntypes; ++j)
       fmt::print(fp, "{} {} {:.16g} {:.16g}\n", i, j, kr[i][j], c[i][j]);
 }
-
-/* ---------------------------------------------------------------------- */
 
 double PairDeformableEdge::memory_usage()
 {

@@ -62,16 +62,12 @@ void from_to(const Domain *domain, const Bead &a, const Bead &b, double &dx, dou
 
 }    // namespace
 
-/* ---------------------------------------------------------------------- */
-
 bool LAMMPS_NS::is_nearest_image(const Domain *domain, double dx, double dy)
 {
   double nearest[3] = {dx, dy, 0.0};
   minimum_image_big(domain, nearest);
   return nearest[0] == dx && nearest[1] == dy;
 }
-
-/* ---------------------------------------------------------------------- */
 
 std::vector<BeadPolygon> LAMMPS_NS::find_bead_polygons(LAMMPS *lmp, const BeadSelection &selection)
 {
@@ -166,8 +162,6 @@ int PolygonEdges::polygon_of(tagint tag, int guess) const
   const int polygon = static_cast<int>(after - polygons.begin()) - 1;
   return polygon >= 0 && has(polygon) ? polygon : -1;
 }
-
-/* ---------------------------------------------------------------------- */
 
 void PolygonEdges::link(double longest, double range)
 {
@@ -290,8 +284,6 @@ void PolygonEdges::refuse_own_images(double range)
           style, polygons[r].molecule, wide ? width : height, wide ? across : up);
   }
 }
-
-/* ---------------------------------------------------------------------- */
 
 double PolygonEdges::memory_usage() const
 {
@@ -447,8 +439,6 @@ void check_groups(LAMMPS *lmp, const PolygonEdges &edges, const std::string &sty
 }
 
 }    // namespace
-
-/* ---------------------------------------------------------------------- */
 
 void LAMMPS_NS::check_removed_contacts(LAMMPS *lmp, const PolygonEdges &edges,
                                        const std::string &style)

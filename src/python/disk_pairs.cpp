@@ -111,13 +111,13 @@ E = 1/2 sum_c o_c^2 with the overlaps o = max(R_i + R_j - d, 0) and d = scale |x
 stiffness. The virial is sum_c o_c d_c.)");
 }
 
-// Of disks, or of spheres.
+// The springs of disks, or of spheres.
 struct Springs {
   int dimension;
   SpringMatrix matrix;
 };
 
-// Unit directions; j < 0: of a wall.
+// Directions are unit vectors; j < 0 stands for a wall.
 Springs springs(Table x, Numbers i, Numbers j, Table direction, Lengths weight, double epsilon)
 {
   const std::size_t dimension = x.shape(1);

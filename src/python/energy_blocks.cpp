@@ -225,7 +225,7 @@ Table particles_of(nb::handle given)
                   MORE - FIRST_KEYWORD + std::count_if(PARAMETERS, PARAMETERS + MEMBERS, is_named));
 }
 
-// Of sides with curved lines.
+// Columns of sides with curved lines.
 enum CurvedColumn { FORCE = PLACE, DIRECTED, HALF_ANGLE, CURVED_COLUMNS };
 
 // ring(particle, stiffness, rows of its sides) of each particle.

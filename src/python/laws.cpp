@@ -150,8 +150,6 @@ Parameters and errors as for `sector`, but contacts may coincide. Derivatives ar
 deficit. Source: docs/theory/laws.md, "Ring".)");
 }
 
-/* ---------------------------------------------------------------------- */
-
 void deformable::refuse_invalid(double radius, const Stiffness &k, double skin)
 {
   for (const std::string &problem : {invalid_stiffness(k), invalid_skin(skin, radius)})
@@ -170,7 +168,8 @@ void deformable::bind_rules(nb::module_ &m)
       "kA"_a, "kP"_a, "more"_a, "named"_a,
       R"(The problem of these stiffnesses in a phrase that names the value, or None.
 
-Here and below all parameters of a ring but the skin, such as `tension`, follow in their order or by name. kA and kP must be positive; one of them may be inf. Beside a positive tension kP is finite, and may be 0.)");
+Here and below all parameters of a ring but the skin, such as `tension`, follow in their order or by name. kA and kP must be
+positive; one of them may be inf. Beside a positive tension kP is finite, and may be 0.)");
   m.def(
       "unstable_radius",
       [](double radius, double kA, double kP, const nb::args &more, const nb::kwargs &named) {

@@ -107,12 +107,9 @@ template <class T> struct LoadedDroplet {
       }
     for (int a = 0; a < 3; ++a)
       for (int b = 0; b < 3; ++b) trace3 += QQ[a][b] * Q[b][a];
-    const T uneven = T1 + 2.0 * of.x * J, off = product(balance, balance),
-            cubic = CUBE_TRACE * trace3 + CUBE_FORCES * cubes + CUBE_GREEN2 * of_green2;
-    work += of.first * uneven + (2.0 / 3.0) * of.third * cubic + (0.5 * BALANCE) * of.x * off;
-    const T of_all =
-        of.slope + BY_SUM * (of.first * (2.0 * J - DECAY * uneven) -
-                             (8.0 / 3.0 * DECAY) * of.third * cubic + (0.5 * BALANCE) * off);
+    const T cubic = CUBE_TRACE * trace3 + CUBE_FORCES * cubes + CUBE_GREEN2 * of_green2;
+    const SharedTerms<T> shared(of, T1, J, cubic, product(balance, balance));
+    work += shared.work;
 
     for (std::size_t c = 0; c < z; ++c) {
       const T l = LOG_8_PI - log(f[c] > NO_FORCE ? f[c] : T(NO_FORCE));
@@ -148,7 +145,8 @@ template <class T> struct LoadedDroplet {
       indentation[c] = own_indentation(f[c], l, T(film[c]), of.stretch) +
                        first[c] * (1.0 - f[c] * (0.5 / PI)) - squared[c] * (0.25 / PI) +
                        of.first * (4.0 * of.x * second[c] - 0.5 * product(facet[c], facet[c])) +
-                       of.third * of_cube + BALANCE * of.x * product(n[c], balance) + of_all - back;
+                       of.third * of_cube + BALANCE * of.x * product(n[c], balance) +
+                       shared.by_force - back;
     }
   }
 };

@@ -10,7 +10,7 @@
 using namespace LAMMPS_NS;
 using namespace deformable;
 
-// Of a droplet that no solution has seen: as of facets with four times half of the overlap as their force.
+// The bulge of a droplet that no solution has seen, as if facets bore four times half of the overlap as their force.
 static constexpr double BULGE_PER_OVERLAP = BULGE_PER_LOAD * 2.0 / (8.0 * PI);
 
 // The forces of droplets have kinks everywhere: a cubic is no worse behind one. Corrections leave out films that turn.

@@ -14,7 +14,7 @@ class DropletSolver : public DualSolver {
   DropletSolver(class LAMMPS *lmp, const deformable::ForceKernels &kernels,
                 const deformable::DropletKernels &droplets, double tolerance, int max_evaluations);
 
-  // Of a droplet, by local index.
+  // What a droplet bears, by its local index.
   double load(int i) const { return of_load[batches.place[i]]; }
   double work(int i) const { return batches.work[batches.place[i]]; }
   int contacts_of(int i) const { return batches.count[i]; }
@@ -34,7 +34,7 @@ class DropletSolver : public DualSolver {
   // How the normal of a film turns against the line of centers, from the first droplet of a pair: -[(R t)_i - (R t)_j]/d.
   deformable::Vector3 tilt(int k) const;
 
-  // Of the last solution: droplets beyond the model, and the largest bulge, over the radius.
+  // Droplets beyond the model in the last solution, and its largest bulge, over the radius.
   int beyond_model = 0;
   double largest_bulge = 0.0;
 

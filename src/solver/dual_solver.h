@@ -130,9 +130,10 @@ class DualSolver : protected Pointers {
   virtual bool has_room() { return true; }
   virtual void find_bulges(const Particles &) = 0;
   virtual double energy() const = 0;    // of all particles of this rank, without what is left
-  // Of what a user should know after a solution.
+  // What a user should know after a solution. The law calls warn_unbalanced: it warns once of contacts that are not balanced, and
+  // names its pair style.
   virtual void warn(const Particles &, bool films_changed) = 0;
-  void warn_unbalanced(const char *style);    // once; of the keyword balance of this pair style
+  void warn_unbalanced(const char *style);
 
   const deformable::ForceKernels &kernels;
   const Tuning tuning;
@@ -174,17 +175,17 @@ class DualSolver : protected Pointers {
   static void add_solution(Steps &, int iterations, double gain = 1.0, bool goes_on = false);
 
   const int max_evaluations;    // of a call, without changes of films
-  int allowed = 0;
-  int wrong = -1;
+  int allowed = 0;              // evaluations of this call
+  int wrong = -1;               // see refused_pair
   bool warned_unbalanced = false;
 
   // prediction
   static constexpr int LINEAR = 2, QUADRATIC = 3, CUBIC = 4;    // past forces that are needed
   int successive_calls = 0;    // at successive time steps before this one
   bigint last_step = -2;
-  int problems = 0;                     // of this call so far
+  int problems = 0;                     // solutions of this call so far
   LargeVector<float> changes[KINDS];    // from the last call, as the first solution has left them
-  bool is_corrected = false;
+  bool is_corrected = false;            // whether this call has made a correction
   // Before the correction of the last call, and then of this one, which is planned from it.
   Evaluation planned_from;
 
@@ -197,7 +198,7 @@ class DualSolver : protected Pointers {
     void add(const deformable::Residuals &, double part);
   };
   std::vector<OfBlock> of_blocks;
-  double pairs_of_all = 1.0;    // ranks
+  double pairs_of_all = 1.0;    // the number of pairs of all ranks, plus 1
 
   bool minimizing() const;
   bool searches_lines() const;

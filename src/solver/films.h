@@ -27,14 +27,14 @@ class Films {
   // A new force call.
   void begin_call();
 
-  // Of a solution: the first angles, from the tensions of the last call.
+  // The first angles of a solution are those of the tensions of the last call.
   void begin();
 
-  // Of some pairs: the next angles for the present tensions, and their largest imbalance, a force. They take these angles.
+  // The next angles of some pairs for the present tensions, and their largest imbalance, a force; take() makes them the angles.
   double find(int begin, int end);
   void take(int begin, int end);
 
-  // Of the rings of some batches: what the tensions differ by from those that films know, a force; and films learn of them.
+  // What the tensions of the rings of some batches differ by from those that films know, a force; and films learn of them.
   double tension_imbalance(const deformable::RingBatches &) const;
   void follow_tensions(const deformable::RingBatches &);
 

@@ -13,8 +13,9 @@
 
 namespace LAMMPS_NS {
 
-// What is remembered of a pair: its force, negative: see DualSolver. With curved lines, see CurvedLines, the sine of the tilt and
-// the bend as the first particle sees it. The value at the last call, and differences from call to call, see PastArrays.
+// What is remembered of a pair: its force or, if it bears none, its imbalance, which is negative (DualSolver). With curved lines also
+// the sine of the tilt, and the bend as the first particle sees it. Of each: the value at the last call, and differences from call to
+// call (PastArrays).
 enum { FORCE, TILT, BEND, KINDS };
 struct PairPast {
   struct Series {

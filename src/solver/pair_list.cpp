@@ -201,8 +201,6 @@ void PairList::guess_bulges(const Particles &p)
   for (int i = 0; i < nlocal; ++i) bulge[i] = std::min(bulge[i], most_bulge * p.radius[i]);
 }
 
-/* ---------------------------------------------------------------------- */
-
 void PairList::add_walls(const Particles &p, bool new_list, const KnownPairs &old)
 {
   const std::vector<int> first_old =

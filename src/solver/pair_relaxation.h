@@ -20,14 +20,14 @@ class PairRelaxation {
  public:
   void arrange(const ContactBatches &, const NearPairs &);    // contacts are new
 
-  // Before a sweep. Pairs are relaxed whose imbalance is above a limit. Those that are far off are
-  // left to Newton's method, which knows when it goes astray. Returns whether there is anything between these limits.
+  // Before a sweep. Pairs are relaxed whose imbalance is above a limit. Those that are far off, where the first order is not enough,
+  // are left to Newton's method, which knows when it goes astray. Returns whether there is anything between these limits.
   bool begin(const Tuning &tuning, double tolerance, double largest_force)
   {
     crowd = tuning.crowd;
     of_ring = tuning.of_ring;
     limit = tuning.relaxed * tolerance * largest_force;
-    most = tuning.relaxed_to * largest_force;    // what is of first order
+    most = tuning.relaxed_to * largest_force;
     return limit < most;
   }
 

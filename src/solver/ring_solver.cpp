@@ -47,8 +47,6 @@ void RingSolver::find_slopes(const RingBatches &rings)
   kernels.slopes(rings, list.pairs.directions());
 }
 
-/* ---------------------------------------------------------------------- */
-
 void RingSolver::set_material(const Particles &p, bool arranged)
 {
   bool soft = false, skinned = false;
@@ -157,8 +155,6 @@ double RingSolver::bulge_with_films(std::size_t ring, double &lengths) const
   }
   return out;
 }
-
-/* ---------------------------------------------------------------------- */
 
 double RingSolver::energy() const
 {
@@ -279,7 +275,7 @@ void RingSolver::warn_limited()
                "'compute ID all pair' counts them");
 }
 
-// Of all ranks, which know alike that films have come or gone.
+// All ranks call this at once: all know that films have come or gone.
 void RingSolver::warn_films()
 {
   const int i = films->pressed_without_film();

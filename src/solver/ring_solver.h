@@ -36,7 +36,7 @@ class RingSolver : public DualSolver {
 
   // L G' summed over the other contacts of that side's ring, the slope of its outline at the contact.
   double outline_slope(int k, int side) const { return batches.slope[list.pairs.side[side][k]]; }
-  // Of this side, with its share of what is left of the overlap: both sides share it by their compliances.
+  // The indentation of this side, with its share of what is left of the overlap: both sides share it by their compliances.
   double indentation(int k, int side) const;
 
   // The line of a pair: its tilt, the same from both sides, and its half angle, positive where it is convex for the first
@@ -47,14 +47,14 @@ class RingSolver : public DualSolver {
 
   double energy() const override;    // of rings and films
 
-  // That attaching and letting go have cost in this call, on all ranks.
+  // What attaching and letting go have cost in this call, on all ranks.
   double lost_energy() const { return lost; }
 
   // The rings whose smallest radius of curvature may be negative.
   const std::vector<int> &crowded_rings() const { return crowded; }
 
-  // Of ring i. The radius of curvature is the smallest one if that is negative, otherwise a lower bound; also negative
-  // where films leave no free outline between them.
+  // The state of ring i. The radius of curvature is the smallest one if that is negative, otherwise a lower bound; also
+  // negative where films leave no free outline between them.
   struct Ring {
     deformable::Energy energy;
     double expansion, arc_radius;
@@ -75,6 +75,7 @@ class RingSolver : public DualSolver {
   void measure_lines();
 
  private:
+  // see crowded_rings, without_room and lacks_room
   std::vector<int> crowded;
   int crushed = -1;
   bool lacking = false;

@@ -42,8 +42,6 @@ void Refusals::stop()
   error->all(FLERR, told);
 }
 
-/* ---------------------------------------------------------------------- */
-
 namespace {
 
 [[noreturn]] void refuse_special_bonds(const std::string &atoms)

@@ -333,8 +333,6 @@ SpeciesFile LAMMPS_NS::read_species(LAMMPS *lmp, const std::string &file)
   return found;
 }
 
-/* ---------------------------------------------------------------------- */
-
 double **SpeciesRamps::array_of(const char *name, const std::vector<Species> &species)
 {
   for (std::size_t k = 0; k < arrays.size(); ++k) {

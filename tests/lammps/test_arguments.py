@@ -1,7 +1,10 @@
 """Arguments of all commands that are refused, each by one line that names the bad word."""
 
 import pytest
+from droplets import CASES, Droplets
+from laws import LAWS, laws
 from polygons import Polygons
+from scene import PACKINGS, Scene
 from smooth_polygons import two_polygons
 from test_refusals import refuses, two_particles
 from test_stick import PLANE, Beads
@@ -83,3 +86,32 @@ def test_arguments(command):
     for arguments, message in BAD[command].items():
         with refuses(message):
             scene.command(f"{command} {arguments}")
+
+
+@laws
+def test_a_run_after_wrong_arguments(law):
+    """The caller has caught the error: all is as it was."""
+    some = Scene.packing(PACKINGS[0], LAWS[law])
+    energy = some.energy()
+    with refuses("Unknown .*'range'"):
+        some.run(f"pair_style {LAWS[law]} radius atom range 0.1")
+    assert some.energy() == pytest.approx(energy, rel=1e-9)
+
+
+def test_edges_after_wrong_arguments():
+    some = two_polygons()
+    some.lmp.command("run 0")
+    energy = some.lmp.get_thermo("pe")
+    with refuses("l is '-0.001'"):
+        some.lmp.command("pair_style deformable/edge -0.001")
+    some.lmp.command("run 0")
+    assert some.lmp.get_thermo("pe") == pytest.approx(energy, rel=1e-12)
+
+
+def test_droplets_after_wrong_arguments(tmp_path):
+    some = Droplets(CASES[0], tmp_path)
+    energy = some.energy
+    with refuses("Unknown .*'range'"):
+        some.run("pair_style deformable/droplet radius atom range 0.1")
+    some.run("run 0")
+    assert some.energy == pytest.approx(energy, rel=1e-9)

@@ -390,6 +390,16 @@ def test_refusals(commands, tmp_path):
         scene.run(commands)
 
 
+def test_a_minimization_after_wrong_arguments(tmp_path):
+    """The caller has caught the error: all is as it was."""
+    scene = packing(tmp_path)
+    scene.run(LBFGS)
+    with pytest.raises(Exception, match="memory 0"):
+        scene.run("min_modify memory 0")
+    scene.run(UNTIL)
+    assert scene.log.last[2] == "force tolerance"
+
+
 def test_directions_that_springs_do_not_know(tmp_path):
     """Without springs, particles that a fix moves together stay together."""
     scene = packing(tmp_path)

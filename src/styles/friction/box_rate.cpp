@@ -9,8 +9,6 @@
 
 using namespace LAMMPS_NS;
 
-/* ---------------------------------------------------------------------- */
-
 bool BoxRate::Box::operator==(const Box &other) const
 {
   return std::equal(low, low + 3, other.low) && std::equal(h, h + 6, other.h);

@@ -77,8 +77,6 @@ template <class V> static ContactPlace<V> narrow(const ContactPlace<Vector3> &p)
   return {narrow<V>(p.r), narrow<V>(p.b), narrow<V>(p.n)};
 }
 
-/* ---------------------------------------------------------------------- */
-
 FixDeformableFriction::FixDeformableFriction(LAMMPS *lmp, int narg, char **arg)
     : FixPartnerMemory(lmp, narg, arg, STYLE),
       words(utils::join_words({arg + std::min(3, narg), arg + narg}, " ")),
@@ -307,7 +305,7 @@ inline bool FixDeformableFriction::find_sides(const LoadedContact &c, Sides &sid
   return c.second >= 0;
 }
 
-// Of the half step before.
+// Velocities are those of the half step before.
 template <class V>
 inline FixDeformableFriction::Velocity<V> FixDeformableFriction::velocity(const Sides &s) const
 {
@@ -372,9 +370,7 @@ static Vector3 turn(const Vector3 &v, const Vector3 &n, const Vector3 &m)
   return turned(v, n, m);
 }
 
-/* ---------------------------------------------------------------------- */
-
-// Of a restitution, where this contact bears the force.
+// The dashpot that has this restitution, where this contact bears the force.
 double FixDeformableFriction::dashpot(const PairDeformable &pair, const Sides &s, double ratio,
                                       double force)
 {
@@ -389,8 +385,6 @@ double FixDeformableFriction::dashpot(const PairDeformable &pair, const Sides &s
   largest_dashpot = std::max(largest_dashpot, found);
   return found;
 }
-
-/* ---------------------------------------------------------------------- */
 
 template <class V>
 void FixDeformableFriction::rub(const PairDeformable &pair, const LoadedContact &contact)
@@ -659,8 +653,6 @@ double FixDeformableFriction::compute_vector(int n)
   return sum_of_ranks(world, output[n]);
 }
 
-/* ---------------------------------------------------------------------- */
-
 double FixDeformableFriction::memory_usage()
 {
   return FixPartnerMemory::memory_usage() + bytes_of(values, rows);
@@ -681,8 +673,6 @@ void FixDeformableFriction::go_on_from(const std::vector<double> &sums)
 {
   if (comm->me == 0) std::copy(sums.begin(), sums.end(), output);
 }
-
-/* ---------------------------------------------------------------------- */
 
 bool FixDeformableFriction::belongs_to_partner(int i, const RememberedContact &contact) const
 {

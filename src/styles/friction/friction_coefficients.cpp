@@ -15,8 +15,6 @@
 using namespace LAMMPS_NS;
 using deformable::Friction;
 
-/* ---------------------------------------------------------------------- */
-
 FrictionCoefficients::FrictionCoefficients(LAMMPS *lmp, int narg, char **arg)
     : Pointers(lmp),
       id(arg[0]),
@@ -107,8 +105,6 @@ FrictionCoefficients::Coefficient FrictionCoefficients::read(char *word, double 
   if (std::string(word) == "inf") return {std::numeric_limits<double>::infinity(), ""};
   return {utils::numeric(FLERR, word, false, lmp), ""};
 }
-
-/* ---------------------------------------------------------------------- */
 
 void FrictionCoefficients::find_variables()
 {

@@ -47,8 +47,6 @@ int FixDeformableFilms::modify_param(int narg, char **arg)
   return narg;
 }
 
-/* ---------------------------------------------------------------------- */
-
 void FixDeformableFilms::who_knows(std::vector<double> &knows) const
 {
   knows.resize(atom->nlocal);

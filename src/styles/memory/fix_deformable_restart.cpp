@@ -67,8 +67,6 @@ void FixDeformableRestart::init()
     error->warning(FLERR, "The restart file is of another problem: {}", differences);
 }
 
-/* ---------------------------------------------------------------------- */
-
 void FixDeformableRestart::write_restart(FILE *file)
 {
   if (comm->me != 0) return;

@@ -32,8 +32,6 @@ double NewIDs::of(double id) const
   return taken.count(id) ? 0.0 : id;
 }
 
-/* ---------------------------------------------------------------------- */
-
 WallNames WallNames::present(LAMMPS *lmp)
 {
   WallNames names;
@@ -86,8 +84,6 @@ std::string WallNames::name_of(double code) const
   if (!has(code) || named.features.size() < 2) return "fix " + named.id;
   return fmt::format("'{}' of fix {}", named.features[feature_of(code)], named.id);
 }
-
-/* ---------------------------------------------------------------------- */
 
 std::string WallNames::text() const
 {

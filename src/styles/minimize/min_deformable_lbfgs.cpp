@@ -64,8 +64,6 @@ template <class Work> static void for_each_piece(int size, Work &&work)
   for (int begin = 0; begin < size; begin += PIECE) work(begin, std::min(PIECE, size - begin));
 }
 
-/* ---------------------------------------------------------------------- */
-
 MinDeformableLbfgs::MinDeformableLbfgs(LAMMPS *lmp) : Min(lmp)
 {
   laid_out_as_declared = dmax == 0.1 && delaystep == 20 && dtgrow == 1.1 && tmin == 0.02 &&
@@ -80,18 +78,17 @@ bool MinDeformableLbfgs::fits(LAMMPS *lmp)
   return MinDeformableLbfgs(lmp).laid_out_as_declared;
 }
 
-/* ---------------------------------------------------------------------- */
-
 int MinDeformableLbfgs::modify_param(int narg, char **arg)
 {
   const std::string word = arg[0];
   if (word != "memory" && word != "precondition") return 0;
   if (narg < 2) utils::missing_cmd_args(FLERR, "min_modify " + word, error);
   if (word == "memory") {
-    memory = utils::inumeric(FLERR, arg[1], false, lmp);
-    if (memory < 1 || memory > 100)
+    const int given = utils::inumeric(FLERR, arg[1], false, lmp);
+    if (given < 1 || given > 100)
       error->all(FLERR, "min_modify memory {}: the steps that L-BFGS remembers are 1 to 100",
                  arg[1]);
+    memory = given;
   } else {
     const std::string value = arg[1];
     if (value == "springs")
@@ -103,8 +100,6 @@ int MinDeformableLbfgs::modify_param(int narg, char **arg)
   }
   return 2;
 }
-
-/* ---------------------------------------------------------------------- */
 
 void MinDeformableLbfgs::init()
 {
@@ -135,8 +130,6 @@ void MinDeformableLbfgs::init()
     preconditioned = false;
   }
 }
-
-/* ---------------------------------------------------------------------- */
 
 void MinDeformableLbfgs::setup_style()
 {
@@ -176,8 +169,6 @@ void MinDeformableLbfgs::reset_vectors()
     then[i] = origin[2 * i + 1] == comm->me ? static_cast<int>(origin[2 * i]) : -1;
   solved.resize(nvec);
 }
-
-/* ---------------------------------------------------------------------- */
 
 double MinDeformableLbfgs::evaluate()
 {
@@ -219,8 +210,6 @@ bool MinDeformableLbfgs::is_converged()
                                             : fnorm_sqr();
   return squared < update->ftol * update->ftol;
 }
-
-/* ---------------------------------------------------------------------- */
 
 int MinDeformableLbfgs::iterate(int maxiter)
 {
@@ -337,8 +326,6 @@ double MinDeformableLbfgs::find_direction()
   for (int n = 0; n < nvec; ++n) q[n] *= scale;
   return -sum_of_ranks(world, product(fvec, q, nvec));
 }
-
-/* ---------------------------------------------------------------------- */
 
 bool MinDeformableLbfgs::law_changes() const
 {

@@ -28,8 +28,6 @@ extern "C" __attribute__((weak)) int lammps_create_atoms(void *, int, const tagi
                                                          const double *, const double *,
                                                          const imageint *, int);
 
-/* ---------------------------------------------------------------------- */
-
 FixDeformableProliferate::FixDeformableProliferate(LAMMPS *lmp, int narg, char **arg)
     : Fix(lmp, narg, arg),
       refusals(lmp)
@@ -337,8 +335,6 @@ void FixDeformableProliferate::create(const std::vector<double> &daughters)
   }
   divisions += n;
 }
-
-/* ---------------------------------------------------------------------- */
 
 void FixDeformableProliferate::write_restart(FILE *file)
 {

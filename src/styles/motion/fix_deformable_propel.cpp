@@ -68,8 +68,6 @@ class TurnInSpace {
 
 }    // namespace
 
-/* ---------------------------------------------------------------------- */
-
 FixDeformablePropel::FixDeformablePropel(LAMMPS *lmp, int narg, char **arg)
     : FixMemory(lmp, narg, arg, "propel/active")
 {
@@ -101,8 +99,6 @@ FixDeformablePropel::FixDeformablePropel(LAMMPS *lmp, int narg, char **arg)
   begin();
   for (int i = 0; i < atom->nlocal; ++i) direction_of(i);
 }
-
-/* ---------------------------------------------------------------------- */
 
 int FixDeformablePropel::setmask()
 {

@@ -9,8 +9,6 @@
 
 using namespace LAMMPS_NS;
 
-/* ---------------------------------------------------------------------- */
-
 ComputeDeformableContact::ComputeDeformableContact(LAMMPS *lmp, int narg, char **arg)
     : ComputeDeformableContact(lmp, narg, arg,
                                PairDeformable::contact_columns(lmp->domain->dimension))
@@ -27,8 +25,6 @@ ComputeDeformableContact::ComputeDeformableContact(LAMMPS *lmp, int narg, char *
   size_local_rows = 0;
   size_local_cols = columns;
 }
-
-/* ---------------------------------------------------------------------- */
 
 void ComputeDeformableContact::init()
 {
@@ -54,14 +50,10 @@ void ComputeDeformableContact::compute_local()
   array_local = rows.data();
 }
 
-/* ---------------------------------------------------------------------- */
-
 void ComputeDeformableContact::list(const PairDeformable &pair, std::vector<double> &numbers) const
 {
   pair.list_contacts(groupbit, numbers);
 }
-
-/* ---------------------------------------------------------------------- */
 
 double ComputeDeformableContact::memory_usage()
 {

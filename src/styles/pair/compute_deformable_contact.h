@@ -25,7 +25,7 @@ class ComputeDeformableContact : public Compute {
   double memory_usage() override;
 
  protected:
-  // Of rows with so many numbers, after its arguments.
+  // For computes whose rows have so many numbers, and which read their arguments themselves.
   ComputeDeformableContact(class LAMMPS *, int, char **, int columns);
   virtual void list(const class PairDeformable &, std::vector<double> &numbers) const;
 

@@ -12,8 +12,6 @@
 
 using namespace LAMMPS_NS;
 
-/* ---------------------------------------------------------------------- */
-
 ComputeDeformableOutline::ComputeDeformableOutline(LAMMPS *lmp, int narg, char **arg)
     : ComputeDeformableContact(lmp, narg, arg, PairDeformable::OUTLINE_COLUMNS)
 {
@@ -47,8 +45,6 @@ ComputeDeformableOutline::~ComputeDeformableOutline()
 {
   if (modify->nfix && modify->get_fix_by_id(id) == picture) modify->delete_fix(id);
 }
-
-/* ---------------------------------------------------------------------- */
 
 void ComputeDeformableOutline::list(const PairDeformable &pair, std::vector<double> &numbers) const
 {

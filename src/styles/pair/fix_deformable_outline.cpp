@@ -20,8 +20,6 @@ FixDeformableOutline::FixDeformableOutline(LAMMPS *lmp, int narg, char **arg) : 
   global_freq = 1;                          // at any step: dump image of 2026 asks
 }
 
-/* ---------------------------------------------------------------------- */
-
 int FixDeformableOutline::image(int *&of_kind, double **&of_line)
 {
   Compute *const outline = modify->get_compute_by_id(id);

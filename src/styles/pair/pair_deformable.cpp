@@ -35,8 +35,6 @@ using deformable::unstable_radius;
 using deformable::Vector2;
 using deformable::Vector3;
 
-/* ---------------------------------------------------------------------- */
-
 PairDeformable::PairDeformable(LAMMPS *lmp, int outputs, int dimension)
     : Pair(lmp),
       refusals(lmp),
@@ -59,8 +57,6 @@ PairDeformable::PairDeformable(LAMMPS *lmp, int outputs, int dimension)
   if (!kernels) error->all(FLERR, "{}", deformable::why_no_kernels("DEFORMABLE_SIMD", level));
 }
 
-/* ---------------------------------------------------------------------- */
-
 PairDeformable::~PairDeformable()
 {
   if (copymode) return;
@@ -70,8 +66,6 @@ PairDeformable::~PairDeformable()
     memory->destroy(cutsq);
   }
 }
-
-/* ---------------------------------------------------------------------- */
 
 void PairDeformable::allocate()
 {
@@ -125,8 +119,6 @@ void PairDeformable::coeff(int narg, char **arg)
   describe_species();
 }
 
-/* ---------------------------------------------------------------------- */
-
 void PairDeformable::check_lines_bend(const std::string &whose, bool sticks) const
 {
   if (sticks && !bends_lines())
@@ -139,8 +131,6 @@ void PairDeformable::check_lines_bend(const std::string &whose, bool sticks) con
                      "adhesion 0",
                whose);
 }
-
-/* ---------------------------------------------------------------------- */
 
 void PairDeformable::init_style()
 {
@@ -187,15 +177,11 @@ void PairDeformable::init_style()
     check_lines_bend(fmt::format("Fix {} deformable/wall", wall->id), wall->adhesion() > 0.0);
 }
 
-/* ---------------------------------------------------------------------- */
-
 double PairDeformable::init_one(int i, int j)
 {
   if (setflag[i][j] == 0) error->all(FLERR, "All pair coeffs are not set");
   return (1.0 + reach) * (radius[i] + radius[j]);
 }
-
-/* ---------------------------------------------------------------------- */
 
 void PairDeformable::begin_call(int eflag, int vflag)
 {
@@ -262,8 +248,6 @@ void PairDeformable::end_call()
   }
 }
 
-/* ---------------------------------------------------------------------- */
-
 void PairDeformable::check_own_image(int i, int j)
 {
   if (atom->tag[j] != atom->tag[i] || atom->tag[i] == 0) return;
@@ -288,8 +272,6 @@ void PairDeformable::record(int i, int partner, const deformable::Contact &conta
                       contact.indentation, length, force, x[0] + height * contact.nx,
                       x[1] + height * contact.ny, contact.angle, distance, line, push});
 }
-
-/* ---------------------------------------------------------------------- */
 
 void PairDeformable::list_contacts(int groupbit, std::vector<double> &rows) const
 {
@@ -332,8 +314,6 @@ void PairDeformable::list_outlines(int groupbit, int points, std::vector<double>
     }
   }
 }
-
-/* ---------------------------------------------------------------------- */
 
 bool PairDeformable::is_by_atom(int iarg, char **arg) const
 {
@@ -403,16 +383,12 @@ void PairDeformable::check_radii()
          atom->tag[largest], radii[largest], s.name, s.radius);
 }
 
-/* ---------------------------------------------------------------------- */
-
 double PairDeformable::smallest_radius() const
 {
   double here = std::numeric_limits<double>::infinity();
   for (int ii = 0; ii < list->inum; ++ii) here = std::min(here, radii[list->ilist[ii]]);
   return smallest_of_ranks(world, here);
 }
-
-/* ---------------------------------------------------------------------- */
 
 void PairDeformable::list_springs(double gap, std::vector<Spring> &springs) const
 {
@@ -435,8 +411,6 @@ void PairDeformable::list_springs(double gap, std::vector<Spring> &springs) cons
   }
 }
 
-/* ---------------------------------------------------------------------- */
-
 double PairDeformable::memory_usage()
 {
   return Pair::memory_usage() + block.bytes() + bytes_of(recorded, loaded, radii, rows, partners) +
@@ -455,8 +429,6 @@ void PairDeformable::number_definition()
   static double last = 0.0;
   asked.definition = ++last;
 }
-
-/* ---------------------------------------------------------------------- */
 
 void *PairDeformable::extract(const char *name, int &dim)
 {
@@ -532,8 +504,6 @@ std::map<std::string, std::string> PairDeformable::description() const
   return all;
 }
 
-/* ---------------------------------------------------------------------- */
-
 std::vector<PairDeformable *> LAMMPS_NS::require_deformable_pairs(LAMMPS *lmp,
                                                                   const std::string &command)
 {
@@ -546,8 +516,6 @@ std::vector<PairDeformable *> LAMMPS_NS::require_deformable_pairs(LAMMPS *lmp,
                     command, style ? style : "none");
   return pairs;
 }
-
-/* ---------------------------------------------------------------------- */
 
 double *ParticleResults::extract(const char *name)
 {

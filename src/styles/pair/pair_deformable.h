@@ -61,7 +61,7 @@ class ParticleResults {
   enum { AREA, PERIMETER, CONTACTS, PRESSURE, ARC_RADIUS, CONTACT_LENGTH, SIZE };
   static constexpr const char *NAMES[] = {"area",     "perimeter",  "contacts",
                                           "pressure", "arc_radius", "contact_length"};
-  // Of droplets, in place of two results of rings:
+  // Droplets have these in place of two results of rings:
   enum { CONTACT_AREA = PERIMETER, LOAD = ARC_RADIUS };
   static constexpr int SIZE_OF_SURFACE = 5;
   static constexpr const char *NAMES_OF_SURFACE[] = {"area", "contact_area", "contacts", "pressure",
@@ -70,7 +70,7 @@ class ParticleResults {
   std::array<std::vector<double>, SIZE> values;
 };
 
-// Of a contact line, beside its place.
+// What is recorded of a contact line beside its place.
 struct RecordedLine {
   double tilt = 0.0;             // its normal turns by this from the line of centers
   double half_angle = 0.0;       // of an arc: positive where it is convex
@@ -146,7 +146,7 @@ class PairDeformable : public Pair {
   const deformable::FrontKernels &front_kernels() const { return kernels->fronts; }
 
   bool has_wall(int code) const { return code < 0 && !walls.empty(); }
-  // Of a wall's code.
+  // The wall that a code stands for, and the feature of it.
   FixDeformableWall &wall(int code) const { return wall_of(code, walls); }
   int wall_feature(int code) const { return wall_feature_of(code, wall_count()); }
   // In tables of contacts: -1 - k of all walls of fix k, from 0.
@@ -279,18 +279,7 @@ class PairDeformable : public Pair {
   void record(int i, int partner, const deformable::Contact &, double length, double force,
               const deformable::Vector2 &push, double distance, const RecordedLine &line = {});
 
-  // Results of a deformed particle, and of one that is still a circle.
-  void store_shape(int i, const deformable::Contacts &contacts, double pressure)
-  {
-    if (results.requested)
-      results.store_shape(i, ring_radius_of(i), contacts.size, shape, pressure);
-  }
-  void store_circle(int i, double pressure)
-  {
-    if (results.requested) results.store_circle(i, ring_radius_of(i), pressure);
-  }
-
-  // Of particle i, whose contact line does not lie in front of its center.
+  // Stops because the contact line of particle i does not lie in front of its center.
   [[noreturn]] void refuse_behind_center(int i, int j, double dx, double dy);
   // Stops if j is an image of particle i, which has no area left.
   void check_own_image(int i, int j);

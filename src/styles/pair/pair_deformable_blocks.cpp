@@ -99,8 +99,6 @@ template <bool WALLS> void PairDeformable::gather_block(int begin, int end)
 template void PairDeformable::gather_block<false>(int, int);
 template void PairDeformable::gather_block<true>(int, int);
 
-/* ---------------------------------------------------------------------- */
-
 void PairDeformable::remember_active(const BlockParticle &p)
 {
   Row &row = rows[p.name];
@@ -243,8 +241,6 @@ LoadedContact PairDeformable::loaded_contact(const BlockParticle &p, const Place
           true};
 }
 
-/* ---------------------------------------------------------------------- */
-
 void PairDeformable::load_shape(const BlockParticle &p)
 {
   shape.reset(p.active + p.last - p.others, p.ring_radius);
@@ -255,8 +251,6 @@ void PairDeformable::load_shape(const BlockParticle &p)
   for_each_place(block, p,
                  [&](const Place &place) { *response++ = {place.length, place.length, 0.0}; });
 }
-
-/* ---------------------------------------------------------------------- */
 
 void PairDeformable::check_lines(const BlockParticle &p)
 {

@@ -24,13 +24,14 @@ using namespace deformable;
 // hundredth of that, as with 1e-10 and 1e-11, and a step takes up to 1.4 times as long. benchmarks/droplet_energy.py
 static constexpr double TOLERANCE = 1e-9;
 
-/* ---------------------------------------------------------------------- */
+/* ----------------------------------------------------------------------
+   After an error that the caller has caught all is as before.
+------------------------------------------------------------------------- */
 
 void PairDeformableDroplet::settings(int narg, char **arg)
 {
-  number_definition();
-  reach = LARGEST_BULGE;
-  radius_by_atom = false;
+  double given_reach = LARGEST_BULGE;
+  bool by_atom = false;
   Balance balance;
   balance.tolerance = TOLERANCE;
   for (int iarg = 0; iarg < narg;) {
@@ -44,10 +45,10 @@ void PairDeformableDroplet::settings(int narg, char **arg)
     if (iarg + values >= narg)
       utils::missing_cmd_args(FLERR, "pair_style deformable/droplet " + keyword, error);
     if (keyword == "radius") {
-      radius_by_atom = is_by_atom(iarg + 1, arg);
+      by_atom = is_by_atom(iarg + 1, arg);
     } else if (keyword == "reach") {
-      reach = utils::numeric(FLERR, arg[iarg + 1], false, lmp);
-      if (!(reach > 0.0 && reach <= LARGEST_BULGE))
+      given_reach = utils::numeric(FLERR, arg[iarg + 1], false, lmp);
+      if (!(given_reach > 0.0 && given_reach <= LARGEST_BULGE))
         error->all(FLERR_WORD(iarg + 1),
                    "pair_style deformable/droplet reach {} must be positive, and {} at most: no "
                    "droplet bulges farther",
@@ -59,10 +60,11 @@ void PairDeformableDroplet::settings(int narg, char **arg)
   }
   solver = std::make_unique<DropletSolver>(lmp, kernels->forces, kernels->droplets,
                                            balance.tolerance, balance.evaluations);
+  number_definition();
+  reach = given_reach;
+  radius_by_atom = by_atom;
   whole_list = false;
 }
-
-/* ---------------------------------------------------------------------- */
 
 void PairDeformableDroplet::check_species(const Species &s) const
 {
@@ -109,8 +111,6 @@ bool PairDeformableDroplet::take_ramps()
   number_definition();
   return true;
 }
-
-/* ---------------------------------------------------------------------- */
 
 void PairDeformableDroplet::compute(int eflag, int vflag)
 {
@@ -169,8 +169,6 @@ void PairDeformableDroplet::check_room()
                  "{:.6g}: a droplet has its own images inside, use a larger box",
                  domain->prd[axis], "xyz"[axis], largest);
 }
-
-/* ---------------------------------------------------------------------- */
 
 void PairDeformableDroplet::solve(bool new_material)
 {
@@ -234,14 +232,10 @@ void PairDeformableDroplet::push(int begin, int end)
   if (eflag_global) eng_vdwl += energy;
 }
 
-/* ---------------------------------------------------------------------- */
-
 double PairDeformableDroplet::memory_usage()
 {
   return PairDeformable::memory_usage() + solver->memory_usage();
 }
-
-/* ---------------------------------------------------------------------- */
 
 double PairDeformableDroplet::energy_alone(int i, int partner, double force) const
 {

@@ -27,22 +27,25 @@ using namespace deformable;
 // and its candidates overflow the neighbor list.
 static constexpr double LARGEST_REACH = 3.0;
 
-/* ---------------------------------------------------------------------- */
+/* ----------------------------------------------------------------------
+   After an error that the caller has caught all is as before.
+------------------------------------------------------------------------- */
 
 void PairDeformableRing::settings(int narg, char **arg)
 {
-  number_definition();
-  reach = 0.0;
-  radius_by_atom = kA_by_atom = tension_by_atom = false;
+  struct {
+    bool radius = false, kA = false, tension = false;
+  } of_atoms;
+  double given_reach = 0.0;
   std::string law = "balanced";
   int balance_keyword = -1;
   Balance balance;
   for (int iarg = 0; iarg < narg;) {
     const std::string keyword = arg[iarg];
     const int values = keyword == "balance" ? 2 : 1;
-    bool *const by_atom = keyword == "radius"    ? &radius_by_atom
-                          : keyword == "kA"      ? &kA_by_atom
-                          : keyword == "tension" ? &tension_by_atom
+    bool *const by_atom = keyword == "radius"    ? &of_atoms.radius
+                          : keyword == "kA"      ? &of_atoms.kA
+                          : keyword == "tension" ? &of_atoms.tension
                                                  : nullptr;
     if (keyword != "contact" && keyword != "balance" && keyword != "reach" && !by_atom)
       error->all(FLERR_WORD(iarg),
@@ -64,11 +67,11 @@ void PairDeformableRing::settings(int narg, char **arg)
     } else if (by_atom) {
       *by_atom = is_by_atom(iarg + 1, arg);
     } else {
-      reach = utils::numeric(FLERR, arg[iarg + 1], false, lmp);
-      if (!(reach > 0.0))
+      given_reach = utils::numeric(FLERR, arg[iarg + 1], false, lmp);
+      if (!(given_reach > 0.0))
         error->all(FLERR_WORD(iarg + 1), "pair_style deformable/ring reach {} must be positive",
                    arg[iarg + 1]);
-      if (reach > LARGEST_REACH)
+      if (given_reach > LARGEST_REACH)
         error->all(FLERR_WORD(iarg + 1),
                    "pair_style deformable/ring reach {} must be {} at most: no outline bulges "
                    "farther",
@@ -77,19 +80,21 @@ void PairDeformableRing::settings(int narg, char **arg)
     iarg += 1 + values;
   }
   const bool radical = law == "radical";
-  if (reach == 0.0)
-    reach = radical ? 0.3 : 0.6;    // a list of near pairs makes the larger one free
   if (radical && balance_keyword >= 0)
     error->all(FLERR_WORD(balance_keyword),
                "pair_style deformable/ring balance is for 'contact balanced' and 'curved' only");
   balanced.reset(radical ? nullptr
                          : new RingSolver(lmp, kernels->forces, law == "curved", balance.tolerance,
                                           balance.evaluations));
+  number_definition();
+  radius_by_atom = of_atoms.radius;
+  kA_by_atom = of_atoms.kA;
+  tension_by_atom = of_atoms.tension;
+  // a list of near pairs makes the larger one free
+  reach = given_reach > 0.0 ? given_reach : radical ? 0.3 : 0.6;
   films = nullptr;
   whole_list = radical;
 }
-
-/* ---------------------------------------------------------------------- */
 
 std::string PairDeformableRing::law() const
 {
@@ -195,8 +200,6 @@ void PairDeformableRing::check_adhesive_walls()
   }
 }
 
-/* ---------------------------------------------------------------------- */
-
 void PairDeformableRing::compute(int eflag, int vflag)
 {
   const bool ramped = take_ramps(), new_material = choose_yield() || ramped;
@@ -214,8 +217,6 @@ void PairDeformableRing::compute(int eflag, int vflag)
   end_call();
   tell_room();
 }
-
-/* ---------------------------------------------------------------------- */
 
 void PairDeformableRing::evaluate_radical()
 {
@@ -237,8 +238,6 @@ void PairDeformableRing::evaluate_radical()
         refuse_bulge(p.name, contacts, partner < 0 ? wall_contacts[-1 - partner].wall : partner);
       });
 }
-
-/* ---------------------------------------------------------------------- */
 
 Energy PairDeformableRing::shape_ring(int i, const Contacts &contacts, const Stiffness &stiffness)
 {
@@ -301,14 +300,10 @@ void PairDeformableRing::refuse_bulge(int i, const Contacts &contacts, int partn
          larger);
 }
 
-/* ---------------------------------------------------------------------- */
-
 double PairDeformableRing::memory_usage()
 {
   return PairDeformable::memory_usage() + (balanced ? balanced->memory_usage() : 0.0);
 }
-
-/* ---------------------------------------------------------------------- */
 
 double PairDeformableRing::energy_alone(int i, int /*partner*/, double force) const
 {
@@ -488,15 +483,15 @@ void PairDeformableRing::load_contacts_of_pairs()
   }
 }
 
-/* ---------------------------------------------------------------------- */
-
 void PairDeformableRing::finish_balanced(int i)
 {
   const RingSolver::Ring ring = balanced->ring(i);
+  const double r = ring_radius_of(i), pressure = ring.energy.derivative;
   if (eflag_atom) eatom[i] += ring.energy.value;
   const bool is_circle = ring.energy.value == 0.0, is_beyond = ring.arc_radius < 0.0;
   beyond_model += is_beyond;
-  if (is_circle) return store_circle(i, ring.energy.derivative);
+  if (is_circle && results.requested) results.store_circle(i, r, pressure);
+  if (is_circle) return;
   if (!needs_shapes() && !is_beyond && neighbor->ago != 0) return;
 
   const NearPairs &p = balanced->pairs();
@@ -531,14 +526,11 @@ void PairDeformableRing::finish_balanced(int i)
     line.support_length = support_length;
     record(i, other, row[c], length, p.force[k], push, distance, line);
   }
-  store_shape(i, row, ring.energy.derivative);
-  const double r = ring_radius_of(i);
+  if (results.requested) results.store_shape(i, r, row.size, shape, pressure);
   if (is_beyond && PI * r * r <= shape.area_deficit)
     for (int c = 0; c < row.size; ++c)
       if (partner(c) >= 0 && shape.contact[c].length > 0.0) check_own_image(i, partner(c));
 }
-
-/* ---------------------------------------------------------------------- */
 
 void PairDeformableRing::outline_of(int i, const std::vector<RecordedContact> &of_ring, int points,
                                     Outline &outline) const

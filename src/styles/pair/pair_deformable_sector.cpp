@@ -16,19 +16,18 @@
 using namespace LAMMPS_NS;
 using namespace deformable;
 
-/* ---------------------------------------------------------------------- */
-
 PairDeformableSector::PairDeformableSector(LAMMPS *lmp) : PairDeformable(lmp)
 {
   comm_forward = 1;
 }
 
-/* ---------------------------------------------------------------------- */
+/* ----------------------------------------------------------------------
+   After an error that the caller has caught all is as before.
+------------------------------------------------------------------------- */
 
 void PairDeformableSector::settings(int narg, char **arg)
 {
-  number_definition();
-  radius_by_atom = false;
+  bool by_atom = false;
   for (int iarg = 0; iarg < narg; iarg += 2) {
     if (std::string(arg[iarg]) != "radius")
       error->all(FLERR_WORD(iarg),
@@ -36,8 +35,10 @@ void PairDeformableSector::settings(int narg, char **arg)
                  arg[iarg]);
     if (iarg + 1 >= narg)
       utils::missing_cmd_args(FLERR, "pair_style deformable/sector radius", error);
-    radius_by_atom = is_by_atom(iarg + 1, arg);
+    by_atom = is_by_atom(iarg + 1, arg);
   }
+  number_definition();
+  radius_by_atom = by_atom;
   if (std::string(update->unit_style) != "lj" && comm->me == 0)
     error->warning(
         FLERR,
@@ -46,8 +47,6 @@ void PairDeformableSector::settings(int narg, char **arg)
         "length. Use 'units lj' with radii of about 1, or deformable/ring in units {}",
         update->unit_style);
 }
-
-/* ---------------------------------------------------------------------- */
 
 void PairDeformableSector::check_species(const Species &s) const
 {
@@ -59,8 +58,6 @@ void PairDeformableSector::check_species(const Species &s) const
                s.name, problem);
 }
 
-/* ---------------------------------------------------------------------- */
-
 void PairDeformableSector::init_style()
 {
   PairDeformable::init_style();
@@ -71,8 +68,6 @@ void PairDeformableSector::init_style()
                    "The energy of pair style deformable/sector jumps where contacts appear: a run "
                    "does not conserve it. Use deformable/ring for dynamics");
 }
-
-/* ---------------------------------------------------------------------- */
 
 void PairDeformableSector::compute(int eflag, int vflag)
 {
@@ -188,8 +183,6 @@ void PairDeformableSector::repel(const SingleContact &single)
   if (evflag) ev_tally(i, j, atom->nlocal, 1, energy.value, 0.0, force_per_distance, dx, dy, 0.0);
 }
 
-/* ---------------------------------------------------------------------- */
-
 void PairDeformableSector::outline_of(int i, const std::vector<RecordedContact> &of_particle,
                                       int points, Outline &outline) const
 {
@@ -211,8 +204,6 @@ void PairDeformableSector::outline_of(int i, const std::vector<RecordedContact> 
                    });
 }
 
-/* ---------------------------------------------------------------------- */
-
 int PairDeformableSector::pack_forward_comm(int n, int *owned, double *buf, int, int *)
 {
   for (int k = 0; k < n; ++k) buf[k] = ncontacts[owned[k]];
@@ -223,8 +214,6 @@ void PairDeformableSector::unpack_forward_comm(int n, int first, double *buf)
 {
   for (int k = 0; k < n; ++k) ncontacts[first + k] = buf[k];
 }
-
-/* ---------------------------------------------------------------------- */
 
 double PairDeformableSector::memory_usage()
 {

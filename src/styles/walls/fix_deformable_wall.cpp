@@ -27,8 +27,6 @@ using deformable::SurfacePoint;
 using deformable::Vector3;
 using deformable::Wall;
 
-/* ---------------------------------------------------------------------- */
-
 FixDeformableWall::FixDeformableWall(LAMMPS *lmp, int narg, char **arg)
     : Fix(lmp, narg, arg),
       words(utils::join_words({arg + std::min(3, narg), arg + narg}, " ")),
@@ -164,15 +162,11 @@ void FixDeformableWall::check_keywords(Walls &given) const
   }
 }
 
-/* ---------------------------------------------------------------------- */
-
 // 'run ... pre no' would call this fix once more: the next run has its setup in any case.
 FixDeformableWall::~FixDeformableWall()
 {
   if (update) update->first_update = 0;
 }
-
-/* ---------------------------------------------------------------------- */
 
 int FixDeformableWall::setmask()
 {
@@ -181,8 +175,6 @@ int FixDeformableWall::setmask()
   if (!variables().empty()) mask |= END_OF_STEP;
   return mask;
 }
-
-/* ---------------------------------------------------------------------- */
 
 void FixDeformableWall::init()
 {
@@ -252,14 +244,10 @@ void FixDeformableWall::warn_of_box() const
   }
 }
 
-/* ---------------------------------------------------------------------- */
-
 void FixDeformableWall::require(const std::string &problem)
 {
   if (!problem.empty()) error->all(FLERR, "Fix {} deformable/wall: {}", id, problem);
 }
-
-/* ---------------------------------------------------------------------- */
 
 void FixDeformableWall::setup(int vflag)
 {
@@ -267,8 +255,6 @@ void FixDeformableWall::setup(int vflag)
   end_of_step();
   require(load.force.begin_step(lmp, false));
 }
-
-/* ---------------------------------------------------------------------- */
 
 std::vector<WallVariable *> FixDeformableWall::variables()
 {
@@ -370,8 +356,6 @@ Vector3 FixDeformableWall::add_contact(int i, int feature, double force, const V
   if (walls.moves) walls.add_force(feature, center(i), force, beside, cutoff);
   return push;
 }
-
-/* ---------------------------------------------------------------------- */
 
 void FixDeformableWall::post_force(int vflag)
 {
@@ -478,8 +462,6 @@ void FixDeformableWall::restart(char *buffer)
   for (double *place : places) *place = *list++;
 }
 
-/* ---------------------------------------------------------------------- */
-
 void FixDeformableWall::refuse_center(int i, double radius,
                                       const deformable::RefusedCenter &refused)
 {
@@ -503,8 +485,6 @@ void FixDeformableWall::refuse_center(int i, double radius,
   refuse("The center of atom {} at {} is {} {} of fix {} deformable/wall", atom->tag[i], at, place,
          name, id);
 }
-
-/* ---------------------------------------------------------------------- */
 
 double FixDeformableWall::memory_usage()
 {

@@ -72,7 +72,8 @@ class FixDeformableWall : public Fix {
   {
     if (!(atom->mask[i] & groupbit)) return;
     constexpr double NARROWEST = 1.0 - 1e-9;    // a round container, but for rounding of its region
-    constexpr double ABOUT = 1.0 + 1e-12;       // before its line is refused as that of a pair
+    // A wall refuses a center just before the pair style refuses its line, whose message names two atoms.
+    constexpr double ABOUT = 1.0 + 1e-12;
     const deformable::RefusedCenter refused =
         walls.visit(center(i), NARROWEST * radius, ABOUT * deformable::NEAREST_LINE * radius,
                     (1.0 + reach) * radius, visitor);

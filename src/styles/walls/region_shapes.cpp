@@ -412,16 +412,12 @@ std::string read(Region *region, WallShape &shape)
 }    // namespace in_space
 }    // namespace
 
-/* ---------------------------------------------------------------------- */
-
 std::string LAMMPS_NS::read_shape(Region *region, int dimension, double x, double y,
                                   WallShape &shape)
 {
   shape = {};
   return dimension == 2 ? in_the_plane::read(region, x, y, shape) : in_space::read(region, shape);
 }
-
-/* ---------------------------------------------------------------------- */
 
 static Vector3 rotated_with(const Region *region, const Vector3 &v)
 {

@@ -85,8 +85,6 @@ std::string Walls::add_obstacle(Region *region, bool inside, double x, double y)
   return check_obstacle(obstacle);
 }
 
-/* ---------------------------------------------------------------------- */
-
 std::string Walls::check_obstacle(const Wall &obstacle) const
 {
   for (const Wall::Side &side : obstacle.sides)
@@ -149,8 +147,6 @@ std::string Walls::place_sides(LAMMPS *lmp, bool goes_on)
   }
   return "";
 }
-
-/* ---------------------------------------------------------------------- */
 
 std::string Walls::follow()
 {
@@ -250,8 +246,6 @@ const Word *find_word(const std::string &name)
 
 }    // namespace
 
-/* ---------------------------------------------------------------------- */
-
 bool Walls::is_word(const std::string &word)
 {
   return find_word(word) || is_side(word);
@@ -263,8 +257,6 @@ const char *Walls::known_words(int dimension)
              ? "'plane', 'circle', 'disk', 'segment', 'polygon', or a side 'xlo' to 'yhi'"
              : "'plane', 'sphere', 'cylinder', 'cone', 'ball', 'post', or a side 'xlo' to 'zhi'";
 }
-
-/* ---------------------------------------------------------------------- */
 
 std::string Walls::read_words(int narg, char **arg, LAMMPS *lmp)
 {
@@ -314,8 +306,6 @@ std::string Walls::read_words(int narg, char **arg, LAMMPS *lmp)
   return "";
 }
 
-/* ---------------------------------------------------------------------- */
-
 namespace {
 
 // Thermo keywords, functions and vectors that need forces, energies or temperatures.
@@ -346,8 +336,6 @@ bool uses_state(const std::string &name, LAMMPS *lmp, std::set<std::string> &see
 }
 
 }    // namespace
-
-/* ---------------------------------------------------------------------- */
 
 std::string WallVariable::read(const std::string &its_name, const std::string &word, LAMMPS *lmp)
 {
