@@ -23,7 +23,7 @@ from tqdm import tqdm
 from typer import Argument, Option
 
 from . import potentials
-from ._files import make_folder
+from ._files import make_folder, written_whole
 from .cli_options import (
     CommandLineError,
     InFile,
@@ -176,7 +176,8 @@ def _draw(state: State, out: Path, **settings: Any) -> None:
     if settings.get("title") is None:
         settings["title"] = title_of(state)
     figure: Any = state.plot(**settings).figure
-    figure.savefig(out, dpi=150)
+    with written_whole(out) as part:
+        figure.savefig(part, dpi=150)
 
 
 _COLUMNS = ("phi", "pressure", "energy", "coordination", "rattlers", "residual")

@@ -6,6 +6,7 @@ from pathlib import Path
 import lammps_deformable as ld
 import pytest
 from lammps_deformable import _files
+from lammps_deformable.cli import app
 from matplotlib.animation import PillowWriter
 from refusals import refused
 
@@ -32,3 +33,18 @@ def test_a_movie(state: ld.State, tmp_path: Path, monkeypatch: pytest.MonkeyPatc
         ld.Run([state]).movie(movie)
     assert os.listdir(tmp_path) == ["run.gif"]
     assert movie.read_bytes() == before
+
+
+def test_a_folder_is_tried_before_the_movie_is_drawn(
+    state: ld.State, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Path, "touch", full)
+    monkeypatch.setattr(PillowWriter, "grab_frame", None)
+    with refused("run.gif' cannot be written: No space left on device", ld.FileError):
+        ld.Run([state]).movie(tmp_path / "run.gif")
+
+
+def test_a_picture_of_the_shell(state: ld.State, tmp_path: Path) -> None:
+    state.save(tmp_path / "run")
+    with refused("^'.*nowhere/a.png' cannot be written: No such file", ld.FileError):
+        app(["plot", str(tmp_path / "run"), "--out", "nowhere/a.png"], standalone_mode=False)
