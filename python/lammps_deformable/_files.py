@@ -6,14 +6,17 @@ that word becomes {"word": "inf"}.
 
 from __future__ import annotations
 
+import fcntl
 import math
+import os
 import re
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from mpi4py import MPI
 from numpy.typing import NDArray
 
 from ._checks import expect, shown
@@ -26,10 +29,31 @@ def write_whole(path: Path, content: str | bytes) -> None:
     Raises:
         FileError: it cannot be written.
     """
-    part = path.with_name(path.name + ".part")
-    with writing(path):
+    with written_whole(path, path.name + ".part") as part:
         part.write_bytes(content.encode() if isinstance(content, str) else content)
-        part.replace(path)
+
+
+@contextmanager
+def written_whole(path: Path, name: str | None = None) -> Iterator[Path]:
+    """The path of a part beside a file, which becomes the file at the end, and else vanishes.
+
+    Args:
+        path: of the file.
+        name: of the part, which has the suffix of the file if not given.
+
+    Raises:
+        FileError: it cannot be written.
+    """
+    part = path.with_name(name or f"{path.stem}.part{path.suffix}")
+    with writing(path):
+        try:
+            part.touch()  # or fail before the work is done
+            yield part
+            part.replace(path)
+        except BaseException:  # such as a full disk
+            with suppress(OSError):
+                part.unlink()
+            raise
 
 
 def replaces(mode: object) -> bool:
@@ -78,6 +102,60 @@ def writing(path: str | Path) -> Iterator[None]:
         yield
     except OSError as error:
         raise FileError(f"'{path}' cannot be written: {error.strerror or error}") from None
+
+
+@contextmanager
+def alone_in(folder: Path, comm: MPI.Comm, check: Callable[[], object]) -> Iterator[None]:
+    """Let no other process write a run to the folder meanwhile.
+
+    The lock is one of the system on the folder itself: it leaves no file behind, and ends with the
+    process, however that ends. Where a file system has no locks nothing is locked.
+
+    Args:
+        folder: made if it is missing.
+        comm: ranks that write together; rank 0 holds the lock.
+        check: called by rank 0 behind the lock; it raises a FileError where another process has
+            written since the folder was looked at.
+
+    Raises:
+        FileError: another process writes to it, or has done so; on all ranks.
+    """
+    lock, refused = None, None
+    try:
+        if comm.rank == 0:
+            try:
+                lock = _locked(make_folder(folder))
+                check()
+            except FileError as error:
+                refused = str(error)
+        refused = comm.bcast(refused)
+        if refused is not None:
+            raise FileError(refused)
+        yield
+    finally:
+        if lock is not None:
+            os.close(lock)
+
+
+def _locked(folder: Path) -> int:
+    """A descriptor of the folder that locks it until it is closed.
+
+    Raises:
+        FileError: another one locks it.
+    """
+    with writing(folder):
+        lock = os.open(folder, os.O_RDONLY)
+    try:
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        os.close(lock)
+        raise FileError(
+            f"the run in '{folder}' is being written, by another process or simulation: wait for "
+            "it, or name another folder"
+        ) from None
+    except OSError:
+        pass  # of a file system without locks
+    return lock
 
 
 @contextmanager

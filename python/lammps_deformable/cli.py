@@ -23,7 +23,7 @@ from tqdm import tqdm
 from typer import Argument, Option
 
 from . import potentials
-from ._files import make_folder
+from ._files import make_folder, written_whole
 from .cli_options import (
     CommandLineError,
     InFile,
@@ -43,7 +43,7 @@ from .cli_options import (
     unset,
 )
 from .compression import check_target
-from .errors import DeformableError, ParameterError
+from .errors import DeformableError, FileError, ParameterError
 from .generators import bidisperse
 from .jamming import jam
 from .lammps import silent_lammps
@@ -176,7 +176,8 @@ def _draw(state: State, out: Path, **settings: Any) -> None:
     if settings.get("title") is None:
         settings["title"] = title_of(state)
     figure: Any = state.plot(**settings).figure
-    figure.savefig(out, dpi=150)
+    with written_whole(out) as part:
+        figure.savefig(part, dpi=150)
 
 
 _COLUMNS = ("phi", "pressure", "energy", "coordination", "rattlers", "residual")
@@ -587,7 +588,12 @@ def outline_command(
     for path in pictures:
         _check_picture(path)
     names = None if types is None else types.split(",")
-    state = State.from_file(dump, species, law=law, types=names, frame=frame, radii=radii)
+    try:
+        state = State.from_file(dump, species, law=law, types=names, frame=frame, radii=radii)
+    except FileError as error:
+        if "walls=" not in str(error):
+            raise
+        raise FileError(f"{error}, to State.from_file in Python") from None
     if law is None:
         print_once(f"contact law {state.law.name}: give --law for another")
     for path in paths:

@@ -27,12 +27,12 @@ from ._files import make_folder
 from .box import cartesian, fractional
 from .core import angles, norm, unit_vectors
 from .error_plot import plot_errors
-from .errors import ParameterError
+from .errors import ParameterError, StalledWarning, warn
 from .exact_droplets import ExactPacking, exact_packing, osmotic
 from .laws import Droplet, Law, Ring, Sector, SoftContact, per_species, refuse_adhesion
 from .packing import Packing
 from .parallel import parallel_map
-from .polygons import DeformablePolygon, Polygons
+from .polygons import DeformablePolygon, Polygons, refuse_overlap, refuse_packing
 from .simulation import Simulation
 from .state import State
 from .versions import optional
@@ -50,6 +50,10 @@ _RESTLESS = {"sector"}
 
 # A packing with less than this part of the polygons' pressure has lost its rigidity.
 _UNJAMMED = 1e-6
+
+# Largest residual of polygons whose energies are those at rest, and the largest relative difference
+# of two estimates of the limit of very many vertices that is nothing to warn of.
+_RESTING, _UNCERTAIN = 1e-2, 0.1
 
 # kP/(kA R^2) of polygons that stand for inextensible ones: the springs lower S by kA q^2/kP, below
 # a tenth. The time of a relaxation grows as the root of the stiffness.
@@ -201,8 +205,12 @@ def compare(
             it, because reading a pickle runs the code in it.
 
     Raises:
-        ParameterError: circles overlap; a run is no isotropic compression; or particles stick, or
-            have a tension: polygons have none.
+        ParameterError: circles overlap; a run is no isotropic compression; particles stick, or have
+            a tension: polygons have none; or they have radii of their own.
+
+    Warns:
+        StalledWarning: smooth polygons did not come to rest. They do not count for the limit.
+        UserWarning: the energy of very many vertices is known to some 10 % only.
     """
     given: Any = law
     if isinstance(start, State) and isinstance(start.law, DeformablePolygon):
@@ -223,24 +231,68 @@ def compare(
             _refuse_law(each)
     stiffness = given or own
     model = partial(_polygons, packing, polygon, None if polygon else stiffness)
-    *coarse, finest = sorted({count("vertices", each) for each in vertices})
+    *coarse, finest = sorted(set(_counts("vertices", vertices))) or [0]
+    if not finest:
+        raise ParameterError("vertices must be at least one number: the most are the reference")
     rivals = [model(each) for each in coarse]
-    rivals += [model(count("beads", each), smooth=False) for each in beads]
+    rivals += [model(each, smooth=False) for each in _counts("beads", beads)]
     reference = model(finest)
+    refuse_packing(packing)
+    refuse_overlap(packing, reference)
     laws = None if given is None else {given.name: _matched(given, reference, packing)}
     rows = compression_rows(
         packing, reference, strain, steps, rivals, laws=laws, workers=workers, keep=keep
     )
     soft = Simulation(packing, SoftContact(), comm=MPI.COMM_SELF)
     disks = math.fsum(seconds for _, seconds in timed(soft, strain, steps))
-    return Comparison(method_rows(rows, disks), rows)
+    found = method_rows(rows, disks)
+    _warn_of_reference(found)
+    return Comparison(found, rows)
+
+
+def _counts(name: str, values: Iterable[int]) -> list[int]:
+    """Numbers of vertices, from 1."""
+    if not isinstance(values, Iterable) or isinstance(values, str):
+        raise ParameterError(f"{name} must be several numbers, as (38, 76), not {shown(values)}")
+    return [count(name, each) for each in values]
 
 
 def _refuse_law(law: Any) -> None:
     expect("law", law, Ring, Sector)
     refuse_adhesion(law, (), ", and polygons have none")
     if isinstance(law, Ring) and np.any(law.tension):
-        raise ParameterError("particles have a tension, and polygons have none: compare without")
+        raise ParameterError(
+            "particles have a tension, and polygons have none: compare without; the exact law with "
+            "a tension, to compare states of others with, is Ring(..., contact='curved')"
+        )
+
+
+def _warn_of_reference(rows: Sequence[Row]) -> None:
+    """Warn of energies that say little, as the polygons have not found them.
+
+    Args:
+        rows: of `method_rows`.
+    """
+    ways = "take more vertices, smaller steps or another strain"
+    for row in rows:
+        if row["method"] in ("smooth", "reference") and not _at_rest(row["residual"]):
+            warn(
+                f"the smooth polygons of {row['vertices']} vertices did not come to rest: their "
+                f"residual is {row['residual']:.2g}, and their row says nothing; {ways}",
+                StalledWarning,
+            )
+    uncertain = rows[-1].get("limit_error")
+    if uncertain is not None and uncertain > _UNCERTAIN:
+        warn(
+            f"the energy of polygons of very many vertices is known to {100 * uncertain:.0f} % "
+            f"only, and so are the errors of energies: {ways}",
+            UserWarning,
+        )
+
+
+def _at_rest(residual: float | None) -> bool:
+    """Whether a relaxation has ended with energies that can be compared."""
+    return residual is not None and residual < _RESTING
 
 
 def _begin(start: Any, strain: float, steps: int) -> tuple[Packing | State, float, int]:
@@ -528,7 +580,11 @@ def method_rows(steps: Sequence[Row], seconds_of_disks: float) -> list[Row]:
         *found,
         disk | exact,
     ]
-    smooth = [row for row in rows if row["method"] in ("smooth", "reference")]
+    smooth = [
+        row
+        for row in rows
+        if row["method"] in ("smooth", "reference") and _at_rest(row["law_residual"])
+    ]
     finest = sorted(smooth, key=lambda row: int(row["vertices"]))[-3:]
     limits = [
         of_many_vertices(a["energy_ratio"], b["energy_ratio"], b["vertices"] / a["vertices"])

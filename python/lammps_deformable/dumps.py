@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from mpi4py import MPI
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from . import potentials
 from ._checks import expect
@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from .state import State
+    from .walls import Wall
 
 # The law of files that do not tell.
 _UNTOLD = "balanced"
@@ -47,6 +48,8 @@ def state_in_file(
     types: Sequence[str] | None = None,
     frame: int = -1,
     radii: str | None = None,
+    walls: Wall | Sequence[Wall] = (),
+    box: ArrayLike | None = None,
 ) -> State:
     """See `State.from_file`."""
     expect("path", path, str, Path)
@@ -63,7 +66,9 @@ def state_in_file(
         raise FileError(f"there is no species file '{species}'")
     names = list(species_names(file) if types is None else types)
     own, dimension = 1.0 if radii is None else radii, ALL_LAWS[law].dimension
-    packing = Packing.from_file(path, radii=own, frame=frame, dimension=dimension)
+    packing = Packing.from_file(
+        path, radii=own, frame=frame, dimension=dimension, walls=walls, box=box
+    )
     number = len(packing._species_radii)
     if number > len(names):
         raise ParameterError(
@@ -77,7 +82,9 @@ def state_in_file(
         reach: dict[str, Any] = {"reach": told.reach}
         chosen = replace(chosen, **reach)
     if radii is None:
-        packing = Packing._of_species(packing.positions, packing.species, sizes, packing.box)
+        packing = Packing._of_species(
+            packing.positions, packing.species, sizes, packing.box, walls=packing.walls
+        )
     with Simulation(packing, chosen, comm=MPI.COMM_SELF) as sim:
         return sim.state()
 

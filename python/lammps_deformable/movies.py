@@ -9,7 +9,7 @@ from typing import Any
 from numpy.typing import ArrayLike
 
 from ._checks import expect, shown, whole
-from ._files import writing
+from ._files import written_whole
 from .drawing import limited, new_figure, scale
 from .errors import ParameterError
 from .packing import Packing
@@ -81,8 +81,8 @@ def movie(
     draw(frames[0])  # or fail before the file is there
     writer = writers[name](fps=rate)
     with (
-        writing(path),
-        writer.saving(figure, str(path), dpi=_DOTS_PER_INCH),
+        written_whole(Path(path)) as part,
+        writer.saving(figure, str(part), dpi=_DOTS_PER_INCH),
         progress("drawing", unit="picture", total=len(frames)) as bar,
     ):
         for number, state in enumerate(frames):

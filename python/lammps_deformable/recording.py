@@ -10,7 +10,8 @@ follow each other instead, and the run cannot be resumed.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import closing
+from contextlib import ExitStack, closing
+from functools import partial
 from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -20,7 +21,7 @@ from mpi4py import MPI
 
 from . import store
 from ._checks import expect, positive, shown
-from ._files import check_parameters, make_folder
+from ._files import alone_in, check_parameters
 from .errors import FileError, ParameterError
 from .lammps import has_commands_of_a_user
 from .laws import Droplet, Ring, Sector, SoftContact
@@ -131,41 +132,59 @@ def play(sim: Any, name: str, given: Mapping[str, Any]) -> Run:
     if sim.minimizer != sim._choose(None):
         told["minimizer"] = sim.minimizer
     told |= before
-    if folder is not None and state._root:
-        if mode == "a":
-            store.keep_frames(make_folder(folder), first)
-        else:
-            store.drop_frames(make_folder(folder))
-        if first:
-            state._write(folder, told, frames=first)  # all of a run that goes on, but the frame
-        else:
-            _write(folder, 0, state, told)
     states = [state]
-    _steps(sim, told, start, 0, max(first, 1), state, folder, callback, states, keep)
+    with ExitStack() as lock:
+        if folder is not None:
+            check = partial(_check_place, name, record, mode, first)
+            lock.enter_context(alone_in(folder, sim.comm, check))
+        if folder is not None and state._root:
+            if mode == "a":
+                store.keep_frames(folder, first)
+            else:
+                store.drop_frames(folder)
+            if first:
+                state._write(folder, told, frames=first)  # all of a run that goes on, but the frame
+            else:
+                _write(folder, 0, state, told)
+        _steps(sim, told, start, 0, max(first, 1), state, folder, callback, states, keep)
     if folder is None:
         return Run(states, told)
     return Run(folder)[max(first, 1) - 1 :] if keep else Run(folder)[-1:]
 
 
-def resume(run: Run, sim: Any, callback: Callback | None = None) -> None:
+def resume(run: Run, sim: Any, done: int, callback: Callback | None = None) -> None:
     """Take the steps that a recorded run lacks, from a simulation of its last state.
 
+    Args:
+        run: in a folder.
+        sim: of its last state.
+        done: number of steps that the run had when that state was read.
+        callback: see `play`.
+
     Raises:
-        FileError: frames are missing.
+        FileError: frames are missing, or another process writes or has written the run.
     """
     told = run.parameters
-    start, done = told["start"], run.steps_done
+    start = told["start"]
     assert run.folder is not None
-    assert done is not None
-    store.check_frames(run.folder)
-    if sim.comm.rank == 0:
-        store.keep_frames(run.folder, store.frames_in(run.folder))
-    if done and "seed" not in told:
-        sim.relax(np.finfo(float).max)  # relaxed already: this only finds whether it is rigid
-        packing, *_ = store.read(run.folder)
-        sim.reset(packing)
-        sim._engine.go_on(sim, store.read_motion(run.folder, packing))
-    _steps(sim, told, start, done, start["frame"], None, run.folder, callback, [], False)
+
+    def check() -> None:
+        if run.steps_done != done:
+            raise FileError(
+                f"another process has gone on with the run in '{run.folder}': resume it again"
+            )
+
+    with alone_in(run.folder, sim.comm, check):
+        store.check_frames(run.folder)
+        sim.comm.barrier()  # all ranks have read the frames
+        if sim.comm.rank == 0:
+            store.keep_frames(run.folder, store.frames_in(run.folder))
+        if done and "seed" not in told:
+            sim.relax(np.finfo(float).max)  # relaxed already: this only finds whether it is rigid
+            packing, *_ = store.read(run.folder)
+            sim.reset(packing)
+            sim._engine.go_on(sim, store.read_motion(run.folder, packing))
+        _steps(sim, told, start, done, start["frame"], None, run.folder, callback, [], False)
 
 
 def _taken(
@@ -175,10 +194,8 @@ def _taken(
 
     Raises:
         ParameterError: the mode is another, or the simulation cannot be recorded.
-        FileError: the folder holds what the mode does not allow, or an interrupted run.
+        FileError: see `_place`.
     """
-    from .run import Run
-
     if mode not in ("x", "w", "a"):
         raise ParameterError(f"mode must be 'x', 'w' or 'a', not {shown(mode)}")
     if record is None:
@@ -190,6 +207,17 @@ def _taken(
             "another law"
         )
     sim.comm.barrier()  # rank 0 may still be writing
+    return _place(name, record, mode)
+
+
+def _place(name: str, record: str | Path, mode: str) -> tuple[Path, int, dict[str, Any]]:
+    """What `_taken` returns of a folder, by what is in it.
+
+    Raises:
+        FileError: the folder holds what the mode does not allow, or an interrupted run.
+    """
+    from .run import Run
+
     call = f"{name}(..., record={str(record)!r}, mode="
     ways = (
         f"finish it with Run({str(record)!r}).resume()",
@@ -209,6 +237,15 @@ def _taken(
         )
     store.check_frames(place)
     return place, store.frames_in(place), {"before": before}
+
+
+def _check_place(name: str, record: str | Path, mode: str, first: int) -> None:
+    """Raise an error if a folder is not as `_taken` has found it, with `first` frames that stay."""
+    if _place(name, record, mode)[1] != first:
+        raise FileError(
+            f"another process has gone on with the run in '{record}' since this call of {name} "
+            "began: open it again, or name another folder"
+        )
 
 
 def _steps(

@@ -357,7 +357,7 @@ class Run(Sequence[Any]):
 
         Raises:
             FileError: the protocol cannot be resumed, as commands of a user were given to its
-                `lmp`; or its files cannot be read.
+                `lmp`; its files cannot be read; or another process is writing the run.
         """
         if self.folder is None:
             return self
@@ -374,7 +374,7 @@ class Run(Sequence[Any]):
         communicator(comm).barrier()  # all ranks have read the folder
         if done < parameters["start"]["states"]:
             with self._simulation(self.folder, comm) as sim:
-                recording.resume(self, sim, callback)
+                recording.resume(self, sim, done, callback)
         return self
 
     def table(self, **columns: Column) -> Table:

@@ -52,6 +52,7 @@ if TYPE_CHECKING:
     from .packing import Packing
     from .secondary import SecondaryOutlines
     from .tracking import LocalStrain
+    from .walls import Wall
 
 Floats = NDArray[np.float64]
 
@@ -240,15 +241,17 @@ class State:
         types: Sequence[str] | None = None,
         frame: int = -1,
         radii: str | None = None,
+        walls: Wall | Sequence[Wall] = (),
+        box: ArrayLike | None = None,
     ) -> State:
         """The state of particles whose centers are in a file: outlines, energy, stress, contacts.
 
             ld.State.from_file("shapes.dump", "mixture.deformable").export("shapes.vtp")
 
-        Positions are those of the file; nothing moves. They must be periodic and, but for droplets,
-        of one plane. Velocities are left out. Particles with an adhesion stick where their circles
-        overlap. A file does not tell of the stiffnesses of single particles, *kA atom*: they are
-        those of the species.
+        Positions are those of the file; nothing moves. They must be periodic, or between `walls`,
+        and, but for droplets, of one plane. Velocities are left out. Particles with an adhesion
+        stick where their circles overlap. A file does not tell of the stiffnesses of single
+        particles, *kA atom*: they are those of the species.
 
         Args:
             path: a LAMMPS dump, or what else `Packing.from_file` reads.
@@ -261,6 +264,8 @@ class State:
             frame: number of the frame, from 0, or from the end if negative.
             radii: name of a column with the radius of each particle, as with `radius atom`; by
                 default the radii are those of the species.
+            walls, box: as for `Packing.from_file`: a box that is not periodic needs the walls of
+                the input, where they were at this frame.
 
         Raises:
             FileError: a file cannot be read.
@@ -269,7 +274,7 @@ class State:
         """
         from .dumps import state_in_file
 
-        return state_in_file(path, species, law, types, frame, radii)
+        return state_in_file(path, species, law, types, frame, radii, walls, box)
 
     def __repr__(self) -> str:
         return (

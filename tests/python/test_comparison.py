@@ -10,7 +10,7 @@ from typing import Any
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable import core
+from lammps_deformable import comparison, core
 from lammps_deformable.comparison import (
     centers_rms,
     matching_laws,
@@ -20,6 +20,7 @@ from lammps_deformable.comparison import (
     shape_errors,
 )
 from lammps_deformable.lammps import gather
+from refusals import refused
 
 # Made by a bead code that shares nothing with this project; coordinates have nine decimals. The
 # key `about` describes it.
@@ -313,8 +314,10 @@ def test_a_run_is_compared_from_its_start(jammed: ld.Packing, tmp_path: Path) ->
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
-        ({"law": ld.Ring(kP=1.0, tension=0.1)}, "have a tension, and polygons have none"),
+        ({"law": ld.Ring(kP=1.0, tension=0.1)}, "have a tension, .* law .* is .*'curved'"),
         ({"vertices": (0,)}, "vertices must be at least 1, not 0"),
+        ({"vertices": 38}, "vertices must be several numbers, as .*, not 38"),
+        ({"vertices": ()}, "vertices must be at least one number"),
         ({"beads": (2.5,)}, "beads must be .* not 2.5"),
     ],
 )
@@ -323,3 +326,45 @@ def test_what_cannot_be_compared(
 ) -> None:
     with pytest.raises(ld.ParameterError, match=message):
         ld.compare(jammed, **settings)
+
+
+@pytest.mark.parametrize(
+    ("start", "message"),
+    [
+        (ld.bidisperse(8, seed=1), "particles . and . overlap by .*: take a packing at jamming"),
+        (ld.polydisperse(8, [0.5, 0.6] * 4, seed=1), "radii of their .*species=np.unique"),
+        (ld.bidisperse(8, seed=1).between(ld.BoxWall((9, 9))), "polygons have no walls"),
+    ],
+)
+def test_a_start_is_refused_before_anything_is_computed(
+    start: ld.Packing, message: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(comparison, "parallel_map", None)
+    with refused(message):
+        ld.compare(start)
+
+
+def smooth_rows(*polygons: tuple[int, float, float]) -> list[dict[str, Any]]:
+    """Of polygons of so many vertices, with this energy and residual; the last is the reference."""
+    *_, (finest, exact, rest) = polygons
+    common = {"n": 8, "strain": 0.02, "n_v": finest, "residual": rest, "seconds_polygons": 1.0}
+    common |= {"law": "smooth", "own": True, "seconds": 1.0, "S_rms": 0.0, "I": 0.0}
+    return [
+        common
+        | {"vertices": number, "law_residual": residual}
+        | {"energy_ratio": energy / exact, "pressure_ratio": energy / exact}
+        for number, energy, residual in polygons[:-1]
+    ]
+
+
+def test_polygons_that_are_not_at_rest_do_not_count() -> None:
+    rows = comparison.method_rows(smooth_rows((38, 1.04, 0), (57, 2.0, 9.0), (76, 1.01, 0)), 1.0)
+    assert rows[-1]["energy_ratio"] == pytest.approx(1.01)
+    with pytest.warns(ld.StalledWarning, match=r"polygons of 57 vertices .* residual is 9, "):
+        comparison._warn_of_reference(rows)
+
+
+def test_a_limit_that_is_not_known_is_told() -> None:
+    energies = smooth_rows((38, 2.0, 0), (57, 1.1, 0), (76, 1.0, 0))
+    with pytest.warns(UserWarning, match=r"is known to \d\d % only"):
+        comparison._warn_of_reference(comparison.method_rows(energies, 1.0))

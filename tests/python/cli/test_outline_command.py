@@ -2,6 +2,7 @@
 
 import json
 from pathlib import Path
+from typing import Any
 
 import lammps_deformable as ld
 import numpy as np
@@ -145,10 +146,29 @@ def test_nonsense_is_told(dumped: Path, monkeypatch: pytest.MonkeyPatch) -> None
         ("shapes.dump --species mixture --radii size", "no column size"),
         ("shapes.dump --species mixture --law sector", "the sector law needs kP = inf"),
         ("shapes.dump --species mixture --out a.txt", "a picture is one of"),
-        ("walled.dump --species mixture", "not periodic along x"),
+        ("walled.dump --species mixture", "not periodic along x: .* State.from_file in Python$"),
     ):
         with refused(message, errors):
             app(["outline", *words.split()], standalone_mode=False)
+
+
+def test_walls_of_the_input(tmp_path: Path) -> None:
+    """A dump has no walls; with them the energy is that of the script."""
+    between = (
+        SCRIPT.replace("lattice", "boundary p f p\nlattice")
+        .replace("-1 5 -1 3", "-1 5 -1.3 2.7")
+        .replace("thermo_modify", "fix slit all deformable/wall ylo EDGE yhi EDGE\nthermo_modify")
+        .replace("%.15g", "%.15g) $(ylo:%.17g) $(yhi:%.17g")
+    )
+    (tmp_path / "in.slit").write_text(between)
+    done = program("lmp", "-in", "in.slit", "-log", "none", cwd=tmp_path)
+    assert done.returncode == 0, done.stdout
+    energy, low, high = map(float, (tmp_path / "energy").read_text().split())
+    walls = [ld.Plane((0, low), (0, 1)), ld.Plane((0, high), (0, -1))]
+    how: dict[str, Any] = {"types": ["soft", "stiff"], "law": "curved"}
+    state = ld.State.from_file(tmp_path / "shapes.dump", tmp_path / "mixture", walls=walls, **how)
+    assert state.energy == pytest.approx(energy, rel=1e-9)
+    assert np.abs(state.wall_forces[:, 1]).min() > 0.0
 
 
 def test_law_must_be_one() -> None:

@@ -171,6 +171,23 @@ def test_polydisperse_names_the_bad_value() -> None:
             ld.polydisperse(3, radii, seed=1)
 
 
+def test_arrays_of_tables() -> None:
+    """Columns of a table that also has words are arrays of objects."""
+    rows = np.array([["a", 1.0, 1], ["b", 2.0, np.float32(2.5)]], dtype=object)
+    found = ld.Packing(rows[:, 1:], 0.5, (5, 5)).positions
+    np.testing.assert_array_equal(found, [[1.0, 1.0], [2.0, 2.5]])
+    for wrong in (rows, np.array([["1", "1"]], dtype=object), np.array([[None, 1.0]])):
+        with refused("positions must be finite numbers, not "):
+            ld.Packing(wrong, 0.5, (5, 5))
+
+
+def test_masked_values_are_refused() -> None:
+    hidden = np.ma.masked_greater([[1.0, 1.0], [2.0, 9.0]], 5.0)
+    with refused("positions has masked values: "):
+        ld.Packing(hidden, 0.5, (5, 5))
+    ld.Packing(hidden[:1], 0.5, (5, 5))
+
+
 @pytest.mark.parametrize("walled", [False, True])
 def test_radii_grow_in_place_of_a_shrinking_box(walled: bool) -> None:
     """The same packing up to its scale; box, walls and centers stay."""
