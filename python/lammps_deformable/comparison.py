@@ -27,7 +27,7 @@ from ._files import make_folder
 from .box import cartesian, fractional
 from .core import angles, norm, unit_vectors
 from .error_plot import plot_errors
-from .errors import ParameterError, StalledWarning, warn
+from .errors import ParameterError, StalledWarning, UnjammedWarning, warn
 from .exact_droplets import ExactPacking, exact_packing, osmotic
 from .laws import Droplet, Law, Ring, Sector, SoftContact, per_species, refuse_adhesion
 from .packing import Packing
@@ -98,8 +98,9 @@ class Comparison:
             method, vertices: its name, and N_v of the smallest polygons, or nodes for each droplet,
                 else None.
             strain: linear, beyond the start; None at given centers.
-            energy_ratio, pressure_ratio: over those of the reference, energies over those of
-                polygons of very many vertices if there are two kinds of smooth polygons.
+            energy_ratio, pressure_ratio: over those of the reference, None where one of both is
+                loose; energies over those of polygons of very many vertices if there are two kinds
+                of smooth polygons.
             energy_error, pressure_error: distance of these ratios from 1.
             area_error: rms difference of the area deficits over their rms; 1 for disks. In space of
                 what surfaces have gained; of soft spheres their energies.
@@ -209,6 +210,7 @@ def compare(
             a tension: polygons have none; or they have radii of their own.
 
     Warns:
+        UnjammedWarning: the packing is loose.
         StalledWarning: smooth polygons did not come to rest. They do not count for the limit.
         UserWarning: the energy of very many vertices is known to some 10 % only.
     """
@@ -281,6 +283,12 @@ def _warn_of_reference(rows: Sequence[Row]) -> None:
                 f"residual is {row['residual']:.2g}, and their row says nothing; {ways}",
                 StalledWarning,
             )
+    if not any(row["pressure_ratio"] for row in rows[:-1]):
+        warn(
+            "the packing is loose, of the finest polygons or of all others, so that there are no "
+            "errors of energies: take a larger strain, or another packing",
+            UnjammedWarning,
+        )
     uncertain = rows[-1].get("limit_error")
     if uncertain is not None and uncertain > _UNCERTAIN:
         warn(
@@ -649,7 +657,7 @@ def timed(sim: Simulation, strain: float, steps: int) -> Steps:
 
 def _against(exact: State, other: State, seconds: float | None) -> dict[str, Any]:
     """The errors of a law, or of other polygons, see `compression_rows`."""
-    loose = is_unjammed(other, exact)
+    loose = is_unjammed(other, exact) or is_unjammed(exact, other)
     wrong = norm(other.area_deficit - exact.area_deficit)
     return {
         "energy_ratio": None if loose else _over(other.energy, exact.energy),

@@ -308,7 +308,10 @@ def _kind(path: Path) -> str:
         with path.open("rb") as file:
             start = file.read(_HEAD)
     except IsADirectoryError:
-        raise FileError(f"'{path}' is a folder: ld.Run has the states of a recorded run") from None
+        raise FileError(
+            f"'{path}' is a folder: name a file in it, such as {path / 'packing.data'}; in Python "
+            "ld.Run has the states of a recorded run"
+        ) from None
     except OSError as error:
         raise FileError(f"'{path}' cannot be read: {error.strerror}") from None
     if not start:

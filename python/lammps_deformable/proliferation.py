@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from . import core
 from ._checks import count, expect, positive, shown, zero_or_more
-from .errors import ParameterError
+from .errors import LammpsError, ParameterError
 from .laws import Droplet, Ring, one_or_each, per_species, volumes
 from .motion import drawn_seed
 from .population import at_rest, divided, labels_of, remaining
@@ -33,6 +33,9 @@ Floats = NDArray[np.float64]
 
 # Growth of a volume from one relaxation to the next.
 _GROWTH = 0.05
+
+# Packing fraction of undeformed cells that leave no room to grow.
+_FULL = 0.9
 
 _AXES = ("random", "long", "stress")
 
@@ -98,7 +101,15 @@ def _proliferated(
             radii = state.radii * np.exp(rate * step / sim.dimension)
             grown = divide(state, radii, settings, start, rng)
             sim.reset(replace(die(grown, settings["death"] * step, rng), time=later))
-            state = at_rest(sim, settings)
+            try:
+                state = at_rest(sim, settings)
+            except LammpsError as error:
+                if state.packing.phi < _FULL:
+                    raise
+                raise LammpsError(
+                    f"{error}; the cells fill the box at time {state.time:.3g}: give a pressure "
+                    "at which growth ceases, or end sooner"
+                ) from None
         yield state
 
 

@@ -368,3 +368,14 @@ def test_a_limit_that_is_not_known_is_told() -> None:
     energies = smooth_rows((38, 2.0, 0), (57, 1.1, 0), (76, 1.0, 0))
     with pytest.warns(UserWarning, match=r"is known to \d\d % only"):
         comparison._warn_of_reference(comparison.method_rows(energies, 1.0))
+
+
+def test_loose_polygons_are_no_reference(small: ld.State) -> None:
+    """Nothing has a ratio to what has no pressure but by rounding."""
+    loose = replace(small, energy=1e-20, pressure_tensor=1e-12 * small.pressure_tensor)
+    found = comparison._against(loose, predict(small, ld.Ring()), 1.0)
+    assert (found["energy_ratio"], found["pressure_ratio"]) == (None, None)
+    steps = [row | found | {"law_residual": 0.0} for row in smooth_rows((38, 1, 0), (76, 1, 0))]
+    rows = comparison.method_rows(steps, 1.0)
+    with pytest.warns(ld.UnjammedWarning, match="the packing is loose, of the finest polygons or"):
+        comparison._warn_of_reference(rows)

@@ -131,7 +131,7 @@ def test_bad_arguments(tmp_path: Path) -> None:
 
 def test_files_that_are_none(tmp_path: Path) -> None:
     for path, message in (
-        (tmp_path, "is a folder: ld.Run has the states"),
+        (tmp_path, "is a folder: .*packing.data; in Python ld.Run has the states"),
         (tmp_path / "nowhere.data", "nowhere.data' cannot be read: No such file"),
         (written(tmp_path, "empty", ""), "packing.empty' is empty"),
         (written(tmp_path, "txt", "words"), "is no LAMMPS data file, .* table are for Packing"),

@@ -86,6 +86,16 @@ def test_a_container_fills_and_growth_stops_at_the_pressure() -> None:
     assert last.converged
 
 
+def test_cells_that_outgrow_their_box_are_told_of_the_pressure() -> None:
+    with ld.Simulation(ld.crystal("hex", (2, 2), phi=0.95), ld.Ring()) as sim:
+        sim.proliferate(1.0, division=NEVER, time=0.02)
+        with (
+            pytest.warns(ld.BeyondModelWarning),
+            refused("the cells fill the box at time .*: give a pressure at", ld.LammpsError),
+        ):
+            sim.proliferate(1.0, division=NEVER, time=9.0)
+
+
 def test_growth_by_the_pressure_of_contacts() -> None:
     """1 - p/P, p = sum f h/2V with V without contacts, as fix deformable/proliferate has it."""
     packing = ld.Packing([[1.0, 2.0], [1.85, 2.0], [2.9, 2.1]], [0.5, 0.6, 0.7], (3.4, 4.0))
