@@ -41,9 +41,10 @@ from .cli_options import (
     option,
     refuse_ranks,
     unset,
+    words_of,
 )
 from .compression import check_target
-from .errors import DeformableError, FileError, ParameterError
+from .errors import DeformableError, ParameterError
 from .generators import bidisperse
 from .jamming import jam
 from .lammps import silent_lammps
@@ -588,12 +589,8 @@ def outline_command(
     for path in pictures:
         _check_picture(path)
     names = None if types is None else types.split(",")
-    try:
+    with words_of("State.from_file"):
         state = State.from_file(dump, species, law=law, types=names, frame=frame, radii=radii)
-    except FileError as error:
-        if "walls=" not in str(error):
-            raise
-        raise FileError(f"{error}, to State.from_file in Python") from None
     if law is None:
         print_once(f"contact law {state.law.name}: give --law for another")
     for path in paths:

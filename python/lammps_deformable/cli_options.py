@@ -9,7 +9,8 @@ from __future__ import annotations
 import inspect
 import math
 import sys
-from collections.abc import Callable, Container, Mapping
+from collections.abc import Callable, Container, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass, fields, is_dataclass, replace
 from functools import wraps
 from pathlib import Path
@@ -58,6 +59,17 @@ def unset(help: str, *names: str, **more: Any) -> Any:
     return Option(*names, help=help, show_default=False, **more)
 
 
+@contextmanager
+def words_of(function: str) -> Iterator[None]:
+    """Let errors that ask for walls, which the shell has no option for, name who takes them."""
+    try:
+        yield
+    except FileError as error:
+        if "walls=" not in str(error):
+            raise
+        raise FileError(f"{error}, to {function} in Python") from None
+
+
 @dataclass(frozen=True, kw_only=True)
 class InFile:
     """A packing in a file, if any."""
@@ -93,7 +105,8 @@ class InFile:
         elif word:
             radii = _number(word)
         path = str(self.from_file)
-        return Packing.from_file(path, radii=radii, frame=self.from_frame, dimension=dimension)
+        with words_of("Packing.from_file"):
+            return Packing.from_file(path, radii=radii, frame=self.from_frame, dimension=dimension)
 
     def check(self, given: Container[str], *random: str) -> None:
         """Refuse options of a file without one, and options of a random start beside one."""

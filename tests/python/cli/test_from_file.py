@@ -34,17 +34,21 @@ def test_it_begins_with_the_packing_as_it_is(here: Path, jammed: ld.Packing) -> 
 
 
 def test_nonsense_is_told(here: Path) -> None:
+    with pytest.warns(ld.UnsavedWarning):
+        ld.bidisperse(4, seed=1).between(ld.BoxWall((9, 9))).to_file("shut.dump")
     for options, message in (
         ("--from a.xyz --seed 3", "the packing is that in 'a.xyz', and --seed is about a random"),
         ("--from-radii 0.5", "--from-radii is about the file of a packing: give --from too"),
         ("--from b.xyz", "'b.xyz' cannot be read: No such file"),
+        ("--from .", "'.' is a folder: name a file in it, such as packing.data; in Python"),
+        ("--from shut.dump", "not periodic along x: .*, to Packing.from_file in Python$"),
         ("--from a.xyz --from-frame 1", "it has 1 frames, and no frame 1"),
         ("--from a.xyz --from-radii 1=0.5", "it has particles of type 2, and radii has 1 only"),
         ("--from a.xyz --from-radii 1=0.5,2=x", "radius of type 2 must be a positive number, not"),
     ):
         with refused(message, (ld.ParameterError, ld.FileError)):
             app(["compress", *options.split()], standalone_mode=False)
-        assert [path.name for path in here.iterdir()] == ["a.xyz"]
+        assert {path.name for path in here.iterdir()} == {"a.xyz", "shut.dump"}
 
 
 @pytest.mark.parametrize(
