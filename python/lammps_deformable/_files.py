@@ -47,7 +47,6 @@ def written_whole(path: Path, name: str | None = None) -> Iterator[Path]:
     part = path.with_name(name or f"{path.stem}.part{path.suffix}")
     with writing(path):
         try:
-            part.touch()  # or fail before the work is done
             yield part
             part.replace(path)
         except BaseException:  # such as a full disk

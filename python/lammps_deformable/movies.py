@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -80,11 +81,11 @@ def movie(
 
     draw(frames[0])  # or fail before the file is there
     writer = writers[name](fps=rate)
-    with (
-        written_whole(Path(path)) as part,
-        writer.saving(figure, str(part), dpi=_DOTS_PER_INCH),
-        progress("drawing", unit="picture", total=len(frames)) as bar,
-    ):
+    with ExitStack() as stack:
+        part = stack.enter_context(written_whole(Path(path)))
+        part.touch()  # or fail before the pictures are drawn
+        stack.enter_context(writer.saving(figure, str(part), dpi=_DOTS_PER_INCH))
+        bar = stack.enter_context(progress("drawing", unit="picture", total=len(frames)))
         for number, state in enumerate(frames):
             if number:
                 draw(state)
