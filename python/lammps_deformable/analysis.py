@@ -7,6 +7,7 @@ cells of a radical (Laguerre) tessellation, in the plane and in space.
 
 from __future__ import annotations
 
+import math
 from functools import reduce
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -118,6 +119,9 @@ def _room_around(packing: Packing, r: Floats) -> tuple[float, Floats]:
 # Farthest from a whole number of periods in the box that a wave may be.
 _WHOLE = 1e-6
 
+# Wave vectors whose amplitudes fit into memory.
+_WAVES = 10**8
+
 # Phases that are in memory at a time.
 _PHASES = 2_000_000
 
@@ -129,8 +133,13 @@ def structure_factor(packing: Packing, k_max: float, bins: int) -> tuple[Floats,
     # k = 2 pi (h, m, ..) B^-T, and h = k.a / 2 pi is below k_max |a| / 2 pi
     most = (k_max * lengths(box) / (2.0 * np.pi)).astype(int).tolist()
     # of k and -k, which are one wave, that with h >= 0
+    waves = (most[0] + 1) * math.prod(2 * each + 1 for each in most[1:])
+    if waves > _WAVES:
+        raise ParameterError(
+            f"k_max = {k_max:.4g} asks for {waves:.1e} wave vectors of the box: take a smaller one"
+        )
     orders = [np.arange(most[0] + 1), *(np.arange(-each, each + 1) for each in most[1:])]
-    total = np.zeros((np.prod([len(h) for h in orders[:-1]]), len(orders[-1])), dtype=complex)
+    total = np.zeros((waves // len(orders[-1]), len(orders[-1])), dtype=complex)
     block = max(_PHASES // len(total), 1)
     for first in range(0, len(packing), block):
         places = fractions[first : first + block].T

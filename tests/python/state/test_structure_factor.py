@@ -30,7 +30,12 @@ def test_as_a_sum_over_pairs() -> None:
 
 def test_refusals() -> None:
     state = state_of(ld.bidisperse(10, seed=1))
-    for k_max, bins, told in ((0.0, 100, "k_max"), (5.0, 0, "bins"), ("far", 100, "k_max")):
+    for k_max, bins, told in (
+        (0.0, 100, "k_max"),
+        (5.0, 0, "bins"),
+        ("far", 100, "k_max"),
+        (1e12, 9, "smaller"),
+    ):
         with pytest.raises(ld.ParameterError, match=told):
             state.structure_factor(bins, k_max)
     walls = ld.BoxWall((8.0, 8.0)).parts
