@@ -264,8 +264,9 @@ class State:
             frame: number of the frame, from 0, or from the end if negative.
             radii: name of a column with the radius of each particle, as with `radius atom`; by
                 default the radii are those of the species.
-            walls, box: as for `Packing.from_file`: a box that is not periodic needs the walls of
-                the input, where they were at this frame.
+            walls: of the input, where they were at this frame: a box that is not periodic needs
+                them.
+            box: in the place of that of the file, as for `Packing.from_file`.
 
         Raises:
             FileError: a file cannot be read.
