@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 from ._checks import count, expect, positive, zero_or_more
 from .errors import ParameterError
 from .laws import Droplet, Ring, volumes
-from .population import at_rest, remaining
+from .population import at_rest, next_time, remaining
 from .recording import Protocol, check_tolerance
 
 Floats = NDArray[np.float64]
@@ -102,13 +102,8 @@ def _coarsened(
         end = start["time"] + settings["time"] * n / settings["steps"]
         while state.time < end:
             flow = gas_flow(state, settings["permeability"], settings["border"])
-            fastest = float(np.abs(flow).max())
-            step = end - state.time
-            if fastest > 0.0:
-                step = min(
-                    step, _CHANGE * float(volumes(state.radii, sim.dimension).mean()) / fastest
-                )
-            later = end if step == end - state.time else state.time + step
+            change = _CHANGE * float(volumes(state.radii, sim.dimension).mean())
+            step, later = next_time(state.time, end, change, float(np.abs(flow).max()))
             sim.reset(replace(after(state, flow * step), time=later))
             state = at_rest(sim, settings)
         yield state

@@ -372,22 +372,7 @@ _PUSHED_OFF = 1e-3
 
 
 def push_off(packing: Packing) -> Packing:
-    """Relax particles as soft disks or spheres, in their box, to reduce their overlaps.
-
-    Particles at random positions overlap too deeply for contacts in front of their centers. Soft
-    ones have no such limit. The result is a start for `Simulation`, at any packing fraction.
-
-    Args:
-        packing: e.g. from `bidisperse`, with any overlaps; or from `Packing.between`, its walls
-            repel the particles.
-
-    Returns:
-        The packing with balanced forces between soft particles.
-
-    Warns:
-        StalledWarning: the forces are not balanced.
-    """
-    expect("packing", packing, Packing)
+    """See `Packing.push_off`."""
     sim = Simulation(packing, SoftContact(), comm=MPI.COMM_SELF)
     with sim, warnings.catch_warnings():
         warnings.simplefilter("ignore", StalledWarning)  # with another text

@@ -31,6 +31,12 @@ def at_rest(sim: Any, settings: Mapping[str, Any]) -> State:
         return sim.relax(settings["tolerance"])  # type: ignore[no-any-return]
 
 
+def next_time(now: float, end: float, change: float, rate: float) -> tuple[float, float]:
+    """A step in which what changes at this rate changes by so much at most, and the time after."""
+    step = end - now if rate == 0.0 else min(end - now, change / rate)
+    return step, end if step == end - now else now + step
+
+
 def labels_of(state: State) -> NDArray[np.int64]:
     """The labels of particles, their numbers as long as none vanished, shape (N,)."""
     return np.arange(len(state.packing)) if state.labels is None else state.labels

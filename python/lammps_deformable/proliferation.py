@@ -26,7 +26,7 @@ from ._checks import count, expect, positive, shown, zero_or_more
 from .errors import LammpsError, ParameterError
 from .laws import Droplet, Ring, one_or_each, per_species, volumes
 from .motion import drawn_seed
-from .population import at_rest, divided, labels_of, remaining
+from .population import at_rest, divided, labels_of, next_time, remaining
 from .recording import Protocol, check_tolerance, steps_so_far
 
 Floats = NDArray[np.float64]
@@ -94,10 +94,7 @@ def _proliferated(
         while state.time < end:
             rate = growth(state, settings["rate"], settings["pressure"])
             fastest = max(float(rate.max()), settings["death"])
-            step = end - state.time
-            if fastest > 0.0:
-                step = min(step, _GROWTH / fastest)
-            later = end if step == end - state.time else state.time + step
+            step, later = next_time(state.time, end, _GROWTH, fastest)
             radii = state.radii * np.exp(rate * step / sim.dimension)
             grown = divide(state, radii, settings, start, rng)
             sim.reset(replace(die(grown, settings["death"] * step, rng), time=later))
