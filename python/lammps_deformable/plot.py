@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._checks import count, expect, numbers
-from .contacts import chords, flats_of, halves
+from .contacts import ContactTable, chords, flats_of, halves
+from .core import unit_vectors
 from .errors import ParameterError
 from .laws import Ring, Sector, SoftContact, refuse_adhesion
 
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from .drawing import Halves, Mark, Scale
+    from .packing import Packing
     from .state import State
 
 
@@ -139,6 +141,75 @@ def _flats(state: State) -> list[list[Floats]]:
     return flats_of(state.outlines, state.packing.radii, state._contacts_of_each)
 
 
+# Colors of contacts that slide and stick, and their width [points].
+_SLIDES, _STICKS, _CONTACT = "lime", "orangered", 2.0
+
+# Length of the bar of a friction that is as large as the force, over the radius.
+_BAR = 1.0
+
+# An arrow of a spin: its radius over that of the particle, the angle of the fastest one, the size
+# of its head over its radius, the points of its arc; widths and colors, first the lower one.
+_PLACE, _FASTEST, _HEAD, _POINTS = 0.45, 1.6 * np.pi, 0.45, 24
+_ARROW = ((2.8, "white"), (1.0, "black"))
+
+# Spins below this part of the fastest one are not drawn.
+_SLOW = 0.02
+
+
+def sliding_contacts(
+    outlines: Sequence[Floats], packing: Packing, tables: Sequence[ContactTable]
+) -> Mark:
+    """The contacts that slide, as the outlines share them."""
+    from .drawing import Mark
+
+    sliding = [table[table["sliding"]] for table in tables]
+    lines = flats_of(outlines, packing.radii, sliding)
+    return Mark(lines, [[_CONTACT] * len(each) for each in lines], _SLIDES)
+
+
+def friction_bars(packing: Packing, tables: Sequence[ContactTable]) -> list[Mark]:
+    """A bar along each contact, the longer the larger its friction is, compared with its force."""
+    from .drawing import Mark
+
+    marks = []
+    for slides, color in ((False, _STICKS), (True, _SLIDES)):
+        lines, widths = [], []
+        for radius, table in zip(packing.radii, tables, strict=True):
+            rows = table[(table["sliding"] == slides) & (table["friction"] != 0.0)]
+            part = np.minimum(np.abs(rows["friction"] / rows["force"]), 1.0)
+            across = 0.5 * _BAR * radius * part[:, None] * unit_vectors(rows["angle"] + 0.5 * np.pi)
+            ends = np.stack([rows["position"] - across, rows["position"] + across], axis=1)
+            lines.append(list(ends))
+            widths.append([_CONTACT] * len(rows))
+        marks.append(Mark(lines, widths, color))
+    return marks
+
+
+def spin_arrows(packing: Packing, spins: Floats) -> list[Mark]:
+    """An arc with a head in each particle, the longer the faster it turns; none in slow ones."""
+    from .drawing import Mark
+
+    fastest = float(np.abs(spins).max(initial=0.0)) or 1.0
+    arrows = [
+        _arrow(center, _PLACE * radius, _FASTEST * spin / fastest)
+        if abs(spin) > _SLOW * fastest
+        else []
+        for center, radius, spin in zip(packing.positions, packing.radii, spins, strict=True)
+    ]
+    return [
+        Mark(arrows, [[width] * len(each) for each in arrows], color) for width, color in _ARROW
+    ]
+
+
+def _arrow(center: Floats, radius: float, angle: float) -> list[Floats]:
+    """An arc from above by this angle, positive to the left, and the head at its end."""
+    arc = center + radius * unit_vectors(0.5 * np.pi + angle * np.linspace(0.0, 1.0, _POINTS))
+    back = 0.5 * np.pi + angle - np.copysign(0.5 * np.pi, angle)
+    head = min(_HEAD, abs(angle)) * radius * unit_vectors(np.array([back - 0.5, back, back + 0.5]))
+    head[1] = 0.0
+    return [arc, arc[-1] + head]
+
+
 def _marks(state: State, contacts: bool, forces: bool, spins: bool) -> list[Mark]:
     """What friction adds to these parts of a picture.
 
@@ -149,8 +220,6 @@ def _marks(state: State, contacts: bool, forces: bool, spins: bool) -> list[Mark
         if spins:
             raise ParameterError("there are no spins: give the simulation a friction")
         return []
-    from .friction import friction_bars, sliding_contacts, spin_arrows
-
     packing, tables = state.packing, state._contacts_of_each
     marks = [sliding_contacts(state.outlines, packing, tables)] if contacts else []
     marks += friction_bars(packing, tables) if forces else []
