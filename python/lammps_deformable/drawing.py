@@ -19,6 +19,7 @@ from matplotlib.patches import Polygon
 from numpy.typing import NDArray
 
 from ._checks import as_array, expect, finite, shown
+from .box import fractional
 from .errors import ParameterError
 from .room import closed, container, obstacles
 
@@ -321,9 +322,8 @@ def draw(
     pushes: list[float] = []
     marked: list[list[Floats]] = [[] for _ in marks]
     widths_of_marks: list[list[float]] = [[] for _ in marks]
-    to_fraction = np.linalg.inv(box)
     for n, (outline, center) in enumerate(zip(outlines, packing.positions, strict=True)):
-        fraction = outline @ to_fraction
+        fraction = fractional(outline, box)
         low = np.where(shut, 0, np.floor(fraction.min(axis=0))).astype(int)
         high = np.where(shut, 0, np.floor(fraction.max(axis=0))).astype(int)
         for a in range(low[0], high[0] + 1):  # as many images as reach into the box

@@ -33,7 +33,7 @@ from scipy.sparse import bmat, csc_matrix, csr_matrix
 from scipy.sparse.linalg import splu
 from scipy.spatial import ConvexHull
 
-from .box import lengths
+from .box import fractional, lengths
 from .laws import Droplet
 from .neighbors import near_pairs
 from .state import State
@@ -182,7 +182,7 @@ def exact_packing(state: State) -> ExactPacking:
     apart = packing.positions[j] + lattice - packing.positions[i]
     distance, part = lengths(apart), packing.radii[i] / (packing.radii[i] + packing.radii[j])
     films = _Films(i, j, apart / distance[:, None], part * distance, distance)
-    image = np.rint(lattice @ np.linalg.inv(packing.box)).astype(np.int64)
+    image = np.rint(fractional(lattice, packing.box)).astype(np.int64)
     contacts = {(row["i"], row["j"], *row["image"]): row for row in state.contacts}
     for k, (a, b, turn) in enumerate(zip(i, j, image, strict=True)):
         row, back = (contacts.get(key) for key in ((a, b, *turn), (b, a, *-turn)))

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._checks import count, finite, number_or_nan, positive, whole
+from .box import fractional
 from .errors import ParameterError
 from .lammps import images_of, named_tilts, place_images, place_velocities, run
 from .laws import Droplet, Ring, Sector
@@ -59,7 +60,7 @@ def straighten(sim: Any) -> None:
         images = images_of(sim.lmp)
         run(sim.lmp, f"change_box all {' '.join(ends)} units box")
         if images.any():  # which count the former lattice vectors
-            former = np.rint(box @ np.linalg.inv(straight)).astype(np.int64)
+            former = np.rint(fractional(box, straight)).astype(np.int64)
             place_images(sim.lmp, images_of(sim.lmp) - images + images @ former)
 
 
