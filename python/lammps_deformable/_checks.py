@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from contextlib import suppress
 from dataclasses import fields
 from numbers import Real
 from typing import Any
@@ -87,7 +88,8 @@ def numbers(name: str, values: ArrayLike) -> NDArray[np.float64]:
         raise ParameterError(f"{name} has masked values: fill or leave them out, {shown(values)}")
     array = as_array(values)
     if array.dtype == object and all(isinstance(each, Real) for each in array.flat):
-        array = array.astype(np.float64)  # such as columns of a table that also has words
+        with suppress(OverflowError):  # of a whole number beyond all floats
+            array = array.astype(np.float64)  # such as columns of a table that also has words
     if array.dtype.kind not in "biuf" or not np.isfinite(array).all():
         raise ParameterError(f"{name} must be finite numbers, not {shown(values)}")
     return array.astype(np.float64)

@@ -176,7 +176,7 @@ def test_arrays_of_tables() -> None:
     rows = np.array([["a", 1.0, 1], ["b", 2.0, np.float32(2.5)]], dtype=object)
     found = ld.Packing(rows[:, 1:], 0.5, (5, 5)).positions
     np.testing.assert_array_equal(found, [[1.0, 1.0], [2.0, 2.5]])
-    for wrong in (rows, np.array([["1", "1"]], dtype=object), np.array([[None, 1.0]])):
+    for wrong in (rows, np.array([["1", "1"]], dtype=object), [[None, 1.0]], [[10**400, 1.0]]):
         with refused("positions must be finite numbers, not "):
             ld.Packing(wrong, 0.5, (5, 5))
 
