@@ -57,7 +57,8 @@ def bidisperse(
     if not 0.0 <= fraction <= 1.0:
         raise ParameterError(f"fraction_large must lie between 0 and 1, not {fraction}")
     seed = drawn_seed(seed)
-    positions = np.random.default_rng(seed).random((number, dimension_of(dimension)))
+    dimension = dimension_of(dimension)
+    positions = np.random.default_rng(seed).random((number, dimension))
     small, large = (positive("sizes", radius) for radius in pair)
     species = (np.arange(number) >= number - round(fraction * number)).astype(np.int64)
     box = _box(np.where(species == 1, large, small), phi, aspect, tilt, dimension)
@@ -106,7 +107,8 @@ def polydisperse(
     """
     number, seed = count("number", number), drawn_seed(seed)
     rng = np.random.default_rng(seed)
-    positions = rng.random((number, dimension_of(dimension)))
+    dimension = dimension_of(dimension)
+    positions = rng.random((number, dimension))
     drawn: Any = radii
     if hasattr(radii, "rvs"):
         drawn = np.float32(radii.rvs(size=number, random_state=rng))

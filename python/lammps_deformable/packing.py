@@ -41,6 +41,9 @@ _POINTS = 60
 # Largest distance from the box, in box lengths: LAMMPS brings particles back by one length a step.
 _FARTHEST = 1e6
 
+# Radii at most; powers of them, such as volumes and moments, are numbers still.
+_LARGEST = 1e50
+
 # LAMMPS has tables of all pairs of types.
 _MOST_SPECIES = 10_000
 
@@ -100,6 +103,11 @@ class Packing:
             )
         if not (radii > 0.0).all():
             raise ParameterError(f"radii must be positive, not {shown(radii[~(radii > 0.0)])}")
+        if radii.max() > _LARGEST or radii.min() < 1.0 / _LARGEST:
+            raise ParameterError(
+                f"radii must be between {1.0 / _LARGEST:g} and {_LARGEST:g}, not "
+                f"{radii.min():.3g} to {radii.max():.3g}: choose another unit of length"
+            )
         kinds = np.zeros(number) if self.species is None else numbers("species", self.species)
         if kinds.shape != (number,) or (kinds % 1 != 0).any() or (kinds < 0).any():
             raise ParameterError(

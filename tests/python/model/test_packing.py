@@ -93,6 +93,10 @@ def test_packing_refuses_nonsense() -> None:
         ({"species": np.array([0, -2])}, "species must be 2 whole numbers from 0"),
         ({"species": [0.0, 0.9]}, r"species must be 2 whole numbers from 0, not \[0.0, 0.9\]"),
         ({"radii": np.array([0.5, 0.0])}, r"radii must be positive, not \[0.0\]"),
+        (
+            {"radii": 1e60},
+            r"radii must be between 1e-50 and 1e\+50, not 1e\+60 to 1e\+60: choose another",
+        ),
         ({"radii": [0.5, float("nan")]}, "radii must be finite"),
         ({"box": np.array([[1.0, 0.5], [0.0, 1.0]])}, "box must be"),
         ({"box": (2, 3, 4)}, "positions have 2 columns, so that the box must .* not 3"),
@@ -179,6 +183,12 @@ def test_arrays_of_tables() -> None:
     for wrong in (rows, np.array([["1", "1"]], dtype=object), [[None, 1.0]], [[10**400, 1.0]]):
         with refused("positions must be finite numbers, not "):
             ld.Packing(wrong, 0.5, (5, 5))
+
+
+def test_a_dimension_that_is_a_float() -> None:
+    for build in (ld.bidisperse, lambda n, **given: ld.polydisperse(n, np.full(n, 0.5), **given)):
+        found, known = build(4, dimension=3.0, seed=1), build(4, dimension=3, seed=1)
+        np.testing.assert_array_equal(found.positions, known.positions)
 
 
 def test_masked_values_are_refused() -> None:
