@@ -130,6 +130,10 @@ def test_the_api_has_every_public_name_once():
         "core.lammps_version",
         "core.lammps_wheel",
         "core.largest_bulge",
+        "core.droplet_decay",
+        "core.green_at_zero",
+        "core.largest_tilt",
+        "core.largest_half_angle",
     }
     results = {
         "Simulation.coarsen",

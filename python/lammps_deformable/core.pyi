@@ -174,7 +174,11 @@ class Scene:
     def add_polygon(self, x: ArrayLike, y: ArrayLike) -> None: ...
     def nearest(self, x: ArrayLike, y: ArrayLike) -> _Vector: ...
 
-largest_bulge: float
+largest_bulge: float  # of a droplet's radius
+droplet_decay: float  # DECAY of src/laws/droplet.h
+green_at_zero: float  # indentation over the length of a contact alone
+largest_tilt: float  # of a line [rad]
+largest_half_angle: float  # of a line, an arc [rad]
 
 class SpaceScene:
     def __init__(

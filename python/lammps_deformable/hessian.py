@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from . import core
 from ._checks import numbers
 from .contacts import (
     ContactTable,
@@ -294,11 +295,8 @@ _OTHER_SIDE = (-1.0, 1.0, -1.0)
 _BALANCED, _ROUNDING, _STEPS = 1e-14, 1e-9, 20
 _TINY = float(np.finfo(float).tiny)
 
-# G(0), the indentation over the length of a contact alone.
-_GREEN = 0.75 / np.pi
-
-# Largest tilt and half angle of a line, and how close to them a line counts as held there [rad].
-_LARGEST_TILT, _LARGEST_HALF_ANGLE, _CLOSE = 0.3, np.pi / 6.0, 1e-6
+# How close to its largest tilt or half angle a line counts as held there [rad].
+_CLOSE = 1e-6
 
 
 @dataclass
@@ -411,12 +409,13 @@ def lines_of(packing: Packing, law: Law, table: ContactTable, rattlers: bool = T
     other = np.full(len(sides.i), -1)
     other[:count] = other_side(pairs)
     tilt, bend = pairs["tilt"], pairs["half_angle"]
-    held = (np.abs(tilt) > _LARGEST_TILT - _CLOSE) | (np.abs(bend) > _LARGEST_HALF_ANGLE - _CLOSE)
+    held = np.abs(tilt) > core.largest_tilt - _CLOSE
+    held |= np.abs(bend) > core.largest_half_angle - _CLOSE
     if held.any():
         i = int(pairs["i"][held][0])
         raise ParameterError(
-            f"a contact line of particle {i} is held at the largest tilt, {_LARGEST_TILT} rad, or "
-            "the largest half angle, pi/6, where the energy has no second derivatives"
+            f"a contact line of particle {i} is held at the largest tilt, {core.largest_tilt:g} "
+            "rad, or the largest half angle, pi/6, where the energy has no second derivatives"
         )
     middle = radius[pairs["i"]] + radius[pairs["j"]] - np.hypot(*vector.T) * np.cos(tilt)
     shift, direction, half_angle, force = np.zeros((4, len(sides.i)))
@@ -482,7 +481,9 @@ def rattler_contacts(packing: Packing, table: ContactTable) -> tuple[Sides, Floa
     length = table["length"].copy()
     pair = np.flatnonzero(table["j"] >= 0)
     length[pair] += length[pair[other_side(table[pair])]]
-    return between(table["i"], table["j"], out * table["distance"][:, None]), _GREEN * length
+    return between(
+        table["i"], table["j"], out * table["distance"][:, None]
+    ), core.green_at_zero * length
 
 
 def _wall_forces(table: ContactTable, walls: Sides) -> Floats:
@@ -595,9 +596,6 @@ def _of_soft_contacts(packing: Packing, law: SoftContact, rattlers: bool) -> Hes
 # sides; of a film, its force, the way w = (R t)_i - (R t)_j, and the logarithm of D_i D_j.
 _SIDE_VARIABLES, _FILM_VARIABLES = 4, 5
 
-# D is exp(-DECAY x/4) at the load x, as in src/laws/droplet.h.
-_DECAY = 2.6
-
 
 class _Sum:
     """Energy of several kinds of blocks, whose local variables follow each other."""
@@ -684,7 +682,7 @@ def _of_droplets(state: State, law: Droplet, rattlers: bool) -> Hessian:
     one = csr_matrix((np.ones(count), (np.arange(count), variable + 3)), shape=(count, size))
     sums = csr_matrix((np.ones(count), (sides.i, np.arange(count))), shape=(len(packing), count))
     damped = sums.T @ csr_matrix(
-        (-_DECAY / 4.0 / (8.0 * np.pi) / (gamma * radius), (sides.i, variable + 3)),
+        (-core.droplet_decay / 4.0 / (8.0 * np.pi) / (gamma * radius), (sides.i, variable + 3)),
         shape=(len(packing), size),
     )
     local = vstack([one[first], *on, damped[first] + damped[other[first]]], format="csr")

@@ -147,6 +147,7 @@ Droplet droplet(nb::handle given_normals, nb::handle given_forces, double radius
 void deformable::bind_droplets(nb::module_ &m)
 {
   m.attr("largest_bulge") = LARGEST_BULGE;
+  m.attr("droplet_decay") = DECAY;
   nb::class_<Droplet>(m, "Droplet", "A droplet in three dimensions that bears given forces.")
       .def_ro("load", &Droplet::load, "x = sum F/(8 pi g R), the part that facets would cover")
       .def_ro("facet", &Droplet::facet,

@@ -1,4 +1,5 @@
 #include "laws/contact_curve.h"
+#include "laws/green.h"
 #include "laws/parameter_rules.h"
 #include "laws/soft_ring.h"
 #include "python/laws.h"
@@ -275,6 +276,9 @@ ForcedRing forced_ring(double radius, nb::handle angles, nb::handle forces, doub
 
 void deformable::bind_ring_forces(nb::module_ &m)
 {
+  m.attr("green_at_zero") = GREEN_AT_ZERO;
+  m.attr("largest_tilt") = std::asin(LARGEST_SINE);
+  m.attr("largest_half_angle") = 2.0 * std::atan(LARGEST_BEND);
   const auto vector = [](std::vector<double> ForcedRing::*values) {
     return [values](const ForcedRing &r) { return to_numpy(r.*values); };
   };
