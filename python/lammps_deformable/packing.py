@@ -564,6 +564,15 @@ def fraction_of(phi: float) -> float:
     return float(phi)
 
 
+def refuse_crushed(packing: Packing) -> None:
+    """Raise an error where particles are so large that LAMMPS could not list their neighbors."""
+    if packing.phi > _DENSEST:
+        raise ParameterError(
+            f"phi = {packing.phi:.3g}: particles of the radius {packing.radii.max():g} are far too "
+            "large for their box; give radii and box in one unit of length"
+        )
+
+
 def drawn_seed(seed: int | None) -> int:
     """The seed, or one that is drawn."""
     if seed is None:

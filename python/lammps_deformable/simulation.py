@@ -33,7 +33,7 @@ from .lammps import (
     setup,
 )
 from .laws import AnyLaw, Droplet, Ring, Sector, SoftContact, sticks
-from .packing import Packing
+from .packing import Packing, refuse_crushed
 from .polygon_engine import PolygonBeads
 from .polygons import DeformablePolygon, Walls
 from .ranks import OneCall
@@ -155,6 +155,7 @@ class Simulation(OneCall):
         expect("friction", friction, Friction, type(None))
         self.law, self.comm = law, communicator(comm)
         start, state = _parts(self.comm.bcast(packing))  # those of other machines may differ
+        refuse_crushed(start)
         self.friction = state.friction if state and friction is None else friction
         gravity = state.gravity if state and gravity is None else gravity
         self.gravity = as_gravity(gravity, start, law)

@@ -191,6 +191,12 @@ def test_a_dimension_that_is_a_float() -> None:
         np.testing.assert_array_equal(found.positions, known.positions)
 
 
+def test_particles_far_larger_than_their_box_are_refused() -> None:
+    crushed = ld.Packing([[1.0, 1.0], [2.0, 2.0]], 100.0, (3.0, 3.0))
+    with refused("phi = 6.98e\\+03: particles of the radius 100 are far too large for their box"):
+        ld.Simulation(crushed, ld.Ring())
+
+
 def test_masked_values_are_refused() -> None:
     hidden = np.ma.masked_greater([[1.0, 1.0], [2.0, 9.0]], 5.0)
     with refused("positions has masked values: "):
