@@ -118,10 +118,10 @@ class Simulation(OneCall):
         seed: of the last motion, given or drawn; None before.
 
     Raises:
-        ParameterError: no packing or no law; or a packing of another dimension than the law; or
-            a center on the wrong side of a wall, or an obstacle that does not fit into the periodic
-            box; or a friction, gravity or minimizer that the law cannot have; or polygons that
-            overlap too far, or reach their own images.
+        ParameterError: no packing or no law; a packing of another dimension than the law, or whose
+            particles are far larger than its box; a center on the wrong side of a wall, or an
+            obstacle that does not fit into the periodic box; a friction, gravity or minimizer that
+            the law cannot have; or polygons that overlap too far, or reach their own images.
         LammpsError: LAMMPS refuses the packing or the law.
     """
 
