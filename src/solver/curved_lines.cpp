@@ -133,8 +133,7 @@ void CurvedLines::exchange_outlines()
 {
   ContactBatches &b = *batches;
   remote->exchange(b.slope.data(), b.rate_of_slope.data());
-  remote->exchange_rings(b.pressure.data(), b.free_radius_of.data());
-  remote->exchange_rings(b.bulk_and_swell.data());
+  remote->exchange_rings(b.pressure.data(), b.free_radius_of.data(), b.bulk_and_swell.data());
 }
 
 void CurvedLines::exchange_answers()

@@ -65,8 +65,7 @@ void DropletSolver::turn_facets(const RingBatches &batch)
 
 void DropletSolver::exchange_facets()
 {
-  list.remote_sides.exchange(facets[0].data(), facets[1].data());
-  list.remote_sides.exchange(facets[2].data(), damping.data());
+  list.remote_sides.exchange(facets[0].data(), facets[1].data(), facets[2].data(), damping.data());
 }
 
 void DropletSolver::find_slopes(const RingBatches &batch)

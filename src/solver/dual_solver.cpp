@@ -1,5 +1,7 @@
 #include "solver/dual_solver.h"
 
+#include "styles/all_ranks.h"
+
 #include "atom.h"
 #include "comm.h"
 #include "error.h"
@@ -14,12 +16,12 @@
 using namespace LAMMPS_NS;
 using deformable::PairArrays;
 
-static Tuning with_environment(const Tuning &tuned, Error *error)
+static Tuning with_environment(const Tuning &tuned, LAMMPS *lmp)
 {
   try {
-    return tuned.changed_by_environment();
+    return tuned.changed_by(environment(lmp, "DEFORMABLE_TUNING"));
   } catch (const std::invalid_argument &wrong) {
-    error->all(FLERR, wrong.what());
+    lmp->error->all(FLERR, wrong.what());
   }
 }
 
@@ -29,7 +31,7 @@ DualSolver::DualSolver(LAMMPS *lmp, const deformable::ForceKernels &kernels, boo
     : Pointers(lmp),
       tolerance(tolerance),
       kernels(kernels),
-      tuning(with_environment(tuned, error)),
+      tuning(with_environment(tuned, lmp)),
       list(lmp, kernels, tuning, in_space, curved, bulge_per_overlap, most_bulge),
       max_evaluations(max_evaluations),
       linear(kernels, tuning)

@@ -80,11 +80,11 @@ void PairList::build(const Particles &p, bool new_list)
       if (owner >= 0)
         pairs.add(i, j, past);
       else
-        candidates.push_back({i, j, d, past});
+        candidates.push_back({i, j, rank_of[j], d, past});
     }
   }
   pairs.remote = pairs.size;
-  if (comm->nprocs > 1) remote_sides.match(candidates, pairs.curved);
+  if (comm->nprocs > 1) remote_sides.match(candidates);
   remote_tags.clear();
   for (const RemoteSides::Candidate &c : candidates) {
     pairs.add(c.i, c.j, c.past);
@@ -134,8 +134,9 @@ void PairList::find_owners()
   remote_sides.to_ghosts(index);
   remote_sides.to_ghosts(rank);
   pairs.owned.resize(index.size());
+  rank_of.assign(rank.begin(), rank.end());
   for (std::size_t i = 0; i < index.size(); ++i)
-    pairs.owned[i] = rank[i] == comm->me ? static_cast<int>(index[i]) : -1;
+    pairs.owned[i] = rank_of[i] == comm->me ? static_cast<int>(index[i]) : -1;
 }
 
 // LAMMPS sorts particles in rows along x. Where the box is cut across x only, columns along y are better: few blocks have
@@ -418,6 +419,6 @@ double PairHistory::bulge(tagint tag) const
 double PairList::memory_usage() const
 {
   return pairs.bytes() + remote_sides.bytes() +
-         bytes_of(bulge, x_then, bulge_then, radius_then, first_wall, columns, tags, remote_tags,
-                  candidates, knows_films, at_walls);
+         bytes_of(bulge, rank_of, x_then, bulge_then, radius_then, first_wall, columns, tags,
+                  remote_tags, candidates, knows_films, at_walls);
 }

@@ -135,6 +135,7 @@ class PairList : protected Pointers {
   std::vector<float> bulge_then;    // that is precise enough for the margin
   std::array<double, 6> box_then{};
   std::vector<int> first_wall;        // pair of each particle
+  std::vector<int> rank_of;           // of each particle and ghost
   std::vector<int> columns;           // see order; empty if it is that of the list
   std::vector<tagint> tags;           // as of the last neighbor list
   std::vector<tagint> remote_tags;    // of the second particles of remote pairs

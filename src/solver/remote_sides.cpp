@@ -6,6 +6,8 @@
 #include "comm.h"
 
 #include <algorithm>
+#include <numeric>
+#include <type_traits>
 
 using namespace LAMMPS_NS;
 
@@ -38,113 +40,95 @@ void RemoteSides::to_ghosts(std::vector<double> &by_particle)
   comm->forward_comm_array(1, each.data());
 }
 
-// Particles of this rank without a pair on another rank need no row of their own: they share the first one.
-void RemoteSides::set_rows(int values)
+// So many items of each place.
+template <class Item>
+void RemoteSides::send(const std::vector<Item> &sent, std::vector<Item> &received, int items)
 {
-  const int all = atom->nlocal + atom->nghost, length = slots * values;
-  int used = 1;
-  for (int i = 0; i < atom->nlocal; ++i) used += sides[i] > 0;
-  buffer.assign(static_cast<std::size_t>(used + atom->nghost) * length, 0.0);
-  rows.resize(all);
-  double *next = buffer.data() + length;
-  for (int i = 0; i < all; ++i) {
-    const bool own_row = i >= atom->nlocal || sides[i] > 0;
-    rows[i] = own_row ? next : buffer.data();
-    if (own_row) next += length;
+  const int size = items * static_cast<int>(sizeof(Item));
+  std::vector<MPI_Request> requests;
+  requests.reserve(messages.size());
+  for (const Message &m : messages) {
+    if (m.received == 0) continue;
+    MPI_Request request;
+    MPI_Irecv(received.data() + static_cast<std::size_t>(items) * m.first_received,
+              size * m.received, MPI_BYTE, m.rank, 0, world, &request);
+    requests.push_back(request);
   }
+  for (const Message &m : messages)
+    if (m.sent > 0)
+      MPI_Send(sent.data() + static_cast<std::size_t>(items) * m.first_sent, size * m.sent,
+               MPI_BYTE, m.rank, 0, world);
+  MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE);
 }
 
-void RemoteSides::match(std::vector<Candidate> &candidates, bool curved)
+template void RemoteSides::send(const std::vector<double> &, std::vector<double> &, int);
+
+void RemoteSides::match(std::vector<Candidate> &candidates)
 {
-  enum { PARTNER, X, Y, Z, PAST };
-  constexpr int SERIES = 4;    // numbers of a PairPast::Series
-  const int kinds = curved ? KINDS : 1, values = PAST + SERIES * kinds;
-  constexpr double ROUNDING = 1e-12;
-  const auto square = [](double x) { return x * x; };
-  const auto at = [this](int row, int slot, int value) -> double & {
-    return rows[row][value * slots + slot];
+  struct Record {
+    tagint tag, partner;
+    deformable::Vector3 x;
+    PairPast past;
+    bool operator<(const Record &other) const
+    {
+      return tag != other.tag ? tag < other.tag : partner < other.partner;
+    }
   };
+  static_assert(std::is_trivially_copyable<Record>::value, "ranks send it as it is");
+  constexpr double ROUNDING = 1e-12;
   const int count = static_cast<int>(candidates.size());
 
-  sides.assign(atom->nlocal, 0);
-  int longest = 1;
-  for (const Candidate &c : candidates) longest = std::max(longest, ++sides[c.i]);
-  slots = largest_of_ranks(world, longest);
-  set_rows(values);
-
-  std::vector<int> slot_here(count), slot_there;
-  std::fill(sides.begin(), sides.end(), 0);
+  // the candidates of both sides of each other rank
+  std::vector<int> here(comm->nprocs), there(comm->nprocs);
+  for (const Candidate &c : candidates) ++here[c.rank];
+  MPI_Alltoall(here.data(), 1, MPI_INT, there.data(), 1, MPI_INT, world);
+  messages.clear();
+  int to_send = 0, to_receive = 0;
+  std::vector<int> next(comm->nprocs);    // place of the next candidate with each rank
+  for (int rank = 0; rank < comm->nprocs; ++rank) {
+    next[rank] = to_send;
+    if (here[rank] + there[rank] > 0)
+      messages.push_back({rank, here[rank], to_send, there[rank], to_receive});
+    to_send += here[rank];
+    to_receive += there[rank];
+  }
+  std::vector<Record> of_this_rank(to_send), of_others(to_receive);
+  sent_at.resize(count);
   for (int c = 0; c < count; ++c) {
     const Candidate &pair = candidates[c];
-    const int i = pair.i, slot = slot_here[c] = sides[i]++;
-    at(i, slot, PARTNER) = static_cast<double>(atom->tag[pair.j]);
-    at(i, slot, X) = pair.x.x;
-    at(i, slot, Y) = pair.x.y;
-    at(i, slot, Z) = pair.x.z;
-    for (int kind = 0; kind < kinds; ++kind) {
-      const PairPast::Series &series = pair.past.of[kind];
-      at(i, slot, PAST + SERIES * kind) = series.last;
-      for (int n = 0; n < 3; ++n) at(i, slot, PAST + SERIES * kind + 1 + n) = series.earlier[n];
-    }
+    sent_at[c] = next[pair.rank]++;
+    of_this_rank[sent_at[c]] = {atom->tag[pair.i], atom->tag[pair.j], pair.x, pair.past};
   }
-  comm->forward_comm_array(slots * values, rows.data());
+  send(of_this_rank, of_others, 1);
 
+  std::vector<int> order(to_receive);
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(), [&](int a, int b) { return of_others[a] < of_others[b]; });
   int kept = 0;
+  received_at.clear();
   for (int c = 0; c < count; ++c) {
     Candidate pair = candidates[c];
+    const Record wanted = {atom->tag[pair.j], atom->tag[pair.i], {}, {}};
     double nearest = ROUNDING * dot(pair.x, pair.x);
     int found = -1;
-    const int j = pair.j;
-    for (int slot = 0; slot < slots; ++slot) {
-      if (at(j, slot, PARTNER) != static_cast<double>(atom->tag[pair.i])) continue;
-      const double distance2 = square(at(j, slot, X) + pair.x.x) +
-                               square(at(j, slot, Y) + pair.x.y) +
-                               square(at(j, slot, Z) + pair.x.z);
-      if (distance2 >= nearest) continue;
-      nearest = distance2;
-      found = slot;
+    auto other = std::lower_bound(order.begin(), order.end(), wanted,
+                                  [&](int a, const Record &b) { return of_others[a] < b; });
+    for (; other != order.end() && !(wanted < of_others[*other]); ++other) {
+      const deformable::Vector3 apart = of_others[*other].x + pair.x;
+      if (dot(apart, apart) >= nearest) continue;
+      nearest = dot(apart, apart);
+      found = *other;
     }
     if (found < 0) continue;    // by rounding at the end of the list: too far to bear a force
-    if (pair.past.of[FORCE].last == deformable::UNKNOWN) {
-      PairPast there;
-      for (int kind = 0; kind < kinds; ++kind) {
-        PairPast::Series &series = there.of[kind];
-        series.last = at(j, found, PAST + SERIES * kind);
-        for (int n = 0; n < 3; ++n) series.earlier[n] = at(j, found, PAST + SERIES * kind + 1 + n);
-      }
-      pair.past = there.from_second();
-    }
+    if (pair.past.of[FORCE].last == deformable::UNKNOWN)
+      pair.past = of_others[found].past.from_second();
     candidates[kept] = pair;
-    slot_here[kept++] = slot_here[c];
-    slot_there.push_back(found);
+    sent_at[kept++] = sent_at[c];
+    received_at.push_back(found);
   }
   candidates.resize(kept);
+  sent_at.resize(kept);
 
-  set_rows(2);
-  sent.resize(kept);
-  received.resize(kept);
-  for (int c = 0; c < kept; ++c) {
-    sent[c] = rows[candidates[c].i] + slot_here[c];
-    received[c] = rows[candidates[c].j] + slot_there[c];
-  }
+  sent.assign(static_cast<std::size_t>(MOST_ARRAYS) * to_send, 0.0);
+  received.assign(static_cast<std::size_t>(MOST_ARRAYS) * to_receive, 0.0);
 }
-
-template <class Number, class Other>
-void RemoteSides::exchange(Number *values, Other *more, const int *of_pairs, int end)
-{
-  if (comm->nprocs == 1) return;
-  const int count = static_cast<int>(sent.size());
-  for (int c = 0; c < count; ++c) {
-    sent[c][0] = values[of_pairs[c]];
-    if (more) sent[c][slots] = more[of_pairs[c]];
-  }
-  comm->forward_comm_array(more ? 2 * slots : slots, rows.data());
-  for (int c = 0; c < count; ++c) {
-    values[end + c] = static_cast<Number>(received[c][0]);
-    if (more) more[end + c] = static_cast<Other>(received[c][slots]);
-  }
-}
-
-template void RemoteSides::exchange(double *, double *, const int *, int);
-template void RemoteSides::exchange(double *, float *, const int *, int);
-template void RemoteSides::exchange(float *, float *, const int *, int);

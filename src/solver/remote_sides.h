@@ -1,5 +1,6 @@
 // Pairs that two ranks share: each rank has the contact of its own particle, and the values of the other one from
-// the other rank.
+// the other rank. Two ranks send each other one number of each pair that they share, and nothing to other ranks, so neither a
+// particle of many contacts nor a rank without any costs anything.
 
 #ifndef LMP_REMOTE_SIDES_H
 #define LMP_REMOTE_SIDES_H
@@ -16,16 +17,16 @@ class RemoteSides : protected Pointers {
  public:
   explicit RemoteSides(class LAMMPS *lmp) : Pointers(lmp) {}
 
-  // A pair of particle i and ghost j at the relative position x.
+  // A pair of particle i and ghost j of another rank, at the relative position x.
   struct Candidate {
-    int i, j;
+    int i, j, rank;
     deformable::Vector3 x;
     PairPast past;
   };
 
   // Leaves the candidates that the other rank has too, and gives both ranks the same past. Two images of a particle
   // in one direction are told apart by their positions.
-  void match(std::vector<Candidate> &candidates, bool curved);
+  void match(std::vector<Candidate> &candidates);
 
   // The contacts of this rank's particles that these pairs have, in the order of match, and the number of all its contacts.
   void arrange(const int *contacts_of_pairs, int contacts)
@@ -40,15 +41,14 @@ class RemoteSides : protected Pointers {
     own_rings = rings;
   }
 
-  // Appends the values of the other ranks' contacts to those of this rank's; and of the rings of pairs.
-  template <class Number, class Other = Number>
-  void exchange(Number *values, Other *more = nullptr)
+  // Appends the values of the other ranks' contacts to those of this rank's, to each of these arrays; and of the rings of pairs.
+  template <class... Number> void exchange(Number *...values)
   {
-    exchange(values, more, contact, own);
+    exchange_of(contact, own, values...);
   }
-  template <class Number> void exchange_rings(Number *values, Number *more = nullptr)
+  template <class... Number> void exchange_rings(Number *...values)
   {
-    exchange(values, more, ring, own_rings);
+    exchange_of(ring, own_rings, values...);
   }
 
   double sum(double of_this_rank) const;        // over all ranks
@@ -60,19 +60,39 @@ class RemoteSides : protected Pointers {
   // From each particle to its ghosts.
   void to_ghosts(std::vector<double> &by_particle);
 
-  double bytes() const { return bytes_of(buffer, rows, sent, received, sides); }
+  double bytes() const { return bytes_of(messages, sent_at, received_at, sent, received); }
 
  private:
   const int *contact = nullptr, *ring = nullptr;    // see arrange
   int own = 0, own_rings = 0;
-  int slots = 0;    // of a row, the same on all ranks
-  std::vector<double> buffer;
-  std::vector<double *> rows;              // of each particle: value by value, the slots
-  std::vector<double *> sent, received;    // places of each pair in its rows, of the first value
-  std::vector<int> sides;                  // of each particle: its pairs with other ranks
-  void set_rows(int values);
-  template <class Number, class Other>
-  void exchange(Number *values, Other *more, const int *of_pairs, int end);
+
+  struct Message {    // to another rank and from it: of so many candidates, from these places on
+    int rank, sent, first_sent, received, first_received;
+  };
+  std::vector<Message> messages;
+  std::vector<int> sent_at, received_at;    // places of each pair
+  static constexpr int MOST_ARRAYS = 4;     // that are exchanged at once
+  std::vector<double> sent, received;       // of each place: the values of all arrays
+
+  template <class Item> void send(const std::vector<Item> &sent, std::vector<Item> &received,
+                                  int items);
+
+  template <class... Number> void exchange_of(const int *of_pairs, int end, Number *...values)
+  {
+    constexpr int ARRAYS = sizeof...(Number);
+    static_assert(ARRAYS <= MOST_ARRAYS, "`sent` has room for so many");
+    if (messages.empty()) return;
+    const int pairs = static_cast<int>(sent_at.size());
+    for (int c = 0; c < pairs; ++c) {
+      double *to = sent.data() + ARRAYS * sent_at[c];
+      ((*to++ = values[of_pairs[c]]), ...);
+    }
+    send(sent, received, ARRAYS);
+    for (int c = 0; c < pairs; ++c) {
+      const double *from = received.data() + ARRAYS * received_at[c];
+      ((values[end + c] = static_cast<Number>(*from++)), ...);
+    }
+  }
 };
 
 }    // namespace LAMMPS_NS

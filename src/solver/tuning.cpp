@@ -9,11 +9,9 @@
 using namespace LAMMPS_NS;
 
 // Throws std::invalid_argument.
-Tuning Tuning::changed_by_environment() const
+Tuning Tuning::changed_by(const std::string &given) const
 {
   Tuning t = *this;
-  const char *const given = std::getenv("DEFORMABLE_TUNING");
-  if (!given) return t;
   const std::map<std::string, double *> members = {{"margin", &t.margin},
                                                    {"column", &t.column},
                                                    {"group", &t.group},

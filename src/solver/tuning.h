@@ -8,6 +8,8 @@
 #ifndef DEFORMABLE_TUNING_H
 #define DEFORMABLE_TUNING_H
 
+#include <string>
+
 namespace LAMMPS_NS {
 
 struct Tuning {
@@ -54,7 +56,7 @@ struct Tuning {
   // Evaluations that do not halve the imbalance, after which there may be no balance
   double stuck = 200.0;
 
-  Tuning changed_by_environment() const;
+  Tuning changed_by(const std::string &given) const;    // words name=number
 };
 
 }    // namespace LAMMPS_NS

@@ -3,6 +3,8 @@
 #include "comm.h"
 #include "lammps.h"
 
+#include <cstdlib>
+
 using namespace LAMMPS_NS;
 
 std::vector<double> LAMMPS_NS::of_all_ranks(LAMMPS *lmp, std::vector<double> here)
@@ -16,4 +18,15 @@ std::vector<double> LAMMPS_NS::of_all_ranks(LAMMPS *lmp, std::vector<double> her
   MPI_Allgatherv(here.data(), count, MPI_DOUBLE, all.data(), counts.data(), first.data(),
                  MPI_DOUBLE, lmp->world);
   return all;
+}
+
+std::string LAMMPS_NS::environment(LAMMPS *lmp, const char *name)
+{
+  const char *const given = std::getenv(name);
+  std::string value = given ? given : "";
+  int size = static_cast<int>(value.size());
+  MPI_Bcast(&size, 1, MPI_INT, 0, lmp->world);
+  value.resize(size);
+  MPI_Bcast(value.data(), size, MPI_CHAR, 0, lmp->world);
+  return value;
 }

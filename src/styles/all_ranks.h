@@ -6,6 +6,7 @@
 #include "lmptype.h"
 #include "pointers.h"
 
+#include <string>
 #include <type_traits>
 #include <vector>
 
@@ -37,6 +38,9 @@ template <class Number> Number smallest_of_ranks(MPI_Comm world, Number here)
 
 // The numbers of one rank after the other.
 std::vector<double> of_all_ranks(LAMMPS *, std::vector<double> here);
+
+// A variable of the environment of rank 0, which all ranks follow; empty if it is not set.
+std::string environment(LAMMPS *, const char *name);
 
 }    // namespace LAMMPS_NS
 

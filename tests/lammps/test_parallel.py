@@ -1,10 +1,13 @@
 """Any number of ranks, in any grid, gives the same answers from the same data file."""
 
+import re
+
 import numpy as np
 import pytest
 from laws import BALANCED, CURVED, EXACT, RADICAL
 from materials import packing
-from parallel import FEW, GRIDS, TWO, assert_same, lmp, on_grids, report, reported
+from parallel import FEW, GRIDS, TWO, assert_same, finished, lmp, on_grids, report, reported
+from programs import BIN, program
 from scene import HEADER, MEASURE, PACKINGS, SPECIES, Scene
 
 STEPS = 0, 20
@@ -118,3 +121,68 @@ def test_errors_end_all_ranks(tmp_path):
     result = lmp(2, SCRIPT.format(species="nowhere.txt small large", **fields), tmp_path)
     assert result.returncode != 0
     assert "Cannot open the species file 'nowhere.txt'" in result.stdout + result.stderr
+
+
+ONE_LARGE = """
+units lj
+dimension 2
+region box block -30 30 -30 30 -0.5 0.5
+create_box 2 box
+lattice hex 1.2
+region hole sphere 0 0 0 20.3 side out units box
+{atoms}
+mass * 1.0
+pair_style deformable/ring
+pair_coeff * * species small large
+neighbor 0.3 nsq
+neigh_modify one 20000 page 400000
+comm_modify cutoff 3
+run 0
+"""
+FILL = "region fill block -30 30 -30 30 -0.5 0.5 units box\ncreate_atoms 1 region fill"
+AROUND = """
+region fill intersect 2 box hole
+create_atoms 1 region fill
+create_atoms 2 single 0 0 0 units box
+"""
+
+
+def test_one_large_particle_needs_no_memory(tmp_path):
+    """Ranks send each other what their shared pairs need, not the most that any particle has."""
+    (tmp_path / "species").write_text("small 0.5 1 inf\nlarge 20 1 inf\n")
+    megabytes = {}
+    for atoms in (FILL, AROUND):
+        told = finished(2, ONE_LARGE.format(atoms=atoms), tmp_path)
+        memory = re.search(r"Per MPI rank .* = .*\| (\S+) Mbytes", told)
+        megabytes[atoms] = float(memory[1])
+    assert megabytes[AROUND] < 1.5 * megabytes[FILL]
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "error"),
+    [
+        ("DEFORMABLE_TUNING=planned=0", "DEFORMABLE_TUNING=planned=1", ""),
+        ("DEFORMABLE_SIMD=plain", "DEFORMABLE_SIMD=sse9", ""),
+        ("DEFORMABLE_SIMD=sse9", "DEFORMABLE_SIMD=plain", "DEFORMABLE_SIMD is 'sse9'"),
+    ],
+)
+def test_environment_is_that_of_rank_0(first, second, error, tmp_path):
+    """Other ranks would go through other stages, and all would wait for each other."""
+    Scene.packing(PACKINGS[0], RADICAL).run(f"write_data {tmp_path / 'data'} nofix")
+    (tmp_path / "in.script").write_text(
+        SCRIPT.format(
+            atoms="atomic",
+            boundary="p p p",
+            grid="2 1 1",
+            data="data",
+            style=BALANCED,
+            name="deformable/ring",
+            species=f"{SPECIES} small large",
+            commands="",
+        )
+    )
+    of_ranks = ["-n", "1", "env", first, BIN / "lmp", "-in", "in.script", "-log", "none"]
+    of_ranks += [":", "-n", "1", "env", second, *of_ranks[4:]]
+    done = program("mpiexec", *of_ranks, cwd=tmp_path, timeout=60)
+    assert (done.returncode != 0) == bool(error)
+    assert error in done.stdout + done.stderr

@@ -22,7 +22,6 @@
 #include "update.h"
 
 #include <algorithm>
-#include <cstdlib>
 #include <cstring>
 #include <limits>
 #include <string>
@@ -51,10 +50,11 @@ PairDeformable::PairDeformable(LAMMPS *lmp, int outputs, int dimension)
   nextra = outputs;
   pvector = new double[nextra]();
 
-  const char *const given = std::getenv("DEFORMABLE_SIMD");
-  const std::string level = given ? given : "";
+  const std::string level = environment(lmp, "DEFORMABLE_SIMD");
   kernels = deformable::batch_kernels(level);
-  if (!kernels) error->all(FLERR, "{}", deformable::why_no_kernels("DEFORMABLE_SIMD", level));
+  refusals.check([&] {    // processors of ranks may differ
+    if (!kernels) refuse("{}", deformable::why_no_kernels("DEFORMABLE_SIMD", level));
+  });
 }
 
 PairDeformable::~PairDeformable()
