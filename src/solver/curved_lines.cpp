@@ -69,9 +69,18 @@ void CurvedLines::straighten(bool hold)
   held = hold;
   std::fill(next_sine.begin(), next_sine.end(), 0.0);
   std::fill(pairs->bend.begin(), pairs->bend.end(), 0.0);
+  if (films) films->begin();
   part = 1.0;
   last_imbalance = 0.0;
   turn(0, pairs->size);
+}
+
+void CurvedLines::let_go()
+{
+  held = false;
+  answers = false;
+  part = 0.2;
+  last_imbalance = 0.0;
 }
 
 // Lines of walls stay, their films do not.

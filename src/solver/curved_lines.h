@@ -50,6 +50,7 @@ class CurvedLines {
 
   // All lines are straight, and perpendicular to lines of centers; held: they stay so in this solution.
   void straighten(bool held);
+  void let_go();    // they may turn from there
 
   // Stages of a sweep, see DualSolver, of some pairs: the imbalance of their lines, a force; how they answer outlines; and the
   // next tilts, bends and films.

@@ -53,7 +53,16 @@ const char *Summary::why() const
 
 void DualSolver::warn_unbalanced(const char *style)
 {
-  if (are_balanced || warned_unbalanced) return;
+  constexpr double MOST = 0.1;    // forces mean something
+  if (are_balanced) return;
+  if (summary.imbalance > MOST && !minimizing()) {
+    forget();
+    error->all(FLERR,
+               "Contacts are not balanced: after {} evaluations forces are off by {:.2g} of the "
+               "largest. {}. Begin with 'minimize', or compress less (pair_style {} balance)",
+               summary.evaluations, summary.imbalance, summary.why(), style);
+  }
+  if (warned_unbalanced) return;
   warned_unbalanced = true;
   if (comm->me == 0)
     error->warning(FLERR,
@@ -80,7 +89,7 @@ bool DualSolver::solve(const Particles &p, const Push &push)
   double before = 0.0, part = 1.0;
   int changes = 0;
   for (int lists = 0;; ++lists) {
-    are_balanced = balance();
+    are_balanced = balance(p);
     if (!has_room()) return false;
     find_bulges(p);
     bool refused = p.refusals->any_here();
@@ -271,7 +280,7 @@ void DualSolver::average_over_ranks()
    with other pairs, after `remember`. Returns whether forces are balanced.
 ------------------------------------------------------------------------- */
 
-bool DualSolver::balance()
+bool DualSolver::balance(const Particles &p)
 {
   if (problems++ > 0) take_past();
   average_over_ranks();
@@ -281,41 +290,66 @@ bool DualSolver::balance()
   if (problems == 1 && !is_planned) planned_from = now;
 
   local_corrections = 0;
-  int anew = 0;
-  // beyond confluence there may be no balance
+  // Beyond confluence there may be no balance, and lines may lead astray.
+  enum { PREDICTED, ANEW, STRAIGHT, LET_GO, HELD };
+  constexpr double FAR = 1e-3;    // from balance, over the largest force
+  int attempt = PREDICTED;
   double halved = std::numeric_limits<double>::infinity();
   int since = summary.evaluations;
-  for (;;) {
-    // Forces were extrapolated too far: anew, even beyond maxeval. Where curved lines lead astray once more, straight ones.
-    if (!now.exists && anew < (lines ? 2 : 1)) {
-      ++anew;
-      halved = std::numeric_limits<double>::infinity();
-      since = summary.evaluations;
-      std::fill(list.pairs.force.begin(), list.pairs.force.end(), 0.0);
-      if (lines) lines->straighten(anew == 2);
-      if (anew == 2) allowed = summary.evaluations + max_evaluations;
-      now = evaluate();
+  is_careful = false;
+  // From no forces, even beyond maxeval; with lines that may turn, with straight ones, and from these with lines that may turn again.
+  const auto begin = [&](int next) {
+    attempt = next;
+    halved = std::numeric_limits<double>::infinity();
+    since = summary.evaluations;
+    is_careful = false;
+    if (attempt != LET_GO) std::fill(list.pairs.force.begin(), list.pairs.force.end(), 0.0);
+    linear.invalidate_bounds();
+    if (attempt == LET_GO) {
+      lines->let_go();
+    } else if (lines) {
+      locate(p);    // lines may be nowhere
+      average_over_ranks();
+      lines->straighten(attempt != ANEW);
     }
+    if (attempt != ANEW) allowed = summary.evaluations + max_evaluations;
+    now = evaluate();
+  };
+  for (;;) {
+    if (!now.exists && (attempt == PREDICTED || (lines && (attempt == ANEW || attempt == LET_GO))))
+      begin(attempt + 1);
     if (is_balanced(now)) {
       summary.termination = Termination::BALANCED;
-      break;
+      if (attempt != STRAIGHT) break;
+      begin(LET_GO);
+      continue;
     }
+    const bool is_far = now.worst() > FAR * now.force;
     if (!may_go_on()) {
       summary.termination = Termination::OUT_OF_EVALUATIONS;
-      break;
+      if (attempt != LET_GO || !is_far) break;
+      begin(HELD);
+      continue;
     }
     if (now.worst() < 0.5 * halved) {
       halved = now.worst();
       since = summary.evaluations;
+    } else if (!is_careful && summary.evaluations > since + tuning.astray) {
+      is_careful = true;
+      since = summary.evaluations;
     } else if (summary.evaluations > since + tuning.stuck) {
-      are_balanced = false;
-      if (lines && !lines->held && !has_room()) {    // as lines go to and fro: straight ones
-        anew = 1;
-        now.exists = false;
-        continue;
-      }
       summary.termination = Termination::STUCK;
-      break;
+      are_balanced = false;
+      const bool may_turn = lines && !lines->held;
+      if (may_turn && attempt == LET_GO && is_far)
+        begin(HELD);
+      else if (may_turn && attempt != LET_GO && !has_room())
+        begin(STRAIGHT);
+      else if (attempt == PREDICTED && is_far)
+        begin(ANEW);
+      else
+        break;
+      continue;
     }
     if (!std::isfinite(now.force)) break;
     if (!correct_some(now)) now = correct(now);
@@ -404,7 +438,7 @@ Evaluation DualSolver::correct(const Evaluation &from)
   const bool follows = moves && (films || lines->answers);
   if (!follows) add_shape(steps, shape_after(from));
   const Evaluation stepped = accept(run(steps), from, corrections > 0, !follows);
-  if (!moves) return line_search(stepped, BETTER * from.imbalance);
+  if (!moves) return line_search(stepped, is_careful ? 0.0 : BETTER * from.imbalance);
   lines->adapt(follows ? from.line_imbalance : stepped.line_imbalance);
   if (!follows) lines->forget_answers();    // by outlines as they are
   run(follows ? Steps{Stage::FOLLOW_STEP, Stage::TURN} : Steps{Stage::TURN});
@@ -510,7 +544,7 @@ Evaluation DualSolver::accept(Evaluation now, const Evaluation &from, bool itera
 
 Evaluation DualSolver::line_search(Evaluation now, double enough)
 {
-  constexpr double SMALL_SLOPE = 0.5;
+  const double small_slope = is_careful ? 0.1 : 0.5;
   const double slope = now.slope;
   if (!(slope > 0.0)) return now;    // no step
   double low = 0.0, low_slope = slope, high = 1.0, at = 1.0;
@@ -518,7 +552,7 @@ Evaluation DualSolver::line_search(Evaluation now, double enough)
     if (now.exists && now.imbalance <= std::max(enough, limit(now))) return now;
     linear.invalidate_bounds();
     const double here = now.exists ? slope_at_end() : -std::numeric_limits<double>::infinity();
-    if (here >= -SMALL_SLOPE * slope && (at == 1.0 || here <= SMALL_SLOPE * slope)) return now;
+    if (here >= -small_slope * slope && (at == 1.0 || here <= small_slope * slope)) return now;
     if (!may_go_on()) return now;
 
     double next;

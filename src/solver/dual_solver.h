@@ -11,7 +11,8 @@
 //
 //   solve        find_pairs, predict, then balance, again where outlines bulge beyond the list of pairs or films come or go; finish
 //   predict      a polynomial in time through the forces of the last calls; along the lines of a minimizer the last forces
-//   balance      Newton's method: evaluate, and correct until balanced, stuck or out of evaluations
+//   balance      Newton's method: evaluate, and correct until balanced, stuck or out of evaluations; from no forces, and with
+//                straight lines, where that leads astray
 //   evaluate     kernels find the shapes of all particles (a, C) and the residuals of all pairs; shapes of droplets ask for
 //                the facets of their neighbors, and have a stage more
 //   correct      C x = r for the active set (LinearSolver: Chebyshev's iteration, or conjugate gradients where the bounds of the
@@ -214,7 +215,7 @@ class DualSolver : protected Pointers {
   void remember_lines();
   void begin_again();
 
-  bool balance();
+  bool balance(const Particles &);
   bool may_plan() const;
   bool lines_move(const Evaluation &) const;
   bool lines_answer(const Evaluation &) const;
@@ -229,6 +230,9 @@ class DualSolver : protected Pointers {
   Evaluation accept(Evaluation now, const Evaluation &from, bool iterated, bool has_shapes);
   Evaluation line_search(Evaluation now, double enough);
   bool is_balanced(const Evaluation &now) const;
+  // Whether a step must lead to where the dual energy is largest along it, or only halve the imbalance. That is faster where
+  // Newton's method converges; from forces that are far off it may go to and fro, as between no force and one that is too large.
+  bool is_careful = false;
   // A step needs no line search if the imbalance is at most this part of that before; if lines or other blocks change too.
   static constexpr double BETTER = 0.5, NO_WORSE = 2.0;
   double limit(const Evaluation &now) const { return std::max(tolerance * now.force, enough); }

@@ -34,6 +34,7 @@ Tuning Tuning::changed_by(const std::string &given) const
                                                    {"chebyshev", &t.chebyshev},
                                                    {"spectrum", &t.spectrum},
                                                    {"close", &t.close},
+                                                   {"astray", &t.astray},
                                                    {"stuck", &t.stuck}};
   std::istringstream words(given);
   for (std::string word; words >> word;) {

@@ -53,7 +53,8 @@ struct Tuning {
   // Curved lines move with forces from this imbalance on
   double close = 0.02;    // of the largest force
 
-  // Evaluations that do not halve the imbalance, after which there may be no balance
+  // Evaluations that do not halve the imbalance, after which steps are careful (DualSolver), and after which there may be no balance
+  double astray = 10.0;    // [5, 50]
   double stuck = 200.0;
 
   Tuning changed_by(const std::string &given) const;    // words name=number

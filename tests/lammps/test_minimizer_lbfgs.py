@@ -292,6 +292,17 @@ def test_rest_takes_no_step(tmp_path):
     np.testing.assert_array_equal(scene.x, x)
 
 
+def test_fixes_that_measure_change_no_path(tmp_path):
+    """They ask to be called in minimizations, as fixes do that push."""
+    ends = []
+    for commands in ("unfix shape", "", "fix kept all store/force"):
+        scene = packing(tmp_path, "balanced", by=0.05)
+        scene.run(f"{commands}\n{LBFGS}minimize 0 1e-9 20 100")
+        ends.append(scene.x)
+    np.testing.assert_array_equal(ends[0], ends[1])
+    np.testing.assert_array_equal(ends[0], ends[2])
+
+
 def test_particles_apart_have_no_forces(tmp_path):
     scene = Scene([(0, 0), (3, 0)], ["small"] * 2, (-4, 4, -4, 4), RADICAL, log=Log(tmp_path))
     scene.run(LBFGS + "minimize 0 0 10 10")

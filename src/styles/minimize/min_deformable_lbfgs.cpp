@@ -113,11 +113,14 @@ void MinDeformableLbfgs::init()
                "min_modify precondition springs: only the pair styles deformable/ring, "
                "deformable/sector and deformable/droplet, without hybrid, know their contacts: use "
                "'precondition none'");
+  // those that ask to be called in minimizations, but for those that measure
   others_push = false;
-  for (Fix *fix : modify->get_fix_list())
-    if (modify->get_fix_mask(fix) & FixConst::MIN_POST_FORCE &&
-        !utils::strmatch(fix->style, "^enforce2d"))
-      others_push = true;
+  for (Fix *fix : modify->get_fix_list()) {
+    bool pushes = modify->get_fix_mask(fix) & FixConst::MIN_POST_FORCE;
+    for (const char *style : {"^enforce2d", "^pair$", "^store/force$", "^numdiff"})
+      pushes = pushes && !utils::strmatch(fix->style, style);
+    others_push |= pushes;
+  }
   // their forces have lost a direction that springs do not know
   for (const char *style : {"aveforce", "lineforce", "planeforce"}) {
     const auto fixes = modify->get_fix_by_style(fmt::format("^{}", style));
