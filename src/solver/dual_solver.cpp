@@ -184,7 +184,8 @@ bool DualSolver::minimizing() const
 // Minimizers go from line to line, but for the damped dynamics of fire and quickmin.
 bool DualSolver::searches_lines() const
 {
-  return minimizing() && !utils::strmatch(update->minimize_style, "^(fire|quickmin)");
+  return minimizing() && !utils::strmatch(update->minimize_style, "^fire") &&
+         !utils::strmatch(update->minimize_style, "^quickmin");
 }
 
 /* ----------------------------------------------------------------------

@@ -34,24 +34,24 @@ void LinearSolver::conjugate_gradients(ContactBatches &batches, RemoteSides &rem
     beta.push_back(conjugation);
     norm2 = next;
   }
-  are_invalid = false;
-  find_bounds(alpha, beta);
+  are_invalid = !find_bounds(alpha, beta);
+  if (are_invalid) return;
   // of the logarithm of the error in one iteration; that of Chebyshev's method is for all spectra between the bounds
   const double of_conjugate = std::log(1.0 / accuracy) / alpha.size();
-  if (highest > 0.0 && decay() < tuning.chebyshev * of_conjugate) highest = 0.0;
+  if (decay() < tuning.chebyshev * of_conjugate) highest = 0.0;
 }
 
 /* ----------------------------------------------------------------------
    Conjugate gradients are Lanczos' method: the extreme eigenvalues are those
    of a tridiagonal matrix of their coefficients. Few iterations know them
-   too little.
+   too little: then it returns false.
 ------------------------------------------------------------------------- */
 
-void LinearSolver::find_bounds(const std::vector<double> &alpha, const std::vector<double> &beta)
+bool LinearSolver::find_bounds(const std::vector<double> &alpha, const std::vector<double> &beta)
 {
   constexpr int LEAST = 5, PARTS = 1024;
   const int n = static_cast<int>(alpha.size());
-  if (n < LEAST) return;
+  if (n < LEAST) return false;
   std::vector<double> diagonal(n), square(n, 0.0);    // square: of the element before the diagonal
   double most = 0.0;
   for (int k = 0; k < n; ++k) {
@@ -80,6 +80,7 @@ void LinearSolver::find_bounds(const std::vector<double> &alpha, const std::vect
   while (high > low + 1 && below((high - 1) * unit) == n) --high;
   lowest = low * unit;
   highest = (1.0 + tuning.spectrum) * high * unit;
+  return true;
 }
 
 double LinearSolver::decay() const

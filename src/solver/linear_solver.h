@@ -51,15 +51,15 @@ class LinearSolver {
  private:
   const deformable::ForceKernels &kernels;
   const Tuning &tuning;
-  // bounds of the eigenvalues of C, with the weights; unknown if highest = 0
+  // bounds of the eigenvalues of C, with the weights; if highest = 0, Chebyshev's iteration is not worth it
   double lowest = 0.0, highest = 0.0;
-  bool are_invalid = false;
+  bool are_invalid = true;
   std::vector<double> alpha, beta;    // of each iteration
 
   void conjugate_gradients(ContactBatches &, RemoteSides &, const deformable::PairArrays &,
                            double norm2, double accuracy);
   double decay() const;
-  void find_bounds(const std::vector<double> &alpha, const std::vector<double> &beta);
+  bool find_bounds(const std::vector<double> &alpha, const std::vector<double> &beta);
 };
 
 }    // namespace LAMMPS_NS

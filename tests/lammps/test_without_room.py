@@ -210,3 +210,12 @@ def test_random_start_on_ranks(tmp_path):
         numbers.add(told(out.stdout, "without room"))
     assert len(numbers) == 1
     assert numbers.pop() > 0
+
+
+def test_steps_that_are_too_long_name_the_minimizer_of_short_ones():
+    x, length = lattice(0.93, 0.03)
+    scene = scene_of(EXACT["balanced"], "bubble", x, length)
+    with pytest.raises(Exception, match=r"no stable shape.*Use 'min_style deformable/lbfgs'"):
+        scene.run("min_style fire\nmin_modify dmax 1\ntimestep 10\nminimize 0 1e-8 200 1000")
+    scene.x = x
+    scene.run("min_style deformable/lbfgs\nmin_modify dmax 0.05\nminimize 0 1e-8 200 1000")

@@ -679,6 +679,9 @@ void PairDeformableRing::no_shape(int i, int contacts)
   const bool starts = update->whichflag == 1 && update->ntimestep == update->firststep;
   std::string advice;
   if (keeps_area && starts) advice += "begin with 'minimize', which makes room, ";
+  if (update->whichflag == 2 && update->ntimestep > update->firststep &&
+      !utils::strmatch(update->minimize_style, "^deformable/"))
+    advice += "use 'min_style deformable/lbfgs', whose steps are short, ";
   if (adhesion > 0.0) advice += "take a smaller adhesion, ";
   advice += "compress less, ";
   advice[0] = static_cast<char>(std::toupper(advice[0]));
