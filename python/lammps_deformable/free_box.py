@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ._checks import positive, shown
 from .errors import LammpsError, ParameterError, UnjammedWarning, warn
 from .laws import excess_phi, natural_pressure, root
+from .polygons import DeformablePolygon
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -143,10 +144,17 @@ _LOST = 0.5
 _CURVED = 1e-3
 
 
+def refuse_polygons(law: object) -> None:
+    """Refuse polygons where a pressure is the target."""
+    if isinstance(law, DeformablePolygon):
+        raise ParameterError("polygons have no target pressure: compress to a strain or phi")
+
+
 def check_free(
     free: str,
     walls: tuple[Wall, ...],
     pressure: float | None,
+    law: object,
     friction: Friction | None = None,
 ) -> None:
     """Refuse what cannot be free, and a pressure that cannot be.
@@ -157,6 +165,7 @@ def check_free(
     """
     if pressure is not None:
         positive("pressure", pressure)
+        refuse_polygons(law)
         if friction:
             raise ParameterError(
                 "with friction a packing depends on its way to a pressure, and relax goes to and "

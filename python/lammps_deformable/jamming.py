@@ -194,7 +194,7 @@ def jam(
     positive("pressure", pressure)
     positive("step", step)
     positive("tolerance", tolerance)
-    check_free(free, packing.walls, pressure)
+    check_free(free, packing.walls, pressure, law)
     if grow and free != "iso":
         raise ParameterError(
             f"grow=True keeps the box, and free='{free}' changes it: leave out one"
