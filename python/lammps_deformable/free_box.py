@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import warnings
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ._checks import positive, shown
-from .errors import LammpsError, ParameterError, UnjammedWarning, warn
+from .errors import LammpsError, ParameterError, UnjammedWarning, collected, warn
 from .laws import excess_phi, natural_pressure, root
 from .polygons import DeformablePolygon
 
@@ -107,20 +106,19 @@ def told_at_the_end(
 
     That a packing has lost its rigidity on the way is told if the last state is loose.
     """
-    told: list[warnings.WarningMessage] = []
+    told: list[Warning] = []
 
     def quiet() -> State:
         nonlocal told
-        with warnings.catch_warnings(record=True) as caught:
-            warnings.simplefilter("always")
+        with collected() as found:
             state = relax()
-        told = [each for each in told if each.category is UnjammedWarning] + caught
+        told = [each for each in told if isinstance(each, UnjammedWarning)] + found
         return state
 
     state = search(quiet)
     for each in told:
-        if each.category is not UnjammedWarning or not state.coordination:
-            warn(each.message)
+        if not isinstance(each, UnjammedWarning) or not state.coordination:
+            warn(each)
     return state
 
 
