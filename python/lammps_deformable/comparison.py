@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 import time
-import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -27,7 +26,7 @@ from ._files import make_folder
 from .box import cartesian, fractional
 from .core import angles, norm, unit_vectors
 from .error_plot import plot_errors
-from .errors import ParameterError, StalledWarning, UnjammedWarning, warn
+from .errors import ParameterError, StalledWarning, UnjammedWarning, collected, warn
 from .exact_droplets import ExactPacking, exact_packing, osmotic
 from .laws import Droplet, Law, Ring, Sector, SoftContact, per_species, refuse_adhesion
 from .packing import Packing
@@ -637,8 +636,7 @@ def of_many_vertices(coarse: float, fine: float, times: float) -> float:
 
 def compressed(start: Packing, law: Method, strain: float, steps: int) -> Steps:
     """Particles compressed from jamming: states, and seconds of processor time, of the steps."""
-    with Simulation(start, law, comm=MPI.COMM_SELF) as sim, warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # the rows have the residuals
+    with Simulation(start, law, comm=MPI.COMM_SELF) as sim, collected():  # rows have the residuals
         return timed(sim, strain, steps)
 
 

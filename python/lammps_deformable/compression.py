@@ -14,9 +14,8 @@ import numpy as np
 
 from ._checks import count, expect, finite, positive
 from .errors import ParameterError, UnjammedWarning, warn
-from .free_box import REACHED, UnreachedError, reach, told_at_the_end
+from .free_box import REACHED, UnreachedError, reach, refuse_polygons, told_at_the_end
 from .laws import Droplet, Ring, Sector, SoftContact
-from .polygons import DeformablePolygon
 from .ranks import world
 from .recording import Protocol, check_tolerance
 
@@ -58,8 +57,8 @@ def check_target(law: object, steps: int, **targets: float | None) -> tuple[str,
         if target == 0.0:
             raise ParameterError("strain must not be 0: relax the simulation instead")
         return name, float(target)
-    if name == "pressure" and isinstance(law, DeformablePolygon):
-        raise ParameterError("polygons have no target pressure: give strain or phi")
+    if name == "pressure":
+        refuse_polygons(law)
     if positive(name, target) >= 1.0 and name == "phi" and not isinstance(law, SoftContact):
         raise ParameterError(
             f"phi must be below 1, where particles that deform fill the whole box, not {target}"

@@ -227,7 +227,7 @@ _OF_DROPLETS = ("area", "contacts", "contact_area", "pressure", "load")
 class Engine:
     """What all laws have. Further methods of each:
 
-    check(packing, friction): refuse what the law cannot have.
+    check(packing, friction): refuse what the law cannot have; nothing is changed.
     open(sim, packing, former): a LAMMPS with the packing, the former one if there is one.
     follow(sim, walls, box): refuse or take the walls of a new box.
     forces(sim, least): evaluate forces and results of particles at the present positions.
@@ -283,6 +283,10 @@ class Deformables(Engine):
         species_file(self.law, packing._species_radii)
         if friction:
             check_friction(friction, packing, self.law)
+        self._check_walls(packing.walls, packing.box, packing._species_radii)
+        if packing.walls:
+            check_centers(packing.walls, packing.box, packing.positions)
+            check_sticky_walls(packing, self.law)
 
     def opened(self, packing: Packing, friction: Friction | None) -> Packing:
         """The packing; with friction particles have radii of their own, which lets them turn."""
@@ -291,10 +295,6 @@ class Deformables(Engine):
     def open(self, sim: Simulation, packing: Packing, former: lammps | None) -> lammps:
         """LAMMPS with the packing, the law, walls and friction, and the computes of states."""
         self._radii = packing._species_radii
-        self._check_walls(packing.walls, packing.box)
-        if packing.walls:
-            check_centers(packing.walls, packing.box, packing.positions)
-            check_sticky_walls(packing, self.law)
         lmp, friction = open_lammps(packing, sim.comm, former), sim.friction
         with shared_file(sim.comm, species_file(self.law, self._radii)) as file:
             run(lmp, law_commands(packing, self.law, file))
@@ -308,13 +308,13 @@ class Deformables(Engine):
         self._smallest_radius = float(packing.radii.min())
         return lmp
 
-    def _check_walls(self, walls: tuple[Wall, ...], box: Floats) -> None:
+    def _check_walls(self, walls: tuple[Wall, ...], box: Floats, radii: Floats) -> None:
         reach = 1.0 + (self.law.reach if isinstance(self.law, (Ring, Droplet)) else 0.0)
-        check_fit(walls, box, reach * float(self._radii.max()))
+        check_fit(walls, box, reach * float(radii.max()))
 
     def follow(self, sim: Simulation, walls: tuple[Wall, ...], box: Floats) -> None:
         """Place the walls of a new box."""
-        self._check_walls(walls, box)
+        self._check_walls(walls, box, self._radii)
         if walls:
             place_walls(sim.lmp, walls, former=sim.walls)
 
@@ -322,7 +322,8 @@ class Deformables(Engine):
         """Let particles go on with a motion, where they are those of the same moment."""
         lmp, rubbing = sim.lmp, motion.rubbing
         place_velocities(lmp, motion.velocities)
-        run(lmp, "\n".join(memory_commands(motion.films)))
+        if sticks(self.law, sim.walls):  # films of another law are gone
+            run(lmp, "\n".join(memory_commands(motion.films)))
         if rubbing is not None and lmp.has_id("fix", FRICTION):
             spins = rubbing.spins
             place(lmp, "omega", spins if spins.ndim == 2 else np.outer(spins, [0.0, 0.0, 1.0]))
@@ -600,9 +601,10 @@ class SoftParticles(Engine):
         self.law = law
 
     def check(self, packing: Packing, friction: Friction | None) -> None:
-        """Refuse friction."""
+        """Refuse friction, and walls that do not fit."""
         if friction:
             raise ParameterError("soft contacts have no friction: take the law Ring")
+        check_fit(packing.walls, packing.box, float(packing.radii.max()))
 
     def opened(self, packing: Packing, friction: Friction | None) -> Packing:
         """The packing without centers at one place."""
@@ -612,7 +614,7 @@ class SoftParticles(Engine):
         """LAMMPS with the packing and its walls."""
         self._radii, self._radius = packing._species_radii, packing.radii
         self._dimension = packing.dimension
-        self.follow(sim, packing.walls, packing.box)
+        self._distances = Distances(packing.walls, packing.box)
         lmp = open_disks(packing, MPI.COMM_SELF, self.law.k, former)
         if packing.walls:
             run(lmp, _WALLS)

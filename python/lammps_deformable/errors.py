@@ -4,6 +4,12 @@ from __future__ import annotations
 
 import sys
 import warnings
+from contextlib import contextmanager
+from contextvars import ContextVar
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
 
 # Modules whose frames stand between those of this package.
 _BETWEEN = ("contextlib", "functools")
@@ -56,17 +62,44 @@ class UnsavedWarning(UserWarning):
     """A saved state lacks walls or excluded pairs that were given to LAMMPS."""
 
 
+# Warnings that are kept from their user: their categories, and those that came. Of each thread, as
+# filters of Python are of the whole process.
+_collectors: ContextVar[tuple[tuple[tuple[type[Warning], ...], list[Warning]], ...]] = ContextVar(
+    "collectors", default=()
+)
+
+
+@contextmanager
+def collected(*categories: type[Warning]) -> Iterator[list[Warning]]:
+    """Warnings of this package and thread that are given meanwhile, which nobody else sees.
+
+    Args:
+        categories: of these warnings; all if not given.
+    """
+    found: list[Warning] = []
+    before = _collectors.set((*_collectors.get(), (categories or (Warning,), found)))
+    try:
+        yield found
+    finally:
+        _collectors.reset(before)
+
+
 def warn(message: str | Warning, category: type[Warning] | None = None) -> None:
     """Give a warning of the line that called this package, as all others are its own.
 
     Args:
-        message: in one line, or a warning that was caught.
+        message: in one line, or a warning that was collected.
         category: of the warning; that of the message if not given.
     """
+    given = message if isinstance(message, Warning) else (category or UserWarning)(message)
+    for categories, found in reversed(_collectors.get()):
+        if isinstance(given, categories):
+            found.append(given)
+            return
     level, frame = 1, sys._getframe()
     while frame.f_back and _is_own(frame.f_globals.get("__name__")):
         level, frame = level + 1, frame.f_back
-    warnings.warn(message, category, stacklevel=level)
+    warnings.warn(given, stacklevel=level)
 
 
 def _is_own(module: object) -> bool:

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import warnings
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ._checks import positive, shown
-from .errors import LammpsError, ParameterError, UnjammedWarning, warn
+from .errors import LammpsError, ParameterError, UnjammedWarning, collected, warn
 from .laws import excess_phi, natural_pressure, root
+from .polygons import DeformablePolygon
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -106,20 +106,19 @@ def told_at_the_end(
 
     That a packing has lost its rigidity on the way is told if the last state is loose.
     """
-    told: list[warnings.WarningMessage] = []
+    told: list[Warning] = []
 
     def quiet() -> State:
         nonlocal told
-        with warnings.catch_warnings(record=True) as caught:
-            warnings.simplefilter("always")
+        with collected() as found:
             state = relax()
-        told = [each for each in told if each.category is UnjammedWarning] + caught
+        told = [each for each in told if isinstance(each, UnjammedWarning)] + found
         return state
 
     state = search(quiet)
     for each in told:
-        if each.category is not UnjammedWarning or not state.coordination:
-            warn(each.message)
+        if not isinstance(each, UnjammedWarning) or not state.coordination:
+            warn(each)
     return state
 
 
@@ -143,10 +142,17 @@ _LOST = 0.5
 _CURVED = 1e-3
 
 
+def refuse_polygons(law: object) -> None:
+    """Refuse polygons where a pressure is the target."""
+    if isinstance(law, DeformablePolygon):
+        raise ParameterError("polygons have no target pressure: compress to a strain or phi")
+
+
 def check_free(
     free: str,
     walls: tuple[Wall, ...],
     pressure: float | None,
+    law: object,
     friction: Friction | None = None,
 ) -> None:
     """Refuse what cannot be free, and a pressure that cannot be.
@@ -157,6 +163,7 @@ def check_free(
     """
     if pressure is not None:
         positive("pressure", pressure)
+        refuse_polygons(law)
         if friction:
             raise ParameterError(
                 "with friction a packing depends on its way to a pressure, and relax goes to and "

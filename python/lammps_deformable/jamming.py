@@ -7,7 +7,6 @@ overlap too far; with a free box the packing is stable against shear too.
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import replace
 from typing import Any
 
@@ -17,7 +16,7 @@ from tqdm import tqdm
 
 from ._checks import expect, positive
 from .engines import separated
-from .errors import ParameterError, StalledWarning, UnjammedWarning, warn
+from .errors import ParameterError, StalledWarning, UnjammedWarning, collected, warn
 from .free_box import check_free
 from .laws import (
     AnyLaw,
@@ -194,7 +193,7 @@ def jam(
     positive("pressure", pressure)
     positive("step", step)
     positive("tolerance", tolerance)
-    check_free(free, packing.walls, pressure)
+    check_free(free, packing.walls, pressure, law)
     if grow and free != "iso":
         raise ParameterError(
             f"grow=True keeps the box, and free='{free}' changes it: leave out one"
@@ -356,9 +355,9 @@ def _relaxed(
     """The packing, relaxed until its pressure is below the given one, or else to the tolerance."""
     # about the contact force at this pressure
     least = pressure * float(packing.radii.min()) ** (packing.dimension - 1)
-    with Simulation(packing, law, comm=comm) as sim, warnings.catch_warnings():
-        warnings.simplefilter("ignore", StalledWarning)  # `jam` warns once for all
-        warnings.simplefilter("ignore", UnjammedWarning)  # expected below the onset
+    # `jam` warns once for all relaxations, and loose packings are expected below the onset
+    quiet = collected(StalledWarning, UnjammedWarning)
+    with Simulation(packing, law, comm=comm) as sim, quiet:
         for part in _STAGES:
             state = sim._relax(part * tolerance, least)
             if state.pressure <= pressure or not state.converged:
@@ -374,8 +373,7 @@ _PUSHED_OFF = 1e-3
 def push_off(packing: Packing) -> Packing:
     """See `Packing.push_off`."""
     sim = Simulation(packing, SoftContact(), comm=MPI.COMM_SELF)
-    with sim, warnings.catch_warnings():
-        warnings.simplefilter("ignore", StalledWarning)  # with another text
+    with sim, collected(StalledWarning):  # with another text
         facet = float(packing.radii.min()) ** (packing.dimension - 1)  # about that of a contact
         pushed = sim._relax(1e-3, _PUSHED_OFF * natural_pressure(packing, SoftContact()) * facet)
     if not pushed.converged:
@@ -415,8 +413,7 @@ def stabilized(
     target, unit = excess_phi(pressure, packing, law), natural_pressure(packing, law)
     sim = Simulation(packing, law, comm=comm or MPI.COMM_SELF)
     excess = max(target, _FAR)
-    with sim, warnings.catch_warnings():
-        warnings.simplefilter("ignore", UnjammedWarning)  # of the start, before it is compressed
+    with sim, collected(UnjammedWarning):  # of the start, before it is compressed
         while excess > target:
             state = sim.relax(pressure=pressure_above_onset(excess, packing, law) * unit, free=free)
             report(1, state.phi, state.pressure / unit, state.residual)

@@ -27,7 +27,7 @@ from .box import half_thickness
 from .commands import PLANE, WALL, setup_commands, wall_commands
 from .errors import LammpsError
 from .files import in_space
-from .ranks import agree, guarded_lammps, world
+from .ranks import OPENING, agree, guarded_lammps, world
 from .text_files import tilts_of
 from .versions import check_lammps
 
@@ -196,7 +196,9 @@ def silent_lammps(comm: MPI.Comm, setup: str = PLANE, former: lammps | None = No
         LammpsError: the plugin was built for another release.
     """
     if former is not None:  # cleared
-        run(former, f"clear\n{setup}")
+        with OPENING:
+            run(former, "clear")
+        run(former, setup)
         return former
     check_lammps()
     lmp = guarded_lammps()(comm, ["-log", "none", "-screen", "none", "-nocite"])
@@ -211,7 +213,8 @@ def close_lammps(lmp: lammps) -> None:
     """
     instance, lmp.lmp, lmp.opened = lmp.lmp, None, 0
     if instance:
-        lmp.lib.lammps_close(instance)
+        with OPENING:
+            lmp.lib.lammps_close(instance)
 
 
 def run(lmp: lammps, commands: str) -> None:

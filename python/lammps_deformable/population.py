@@ -7,7 +7,6 @@ ancestor.
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -15,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import core
-from .errors import UnjammedWarning
+from .errors import UnjammedWarning, collected
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -26,8 +25,7 @@ if TYPE_CHECKING:
 
 def at_rest(sim: Any, settings: Mapping[str, Any]) -> State:
     """The relaxed state. Particles that become loose are no news where they vanish and divide."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", UnjammedWarning)
+    with collected(UnjammedWarning):
         return sim.relax(settings["tolerance"])  # type: ignore[no-any-return]
 
 

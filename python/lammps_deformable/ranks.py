@@ -150,6 +150,10 @@ def independently(function: Callable[..., T], /, *arguments: Any) -> T:
         _independent.reset(before)
 
 
+# Plugins are those of all instances of LAMMPS in a process, which open, clear and close one by one.
+OPENING = RLock()
+
+
 class Calls:
     """The calls of one LAMMPS.
 
@@ -230,7 +234,12 @@ def guarded_lammps() -> Any:
 
         def __init__(self, comm: MPI.Comm, cmdargs: list[str]) -> None:
             self.calls = Calls(comm)
-            super().__init__(cmdargs=cmdargs, comm=comm)
+            with OPENING:
+                super().__init__(cmdargs=cmdargs, comm=comm)
+
+        def close(self) -> None:
+            with OPENING:
+                super().close()
 
         def command(self, cmd: str) -> None:
             with self.calls.one(" ".join(["the command", *cmd.split()[:1]])):

@@ -32,7 +32,7 @@ from .lammps import (
     run,
     setup,
 )
-from .laws import AnyLaw, Droplet, Ring, Sector, SoftContact, sticks
+from .laws import AnyLaw, Droplet, Ring, Sector, SoftContact
 from .packing import Packing, refuse_crushed
 from .polygon_engine import PolygonBeads
 from .polygons import DeformablePolygon, Walls
@@ -155,13 +155,13 @@ class Simulation(OneCall):
         expect("friction", friction, Friction, type(None))
         self.law, self.comm = law, communicator(comm)
         start, state = _parts(self.comm.bcast(packing))  # those of other machines may differ
-        refuse_crushed(start)
         self.friction = state.friction if state and friction is None else friction
         gravity = state.gravity if state and gravity is None else gravity
         self.gravity = as_gravity(gravity, start, law)
         self._engine = _ENGINES[type(law)](law)
         self.minimizer = self._choose(minimizer)
         self._rigidity = Rigidity(start)
+        self._check(start, state)
         self._open(start, state)
 
     @classmethod
@@ -175,6 +175,7 @@ class Simulation(OneCall):
         sim.gravity = None
         sim._engine, sim._rigidity = PolygonBeads(law, walls), Rigidity(packing)
         sim.minimizer = sim._choose(None)
+        sim._check(packing, None)
         sim._open(packing, None)
         return sim
 
@@ -191,14 +192,24 @@ class Simulation(OneCall):
             )
         return minimizer
 
+    def _check(self, packing: Packing, state: State | None) -> None:
+        """Refuse a start that the law cannot have, before anything is changed."""
+        refuse_crushed(packing)
+        try:
+            self._engine.check(packing, self.friction)
+        except ParameterError as error:
+            if state and self.friction and self.friction == state.friction:
+                raise ParameterError(f"{error}; or start from the packing of the state") from None
+            raise
+
     def _open(self, packing: Packing, state: State | None, former: lammps | None = None) -> None:
-        self._engine.check(packing, self.friction)
         packing = self._engine.opened(packing, self.friction)
         self._walls = packing.walls
         self.lmp = self._engine.open(self, packing, former)
         self._imbalance = USUAL
         self._facet = float(packing.radii.min()) ** (packing.dimension - 1)
-        self._engine.go_on(self, _motion(state, packing, self.law))
+        at_rest = Motion(np.zeros_like(packing.positions))
+        self._engine.go_on(self, state._motion if state else at_rest)
         self._setup = setup(self.lmp)
 
     def reset(self, packing: Packing | State) -> None:
@@ -212,10 +223,14 @@ class Simulation(OneCall):
             packing: that of a state of this simulation, or another one: particles may be added,
                 removed or have other radii. They are at rest, stick where their circles overlap,
                 and time and strain begin anew. Those of a state go on, with velocities and films.
+
+        Raises:
+            ParameterError: the law cannot have the packing; the simulation is as it was.
+            LammpsError: LAMMPS refuses it; the simulation is closed.
         """
         expect("packing", packing, Packing, State)
         start, state = _parts(packing)
-        self._engine.check(start, self.friction)  # or fail before the old particles are gone
+        self._check(start, state)
         as_gravity(self.gravity, start, self.law)
         self._steps_before = 0
         self._rigidity.start = self._rigidity.start and start
@@ -789,10 +804,11 @@ class Simulation(OneCall):
                 most.
             every: number of steps between states; if not given, there is one at the end.
             timestep: length of a step [time]; if not given, a fifth of the longest stable one,
-                which depends on the pressure in particles, or the load of droplets, and on the
-                temperature; where these grow, steps become shorter. Give one if other forces than
-                those of contacts, by fixes of `lmp`, move particles that are at rest. With a
-                pressure half of the longest stable one of contacts that bear it.
+                which depends on the pressure in particles, or the load of droplets, on the
+                temperature, of the motion or its bath, and on the fastest particle; where these
+                grow, steps become shorter. Give one if other forces than those of contacts, by
+                fixes of `lmp`, move particles that are at rest. With a pressure half of the longest
+                stable one of contacts that bear it.
             temperature: of the heat bath if there is a drag, and of initial velocities [energy].
                 These are Maxwell's, with zero total momentum. A bath draws them where all particles
                 are at rest, as after `relax`; others go on with the velocities that they have. If
@@ -942,7 +958,7 @@ class Simulation(OneCall):
             count("max_steps", max_steps)
         if not self.friction:
             refuse_forces_of_motion(self.lmp)
-        check_free(free, self._walls, pressure, self.friction)
+        check_free(free, self._walls, pressure, self.law, self.friction)
         if self.gravity is not None and not has_other_fixes(self.lmp, self._setup):
             species = gather(self.lmp, "type", 1).astype(np.int64) - 1
             check_held(self.gravity, species, self._walls)
@@ -1010,16 +1026,6 @@ class Simulation(OneCall):
 def _parts(given: Packing | State) -> tuple[Packing, State | None]:
     """The packing, and the state if it is one."""
     return (given, None) if isinstance(given, Packing) else (given.packing, given)
-
-
-def _motion(state: State | None, packing: Packing, law: Any) -> Motion:
-    """What goes on of a state, at rest without one; films only where the law has some."""
-    if state is None:
-        return Motion(np.zeros_like(packing.positions))
-    motion = state._motion
-    if type(law) is not type(state.law) and not sticks(law, packing.walls):
-        motion = motion._replace(films=None)
-    return motion
 
 
 # Forces over those of contacts of a rigid start; rounding of phi.

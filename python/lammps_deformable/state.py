@@ -27,6 +27,7 @@ from .friction import Friction, Rubbing, inertia, spin_column
 from .gravity import gravity_energy
 from .hessian import at_rest, hessian_of
 from .laws import (
+    HOTTEST,
     AnyLaw,
     Droplet,
     Ring,
@@ -383,11 +384,26 @@ class State:
     def temperature(self) -> float:
         """Temperature of the motion, sum (v - mean v)^2 / (d N - d) in d dimensions [energy].
 
-        Masses and k_B are 1.
+        Masses and k_B are 1. That of a single particle is v^2 / d.
         """
-        relative = self.velocities - self.velocities.mean(axis=0)
-        number, dimension = relative.shape
+        number, dimension = self.velocities.shape
+        common = self.velocities.mean(axis=0) if number > 1 else 0.0
+        relative = self.velocities - common
         return float(np.sum(relative**2) / (dimension * max(number - 1, 1)))
+
+    @property
+    def _heat(self) -> float:
+        """Temperature at which particles collide as hard as in this motion [energy].
+
+        All may hit a wall together, so that their common motion counts where there are walls. The
+        fastest particle counts as the fastest one in a heat bath; and none can have more energy
+        than all together.
+        """
+        common = 0.0 if self.packing.walls else self.velocities.mean(axis=0)
+        energies = 0.5 * np.sum((self.velocities - common) ** 2, axis=1)
+        mean = max(self.temperature, 2.0 * float(energies.mean()) / self.packing.dimension)
+        largest, total = float(energies.max()) / HOTTEST, float(energies.sum()) / HOTTEST
+        return max(largest, min(mean, total))
 
     @property
     def spins(self) -> Floats | None:
@@ -423,7 +439,7 @@ class State:
     @_only("moving")
     def _step_limits(self) -> tuple[Packing, AnyLaw, float, float]:
         """The arguments of `longest_step` and `accurate_step`."""
-        return self.packing, self.law, float(self._squeezed[1].max()), self.temperature
+        return self.packing, self.law, float(self._squeezed[1].max()), self._heat
 
     # particles
 

@@ -100,9 +100,28 @@ def test_without_a_seed_no_noise_is_repeated(free: ld.Packing) -> None:
     assert abs(correlation(end(None), end(None))) < 0.25  # seven standard errors
 
 
-def test_one_particle_has_no_temperature() -> None:
+def test_a_single_particle() -> None:
+    """At rest it has no temperature to begin with; in a bath v^2/d is that of the bath."""
     alone = ld.Packing([[1.0, 1.0]], 0.5, 4.0 * np.eye(2))
     with ld.Simulation(alone, SOFT) as sim:
         with pytest.raises(ld.ParameterError, match="temperature"):
             sim.run(100, temperature=1e-5, seed=1)
         assert sim.run(100, seed=1)[1].temperature == 0.0
+        states = sim.run(1000, temperature=1e-4, drag=0.5, every=10, timestep=0.4, seed=3)
+    assert states[0].temperature > 0.0
+    assert states[0].temperature == pytest.approx(np.sum(states[0].velocities ** 2) / 2.0)
+    error = len(states) ** -0.5  # of independent energies with two degrees of freedom
+    found = np.mean([state.temperature for state in states])
+    assert found == pytest.approx(1e-4, rel=4.0 * error)
+
+
+@pytest.mark.parametrize("every", [20, 1000])
+def test_time_steps_are_those_of_the_bath(loose: ld.Packing, every: int) -> None:
+    """Not of a fluid that is still cold, whose particles would jump into each other."""
+    with ld.Simulation(loose, ld.Ring()) as sim:
+        from_rest = sim.run(1, temperature=1e-4, drag=0.05, seed=2)[-1].time
+    with ld.Simulation(loose, ld.Ring()) as sim:
+        sim.run(50, temperature=1e-14, drag=0.05, seed=1)
+        states = sim.run(1000, temperature=1e-4, drag=0.05, every=every, seed=2)
+    assert (states[1].time - states[0].time) / every == pytest.approx(from_rest)
+    assert states[-1].temperature < 2e-4

@@ -1,5 +1,7 @@
 """Motion in time: temperature, energy, time steps, and starts with overlaps."""
 
+from typing import Any
+
 import lammps_deformable as ld
 import numpy as np
 import pytest
@@ -201,6 +203,30 @@ def test_longest_step_is_stable_and_not_by_far(
         monkeypatch.setattr(Dynamics, "check", lambda *_: None)
         with pytest.raises(ld.LammpsError):
             motion(sim, 8.0 * longest)
+
+
+@pytest.mark.parametrize("wall", [ld.BoxWall((6.0, 6.0)), ld.Sphere(1.0, (4.5, 3.0), inside=False)])
+@pytest.mark.parametrize("speed", [1e-2, 1e-3])
+def test_particles_that_move_together_hit_walls(wall: Any, speed: float) -> None:
+    """Their temperature is zero, and so it is of one particle: steps follow the fastest one."""
+    pair = np.array([[2.0, 2.2], [2.0, 3.8]])
+    for places in (pair, pair[:1]):
+        packing = ld.Packing(places, 0.5, (6.0, 6.0)).between(wall).replace(positions=places)
+        with ld.Simulation(packing, ld.Ring()) as sim:
+            sim.lmp.command(f"velocity all set {speed} 0 0")
+            begin = sim.state()
+            steps = int(4.0 / (0.013 * speed**0.5))
+            *_, end = states = sim.run(steps, every=steps // 8)
+        assert min(state.velocities[:, 0].min() for state in states) < 0.9 * speed  # it has hit
+        assert end.energy + end.kinetic_energy == pytest.approx(begin.kinetic_energy, rel=1e-2)
+
+
+def test_too_fast_particles_are_named() -> None:
+    alone = ld.Packing([[2.0, 2.0]], 0.5, (4.0, 4.0)).between(ld.BoxWall((4.0, 4.0)))
+    with ld.Simulation(alone, ld.Ring()) as sim:
+        sim.lmp.command("velocity all set 0.01 0 0")
+        with pytest.raises(ld.ParameterError, match=r"particles that collide as hard.*at most"):
+            sim.run(10, timestep=5.0)
 
 
 def test_too_high_temperatures_are_named(loose: ld.Packing) -> None:

@@ -49,6 +49,8 @@ def test_polygons_have_a_target_phi() -> None:
         assert state.phi == pytest.approx(0.88, rel=1e-9)
         with pytest.raises(ld.ParameterError, match="polygons have no target pressure"):
             polygons.compress(pressure=1e-3, steps=10)
+        with pytest.raises(ld.ParameterError, match="polygons have no target pressure"):
+            polygons.relax(pressure=1e-3)
 
 
 def test_nonsense_is_refused_at_once(jammed: ld.Packing) -> None:
