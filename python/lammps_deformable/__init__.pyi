@@ -10,6 +10,7 @@ from .errors import CallError as CallError
 from .errors import DeformableError as DeformableError
 from .errors import FileError as FileError
 from .errors import JumpWarning as JumpWarning
+from .errors import LackingWarning as LackingWarning
 from .errors import LammpsError as LammpsError
 from .errors import ParameterError as ParameterError
 from .errors import StalledWarning as StalledWarning

@@ -549,8 +549,8 @@ def outline_command(
     types: Annotated[
         str | None,
         unset(
-            "Species of atom types 1, 2, ..., as in pair_coeff; by default those of the file in "
-            "their order.",
+            "Species of atom types 1, 2, ..., as in pair_coeff, or of names of types, as "
+            "A=small,B=large; by default those of the file in their order.",
             metavar="NAME,NAME,...",
         ),
     ] = None,
@@ -588,7 +588,9 @@ def outline_command(
     pictures = [path for path in paths if path.suffix not in (".vtp", ".geojson")]
     for path in pictures:
         _check_picture(path)
-    names = None if types is None else types.split(",")
+    names: Any = None if types is None else types.split(",")
+    if types is not None and "=" in types:
+        names = dict(pair.partition("=")[::2] for pair in names)
     with words_of("State.from_file"):
         state = State.from_file(dump, species, law=law, types=names, frame=frame, radii=radii)
     if law is None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import potentials
 from ._checks import expect
 from ._files import reading
-from .errors import FileError, ParameterError
+from .errors import FileError, LackingWarning, ParameterError, warn
 from .files import read_particles
 from .lammps import close_lammps, run, silent_lammps
 from .laws import ALL_LAWS, AnyLaw, Droplet, Ring, Sector, SoftContact, SpeciesParameters
@@ -29,13 +30,16 @@ from .store import (
     setups_in,
     summary_in,
 )
-from .text_files import UNTYPED
+from .text_files import UNTYPED, Particles
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Sequence
 
     from .state import State
     from .walls import Wall
+
+# Part of the mean overlap that rounding of positions may change without a warning.
+_ROUNDED = 0.01
 
 # The law of files that do not tell.
 _UNTOLD = "balanced"
@@ -45,7 +49,7 @@ def state_in_file(
     path: str | Path,
     species: str | Path,
     law: str | None = None,
-    types: Sequence[str] | None = None,
+    types: Sequence[str] | Mapping[Any, str] | None = None,
     frame: int = -1,
     radii: str | None = None,
     walls: Wall | Sequence[Wall] = (),
@@ -63,30 +67,111 @@ def state_in_file(
     if not file.exists() and (potentials / file).exists():
         file = potentials / file
     if not file.exists():
-        raise FileError(f"there is no species file '{species}'")
-    names = list(species_names(file) if types is None else types)
+        there = file.parent
+        hint = f": ld.Run('{there}') has the states of its run" if holds(there) == "run" else ""
+        raise FileError(f"there is no species file '{species}'{hint}")
     own, dimension = 1.0 if radii is None else radii, ALL_LAWS[law].dimension
-    packing = Packing.from_file(
-        path, radii=own, frame=frame, dimension=dimension, walls=walls, box=box
-    )
+    found = read_particles(Path(path), frame, None, () if radii is None else (radii,))
+    found, names = with_species(found, path, file, types)
+    packing = Packing._of_particles(found, path, own, walls, box, dimension)
     number = len(packing._species_radii)
     if number > len(names):
         raise ParameterError(
             f"'{path}' has particles of type {number}, but the species of {len(names)} types are "
             f"named: {', '.join(names)}"
         )
-    if number == 1 < len(names) and not read_particles(Path(path), frame).typed:
+    if number == 1 < len(names) and not found.typed:
         raise FileError(f"'{path}': {UNTYPED}, or the one species of all, such as {names[0]}")
     sizes, chosen = read_species(file, names[:number], law)
-    if isinstance(told, (Ring, Droplet)):  # no species file has the reach
-        reach: dict[str, Any] = {"reach": told.reach}
-        chosen = replace(chosen, **reach)
+    if isinstance(told, Ring) and isinstance(chosen, Ring):  # no species file has the reach
+        chosen = replace(chosen, reach=told.reach)
     if radii is None:
         packing = Packing._of_species(
             packing.positions, packing.species, sizes, packing.box, walls=packing.walls
         )
+    missing = int(found.ids.max()) - len(found.ids)
+    if missing > 0:
+        warn(
+            f"'{path}' has {len(found.ids)} particles, whose IDs go up to {found.ids.max()}: "
+            "contacts with those that are left out, as in a dump of a group, are not in the state",
+            LackingWarning,
+        )
     with Simulation(packing, chosen, comm=MPI.COMM_SELF) as sim:
-        return sim.state()
+        state = sim.state()
+    warn_of_digits(state, path, found.step)
+    return state
+
+
+def with_species(
+    found: Particles,
+    path: str | Path,
+    file: Path,
+    types: Sequence[str] | Mapping[Any, str] | None,
+) -> tuple[Particles, list[str]]:
+    """The particles with the numbers of species as types, and the names of these species.
+
+    Args:
+        found: what is in the file of particles.
+        path: of this file.
+        file: a species file.
+        types: see `State.from_file`.
+
+    Raises:
+        ParameterError: it is unknown which type has which species.
+        FileError: the species file cannot be read.
+    """
+    if types is not None and not isinstance(types, Mapping):
+        names = [types] if isinstance(types, str) else list(types)
+    else:
+        names = species_names(file)
+    told = sorted({*found.types.tolist()}, key=str) if found.typed else []
+    if types is None and found.names and {*told} <= {*names}:
+        types = {name: name for name in names}
+    if isinstance(types, Mapping):
+        given = {str(kind): species for kind, species in types.items()}
+        lacking = [kind for kind in told if str(kind) not in given]
+        if lacking:
+            raise ParameterError(
+                f"'{path}' has particles of type {lacking[0]}, and types has "
+                f"{', '.join(given) or 'none'} only"
+            )
+        names = list(dict.fromkeys(given.values()))
+        number = {kind: names.index(species) + 1 for kind, species in given.items()}
+        numbers = [number[str(kind)] for kind in found.types.tolist()]
+        return replace(found, types=np.array(numbers), names=(), count=0), names
+    if found.names and not found.numbered and not (len(told) == 1 == len(names)):
+        example = ", ".join(f"{kind!r}: ..." for kind in told)
+        raise ParameterError(
+            f"'{path}' has names of types, {', '.join(told)}, and which species they are is not "
+            f"known: give one of {', '.join(species_names(file))} for each, types={{{example}}}"
+        )
+    return found, names
+
+
+def warn_of_digits(state: State, path: str | Path, step: float) -> None:
+    """Warn of a file whose positions have fewer digits than the overlaps need.
+
+    Distances of centers, whose coordinates are rounded to multiples of h, are wrong by h/sqrt(6),
+    root mean square.
+
+    Args:
+        state: of the particles in the file.
+        path: of the file.
+        step: h, 0 if nothing is rounded [length].
+    """
+    table = state.contacts
+    if step == 0.0 or len(table) == 0:
+        return
+    radii = np.append(state.packing.radii, 0.0)  # of walls
+    overlap = radii[table["i"]] + radii[np.maximum(table["j"], -1)] - table["distance"]
+    mean, error = float(np.abs(overlap).mean()), step / np.sqrt(6.0)
+    if error > _ROUNDED * mean:
+        warn(
+            f"'{path}' has positions rounded to {step:.0e}, and overlaps are {mean:.1e}: these and "
+            f"single forces are off by {100.0 * error / mean:.2g} %. Write more digits, in LAMMPS "
+            "by dump_modify ID format float %20.15g",
+            LackingWarning,
+        )
 
 
 def law_of_run(path: str | Path, species: str | Path, frame: int) -> AnyLaw | None:

@@ -68,6 +68,7 @@ from .laws import (
     check_sticky_walls,
     filled_area,
     natural_pressure,
+    refuse_values_of_particles,
     sticks,
     undeformed,
 )
@@ -280,6 +281,7 @@ class Deformables(Engine):
     def check(self, packing: Packing, friction: Friction | None) -> None:
         """Refuse what the law cannot have."""
         check_dimension(self.law, packing.dimension)
+        refuse_values_of_particles(self.law, packing)
         species_file(self.law, packing._species_radii)
         if friction:
             check_friction(friction, packing, self.law)

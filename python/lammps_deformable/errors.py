@@ -58,6 +58,10 @@ class JumpWarning(UserWarning):
     """Particles move by about half a box from one state to the next, and cannot be followed."""
 
 
+class LackingWarning(UserWarning):
+    """A file lacks digits or particles that its state depends on."""
+
+
 class UnsavedWarning(UserWarning):
     """A saved state lacks walls or excluded pairs that were given to LAMMPS."""
 

@@ -6,11 +6,19 @@ reads mostly too.
 
 from __future__ import annotations
 
+import bz2
+import gzip
+import lzma
 import re
 import warnings
-from collections.abc import Sequence
+import zlib
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from pathlib import Path
+from shutil import copyfileobj
+from tempfile import TemporaryDirectory
+from typing import IO, TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,14 +38,13 @@ from .text_files import (
     read_dump,
     read_xyz,
     sphere_columns,
+    step_of,
     tilts_of,
     xyz_frame,
 )
 from .versions import optional
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from MDAnalysis import Universe
 
 Floats = NDArray[np.float64]
@@ -107,6 +114,7 @@ def _read_gsd(path: Path, number: int) -> Particles:
         -0.5 * box.sum(axis=0),
         names=particles.types,
         count=len(particles.types),
+        step=step_of(particles.position),
     )
 
 
@@ -182,6 +190,7 @@ def _read_universe(universe: Universe, number: int, wanted: Sequence[str]) -> Pa
         box,
         atoms.indices + 1,
         columns={name: np.asarray(getattr(atoms, name)) for name in wanted if hasattr(atoms, name)},
+        step=step_of(frame.positions),
         **as_types(kind, len(atoms)),
     )
 
@@ -191,6 +200,14 @@ def _read_universe(universe: Universe, number: int, wanted: Sequence[str]) -> Pa
 
 # Bytes from which a format is told, and those with which GSD begins.
 _HEAD, _GSD_HEAD = 65536, bytes.fromhex("df65df65df65df65")
+
+# The first bytes of compressed files and what opens them, and what it raises if they are damaged.
+_COMPRESSED: dict[bytes, Callable[[Path], IO[bytes]]] = {
+    bytes.fromhex("1f8b"): gzip.open,  # type: ignore[dict-item]
+    b"BZh": bz2.open,
+    bytes.fromhex("fd377a585a00"): lzma.open,
+}
+_DAMAGED = (OSError, EOFError, lzma.LZMAError, zlib.error)
 
 # Formats, and their suffixes where they are written.
 _DATA, _DUMP, _XYZ = "a LAMMPS data file", "a LAMMPS dump", "extended XYZ"
@@ -214,7 +231,7 @@ def read_particles(
 
     Args:
         path: LAMMPS data files, dumps and GSD are known by what is in them, XYZ by its suffix; all
-            else goes to MDAnalysis.
+            else goes to MDAnalysis. A file of gzip, bzip2 or xz is what is in it.
         number: of the frame, from 0, or from the end if negative.
         topology: of a trajectory that MDAnalysis reads, in any of these formats.
         wanted: attributes of MDAnalysis that become columns.
@@ -235,17 +252,23 @@ def read_particles(
     if topology is not None and _kind(topology) != _OTHER:
         known = read_particles(topology)  # MDAnalysis takes other columns for its types
     try:
-        with reading(f"'{path}'"):
+        with reading(f"'{path}'"), _unpacked(path) as plain:
             if kind == _DATA:
                 check_frame(number, 1)
-                return read_data_file(path.read_text())
+                return read_data_file(plain.read_text())
             if kind != _OTHER:
-                return {_DUMP: read_dump, _XYZ: read_xyz, _GSD: _read_gsd}[kind](path, number)
+                return {_DUMP: read_dump, _XYZ: read_xyz, _GSD: _read_gsd}[kind](plain, number)
             universe = _open_universe(path, len(known.ids) if known else topology)
             found = _read_universe(universe, number, wanted)
             if known is None:
                 return found
-            return replace(known, positions=found.positions, box=found.box, origin=found.origin)
+            return replace(
+                known,
+                positions=found.positions,
+                box=found.box,
+                origin=found.origin,
+                step=found.step,
+            )
     except (RuntimeError, OSError) as error:
         if isinstance(error, FileError):
             raise
@@ -298,22 +321,23 @@ def write_particles(
         half = half_thickness(float(radius.max()))
         text = dump_frame(0, box, species, positions, {"radius": radius}, corner, shut, half)
     else:
-        text = xyz_frame(box, species, positions, radius, corner, shut)
+        text = xyz_frame(box, species, positions, radius, corner, shut, types)
     write_whole(path, text)
 
 
 def _kind(path: Path) -> str:
-    """The format of a file."""
+    """The format of a file, or of what is in a compressed one."""
     try:
-        with path.open("rb") as file:
+        unpack = _unpacker(path)
+        with unpack(path) if unpack else path.open("rb") as file:
             start = file.read(_HEAD)
     except IsADirectoryError:
         raise FileError(
             f"'{path}' is a folder: name a file in it, such as {path / 'packing.data'}; in Python "
             "ld.Run has the states of a recorded run"
         ) from None
-    except OSError as error:
-        raise FileError(f"'{path}' cannot be read: {error.strerror}") from None
+    except _DAMAGED as error:
+        raise FileError(f"'{path}' cannot be read: {_reason(error)}") from None
     if not start:
         raise FileError(f"'{path}' is empty")
     if start.startswith(_GSD_HEAD):
@@ -323,4 +347,34 @@ def _kind(path: Path) -> str:
         return _DUMP
     if re.search(r"^\s*\d+\s+atoms\b", text, re.M) and re.search(r"\bxlo\s+xhi\b", text):
         return _DATA
-    return _XYZ if _SUFFIXES.get(path.suffix.lower()) == _XYZ else _OTHER
+    suffix = Path(path.stem).suffix if unpack else path.suffix
+    return _XYZ if _SUFFIXES.get(suffix.lower()) == _XYZ else _OTHER
+
+
+def _unpacker(path: Path) -> Callable[[Path], IO[bytes]] | None:
+    """What opens a compressed file, by its first bytes; None of others."""
+    with path.open("rb") as file:
+        start = file.read(6)
+    return next((unpack for head, unpack in _COMPRESSED.items() if start.startswith(head)), None)
+
+
+@contextmanager
+def _unpacked(path: Path) -> Iterator[Path]:
+    """A file, or what is in a compressed one."""
+    unpack = _unpacker(path)
+    if not unpack:
+        yield path
+        return
+    with TemporaryDirectory() as folder:
+        plain = Path(folder) / path.stem
+        try:
+            with unpack(path) as source, plain.open("wb") as copy:
+                copyfileobj(source, copy)
+        except _DAMAGED as error:
+            raise ValueError(_reason(error)) from None
+        yield plain
+
+
+def _reason(error: Exception) -> str:
+    """Why a file cannot be opened or unpacked."""
+    return getattr(error, "strerror", None) or f"it is damaged, {error}"

@@ -151,7 +151,7 @@ class Friction:
         """What `_NAMES` names, of each pair, shape (species, species, 6).
 
         Raises:
-            ParameterError: there is another number of species.
+            ParameterError: there are more species.
         """
         return np.stack([pair_matrix(name, getattr(self, name), species) for name in _NAMES], 2)
 
@@ -167,7 +167,7 @@ def check_friction(friction: Friction, packing: Packing, law: AnyLaw) -> None:
 
     Raises:
         ParameterError: the law is `Sector`, or it is radical and contacts have a restitution; or
-            there is another number of species; or there are walls, and coefficients by species
+            there are more species; or there are walls, and coefficients by species
             only.
     """
     expect("friction", friction, Friction)

@@ -25,6 +25,9 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
+# More species than a law has: so many numbers, as many as particles, are those of particles.
+_MANY_SPECIES = 12
+
 ByPair = float | Sequence[Sequence[float]]
 
 
@@ -55,17 +58,19 @@ def by_pair(name: str, given: object) -> float | tuple[tuple[float, ...], ...]:
 def pair_matrix(name: str, values: ByPair, species: int) -> NDArray[np.float64]:
     """The value of each pair of so many species, from a result of `by_pair`.
 
+    Those of further species, which have no particles, are left out.
+
     Raises:
-        ParameterError: there is another number of species.
+        ParameterError: there are more species.
     """
     if isinstance(values, float):
         return np.full((species, species), values)
-    if len(values) != species:
+    if len(values) < species:
         raise ParameterError(
             f"there are {species} species, so the matrix of {name} must have as many rows, not "
             f"{len(values)}"
         )
-    return np.array(values)
+    return np.array(values)[:species, :species]
 
 
 def adhesion_of(given: object) -> float | tuple[tuple[float, ...], ...]:
@@ -164,7 +169,7 @@ class Ring:
     With kP = inf, the default, the perimeter is conserved; with kA = inf the area is. A droplet of
     constant surface tension that conserves its area is Ring(kA=inf, kP=0, tension=1), a bubble of
     gas has a finite kA. Stiffnesses, skin and tension are numbers, or sequences of one number for
-    each species.
+    each species; numbers of further species, which have no particles, are left out.
 
     Args:
         kA: area stiffness [energy/length^4].
@@ -271,7 +276,7 @@ class Ring:
         """The parameters of species of these radii [length].
 
         Raises:
-            ParameterError: there is another number of species, a skin is not thinner than the
+            ParameterError: there are more species, a skin is not thinner than the
                 radius, or a particle would collapse by its tension.
         """
         found = [per_species(values, len(radii)) for values in self._parameters]
@@ -422,15 +427,32 @@ def one_or_each(name: str, given: object) -> float | tuple[float, ...]:
 def per_species(values: float | Sequence[float], species: int) -> list[float]:
     """A number for each species, from a result of `one_or_each`.
 
+    Those of further species, which have no particles, are left out.
+
     Raises:
-        ParameterError: there is another number of species.
+        ParameterError: there are more species.
     """
-    if np.ndim(values) == 1 and len(np.asarray(values)) != species:
+    if np.ndim(values) == 1 and len(np.asarray(values)) < species:
         raise ParameterError(
             f"there are {species} species, so {shown(np.asarray(values))} must have as many "
             "numbers; other species are made by packing.replace(species=...)"
         )
     return [_at(values, n) for n in range(species)]
+
+
+def refuse_values_of_particles(law: object, packing: Packing) -> None:
+    """Refuse a law with a number for each particle, which is no number for each species.
+
+    Raises:
+        ParameterError: it has as many numbers as there are particles, and these are many.
+    """
+    for name, value in vars(law).items():
+        each, species = np.ndim(value) == 1, len(packing._species_radii)
+        if each and len(value) == len(packing) > max(species, _MANY_SPECIES):
+            raise ParameterError(
+                f"{name} has {len(value)} numbers, as there are particles, and a law has one for "
+                f"each of {species} species: make species by packing.replace(species=...)"
+            )
 
 
 def _at(values: float | Sequence[float], species: int) -> float:
@@ -515,7 +537,7 @@ class Droplet:
         """As for `Ring`: the volume is kept, kA = inf, and all else but the tension is 0.
 
         Raises:
-            ParameterError: there is another number of species.
+            ParameterError: there are more species.
         """
         tension = per_species(self.tension, len(radii))
         return SpeciesParameters.like(len(radii), kA=np.inf, tension=tension)

@@ -20,7 +20,7 @@ from .errors import FileError, ParameterError, UnsavedWarning, warn
 from .files import read_particles, write_particles
 from .laws import root, undeformed
 from .room import closed
-from .text_files import RADII, check_radii
+from .text_files import RADII, Particles, check_radii
 from .versions import optional
 from .walls import Plane, Wall, as_walls
 
@@ -226,9 +226,10 @@ class Packing:
             Packing.from_file("conf.gro", radii={"A": 0.5, "B": 0.7})
 
         LAMMPS data files and dumps, extended XYZ and GSD are read with all their digits, all other
-        formats by MDAnalysis, in single precision. Particles are in the order of
-        their IDs. Species count the types: from 1 if these are numbers, in alphabetical order if
-        they are names. Lengths are the numbers of the file, whatever its units: radii, box and
+        formats by MDAnalysis, in single precision; those of LAMMPS, XYZ and GSD may be compressed
+        by gzip, bzip2 or xz. Particles are in the order of their IDs. Species count the types: from
+        1 if these are numbers or a data file has their labels, in alphabetical order if they are
+        names. Lengths are the numbers of the file, whatever its units: radii, box and
         walls are in the same. (MDAnalysis itself takes those of XTC, TRR and GRO for nanometers,
         and writes a tenth of its own there.) Positions count from the lower left corner of the box,
         or, if walls are given, as in the file. Particles outside of the box are images. Under
@@ -256,12 +257,26 @@ class Packing:
         expect("topology", topology, str, Path, type(None))
         expect("radii", radii, float, int, np.number, str, Mapping, type(None))
         check_radii(radii)
-        plane = dimension_of(dimension) == 2
-        walls, given = as_walls(walls, dimension), None if box is None else lattice_vectors(box)
+        dimension_of(dimension)
         wanted = (radii,) if isinstance(radii, str) else RADII
         found = read_particles(
             Path(path), frame, None if topology is None else Path(topology), wanted
         )
+        return cls._of_particles(found, path, radii, walls, box, dimension)
+
+    @classmethod
+    def _of_particles(
+        cls,
+        found: Particles,
+        path: str | Path,
+        radii: float | str | Mapping[Any, float] | None,
+        walls: Wall | Sequence[Wall],
+        box: ArrayLike | None,
+        dimension: int,
+    ) -> Packing:
+        """The packing of particles that were read; see `from_file`."""
+        plane = dimension == 2
+        walls, given = as_walls(walls, dimension), None if box is None else lattice_vectors(box)
         with reading(f"'{path}'"):
             places, radius = found.places(dimension), found.radius(radii)
             shut = closed(walls, dimension)

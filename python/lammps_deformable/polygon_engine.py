@@ -47,7 +47,7 @@ from .lammps import (
     shared_file,
     silent_lammps,
 )
-from .laws import filled_area
+from .laws import filled_area, refuse_values_of_particles
 from .packing import Packing
 from .polygons import (
     DeformablePolygon,
@@ -132,6 +132,7 @@ class PolygonBeads(Engine):
         refuse_space("a polygon", packing.dimension, "take the law SoftContact")
         if friction:
             raise ParameterError("polygons have the friction of their beads: leave it out")
+        refuse_values_of_particles(self.law, packing)
         refuse_packing(packing)
         positions = undeformed(packing, self.law.polygons(packing._species_radii))
         refuse_start(packing, positions, self.law, self.walls)

@@ -152,7 +152,7 @@ class DeformablePolygon:
         Raises:
             ParameterError: beads are too large for a particle, so few that others slip between
                 them, or so many that LAMMPS cannot list their neighbors; or numbers or stiffnesses
-                are for another number of species.
+                are for fewer species.
         """
         polygon = radii - self.radius
         if not (polygon > self.radius).all():
@@ -161,13 +161,15 @@ class DeformablePolygon:
                 f"{radii.min():g}: take less than half of that"
             )
         one = np.ndim(self.vertices) == 0
-        if not one and len(np.asarray(self.vertices)) != len(radii):
+        vertices = np.asarray(self.vertices, np.float64)
+        vertices = vertices if one else vertices[: len(radii)]
+        if not one and len(vertices) < len(radii):
             raise ParameterError(
                 f"vertices must be one number, or one for each of {len(radii)} species, not "
                 f"{self.vertices}"
             )
         share = polygon / polygon.min() if one else np.ones_like(polygon)
-        number = np.rint(np.asarray(self.vertices, dtype=np.float64) * share)
+        number = np.rint(vertices * share)
         half = np.pi / number  # of the angle of an edge
         cosine, sine = unit_vectors(half).T
         spacing = 2.0 * polygon * (half if self.smooth else sine)

@@ -239,7 +239,7 @@ class State:
         species: str | Path,
         *,
         law: str | None = None,
-        types: Sequence[str] | None = None,
+        types: Sequence[str] | Mapping[Any, str] | None = None,
         frame: int = -1,
         radii: str | None = None,
         walls: Wall | Sequence[Wall] = (),
@@ -255,13 +255,17 @@ class State:
         particles, *kA atom*: they are those of the species.
 
         Args:
-            path: a LAMMPS dump, or what else `Packing.from_file` reads.
+            path: a LAMMPS dump, or what else `Packing.from_file` reads. Near the onset of jamming
+                six digits are not enough, which are LAMMPS' default: write it with
+                *dump_modify ID format float %20.15g*.
             species: the species file of pair_coeff, or the name of one that comes with the package.
             law: `balanced`, `curved`, `radical`, `sector` or, in three dimensions, `droplet`. If
                 not given that of the run in whose folder the file is, or the species file; LAMMPS'
                 own files do not tell, and have `balanced`, the default of the pair style.
             types: names of species, one for each atom type, as in pair_coeff; by default those of
-                the file in their order.
+                the file in their order. Where the file has names of types, such as the columns
+                *element* or *typelabel*, a mapping from these, such as `{"A": "small"}`; not needed
+                if they are the names of species.
             frame: number of the frame, from 0, or from the end if negative.
             radii: name of a column with the radius of each particle, as with `radius atom`; by
                 default the radii are those of the species.
@@ -271,8 +275,13 @@ class State:
 
         Raises:
             FileError: a file cannot be read.
-            ParameterError: an argument is out of range, or there are more atom types than species.
+            ParameterError: an argument is out of range, or there are more atom types than species,
+                or it is unknown which species names of types are.
             LammpsError: LAMMPS refuses the species, or the packing: contacts leave no room, say.
+
+        Warns:
+            LackingWarning: rounding of positions changes overlaps by more than 1 % of their mean;
+                or particles are left out, by their IDs.
         """
         from .dumps import state_in_file
 

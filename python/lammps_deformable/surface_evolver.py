@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from ._checks import expect
 from ._files import refuse_present, replaces, write_whole
 from .errors import FileError, ParameterError
-from .laws import Droplet, Ring, volumes
+from .laws import Droplet, Ring, pair_matrix, per_species, volumes
 from .walls import Plane
 
 if TYPE_CHECKING:
@@ -146,7 +146,7 @@ def datafile(state: State) -> str:
             raise ParameterError(f"Surface Evolver gets flat walls without adhesion, not {wall!r}")
         planes.append(wall)
     if isinstance(law, Ring):
-        rigid = np.isinf(np.broadcast_to(law.kA, kinds))
+        rigid = np.isinf(law.kA)
         loose = np.asarray(law.kP) == 0.0
         if not rigid.all() or not loose.all() or np.any(law.skin):
             raise ParameterError(
@@ -154,12 +154,12 @@ def datafile(state: State) -> str:
             )
     elif not isinstance(law, Droplet):
         raise ParameterError(f"Surface Evolver gets a Droplet or a Ring, not {law!r}")
-    tension = np.broadcast_to(np.asarray(law.tension, dtype=float), kinds)
+    tension = np.array(per_species(law.tension, kinds))
     mesh = Mesh(packing.box, tension[packing.species], planes)
     contacts = np.asarray(state.contacts)
     contacts = contacts[(contacts["i"] <= contacts["j"]) | (contacts["j"] < 0)]
     if packing.dimension == 2:
-        adhesion = np.broadcast_to(law.adhesion, (kinds,) * 2)
+        adhesion = pair_matrix("adhesion", law.adhesion, kinds)
         _outlines(mesh, packing.positions, packing.radii, contacts, adhesion, packing.species)
     else:
         _surfaces(mesh, packing.positions, packing.radii, contacts)

@@ -50,8 +50,10 @@ class Particles:
         origin: lower left corner of the box, shape (3,) [length].
         periodic: whether the box is, along x, y and z.
         names: of all types; none if these are numbers.
+        numbered: whether the file tells the order of the names; it is that of the alphabet if not.
         count: number of types, if the file has it.
         typed: whether the file tells the types; they are 1 if not.
+        step: of the last digit of positions that are rounded, see `step_of` [length].
     """
 
     positions: Floats
@@ -62,8 +64,10 @@ class Particles:
     origin: Floats = field(default_factory=lambda: np.zeros(3))
     periodic: Sequence[bool] = (True, True, True)
     names: Sequence[str] = ()
+    numbered: bool = True
     count: int = 0
     typed: bool = True
+    step: float = 0.0
 
     def places(self, dimension: int = 2) -> Floats:
         """Positions, shape (N, d) [length].
@@ -226,7 +230,29 @@ def as_types(words: NDArray[Any] | None, count: int) -> dict[str, Any]:
     names = np.unique(texts).tolist()
     if all(name.isascii() and name.isdigit() and name == str(int(name)) for name in names):
         return {"types": texts.astype(np.int64), "names": []}
-    return {"types": texts, "names": names}
+    return {"types": texts, "names": names, "numbered": False}
+
+
+def step_of(numbers: NDArray[Any]) -> float:
+    """What the last digits of rounded numbers count, such as 1e-4 of 12.3457 and 3.14159.
+
+    It is 0 of numbers of which most do not need all these digits, as those that a person writes.
+    """
+    flat = numbers.ravel()
+    few = flat[:: max(1, len(flat) // _SAMPLE)]
+    few = few[(few != 0.0) & np.isfinite(few)]
+    if len(few) == 0:
+        return 0.0
+    texts = (np.format_float_scientific(x, trim="-").partition("e")[0] for x in few)
+    digits = np.array([len(text.replace(".", "").lstrip("-")) for text in texts])
+    most = int(digits.max())
+    if most < _FEWEST or np.mean(digits >= most - 1) < 0.5:
+        return 0.0
+    return float(10.0 ** (np.floor(np.log10(np.abs(few).max())) + 1 - most))
+
+
+# Numbers of fewer digits are not taken for rounded ones, and how many numbers tell the digits.
+_FEWEST, _SAMPLE = 4, 1000
 
 
 def _by_ids(columns: dict[str, NDArray[Any]], count: int) -> dict[str, NDArray[Any]]:
@@ -284,18 +310,21 @@ def box_of(sides: Sequence[float], xy: float, xz: float, yz: float) -> Floats:
 # LAMMPS data files
 
 
-# What an atom style has between the ID and the position of an atom.
+# What an atom style has behind the ID of an atom.
 _STYLES = {
-    "atomic": "type",
-    "charge": "type q",
-    "dipole": "type q",
-    "bond": "molecule type",
-    "angle": "molecule type",
-    "molecular": "molecule type",
-    "full": "molecule type q",
-    "sphere": "type diameter density",
-    "bpm/sphere": "molecule type diameter density",
+    "atomic": "type x y z",
+    "charge": "type q x y z",
+    "dipole": "type q x y z mux muy muz",
+    "bond": "molecule type x y z",
+    "angle": "molecule type x y z",
+    "molecular": "molecule type x y z",
+    "full": "molecule type q x y z",
+    "sphere": "type diameter density x y z",
+    "bpm/sphere": "molecule type diameter density x y z",
 }
+
+# Of the style hybrid, whose parts LAMMPS does not name: this and then what these have besides.
+_HYBRID = "type x y z"
 
 # Edges of the box that the head must have, with the number of words of their lines.
 _EDGES = {"xhi": 4, "yhi": 4, "atoms": 2}
@@ -368,8 +397,10 @@ def read_data_file(text: str) -> Particles:
         ValueError: the text is no such file, or lacks atoms.
     """
     head, _, body = re.sub(r"[ \t\r]+$", "", text, flags=re.M).partition("\nAtoms")
+    head, _, labels = head.partition("\nAtom Type Labels\n")
     lines = [line.partition("#")[0].split() for line in head.splitlines()[1:]]
     words = {line[-1]: line for line in lines if line}
+    kinds = [line for line in lines if line[1:] == ["atom", "types"]]
     if {"avec", "bvec"} & words.keys():
         raise ValueError("its box is a general one: write_data without triclinic/general")
     if any(len(words.get(word, ())) != size for word, size in _EDGES.items()):
@@ -379,32 +410,55 @@ def read_data_file(text: str) -> Particles:
     atoms, style = table.splitlines(), hint.strip().removeprefix("#").strip()
     if not style and atoms and len(atoms[0].split()) in (5, 8):
         style = "atomic"
-    if style not in _STYLES:
+    parts = style.split()
+    if not parts or any(part not in _STYLES for part in parts[parts[0] == "hybrid" :]):
         asked = f"has the style {style}" if style else "does not name its style"
         raise ValueError(
-            f"its section Atoms {asked}, and {', '.join(_STYLES)} are known: give a dump with the "
-            "columns id type x y radius"
+            f"its section Atoms {asked}, and {', '.join(_STYLES)}, hybrid are known: give a dump "
+            "with the columns id type x y radius"
         )
-    names = ["id", *_STYLES[style].split(), "x", "y", "z"]
+    if parts[0] == "hybrid":
+        values = " ".join([_HYBRID, *map(_STYLES.__getitem__, parts[1:])]).split()
+    else:
+        values = _STYLES[style].split()
+    names = ["id", *dict.fromkeys(values)]
     complete = sum(len(row.split()) >= len(names) for row in atoms)
     if not atoms or complete != len(atoms) or complete != int(words["atoms"][0]):
         raise ValueError(f"it has {complete} of {words['atoms'][0]} atoms")
-    if all(len(row.split()) >= len(names) + 3 for row in atoms):
+    if style != "hybrid" and all(len(row.split()) >= len(names) + 3 for row in atoms):
         names += ["ix", "iy", "iz"]
     columns = _by_ids(_columns_of(atoms, names), len(atoms))
-    ids, kinds, *place = (columns.pop(name) for name in ("id", "type", "x", "y", "z"))
+    ids, types, *place = (columns.pop(name) for name in ("id", "type", "x", "y", "z"))
     ends = [words[name][:2] for name in ("xhi", "yhi")]
     ends.append(words["zhi"][:2] if len(words.get("zhi", ())) == 4 else ["-0.5", "0.5"])
     tilts = words["yz"] if len(words.get("yz", ())) == 6 else ["0", "0", "0"]
+    positions = np.column_stack(place)
     return Particles(
-        np.column_stack(place),
+        positions,
         box_of([_minus(high, low) for low, high in ends], *map(float, tilts[:3])),
         ids,
-        kinds.astype(np.int64),
-        columns,
-        np.array([float(low) for low, _ in ends]),
-        count=int(words["types"][0]) if len(words.get("types", ())) == 3 else 0,
+        columns=columns,
+        origin=np.array([float(low) for low, _ in ends]),
+        count=int(kinds[0][0]) if kinds else 0,
+        step=step_of(positions),
+        **_labeled(types, labels),
     )
+
+
+def _labeled(types: NDArray[Any], labels: str) -> dict[str, Any]:
+    """Types by the rows of Atom Type Labels, if any, of which files have numbers or names."""
+    rows = labels.strip("\n").partition("\n\n")[0].splitlines()
+    named = {number: name for number, name in (row.split()[:2] for row in rows)}
+    words = [f"{word:g}" if types.dtype.kind in "biuf" else word for word in types.tolist()]
+    names = [name for _, name in sorted(named.items(), key=lambda row: int(row[0]))]
+    if not named:
+        if types.dtype.kind not in "biuf":
+            raise ValueError(f"type {words[0]} has no number: it lacks Atom Type Labels")
+        return {"types": types.astype(np.int64)}
+    unknown = [word for word in words if word not in named and word not in names]
+    if unknown:
+        raise ValueError(f"its Atom Type Labels lack type {unknown[0]}")
+    return {"types": np.array([named.get(word, word) for word in words]), "names": names}
 
 
 # LAMMPS dumps
@@ -415,6 +469,9 @@ _ITEMS = ("NUMBER OF ATOMS", "BOX BOUNDS", "ATOMS")
 
 # What the names of coordinates end with: in the box, unwrapped, in parts of the box, both.
 _SUFFIXES_OF_XYZ = ("", "u", "s", "su")
+
+# Of the columns of types, the first that there is.
+_KINDS = ("type", "typelabel", "element")
 
 
 def dump_frame(
@@ -501,8 +558,8 @@ def read_dump_frame(text: str) -> Particles:
     origin = np.array([_minus(low, repr(below)) for (low, *_), (below, _) in bounds])
     sides = [_minus(high, low, repr(b), repr(-a)) for (low, high, *_), (a, b) in bounds]
     box = box_of(sides, *tilts)
-    positions, ids = _positions(columns, box, origin), columns.pop("id")
-    kind = columns.get("type", columns.get("element"))
+    (positions, step), ids = _positions(columns, box, origin), columns.pop("id")
+    kind = next((columns[name] for name in _KINDS if name in columns), None)
     periodic = [end == "pp" for end in words[3 * tilted :]] or [True, True, True]
     return Particles(
         positions,
@@ -511,18 +568,24 @@ def read_dump_frame(text: str) -> Particles:
         columns=columns,
         origin=origin,
         periodic=periodic,
+        step=step,
         **as_types(kind, count),
     )
 
 
-def _positions(columns: dict[str, NDArray[Any]], box: Floats, origin: Floats) -> Floats:
-    """Positions, shape (N, 3) [length]; their columns are taken out."""
+def _positions(
+    columns: dict[str, NDArray[Any]], box: Floats, origin: Floats
+) -> tuple[Floats, float]:
+    """Positions, shape (N, 3), and the step of their last digit [length]; takes their columns."""
     for suffix in _SUFFIXES_OF_XYZ:
         x, y, z = (axis + suffix for axis in "xyz")
         if x in columns and y in columns:
             plane = [columns.pop(x), columns.pop(y)]
             place = np.column_stack([*plane, columns.pop(z, np.zeros(len(plane[0])))])
-            return origin + cartesian(place, box) if suffix.startswith("s") else place
+            step = step_of(place[:, :2])
+            if suffix.startswith("s"):
+                return origin + cartesian(place, box), step * float(box.diagonal()[:2].max())
+            return place, step
     raise ValueError(f"it has no positions, such as x and y, among its columns {' '.join(columns)}")
 
 
@@ -553,10 +616,18 @@ _PLAIN = "species:S:1:pos:R:3"
 _PAIR = re.compile(r"""([\w-]+)=(?:"([^"]*)"|'([^']*)'|(\S*))""")
 
 # What is read of it.
-_KEYS = ("lattice", "properties", "origin", "pbc")
+_KEYS = ("lattice", "properties", "origin", "pbc", "types")
 
 # Of the columns of types, the first that there is.
 _TYPES = ("species", "type", "element")
+
+# Names of species in what is written: programs such as ASE know chemical elements only.
+_ELEMENTS = (
+    "H He Li Be B C N O F Ne Na Mg Al Si P S Cl Ar K Ca Sc Ti V Cr Mn Fe Co Ni Cu Zn Ga Ge As Se "
+    "Br Kr Rb Sr Y Zr Nb Mo Tc Ru Rh Pd Ag Cd In Sn Sb Te I Xe Cs Ba La Ce Pr Nd Pm Sm Eu Gd Tb Dy "
+    "Ho Er Tm Yb Lu Hf Ta W Re Os Ir Pt Au Hg Tl Pb Bi Po At Rn Fr Ra Ac Th Pa U Np Pu Am Cm Bk Cf "
+    "Es Fm Md No Lr Rf Db Sg Bh Hs Mt Ds Rg Cn Nh Fl Mc Lv Ts Og"
+)
 
 
 def xyz_frame(
@@ -566,18 +637,26 @@ def xyz_frame(
     radius: Floats,
     origin: Sequence[float],
     shut: Sequence[bool],
+    types: int,
 ) -> str:
-    """Text of a frame, with every digit; see `dump_frame`."""
+    """Text of a frame, with every digit; see `dump_frame`.
+
+    Species are chemical elements, and `types` of the second line has their order.
+    """
     dimension = len(box)
+    elements = _ELEMENTS.split()
+    names = [*elements, *map(str, range(len(elements) + 1, types + 1))][:types]
     rows = [[*map(repr, vector[: n + 1]), "0", "0"][:3] for n, vector in enumerate(box.tolist())]
     rows += [["0", "0", "1"]] * (3 - dimension)
     head = [
         f'Lattice="{" ".join(word for row in rows for word in row)}"',
         f'Origin="{" ".join([*map(repr, origin), "-0.5"][:3])}"',
         f'pbc="{" ".join("F" if each else "T" for each in (*shut, False)[:3])}"',
+        f'types="{" ".join(names)}"',
         "Properties=species:S:1:pos:R:3:radius:R:1",
     ]
-    table = _table(species + 1, *_axes(positions), radius)
+    rows_of = zip(species.tolist(), _table(*_axes(positions), radius), strict=True)
+    table = [f"{names[kind]} {row}" for kind, row in rows_of]
     return "\n".join([str(len(species)), " ".join(head), *table]) + "\n"
 
 
@@ -623,6 +702,13 @@ def read_xyz(path: Path, number: int) -> Particles:
         raise ValueError(f"it has no pos:R:3 among its columns {' '.join(names)}")
     positions = np.column_stack([columns.pop(f"pos{n}") for n in range(3)])
     kind = next((columns[name] for name in _TYPES if name in columns), None)
+    order = said.get("types", "").split()
+    if kind is not None and order and np.isin(kind, order).all():
+        place = {name: n for n, name in enumerate(order, start=1)}
+        kinds: dict[str, Any] = {"types": np.array([place[name] for name in kind.tolist()])}
+        kinds["count"] = len(order)
+    else:
+        kinds = as_types(kind, count)
     box = None
     if "lattice" in said:
         box = _numbers("Lattice", said["lattice"], 9).reshape(3, 3)
@@ -636,7 +722,8 @@ def read_xyz(path: Path, number: int) -> Particles:
         columns=columns,
         origin=_numbers("Origin", said.get("origin", "0 0 0"), 3),
         periodic=ends,
-        **as_types(kind, count),
+        step=step_of(positions),
+        **kinds,
     )
 
 

@@ -57,6 +57,18 @@ FIXES = {
     ),
     "fix evaporate": of("region r block 0 5 0 5 0 5\n" + NVE + "fix b all evaporate 20 1 r 1"),
     "fix atom/swap": of(NVE + "fix b all atom/swap 10 2 4711 0.1 ke no types 1 2"),
+    "fix viscosity": of(NVE + "fix b all viscosity 10 x z 4", conserves=ENERGY),
+    "fix thermal/conductivity": of(NVE + "fix b all thermal/conductivity 10 z 4", conserves=ENERGY),
+    "fix wall/flow": of(NVE + f"fix b all wall/flow x 0.02 {TEMPERATURE} 4711 2 1.5 3.5"),
+    "fix nphug": of(f"fix move all nphug temp {T} 10 z 0.04 0.04 20"),
+    "fix msst": of("fix move all msst z 0.3 q 1e4 mu 1.0 tscale 0.01"),
+    "fix nvt/uef": of(f"{TRICLINIC}fix move all nvt/uef temp {T} 5 erate -0.01 0.005"),
+    "fix gcmc": of(
+        "change_box all x scale 2.0\n"
+        + NVE
+        + f"fix b all gcmc 10 4 2 1 4711 {TEMPERATURE} 0.05 0.02 full_energy overlap_cutoff 1.0"
+    ),
+    "fix widom": of(NVE + f"fix b all widom 10 5 1 4711 {TEMPERATURE} full_energy"),
     "fix balance": of(NVE + "fix b all balance 20 1.0 shift xyz 5 1.1", conserves=ENERGY),
 }
 MINIMIZE = "minimize 0 1e-10 200 400\nrun 0"

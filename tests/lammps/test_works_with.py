@@ -6,9 +6,11 @@ Each entry is a command of docs/works_with.md.
 from dataclasses import dataclass
 from itertools import product
 
+import numpy as np
 import pytest
-from combinations import Packing, assert_same
+from combinations import MEASURE, PAIR, Packing, Read, assert_same
 from laws import EXACT, LAWS
+from parallel import finished
 from turns import in_turn
 
 NVE = "fix move all nve\n"
@@ -35,6 +37,19 @@ DIPOLE = "hybrid sphere 1 dipole"
 DIPOLES = "mass * 1.0\nset group all dipole/random 4711 1.0\n"
 SPHERES = "fix move all brownian/sphere 1e-5 4711 gamma_t 1 gamma_r 0.1"
 BAROSTAT = "iso 2e-3 2e-3 20"
+
+
+def between(gap, word):
+    """A larger box that is shut, and a fix of this kind at its four sides."""
+    box = f"x delta -{gap} {gap} y delta -{gap} {gap} boundary f f p"
+    sides = " ".join(f"{side} EDGE {word}" for side in ("xlo", "xhi", "ylo", "yhi"))
+    return f"change_box all {box}\nvelocity all zero linear\n", sides
+
+
+AWAY, REFLECT = between(0.6, "")
+_, LJ = between(0.6, "1e-4 0.5 1.0")
+CLOSE, _ = between(0.4, "")
+GRAINS = "hooke 0.3 NULL 0.1 NULL 0.5 0"
 FIXES = {
     "fix nve": of(NVE, conserves=ENERGY),
     "fix nve/limit": of("fix move all nve/limit 0.01", conserves=ENERGY),
@@ -101,6 +116,41 @@ FIXES = {
         "ylo EDGE 0.1 0.3 0.3 yhi EDGE 0.1 0.3 0.3\nfix_modify b energy yes",
         "run 20",
         conserves=ENERGY,
+    ),
+    "fix wall/reflect": of(f"{AWAY}{NVE}fix b all wall/reflect {REFLECT}", conserves=ENERGY),
+    "fix wall/lj93": of(
+        f"{AWAY}{NVE}fix b all wall/lj93 {LJ}\nfix_modify b energy yes", conserves=ENERGY
+    ),
+    "fix wall/harmonic pbc": of(
+        NVE + "fix b all wall/harmonic xlo EDGE 0.01 0.3 0.3 pbc yes\nfix_modify b energy yes"
+    ),
+    "fix wall/gran": of(
+        f"{CLOSE}fix move all nve/sphere disc\nfix b all wall/gran {GRAINS} xplane -0.4 $(xhi)",
+        atoms="sphere 1",
+    ),
+    "fix wall/gran/region": of(
+        f"{CLOSE}fix move all nve/sphere disc\nregion room block EDGE EDGE EDGE EDGE INF INF\n"
+        f"fix b all wall/gran/region {GRAINS} region room",
+        atoms="sphere 1",
+    ),
+    "fix viscosity": of(NVE + "fix b all viscosity 10 x y 4", conserves=ENERGY),
+    "fix thermal/conductivity": of(NVE + "fix b all thermal/conductivity 10 y 4", conserves=ENERGY),
+    "fix ehex": of(
+        "region hot block 0 2.5 INF INF INF INF\nregion cold block 2.5 5 INF INF INF INF\n"
+        + NVE
+        + "fix b all ehex 1 1e-8 region hot\nfix c all ehex 1 -1e-8 region cold",
+        conserves=ENERGY,
+    ),
+    "fix controller": of(
+        "variable push internal 1e-4\nvariable f equal v_push\ncompute speed all reduce ave vx\n"
+        + NVE
+        + "fix b all addforce v_f 0 0\nfix c all controller 10 0.01 1.0 0.1 0 c_speed 0.03 push"
+    ),
+    "fix flow/gauss": of(NVE + "fix b all flow/gauss 1 0 0"),
+    "fix nphug": of("fix move all nphug temp 1e-5 1e-5 10 x 3e-3 3e-3 20"),
+    "fix msst": of("fix move all msst x 0.3 q 1e4 mu 1.0 tscale 0.01"),
+    "atom_style hybrid sphere dipole": of(
+        DIPOLES + "fix move all nve/sphere disc", atoms=DIPOLE, conserves=ENERGY
     ),
     "fix move": of(SPLIT + "fix m some move linear 0.02 0 0\nfix move rest nve"),
     "fix rigid": of(SPLIT + "fix m some rigid single\nfix move rest nve", conserves=ENERGY),
@@ -187,3 +237,42 @@ def test_as_a_fresh_run(name, law, tmp_path):
         # noise makes the error of a step random: 8e-4 is its standard deviation over seeds
         part = 5e-3 if "langevin" in name else 2e-4
         assert after == pytest.approx(before, abs=part * packing.value("ke"))
+
+
+TWO_RANKS = (
+    *("fix wall/gran", "fix wall/gran/region", "fix wall/lj93", "fix wall/reflect"),
+    *("fix viscosity", "fix thermal/conductivity", "fix ehex", "fix controller", "fix flow/gauss"),
+    *("fix nphug", "fix msst", "atom_style hybrid sphere dipole"),
+)
+SCRIPT = f"""
+units lj
+dimension 2
+newton on
+atom_style {{atoms}}
+atom_modify map yes
+read_data data
+{PAIR}
+{MEASURE}
+timestep 0.05
+{{setup}}
+run 40
+run 0
+print "$(c_pair:%.17g) $(c_sum[1]:%.17g) $(c_sum[2]:%.17g) $(c_sum[3]:%.17g)" file results
+write_data moved nofix nocoeff
+"""
+
+
+@pytest.mark.parametrize("name", TWO_RANKS)
+def test_on_two_ranks(name, tmp_path):
+    """Energy and virial are those of a fresh run on one."""
+    row, style = FIXES[name], EXACT["balanced"]
+    packing = Packing(style, atoms=row.atoms)
+    if row.atoms == DIPOLE:  # which has masses by type, too
+        packing.run("mass * 1.0")
+    packing.run(f"write_data {tmp_path / 'data'} nofix nocoeff")
+    words = {"style": style, "species": row.species, "name": style.split()[0]}
+    finished(2, SCRIPT.format(atoms=row.atoms, setup=row.setup, **words), tmp_path)
+    energy, *stress = np.loadtxt(tmp_path / "results")
+    fresh = Read(packing, tmp_path / "moved", "").results()
+    del fresh["force"]
+    assert_same({"energy": energy, "stress": stress}, fresh)

@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
-from combinations import Packing, assert_same
+from combinations import Packing, Read, assert_same
 from lammps import LMP_STYLE_GLOBAL, LMP_STYLE_LOCAL, LMP_TYPE_ARRAY, LMP_TYPE_SCALAR
 from laws import EXACT, two_laws
-from parallel import atoms, finished
+from parallel import atoms, finished, in_process
+from programs import output
 from scene import SPECIES
 from turns import in_turn
 
@@ -143,7 +144,60 @@ def test_neighborhoods():
     assert 4 < scalar(packing, "mean") < 7
 
 
+def test_averages(tmp_path):
+    """Cells fill the box, bins and grids have all particles, and a correlation its first value."""
+    packing = Packing(EXACT["balanced"])
+    packing.run(
+        "compute cell all voronoi/atom\ncompute area all reduce sum c_cell[1]\n"
+        "compute order all orientorder/atom degrees 1 6 nnn 6 cutoff 1.8\n"
+        "compute six all reduce max c_order[1]\ncompute v all vacf\nvariable w equal c_v[4]\n"
+        "compute bins all chunk/atom bin/1d x lower 0.25 units reduced\n"
+        "fix bins all ave/chunk 1 1 1 bins density/number\n"
+        "fix memory all ave/correlate 1 4 4 v_w v_w\n"
+        "fix grid all ave/grid 1 1 1 4 4 1 density/number\n"
+        f"dump grid all grid 4 {tmp_path / 'grid'} f_grid:grid:count\n"
+        f"thermo_style custom step pe c_area c_six c_v[4]\n{NVE}run 20\nundump grid"
+    )
+    lx, ly = packing.lmp.get_thermo("lx"), packing.lmp.get_thermo("ly")
+    assert scalar(packing, "area") == pytest.approx(lx * ly, rel=1e-9)
+    assert 0.5 < scalar(packing, "six") <= 1.0
+    bins = [packing.lmp.extract_fix("bins", LMP_STYLE_GLOBAL, 2, n, 1) for n in range(4)]
+    assert sum(bins) == 24
+    grid = (tmp_path / "grid").read_text().split("ITEM: GRID CELLS")[-1].splitlines()[1:]
+    assert sum(map(float, grid)) == 24
+    assert packing.lmp.extract_fix("memory", LMP_STYLE_GLOBAL, 2, 0, 1) > 0
+
+
 # ---- files ----
+
+
+def test_general_triclinic_box(tmp_path):
+    """LAMMPS turns such a box back: energies are those before."""
+    packing = evaluated("balanced")
+    (c, s), side = (0.8, 0.6), packing.lmp.get_thermo("lx")
+    turn = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
+    box = np.diag([side, side, 1.0]) @ turn
+    names = ("avec", "bvec", "cvec", "abc origin")
+    rows = zip([*box.tolist(), [0.0, 0.0, -0.5]], names, strict=True)
+    vectors = [f"{x!r} {y!r} {z!r} {name}" for (x, y, z), name in rows]
+    places, kinds = (packing.atom("x") @ turn).tolist(), packing.atom("type")
+    atoms = [f"{n + 1} {kinds[n]} {x!r} {y!r} 0" for n, (x, y, _) in enumerate(places)]
+    head = ["turned", "24 atoms", "2 atom types", *vectors, "", "Masses", "", "1 1", "2 1", ""]
+    (tmp_path / "turned").write_text("\n".join([*head, "Atoms # atomic", "", *atoms, ""]))
+    read = f"""
+units lj
+dimension 2
+atom_modify map yes
+read_data {tmp_path / "turned"}
+pair_style {EXACT["balanced"]}
+pair_coeff * * {SPECIES} small large
+thermo_modify norm no
+run 0
+print "$(pe:%.17g)" file {tmp_path / "energy"}
+"""
+    in_process(read, tmp_path)
+    energy = float((tmp_path / "energy").read_text())
+    assert energy == pytest.approx(packing.results()["energy"], rel=1e-9)
 
 
 def test_rerun(tmp_path):
@@ -176,6 +230,8 @@ GRIDS = {
     "balance": ("", "balance 1.0 shift xy 10 1.05"),
     "comm_style tiled": ("comm_style tiled", "balance 1.0 rcb"),
     "fix balance": ("comm_style tiled", "fix b all balance 20 1.0 rcb"),
+    "balance weight": ("", "balance 1.0 shift xy 10 1.05 weight neigh 0.8 weight time 0.5"),
+    "fix balance weight": ("", "fix b all balance 5 1.0 shift xy 10 1.05 weight neigh 0.8"),
 }
 SCRIPT = f"""
 units lj
@@ -215,3 +271,60 @@ def test_two_ranks(tmp_path):
             np.testing.assert_allclose(
                 found[:, columns], expected[:, columns], rtol=0, atol=scale, err_msg=name
             )
+
+
+# ---- replicas ----
+
+EVENTS = """
+velocity all create 1e-3 4711 loop all
+fix move all nve
+fix bath all langevin 1e-3 1e-3 5 4711
+fix plane all enforce2d
+compute event all event/displace 0.3
+"""
+MINIMIZE = "min 0 1e-6 100 200"
+REPLICAS = {
+    "neb": "fix path all neb 0.01\nneb 0 1e-7 60 60 20 final end\nunfix path",
+    "prd": f"{EVENTS}prd 200 50 2 20 50 event 4711 {MINIMIZE}",
+    "tad": f"{EVENTS}tad 200 50 5e-4 1e-3 0.01 0.1 event {MINIMIZE} neb 0 1e-6 20 20 10",
+}
+REPLICA = f"""
+units lj
+dimension 2
+newton on
+atom_modify map yes sort 0 0
+read_data data
+pair_style {EXACT["balanced"]}
+pair_coeff * * {SPECIES} small large
+neighbor 0.1 bin
+timestep 0.05
+thermo_modify norm no
+min_style quickmin
+variable replica world 1 2
+{{command}}
+run 0
+print "$(pe:%.17g)" file energy$(v_replica)
+write_data data$(v_replica) nofix nocoeff
+"""
+
+
+@pytest.mark.parametrize("command", REPLICAS)
+def test_replicas(command, tmp_path):
+    """Two partitions end with the energies of fresh runs of their particles."""
+    packing = Packing(EXACT["balanced"])
+    packing.run(f"write_data {tmp_path / 'data'} nofix nocoeff")
+    end = "".join(f"{n + 1} {x + 0.1!r} {y!r} 0\n" for n, (x, y, _) in ends(packing))
+    (tmp_path / "end").write_text(f"2\n{end}")
+    (tmp_path / "in.replicas").write_text(REPLICA.format(command=REPLICAS[command]))
+    words = ("-partition", "2x1", "-in", "in.replicas", "-log", "none", "-screen", "none")
+    output("lmp", *words, cwd=tmp_path, ranks=2)
+    for n in (1, 2):
+        energy = float((tmp_path / f"energy{n}").read_text())
+        fresh = Read(packing, tmp_path / f"data{n}", "")
+        assert fresh.results()["energy"] == pytest.approx(energy, rel=1e-9)
+
+
+def ends(packing):
+    """Two particles that have another place at the end of the path."""
+    places = packing.atom("x").tolist()
+    return [(n, places[n]) for n in (3, 4)]

@@ -70,11 +70,17 @@ def test_set_back(tmp_path):
     packing.fresh(tmp_path)
 
 
-def test_gjf(tmp_path):
-    """Its noise moves particles out of the plane even with enforce2d, but not their forces."""
-    packing, said = moved(
-        tmp_path, "balanced", "fix move all gjf 1e-5 1e-5 5 4711\n" + PLANE + "run 200"
-    )
+@pytest.mark.parametrize(
+    "noise",
+    [
+        "fix move all gjf 1e-5 1e-5 5 4711",
+        "fix move all nve\nfix b all wall/flow x 0.02 1e-5 4711 2 1.5 3.5",
+    ],
+    ids=["gjf", "wall/flow"],
+)
+def test_noise(noise, tmp_path):
+    """It moves particles out of the plane even with enforce2d, but not their forces."""
+    packing, said = moved(tmp_path, "balanced", f"{noise}\n{PLANE}run 200")
     assert len(said) == 1
     packing.run("set group all z 0 vz 0\nrun 0")
     assert packing.fresh(tmp_path).results()["energy"] == pytest.approx(

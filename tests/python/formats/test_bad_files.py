@@ -75,6 +75,8 @@ BAD = [
     ("data", "# sphere", "", "does not name its style"),
     ("data", "2 2 0.8 1.0 1.5 0.5 0\n", "", "it has 1 of 2 atoms"),
     ("data", "2 atom types", "2 atom types\n4 0 0 avec\n0 3 0 bvec", "a general one"),
+    ("data", "1 1 1.0", "1 small 1.0", "type small has no number: it lacks Atom Type Labels"),
+    ("data", "Atoms #", "Atom Type Labels\n\n1 a\n\nAtoms #", "Type Labels lack type 2"),
     ("data", "0 3 ylo yhi", "", "no LAMMPS data file of a box"),
     ("xyz", "Lattice=", "Cell=", r"it has no box: give one, such as box=\(lx, ly\)"),
     ("xyz", "4 0 0", "4 0", "Lattice must be 9 numbers, not 8"),

@@ -75,3 +75,36 @@ def test_droplets_and_bubbles() -> None:
     with pytest.raises(ld.ParameterError, match=r"radius 0\.2 collapse"):
         droplets._species_parameters([0.5, 0.2])
     assert ld.Ring(tension=0.0) == ld.Ring()
+
+
+MATRIX = [[0.1, 0.2, 0.1], [0.2, 0.1, 0.1], [0.1, 0.1, 0.2]]
+DROP = {"kA": math.inf, "kP": 0.0, "contact": "curved", "adhesion": MATRIX}
+THREE = {
+    "ring": lambda n: ld.Ring(kA=[1.0, 5.0, 9.0][:n], kP=[0.1, 0.2, 0.3][:n]),
+    "adhesion": lambda n: ld.Ring(
+        **DROP | {"tension": (1.0, 2.0, 3.0)[:n], "adhesion": np.array(MATRIX)[:n, :n]}
+    ),
+    "droplet": lambda n: ld.Droplet([1.0, 2.0, 3.0][:n]),
+    "smooth polygons": lambda n: ld.DeformablePolygon([20, 24, 30][:n], kL=[1.0, 2.0, 3.0][:n]),
+}
+
+
+@pytest.mark.parametrize("name", THREE)
+@pytest.mark.parametrize("kinds", [[0], [1], [0, 1]])
+def test_species_without_particles(name: str, kinds: list[int]) -> None:
+    """The last ones too: energies are those of a law without them."""
+    dimension = 3 if name == "droplet" else 2
+    packing = ld.crystal("hex", (4, 4)) if dimension == 2 else ld.crystal("fcc", 2)
+    packing = packing.replace(species=np.resize(kinds, len(packing)))
+    energies = []
+    for count in (3, max(kinds) + 1):
+        with ld.Simulation(packing.at(1.05 * packing.phi), THREE[name](count)) as sim:
+            energies.append(sim.state().energy)
+    assert energies[0] == energies[1] != 0.0
+
+
+def test_numbers_of_particles_are_not_those_of_species() -> None:
+    packing = ld.bidisperse(20, seed=1)
+    for law in (ld.Ring(np.ones(20)), ld.DeformablePolygon(kL=np.ones(20))):
+        with pytest.raises(ld.ParameterError, match=r"has 20 numbers, as there are particles"):
+            ld.Simulation(packing, law)

@@ -80,7 +80,7 @@ def test_stiffnesses_of_each_species() -> None:
 def test_one_value_a_species() -> None:
     message = r"there are 2 species, so \[1\.0.*\] must have as many numbers"
     with pytest.raises(ld.ParameterError, match=message):
-        ld.DeformablePolygon(kL=[1.0, 2.0, 3.0]).polygons(RADII)
+        ld.DeformablePolygon(kL=[1.0]).polygons(RADII)
     with pytest.raises(ld.ParameterError, match=r"one for each of 2 species, not \["):
         ld.DeformablePolygon([50], smooth=False).polygons(RADII)
 

@@ -217,8 +217,6 @@ def test_what_it_refuses() -> None:
     with ld.Simulation(loose(4), CELL) as sim:
         with refused("rate must not be negative, not -1"):
             sim.proliferate(-1.0, division=1.0, time=1.0)
-        with refused("there are 1 species"):
-            sim.proliferate([1.0, 2.0], division=1.0, time=1.0)
         with refused("axis must be random, long or stress, not 'x'"):
             sim.proliferate(1.0, division=1.0, time=1.0, axis="x")
         with refused("asymmetry must be below 1"):
