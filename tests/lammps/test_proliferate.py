@@ -164,7 +164,7 @@ def test_axis_of_a_droplet(tmp_path):
     )
     x = np.array(droplet.gather("x", 1, 3)).reshape(-1, 3)
     np.testing.assert_allclose(x[:, 1:], 0.0, atol=1e-12)
-    assert abs(x[1, 0] - x[0, 0]) == pytest.approx(0.5 * 2.0 ** (-1.0 / 3.0), rel=1e-12)
+    assert abs(x[1, 0] - x[0, 0]) == pytest.approx(0.8 * 2.0 ** (-1.0 / 3.0), rel=1e-12)
 
 
 def test_what_a_new_particle_has():
