@@ -47,10 +47,11 @@ static bool locate_pairs(PairPlaces p, int begin, int end)
     };
     const T dx = of_j(p.x, 3) - of_i(p.x, 3), dy = of_j(p.x + 1, 3) - of_i(p.x + 1, 3);
     const T ri = of_i(p.radius, 1), rj = of_j(p.radius, 1);
-    const T square = dx * dx + dy * dy, d = root(square), per_d = 1.0 / d, sum = ri + rj;
-    apart &= all_true(square > nearest_square(sum, magnitude(ri - rj)));
+    const T d = root(dx * dx + dy * dy), per_d = 1.0 / d, small = smaller(ri, rj);
+    const T indentation = contact_line(d, per_d, small, larger(ri, rj)).indentation;
+    apart &= all_true(indentation < (1.0 - NEAREST_LINE) * small);
     store(p.per_distance + k, per_d);
-    store(p.overlap + k, sum - d);
+    store(p.overlap + k, ri + rj - d);
     store(p.nx + k, dx * per_d);
     store(p.ny + k, dy * per_d);
     store(p.angle + k, angle_of_lanes(dx, dy));

@@ -7,16 +7,10 @@
 
 namespace deformable {
 
-// A line must lie in front of the center by this part of the radius. Where two centers, or a center and a thin wall, come
-// nearer, they are about to pass each other, after which no line would be behind a center.
+// A line must lie in front of both centers by this part of the radius; then it does of the larger particle where it does of the smaller
+// one. Where two centers, or a center and a thin wall, come nearer, they are about to pass each other, after which no line would be
+// behind a center.
 constexpr double NEAREST_LINE = 0.05;
-
-// The square of the distance at which a radical axis comes so near: |R_i^2 - R_j^2| + (0.05 (R_i + R_j))^2, from the sum
-// of the radii and the absolute value of their difference.
-template <class T> DEFORMABLE_INLINE T nearest_square(T sum, T difference)
-{
-  return (difference + NEAREST_LINE * NEAREST_LINE * sum) * sum;
-}
 
 // T is double, or a vector of doubles of several particles.
 template <class T> struct ContactLine {

@@ -125,7 +125,7 @@ ValueError
   m.def("daughters", &all_daughters, "radius"_a, "share"_a, "dimension"_a,
         R"(Radii of both daughters of each particle and their distance, of shape (M,) each [length].
 
-Their contact line lies halfway between the center and the edge of the smaller one.
+Their contact line lies r/2 from the center of the smaller one, in space 4 r/5.
 
 Parameters
 ----------

@@ -138,7 +138,7 @@ class DualSolver : protected Pointers {
 
   const deformable::ForceKernels &kernels;
   const Tuning tuning;
-  PairList list;
+  solver::PairList list;
   ContactBatches batches;
   std::unique_ptr<CurvedLines> lines;    // null: perpendicular to lines of centers
   std::unique_ptr<Films> films;          // null: no adhesion

@@ -63,14 +63,19 @@ int NearPairs::locate(const deformable::ForceKernels &kernels, const double *x,
                                      overlap.data(), angle.data(), nx.data(), ny.data()},
                                     0, wall))
       return -1;
-    // the kernel compares squares of distances, which round differently
-    constexpr double ROUNDING = 1e-14;
+    int nearest = -1;    // line, as part of the smaller radius
+    double most = 0.0;
     for (int k = 0; k < wall; ++k) {
-      const double ri = radius[i[k]], rj = radius[j[k]], d = 1.0 / per_distance[k];
-      const double least = deformable::nearest_square(ri + rj, std::fabs(ri - rj));
-      if (!(d * d > (1.0 + ROUNDING) * least)) return k;
+      const double small = std::fmin(radius[i[k]], radius[j[k]]),
+                   large = std::fmax(radius[i[k]], radius[j[k]]), d = 1.0 / per_distance[k];
+      const double part =
+          deformable::contact_line(d, per_distance[k], small, large).indentation / small;
+      if (part <= most) continue;
+      nearest = k;
+      if (std::isnan(part)) break;
+      most = part;
     }
-    return -1;
+    return nearest;
   }
   for (int k = 0; k < wall; ++k) {
     const double *const xi = x + 3 * i[k], *const xj = x + 3 * j[k];

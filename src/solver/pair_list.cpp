@@ -10,6 +10,7 @@
 
 using namespace LAMMPS_NS;
 using deformable::Vector3;
+using solver::PairList;
 
 PairList::PairList(LAMMPS *lmp, const deformable::ForceKernels &kernels, const Tuning &tuning,
                    bool in_space, bool curved, double bulge_per_overlap, double most_bulge)

@@ -5,8 +5,8 @@
 // as long as no particle has moved and bulged by more than half of the margin together. Walls are looked for in each call, so
 // they may move as they like.
 
-#ifndef LMP_PAIR_LIST_H
-#define LMP_PAIR_LIST_H
+#ifndef DEFORMABLE_PAIR_LIST_H
+#define DEFORMABLE_PAIR_LIST_H
 
 #include "pointers.h"
 
@@ -80,6 +80,7 @@ class PairHistory {
   std::vector<std::pair<tagint, double>> bulges;
 };
 
+namespace solver {    // LAMMPS has a pair style of this name
 class PairList : protected Pointers {
  public:
   // bulge_per_overlap: b of a particle that no solution has seen, over the overlaps of its circle; most_bulge: over the radius.
@@ -162,6 +163,7 @@ class PairList : protected Pointers {
   bool is_attached(const Particles &, int i, int j, const deformable::Vector3 &) const;
   void recall_films(const Particles &);
 };
+}    // namespace solver
 
 }    // namespace LAMMPS_NS
 

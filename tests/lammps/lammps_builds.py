@@ -59,10 +59,11 @@ def build(source, folder, *options):
 def build_lammps(suite, *options):
     """LAMMPS of a suite of Debian with the packages that the scenes need, installed; the prefix.
 
-    MOLECULE has bonds, PLUGIN loads the styles.
+    MISC has names that ours must not be, MOLECULE has bonds, PLUGIN loads the styles.
     """
     source, folder, prefix = sources(suite), CACHE / suite / "build", CACHE / suite / "prefix"
     packages = (
+        "-DPKG_MISC=ON",
         "-DPKG_MOLECULE=ON",
         "-DPKG_PLUGIN=ON",
         "-DBUILD_OMP=OFF",

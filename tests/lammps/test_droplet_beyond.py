@@ -4,6 +4,7 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 from droplet_walls import walled
+from droplets import Droplets
 
 ORIGIN = np.zeros((1, 3))
 
@@ -16,6 +17,25 @@ def test_between_two_plates(half, beyond, tmp_path):
     told = "1 of 1 particles are beyond the model: forces cover .* with the mean facet"
     assert (told.split(":")[0] in scene.log.read_text()) == bool(beyond)
     assert (scene.contacts()[:, 4].sum() / (8 * np.pi) < 0.13) == (half > 0.5)
+
+
+def at_random(seed, folder):
+    """Energy of droplets at random places, and the error where contacts do not balance."""
+    edge = (20 * np.pi / 6 / 0.6) ** (1 / 3)
+    x = np.random.default_rng(seed).uniform(0, edge, (20, 3))
+    case = {"x": x, "radius": [0.5] * 20, "tension": [1.0] * 20, "box": [edge] * 3}
+    try:
+        return Droplets(case, folder).energy, ""
+    except Exception as error:
+        return 0.0, str(error)
+
+
+def test_energies_below_that_of_spheres_are_refused(tmp_path):
+    energies, errors = zip(*(at_random(seed, tmp_path) for seed in (3, 8, 10, 11)), strict=True)
+    assert min(energies) >= 0.0
+    told = [error for error in errors if error]
+    assert told
+    assert all("balance" in error for error in told)
 
 
 @pytest.mark.slow

@@ -16,7 +16,7 @@ from parallel import (
     reported,
 )
 from scene import Scene
-from test_films import doublet, pair_at
+from test_films import doublet, droplets, pair_at
 
 W = 0.15
 TOUCH, STRETCHED = 2.0 - 1e-3, 2.15
@@ -273,6 +273,19 @@ def test_energy_and_what_is_lost(tmp_path):
         errors.append(potential + kinetic + lost - 24 * 0.03)
     assert abs(errors[0]) < 1e-3
     assert abs(errors[1]) < 0.1 * abs(errors[0])  # 1/64, with room for films at chance times
+
+
+def test_a_film_stays_where_its_partner_comes_near_fast(tmp_path):
+    """From one neighbor list to the next it moves by more than the distance that is left."""
+    x = [[3.4, 4.0], [4.6, 4.0]]
+    scene = droplets(x, tmp_path, 0.9, (0.5,), (0, 8, 0, 8), commands=CONTACTS)
+    scene.run("compute films all pair deformable/ring\nfix move all nve\ntimestep 0.01")
+    scene.run("set atom 1 vx 0.4\nset atom 2 vx -0.4\nrun 90")
+    assert np.ptp(scene.x[:, 0]) < 0.3
+    assert (contacts(scene)["attached"] == 1).all()
+    kinetic, lost = 0.5 * np.sum(scene.gather("v", 3) ** 2), scene.vector("films", 6)[5]
+    assert 0.0 < lost < 0.3
+    assert scene.energy() + kinetic + lost == pytest.approx(0.16, abs=1e-3)
 
 
 def test_restart_file_of_two_ranks(tmp_path):

@@ -106,6 +106,23 @@ def test_energy_and_momenta(law, kind, tmp_path):
     assert errors[1] < 0.06 * errors[0]  # 1/64; 1/8 if it were of first order
 
 
+def test_springs_that_never_slip_are_let_go(tmp_path):
+    """With mu = inf nothing slides: contacts that end lose the energy of their springs."""
+    x, v = [[-1.2, 0.3], [0.75, -0.3]], [[0.1, 0.02], [0.0, 0.0]]
+    scene = Grains(x, 1, "inf 0.7 0", tmp_path, v, [0.2, 0.0], **BIG)
+    scene.run("run 0 post no")
+    before = scene.balance()
+    most = 0.0
+    for _ in range(30):
+        scene.run("run 50 post no")
+        most = max(most, scene.terms["stored"])
+    terms = scene.terms
+    assert terms["stored"] == 0.0
+    assert abs(terms["sliding"]) < 1e-12 * terms["dashpots"]
+    assert 1e-6 < terms["dashpots"] <= most
+    assert scene.balance() == pytest.approx(before, rel=1e-4)
+
+
 FRICTION = {
     "springs that never slip": ("drop", "inf 0.6 0"),
     "most contacts slide": ("ring", "0.3 0.6 0.05 damp 0.05"),

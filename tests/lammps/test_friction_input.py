@@ -94,6 +94,13 @@ def test_spins_that_do_not_turn_are_told_once(tmp_path):
     assert said(tmp_path, "no fix turns the particles") == 0
 
 
+def test_integrators_that_lose_disc_are_told(tmp_path):
+    """LAMMPS' versions for threads take disks for spheres, which rolling shows."""
+    words, move = "turns particles as spheres, even where it says 'disc'", "fix move all nve/sphere"
+    assert said(tmp_path, words) == 0
+    assert said(tmp_path, words, move=f"{move}/omp disc") == 1
+
+
 def test_velocities_without_the_shear_of_the_box_are_told_once(tmp_path):
     words, shear = "without 'remap v'", "fix shear all deform 1 y erate 0.01"
     assert said(tmp_path, words, commands=f"{shear} remap v") == 0

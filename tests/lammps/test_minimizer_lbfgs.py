@@ -387,6 +387,8 @@ REFUSALS = {
     "min_modify memory": r"min_modify memory",
     "min_modify precondition cholesky": r"'cholesky': it must be 'springs' or 'none'",
     "min_modify fancy 1": r"Illegal",
+    "min_modify dmax 0\nminimize 0 0 1 1": r"dmax 0: the longest step .* must be positive",
+    "min_modify dmax -1\nminimize 0 0 1 1": r"dmax -1: the longest step .* must be positive",
     "pair_style none\npair_style zero 1.0\npair_coeff * *\n"
     "min_modify precondition springs\nminimize 0 0 1 1": r"use 'precondition none'",
     "fix a all aveforce 0 0 0\nmin_modify precondition springs\nminimize 0 0 1 1": r"fix a avef",

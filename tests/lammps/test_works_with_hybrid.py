@@ -6,7 +6,7 @@ from combinations import Packing, Part, assert_same
 from contact_rows import CONTACTS
 from lammps import LMP_STYLE_LOCAL, LMP_TYPE_ARRAY
 from laws import EXACT, two_laws
-from scene import SPECIES
+from scene import BOX, FOUR, SPECIES, Scene
 from test_refusals import refuses
 from turns import in_turn
 
@@ -95,6 +95,34 @@ def test_scaled():
         np.testing.assert_allclose(
             found.results()[name], 0.5 * expected.results()[name], rtol=1e-9, err_msg=name
         )
+
+
+UNSCALED = {
+    "the forces of fix w deformable/wall": "fix w all deformable/wall plane 0 -9 0 1",
+    "the forces of fix rub deformable/friction": "fix rub all deformable/friction 0.3 1 0",
+    "the pressures of fix grow deformable/proliferate": (
+        "fix grow all deformable/proliferate 10 1 1 1 pressure 1"
+    ),
+}
+
+
+@pytest.mark.parametrize("what", UNSCALED)
+def test_what_would_not_be_scaled(what):
+    """LAMMPS scales forces on atoms, not what the fixes do with contacts."""
+    radii = np.full(len(FOUR), 0.5)
+    commands = f"run 0\n{UNSCALED[what]}"
+    scene = Scene(
+        FOUR,
+        ["any"] * 4,
+        BOX,
+        "hybrid/scaled 0.5 deformable/ring radius atom",
+        coeff=f"pair_coeff * * deformable/ring {SPECIES} any",
+        radii=radii,
+        commands=commands,
+    )
+    with refuses(f"Pair style hybrid/scaled would not scale {what}: use 'pair_style hybrid/ove"):
+        scene.run("run 0")
+    scene.run(f"unfix {UNSCALED[what].split()[1]}\nrun 0")
 
 
 @pytest.mark.parametrize(

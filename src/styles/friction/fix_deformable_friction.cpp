@@ -174,6 +174,12 @@ void FixDeformableFriction::check_spins()
     return;
   }
   const std::vector<Fix *> &fixes = modify->get_fix_list();
+  for (const Fix *fix : fixes)
+    if (in_plane && utils::strmatch(fix->style, "/sphere/omp$"))
+      error->warning(FLERR,
+                     "Fix {} deformable/friction: fix {} {} turns particles as spheres, even where "
+                     "it says 'disc'. For disks write 'suffix off' before it",
+                     id, fix->id, fix->style);
   const bool any = std::any_of(fixes.begin(), fixes.end(), [](const Fix *fix) {
     return utils::strmatch(fix->style, "sphere") || utils::strmatch(fix->style, "^rigid");
   });
@@ -524,18 +530,19 @@ void FixDeformableFriction::check_dashpots() const
 
 /* ----------------------------------------------------------------------
    Of a step between two forces on this contact. If kt changes it is the mean
-   one: what the change itself does to the spring is no loss.
+   one: what the change itself does to the spring is no loss. The spring of a
+   contact that ends does not slide, it is let go.
 ------------------------------------------------------------------------- */
 
 template <class V>
 inline void FixDeformableFriction::lose(const Sides &sides, const Acting<V> &before,
                                         const Acting<V> &now, double kt, const Speeds<V> &v_before,
-                                        const Speeds<V> &v_now)
+                                        const Speeds<V> &v_now, bool ends)
 {
   const double half = 0.5 * dt;
   const Along<V> way = half * (v_before.v.along + v_now.v.along);
   const deformable::RubLoss loss = deformable::loss(kt, before.rub, now.rub, way);
-  output[SLIDING] += loss.sliding;
+  output[ends ? DASHPOTS : SLIDING] += loss.sliding;
   output[DASHPOTS] += loss.dashpot;
   output[DAMPING] += half * (before.damping * v_before.v.normal + now.damping * v_now.v.normal);
   output[FILMS] += half * (dot(before.film, v_before.v) + dot(now.film, v_now.v));
@@ -634,7 +641,7 @@ template <class V> void FixDeformableFriction::end(int i, const RememberedContac
   const Acting<V> last = {{along<V>(m.xi), along<V>(m.force), false},
                           m.damping,
                           {along<V>(m.film.along), m.film.normal}};
-  lose(sides, last, {}, m.kt, before, before);
+  lose(sides, last, {}, m.kt, before, before, true);
 }
 
 /* ----------------------------------------------------------------------

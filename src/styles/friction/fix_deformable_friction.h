@@ -144,7 +144,7 @@ class FixDeformableFriction : public FixPartnerMemory<RememberedContact> {
                                           deformable::ContactVector<V> v);
   template <class V>
   void lose(const Sides &, const Acting<V> &before, const Acting<V> &now, double kt,
-            const Speeds<V> &v_before, const Speeds<V> &v_now);
+            const Speeds<V> &v_before, const Speeds<V> &v_now, bool ends = false);
   template <class V>
   void push(const Sides &, const ContactPlace<V> &, const deformable::ContactVector<V> &);
   template <class V>

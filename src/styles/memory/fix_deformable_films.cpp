@@ -53,22 +53,20 @@ void FixDeformableFilms::who_knows(std::vector<double> &knows) const
   for (int i = 0; i < atom->nlocal; ++i) knows[i] = particles[i].is_known;
 }
 
-// A particle in a small box may have several images of its partner: the one that has moved by less than its distance.
+// A particle in a small box may have several images of its partner: the one that has moved by less than half of the box.
 bool FixDeformableFilms::is_attached(int i, tagint partner, double x, double y) const
 {
   const double *const h = domain->h_inv;
+  const auto is_near = [](bool periodic, double part) {
+    return !periodic || std::fabs(part) <= 0.5;
+  };
   const auto is_this = [&](const RememberedFilm &film) {
     if (film.partner != static_cast<double>(partner)) return false;
     if (partner < 0) return true;
-    if (std::isnan(film.x)) {
-      const auto is_near = [](bool periodic, double part) {
-        return !periodic || std::fabs(part) <= 0.5;
-      };
-      return is_near(domain->xperiodic, h[0] * x + h[5] * y) &&
-             is_near(domain->yperiodic, h[1] * y);
-    }
-    const double dx = film.x - x, dy = film.y - y;
-    return dx * dx + dy * dy <= x * x + y * y;
+    const bool anywhere = std::isnan(film.x);
+    const double dx = x - (anywhere ? 0.0 : film.x), dy = y - (anywhere ? 0.0 : film.y);
+    return is_near(domain->xperiodic, h[0] * dx + h[5] * dy) &&
+           is_near(domain->yperiodic, h[1] * dy);
   };
   const std::vector<RememberedFilm> &films = particles[i].rows;
   return std::any_of(films.begin(), films.end(), is_this);

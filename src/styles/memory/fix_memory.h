@@ -3,6 +3,9 @@
 //
 // Memory: a struct of doubles, or another one with functions `count_of`, `write` and `read` beside it, as PartnerMemory. A
 // particle that is new has Memory{}. On the way it is one record of doubles: their number, then the memory.
+//
+// Where memory is a per-atom array of the fix it is double, with `columns` of them for each particle: commands of LAMMPS know such an
+// array by the place of its first number and the number of columns.
 
 #ifndef LMP_FIX_MEMORY_H
 #define LMP_FIX_MEMORY_H
@@ -51,18 +54,22 @@ template <class Memory> class FixMemory : public Fix {
   {
     if (!begun) return;
     atom->delete_callback(id, Atom::GROW);
-    atom->delete_callback(id, Atom::RESTART);
+    if (restart_peratom) atom->delete_callback(id, Atom::RESTART);
   }
 
   double memory_usage() override { return bytes_of(particles); }
-  void grow_arrays(int size) override { particles.resize(size); }
-  void copy_arrays(int from, int to, int /*delflag*/) override { particles[to] = particles[from]; }
-  void set_arrays(int i) override { particles[i] = {}; }
+  void grow_arrays(int size) override { particles.resize(columns * size); }
+  void copy_arrays(int from, int to, int /*delflag*/) override
+  {
+    std::copy_n(of(from), columns, of(to));
+  }
+  void set_arrays(int i) override { std::fill_n(of(i), columns, Memory{}); }
 
   int pack_exchange(int i, double *record) override
   {
     record[0] = size_restart(i);
-    write(particles[i], record + 1);
+    const int count = count_of(*of(i));
+    for (int k = 0; k < columns; ++k) write(of(i)[k], record + 1 + k * count);
     return size_restart(i);
   }
   int unpack_exchange(int i, double *record) override
@@ -79,25 +86,27 @@ template <class Memory> class FixMemory : public Fix {
     for (int n = 0; n < fix; ++n) record += static_cast<int>(record[0]);
     unpack(i, record);
   }
-  int size_restart(int i) override { return 1 + count_of(particles[i]); }
+  int size_restart(int i) override { return 1 + columns * count_of(*of(i)); }
   // Of all ranks: rank 0 writes into the file how much room a reader needs.
   int maxsize_restart() override
   {
-    int most = 1 + count_of(Memory{});
+    int most = 1 + columns * count_of(Memory{});
     for (int i = 0; i < atom->nlocal; ++i) most = std::max(most, size_restart(i));
     return largest_of_ranks(world, most);
   }
 
  protected:
-  std::vector<Memory> particles;    // by local index
+  int columns = 1;    // set before `begin`, as is restart_peratom = 0 of what a run finds anew
+  std::vector<Memory> particles;    // by local index, then by column
+  Memory *of(int i) { return &particles[i * columns]; }
 
   // At the end of a constructor, which stops where words are wrong: LAMMPS does not know the fix then.
   void begin()
   {
     grow_arrays(atom->nmax);
-    maxexchange = 1 + count_of(Memory{});
+    maxexchange = 1 + columns * count_of(Memory{});
     atom->add_callback(Atom::GROW);
-    atom->add_callback(Atom::RESTART);
+    if (restart_peratom) atom->add_callback(Atom::RESTART);
     begun = true;
   }
 
@@ -109,7 +118,8 @@ template <class Memory> class FixMemory : public Fix {
 
   void unpack(int i, const double *record)
   {
-    read(particles[i], record + 1, static_cast<int>(record[0]) - 1);
+    const int count = (static_cast<int>(record[0]) - 1) / columns;
+    for (int k = 0; k < columns; ++k) read(of(i)[k], record + 1 + k * count, count);
     make_room(i);
   }
 };

@@ -70,7 +70,7 @@ MinDeformableLbfgs::MinDeformableLbfgs(LAMMPS *lmp) : Min(lmp)
                          max_vdotf_negatif == 2000 && nextra_global == 0 && !fextra &&
                          nextra_atom == 0 && !requestor;
   searchflag = 1;
-  dmax = 0.0;    // not given
+  dmax = std::numeric_limits<double>::quiet_NaN();    // not given
 }
 
 bool MinDeformableLbfgs::fits(LAMMPS *lmp)
@@ -104,6 +104,9 @@ int MinDeformableLbfgs::modify_param(int narg, char **arg)
 void MinDeformableLbfgs::init()
 {
   Min::init();
+  if (dmax <= 0.0)
+    error->all(FLERR, "min_modify dmax {}: the longest step of a coordinate must be positive",
+               dmax);
   fix_minimize->maxexchange = 3 * (3 + 2 * memory) + 2;
 
   pair = dynamic_cast<PairDeformable *>(force->pair);
@@ -445,7 +448,7 @@ void MinDeformableLbfgs::renew()
       if (atom->radius[i] > 0.0) smallest = std::min(smallest, atom->radius[i]);
     smallest = smallest_of_ranks(world, smallest);
     if (force->pair) smallest = std::min(smallest, force->pair->cutforce);    // in any units
-    limit = dmax > 0.0 ? dmax : std::min(0.1, 0.05 * smallest);
+    limit = std::isnan(dmax) ? std::min(0.1, 0.05 * smallest) : dmax;
     return;
   }
 
@@ -464,7 +467,7 @@ void MinDeformableLbfgs::renew()
   const double smallest = pair->smallest_radius();
   limit = 0.05 * smallest;
   if (median > 0.0) limit = std::min(limit, 3.0 * median);
-  if (dmax > 0.0) limit = dmax;
+  if (!std::isnan(dmax)) limit = dmax;
   if (!preconditioned) return;
 
   const int nlocal = atom->nlocal;

@@ -15,7 +15,10 @@
 #include <cstdio>
 #include <cstring>
 
+#include <optional>
 #include <string>
+#include <type_traits>
+#include <unordered_map>
 
 using namespace LAMMPS_NS;
 using namespace FixConst;
@@ -29,7 +32,7 @@ extern "C" __attribute__((weak)) int lammps_create_atoms(void *, int, const tagi
                                                          const imageint *, int);
 
 FixDeformableProliferate::FixDeformableProliferate(LAMMPS *lmp, int narg, char **arg)
-    : Fix(lmp, narg, arg),
+    : FixMemory(lmp, narg, arg, STYLE),
       refusals(lmp)
 {
   if (narg < 7) utils::missing_cmd_args(FLERR, "fix deformable/proliferate", error);
@@ -49,9 +52,9 @@ FixDeformableProliferate::FixDeformableProliferate(LAMMPS *lmp, int narg, char *
                "Fix deformable/proliferate: the rate is '{}': it must not be negative", arg[4]);
   division = positive(5, "the division size");
   const int number = utils::inumeric(FLERR, arg[6], false, lmp);
-  if (number <= 0)
-    error->all(FLERR_WORD(6), "Fix deformable/proliferate: the seed is '{}': it must be positive",
-               arg[6]);
+  if (number < 0)
+    error->all(FLERR_WORD(6),
+               "Fix deformable/proliferate: the seed is '{}': it must not be negative", arg[6]);
   seed = static_cast<std::uint64_t>(number);
   for (int iarg = 7; iarg < narg; iarg += 2) {
     const std::string keyword = arg[iarg];
@@ -65,7 +68,7 @@ FixDeformableProliferate::FixDeformableProliferate(LAMMPS *lmp, int narg, char *
       utils::missing_cmd_args(FLERR, "fix deformable/proliferate " + keyword, error);
     const std::string value = arg[iarg + 1];
     if (keyword == "pressure") {
-      most_pressure = positive(iarg + 1, "the pressure");
+      most_pressure = positive(iarg + 1, "the pressure") / force->nktv2p;
     } else if (keyword == "asymmetry") {
       asymmetry = utils::numeric(FLERR, arg[iarg + 1], false, lmp);
       if (!(asymmetry >= 0.0 && asymmetry < 1.0))
@@ -100,12 +103,12 @@ FixDeformableProliferate::FixDeformableProliferate(LAMMPS *lmp, int narg, char *
         "this LAMMPS does not export: build it as a shared library",
         id);
 
-  delete[] style;
-  style = utils::strdup(STYLE);
   force_reneighbor = time_depend = restart_global = 1;
+  restart_peratom = 0;    // a run begins with what presses then
   next_reneighbor = -1;
   scalar_flag = global_freq = 1;
   extscalar = 0;
+  begin();
 }
 
 int FixDeformableProliferate::setmask()
@@ -126,16 +129,22 @@ void FixDeformableProliferate::init()
 
   refuse_respa(lmp, id, "deformable/proliferate");
   next_reneighbor = (update->ntimestep / nevery + 1) * nevery;
+  find_last_id();
+}
+
+void FixDeformableProliferate::find_last_id()
+{
+  for (int i = 0; i < atom->nlocal; ++i) last_id = std::max(last_id, atom->tag[i]);
+  last_id = largest_of_ranks(world, last_id);
 }
 
 /* ----------------------------------------------------------------------
-   What presses on particles is that of the last step before. Atoms may be
-   others in memory then, where another fix has deleted some: IDs stay.
+   What presses on particles is that of the last step before.
 ------------------------------------------------------------------------- */
 
 bool FixDeformableProliferate::needs_contacts() const
 {
-  return update->ntimestep + 1 == next_reneighbor && (most_pressure < HUGE_VAL || axis != RANDOM);
+  return update->ntimestep + 1 == next_reneighbor && (has_pressure() || axis != RANDOM);
 }
 
 void FixDeformableProliferate::setup(int)
@@ -146,25 +155,31 @@ void FixDeformableProliferate::setup(int)
 void FixDeformableProliferate::final_integrate()
 {
   if (!needs_contacts()) return;
-  if (most_pressure < HUGE_VAL || axis == STRESS) find_stresses();
+  if (has_pressure() || axis == STRESS) find_stresses();
   if (axis == LONG) find_moments();
+}
+
+static std::unordered_map<tagint, int> local_indices(const Atom &atom)
+{
+  std::unordered_map<tagint, int> local;
+  for (int i = 0; i < atom.nlocal; ++i) local[atom.tag[i]] = i;
+  return local;
 }
 
 void FixDeformableProliferate::find_stresses()
 {
   const bool plane = domain->dimension == 2;
-  const int columns = PairDeformable::contact_columns(domain->dimension);
+  const int width = PairDeformable::contact_columns(domain->dimension);
   std::vector<double> rows;    // see docs/compute_deformable_contact.md
   for (const PairDeformable *pair : deformable_pairs(*force)) pair->list_contacts(groupbit, rows);
-  std::unordered_map<tagint, double> radius;
-  for (int i = 0; i < atom->nlocal; ++i) radius[atom->tag[i]] = atom->radius[i];
-  stress.clear();
-  for (std::size_t k = 0; k < rows.size(); k += columns) {
+  const std::unordered_map<tagint, int> local = local_indices(*atom);
+  for (int i = 0; i < atom->nlocal; ++i) particles[i].stress = {};
+  for (std::size_t k = 0; k < rows.size(); k += width) {
     const double *const row = &rows[k];
-    const auto name = static_cast<tagint>(row[0]);
+    const int i = local.at(static_cast<tagint>(row[0]));
     const Vector3 n =
         plane ? Vector3{std::cos(row[7]), std::sin(row[7]), 0.0} : Vector3{row[8], row[9], row[10]};
-    add(stress[name], row[4] * (radius[name] - row[2]), n);
+    add(particles[i].stress, row[4] * (atom->radius[i] - row[2]), n);
   }
 }
 
@@ -174,14 +189,13 @@ void FixDeformableProliferate::find_moments()
   std::vector<double> rows;    // see docs/compute_deformable_outline.md
   for (const PairDeformable *pair : deformable_pairs(*force))
     pair->list_outlines(groupbit, POINTS, rows);
-  std::unordered_map<tagint, int> local;
-  for (int i = 0; i < atom->nlocal; ++i) local[atom->tag[i]] = i;
-  moments.clear();
+  const std::unordered_map<tagint, int> local = local_indices(*atom);
+  for (int i = 0; i < atom->nlocal; ++i) particles[i].moments = {};
   for (std::size_t k = 0; k < rows.size(); k += COLUMNS) {
     const double *const row = &rows[k];
-    const auto name = static_cast<tagint>(row[0]);
-    const double *const x = atom->x[local[name]];
-    add_triangle(moments[name], {row[3] - x[0], row[4] - x[1], 0.0},
+    const int i = local.at(static_cast<tagint>(row[0]));
+    const double *const x = atom->x[i];
+    add_triangle(particles[i].moments, {row[3] - x[0], row[4] - x[1], 0.0},
                  {row[5] - x[0], row[6] - x[1], 0.0});
   }
 }
@@ -195,27 +209,28 @@ void FixDeformableProliferate::pre_exchange()
 {
   if (next_reneighbor != update->ntimestep) return;
   next_reneighbor += nevery;
+  int divided = 0;
   std::vector<double> daughters;
   refusals.check([&] {
     for (int i = 0; i < atom->nlocal; ++i) {
       if (!(atom->mask[i] & groupbit)) continue;
       grow(i);
-      if (deformable::size_of(atom->radius[i], domain->dimension) >= division) divide(i, daughters);
+      if (deformable::size_of(atom->radius[i], domain->dimension) < division) continue;
+      divide(i, daughters);
+      ++divided;
     }
   });
-  create(daughters);
+  const int n = sum_of_ranks(world, divided);
+  if (n > 0) create(n, of_all_ranks(lmp, daughters));
 }
 
 void FixDeformableProliferate::grow(int i)
 {
   const int d = domain->dimension;
-  double now = rate;
-  const auto found = stress.find(atom->tag[i]);
-  if (found != stress.end()) {
-    const double size = deformable::size_of(atom->radius[i], d);
-    now = deformable::growth_rate(rate, mean_pressure(found->second, size, d), most_pressure);
-  }
-  const double growth = now * nevery * update->dt;
+  const double size = deformable::size_of(atom->radius[i], d),
+               pressure = mean_pressure(particles[i].stress, size, d);
+  const double growth =
+      deformable::growth_rate(rate, pressure, most_pressure) * nevery * update->dt;
   atom->radius[i] *= std::exp(growth / d);
   if (atom->rmass) atom->rmass[i] *= std::exp(growth);
 }
@@ -224,13 +239,10 @@ void FixDeformableProliferate::grow(int i)
 Vector3 FixDeformableProliferate::axis_of(int i, CountedRandom &random) const
 {
   const bool plane = domain->dimension == 2;
-  const Tensors &known = axis == LONG ? moments : stress;
-  const auto of = known.find(atom->tag[i]);
-  if (axis != RANDOM && of != known.end()) {
-    const auto found =
-        axis == LONG ? long_axis(of->second) : stretched_axis(of->second, domain->dimension);
-    if (found) return *found;
-  }
+  std::optional<Vector3> found;
+  if (axis == LONG) found = long_axis(particles[i].moments);
+  if (axis == STRESS) found = stretched_axis(particles[i].stress, domain->dimension);
+  if (found) return *found;
   const Vector3 v = {random.gaussian(), random.gaussian(), plane ? 0.0 : random.gaussian()};
   return v / length(v);
 }
@@ -273,38 +285,51 @@ void FixDeformableProliferate::divide(int i, std::vector<double> &daughters)
   imageint image = atom->image[i];
   domain->remap(there, image);
   const double mass = atom->rmass ? atom->rmass[i] : 0.0;
-  daughters.insert(daughters.end(), {ubuf(atom->tag[i]).d, ubuf(atom->type[i]).d,
-                                     ubuf(atom->mask[i]).d, ubuf(image).d, there[0], there[1],
-                                     there[2], v[0], v[1], v[2], second, rest * mass});
-  for (int k = 0; k < atom->nivector; ++k)
-    daughters.push_back(atom->ivector[k] ? ubuf(atom->ivector[k][i]).d : 0.0);
-  for (int k = 0; k < atom->ndvector; ++k)
-    daughters.push_back(atom->dvector[k] ? atom->dvector[k][i] : 0.0);
+  daughters.insert(daughters.end(),
+                   {ubuf(atom->tag[i]).d, ubuf(atom->type[i]).d, ubuf(image).d, there[0], there[1],
+                    there[2], v[0], v[1], v[2], second, rest * mass});
+  visit_inherited(i, [&](const auto &value) { daughters.push_back(ubuf(value).d); });
 
   atom->radius[i] = first;
   if (atom->rmass) atom->rmass[i] *= share;
 }
 
+// Calls visitor(number) for all that a daughter has of her mother but for place, velocity and size: as many on all ranks.
+template <class Visitor>
+void FixDeformableProliferate::visit_inherited(int i, Visitor &&visitor) const
+{
+  visitor(atom->mask[i]);
+  if (atom->molecule) visitor(atom->molecule[i]);
+  for (double *const values : {atom->q, atom->temperature})
+    if (values) visitor(values[i]);
+  for (double *const *const rows : {atom->mu, atom->omega})
+    for (int k = 0; rows && k < (rows == atom->mu ? 4 : 3); ++k) visitor(rows[i][k]);
+  for (int n = 0; n < atom->nivector; ++n)
+    if (atom->ivector[n]) visitor(atom->ivector[n][i]);
+  for (int n = 0; n < atom->ndvector; ++n)
+    if (atom->dvector[n]) visitor(atom->dvector[n][i]);
+  for (int n = 0; n < atom->niarray; ++n)
+    for (int k = 0; atom->iarray[n] && k < atom->icols[n]; ++k) visitor(atom->iarray[n][i][k]);
+  for (int n = 0; n < atom->ndarray; ++n)
+    for (int k = 0; atom->darray[n] && k < atom->dcols[n]; ++k) visitor(atom->darray[n][i][k]);
+}
+
 /* ----------------------------------------------------------------------
-   Each on the rank that it belongs to. Fixes take it for a new one; it has the
-   group, velocity and custom properties of its mother.
+   Each on the rank that it belongs to. Fixes take it for a new one. An ID is
+   not given to a second atom after the first one has been deleted.
 ------------------------------------------------------------------------- */
 
-void FixDeformableProliferate::create(const std::vector<double> &daughters)
+void FixDeformableProliferate::create(int n, const std::vector<double> &daughters)
 {
-  enum { MOTHER, TYPE, MASK, IMAGE, X, V = X + 3, RADIUS = V + 3, MASS, CUSTOM };
-  const int columns = CUSTOM + atom->nivector + atom->ndvector;
-  const std::vector<double> all = of_all_ranks(lmp, daughters);
-  if (all.empty()) return;
-  const int n = static_cast<int>(all.size()) / columns;
+  enum { MOTHER, TYPE, IMAGE, X, V = X + 3, RADIUS = V + 3, MASS, INHERITED };
+  const std::size_t width = daughters.size() / n;
   std::vector<const double *> rows;
-  for (int k = 0; k < n; ++k) rows.push_back(&all[k * columns]);
+  for (int k = 0; k < n; ++k) rows.push_back(&daughters[k * width]);
   std::sort(rows.begin(), rows.end(),
             [](const double *a, const double *b) { return ubuf(a[MOTHER]).i < ubuf(b[MOTHER]).i; });
 
-  tagint most = 0;
-  for (int i = 0; i < atom->nlocal; ++i) most = std::max(most, atom->tag[i]);
-  const tagint last = largest_of_ranks(world, most);
+  find_last_id();    // others may have made atoms, too
+  const tagint last = last_id;
   if (last > MAXTAGINT - n)
     error->all(FLERR, "Fix {} deformable/proliferate: no atom IDs are left for new atoms", id);
   std::vector<tagint> tags;
@@ -324,27 +349,36 @@ void FixDeformableProliferate::create(const std::vector<double> &daughters)
                       domain->nonperiodic == 2);
   for (int i = before; i < atom->nlocal; ++i) {
     const double *const row = rows[atom->tag[i] - last - 1];
-    atom->mask[i] = static_cast<int>(ubuf(row[MASK]).i);
     atom->radius[i] = row[RADIUS];
     if (atom->rmass) atom->rmass[i] = row[MASS];
-    const double *custom = row + CUSTOM;
-    for (int k = 0; k < atom->nivector; ++k, ++custom)
-      if (atom->ivector[k]) atom->ivector[k][i] = static_cast<int>(ubuf(*custom).i);
-    for (int k = 0; k < atom->ndvector; ++k, ++custom)
-      if (atom->dvector[k]) atom->dvector[k][i] = *custom;
+    const double *next = row + INHERITED;
+    visit_inherited(i, [&](auto &value) {
+      using Number = std::remove_reference_t<decltype(value)>;
+      const ubuf inherited(*next++);
+      if constexpr (std::is_integral_v<Number>) {
+        value = static_cast<Number>(inherited.i);
+      } else {
+        value = inherited.d;
+      }
+    });
   }
+  last_id += n;
   divisions += n;
 }
 
 void FixDeformableProliferate::write_restart(FILE *file)
 {
   if (comm->me != 0) return;
-  const int bytes = sizeof divisions;
+  const double state[] = {divisions, static_cast<double>(last_id)};
+  const int bytes = sizeof state;
   std::fwrite(&bytes, sizeof bytes, 1, file);
-  std::fwrite(&divisions, bytes, 1, file);
+  std::fwrite(state, bytes, 1, file);
 }
 
 void FixDeformableProliferate::restart(char *buffer)
 {
-  std::memcpy(&divisions, buffer, sizeof divisions);
+  double state[2];
+  std::memcpy(state, buffer, sizeof state);
+  divisions = state[0];
+  last_id = static_cast<tagint>(state[1]);
 }

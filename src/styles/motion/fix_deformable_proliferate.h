@@ -10,21 +10,26 @@ FixStyle(deformable/proliferate,FixDeformableProliferate);
 #ifndef LMP_FIX_DEFORMABLE_PROLIFERATE_H
 #define LMP_FIX_DEFORMABLE_PROLIFERATE_H
 
-#include "fix.h"
-
 #include "laws/proliferation.h"
 #include "laws/vector3.h"
+#include "styles/memory/fix_memory.h"
 #include "styles/motion/counted_random.h"
 #include "styles/refusals.h"
 
 #include <cmath>
 #include <cstdint>
-#include <unordered_map>
 #include <vector>
 
 namespace LAMMPS_NS {
 
-class FixDeformableProliferate : public Fix {
+// Of a particle at the last force call before particles grow; 0 without contacts. It goes with the particle, as another fix may give
+// it to another rank, or delete others, before this one.
+struct Pressed {
+  deformable::SymmetricTensor stress;     // sum of f h n n over contacts, h their distance
+  deformable::SymmetricTensor moments;    // of the outline
+};
+
+class FixDeformableProliferate : public FixMemory<Pressed> {
  public:
   FixDeformableProliferate(class LAMMPS *, int, char **);
   static constexpr const char *STYLE = "grow/divide";    // see FixDeformableWall
@@ -40,6 +45,7 @@ class FixDeformableProliferate : public Fix {
 
   // Whether this force call is the last one before particles grow, by which they are pressed.
   bool needs_contacts() const;
+  bool has_pressure() const { return most_pressure < HUGE_VAL; }
 
  private:
   enum Axis { RANDOM, STRESS, LONG };
@@ -50,12 +56,10 @@ class FixDeformableProliferate : public Fix {
   Axis axis = RANDOM;
   double asymmetry = 0.0;
   double divisions = 0.0;
+  tagint last_id = 0;    // of all atoms that were there when a run began, or that divided
   Refusals refusals;
 
-  // By ID, of the last force call before particles grow.
-  using Tensors = std::unordered_map<tagint, deformable::SymmetricTensor>;
-  Tensors stress;     // sum of f h n n over contacts, h their distance
-  Tensors moments;    // of outlines
+  void find_last_id();
   void find_stresses();
   void find_moments();
 
@@ -63,7 +67,8 @@ class FixDeformableProliferate : public Fix {
   deformable::Vector3 axis_of(int i, deformable::CountedRandom &) const;
   bool is_outside(const double *x) const;
   void divide(int i, std::vector<double> &daughters);
-  void create(const std::vector<double> &daughters);
+  void create(int n, const std::vector<double> &daughters);    // of all ranks
+  template <class Visitor> void visit_inherited(int i, Visitor &&visitor) const;
 };
 
 }    // namespace LAMMPS_NS

@@ -82,8 +82,8 @@ FixDeformablePropel::FixDeformablePropel(LAMMPS *lmp, int narg, char **arg)
   if (!(persistence > 0.0))
     error->all(FLERR_WORD(4), "Fix deformable/propel: tau is '{}': it must be positive", arg[4]);
   const int number = utils::inumeric(FLERR, arg[5], false, lmp);
-  if (number <= 0)
-    error->all(FLERR_WORD(5), "Fix deformable/propel: the seed is '{}': it must be positive",
+  if (number < 0)
+    error->all(FLERR_WORD(5), "Fix deformable/propel: the seed is '{}': it must not be negative",
                arg[5]);
   seed = static_cast<std::uint64_t>(number);
   if (!atom->tag_enable)
@@ -93,7 +93,7 @@ FixDeformablePropel::FixDeformablePropel(LAMMPS *lmp, int narg, char **arg)
                id);
 
   peratom_flag = 1;
-  size_peratom_cols = domain->dimension;
+  size_peratom_cols = columns = domain->dimension;
   peratom_freq = 1;
   dynamic_group_allow = 1;
   begin();
@@ -132,25 +132,24 @@ void FixDeformablePropel::post_force(int)
 
 void FixDeformablePropel::push(double persisted)
 {
-  const bool in_space = domain->dimension == 3;
+  const bool in_space = columns == 3;
   const double angle_per_deviation = std::sqrt(2.0 * persisted);
   const TurnInSpace turned(persisted > 0.0 ? persisted : 1.0);
   for (int i = 0; i < atom->nlocal; ++i) {
     if (!(atom->mask[i] & groupbit)) continue;
-    Direction &n = direction_of(i);
+    double *const n = direction_of(i);
     if (persisted > 0.0) {
       CountedRandom random(seed, atom->tag[i], update->ntimestep);
       if (in_space) {
-        const Vector3 now = turned({n.x, n.y, n.z}, random);
-        n = {now.x, now.y, now.z};
+        const Vector3 now = turned({n[0], n[1], n[2]}, random);
+        std::copy_n(&now.x, 3, n);
       } else {
-        const double angle = std::atan2(n.y, n.x) + angle_per_deviation * random.gaussian();
-        n = {std::cos(angle), std::sin(angle), 0.0};
+        const double angle = std::atan2(n[1], n[0]) + angle_per_deviation * random.gaussian();
+        n[0] = std::cos(angle);
+        n[1] = std::sin(angle);
       }
     }
-    atom->f[i][0] += strength * n.x;
-    atom->f[i][1] += strength * n.y;
-    if (in_space) atom->f[i][2] += strength * n.z;
+    for (int k = 0; k < columns; ++k) atom->f[i][k] += strength * n[k];
   }
 }
 
@@ -158,16 +157,16 @@ void FixDeformablePropel::push(double persisted)
    A particle that is new gets one, which depends on its ID alone.
 ------------------------------------------------------------------------- */
 
-Direction &FixDeformablePropel::direction_of(int i)
+double *FixDeformablePropel::direction_of(int i)
 {
-  Direction &n = particles[i];
-  if (n.x == 0.0 && n.y == 0.0 && n.z == 0.0) {
-    CountedRandom random(seed, atom->tag[i], ~std::uint64_t{0});
-    const double angle = 2.0 * PI * random.uniform();
-    const double height = domain->dimension == 3 ? 2.0 * random.uniform() - 1.0 : 0.0;
-    const double out = std::sqrt(1.0 - height * height);
-    n = {out * std::cos(angle), out * std::sin(angle), height};
-  }
+  double *const n = of(i);
+  if (std::any_of(n, n + columns, [](double component) { return component != 0.0; })) return n;
+  CountedRandom random(seed, atom->tag[i], ~std::uint64_t{0});
+  const double angle = 2.0 * PI * random.uniform();
+  const double height = columns == 3 ? 2.0 * random.uniform() - 1.0 : 0.0;
+  const double out = std::sqrt(1.0 - height * height);
+  const double first[] = {out * std::cos(angle), out * std::sin(angle), height};
+  std::copy_n(first, columns, n);
   return n;
 }
 
@@ -176,6 +175,6 @@ void FixDeformablePropel::grow_arrays(int size)
 {
   FixMemory::grow_arrays(size);
   rows.resize(size);
-  for (int i = 0; i < size; ++i) rows[i] = &particles[i].x;
+  for (int i = 0; i < size; ++i) rows[i] = of(i);
   array_atom = rows.data();
 }

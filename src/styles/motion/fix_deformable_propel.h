@@ -16,11 +16,8 @@ FixStyle(deformable/propel,FixDeformablePropel);
 
 namespace LAMMPS_NS {
 
-struct Direction {
-  double x = 0.0, y = 0.0, z = 0.0;    // a unit vector; 0 of a particle that has none yet
-};
-
-class FixDeformablePropel : public FixMemory<Direction> {
+// It remembers the components of directions, which are unit vectors; 0 of a particle that has none yet.
+class FixDeformablePropel : public FixMemory<double> {
  public:
   FixDeformablePropel(class LAMMPS *, int, char **);
 
@@ -37,7 +34,7 @@ class FixDeformablePropel : public FixMemory<Direction> {
   std::vector<double *> rows;    // see array_atom
 
   void push(double persisted);
-  Direction &direction_of(int i);
+  double *direction_of(int i);
 };
 
 }    // namespace LAMMPS_NS

@@ -172,9 +172,34 @@ void PairDeformable::init_style()
   walls.clear();
   for (Fix *fix : modify->get_fix_by_style(FixDeformableWall::STYLE))
     walls.push_back(static_cast<FixDeformableWall *>(fix));
+  refuse_scaled();
   check_lines_bend("Species", adhesions.any());
   for (const FixDeformableWall *wall : walls)
     check_lines_bend(fmt::format("Fix {} deformable/wall", wall->id), wall->adhesion() > 0.0);
+}
+
+/* ----------------------------------------------------------------------
+   hybrid/scaled scales the forces that this style leaves on the atoms, and its
+   energy. It does not know what fixes do with the same contacts.
+------------------------------------------------------------------------- */
+
+void PairDeformable::refuse_scaled() const
+{
+  if (!utils::strmatch(force->pair_style, "^hybrid/scaled")) return;
+  const auto refuse_with = [this](const std::string &what) {
+    error->all(FLERR,
+               "Pair style hybrid/scaled would not scale {}: use 'pair_style hybrid/overlay', with "
+               "a species file of kA, kP, tension and adhesion times the factor",
+               what);
+  };
+  for (const FixDeformableWall *wall : walls)
+    refuse_with(fmt::format("the forces of fix {} deformable/wall", wall->id));
+  for (const Fix *fix : modify->get_fix_by_style(FixDeformableFriction::STYLE))
+    refuse_with(fmt::format("the forces of fix {} deformable/friction", fix->id));
+  for (const FixDeformableProliferate *fix : proliferations)
+    if (fix->has_pressure())
+      refuse_with(fmt::format("the pressures of fix {} deformable/proliferate", fix->id));
+  if (adhesions.any()) refuse_with("the energy that films of adhesion lose");
 }
 
 double PairDeformable::init_one(int i, int j)

@@ -321,6 +321,7 @@ class PairDeformable : public Pair {
   std::vector<class FixDeformableProliferate *> proliferations;
   bool warned_beyond_model = false, warned_out_of_plane = false, warned_unused_radii = false;
 
+  void refuse_scaled() const;
   void allocate();
 };
 

@@ -11,6 +11,7 @@
 #include "error.h"
 #include "group.h"
 #include "neighbor.h"
+#include "update.h"
 
 #include <algorithm>
 #include <cmath>
@@ -189,7 +190,28 @@ void PairDeformableDroplet::solve(bool new_material)
   if (neighbor->ago == 0)
     bulge_over_reach = std::max(bulge_over_reach, solver->largest_bulge / reach);
   if (!eflag_global) return;
+  const double of_overlaps = eng_vdwl;
   for (int ii = 0; ii < list->inum; ++ii) eng_vdwl -= solver->work(list->ilist[ii]);
+  if (update->whichflag == 1) check_energy(of_overlaps);
+}
+
+/* ----------------------------------------------------------------------
+   Spheres have the least surface. Forces that are off by more than themselves
+   may have less energy, and would push anything anywhere. Minimizers go on.
+------------------------------------------------------------------------- */
+
+void PairDeformableDroplet::check_energy(double of_overlaps) const
+{
+  constexpr double ROUNDING = 1e-9;
+  const double energy = sum_of_ranks(world, eng_vdwl);
+  if (!(energy < 0.0)) return;
+  if (energy < -ROUNDING * std::fabs(sum_of_ranks(world, of_overlaps)))
+    error->all(
+        FLERR,
+        "The energy of the droplets is {:.6g}, but no shapes have less than spheres, 0: they "
+        "overlap so far that their forces do not balance. Use 'minimize' before, a smaller "
+        "timestep, or a larger box",
+        energy);
 }
 
 /* ----------------------------------------------------------------------

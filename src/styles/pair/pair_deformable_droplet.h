@@ -49,6 +49,7 @@ class PairDeformableDroplet : public PairDeformable {
   double smallest = 0.0;    // radius of all particles, as of the last new neighbor list
 
   void check_room();
+  void check_energy(double of_overlaps) const;
   void solve(bool new_material);
   void push(int begin, int end);
   void finish_droplets();
