@@ -73,6 +73,41 @@ with ld.Simulation(rubbed, ld.Ring()) as sim:  # springs reach their ranks
 assert further.contacts["sliding"].any()
 seen += [further.lost_energy, further.spring_energy, *further.spins]
 """
+# all particles in one corner of the box, so that one rank has none
+CORNER = """
+seen = []
+x = [[2.0, 2.0], [3.9, 2.1], [2.9, 3.7]]
+plane = ld.Packing(x, [1.0] * 3, (20, 20), seed=1)
+space = ld.Packing([[*places, 2.0] for places in x], [1.0] * 3, (20, 20, 20), seed=1)
+film = ld.Ring(contact="curved", kA=float("inf"), kP=0.0, tension=1.0, adhesion=0.1)
+drop, gas = ld.Droplet(), ld.Ring(contact="curved", kA=3.0, kP=0.0, tension=1.0)
+for start, law in (
+    *((plane, law) for law in (ld.Ring(), film, ld.Sector(), ld.SoftContact())),
+    (space, drop),
+    (space, ld.SoftContact()),
+):
+    with ld.Simulation(start, law) as sim:
+        seen.append(sim.state().energy)
+        seen.append(sim.relax().energy)
+    if isinstance(law, ld.Sector):
+        continue
+    with ld.Simulation(start, law) as sim:
+        seen += [state.energy for state in sim.shear(0.02, steps=2)]
+        seen += [state.energy for state in sim.compress(strain=0.02, steps=2)]
+        if not isinstance(law, ld.SoftContact):
+            seen += [state.energy for state in sim.grow(factor=1.02, steps=2)]
+            seen += [state.energy for state in sim.oscillate(0.01, period=1, steps=8, drag=0.5)]
+rough = ld.Friction(0.4, kt=0.01, gt=0.001)
+for start, law in ((plane, ld.Ring()), (space, drop)):
+    with ld.Simulation(start, law, friction=rough) as sim:
+        rubbed = sim.run(50, timestep=0.02, propulsion=0.1, persistence=1.0, drag=0.5, seed=1)[-1]
+    seen += [rubbed.energy, rubbed.lost_energy]
+    with ld.Simulation(start, law) as sim:
+        grown = sim.proliferate(0.5, division=4.0, time=1.0, steps=2, seed=1)[-1]
+    seen += [len(grown.packing.radii), *grown.packing.radii]
+with ld.Simulation(plane, gas) as sim:
+    seen += sim.coarsen(0.1, time=0.1)[-1].packing.radii.tolist()
+"""
 TIGHT, ROUGH = COMPRESSED.format(tolerance=1e-9), COMPRESSED.format(tolerance=1e-6)
 PART = 'rings.lmp.command("minimize 0 0 100 200")'
 # and how well one and two ranks agree: rel, abs
@@ -96,6 +131,7 @@ SCENES = {
         1e-11,
     ),
     "motion": (MOTION, 1e-8, 0),  # as balanced forces
+    "a rank without particles": (CORNER, 1e-6, 1e-8),
 }
 
 
