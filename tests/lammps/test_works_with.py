@@ -35,6 +35,9 @@ DIPOLE = "hybrid sphere 1 dipole"
 DIPOLES = "mass * 1.0\nset group all dipole/random 4711 1.0\n"
 SPHERES = "fix move all brownian/sphere 1e-5 4711 gamma_t 1 gamma_r 0.1"
 BAROSTAT = "iso 2e-3 2e-3 20"
+OPEN = "change_box all boundary f f p\nvelocity all zero linear\n"
+GRAINS = OPEN + "fix move all nve/sphere disc\nregion r block 0 $(xhi) 0 $(yhi) -9 9\n"
+GRANULAR = "granular hooke 0.01 0 tangential linear_nohistory 0 0"
 FIXES = {
     "fix nve": of(NVE, conserves=ENERGY),
     "fix nve/limit": of("fix move all nve/limit 0.01", conserves=ENERGY),
@@ -101,6 +104,37 @@ FIXES = {
         "ylo EDGE 0.1 0.3 0.3 yhi EDGE 0.1 0.3 0.3\nfix_modify b energy yes",
         "run 20",
         conserves=ENERGY,
+    ),
+    "fix wall/harmonic with pbc": of(
+        NVE + "fix b all wall/harmonic xlo EDGE 0.1 0.3 0.3 pbc yes\nfix_modify b energy yes",
+        "run 20",
+        conserves=ENERGY,
+    ),
+    "fix wall/lj93": of(
+        f"{OPEN}{NVE}fix b all wall/lj93 xlo EDGE 0.001 0.1 0.3 yhi EDGE 0.001 0.1 0.3\n"
+        "fix_modify b energy yes",
+        "run 20",
+        conserves=ENERGY,
+    ),
+    "fix wall/reflect": of(
+        f"{OPEN}{NVE}fix b all wall/reflect xlo EDGE xhi EDGE ylo EDGE yhi EDGE", conserves=ENERGY
+    ),
+    "fix wall/gran": of(
+        f"{GRAINS}fix b all wall/gran {GRANULAR} xplane 0 $(xhi)", "run 20", atoms="sphere 1"
+    ),
+    "fix wall/gran/region": of(
+        f"{GRAINS}fix b all wall/gran/region {GRANULAR} region r", "run 20", atoms="sphere 1"
+    ),
+    "fix viscosity": of(NVE + "fix b all viscosity 10 x y 10", conserves=ENERGY),
+    "fix thermal/conductivity": of(
+        NVE + "fix b all thermal/conductivity 10 y 10", conserves=ENERGY
+    ),
+    "fix ehex": of(NVE + "fix b all ehex 1 1e-9"),
+    "fix flow/gauss": of(NVE + "fix b all flow/gauss 1 0 0"),
+    "fix nphug": of("fix move all nphug temp 1e-5 1e-5 50 x 2e-3 2e-3 100"),
+    "fix msst": of("fix move all msst x 0.1 q 100 mu 0.1"),
+    "fix controller": of(
+        NVE + "variable set internal 0\nfix b all controller 5 1 0.5 0 0 c_thermo_temp 0 set"
     ),
     "fix move": of(SPLIT + "fix m some move linear 0.02 0 0\nfix move rest nve"),
     "fix rigid": of(SPLIT + "fix m some rigid single\nfix move rest nve", conserves=ENERGY),
