@@ -57,6 +57,23 @@ FIXES = {
     ),
     "fix evaporate": of("region r block 0 5 0 5 0 5\n" + NVE + "fix b all evaporate 20 1 r 1"),
     "fix atom/swap": of(NVE + "fix b all atom/swap 10 2 4711 0.1 ke no types 1 2"),
+    "fix gcmc": of(NVE + f"fix b all gcmc 10 5 5 1 4711 {TEMPERATURE} 0.3 0.1"),
+    "fix widom": of(NVE + f"fix b all widom 10 5 1 4711 {TEMPERATURE}"),
+    "fix nvt/uef": of(f"{TRICLINIC}fix move all nvt/uef temp {T} 5 erate 0.002 0.002"),
+    "fix nphug": of(f"fix move all nphug temp {T} 50 x 0.04 0.04 100"),
+    "fix msst": of("fix move all msst x 0.1 q 100 mu 0.1"),
+    "fix viscosity": of(NVE + "fix b all viscosity 10 x y 10", conserves=ENERGY),
+    "fix thermal/conductivity": of(
+        NVE + "fix b all thermal/conductivity 10 z 10", conserves=ENERGY
+    ),
+    "fix ehex": of(NVE + "fix b all ehex 1 1e-9"),
+    "fix flow/gauss": of(NVE + "fix b all flow/gauss 1 0 0"),
+    "fix wall/flow": of(NVE + f"fix b all wall/flow x 0.01 {TEMPERATURE} 4711 2 1.0 3.0"),
+    "fix wall/reflect": of(
+        "change_box all boundary p p f\nvelocity all zero linear\n"
+        + NVE
+        + "fix b all wall/reflect zlo EDGE zhi EDGE"
+    ),
     "fix balance": of(NVE + "fix b all balance 20 1.0 shift xyz 5 1.1", conserves=ENERGY),
 }
 MINIMIZE = "minimize 0 1e-10 200 400\nrun 0"
