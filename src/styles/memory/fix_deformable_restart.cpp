@@ -23,7 +23,7 @@ FixDeformableRestart::FixDeformableRestart(LAMMPS *lmp, int narg, char **arg) : 
   if (narg != 3) error->all(FLERR, "Fix deformable/restart has no arguments");
   delete[] style;
   style = utils::strdup(STYLE);
-  restart_global = 1;
+  restart_global = nevery = 1;
 }
 
 // Numbers may be written in several ways.
@@ -50,8 +50,14 @@ FixDeformableRestart::Words FixDeformableRestart::now() const
   return words;
 }
 
+void FixDeformableRestart::end_of_step()
+{
+  for (const PairDeformable *pair : pairs) pair->check_state();
+}
+
 void FixDeformableRestart::init()
 {
+  pairs = deformable_pairs(*force);
   if (then.empty()) return;
   Words before = std::exchange(then, {}), here = now();
   std::set<std::string> names;

@@ -9,6 +9,7 @@
 #include "domain.h"
 #include "error.h"
 #include "force.h"
+#include "modify.h"
 #include "update.h"
 
 #include <algorithm>
@@ -134,6 +135,8 @@ void FixDeformableProliferate::init()
 
 void FixDeformableProliferate::find_last_id()
 {
+  for (const Fix *fix : modify->get_fix_by_style(STYLE))
+    last_id = std::max(last_id, static_cast<const FixDeformableProliferate *>(fix)->last_id);
   for (int i = 0; i < atom->nlocal; ++i) last_id = std::max(last_id, atom->tag[i]);
   last_id = largest_of_ranks(world, last_id);
 }

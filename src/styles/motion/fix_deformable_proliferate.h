@@ -56,7 +56,8 @@ class FixDeformableProliferate : public FixMemory<Pressed> {
   Axis axis = RANDOM;
   double asymmetry = 0.0;
   double divisions = 0.0;
-  tagint last_id = 0;    // of all atoms that were there when a run began, or that divided
+  tagint last_id =
+      0;    // of all atoms that were there when a run began, or that such fixes have made
   Refusals refusals;
 
   void find_last_id();

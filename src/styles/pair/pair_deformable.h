@@ -141,6 +141,8 @@ class PairDeformable : public Pair {
   // For the next force calls: contacts need not balance better than to this force, where it is above the tolerance. A minimizer
   // says so as long as it is far from rest.
   virtual void accept_imbalance(double /*force*/) {}
+  // Stops a run where the last force call has found what cannot be. Fixes also call for trial places, which no step ends with.
+  virtual void check_state() const {}
   // Whether the energy of these places is another one in the next iteration of a minimization. All ranks ask, and hear the same.
   virtual bool law_changes() const { return false; }
   const deformable::FrontKernels &front_kernels() const { return kernels->fronts; }

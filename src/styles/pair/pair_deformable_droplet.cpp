@@ -189,6 +189,7 @@ void PairDeformableDroplet::solve(bool new_material)
   beyond_model = solver->beyond_model;
   if (neighbor->ago == 0)
     bulge_over_reach = std::max(bulge_over_reach, solver->largest_bulge / reach);
+  impossible = 0.0;
   if (!eflag_global) return;
   const double of_overlaps = eng_vdwl;
   for (int ii = 0; ii < list->inum; ++ii) eng_vdwl -= solver->work(list->ilist[ii]);
@@ -197,21 +198,29 @@ void PairDeformableDroplet::solve(bool new_material)
 
 /* ----------------------------------------------------------------------
    Spheres have the least surface. Forces that are off by more than themselves
-   may have less energy, and would push anything anywhere. Minimizers go on.
+   may have less energy, and would push anything anywhere. Minimizers go on; a
+   Monte Carlo move to such a place has no chance.
 ------------------------------------------------------------------------- */
 
-void PairDeformableDroplet::check_energy(double of_overlaps) const
+void PairDeformableDroplet::check_energy(double of_overlaps)
 {
   constexpr double ROUNDING = 1e-9;
   const double energy = sum_of_ranks(world, eng_vdwl);
   if (!(energy < 0.0)) return;
-  if (energy < -ROUNDING * std::fabs(sum_of_ranks(world, of_overlaps)))
+  if (energy > -ROUNDING * std::fabs(sum_of_ranks(world, of_overlaps))) return;
+  impossible = energy;
+  eng_vdwl = HUGE_VAL;
+}
+
+void PairDeformableDroplet::check_state() const
+{
+  if (impossible < 0.0)
     error->all(
         FLERR,
         "The energy of the droplets is {:.6g}, but no shapes have less than spheres, 0: they "
         "overlap so far that their forces do not balance. Use 'minimize' before, a smaller "
         "timestep, or a larger box",
-        energy);
+        impossible);
 }
 
 /* ----------------------------------------------------------------------

@@ -32,6 +32,7 @@ class PairDeformableDroplet : public PairDeformable {
   double energy_alone(int i, int partner, double force) const override;
   bool knows_energy_alone() const override { return true; }
   void accept_imbalance(double force) override { solver->enough = force; }
+  void check_state() const override;
 
  protected:
   void check_species(const Species &) const override;
@@ -49,7 +50,8 @@ class PairDeformableDroplet : public PairDeformable {
   double smallest = 0.0;    // radius of all particles, as of the last new neighbor list
 
   void check_room();
-  void check_energy(double of_overlaps) const;
+  double impossible = 0.0;    // energy of the last call, if it was below that of spheres
+  void check_energy(double of_overlaps);
   void solve(bool new_material);
   void push(int begin, int end);
   void finish_droplets();
