@@ -53,22 +53,28 @@ const char *Summary::why() const
 
 void DualSolver::warn_unbalanced(const char *style)
 {
-  constexpr double MOST = 0.1;    // forces mean something
-  if (are_balanced) return;
-  if (summary.imbalance > MOST && !minimizing()) {
-    forget();
-    error->all(FLERR,
-               "Contacts are not balanced: after {} evaluations forces are off by {:.2g} of the "
-               "largest. {}. Begin with 'minimize', or compress less (pair_style {} balance)",
-               summary.evaluations, summary.imbalance, summary.why(), style);
-  }
-  if (warned_unbalanced) return;
+  if (are_balanced || warned_unbalanced || is_meaningless()) return;
   warned_unbalanced = true;
   if (comm->me == 0)
     error->warning(FLERR,
                    "Contacts are not balanced: after {} evaluations forces are off by up to {:.2g} "
                    "of the largest, with a tolerance of {:.2g}. {} (pair_style {} balance)",
                    summary.evaluations, summary.imbalance, tolerance, summary.why(), style);
+}
+
+bool DualSolver::is_meaningless() const
+{
+  constexpr double MOST = 0.1;
+  return !are_balanced && summary.imbalance > MOST && !minimizing();
+}
+
+void DualSolver::check_balance(const char *style) const
+{
+  if (is_meaningless())
+    error->all(FLERR,
+               "Contacts are not balanced: after {} evaluations forces are off by {:.2g} of the "
+               "largest. {}. Begin with 'minimize', or compress less (pair_style {} balance)",
+               summary.evaluations, summary.imbalance, summary.why(), style);
 }
 
 /* ----------------------------------------------------------------------
@@ -121,6 +127,7 @@ bool DualSolver::solve(const Particles &p, const Push &push)
   lost = changes > 0 ? before - total_energy() : 0.0;
   if (films && (p.new_list || adhesion_begins)) list.store_films(p);
   finish(push, part);
+  if (is_meaningless()) forget();
   return true;
 }
 

@@ -87,6 +87,10 @@ class DualSolver : protected Pointers {
   bool solve(const Particles &, const Push &);
   int refused_pair() const { return wrong; }    // or -1
 
+  // Whether the forces of the last call are off by a tenth of the largest or more; and an error where they are. Minimizers go on.
+  bool is_meaningless() const;
+  void check_balance(const char *style) const;
+
   const NearPairs &pairs() const { return list.pairs; }
 
   // What is left of an overlap, r; and what a pair adds to the energy of its particles: with f r the sum is that of the dual

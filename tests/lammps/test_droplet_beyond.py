@@ -3,8 +3,10 @@
 import lammps_deformable as ld
 import numpy as np
 import pytest
+from combinations import assert_same
 from droplet_walls import walled
 from droplets import Droplets
+from emulsion import TEMPERATURE, Emulsion
 
 ORIGIN = np.zeros((1, 3))
 
@@ -36,6 +38,14 @@ def test_energies_below_that_of_spheres_are_refused(tmp_path):
     told = [error for error in errors if error]
     assert told
     assert all("balance" in error for error in told)
+
+
+def test_trial_places_without_room_end_no_run(tmp_path):
+    """fix widom asks for the energy of droplets within others; their Boltzmann factor is 0."""
+    scene = Emulsion(tmp_path)
+    scene.run(f"fix move all nve\nfix trial all widom 5 20 1 4711 {TEMPERATURE}\nrun 20")
+    assert scene.lmp.extract_fix("trial", 0, 1, 1) == 0.0
+    assert_same(scene.results(), scene.fresh(tmp_path).results())
 
 
 @pytest.mark.slow

@@ -194,6 +194,7 @@ void PairDeformableDroplet::solve(bool new_material)
   const double of_overlaps = eng_vdwl;
   for (int ii = 0; ii < list->inum; ++ii) eng_vdwl -= solver->work(list->ilist[ii]);
   if (update->whichflag == 1) check_energy(of_overlaps);
+  if (solver->is_meaningless()) eng_vdwl = HUGE_VAL;
 }
 
 /* ----------------------------------------------------------------------
@@ -214,6 +215,7 @@ void PairDeformableDroplet::check_energy(double of_overlaps)
 
 void PairDeformableDroplet::check_state() const
 {
+  solver->check_balance("deformable/droplet");
   if (impossible < 0.0)
     error->all(
         FLERR,

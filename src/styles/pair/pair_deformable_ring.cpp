@@ -300,6 +300,11 @@ void PairDeformableRing::refuse_bulge(int i, const Contacts &contacts, int partn
          larger);
 }
 
+void PairDeformableRing::check_state() const
+{
+  if (balanced) balanced->check_balance("deformable/ring");
+}
+
 double PairDeformableRing::memory_usage()
 {
   return PairDeformable::memory_usage() + (balanced ? balanced->memory_usage() : 0.0);
@@ -353,8 +358,10 @@ void PairDeformableRing::evaluate_balanced(bool new_material)
   if (rubbing) load_contacts_of_pairs();
   pvector[4] = balanced->limited_lines();
   giving_way = materials.yield > 0.0 ? balanced->giving_way() : 0;
-  if (eflag_global) eng_vdwl += balanced->energy();
+  // a Monte Carlo move to such a place has no chance
+  if (eflag_global) eng_vdwl += balanced->is_meaningless() ? HUGE_VAL : balanced->energy();
   refusals.collect([this] {
+    if (balanced->is_meaningless()) return;    // check_state tells
     if (eflag_atom || needs_shapes() || neighbor->ago == 0)
       for (int ii = 0; ii < list->inum; ++ii) finish_balanced(list->ilist[ii]);
     else

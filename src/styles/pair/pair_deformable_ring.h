@@ -31,6 +31,7 @@ class PairDeformableRing : public PairDeformable {
   void init_style() override;
   void compute(int, int) override;
   void finish() override;
+  void check_state() const override;
   double memory_usage() override;
   double energy_alone(int i, int partner, double force) const override;
   bool knows_energy_alone() const override { return balanced != nullptr; }
