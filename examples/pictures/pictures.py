@@ -13,4 +13,4 @@ state.plot(left, forces=True)
 state.plot(right, color="shape_parameter", contacts=True)
 figure.savefig("pictures.png", dpi=70)
 
-ld.Run("run").movie("compression.gif", color="shape_parameter", forces=True)
+ld.Run("run").movie("compression.gif", mode="w", color="shape_parameter", forces=True)

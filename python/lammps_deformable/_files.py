@@ -82,6 +82,11 @@ def refuse_present(path: Path, overwrite: bool) -> None:
     raise FileError(f"'{path}' is there already: replace it with mode='w', or give another name")
 
 
+def at_home(path: str | Path) -> Path:
+    """The path, with the home folder in the place of `~`."""
+    return Path(os.path.expanduser(path))
+
+
 def make_folder(folder: str | Path) -> Path:
     """The folder, made if it is missing, with the folders that it is in.
 
@@ -89,9 +94,10 @@ def make_folder(folder: str | Path) -> Path:
         FileError: it cannot be made.
     """
     expect("folder", folder, str, Path)
+    folder = at_home(folder)
     with writing(folder):
-        Path(folder).mkdir(parents=True, exist_ok=True)
-    return Path(folder)
+        folder.mkdir(parents=True, exist_ok=True)
+    return folder
 
 
 @contextmanager

@@ -527,7 +527,7 @@ def movie_command(
     refuse_ranks("a movie is drawn by one process")
     colors = {"color": color_by, "cmap": cmap, "vmin": vmin, "vmax": vmax}
     drawn = {"contacts": contacts, "forces": forces, "spins": spins, "view": view, "slice": slice}
-    Run(run).movie(out, rate=rate, **drawn, **colors)
+    Run(run).movie(out, mode="w", rate=rate, **drawn, **colors)
     print_once(f"wrote {out}")
 
 

@@ -47,6 +47,14 @@ neighbor {skin!r} bin
 neigh_modify delay 0 every 1 check yes
 """
 
+# Bins of a dilute packing at most, or for each particle.
+_MOST_BINS, _BINS_EACH = 1_000_000, 10
+
+_WIDE = """
+neigh_modify binsize {size!r}
+atom_modify sort 1000 {size!r}
+"""
+
 _FIRE = """
 min_style fire
 min_modify dmax {dmax!r} norm max tmax {tmax!r}
@@ -194,7 +202,7 @@ def law_commands(packing: Packing, law: AnyLaw, file: str) -> str:
     energy_jumps = law.name == "sector"
     return (
         commands
-        + list_commands(skin=0.1 * smallest)
+        + list_commands(0.1 * smallest, packing)
         + (fire_commands(LONGEST_STEP * smallest) if energy_jumps else LBFGS)
     )
 
@@ -208,9 +216,18 @@ def balance_command(packing: Packing, law: AnyLaw, tolerance: float) -> str:
     return f"pair_style {pair_style(law)} {arguments}"
 
 
-def list_commands(skin: float) -> str:
-    """Commands that choose neighbor lists with this skin [length]."""
-    return _LISTS.format(skin=skin)
+def list_commands(skin: float, packing: Packing | None = None) -> str:
+    """Commands that choose neighbor lists with this skin [length], and bins of a dilute packing.
+
+    LAMMPS takes bins of about a radius, of which a box that is thousands of radii long has too
+    many.
+    """
+    lists = _LISTS.format(skin=skin)
+    if packing is None:
+        return lists
+    bins = max(_MOST_BINS, _BINS_EACH * len(packing))
+    size = float(abs(np.linalg.det(packing.box)) / bins) ** (1.0 / packing.dimension)
+    return lists + _WIDE.format(size=size) * (size > 2.0 * float(packing.radii.max()))
 
 
 def fire_commands(dmax: float, tmax: float = 10.0) -> str:

@@ -744,7 +744,7 @@ def open_disks(
         lmp,
         virial_command()
         + thermo_commands("")
-        + list_commands(skin=0.3 * smallest)
+        + list_commands(0.3 * smallest, packing)
         + fire_commands(dmax=0.01 * smallest),
     )
     return lmp

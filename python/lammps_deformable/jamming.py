@@ -194,6 +194,7 @@ def jam(
     positive("step", step)
     positive("tolerance", tolerance)
     check_free(free, packing.walls, pressure, law)
+    expect("grow", grow, bool)
     if grow and free != "iso":
         raise ParameterError(
             f"grow=True keeps the box, and free='{free}' changes it: leave out one"

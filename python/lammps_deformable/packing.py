@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import room
 from ._checks import count, expect, numbers, positive, shown, whole
-from ._files import reading, replaces, writing
+from ._files import at_home, reading, replaces, writing
 from .box import cartesian, dimension_of, fractional, lattice_vectors, refuse_space, shown_box
 from .errors import FileError, ParameterError, UnsavedWarning, warn
 from .files import read_particles, write_particles
@@ -259,9 +259,8 @@ class Packing:
         check_radii(radii)
         dimension_of(dimension)
         wanted = (radii,) if isinstance(radii, str) else RADII
-        found = read_particles(
-            Path(path), frame, None if topology is None else Path(topology), wanted
-        )
+        path, topology = at_home(path), topology and at_home(topology)
+        found = read_particles(path, frame, topology or None, wanted)
         return cls._of_particles(found, path, radii, walls, box, dimension)
 
     @classmethod
@@ -317,16 +316,16 @@ class Packing:
             UnsavedWarning: the packing has walls.
         """
         expect("path", path, str, Path)
-        overwrite = replaces(mode)
+        overwrite, path = replaces(mode), at_home(path)
         with writing(path):  # names may be too long
-            there = Path(path).exists()
+            there = path.exists()
         if there and not overwrite:
             raise FileError(
                 f"'{path}' is there already: replace it by to_file({str(path)!r}, mode='w'), or "
                 "give another name"
             )
         write_particles(
-            Path(path),
+            path,
             self.box,
             self.species,
             self.positions,
@@ -436,6 +435,7 @@ class Packing:
         values = drawing.per_particle(color, found, len(self), columns)
         expect("scale", scale, drawing.Scale, type(None))
         expect("label", label, str, type(None))
+        expect("colorbar", colorbar, bool)
         on = scale or drawing.scale([values], [], color)
         if label is None:
             label = color if isinstance(color, str) else ""
@@ -452,13 +452,23 @@ class Packing:
             changes: any of `positions`, `radii`, `box`, `species`, `periodic`, `walls`, `seed`.
 
         Raises:
-            ParameterError: as for a packing.
+            ParameterError: as for a packing; or its walls close the box, and another box or
+                `periodic` is given without walls.
             TypeError: there is no such attribute.
         """
         kept = {name: getattr(self, name) for name in _ATTRIBUTES}
         if "walls" in changes:
             kept["periodic"] = True
         packing = Packing(**kept | changes)
+        if "walls" not in changes:  # those that there are decide where they close the box
+            box, periodic = lattice_vectors(kept["box"]), np.array(kept["periodic"])
+            box = lattice_vectors(changes.get("box", box))
+            periodic = np.array(changes.get("periodic", periodic))
+            if not np.allclose(packing.box, box, 1e-9) or np.any(packing.periodic != periodic):
+                raise ParameterError(
+                    f"box and periodic are those of the {len(self.walls)} walls of this packing, "
+                    f"the first a {self.walls[0]._kind}: give `walls` too, () for none"
+                )
         if "species" not in changes:
             if "radii" in changes:
                 packing._set_species_radii(len(self._species_radii))
@@ -513,6 +523,7 @@ class Packing:
             ParameterError: phi is not above 0, or above 10.
         """
         factor = root(self.phi / fraction_of(phi), self.dimension)
+        expect("grow", grow, bool)
         if grow:
             grown = self.replace(radii=self.radii / factor)
             grown._set("_own_radii", self._own_radii)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._checks import as_array, numbers, positive, shown
+from ._checks import as_array, expect, numbers, positive, shown
 from .box import cartesian, fractional, half_thickness
 from .core import unit_vectors
 from .errors import ParameterError
@@ -42,6 +42,7 @@ class Walls:
     stick: bool = False
 
     def __post_init__(self) -> None:
+        expect("stick", self.stick, bool)
         angle, height = (numbers(f"{n} of walls", getattr(self, n)) for n in ("angle", "height"))
         if angle.ndim != 1 or len(angle) < 3 or not _turns_once(angle):
             raise ParameterError(
@@ -131,6 +132,7 @@ class DeformablePolygon:
     kr: float = 30.0
 
     def __post_init__(self) -> None:
+        expect("smooth", self.smooth, bool)
         for name in ("radius", "kr"):
             object.__setattr__(self, name, positive(name, getattr(self, name)))
         for name in ("kL", "kA"):

@@ -100,12 +100,13 @@ def _proliferated(
             sim.reset(replace(die(grown, settings["death"] * step, rng), time=later))
             try:
                 state = at_rest(sim, settings)
-            except LammpsError as error:
+            except LammpsError:
                 if state.packing.phi < _FULL:
                     raise
-                raise LammpsError(
-                    f"{error}; the cells fill the box at time {state.time:.3g}: give a pressure "
-                    "at which growth ceases, or end sooner"
+                raise ParameterError(
+                    f"the cells have no room to grow at time {state.time:.3g}, where they fill "
+                    f"{state.phi:.3g} of the box: give a pressure at which growth ceases, or end "
+                    "sooner"
                 ) from None
         yield state
 

@@ -10,10 +10,13 @@ import sys
 import time
 from contextlib import contextmanager
 from contextvars import ContextVar
+from dataclasses import is_dataclass
 from functools import cache, wraps
+from hashlib import blake2b
 from inspect import isfunction
 from io import StringIO
 from multiprocessing import parent_process
+from pathlib import Path
 from threading import RLock
 from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
@@ -30,8 +33,9 @@ if TYPE_CHECKING:
 P = ParamSpec("P")
 T = TypeVar("T")
 
-# Letters of the name of a call, and tag of the message of a rank that ends.
-_LETTERS, _ENDED = 60, 7411
+# Letters of the name of a call, bytes that tell its arguments apart, and tag of the message of a
+# rank that ends.
+_LETTERS, _DIGEST, _ENDED = 60, 16, 7411
 
 # A rank that has waited for so many polls looks less often, at intervals [s].
 _BUSY, _PAUSE = 1000, 1e-3
@@ -52,7 +56,23 @@ def world() -> MPI.Intracomm:
     return MPI.COMM_SELF if _independent.get() else MPI.COMM_WORLD
 
 
-def agree(comm: MPI.Comm, call: str) -> None:
+def _told(value: Any) -> object:
+    """What all ranks must give alike in an argument: numbers, words and settings, or its kind.
+
+    States and packings are those of rank 0, whose digits may differ on other machines, and
+    functions are each rank's own.
+    """
+    if isinstance(value, dict):
+        return {name: _told(each) for name, each in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_told(each) for each in value]
+    plain = value.tolist() if isinstance(value, (np.ndarray, np.generic)) else value
+    settings = is_dataclass(plain) and not hasattr(plain, "positions")
+    alike = settings or isinstance(plain, (str, int, float, list, Path, type(None)))
+    return plain if alike else type(plain).__name__
+
+
+def agree(comm: MPI.Comm, call: str, arguments: object = None) -> None:
     """Wait until all ranks make the same call: if one does not, the others would wait for ever.
 
     A rank that ends tells the others so. One that is busy may let them wait.
@@ -60,14 +80,16 @@ def agree(comm: MPI.Comm, call: str) -> None:
     Args:
         comm: the ranks.
         call: its name.
+        arguments: of the call; those that are no numbers, words or settings may differ.
 
     Raises:
-        CallError: a rank makes another call, or has ended.
+        CallError: a rank makes another call, gives other arguments, or has ended.
     """
     if comm.size == 1:
         return
-    mine = np.frombuffer(call.encode()[:_LETTERS].ljust(_LETTERS), np.uint8)
-    calls = np.empty((comm.size, _LETTERS), np.uint8)
+    digest = blake2b(repr(_told(arguments)).encode(), digest_size=_DIGEST).digest()
+    mine = np.frombuffer(call.encode()[:_LETTERS].ljust(_LETTERS) + digest, np.uint8)
+    calls = np.empty((comm.size, _LETTERS + _DIGEST), np.uint8)
     request, polls, ended = comm.Iallgather(mine, calls), 0, 0.0
     while not request.Test():
         polls += 1
@@ -79,10 +101,12 @@ def agree(comm: MPI.Comm, call: str) -> None:
                 ended = ended or time.monotonic()
                 if time.monotonic() > ended + _ON_ITS_WAY:
                     raise CallError(f"rank {rank} has ended without the call {call}: {_WAY_OUT}")
-    names = [row.tobytes().decode(errors="ignore").strip() for row in calls]
+    names = [row[:_LETTERS].tobytes().decode(errors="ignore").strip() for row in calls]
     for rank, other in enumerate(names):
         if other != names[0]:
             raise CallError(f"rank 0 calls {names[0]} and rank {rank} {other}: {_WAY_OUT}")
+        if (calls[rank] != calls[0]).any():
+            raise CallError(f"ranks 0 and {rank} give other arguments to {other}: {_WAY_OUT}")
 
 
 def together(call: Callable[[], bool], comm: MPI.Comm, name: str) -> bool:
@@ -168,15 +192,15 @@ class Calls:
         self._comm, self._lock, self._depth, self.begun = comm, RLock(), 0, False
 
     @contextmanager
-    def one(self, name: str) -> Iterator[None]:
-        """Let this thread alone make a call, which the other ranks make too.
+    def one(self, name: str, arguments: object = None) -> Iterator[None]:
+        """Let this thread alone make a call, which the other ranks make too, of these arguments.
 
         Raises:
             CallError: another thread is in a call, or other ranks make another one, or none.
         """
         with self.of_one_thread(name):
             if self._depth == 0 and self.begun:
-                agree(self._comm, name)
+                agree(self._comm, name, arguments)
             self._depth += 1
             try:
                 yield
@@ -218,7 +242,8 @@ def _as_one_call(method: Callable[..., Any]) -> Callable[..., Any]:
     def called(self: Any, *given: Any, **words: Any) -> Any:
         if self.closed:
             return method(self, *given, **words)
-        with self._lmp.calls.one(f"{type(self).__name__}.{method.__name__}"):
+        name = f"{type(self).__name__}.{method.__name__}"
+        with self._lmp.calls.one(name, (given, words)):
             return method(self, *given, **words)
 
     return called
@@ -242,7 +267,7 @@ def guarded_lammps() -> Any:
                 super().close()
 
         def command(self, cmd: str) -> None:
-            with self.calls.one(" ".join(["the command", *cmd.split()[:1]])):
+            with self.calls.one(" ".join(["the command", *cmd.split()[:1]]), cmd):
                 super().command(cmd)
 
         def commands_list(self, cmdlist: list[str]) -> None:

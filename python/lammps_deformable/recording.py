@@ -112,6 +112,8 @@ def play(sim: Any, name: str, given: Mapping[str, Any]) -> Run:
     from .run import Run
 
     protocol = protocol_of(name)
+    for flag in ("keep", "inertia"):
+        expect(flag, given.get(flag, True), bool)
     settings = protocol.check(sim, given)
     record, mode, callback = given["record"], given["mode"], given["callback"]
     keep, parameters = given["keep"], given["parameters"]
@@ -120,7 +122,6 @@ def play(sim: Any, name: str, given: Mapping[str, Any]) -> Run:
             "callback must be a function of a state, such as "
             f"lambda state: state.pressure > 1e-3, or None, not {shown(callback)}"
         )
-    expect("keep", keep, bool)
     check_parameters(parameters)
     _ = sim.lmp  # or say that it is closed
     folder, first, before = _taken(sim, name, record, mode)
@@ -225,6 +226,7 @@ def _place(name: str, record: str | Path, mode: str) -> tuple[Path, int, dict[st
         f"replace it with {call}'w')",
     )
     place = store.refuse_run(record, mode != "x", ways)
+    place = place.absolute()  # a callback may change the working folder
     store.refuse_foreign(place / store.SERIES)
     if mode != "a" or store.holds(place) is None:
         return place, 0, {}

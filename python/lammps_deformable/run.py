@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
+from copy import copy
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -28,7 +29,7 @@ from numpy.typing import NDArray
 
 from . import recording, store
 from ._checks import expect, shown
-from ._files import from_json, reading, refuse_present, replaces, write_whole
+from ._files import at_home, from_json, reading, refuse_present, replaces, write_whole
 from .errors import FileError, ParameterError, StalledWarning, warn
 from .lammps import communicator
 from .laws import AnyLaw, Droplet, SoftContact
@@ -169,6 +170,21 @@ def _simulation_of(
     return Simulation(packing, made_of.law, comm=comm, minimizer=minimizer, **forces)
 
 
+def _shown(part: range) -> str:
+    """The slice that gives a part of a run."""
+    stop = "" if part.stop < 0 else part.stop
+    return f"[{part.start}:{stop}" + ("]" if part.step == 1 else f":{part.step}]")
+
+
+def _same(one: Any, other: Any) -> bool:
+    """Whether both are the same object, or states of the same moment to the last digit."""
+    if not (isinstance(one, State) and isinstance(other, State)) or one is other:
+        return one is other
+    numbers = [(each.law, each.energy, each.time, each.shear_strain) for each in (one, other)]
+    mine, others = (np.vstack([each.box, each.positions]) for each in (one, other))
+    return numbers[0] == numbers[1] and np.array_equal(mine, others)
+
+
 class Run(Sequence[Any]):
     """States one after the other, in memory or in a folder: what every protocol returns.
 
@@ -189,7 +205,7 @@ class Run(Sequence[Any]):
         parameters: of states in memory: what the protocol was called with.
 
     Attributes:
-        folder: of the run; None in memory.
+        folder: of the run, an absolute path; None in memory.
 
     Raises:
         FileError: the folder has no run, or a file is missing or cannot be read. On several ranks,
@@ -204,11 +220,13 @@ class Run(Sequence[Any]):
     ) -> None:
         expect("source", source, str, Path, Iterable)
         self.folder: Path | None = None
-        self._range: range | None = None  # of the frames; None: all, as many as there are now
+        self._range: range | None = None  # of frames or states; None: all, as many as there are now
         if isinstance(source, (str, Path)):
-            self.folder, self._frames = Path(source), store.Frames(Path(source))
+            self.folder = at_home(source)
             if world().size == 1:
                 self._check()
+            self.folder = self.folder.absolute()  # whatever the working folder becomes
+            self._frames = store.Frames(self.folder)
         else:
             self._states = list(source)
             self._parameters = dict(parameters or {})
@@ -217,13 +235,12 @@ class Run(Sequence[Any]):
     def exists(folder: str | Path) -> bool:
         """Whether the folder has a run, which may be interrupted: see `resume`."""
         expect("folder", folder, str, Path)
-        return all((Path(folder) / name).exists() for name in (store.DATA, SUMMARY))
+        return all((at_home(folder) / name).exists() for name in (store.DATA, SUMMARY))
 
     def __repr__(self) -> str:
         if self.folder is None:
             return f"<Run: {len(self)} states>"
-        part = self._range
-        return f"Run({str(self.folder)!r})" + (f"[{part.start}:{part.stop}]" if part else "")
+        return f"Run({str(self.folder)!r})" + ("" if self._range is None else _shown(self._range))
 
     def _check(self) -> None:
         """Say what is missing."""
@@ -232,9 +249,28 @@ class Run(Sequence[Any]):
 
     def __len__(self) -> int:
         if self.folder is None:
-            return len(self._states)
+            return len(self._states if self._range is None else self._range)
         self._check()
         return store.frames_in(self.folder) if self._range is None else len(self._range)
+
+    def __contains__(self, state: object) -> bool:
+        """Whether a state is one of these; a folder gives equal ones each time."""
+        return any(_same(each, state) for each in self)
+
+    def index(self, value: Any, start: int = 0, stop: int | None = None) -> int:
+        """Place of the first state that is this one, as that of a list.
+
+        Raises:
+            ValueError: there is none.
+        """
+        for number in range(len(self))[start:stop]:
+            if _same(self[number], value):
+                return number
+        raise ValueError(f"{shown(value)} is no state of {self!r}")
+
+    def count(self, value: Any) -> int:
+        """How many states are this one."""
+        return sum(_same(each, value) for each in self)
 
     def _numbers(self) -> range:
         """Of the frames in the folder, or of the states in memory."""
@@ -254,10 +290,8 @@ class Run(Sequence[Any]):
     def __getitem__(self, index: int | slice) -> Any:
         numbers = self._numbers()
         if isinstance(index, slice):
-            if self.folder is None:
-                return Run(self._states[index], self._parameters)
-            part = Run.__new__(Run)
-            part.folder, part._frames, part._range = self.folder, self._frames, numbers[index]
+            part = copy(self)
+            part._range = numbers[index]
             return part
         expect("the number of a state", index, int, np.integer)
         last, name = len(numbers) - 1, f"'{self.folder}'" if self.folder else "this run"
@@ -353,7 +387,7 @@ class Run(Sequence[Any]):
             comm: as for `Simulation`.
 
         Returns:
-            This run, with all its states.
+            This run, with all its states; of a slice the run that it is of.
 
         Raises:
             FileError: the protocol cannot be resumed, as commands of a user were given to its
@@ -375,7 +409,7 @@ class Run(Sequence[Any]):
         if done < parameters["start"]["states"]:
             with self._simulation(self.folder, comm) as sim:
                 recording.resume(self, sim, done, callback)
-        return self
+        return self if self._range is None else Run(self.folder)
 
     def table(self, **columns: Column) -> Table:
         """The numbers of the states, by name: arrays, and `to_pandas()` of them all.
@@ -398,17 +432,20 @@ class Run(Sequence[Any]):
         numbers = self._numbers()
         found = Table(frame=np.arange(numbers.start, numbers.stop, numbers.step))
         if self.folder is None:
-            rows = [recorded_numbers(state) for state in self._states]
-            found |= {
-                name: np.array([np.nan if row[name] is None else row[name] for row in rows])
-                for name in (rows[0] if rows else ())
-            }
+            rows = []
+            for state in self._states:  # a part has the types of the whole
+                expect("a state of a table", state, State)
+                rows.append(recorded_numbers(state))
+            for name in dict.fromkeys(name for row in rows for name in row):
+                values = [row.get(name) for row in rows]  # states of other laws have others
+                known = np.array([np.nan if each is None else each for each in values])
+                found[name] = known[list(numbers)]
         else:
             recorded(self.folder, SERIES)
             texts = self._frames.rows()
             with reading(self.folder / SERIES):
                 found |= {
-                    name: _column([texts[number][name] for number in numbers])
+                    name: _column([text[name] for text in texts])[list(numbers)]
                     for name in columns_in(self.folder / SERIES)
                     if name != "frame"
                 }
@@ -422,8 +459,8 @@ class Run(Sequence[Any]):
                 raise ParameterError(f"each table has a column {name}: give yours another name")
         if columns:
             more = [[column(state) for column in columns.values()] for state in self]
-            for name, values in zip(columns, zip(*more, strict=True), strict=True):
-                found[name] = np.array(values)
+            for n, name in enumerate(columns):
+                found[name] = np.array([row[n] for row in more])
         return found
 
     def unwrapped(self) -> NDArray[np.float64]:
@@ -478,7 +515,9 @@ class Run(Sequence[Any]):
             for wall k, equal for a single one; `t1`, the number of the T1 to which both its
             contacts belong, from 0, or -1.
         """
-        return Table({name: np.array(values) for name, values in changes(self).items()})
+        found = Table(changes(self))
+        found["frame"] = np.array(self._numbers(), dtype=np.int64)[found["frame"]]
+        return found
 
     def radial_distribution(
         self, bins: int, r_max: float
@@ -548,29 +587,30 @@ class Run(Sequence[Any]):
         """
         return harmonic(self, skip)
 
-    def movie(self, path: str | Path, **settings: Any) -> None:
+    def movie(self, path: str | Path, mode: str = "x", **settings: Any) -> None:
         """Draw the states as a movie, all with the same scale of colors and forces.
 
         Args:
             path: of the movie, .gif, or .mp4 if ffmpeg is installed.
+            mode: `w` replaces a file that is there, `x` refuses to.
             settings: `rate` in pictures per second, 10 if not given, and those of `State.plot`.
 
         Raises:
             ParameterError: the format is another, ffmpeg is missing, or there are no states or no
                 such attribute or color map, or `vmin` is not below `vmax`.
-            FileError: the movie cannot be written.
+            FileError: there is a file, see `mode`, or it cannot be written.
             ImportError: matplotlib is missing.
         """
         from .movies import movie  # which loads matplotlib
 
-        movie(self, path, **settings)
+        movie(self, path, mode=mode, **settings)
 
     def export(self, path: str | Path, forces: bool = False, mode: str = "x") -> None:
         """Write the shapes of the states for ParaView and OVITO, see `State.export`.
 
         Args:
             path: `NAME.pvd`, which lists the files NAME_0000.vtp, NAME_0001.vtp, ... beside it,
-                with the times of a motion, or with their numbers.
+                by the numbers of the frames, with the times of a motion, or with their numbers.
             forces: write the networks of forces in the place of shapes.
             mode: `w` replaces files that are there, `x` refuses to.
 
@@ -579,15 +619,15 @@ class Run(Sequence[Any]):
             FileError: there is a file, see `mode`, or it cannot be written.
         """
         expect("path", path, str, Path)
-        path = Path(path)
+        path = at_home(path)
         if path.suffix != ".pvd":
             raise ParameterError(f"a series of shapes is a .pvd, not '{path}'")
         names, times = [], []
-        for number, state in enumerate(self):
+        for number, state in zip(self._numbers(), self, strict=True):
             expect("a state that is exported", state, State)
             names.append(f"{path.stem}_{number:04d}.vtp")
             times.append(state.time)
-            if state._root and number == 0:
+            if state._root and len(names) == 1:
                 refuse_present(path, replaces(mode))
             state.export(path.with_name(names[-1]), forces, mode)
             if state._root:
@@ -612,4 +652,4 @@ class Run(Sequence[Any]):
             raise ParameterError("a run in memory has no trajectory: give record= to the protocol")
         from .universe import universe
 
-        return universe(self.folder)
+        return universe(self.folder, self._range)

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._checks import expect, shown
-from ._files import refuse_present, replaces, write_whole
+from ._files import at_home, refuse_present, replaces, write_whole
 from .errors import ParameterError
 from .files import in_space
 from .versions import optional
@@ -218,7 +218,8 @@ def export(state: State, path: str | Path, forces: bool, mode: str) -> None:
     expect("forces", forces, bool)
     if not state._root:
         return
-    refuse_present(Path(path), replaces(mode))
+    path = at_home(path)
+    refuse_present(path, replaces(mode))
     packing = state.packing
     numbers = {"box": packing.box, "phi": state.phi, "pressure": state.pressure}
     if forces:

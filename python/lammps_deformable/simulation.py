@@ -153,7 +153,7 @@ class Simulation(OneCall):
         expect("packing", packing, Packing, State)
         expect("law", law, *_ENGINES)
         expect("friction", friction, Friction, type(None))
-        self.law, self.comm = law, communicator(comm)
+        self.law, self.comm = law, communicator(comm, (law, friction, gravity, minimizer))
         start, state = _parts(self.comm.bcast(packing))  # those of other machines may differ
         self.friction = state.friction if state and friction is None else friction
         gravity = state.gravity if state and gravity is None else gravity

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import analysis, contacts, shapes, tracking
-from ._checks import count, numbers, positive, shown
+from ._checks import count, expect, numbers, positive, shown
 from ._files import check_parameters, replaces
 from .analysis import Cells, cells_of, space_cells_of
 from .commands import SOFT_STEP
@@ -1026,6 +1026,7 @@ class State:
                 far beyond the model.
             UndefinedError: they are polygons.
         """
+        expect("rattlers", rattlers, bool)
         return hessian_of(self, rattlers)
 
     def modes(self, number: int | None = None, vectors: bool = True) -> Modes:
@@ -1047,6 +1048,7 @@ class State:
         """
         from .modes import modes_of
 
+        expect("vectors", vectors, bool)
         outlines = self.outlines if self.packing.dimension == 2 else ()
         return modes_of(at_rest(self), outlines, number, vectors)
 
@@ -1179,6 +1181,9 @@ class State:
             ImportError: matplotlib is missing (`pip install lammps-deformable[plot]`).
         """
         optional("matplotlib", "plot")
+        flags = {"contacts": contacts, "forces": forces, "colorbar": colorbar, "spins": spins}
+        for name, flag in flags.items():
+            expect(name, flag, bool)
         common = contacts, forces, scale, cmap, vmin, vmax, title, colorbar, label
         if self.packing.dimension == 2:
             if view is not None or slice is not None:

@@ -9,8 +9,10 @@ from __future__ import annotations
 import csv
 import io
 import json
+import os
 import re
 from dataclasses import asdict, replace
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
@@ -18,7 +20,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._checks import expect
-from ._files import as_json, from_json, make_folder, reading, refuse_present, write_whole, writing
+from ._files import (
+    as_json,
+    at_home,
+    from_json,
+    make_folder,
+    reading,
+    refuse_present,
+    write_whole,
+    writing,
+)
 from .box import half_thickness
 from .commands import (
     Films,
@@ -360,7 +371,7 @@ Kind = Literal["run", "report"]
 
 def holds(folder: str | Path) -> Kind | None:
     """Kind of results in a folder, or None if it has none."""
-    folder = Path(folder)
+    folder = at_home(folder)
     if any((folder / name).exists() for name in (DATA, SERIES, TRAJECTORY)):
         return "run"
     if (folder / "report.json").exists() or any(folder.glob(PARTS)):
@@ -386,7 +397,7 @@ def refuse(folder: str | Path, but: Kind | None = None, ways: tuple[str, ...] = 
     expect("folder", folder, str, Path)
     if str(folder) == "":
         raise ParameterError("a folder needs a name, not '': for this one give '.'")
-    folder = Path(folder)
+    folder = at_home(folder)
     with writing(folder):  # names may be too long
         for place in (folder, *folder.parents):
             if place.exists() and not place.is_dir():
@@ -455,7 +466,11 @@ def append_row(path: Path, number: int, numbers: Mapping[str, Any]) -> None:
 
 def keep_rows(path: Path, count: int) -> None:
     """Cut a table after its first rows; without rows it has no columns either."""
-    keep(path, count + 1 if count > 0 else 0, r"(?<=\n)")
+    if path.exists():
+        with path.open("rb") as file:
+            for _ in range(count + 1 if count > 0 else 0):
+                file.readline()
+            cut(path, file.tell())
 
 
 def refuse_foreign(path: Path) -> None:
@@ -472,12 +487,11 @@ def append(path: Path, text: str) -> None:
         file.write(text)
 
 
-def keep(path: Path, count: int, boundary: str) -> None:
-    """Cut a file after its first parts, which begin at the boundary (a regular expression)."""
-    text = path.read_bytes().decode() if path.exists() else ""
-    parts = [part for part in re.split(boundary, text) if part]
-    if len(parts) > count:
-        write_whole(path, "".join(parts[:count]))
+def cut(path: Path, end: int) -> None:
+    """Cut a file after so many bytes, if it has more."""
+    with writing(path):
+        if path.stat().st_size > end:
+            os.truncate(path, end)
 
 
 def frames_in(folder: Path) -> int:
@@ -511,7 +525,7 @@ def check_frames(folder: Path) -> None:
     """Raise an error if the series or the trajectory lacks a frame; both may have more frames."""
     count = frames_in(folder)
     for path, numbers in (
-        (folder / TRAJECTORY, _frames_of_trajectory(folder / TRAJECTORY)),
+        (folder / TRAJECTORY, (name for name, _ in _frames_of_trajectory(folder / TRAJECTORY))),
         (folder / SERIES, (row.get("frame") for row in series_in(folder))),
     ):
         for n in range(count):
@@ -522,19 +536,19 @@ def check_frames(folder: Path) -> None:
                 )
 
 
-def _frames_of_trajectory(path: Path) -> Iterator[str]:
-    """Frame numbers, up to the first incomplete frame."""
+def _frames_of_trajectory(path: Path) -> Iterator[tuple[str, int]]:
+    """Numbers of the frames, and where each ends [byte], up to the first incomplete frame."""
     if not path.exists():
         return
-    with path.open() as file:
+    with path.open("rb") as file:
         while True:
             head = [file.readline().strip() for _ in range(9)]
-            if head[0] != "ITEM: TIMESTEP" or not (head[1].isdigit() and head[3].isdigit()):
+            if head[0] != b"ITEM: TIMESTEP" or not (head[1].isdigit() and head[3].isdigit()):
                 return
             rows = [file.readline() for _ in range(int(head[3]))]
-            if not all(row.endswith("\n") for row in rows):
+            if not all(row.endswith(b"\n") for row in rows):
                 return
-            yield head[1]
+            yield head[1].decode(), file.tell()
 
 
 def clock_of(folder: Path) -> list[tuple[float, float | None]]:
@@ -549,7 +563,9 @@ def _clock(row: Mapping[str, str]) -> tuple[float, float | None]:
 
 def keep_frames(folder: Path, first: int) -> None:
     """Cut series, trajectory and setups after their first frames: a killed run may have more."""
-    keep(folder / TRAJECTORY, first, r"(?=ITEM: TIMESTEP\n)")
+    ends = [0, *(end for _, end in islice(_frames_of_trajectory(folder / TRAJECTORY), first))]
+    if (folder / TRAJECTORY).exists():
+        cut(folder / TRAJECTORY, ends[-1])
     keep_rows(folder / SERIES, first)
     former = [setup for setup in setups_in(folder) if setup["frame"] < first]
     text = "".join(json.dumps(setup) + "\n" for setup in former)

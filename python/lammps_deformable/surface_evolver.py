@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._checks import expect
-from ._files import refuse_present, replaces, write_whole
+from ._files import at_home, refuse_present, replaces, write_whole
 from .errors import FileError, ParameterError
 from .laws import Droplet, Ring, pair_matrix, per_species, volumes
 from .walls import Plane
@@ -110,7 +110,7 @@ class Evolved(NamedTuple):
         """
         expect("path", path, str, Path)
         try:
-            text = Path(path).read_text()
+            text = at_home(path).read_text()
         except OSError as error:
             raise FileError(f"'{path}' cannot be read: {error.strerror}") from None
         last = text[max(text.rfind("energy "), 0) :]
@@ -126,7 +126,7 @@ class Evolved(NamedTuple):
 def write_surface_evolver(state: State, path: str | Path, mode: str) -> None:
     """See `State.to_surface_evolver`."""
     expect("path", path, str, Path)
-    path = Path(path)
+    path = at_home(path)
     refuse_present(path, replaces(mode))
     write_whole(path, datafile(state))
 

@@ -146,7 +146,8 @@ def mean_squared_displacement(
         raise ParameterError(
             "states are not equally far apart in time: take the part of the run where they are"
         )
-    step = float(steps.mean()) if len(steps) and steps[0] else 1.0
+    # a run that is turned round goes back in time
+    step = abs(float(steps.mean())) if len(steps) and steps[0] else 1.0
     squares = [
         np.mean(np.sum((places[lag:] - places[: number - lag]) ** 2, axis=2)) for lag in chosen
     ]
@@ -196,9 +197,20 @@ def _exchanges(old: set[_Pair], new: set[_Pair]) -> list[tuple[_Pair, _Pair]]:
     return found
 
 
-def changes(states: Iterable[State]) -> dict[str, list[Any]]:
-    """See `Run.events`."""
-    found: dict[str, list[Any]] = {name: [] for name in ("frame", "time", "event", "i", "j", "t1")}
+# Columns of events, and their types, without events too.
+_EVENTS: dict[str, type | str] = {
+    "frame": int,
+    "time": float,
+    "event": "U8",
+    "i": int,
+    "j": int,
+    "t1": int,
+}
+
+
+def changes(states: Iterable[State]) -> dict[str, NDArray[Any]]:
+    """See `Run.events`; the frames are counted from 0."""
+    found: dict[str, list[Any]] = {name: [] for name in _EVENTS}
     former: State | None = None
     number = 0
     for frame, state in enumerate(states):
@@ -219,7 +231,7 @@ def changes(states: Iterable[State]) -> dict[str, list[Any]]:
                 for name, value in zip(found, (frame, state.time, event, i, j, t1), strict=True):
                     found[name].append(value)
         former = state
-    return found
+    return {name: np.array(found[name], dtype=np.dtype(kind)) for name, kind in _EVENTS.items()}
 
 
 def _part_of_box(moved: Floats, packing: Packing) -> float:

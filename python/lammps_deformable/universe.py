@@ -28,21 +28,30 @@ class FrameReader(DumpReader):  # type: ignore[misc]
     Args:
         filename: of the trajectory.
         dimension: of the packings, 2 or 3.
-        frames: number of recorded frames; a killed run may have half a frame beyond them.
+        frames: numbers of those that count; a killed run may have half a frame beyond them.
         kwargs: of MDAnalysis' reader.
     """
 
     @store_init_arguments  # type: ignore[untyped-decorator]
-    def __init__(self, filename: str, dimension: int, frames: int, **kwargs: Any) -> None:
+    def __init__(self, filename: str, dimension: int, frames: range, **kwargs: Any) -> None:
         self._plane = dimension == 2
-        self._recorded = frames
+        self._chosen = frames
         super().__init__(filename, **kwargs)
 
     @property
     def n_frames(self) -> int:
-        return int(min(super().n_frames, self._recorded))
+        _ = super().n_frames  # finds the offsets of all frames
+        return len(self._chosen)
+
+    def _read_frame(self, frame: int) -> Timestep:
+        self.ts.frame = frame - 1
+        return self._read_next_timestep()
 
     def _read_next_timestep(self) -> Timestep:
+        following = self.ts.frame + 1
+        if following >= len(self):
+            raise EOFError
+        self._file.seek(self._offsets[self._chosen[following]])
         frame = super()._read_next_timestep()
         if self._plane:
             frame.dimensions = box_in_space(frame.triclinic_dimensions[:2, :2].astype(np.float64))
@@ -51,8 +60,13 @@ class FrameReader(DumpReader):  # type: ignore[misc]
         return frame
 
 
-def universe(folder: Path) -> Universe:
-    """A Universe of MDAnalysis of a recorded run, see `Run.to_mdanalysis`."""
+def universe(folder: Path, frames: range | None = None) -> Universe:
+    """A Universe of MDAnalysis of a recorded run, see `Run.to_mdanalysis`.
+
+    Args:
+        folder: of the run.
+        frames: numbers of its frames; all if not given.
+    """
     import MDAnalysis
 
     packing, *_ = read(folder)
@@ -76,7 +90,7 @@ def universe(folder: Path) -> Universe:
             dt=step,
             time_offset=start,
             dimension=packing.dimension,
-            frames=frames_in(folder),
+            frames=range(frames_in(folder)) if frames is None else frames,
         )
     found.add_TopologyAttr("radii", packing.radii)
     return found

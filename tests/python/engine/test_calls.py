@@ -135,6 +135,21 @@ MISTAKES = {
         "if rank == 1: sim.lmp.command('run 0')\nsim.state()",
         "rank 0 calls Simulation.state and rank 1 the command run",
     ),
+    "another law": (
+        "False",
+        "ld.Simulation(packing, ld.Ring(kA=1.0 + rank))",
+        "ranks 0 and 1 give other arguments to a simulation",
+    ),
+    "another argument": (
+        "True",
+        "sim.compress(strain=0.01 + 0.01 * rank)",
+        "ranks 0 and 1 give other arguments to Simulation.compress",
+    ),
+    "another value of a command": (
+        "True",
+        "sim.lmp.command(f'timestep 0.{rank + 1}')",
+        "ranks 0 and 1 give other arguments to the command timestep",
+    ),
     "a rank that fails": (
         "True",
         "if rank == 1: raise ValueError('mine')\nsim.compress(strain=0.01, steps=2)",

@@ -295,3 +295,20 @@ def test_beyond_the_model_says_how_many_and_what() -> None:
         ),
     ):
         sim.relax(1e-3)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_boxes_of_thousands_of_radii(dimension: int) -> None:
+    """LAMMPS has too many bins of its usual size there."""
+    law = ld.Ring() if dimension == 2 else ld.Droplet()
+    centers = np.full((2, dimension), 1.0)
+    centers[1, 0] += 0.99
+    energies = []
+    for length in (4.0, 20_000.0):
+        pair = ld.Packing(centers, 0.5, (length,) * dimension)
+        with ld.Simulation(pair, law) as sim:
+            energies.append(sim.state().energy)
+            sim.run(5, timestep=0.01, temperature=1e-9, seed=1)
+        with ld.Simulation(pair, ld.SoftContact()) as sim:
+            assert sim.state().pressure > 0.0
+    assert energies[1] == pytest.approx(energies[0], rel=1e-6)

@@ -30,7 +30,7 @@ def test_a_movie(state: ld.State, tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     before = movie.read_bytes()
     monkeypatch.setattr(PillowWriter, "finish", full)
     with refused("run.gif' cannot be written: No space left on device", ld.FileError):
-        ld.Run([state]).movie(movie)
+        ld.Run([state]).movie(movie, mode="w")
     assert os.listdir(tmp_path) == ["run.gif"]
     assert movie.read_bytes() == before
 

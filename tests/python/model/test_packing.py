@@ -256,3 +256,31 @@ def test_replicate() -> None:
     ):
         with pytest.raises(ld.ParameterError, match=message):
             call()
+
+
+def test_walls_that_stay_refuse_another_box() -> None:
+    places = np.random.default_rng(1).random((10, 2)) * 8.0 + 1.0
+    walled = ld.Packing(places, 0.5, (10.0, 10.0), periodic=False)
+    for changes in ({"periodic": True}, {"box": (20.0, 20.0)}, {"periodic": (True, False)}):
+        with pytest.raises(ld.ParameterError, match=r"those of the 4 walls .* give `walls` too"):
+            walled.replace(**changes)
+    assert walled.replace(periodic=False, box=(10.0, 10.0)).walls == walled.walls
+    assert walled.replace(walls=(), box=(20.0, 20.0)).box.tolist() == [[20.0, 0.0], [0.0, 20.0]]
+
+
+def test_words_are_no_truth_values() -> None:
+    state = ld.jam(ld.bidisperse(8, seed=1))
+    with ld.Simulation(state, ld.Ring()) as sim:
+        for call in (
+            lambda: state.packing.at(0.8, grow="no"),
+            lambda: ld.jam(state.packing.at(0.4), grow="no"),
+            lambda: state.hessian("no"),
+            lambda: state.modes(vectors="no"),
+            lambda: state.plot(contacts="no"),
+            lambda: state.packing.plot(colorbar="no"),
+            lambda: sim.run(1, inertia="no"),
+            lambda: sim.compress(strain=0.1, keep="no"),
+            lambda: ld.DeformablePolygon(20, smooth="no"),
+        ):
+            with pytest.raises(ld.ParameterError, match="must be of the kind bool, not 'no'"):
+                call()

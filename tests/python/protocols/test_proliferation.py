@@ -91,7 +91,7 @@ def test_cells_that_outgrow_their_box_are_told_of_the_pressure() -> None:
         sim.proliferate(1.0, division=NEVER, time=0.02)
         with (
             pytest.warns(ld.BeyondModelWarning),
-            refused("the cells fill the box at time .*: give a pressure at", ld.LammpsError),
+            refused("no room to grow at time .*: give a pressure at", ld.ParameterError),
         ):
             sim.proliferate(1.0, division=NEVER, time=9.0)
 
