@@ -22,7 +22,7 @@ PAGES = sorted(path for folder in FOLDERS for path in ROOT.glob(f"{folder}/*.md"
 BUDGETS = {
     "README.md": 550,
     "ARCHITECTURE.md": 2000,
-    "CHANGELOG.md": 1900,
+    "CHANGELOG.md": 2200,
     "benchmarks/README.md": 2010,
     "docs/theory/laws.md": 1480,
     "docs/theory/lines.md": 1400,
