@@ -12,9 +12,10 @@ _LEFT_OUT = (
 # What begins a LAMMPS that reads the particles of another one.
 _HEAD = "units", "dimension", "boundary", "atom_style", "newton", "atom_modify"
 
-# Radius of contacts at the minimum of a Lennard-Jones pair, and stiffnesses that stop its atoms.
+# Radius near the minimum of a Lennard-Jones pair, at which no lattice of the examples just touches,
+# and stiffnesses that stop its atoms.
 SPECIES = "a {radius} 2000 inf\nb {radius} inf 0 tension 300\n"
-RADIUS = 0.5 * 2 ** (1 / 6)
+RADIUS = 0.57
 
 _RESULTS = "c_deformable_pair c_deformable_virial[1] c_deformable_virial[2] c_deformable_virial[3]"
 
@@ -89,7 +90,8 @@ class Example:
         head = [line for line in self.lines if line.split()[0] in _HEAD]
         axes = ["x", "y", "z"][: 2 if self.plane else 3]
         tilts = ["xy", "xz", "yz"][: 1 if self.plane else 3] if self.tilted else []
-        strained = f"change_box all boundary {self.ends}\n" * ("f" in self.ends)
+        strained = "change_box all triclinic\n" * self.tilted
+        strained += f"change_box all boundary {self.ends}\n" * ("f" in self.ends)
         for name, scale in (("larger", 1 + 1e-6), ("smaller", (1 - 1e-6) / (1 + 1e-6))):
             sides = " ".join(f"{axis} scale {scale!r}" for axis in axes)
             sides += "".join(f" {tilt} final $({tilt}*{scale!r}:%.17g)" for tilt in tilts)
