@@ -21,7 +21,7 @@ from mpi4py import MPI
 from numpy.typing import ArrayLike, NDArray
 
 from . import core
-from ._checks import count, expect, shown
+from ._checks import count, expect, finite, shown
 from ._files import make_folder
 from .box import cartesian, fractional
 from .core import angles, norm, unit_vectors
@@ -214,6 +214,9 @@ def compare(
         UserWarning: the energy of very many vertices is known to some 10 % only.
     """
     given: Any = law
+    strain, steps = finite("strain", strain), count("steps", steps)
+    expect("polygon", polygon, DeformablePolygon, type(None))
+    expect("keep", keep, str, Path, type(None))
     if isinstance(start, State) and isinstance(start.law, DeformablePolygon):
         return _at_centers(start, given)
     first, strain, steps = _begin(start, strain, steps)

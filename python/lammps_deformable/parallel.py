@@ -15,7 +15,7 @@ import numpy as np
 from mpi4py import MPI
 from numpy.typing import ArrayLike, NDArray
 
-from ._checks import count, shown
+from ._checks import count, expect, shown
 from .errors import ParameterError
 from .ranks import agree, independent, independently, progress, world
 
@@ -57,10 +57,13 @@ def parallel_map(
         must be a function of a module.
 
     Raises:
-        ParameterError: fewer than one worker, or f cannot be copied to processes.
+        ParameterError: fewer than one worker, f is no function or cannot be copied to processes, or
+            items are none.
         BrokenProcessPool: a process died.
         Exception: the first one of a call, with a note that has its item. Other calls are given up.
     """
+    _expect_function(f, "of an item")
+    expect("items", items, Iterable)
     items, comm = list(items), world()
     workers = None if workers is None else count("workers", workers)
     if comm.size > 1:
@@ -169,13 +172,20 @@ def jackknife(
         f and its error, of the same shape; the error is nan where one of the f_k is.
 
     Raises:
-        ParameterError: there are fewer than two values.
+        ParameterError: there are fewer than two values, or f is no function.
 
     Source: Efron and Stein, Ann. Stat. 9, 586 (1981).
     """
-    count = len(values)
+    _expect_function(f, "of a list of values")
+    expect("values", values, Sequence, np.ndarray)
+    count = len(values) if np.ndim(values) or isinstance(values, Sequence) else 1
     if count < 2:
         raise ParameterError(f"values must be at least 2 for an error, not {count}")
     without = np.array([f([*values[:n], *values[n + 1 :]]) for n in range(count)], float)
     spread = np.sum((without - without.mean(axis=0)) ** 2, axis=0)
     return np.asarray(f(values), float)[()], np.sqrt((count - 1) / count * spread)
+
+
+def _expect_function(f: object, of: str) -> None:
+    if not callable(f):
+        raise ParameterError(f"f must be a function {of}, not {shown(f)}")
