@@ -16,6 +16,7 @@ from matplotlib.collections import Collection, LineCollection, PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon
+from matplotlib.textpath import TextPath
 from numpy.typing import NDArray
 
 from ._checks import as_array, expect, finite, shown
@@ -194,6 +195,19 @@ def draw_bar(ax: Axes, colors: Any, on: Scale, label: str, **place: Any) -> None
         bar.set_ticks(np.arange(on.low, on.high + 1.0))
 
 
+def write_title(ax: Axes, title: str) -> None:
+    """The title above the axes: a long one goes on in another line, a long word is smaller."""
+    expect("title", title, str)
+    figure: Any = ax.figure
+    there = _POINTS_PER_INCH * float(figure.get_figwidth())
+    words = [word for word in title.split() if word != "$"]
+    widest = max(
+        (TextPath((0, 0), word, size=_TITLE_SIZE).get_extents().width for word in words),
+        default=0.0,
+    )
+    ax.set_title(title, fontsize=_TITLE_SIZE * min(1.0, there / max(widest, 1.0)), wrap=True)
+
+
 def draw_key(ax: Axes, on: Scale, color: str) -> None:
     """What the width of a force chain means, below the axes."""
     line = Line2D([], [], color=color, linewidth=on.widest, alpha=0.6)
@@ -219,6 +233,9 @@ Floats = NDArray[np.float64]
 
 # Where the contacts of a particle are, shape (m, 2), and their forces, shape (m,).
 Halves = tuple[Floats, Floats]
+
+# Size of letters of a title [points].
+_TITLE_SIZE, _POINTS_PER_INCH = 11.0, 72.0
 
 # Dots per inch in a notebook.
 _DOTS = 72
@@ -366,7 +383,7 @@ def draw(
         draw_bar(ax, particles, on, label, **place)
     if halves:
         draw_key(ax, on, PUSH)
-    ax.set_title(title, fontsize=11)
+    write_title(ax, title)
     margin = 0.01 * np.ptp(corners, axis=0)
     ax.set(
         xlim=(corners[:, 0].min() - margin[0], corners[:, 0].max() + margin[0]),

@@ -27,6 +27,7 @@ from .drawing import (
     draw_bar,
     draw_key,
     limited,
+    write_title,
 )
 from .errors import ParameterError
 from .plot import label_of, scale_of, values_of
@@ -372,7 +373,7 @@ def draw(
         draw_bar(ax, ScalarMappable(norm, colors_of), on, label)
     if chains is not None:
         draw_key(ax, on, PUSH)
-    ax.set_title(title, fontsize=11)
+    write_title(ax, title)
     ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
     ax.set_axis_off()
     return ax
