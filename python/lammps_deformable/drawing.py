@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import io
+import re
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
@@ -196,16 +197,27 @@ def draw_bar(ax: Axes, colors: Any, on: Scale, label: str, **place: Any) -> None
 
 
 def write_title(ax: Axes, title: str) -> None:
-    """The title above the axes: a long one goes on in another line, a long word is smaller."""
+    """The title above the axes: a long one goes on in further lines, a long word is smaller."""
     expect("title", title, str)
     figure: Any = ax.figure
-    there = _POINTS_PER_INCH * float(figure.get_figwidth())
-    words = [word for word in title.split() if word != "$"]
-    widest = max(
-        (TextPath((0, 0), word, size=_TITLE_SIZE).get_extents().width for word in words),
-        default=0.0,
-    )
-    ax.set_title(title, fontsize=_TITLE_SIZE * min(1.0, there / max(widest, 1.0)), wrap=True)
+    there = _PART * _POINTS_PER_INCH * float(figure.bbox.width / figure.dpi)
+    lines: list[str] = []
+    for line in title.splitlines():
+        words = re.findall(r"(?:\$[^$]*\$|\S)+\s*", line)  # formulas stay whole
+        lines.append("")
+        for word in words:
+            if lines[-1] and _width(lines[-1] + word) > there:
+                lines.append("")
+            lines[-1] += word
+    widest = max(map(_width, lines), default=0.0)
+    size = _TITLE_SIZE * min(1.0, there / max(widest, 1.0))
+    ax.set_title("\n".join(line.rstrip() for line in lines), fontsize=size)
+
+
+def _width(line: str) -> float:
+    """Of a line of a title [points]."""
+    width: float = TextPath((0, 0), line.rstrip(), size=_TITLE_SIZE).get_extents().width
+    return width
 
 
 def draw_key(ax: Axes, on: Scale, color: str) -> None:
@@ -234,8 +246,9 @@ Floats = NDArray[np.float64]
 # Where the contacts of a particle are, shape (m, 2), and their forces, shape (m,).
 Halves = tuple[Floats, Floats]
 
-# Size of letters of a title [points].
-_TITLE_SIZE, _POINTS_PER_INCH = 11.0, 72.0
+# Size of letters of a title [points], and the part of the width of a figure for the longest word,
+# as axes are not in the middle.
+_TITLE_SIZE, _POINTS_PER_INCH, _PART = 11.0, 72.0, 0.7
 
 # Dots per inch in a notebook.
 _DOTS = 72

@@ -5,6 +5,7 @@ import inspect
 import pkgutil
 import re
 from collections.abc import Iterator
+from functools import cache
 from types import ModuleType
 from typing import Any
 
@@ -37,6 +38,7 @@ def documented(module: ModuleType) -> Iterator[Any]:
                     yield getattr(own, "__func__", own)
 
 
+@cache
 def has(kind: type, name: str) -> bool:
     """Whether objects of a class have the attribute, which a method or a field may make."""
     if hasattr(kind, name) or (kind is ld.State and name in COLUMNS):
