@@ -309,9 +309,10 @@ def _begin(start: Any, strain: float, steps: int) -> tuple[Packing | State, floa
     """Where a comparison begins, its strain and steps."""
     if isinstance(start, (Packing, State)):
         return start, strain, steps
-    if not hasattr(start, "__getitem__"):
+    ends = [start[0], start[-1]] if isinstance(start, Sequence) and len(start) else []
+    if not ends or not all(isinstance(end, State) for end in ends):
         raise ParameterError(f"start must be a packing, a state or a run, not {shown(start)}")
-    first, last = start[0], start[-1]
+    first, last = ends
     whole = first.packing.box
     strain = 1.0 - float(last.packing.box[0, 0] / whole[0, 0])
     if not (strain > 0.0 and np.allclose(last.packing.box, whole * (1.0 - strain), rtol=1e-9)):

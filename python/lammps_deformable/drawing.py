@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import io
+import re
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
@@ -16,6 +17,7 @@ from matplotlib.collections import Collection, LineCollection, PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon
+from matplotlib.textpath import TextPath
 from numpy.typing import NDArray
 
 from ._checks import as_array, expect, finite, shown
@@ -194,6 +196,30 @@ def draw_bar(ax: Axes, colors: Any, on: Scale, label: str, **place: Any) -> None
         bar.set_ticks(np.arange(on.low, on.high + 1.0))
 
 
+def write_title(ax: Axes, title: str) -> None:
+    """The title above the axes: a long one goes on in further lines, a long word is smaller."""
+    expect("title", title, str)
+    figure: Any = ax.figure
+    there = _PART * _POINTS_PER_INCH * float(figure.bbox.width / figure.dpi)
+    lines: list[str] = []
+    for line in title.splitlines():
+        words = re.findall(r"(?:\$[^$]*\$|\S)+\s*", line)  # formulas stay whole
+        lines.append("")
+        for word in words:
+            if lines[-1] and _width(lines[-1] + word) > there:
+                lines.append("")
+            lines[-1] += word
+    widest = max(map(_width, lines), default=0.0)
+    size = _TITLE_SIZE * min(1.0, there / max(widest, 1.0))
+    ax.set_title("\n".join(line.rstrip() for line in lines), fontsize=size)
+
+
+def _width(line: str) -> float:
+    """Of a line of a title [points]."""
+    width: float = TextPath((0, 0), line.rstrip(), size=_TITLE_SIZE).get_extents().width
+    return width
+
+
 def draw_key(ax: Axes, on: Scale, color: str) -> None:
     """What the width of a force chain means, below the axes."""
     line = Line2D([], [], color=color, linewidth=on.widest, alpha=0.6)
@@ -219,6 +245,10 @@ Floats = NDArray[np.float64]
 
 # Where the contacts of a particle are, shape (m, 2), and their forces, shape (m,).
 Halves = tuple[Floats, Floats]
+
+# Size of letters of a title [points], and the part of the width of a figure for the longest word,
+# as axes are not in the middle.
+_TITLE_SIZE, _POINTS_PER_INCH, _PART = 11.0, 72.0, 0.7
 
 # Dots per inch in a notebook.
 _DOTS = 72
@@ -366,7 +396,7 @@ def draw(
         draw_bar(ax, particles, on, label, **place)
     if halves:
         draw_key(ax, on, PUSH)
-    ax.set_title(title, fontsize=11)
+    write_title(ax, title)
     margin = 0.01 * np.ptp(corners, axis=0)
     ax.set(
         xlim=(corners[:, 0].min() - margin[0], corners[:, 0].max() + margin[0]),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,7 +12,7 @@ from mpi4py import MPI
 from numpy.typing import ArrayLike, NDArray
 
 from . import potentials
-from ._checks import expect
+from ._checks import expect, shown, whole
 from ._files import reading
 from .errors import FileError, LackingWarning, ParameterError, warn
 from .files import read_particles
@@ -59,6 +59,11 @@ def state_in_file(
     expect("path", path, str, Path)
     expect("species", species, str, Path)
     expect("radii", radii, str, type(None))
+    expect("law", law, str, type(None))
+    frame = whole("frame", frame)
+    given = types.values() if isinstance(types, Mapping) else [] if types is None else types
+    if not isinstance(given, Iterable) or not all(isinstance(name, str) for name in given):
+        raise ParameterError(f"types must be names of species, not {shown(types)}")
     told = law_of_run(path, species, frame) if law is None else None
     law = law or (told.name if told else _UNTOLD)
     if law not in ALL_LAWS:
@@ -66,7 +71,7 @@ def state_in_file(
     file = Path(species)
     if not file.exists() and (potentials / file).exists():
         file = potentials / file
-    if not file.exists():
+    if not file.exists() or file.is_dir():
         there = file.parent
         hint = f": ld.Run('{there}') has the states of its run" if holds(there) == "run" else ""
         raise FileError(f"there is no species file '{species}'{hint}")

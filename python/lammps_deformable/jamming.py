@@ -184,6 +184,7 @@ def jam(
     Dagois-Bohy et al., Phys. Rev. Lett. 109, 095703 (2012).
     """
     expect("packing", packing, Packing)
+    expect("comm", comm, MPI.Comm, type(None))
     law = SoftContact() if law is None else law
     expect("law", law, Ring, Sector, Droplet, SoftContact)
     if not isinstance(law, SoftContact):

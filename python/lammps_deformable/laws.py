@@ -15,7 +15,18 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import core
-from ._checks import as_array, as_call, number_or_nan, positive, shown
+from ._checks import (
+    as_array,
+    as_call,
+    count,
+    expect,
+    finite,
+    number_or_nan,
+    numbers,
+    positive,
+    shown,
+    whole,
+)
 from .box import refuse_space
 from .errors import ParameterError
 
@@ -312,22 +323,34 @@ class Ring:
             force: of each contact, if they are curved, shape (z,) [energy/length].
             half_angle: of each contact, likewise, shape (z,) [rad].
             contact_angle: of each contact, likewise, shape (z,) [rad].
+
+        Raises:
+            ParameterError: a number is out of range, shapes disagree, or lines of curved contacts
+                are given to others.
         """
-        a = np.asarray(indentation, dtype=np.float64)
-        _, kP, skin, *_ = own = [_at(values, species) for values in self._parameters]
+        kind = _check_outline(species, radius, inset, points, same_area)
+        lines = {"force": force, "half_angle": half_angle}
+        lines |= {} if contact_angle is None else {"contact_angle": contact_angle}
+        if self.contact != "curved":
+            for name, line in lines.items():
+                if np.size(as_array(line)):
+                    raise ParameterError(f"{name} is for contact='curved', not '{self.contact}'")
+            lines = {}
+        angle, a, *_ = _of_contacts(angle=angle, indentation=indentation, **lines)
+        _, kP, skin, *_ = own = [_at(values, kind) for values in self._parameters]
         if self.contact == "curved":
             ring = core.forced_ring(
                 radius, angle, force, *own, half_angle=half_angle, contact_angle=contact_angle
             )
-            whole, length = ring.support_radius + skin - inset, ring.contact_length
+            outer, length = ring.support_radius + skin - inset, ring.contact_length
             return core.curved_outline(
-                whole, angle, length, half_angle, points, same_area, contact_angle
+                outer, angle, length, half_angle, points, same_area, contact_angle
             )
         expansion = 0.0
         if math.isfinite(kP):  # the radius changes, and with it all indentations
             expansion = core.soft_ring(radius, angle, a, *own).delta
-        whole, deeper = radius - inset + expansion, a + expansion
-        return core.outline("ring", whole, angle, deeper, points, same_area)
+        outer, deeper = radius - inset + expansion, a + expansion
+        return core.outline("ring", outer, angle, deeper, points, same_area)
 
 
 @dataclass(frozen=True, repr=False)
@@ -404,6 +427,8 @@ class Sector:
         same_area: bool = False,
     ) -> NDArray[np.float64]:
         """As for `Ring`; an inset is right for sectors that keep their perimeter."""
+        _check_outline(species, radius, inset, points, same_area)
+        angle, indentation = _of_contacts(angle=angle, indentation=indentation)
         return core.outline(self._kernel, radius - inset, angle, indentation, points, same_area)
 
 
@@ -456,7 +481,38 @@ def refuse_values_of_particles(law: object, packing: Packing) -> None:
 
 
 def _at(values: float | Sequence[float], species: int) -> float:
-    return values if isinstance(values, float) else float(np.asarray(values)[species])
+    if isinstance(values, float):
+        return values
+    if not 0 <= species < len(values):
+        raise ParameterError(f"species must be below {len(values)}, not {species}")
+    return values[species]
+
+
+def _check_outline(species: int, radius: float, inset: float, points: int, same_area: bool) -> int:
+    """Refuse what is no outline of a particle; returns its species."""
+    if (kind := whole("species", species)) < 0:
+        raise ParameterError(f"species must not be negative, not {kind}")
+    if not positive("radius", radius) > finite("inset", inset):
+        raise ParameterError(f"inset must be less than the radius {radius:g}, not {inset:g}")
+    count("points", points)
+    expect("same_area", same_area, bool)
+    return kind
+
+
+def _of_contacts(**given: ArrayLike) -> list[NDArray[np.float64]]:
+    """Numbers of the contacts of one particle as arrays, all of shape (z,).
+
+    Raises:
+        ParameterError: they are no such numbers.
+    """
+    found: list[NDArray[np.float64]] = []
+    for name, values in given.items():
+        array = numbers(name, values)
+        if array.ndim != 1 or (found and len(array) != len(found[0])):
+            each = f"({len(found[0])},)" if found else "(contacts,)"
+            raise ParameterError(f"{name} must have shape {each}, not {array.shape}")
+        found.append(array)
+    return found
 
 
 def _refuse(problem: str | None) -> None:

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._checks import count, shown, whole
-from .box import refuse_space
 from .drawing import scale
 from .errors import ParameterError
 from .room import in_box
@@ -119,34 +118,45 @@ class Modes:
         density, edges = np.histogram(found, count("bins", bins), density=True)
         return 0.5 * (edges[1:] + edges[:-1]), density
 
-    def plot(self, index: int = 0, ax: Axes | None = None) -> Axes:
-        """Draw a mode as arrows over the outlines; returns the axes.
+    def plot(
+        self,
+        index: int = 0,
+        ax: Axes | None = None,
+        *,
+        view: tuple[float, float] | None = None,
+    ) -> Axes:
+        """Draw a mode as arrows over the outlines, in space over the centers; returns the axes.
 
         Args:
             index: of the mode.
             ax: axes to draw into; a new figure if not given.
+            view: in space, elevation and azimuth of the viewer, as in `State.plot` [degree].
 
         Raises:
-            ParameterError: there is no such mode, or no vectors, or particles are in space.
+            ParameterError: there is no such mode, or no vectors, or the view is no two numbers.
             ImportError: matplotlib is missing (`pip install lammps-deformable[plot]`).
         """
-        refuse_space("plot", self.packing.dimension, "take `vectors`")
+        if view is not None and self.packing.dimension == 2:
+            raise ParameterError("view is for packings in three dimensions")
         number = whole("index", index)
         if not -len(self) <= number < len(self):
             raise ParameterError(f"there are {len(self)} modes: index must not be {number}")
         vector = self._vectors[number]
         length = _ARROW * float(self.packing.radii.mean())
         optional("matplotlib", "plot")
-        from . import drawing
+        from . import drawing, plot3d
 
-        size = np.hypot(*vector.T)
+        size = np.linalg.norm(vector, axis=1)
         part = size / size.max()
         title = f"$\\omega$ = {self.frequencies[number]:.3g},  "
         title += f"participation {self.participation[number]:.2g}"
         on, packing = scale([part], [np.zeros(1)], _LABEL), self.packing
+        arrows = length / size.max() * vector
+        if packing.dimension == 3:
+            seen = (20.0, 30.0) if view is None else view
+            return plot3d.draw_arrows(packing, arrows, part, _LABEL, title, on, ax, seen)
         ax = drawing.draw(packing, self.outlines, part, _LABEL, title, on, ax)
         places = in_box(packing.walls, packing.box, packing.positions)
-        arrows = length / size.max() * vector
         ax.quiver(*places.T, *arrows.T, angles="xy", scale_units="xy", scale=1.0, color="tab:red")
         return ax
 

@@ -118,6 +118,8 @@ class Packing:
                 f"species must be numbers below {_MOST_SPECIES}, not {kinds.max():.0f}: number "
                 "them from 0"
             )
+        if self.seed is not None:
+            self._set("seed", drawn_seed(self.seed))
         self._set("positions", positions)
         self._set("radii", np.array(np.broadcast_to(radii, number)))
         self._set("species", kinds.astype(np.int64))

@@ -12,7 +12,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection
-from matplotlib.colors import Normalize
+from matplotlib.colors import Normalize, to_rgb
 from numpy.typing import ArrayLike, NDArray
 
 from ._checks import expect, finite, numbers, shown
@@ -27,6 +27,7 @@ from .drawing import (
     draw_bar,
     draw_key,
     limited,
+    write_title,
 )
 from .errors import ParameterError
 from .plot import label_of, scale_of, values_of
@@ -284,6 +285,9 @@ _PIXELS, _SMOOTHED = 560, 2
 # Size of a picture [inch], with the bar of the colors, and without.
 _SIZE, _SIZE_ALONE = (6.2, 5.2), (5.2, 5.2)
 
+# Color of arrows.
+_ARROWS = "tab:red"
+
 # Gray of obstacles.
 _WALL = 0.75
 
@@ -370,12 +374,53 @@ def draw(
         _draw_chains(ax, centers, colors, chains._replace(vector=chains.vector @ turn), on)
     if colorbar:
         draw_bar(ax, ScalarMappable(norm, colors_of), on, label)
-    if chains is not None:
+    if chains is not None and len(chains.i):
         draw_key(ax, on, PUSH)
-    ax.set_title(title, fontsize=11)
+    write_title(ax, title)
     ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
     ax.set_axis_off()
     return ax
+
+
+def draw_arrows(
+    packing: Packing,
+    vectors: Floats,
+    values: Floats,
+    label: str,
+    title: str,
+    on: Scale,
+    ax: Axes | None = None,
+    view: tuple[float, float] = (20.0, 30.0),
+) -> Axes:
+    """Draw centers as dots with arrows, those behind paler; see `draw`.
+
+    Args:
+        packing: centers and box.
+        vectors: of the arrows, shape (N, 3) [length].
+        values: shown as colors of the dots, shape (N,).
+        label: of the values.
+        title: of the picture.
+        on: scale of the colors.
+        ax: axes to draw into; those of a new figure without.
+        view: elevation and azimuth of the viewer [degree].
+    """
+    none = Chains(np.empty(0, np.int64), np.empty((0, 3)), np.empty(0))
+    ax = draw(packing, values, label, title, on, ax, chains=none, view=view)
+    turn = _turn(view)
+    centers = in_box(packing.walls, packing.box, packing.positions) @ turn
+    heads = (centers + vectors @ turn)[:, :2]
+    for axis, (low, high), ends in zip("xy", (ax.get_xlim(), ax.get_ylim()), heads.T, strict=True):
+        ax.set(**{f"{axis}lim": (min(low, ends.min()), max(high, ends.max()))})
+    order = np.argsort(centers[:, 2])
+    (x, y, _), (u, v, _) = centers[order].T, (vectors @ turn)[order].T
+    color = np.column_stack([np.tile(to_rgb(_ARROWS), (len(order), 1)), _paler(len(order))])
+    ax.quiver(x, y, u, v, angles="xy", scale_units="xy", scale=1.0, color=color, zorder=3)
+    return ax
+
+
+def _paler(number: int) -> Floats:
+    """Opacity of so many lines from behind to the front."""
+    return np.linspace(0.25, 1.0, number) if number else np.empty(0)
 
 
 def _turn(view: Any) -> Floats:
@@ -452,8 +497,7 @@ def _draw_chains(ax: Axes, centers: Floats, colors: Floats, chains: Chains, on: 
     order = np.argsort(begin[:, 2] + chains.vector[:, 2])
     begin, vector, force = begin[order], chains.vector[order], chains.force[order]
     lines = np.stack([begin, begin + vector], axis=1)[..., :2]
-    rank = np.linspace(0.25, 1.0, len(order)) if len(order) else np.empty(0)
-    color = np.column_stack([np.tile([1.0, 0.27, 0.0], (len(order), 1)), rank])
+    color = np.column_stack([np.tile([1.0, 0.27, 0.0], (len(order), 1)), _paler(len(order))])
     widths = on.widest * np.abs(force) / on.force
     ax.add_collection(LineCollection(list(lines), colors=color, linewidths=widths, zorder=1))
     near = np.argsort(centers[:, 2])

@@ -430,7 +430,7 @@ class SmoothPolygons:
     """Smooth polygons in a periodic box: all that their energy depends on, besides the vertices.
 
     Attributes:
-        beads: the settings.
+        model: the settings.
         polygons: the undeformed polygons of each species.
         species: of each polygon, shape (N,).
         box: lattice vectors as rows, shape (2, 2) [length].

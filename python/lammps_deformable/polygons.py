@@ -145,7 +145,7 @@ class DeformablePolygon:
         whole = whole and counts.size > 0
         if not (whole and (counts == np.rint(counts)).all() and (counts >= 3).all()):
             raise ParameterError(
-                f"a polygon needs a whole number of beads, at least 3, not {self.vertices}"
+                f"vertices must be whole numbers, at least 3, not {shown(self.vertices)}"
             )
 
     def polygons(self, radii: NDArray[np.float64]) -> Polygons:
@@ -156,6 +156,9 @@ class DeformablePolygon:
                 them, or so many that LAMMPS cannot list their neighbors; or numbers or stiffnesses
                 are for fewer species.
         """
+        radii = numbers("radii", radii)
+        if radii.ndim != 1 or radii.size == 0:
+            raise ParameterError(f"radii must have shape (number of species,), not {radii.shape}")
         polygon = radii - self.radius
         if not (polygon > self.radius).all():
             raise ParameterError(

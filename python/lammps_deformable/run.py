@@ -36,6 +36,7 @@ from .laws import AnyLaw, Droplet, SoftContact
 from .packing import Packing
 from .ranks import world
 from .recording import recorded_numbers
+from .relax import check_callback
 from .shapes import collection
 from .shearing import DynamicModulus, harmonic
 from .simulation import Simulation
@@ -219,6 +220,7 @@ class Run(Sequence[Any]):
         parameters: Mapping[str, Any] | None = None,
     ) -> None:
         expect("source", source, str, Path, Iterable)
+        expect("parameters", parameters, Mapping, type(None))
         self.folder: Path | None = None
         self._range: range | None = None  # of frames or states; None: all, as many as there are now
         if isinstance(source, (str, Path)):
@@ -393,6 +395,7 @@ class Run(Sequence[Any]):
             FileError: the protocol cannot be resumed, as commands of a user were given to its
                 `lmp`; its files cannot be read; or another process is writing the run.
         """
+        check_callback(callback)
         if self.folder is None:
             return self
         communicator(comm).barrier()  # rank 0 may still be writing

@@ -155,7 +155,6 @@ class State:
             `surface_areas` of droplets, `contact_areas` of their facets [length^2], and `loads`,
             about the part of the surface that facets cover.
         velocities: of the centers, zero after a relaxation, shape (N, d) [length/time].
-        root: whether this process writes files (rank 0 of the run).
         time: of all motion and flows so far, 0 without [time].
         shear_strain: of all calls of `shear` so far; None before the first one.
         beyond: number of particles that the model does not describe: rings with a negative radius
@@ -180,12 +179,10 @@ class State:
             friction.
         unsaved: what acts on the contacts by commands to `lmp`, and is not saved: walls, excluded
             pairs; empty without.
-        table: the contacts where the law has them, see `contacts`.
         polygons: the undeformed `Polygons`; None of other laws.
         vertices: of each polygon, unwrapped around its center, arrays (N_v, 2) [length].
         images: how often each particle has left the box through each side, shape (N, d); None of
             soft particles and polygons.
-        evaluate: evaluates the same particles again, for what was not recorded; else None.
     """
 
     packing: Packing
@@ -198,7 +195,7 @@ class State:
     iterations: int | None = None
     results: Mapping[str, NDArray[Any]] = field(default_factory=dict)
     velocities: Floats = field(default_factory=_unknown)
-    _root: bool = True
+    _root: bool = True  # whether this process writes files (rank 0 of the run)
     time: float = 0.0
     shear_strain: float | None = None
     beyond: int = 0
@@ -212,10 +209,11 @@ class State:
     gravity: Floats | None = None
     rubbing: Rubbing | None = None
     unsaved: str = ""
-    _table: ContactTable | None = None
+    _table: ContactTable | None = None  # the contacts where the law has them, see `contacts`
     polygons: Any = None
     vertices: tuple[Floats, ...] = ()
     images: NDArray[np.int64] | None = None
+    # Evaluates the same particles again, for what was not recorded.
     _evaluate: Callable[[], State] | None = None
 
     def __post_init__(self) -> None:

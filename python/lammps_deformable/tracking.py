@@ -5,6 +5,7 @@ Periodic images and boxes that changed are taken into account.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from itertools import combinations
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -20,7 +21,7 @@ from .population import labels_of
 from .room import closed
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Sequence
 
     from .state import State
 
@@ -134,6 +135,8 @@ def mean_squared_displacement(
 ) -> tuple[Floats, Floats]:
     """See `Run.msd`."""
     places, number = unwrapped(run), len(run)
+    if isinstance(lags, str) or not isinstance(lags, Iterable | None):
+        raise ParameterError(f"lags must be several whole numbers, not {shown(lags)}")
     chosen = range(number // 2 + 1) if lags is None else [whole("a lag", lag) for lag in lags]
     for lag in chosen:
         if not 0 <= lag < number:

@@ -620,7 +620,7 @@ def as_walls(given: Wall | Iterable[Wall], dimension: int) -> tuple[Wall, ...]:
     lacking = ("Cylinder", "Cone") if dimension == 2 else ("Segment", "PolygonWall")
     names = ", ".join(name for name in SHAPES if name not in lacking)
     try:
-        several = (given,) if isinstance(given, Wall) else tuple(given)
+        several = (given,) if isinstance(given, Wall | str) else tuple(given)
     except TypeError:
         raise ParameterError(
             f"walls must be one or several of {names}, not {shown(given)}"

@@ -105,7 +105,7 @@ def test_folders_that_cannot_be_written(folder: str, state: ld.State) -> None:
 
 def test_a_simulation_outlives_a_restart_that_is_refused(jammed: ld.Packing) -> None:
     with ld.Simulation(jammed, Ring(kA=[1.0, 2.0])) as sim:
-        for wrong in (None, ld.bidisperse(4, fraction_large=0.0, seed=1).replace(species=[0] * 4)):
+        for wrong in (None, ld.bidisperse(4, fraction_large=0.0, seed=1).replace(species=range(4))):
             with pytest.raises(ld.ParameterError):
                 sim.reset(wrong)
         assert sim.state().packing.phi == pytest.approx(jammed.phi)

@@ -44,7 +44,7 @@ def test_numbers_of_beads_are_whole_and_three_or_more() -> None:
         [50, [1]],
         [],
     ):
-        with refused("whole number of beads, at least 3, not"):
+        with refused("vertices must be whole numbers, at least 3, not"):
             ld.DeformablePolygon(number, smooth=False)  # type: ignore[arg-type]
 
 

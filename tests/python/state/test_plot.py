@@ -52,6 +52,17 @@ def test_broken_trajectories_are_named(
         list(ld.Run(tmp_path))
 
 
+@pytest.mark.parametrize("title", ["many words that go on " * 6, "oneword" * 12, r"$\phi$ = 0.8"])
+def test_a_title_is_within_the_picture(title: str, state: ld.State) -> None:
+    for axes in (state.plot(title=title), ld.crystal("fcc", 1, phi=0.3).plot(title=title)):
+        figure = axes.figure
+        figure.draw_without_rendering()
+        place, whole = axes.title.get_window_extent(), figure.bbox
+        assert whole.x0 <= place.x0 < place.x1 <= whole.x1
+        assert place.y1 <= whole.y1
+        assert axes.get_title().split() == title.split()
+
+
 def test_shape_parameter(state: ld.State) -> None:
     # a circle has the least perimeter
     assert state.shape_parameter.min() >= 1.0 - 4 * np.finfo(float).eps

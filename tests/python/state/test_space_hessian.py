@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from lammps_deformable import Droplet, Packing, State
 from ranks import python
+from refusals import refused
 
 from validation.finite_strain import bulk_modulus, shear_modulus
 
@@ -146,8 +147,15 @@ def test_modes_and_zero_modes(rest: State) -> None:
         np.sort(np.append(every.stiffness, np.zeros(number))), abs=1e-11 * every.stiffness[-1]
     )
     assert (every.participation <= 1.0).all()
-    with pytest.raises(ld.ParameterError, match="plane"):
-        every.plot(0)
+    ax = few.plot(0, view=(90, -90))  # from above: x to the right
+    arrows = ax.collections[-1]
+    longest = np.linalg.norm(few.vectors[0], axis=1).max()
+    order = np.argsort(rest.packing.positions[:, 2], kind="stable")
+    drawn = np.hypot(arrows.U, arrows.V) / (2.0 * rest.packing.radii.mean())
+    expected = np.hypot(*few.vectors[0, order, :2].T) / longest
+    assert np.sort(drawn) == pytest.approx(np.sort(expected))
+    with refused("view must be elevation and azimuth"):
+        few.plot(0, view=3)
 
 
 def test_rattlers_are_left_out() -> None:
