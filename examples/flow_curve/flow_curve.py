@@ -38,7 +38,8 @@ STEP = 0.01  # strain between states
 
 def prepare(number):
     """A packing at rest."""
-    jammed = ld.jam(ld.bidisperse(number, sizes=RADII, seed=1), DROPLETS, pressure=1e-4).packing
+    loose = ld.bidisperse(number, sizes=RADII, seed=1)
+    jammed = ld.jam(loose, DROPLETS, pressure=1e-4 / R0).packing
     with ld.Simulation(jammed.at(PHI), DROPLETS) as sim:
         return sim.relax(1e-4)
 

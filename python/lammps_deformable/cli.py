@@ -335,12 +335,13 @@ def jam_command(
     number: Number = 128,
     seed: Seed = 1,
     pressure: Annotated[
-        float,
-        Option(
-            help="Pressure at the onset, between this and twice this, in natural units: kA R0^2 "
-            "with the mean radius R0, of droplets tension/R0."
+        float | None,
+        unset(
+            "Pressure at the onset, between this and twice this [energy/length^2, "
+            "energy/length^3]. 1e-6 of the unit of the law if not given: kA R0^2 with the mean "
+            "radius R0, of droplets tension/R0."
         ),
-    ] = 1e-6,
+    ] = None,
     out: Out = "jam",
     overwrite: Overwrite = False,
 ) -> None:

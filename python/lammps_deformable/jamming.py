@@ -95,8 +95,14 @@ _STEPS, _SETTLED = 200_000, 0.01
 # number, here of a packing in so many dimensions, doubles each time.
 _PATIENCE, _LONGEST, _BACK = {2: 1000, 3: 16_000}, 30_000, 4
 
+# Threshold that is usual, and the highest one, over the natural pressure.
+_USUAL, _HIGHEST = 1e-6, 0.1
+
 # The pressure of the packing lies between the threshold and twice that.
 _ABOVE = 1.4
+
+# About phi at the onset, in so many dimensions, where radii that grow end.
+_JAMS = {2: 0.84, 3: 0.64}
 
 # Factors of the tolerance in stages of a relaxation. The energy only falls: a packing that is loose
 # after one stage needs no other one. This saves time, because forces fall slowly.
@@ -120,7 +126,7 @@ def jam(
     packing: Packing,
     law: Jamming | None = None,
     *,
-    pressure: float = 1e-6,
+    pressure: float | None = None,
     free: str = "iso",
     grow: bool = False,
     tolerance: float = 1e-3,
@@ -149,10 +155,11 @@ def jam(
             walls, which are scaled with the box; particles may overlap.
         law: contact law, in three dimensions `Droplet`; if not given soft disks or spheres,
             `SoftContact()`.
-        pressure: threshold of rigidity in natural units, with the mean radius R0: k of soft disks,
-            k/(2 R0) of spheres, kA R0^2 of rings that conserve their perimeter, kP of those that
-            conserve their area, tension/R0 of droplets. The distance to the onset depends on the
-            law: p ~ phi - phi_J for disks, p ~ (phi - phi_J)^3 for rings.
+        pressure: threshold of rigidity [energy/length^d]; by default 1e-6 of the unit of the law,
+            and at most a tenth of it. With the mean radius R0 this is k of soft disks, k/(2 R0) of
+            spheres, kA R0^2 of rings that conserve their perimeter, kP of those that conserve their
+            area, tension/R0 of droplets. The distance to the onset depends on the law: p ~ phi -
+            phi_J for disks, p ~ (phi - phi_J)^3 for rings.
         free: what is free beside the centers. With its size alone, `iso`, a box keeps a shear
             stress, and many packings would yield if its shape were free. With the shape, `tri`, or
             both lengths, `aniso`, the stress is `pressure` in all free directions, to 1e-6, and the
@@ -177,8 +184,9 @@ def jam(
         StalledWarning: relaxations stalled, as with the sector law.
 
     Raises:
-        ParameterError: the start is rigid already, a value is out of range, or particles stick;
-            or the box of walls has no free shape, or shall stay and change.
+        ParameterError: the start is rigid already, a value is out of range, as a pressure far
+            above an onset, or particles stick; or the box of walls has no free shape, or shall stay
+            and change.
 
     Source: O'Hern, Silbert, Liu, Nagel, Phys. Rev. E 68, 011306 (2003); stable against shear:
     Dagois-Bohy et al., Phys. Rev. Lett. 109, 095703 (2012).
@@ -191,11 +199,20 @@ def jam(
         check_dimension(law, packing.dimension)
         if not isinstance(law, Droplet):
             refuse_adhesion(law, packing.walls, ", whose packings have no pressure at an onset")
-    positive("pressure", pressure)
+    if pressure is not None:
+        pressure = positive("pressure", pressure)
     positive("step", step)
     positive("tolerance", tolerance)
-    check_free(free, packing.walls, pressure, law)
     expect("grow", grow, bool)
+    sized = packing.at(_JAMS[packing.dimension], grow=True) if grow else packing
+    unit = natural_pressure(sized, law)
+    pressure = _USUAL * unit if pressure is None else pressure
+    check_free(free, packing.walls, pressure, law)
+    if pressure > _HIGHEST * unit:
+        raise ParameterError(
+            f"pressure = {pressure:g} is far above an onset: {law!r} has the unit {unit:.3g} of "
+            f"pressure at these radii, so take a small part of it, by default {_USUAL * unit:.3g}"
+        )
     if grow and free != "iso":
         raise ParameterError(
             f"grow=True keeps the box, and free='{free}' changes it: leave out one"
@@ -208,12 +225,12 @@ def jam(
             watch.begin(f"free shape at {pressure:.1e}")
             state = stabilized(start, law, pressure, tolerance, free, comm, watch.tell)
         elif isinstance(law, SoftContact):
-            threshold = _ABOVE * pressure * natural_pressure(packing, SoftContact())
+            threshold = _ABOVE * pressure / unit * natural_pressure(packing, SoftContact())
             disks = _jammed_disks(packing, threshold, step, tolerance / _ABOVE, watch, comm)
             jammed = _grown(disks.packing, packing) if grow else disks.packing
             state = soft_state(jammed, law, disks.residual, disks.converged)
         else:
-            excess = excess_phi(_ABOVE * pressure, packing, law)
+            excess = excess_phi(_ABOVE * pressure / unit, packing, law)
             soft = SoftContact()
             near = pressure_above_onset(excess, packing, soft) * natural_pressure(packing, soft)
             start = _jammed_disks(packing, near, step, _PART, watch, comm).packing
@@ -329,20 +346,20 @@ def _jammed_particles(
     where phi has gone too far, the next step is at most half as long, otherwise at most twice as
     long. A packing that is still loose after a step gets one twice as long, up to 0.0025.
     """
-    target, longest, last = excess_phi(_ABOVE * pressure, packing, law), np.inf, 0.0
-    stalls = 0
+    longest, last, stalls = np.inf, 0.0, 0
     watch.begin(f"particles to {pressure:.1e}")
     while True:
         unit = natural_pressure(packing, law)
-        state = _relaxed(packing, law, pressure * unit, tolerance, comm)
-        found = state.pressure / unit
+        state = _relaxed(packing, law, pressure, tolerance, comm)
+        found = state.pressure
         watch.tell(1, state.phi, found, state.residual)
         rigid = found > pressure
         stalls = stalls + 1 if not state.converged else 0
         at_rest = rigid and state.converged
         if stalls == _STALLS or (at_rest and (found <= 2.0 * pressure or longest < _SMALLEST_STEP)):
             return state
-        change = target - excess_phi(found, packing, law)
+        target = excess_phi(_ABOVE * pressure / unit, packing, law)
+        change = target - excess_phi(found / unit, packing, law)
         if last:
             longest = abs(last) * (2.0 if change * last > 0.0 else 0.5)
         if found < _NOTHING * pressure:
@@ -406,20 +423,21 @@ def stabilized(
     Args:
         packing: jammed, or nearly.
         law: of the particles.
-        pressure: in natural units.
+        pressure: of the packing [energy/length^d].
         tolerance: of the relaxation at this pressure; at most that of `relax` is taken.
         free: what is free, see `Simulation.relax`.
         comm: ranks that share the relaxation of deformable particles.
-        report: called after each relaxation, with the pressure in natural units.
+        report: called after each relaxation.
     """
-    target, unit = excess_phi(pressure, packing, law), natural_pressure(packing, law)
+    unit = natural_pressure(packing, law)
+    target = excess_phi(pressure / unit, packing, law)
     sim = Simulation(packing, law, comm=comm or MPI.COMM_SELF)
     excess = max(target, _FAR)
     with sim, collected(UnjammedWarning):  # of the start, before it is compressed
         while excess > target:
             state = sim.relax(pressure=pressure_above_onset(excess, packing, law) * unit, free=free)
-            report(1, state.phi, state.pressure / unit, state.residual)
+            report(1, state.phi, state.pressure, state.residual)
             excess = max(_NEARER * excess, target)
-        state = sim.relax(min(tolerance, TOLERANCE), pressure=pressure * unit, free=free)
-        report(1, state.phi, state.pressure / unit, state.residual)
+        state = sim.relax(min(tolerance, TOLERANCE), pressure=pressure, free=free)
+        report(1, state.phi, state.pressure, state.residual)
         return state

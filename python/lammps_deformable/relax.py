@@ -303,8 +303,8 @@ class Iteration(NamedTuple):
         iterations: of the minimizer so far in this call; `jam` counts those of soft disks by
             twenties, and relaxations of particles.
         phi: packing fraction.
-        pressure: of the packing [energy/length^2]; in `jam` in units of its `pressure`, those of
-            soft disks while it compresses these.
+        pressure: of the packing [energy/length^d]; while `jam` compresses soft disks, that of disks
+            with k = 1.
         residual: largest force on a particle over the mean contact force, or about that.
         root: whether this process should print and write, as that of a state.
     """

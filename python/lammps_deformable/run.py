@@ -580,7 +580,8 @@ class Run(Sequence[Any]):
 
         Contacts and, without a period, relaxed forces are balanced up to a part epsilon of the
         largest or mean contact force. With |F_c| and d_c of the contacts and the room V the error
-        of the stress is about epsilon sum |F_c| d_c/(d V), in errors divided by the strain.
+        of the stress is about epsilon sum |F_c| d_c/(d V), in errors divided by the strain. Time
+        steps dt of a period T change G' and G'' by at most pi G'' dt/T, which is in the errors too.
 
         Args:
             skip: number of cycles at the start that do not count, in which the response settles.

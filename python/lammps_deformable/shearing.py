@@ -139,7 +139,7 @@ def _flow(
     rate: float,
     duration: float,
     strains: Sequence[float | None],
-    course: Callable[[float], str],
+    course: Callable[[float, float], str],
     of_noise: int,
     done: int,
     before: Any,
@@ -152,8 +152,8 @@ def _flow(
         rate: the largest one of the flow [1/time].
         duration: from a state to the next one [time].
         strains: of all states; None where the box tells it.
-        course: commands for a run that begins so long after the first one, of which the last is a
-            `flow_command`.
+        course: commands for a run that begins so long after the first one, and takes so long, of
+            which the last is a `flow_command`.
         of_noise: seed of the noise.
         done: number of states before.
         before: the last state; None if it is not known.
@@ -167,10 +167,11 @@ def _flow(
         limit = min(dynamics.limit, _OF_A_STEP / rate)
         dynamics = replace(dynamics, drive=dynamics.drive + drag, limit=limit)
         pieces = math.ceil(rate * duration / _OF_A_PIECE)
+        each = duration / pieces
         for n in range(done, len(strains)):
             for k in range(pieces):
                 begin = duration * (n + k / pieces)
-                state = _piece(sim, dynamics, duration / pieces, course(begin), state)
+                state = _piece(sim, dynamics, each, course(begin, each), state)
             strain = strains[n]
             if strain is not None:
                 sim.shear_strain = strain
@@ -281,7 +282,7 @@ def _sheared_states(
         _flow_begins(sim, along)
         before = None
     yield from _flow(
-        sim, dynamics, rate, duration, strains, lambda _: course, of_noise, done, before
+        sim, dynamics, rate, duration, strains, lambda *_: course, of_noise, done, before
     )
 
 
@@ -322,12 +323,16 @@ def sheared_state(sim: Any, by: float, strain: float, tolerance: float | None) -
 # States of a cycle at least: with three, the first harmonic is not told from a constant and others.
 _FEWEST = 8
 
-# Time steps of a cycle at least: the stress lags behind the strain by half a step.
+# Time steps of a cycle at least, as their error is a part pi/steps of G'', see `harmonic`.
 _STEPS = 4000
 
-# Displacement of the upper side of the box since the begin of a run, and its rate, for LAMMPS.
+# Displacement of the upper side of the box since the begin of a run, and its rate, for LAMMPS. Fix
+# deform moves the box after the forces of a step, which would lag behind it: so it is one step
+# ahead, but not at the end. The second step makes up for the first one, whose forces still lag.
 _COURSE = """
-variable deformable_phase equal {omega!r}*({begin!r}+elapsed*dt)
+variable deformable_ahead equal (elapsed+1+(elapsed==1))*dt
+variable deformable_time equal ternary(v_deformable_ahead<{end!r},v_deformable_ahead,{end!r})
+variable deformable_phase equal {omega!r}*({begin!r}+v_deformable_time)
 variable deformable_tilt equal {width!r}*(sin(v_deformable_phase)-{shift!r})
 variable deformable_rate equal {width!r}*{omega!r}*cos(v_deformable_phase)
 variable deformable_tilt_z equal {part!r}*v_deformable_tilt
@@ -386,8 +391,8 @@ def _step(strain: float, steps: int) -> float:
     return 2.0 * math.pi * strain / steps
 
 
-def _course(omega: float, width: float, part: float) -> Callable[[float], str]:
-    """Commands for a run that begins so long after the start: by width sin(omega t).
+def _course(omega: float, width: float, part: float) -> Callable[[float, float], str]:
+    """Commands for a run that begins so long after the start, and its length: width sin(omega t).
 
     Args:
         omega: of the strain [1/time].
@@ -396,9 +401,9 @@ def _course(omega: float, width: float, part: float) -> Callable[[float], str]:
     """
     xz = "variable v_deformable_tilt_z v_deformable_rate_z" if part else ""
 
-    def commands(begin: float) -> str:
-        shift = math.sin(omega * begin)
-        variables = _COURSE.format(omega=omega, begin=begin, shift=shift, width=width, part=part)
+    def commands(begin: float, duration: float) -> str:
+        values = {"begin": begin, "end": duration, "shift": math.sin(omega * begin)}
+        variables = _COURSE.format(omega=omega, width=width, part=part, **values)
         return variables + flow_command("variable v_deformable_tilt v_deformable_rate", xz)
 
     return commands
@@ -412,7 +417,7 @@ class DynamicModulus:
         storage: G', in phase with the strain [energy/length^d].
         loss: G'', in phase with the rate [energy/length^d].
         storage_error: standard error of the mean of G' over cycles, and what forces that are not
-            balanced may add [energy/length^d].
+            balanced, and time steps, may add [energy/length^d].
         loss_error: the same of G'' [energy/length^d].
         harmonics: amplitude of the stress that is none of this, over that which is: noise, and
             higher harmonics where the response is not linear.
@@ -423,6 +428,20 @@ class DynamicModulus:
     storage_error: float
     loss_error: float
     harmonics: float
+
+
+def _of_steps(settings: Mapping[str, Any]) -> float:
+    """Error of G' and of G'' by time steps, over G'', at most.
+
+    Euler's method has (exp(i omega dt) - 1)/dt in place of i omega, that is a change of it by
+    -omega^2 dt/2. Modes that relax at rates k take w/(k + i omega) from the affine modulus, which
+    changes by at most omega dt/2 of their part w omega/(k^2 + omega^2) of G''.
+    """
+    period = settings["period"]
+    if period == math.inf:
+        return 0.0
+    longest = min(settings["timestep"] or period / _STEPS, period / settings["steps"])
+    return math.pi * longest / period
 
 
 def harmonic(run: Run, skip: int) -> DynamicModulus:
@@ -458,7 +477,7 @@ def harmonic(run: Run, skip: int) -> DynamicModulus:
     rest -= strain * (np.outer(storage, np.sin(phase)) + np.outer(loss, np.cos(phase)))
     size = strain * np.sqrt(np.mean(storage**2 + loss**2) / 2.0)
     scatter = np.std([storage, loss], axis=1, ddof=1) / np.sqrt(cycles)
-    storage_error, loss_error = np.hypot(scatter, bound)
+    storage_error, loss_error = np.hypot(scatter, bound + _of_steps(settings) * abs(loss.mean()))
     return DynamicModulus(
         float(storage.mean()),
         float(loss.mean()),
@@ -524,7 +543,7 @@ def _crept(
         fastest,
         settings["time"] / steps,
         unknown,
-        lambda _: course,
+        lambda *_: course,
         of_noise,
         done,
         before,

@@ -137,7 +137,7 @@ def test_protocols(sim, packing, examples):
             packing.at,
             lambda value: sim.relax(0.0 if value is None else value),  # None: that of the law
             lambda _: sim.deform(no_box),
-            lambda value: ld.jam(packing, pressure=value).packing,
+            lambda value: ld.jam(packing, pressure=0.0 if value is None else value).packing,
             lambda value: ld.jam(packing, step=value).packing,
             lambda value: sim.compress(strain=0.1, steps=value),
         ):

@@ -118,8 +118,9 @@ def measure(
         warnings.simplefilter("ignore", UnjammedWarning)
         warnings.simplefilter("always", StalledWarning)
         start = bidisperse(number, dimension=dimension_of(law), seed=seed)
+        threshold = onset_pressure * natural_pressure(start, settings)
         packing = jam(
-            start, settings, pressure=onset_pressure, tolerance=TOLERANCE
+            start, settings, pressure=threshold, tolerance=TOLERANCE
         ).packing  # counts contacts
         stalled = any(issubclass(warning.category, StalledWarning) for warning in caught)
         with Simulation(packing, settings, comm=MPI.COMM_SELF) as sim:

@@ -69,11 +69,7 @@ def test_onset_is_isostatic_and_at_its_pressure(
         warnings.simplefilter("error")
         jammed = ld.jam(packing, law, pressure=pressure, tolerance=1e-6).packing
     state = onset(jammed, law)
-    assert (
-        pressure
-        < state.pressure / natural_pressure(jammed, law or ld.SoftContact())
-        <= 2.0 * pressure
-    )
+    assert pressure < state.pressure <= 2.0 * pressure
     # disks are relaxed to 1e-6 of the threshold; rounding of the box length moves them a little
     assert state.residual <= 1.5e-6
     held = int(np.sum(~state.rattlers))
@@ -109,6 +105,30 @@ def test_natural_pressure() -> None:
         assert natural_pressure(packing, law or ld.SoftContact()) == pytest.approx(unit)
     small = ld.bidisperse(4, sizes=(0.25, 0.75), seed=1)
     assert natural_pressure(small, ld.Ring(kA=3.0)) == pytest.approx(0.75)
+
+
+@pytest.mark.parametrize(
+    ("dimension", "law"),
+    [
+        (2, ld.SoftContact(k=8.0)),
+        (2, ld.Ring(kA=8.0)),
+        (2, ld.Ring(kA=np.inf, kP=0.0, tension=8.0)),
+        (3, ld.SoftContact(k=8.0)),
+        (3, ld.Droplet(8.0)),
+    ],
+    ids=str,
+)
+@pytest.mark.parametrize("grow", [False, True])
+def test_the_pressure_has_the_unit_of_all_pressures(dimension: int, law: Any, grow: bool) -> None:
+    """Energy/length^d, at any radii; and 1e-6 of the natural one if it is not given."""
+    sizes = (0.05, 0.06) if grow else (0.25, 0.3)
+    start = ld.bidisperse(12, sizes=sizes, phi=0.3, dimension=dimension, seed=1)
+    unit = natural_pressure(start.at({2: 0.84, 3: 0.64}[dimension], grow=grow), law)
+    for pressure, given in ((1e-5 * unit, {"pressure": 1e-5 * unit}), (1e-6 * unit, {})):
+        jammed = ld.jam(start, law, grow=grow, tolerance=1e-2, **given)
+        assert pressure * (1.0 - 1e-3) <= jammed.pressure <= 2.0 * pressure
+    with pytest.raises(ld.ParameterError, match=r"pressure = .* is far above an onset: .* default"):
+        ld.jam(start, law, grow=grow, pressure=unit)
 
 
 def test_sector_warns_that_it_has_no_onset() -> None:
@@ -154,7 +174,7 @@ def test_loose_particles_climb_in_growing_steps(
     monkeypatch.setattr(jamming, "_relaxed", relaxed)
     monkeypatch.setattr(jamming, "_jammed_disks", lambda *_: SimpleNamespace(packing=packing))
     law = ld.Ring(kA=np.inf, kP=0.0, tension=1.0)
-    jammed = ld.jam(packing, law, pressure=1e-6).packing
+    jammed = ld.jam(packing, law).packing
     assert 1e-6 < jammed.phi - 0.8 - way <= 2e-6
     assert len(seen) <= 1 + steps + 2
     assert np.diff(seen).max() < 0.0025 * (1.0 + 1e-9)

@@ -1,6 +1,7 @@
 """Oscillatory shear against linear response with a drag on the centers."""
 
 import math
+from typing import Any
 
 import lammps_deformable as ld
 import numpy as np
@@ -10,8 +11,8 @@ from refusals import refused
 
 STRAIN, FRICTION = 1e-5, 2.0
 
-# Explicit steps delay the motion of the centers by half a step, pi/4000 of the phase, and strains
-# of 1e-5 change contacts of indentations of 1e-2 by 1e-3 of themselves.
+# Euler's steps change G'' by pi/4000, and strains of 1e-5 change contacts of indentations of 1e-2
+# by 1e-3 of themselves.
 ACCURACY = 2e-3
 
 
@@ -112,6 +113,18 @@ def test_small_strains(strain: float) -> None:
     assert found.loss_error < 1e-2 * expected.imag
     assert found.storage == pytest.approx(expected.real, abs=3.0 * found.storage_error)
     assert found.loss == pytest.approx(expected.imag, abs=3.0 * found.loss_error)
+
+
+@pytest.mark.parametrize("steps", [8, 40])
+def test_the_error_of_long_time_steps_is_known(rest: ld.State, steps: int) -> None:
+    """And is pi dt/T of G'' at most: forces do not lag behind the box by a step."""
+    period = 40.0
+    expected = complex(rest.complex_modulus(2.0 * math.pi / period, FRICTION))
+    how: dict[str, Any] = {"drag": FRICTION, "timestep": period / 400}
+    found = dynamic_modulus(rest, 1e-6, period, cycles=2, skip=3, steps=steps, **how)
+    assert found.storage == pytest.approx(expected.real, abs=found.storage_error)
+    assert found.loss == pytest.approx(expected.imag, abs=found.loss_error)
+    assert found.loss_error == pytest.approx(math.pi / 400 * expected.imag, rel=0.2)
 
 
 @pytest.mark.parametrize(
