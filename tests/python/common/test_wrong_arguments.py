@@ -28,6 +28,9 @@ MEANT = {
 # Results, which a user does not make, and methods that are those of a list.
 LEFT_OUT = {"Run.count", "Run.index", "Simulation.close", "State"}
 
+# Calls that take seconds, or load a library that does.
+SLOW = {"compare", "Run.movie", "State.graph", "State.to_pandas"}
+
 PACKING = ld.crystal("hex", (2, 2), phi=0.93)
 LOOSE = ld.bidisperse(4, seed=1)
 
@@ -158,7 +161,13 @@ def told(error: ld.DeformableError, parameter: str, value: Any) -> bool:
 
 
 @pytest.mark.filterwarnings("ignore")
-@pytest.mark.parametrize("name", sorted(set(public()) - LEFT_OUT))
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=[pytest.mark.slow] if name in SLOW else [])
+        for name in sorted(set(public()) - LEFT_OUT)
+    ],
+)
 def test_wrong_arguments(name: str, calls: Calls, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(calls.folder)
     calls(name, calls.arguments(name))
