@@ -118,6 +118,7 @@ def wide_films(w: float) -> dict[str, Any]:
 
 STIFF = {"species": "a 0.5 inf 1.0\n", "atoms": FLOWER}
 SHAKE = "displace_atoms all random 0.02 0.02 0 1"
+ROOM = "min_style deformable/lbfgs\nminimize 0 1e-6 1000 2000\nrun 0"
 FAST = "velocity all create 1e-2 1\nfix move all nve\ntimestep 20"
 LEAVES = "velocity all set 1 0 0\nfix move all nve\ntimestep 0.01\nthermo 500"
 TUBE = {"style": "droplet", "species": DROPS, "dimension": 3, "boundary": "f f p"}
@@ -175,7 +176,7 @@ ROWS: dict[str, dict[str, Input | Callable[..., None]]] = {
     },
     "kA = inf and contacts without room": {
         "error": Input("leave no room", **STIFF),
-        "warning": Input("until there is room", go="minimize 0 1e-6 1000 2000\nrun 0", **STIFF),
+        "warning": Input("until there is room", go=ROOM, **STIFF),
     },
     "Contacts that find no balance": {
         "warning": Input("Allow more evaluations", 0.95, after=SHAKE, style="ring balance 1e-14 6"),

@@ -256,7 +256,8 @@ def test_a_run_without_room_begins_with_minimize(law):
         scene.energy()
     scene.run("min_style fire\nminimize 0 1e-6 2000 4000\nrun 0")
     scene.run("fix move all nve\nfix squeeze all deform 1 x scale 0.2 y scale 0.2 remap x")
-    with refuses("has no shape .* leave no room. Compress less"):  # not at the start of a run
+    # not at the start of a run; curved lines may find no balance before
+    with refuses("has no shape .* leave no room. Compress less|Contacts are not balanced"):
         scene.run("run 1000")
 
 
