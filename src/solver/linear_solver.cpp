@@ -18,14 +18,11 @@ void LinearSolver::conjugate_gradients(ContactBatches &batches, RemoteSides &rem
                                        const PairArrays &arrays, double norm2, double accuracy)
 {
   constexpr int MAX_ITERATIONS = 500;
-  constexpr double ROUNDING = 1e-10;    // of squares, in single precision
-  const int least = are_invalid ? LEAST : 0;
   const deformable::RingBatches rings = batches.arrays();
-  const double enough = accuracy * accuracy * norm2, nothing = ROUNDING * norm2;
+  const double enough = accuracy * accuracy * norm2;
   std::vector<double> alpha, beta;
   double conjugation = 0.0;
-  for (int iteration = 0;
-       iteration < MAX_ITERATIONS && norm2 > (iteration < least ? nothing : enough); ++iteration) {
+  for (int iteration = 0; iteration < MAX_ITERATIONS && norm2 > enough; ++iteration) {
     const double part =
         iteration == 0 ? kernels.begin(rings, arrays) : kernels.multiply(rings, conjugation);
     remote.exchange(batches.product.data());
@@ -52,7 +49,7 @@ void LinearSolver::conjugate_gradients(ContactBatches &batches, RemoteSides &rem
 
 bool LinearSolver::find_bounds(const std::vector<double> &alpha, const std::vector<double> &beta)
 {
-  constexpr int PARTS = 1024;
+  constexpr int LEAST = 5, PARTS = 1024;
   const int n = static_cast<int>(alpha.size());
   if (n < LEAST) return false;
   std::vector<double> diagonal(n), square(n, 0.0);    // square: of the element before the diagonal

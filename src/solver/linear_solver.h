@@ -54,7 +54,6 @@ class LinearSolver {
   // bounds of the eigenvalues of C, with the weights; if highest = 0, Chebyshev's iteration is not worth it
   double lowest = 0.0, highest = 0.0;
   bool are_invalid = true;
-  static constexpr int LEAST = 5;     // iterations that know them
   std::vector<double> alpha, beta;    // of each iteration
 
   void conjugate_gradients(ContactBatches &, RemoteSides &, const deformable::PairArrays &,
