@@ -85,8 +85,8 @@ def crowded(number, seed, phi):
 
 
 @pytest.mark.filterwarnings("ignore::UserWarning")
-def test_straight_where_curved_lines_lead_astray():
-    held = 0
+def test_lines_begin_straight_where_they_lead_astray():
+    """Those that may turn from there have less energy; those that are held, as much."""
     for case in CROWDED:
         found = {}
         for contact in ("balanced", "curved"):
@@ -97,7 +97,6 @@ def test_straight_where_curved_lines_lead_astray():
             assert np.isfinite([state.energy, state.pressure, *state.pressure_tensor.flat]).all()
             assert state.beyond > 0
             found[contact] = state
+        assert state.energy <= found["balanced"].energy * (1 + 1e-6)
         if limited == len(state.contacts) / 2:
-            held += 1
             assert state.energy == pytest.approx(found["balanced"].energy, rel=1e-6)
-    assert held > 0
