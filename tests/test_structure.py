@@ -1,6 +1,7 @@
 """The structure of the package: modules import each other without circles."""
 
 import ast
+import re
 import shutil
 from collections import Counter
 from collections.abc import Iterator
@@ -57,3 +58,31 @@ def test_no_rank_stops_alone() -> None:
     """What one rank finds out is refused (refusals.h), so that others do not wait for it."""
     sources = [*(ROOT / "src").rglob("*.cpp"), *(ROOT / "src").rglob("*.h")]
     assert [file.name for file in sources if "error->one" in file.read_text()] == []
+
+
+def names_in_lammps(text: str) -> set[str]:
+    """Classes and structs that a header defines in the namespace of LAMMPS."""
+    blocks = re.findall(r"^namespace LAMMPS_NS \{\n(.*?)^\}    // namespace", text, re.M | re.S)
+    names = re.findall(
+        r"^(?:class|struct|enum|using|inline \w+) (\w+)(?! *;)\b", "\n".join(blocks), re.M
+    )
+    return {name for name in names if "Deformable" not in name}
+
+
+def test_only_styles_are_in_the_namespace_of_lammps() -> None:
+    """Where packages of LAMMPS have names of their own, such as PairList."""
+    forward = {"lammps_min.h", "lammps_names.h"}  # what LAMMPS defines
+    headers = [file for file in (ROOT / "src").rglob("*.h") if file.name not in forward]
+    found = {file.name: names_in_lammps(file.read_text()) for file in headers}
+    assert {name: names for name, names in found.items() if names} == {}
+    wrong = (
+        "namespace LAMMPS_NS {\n\nclass PairList : Pointers {\n};\n\n}    // namespace LAMMPS_NS"
+    )
+    assert names_in_lammps(wrong) == {"PairList"}
+
+
+def test_guards_are_ours() -> None:
+    """LAMMPS' own begin with LMP_."""
+    headers = (ROOT / "src").rglob("*.h")
+    guards = [re.findall(r"^#ifndef (\w+)", file.read_text(), re.M)[0] for file in headers]
+    assert [guard for guard in guards if not guard.startswith("DEFORMABLE_")] == []

@@ -21,7 +21,7 @@ PAGES = sorted(path for folder in FOLDERS for path in ROOT.glob(f"{folder}/*.md"
 # Words of a page at most; of those without a number, of the guide, and of all together.
 BUDGETS = {
     "README.md": 550,
-    "ARCHITECTURE.md": 2000,
+    "ARCHITECTURE.md": 2500,
     "CHANGELOG.md": 2200,
     "benchmarks/README.md": 2010,
     "docs/theory/laws.md": 1480,
@@ -32,7 +32,7 @@ BUDGETS = {
     "docs/fix_deformable_friction.md": 1630,
     "docs/cookbook.md": 1160,
 }
-USUAL, GUIDE, ALL = 1600, 1000, 74_000
+USUAL, GUIDE, ALL = 1600, 1000, 74_600
 
 # How the code came to be is in the git log. What nobody has read is no source.
 BANNED = (

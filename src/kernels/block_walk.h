@@ -51,10 +51,7 @@ struct ContactBlock {
 
   std::vector<Contact> contacts;    // of one particle
 
-  double bytes() const
-  {
-    return LAMMPS_NS::bytes_of(particles, places, waiting, sorted, arranged, contacts);
-  }
+  double bytes() const { return bytes_of(particles, places, waiting, sorted, arranged, contacts); }
 };
 
 // The kernel of a particle, an index of BatchKernels::ring and sector; 0 if there is none. A second look may find that

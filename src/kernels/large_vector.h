@@ -17,7 +17,7 @@
 #include <sys/mman.h>
 #endif
 
-namespace LAMMPS_NS {
+namespace deformable {
 
 // Seven lines of 64 bytes from that of the last vector: 64 of them, all lines of a small page, are different.
 inline std::size_t next_shift()
@@ -77,6 +77,6 @@ template <class... Vector> double bytes_of(const Vector &...vector)
   return (static_cast<double>(vector.capacity() * sizeof(typename Vector::value_type)) + ... + 0.0);
 }
 
-}    // namespace LAMMPS_NS
+}    // namespace deformable
 
 #endif

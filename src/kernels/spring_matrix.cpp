@@ -7,7 +7,6 @@
 #include <numeric>
 
 using namespace deformable;
-using LAMMPS_NS::bytes_of;
 
 void SpringMatrix::factorize(const FrontKernels &kernels_, int dimension_, int n, const double *x,
                              const std::vector<char> &held, const std::vector<Element> &elements,

@@ -15,6 +15,7 @@
 #include <cstring>
 
 using namespace LAMMPS_NS;
+using namespace deformable;
 using namespace FixConst;
 
 FixDeformablePolygon::FixDeformablePolygon(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg)

@@ -10,8 +10,8 @@ FixStyle(deformable/polygon,FixDeformablePolygon);
 // clang-format on
 #else
 
-#ifndef LMP_FIX_DEFORMABLE_POLYGON_H
-#define LMP_FIX_DEFORMABLE_POLYGON_H
+#ifndef DEFORMABLE_FIX_DEFORMABLE_POLYGON_H
+#define DEFORMABLE_FIX_DEFORMABLE_POLYGON_H
 
 #include "fix.h"
 
@@ -43,7 +43,7 @@ class FixDeformablePolygon : public Fix {
  private:
   // Areas are signed, so that the energy stays smooth if a polygon turns inside out. The center is the mean of the
   // beads at the previous call; areas are computed relative to it.
-  struct Polygon : BeadPolygon {
+  struct Polygon : deformable::BeadPolygon {
     double rest_area = 0.0;
     std::size_t links_end = 0;
   };

@@ -13,6 +13,7 @@
 #include <cstring>
 
 using namespace LAMMPS_NS;
+using namespace deformable;
 using namespace FixConst;
 
 FixDeformableStick::FixDeformableStick(LAMMPS *lmp, int narg, char **arg)
@@ -167,8 +168,8 @@ void FixDeformableStick::add_springs(int i, double radius, const Region::Contact
 void FixDeformableStick::refuse(int i, const std::string &problem)
 {
   const double *x = atom->x[i];
-  LAMMPS_NS::refuse("Fix {} deformable/stick: atom {} at ({:.6g}, {:.6g}) {}", id, atom->tag[i],
-                    x[0], x[1], problem);
+  deformable::refuse("Fix {} deformable/stick: atom {} at ({:.6g}, {:.6g}) {}", id, atom->tag[i],
+                     x[0], x[1], problem);
 }
 
 double FixDeformableStick::compute_scalar()

@@ -9,8 +9,8 @@ FixStyle(deformable/stick,FixDeformableStick);
 // clang-format on
 #else
 
-#ifndef LMP_FIX_DEFORMABLE_STICK_H
-#define LMP_FIX_DEFORMABLE_STICK_H
+#ifndef DEFORMABLE_FIX_DEFORMABLE_STICK_H
+#define DEFORMABLE_FIX_DEFORMABLE_STICK_H
 
 #include "styles/memory/fix_memory.h"
 
@@ -20,7 +20,7 @@ FixStyle(deformable/stick,FixDeformableStick);
 #include <string>
 #include <vector>
 
-namespace LAMMPS_NS {
+namespace deformable {
 
 struct Anchor {
   double face = -1.0;         // Region::Contact::iwall; -1: none
@@ -28,7 +28,11 @@ struct Anchor {
 };
 using Anchors = std::array<Anchor, 2>;    // a corner has two faces
 
-class FixDeformableStick : public FixMemory<Anchors> {
+}    // namespace deformable
+
+namespace LAMMPS_NS {
+
+class FixDeformableStick : public deformable::FixMemory<deformable::Anchors> {
  public:
   FixDeformableStick(class LAMMPS *, int, char **);
 
@@ -50,8 +54,9 @@ class FixDeformableStick : public FixMemory<Anchors> {
   double energy = 0.0;
   double on_wall[2] = {0.0, 0.0};
 
-  Anchors find_anchors(int i);
-  void add_springs(int i, double radius, const Region::Contact &face, const Anchor &anchor);
+  deformable::Anchors find_anchors(int i);
+  void add_springs(int i, double radius, const Region::Contact &face,
+                   const deformable::Anchor &anchor);
   [[noreturn]] void refuse(int i, const std::string &problem);
 };
 

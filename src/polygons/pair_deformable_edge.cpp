@@ -17,8 +17,7 @@
 #include <cmath>
 
 using namespace LAMMPS_NS;
-using deformable::EdgeContact;
-using deformable::Repulsion;
+using namespace deformable;
 
 namespace {
 
@@ -218,7 +217,7 @@ template <bool TALLY> void PairDeformableEdge::add_contacts()
     const double *v = x[at.begin];
     const double px = x[at.vertex][0] - v[0], py = x[at.vertex][1] - v[1];
     const double ex = x[at.end][0] - v[0], ey = x[at.end][1] - v[1];
-    if (!deformable::edge_contact(px, py, ex, ey, phi[at.types], contact)) continue;
+    if (!edge_contact(px, py, ex, ey, phi[at.types], contact)) continue;
     energy += contact.energy;
     f[at.vertex][0] += contact.vertex_x;
     f[at.vertex][1] += contact.vertex_y;

@@ -8,8 +8,8 @@ PairStyle(deformable/edge,PairDeformableEdge);
 // clang-format on
 #else
 
-#ifndef LMP_PAIR_DEFORMABLE_EDGE_H
-#define LMP_PAIR_DEFORMABLE_EDGE_H
+#ifndef DEFORMABLE_PAIR_DEFORMABLE_EDGE_H
+#define DEFORMABLE_PAIR_DEFORMABLE_EDGE_H
 
 #include "pair.h"
 
@@ -43,11 +43,11 @@ class PairDeformableEdge : public Pair {
   double longest;       // l
   double **kr, **c;     // of each pair of types
   double greatest_c;    // of all of them
-  PolygonEdges edges;
-  Refusals refusals;
+  deformable::PolygonEdges edges;
+  deformable::Refusals refusals;
 
-  std::vector<VertexAndEdge> contacts;             // that may act before the next neighbor list
-  std::vector<deformable::Repulsion> repulsion;    // by VertexAndEdge::types
+  std::vector<deformable::VertexAndEdge> contacts;    // that may act before the next neighbor list
+  std::vector<deformable::Repulsion> repulsion;       // by VertexAndEdge::types
 
   bool polygons_unknown = true;
   bigint atoms_known = -1;
@@ -59,7 +59,7 @@ class PairDeformableEdge : public Pair {
   void set_ghost_cutoff();
   void take_list();
   template <bool TALLY> void add_contacts();
-  void tally(const VertexAndEdge &, double px, double py, double ex, double ey,
+  void tally(const deformable::VertexAndEdge &, double px, double py, double ex, double ey,
              const deformable::EdgeContact &);
 };
 

@@ -19,8 +19,7 @@
 #include <cmath>
 #include <limits>
 
-using namespace LAMMPS_NS;
-using deformable::Vector2;
+namespace deformable {
 
 namespace {
 
@@ -62,14 +61,14 @@ void from_to(const Domain *domain, const Bead &a, const Bead &b, double &dx, dou
 
 }    // namespace
 
-bool LAMMPS_NS::is_nearest_image(const Domain *domain, double dx, double dy)
+bool is_nearest_image(const Domain *domain, double dx, double dy)
 {
   double nearest[3] = {dx, dy, 0.0};
   minimum_image_big(domain, nearest);
   return nearest[0] == dx && nearest[1] == dy;
 }
 
-std::vector<BeadPolygon> LAMMPS_NS::find_bead_polygons(LAMMPS *lmp, const BeadSelection &selection)
+std::vector<BeadPolygon> find_bead_polygons(LAMMPS *lmp, const BeadSelection &selection)
 {
   const Atom *atom = lmp->atom;
   const Domain *domain = lmp->domain;
@@ -336,9 +335,9 @@ bool edges_cross(const Vector2 &p, const Vector2 &a, const Vector2 &b)
    of larger cutoffs.
 ------------------------------------------------------------------------- */
 
-void LAMMPS_NS::list_edge_contacts(LAMMPS *lmp, const NeighList &list, const PolygonEdges &edges,
-                                   const double *const *c, double longest, const std::string &style,
-                                   std::vector<VertexAndEdge> &found)
+void list_edge_contacts(LAMMPS *lmp, const NeighList &list, const PolygonEdges &edges,
+                        const double *const *c, double longest, const std::string &style,
+                        std::vector<VertexAndEdge> &found)
 {
   const Atom *atom = lmp->atom;
   const double *const *x = atom->x;
@@ -440,9 +439,10 @@ void check_groups(LAMMPS *lmp, const PolygonEdges &edges, const std::string &sty
 
 }    // namespace
 
-void LAMMPS_NS::check_removed_contacts(LAMMPS *lmp, const PolygonEdges &edges,
-                                       const std::string &style)
+void check_removed_contacts(LAMMPS *lmp, const PolygonEdges &edges, const std::string &style)
 {
   check_special_bonds(lmp, edges, style);
   check_groups(lmp, edges, style);
 }
+
+}    // namespace deformable

@@ -2,17 +2,17 @@
 //
 // Bead polygons: molecules whose beads have consecutive atom IDs along the polygon.
 
-#ifndef LMP_POLYGON_EDGES_H
-#define LMP_POLYGON_EDGES_H
+#ifndef DEFORMABLE_POLYGON_EDGES_H
+#define DEFORMABLE_POLYGON_EDGES_H
 
 #include "lmptype.h"
-#include "pointers.h"
+#include "styles/lammps_names.h"
 
 #include <functional>
 #include <string>
 #include <vector>
 
-namespace LAMMPS_NS {
+namespace deformable {
 
 struct BeadPolygon {
   tagint molecule, first;
@@ -30,7 +30,7 @@ struct BeadSelection {
 };
 
 // The polygons of the selected beads at present, by rising molecule ID; the same on every rank.
-std::vector<BeadPolygon> find_bead_polygons(class LAMMPS *lmp, const BeadSelection &);
+std::vector<BeadPolygon> find_bead_polygons(LAMMPS *lmp, const BeadSelection &);
 
 // Image flags as LAMMPS stores them, not negative.
 inline int image_x(imageint image)
@@ -50,7 +50,7 @@ inline int boxes_between(int from, int to)
 }
 
 // Whether no periodic image of the vector (dx, dy) is shorter.
-bool is_nearest_image(const class Domain *domain, double dx, double dy);
+bool is_nearest_image(const Domain *domain, double dx, double dy);
 
 struct RingEdge {
   int polygon;    // -1 if the vertex is in none
@@ -60,7 +60,7 @@ struct RingEdge {
 class PolygonEdges : protected Pointers {
  public:
   // style: begins the errors
-  PolygonEdges(class LAMMPS *lmp, const std::string &style) : Pointers(lmp), style(style) {}
+  PolygonEdges(LAMMPS *lmp, const std::string &style) : Pointers(lmp), style(style) {}
 
   // Before there are ghosts: refuses edges and ranges for which the box is too small. Returns its smallest width.
   double refuse_small_box(double longest, double range) const;
@@ -100,14 +100,13 @@ struct VertexAndEdge {
 
 // From the neighbor list, which has all pairs of vertices within c + longest + skin; c: of each pair of types.
 // Stops with an error if edges cross or if a successor is missing.
-void list_edge_contacts(class LAMMPS *, const class NeighList &, const PolygonEdges &,
-                        const double *const *c, double longest, const std::string &style,
-                        std::vector<VertexAndEdge> &);
+void list_edge_contacts(LAMMPS *, const NeighList &, const PolygonEdges &, const double *const *c,
+                        double longest, const std::string &style, std::vector<VertexAndEdge> &);
 
 // Stops with an error if special_bonds removes or scales contacts of different polygons, or if neigh_modify removes
 // contacts of a part of a polygon. To be called with new polygons, when they are linked.
-void check_removed_contacts(class LAMMPS *, const PolygonEdges &, const std::string &style);
+void check_removed_contacts(LAMMPS *, const PolygonEdges &, const std::string &style);
 
-}    // namespace LAMMPS_NS
+}    // namespace deformable
 
 #endif

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-using namespace LAMMPS_NS;
+namespace deformable {
 
-static constexpr int BATCHES = ContactBatches::BLOCK / deformable::LANES;
+static constexpr int BATCHES = ContactBatches::BLOCK / LANES;
 
 void BlockLevels::arrange(const ContactBatches &b, const NearPairs &pairs, const Tuning &tuning)
 {
@@ -49,7 +49,7 @@ void BlockLevels::arrange(const ContactBatches &b, const NearPairs &pairs, const
   }
 }
 
-void BlockLevels::choose(deformable::RingBatches &rings, int block) const
+void BlockLevels::choose(RingBatches &rings, int block) const
 {
   rings.begin = block * BATCHES;
   rings.end = std::min(rings.begin + BATCHES, batches);
@@ -61,3 +61,5 @@ void BlockLevels::widen(Choice &chosen) const
   for (int k = 0; k < count(); ++k)
     for (int n = first[k]; n < first[k + 1] && before[k]; ++n) chosen[neighbors[n]] = 1;
 }
+
+}    // namespace deformable

@@ -13,7 +13,7 @@
 #include <algorithm>
 #include <vector>
 
-namespace LAMMPS_NS {
+namespace deformable {
 
 class BlockLevels {
  public:
@@ -23,7 +23,7 @@ class BlockLevels {
   int count() const { return static_cast<int>(level.size()); }
 
   // begin and end of the batches of a block
-  void choose(deformable::RingBatches &, int block) const;
+  void choose(RingBatches &, int block) const;
 
   // act(begin, end, part) for the pairs whose first ring is in the block; part: 1/2 for pairs of two ranks, or 1.
   template <class Act> void for_pairs(int block, Act &&act) const
@@ -94,6 +94,6 @@ class BlockLevels {
   }
 };
 
-}    // namespace LAMMPS_NS
+}    // namespace deformable
 
 #endif

@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 
-using namespace LAMMPS_NS;
-using deformable::LANES;
+namespace deformable {
 
 void ContactBatches::arrange(const int *order, int rings, int particles, NearPairs &pairs,
                              const tagint *tags, bool has_own)
@@ -15,7 +14,7 @@ void ContactBatches::arrange(const int *order, int rings, int particles, NearPai
     if (k < pairs.remote) ++count[pairs.second(k)];
   }
   // pressures are the first guesses of the next call
-  std::vector<deformable::LoadedRing> last(particles);
+  std::vector<LoadedRing> last(particles);
   for (std::size_t ring = 0; ring < particle.size(); ++ring)
     if (particle[ring] >= 0 && particle[ring] < particles) last[particle[ring]] = loaded(ring);
   place_rings(order, rings, particles);
@@ -68,7 +67,7 @@ void ContactBatches::make_room(const NearPairs &pairs, bool has_own)
   radius.assign(rings, 1.0);
   expansion.clear();    // of rings at other places
   Members given;
-  for (int m = 0; m < deformable::MEMBERS; ++m) given[m] = !stiffness[m].empty();
+  for (int m = 0; m < MEMBERS; ++m) given[m] = !stiffness[m].empty();
   set_kind(soft, !skin.empty(), given);
 
   if (two > green.capacity()) {    // no more than needed, and no copy
@@ -129,11 +128,10 @@ void ContactBatches::set_kind(bool soft_, bool skinned, const Members &given)
   for (LargeVector<float> *v : {&mixed, &rate})
     if (v->size() != soft_rings) v->assign(soft_rings, 0.0F);
   skin.assign(skinned ? particle.size() : 0, 0.0);
-  const deformable::Stiffness empty = {1.0, 1.0};    // of lanes without a particle
-  for (int m = 0; m < deformable::MEMBERS; ++m) {
+  const Stiffness empty = {1.0, 1.0};    // of lanes without a particle
+  for (int m = 0; m < MEMBERS; ++m) {
     const std::size_t rings = given[m] ? particle.size() : 0;
-    if (stiffness[m].size() != rings)
-      stiffness[m].assign(rings, empty.*deformable::PARAMETERS[m].of_ring);
+    if (stiffness[m].size() != rings) stiffness[m].assign(rings, empty.*PARAMETERS[m].of_ring);
   }
 }
 
@@ -157,15 +155,15 @@ void ContactBatches::sort_contacts(int i, const NearPairs &pairs, const tagint *
   }
 }
 
-deformable::StiffnessArrays ContactBatches::stiffnesses() const
+StiffnessArrays ContactBatches::stiffnesses() const
 {
-  deformable::StiffnessArrays arrays = {};
-  for (int m = 0; m < deformable::MEMBERS; ++m)
-    if (!stiffness[m].empty()) arrays.*deformable::PARAMETERS[m].of_rings = stiffness[m].data();
+  StiffnessArrays arrays = {};
+  for (int m = 0; m < MEMBERS; ++m)
+    if (!stiffness[m].empty()) arrays.*PARAMETERS[m].of_rings = stiffness[m].data();
   return arrays;
 }
 
-deformable::RingBatches ContactBatches::arrays()
+RingBatches ContactBatches::arrays()
 {
   // the scratch memory of vectors begins at a multiple of their size
   constexpr std::size_t SIZE = LANES * sizeof(double);
@@ -203,3 +201,5 @@ double ContactBatches::bytes() const
                         film[3], free_radius_of, bulk_and_swell, change, per_lengths, normal[0],
                         normal[1], rate_of_slope, across, turn);
 }
+
+}    // namespace deformable

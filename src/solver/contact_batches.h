@@ -7,13 +7,14 @@
 #include "kernels/force_kernels.h"
 #include "laws/ring_forces.h"
 #include "solver/near_pairs.h"
+#include "styles/lammps_names.h"
 
 #include "lmptype.h"
 
 #include <array>
 #include <cstddef>
 
-namespace LAMMPS_NS {
+namespace deformable {
 
 struct ContactBatches {
   // rings are sorted by their numbers of contacts within blocks only
@@ -32,8 +33,8 @@ struct ContactBatches {
   LargeVector<int> particle;    // or -1
   LargeVector<double> radius, pressure, work, total, per_pressure;
   LargeVector<float> square;
-  LargeVector<double> stiffness[deformable::MEMBERS];    // empty where all rings have the default
-  LargeVector<double> skin;                              // the same
+  LargeVector<double> stiffness[MEMBERS];    // empty where all rings have the default
+  LargeVector<double> skin;                  // the same
   // empty unless rings are soft
   LargeVector<double> expansion;
   LargeVector<float> mixed, rate;
@@ -70,43 +71,34 @@ struct ContactBatches {
                bool own);
 
   // Whether some rings are soft or have a skin, and the members of Stiffness that some have; makes room for what they need.
-  using Members = std::array<bool, deformable::MEMBERS>;
+  using Members = std::array<bool, MEMBERS>;
   void set_kind(bool soft_, bool skinned, const Members &);
   // T = gamma + kP (P - P0), 0 where the perimeter is conserved
   double tension_of(int ring) const
   {
-    const deformable::Stiffness k = stiffness_of(ring);
+    const Stiffness k = stiffness_of(ring);
     return k.conserves_perimeter() ? 0.0 : k.line_tension(loaded(ring).expansion);
   }
   // q, the mean radius of curvature of the free outline
   double free_radius(std::size_t ring) const
   {
     return radius[ring] + loaded(static_cast<int>(ring)).expansion -
-           total[ring] * per_pressure[ring] * (0.5 / deformable::PI);
+           total[ring] * per_pressure[ring] * (0.5 / PI);
   }
-  deformable::Stiffness stiffness_of(int ring) const
+  Stiffness stiffness_of(int ring) const { return stiffness_at(stiffnesses(), ring); }
+  void set_stiffness(std::size_t ring, const Stiffness &k)
   {
-    return deformable::stiffness_at(stiffnesses(), ring);
+    for (int m = 0; m < MEMBERS; ++m)
+      if (!stiffness[m].empty()) stiffness[m][ring] = k.*PARAMETERS[m].of_ring;
   }
-  void set_stiffness(std::size_t ring, const deformable::Stiffness &k)
-  {
-    for (int m = 0; m < deformable::MEMBERS; ++m)
-      if (!stiffness[m].empty()) stiffness[m][ring] = k.*deformable::PARAMETERS[m].of_ring;
-  }
-  deformable::LoadedRing loaded(int ring) const
-  {
-    return {pressure[ring], soft ? expansion[ring] : 0.0};
-  }
+  LoadedRing loaded(int ring) const { return {pressure[ring], soft ? expansion[ring] : 0.0}; }
 
   // of contact m of a ring
-  int contact(int ring, int m) const
-  {
-    return first[ring / deformable::LANES] + m * deformable::LANES + ring % deformable::LANES;
-  }
+  int contact(int ring, int m) const { return first[ring / LANES] + m * LANES + ring % LANES; }
 
   int none() const { return static_cast<int>(slope.size()) - 1; }    // see CorrectionArrays
 
-  deformable::RingBatches arrays();
+  RingBatches arrays();
 
   double bytes() const;
 
@@ -115,10 +107,10 @@ struct ContactBatches {
   void place_rings(const int *order, int rings, int particles);
   void make_room(const NearPairs &, bool has_own);
   void number_contacts(NearPairs &, const tagint *tags);
-  deformable::StiffnessArrays stiffnesses() const;
+  StiffnessArrays stiffnesses() const;
   void sort_contacts(int i, const NearPairs &, const tagint *tags);
 };
 
-}    // namespace LAMMPS_NS
+}    // namespace deformable
 
 #endif

@@ -5,17 +5,14 @@
 #include <algorithm>
 #include <cmath>
 
-using namespace LAMMPS_NS;
-using deformable::LARGEST_BEND;
-using deformable::LARGEST_SINE;
-using deformable::UNKNOWN;
+namespace deformable {
 
 void CurvedLines::arrange(ContactBatches &b, NearPairs &p, RemoteSides &r)
 {
   pairs = &p;
   batches = &b;
   remote = &r;
-  const int rings = b.batches * deformable::LANES;
+  const int rings = b.batches * LANES;
   for (int k = 0; k < p.size; ++k) {
     p.ring[0][k] = b.place[p.i[k]];
     p.ring[1][k] = k < p.remote ? b.place[p.second(k)] : k < p.wall ? rings + k - p.remote : 0;
@@ -31,7 +28,7 @@ void CurvedLines::arrange(ContactBatches &b, NearPairs &p, RemoteSides &r)
 }
 
 // A pair without a past has no tilt either.
-void CurvedLines::predict(const deformable::Extrapolation &by)
+void CurvedLines::predict(const Extrapolation &by)
 {
   NearPairs &p = *pairs;
   kernels.extrapolate(p.past[TILT].arrays(), by, nullptr, next_sine.data(), 0, p.wall);
@@ -90,28 +87,28 @@ void CurvedLines::turn(int begin, int end)
   if (films) films->take(begin, end);
 }
 
-double CurvedLines::find(const deformable::PairArrays &loop, int begin, int end)
+double CurvedLines::find(const PairArrays &loop, int begin, int end)
 {
   double worst = held ? 0.0 : kernels.find_lines(loop, arrays(), begin, end);
   if (films) worst = std::max(worst, films->find(begin, end));
   return worst;
 }
 
-void CurvedLines::find_answers(const deformable::PairArrays &loop, int begin, int end)
+void CurvedLines::find_answers(const PairArrays &loop, int begin, int end)
 {
   kernels.answer(loop, arrays(), begin, std::min(end, pairs->wall));
 }
 
-void CurvedLines::settle(const deformable::PairArrays &loop, int begin, int end)
+void CurvedLines::settle(const PairArrays &loop, int begin, int end)
 {
   kernels.settle(loop, arrays(), begin, std::min(end, pairs->wall));
   turn(begin, end);
 }
 
-deformable::LineArrays CurvedLines::arrays()
+LineArrays CurvedLines::arrays()
 {
   NearPairs &p = *pairs;
-  deformable::LineArrays a;
+  LineArrays a;
   a.per_distance = p.per_distance.data();
   for (int side = 0; side < 2; ++side) a.ring[side] = p.ring[side].data();
   a.slope = batches->slope.data();
@@ -199,7 +196,7 @@ bool CurvedLines::is_held(int k) const
   };
   const double first = tension(p.ring[0][k]);
   const double weaker = k < p.wall ? std::min(first, tension(p.ring[1][k])) : first;
-  return p.adhesion[k] > deformable::LARGEST_ADHESION * weaker;
+  return p.adhesion[k] > LARGEST_ADHESION * weaker;
 }
 
 // The chords s of both sides are the same where the bend is right, and the energy is stationary with a multiplier m of
@@ -211,16 +208,18 @@ double CurvedLines::energy_left(int k) const
   if (k >= p.wall || (p.force[k] == 0.0 && !films)) return 0.0;
   const int i = p.ring[0][k], j = p.ring[1][k];
   const double f = p.force[k], u = p.bend[k], sin_b = 2.0 * u / (1.0 + u * u);
-  const deformable::ArcTerms<double> arc = deformable::arc_terms(u);
+  const ArcTerms<double> arc = arc_terms(u);
   const double Qi = batches->free_radius_of[i], Qj = batches->free_radius_of[j];
   const double press = batches->pressure[i], Li = f / press, Lj = f / batches->pressure[j];
   if (!films || p.adhesion[k] == 0.0)
     return f * (4.0 * arc.cap - u) * (0.5 * (Li - Lj) + (Qi + Qj) * sin_b);
   const double ti = p.film_angle[0][k], tj = p.film_angle[1][k], x = 1.0 + arc.excess;
-  const double si = deformable::half_chord(Li, Qi, ti, u);
-  const double sj = deformable::half_chord(Lj, Qj, tj, -u);
+  const double si = half_chord(Li, Qi, ti, u);
+  const double sj = half_chord(Lj, Qj, tj, -u);
   const double half = (ti + u) / (1.0 - ti * u), cos_a = (1.0 - half * half) / (1.0 + half * half);
   const double T = Qi * press;
   return (p.adhesion[k] * x + 8.0 * press * arc.cap * si - 2.0 * T * (x - cos_a) - f * u) *
          (si - sj);
 }
+
+}    // namespace deformable

@@ -16,19 +16,19 @@
 // that are allowed, so it has no jump there. Beyond the model the tilts may have several solutions: which one is found then
 // depends on the past. Lines of walls stay where they are.
 
-#ifndef LMP_CURVED_LINES_H
-#define LMP_CURVED_LINES_H
+#ifndef DEFORMABLE_CURVED_LINES_H
+#define DEFORMABLE_CURVED_LINES_H
 
 #include "solver/contact_batches.h"
 #include "solver/films.h"
 #include "solver/near_pairs.h"
 #include "solver/remote_sides.h"
 
-namespace LAMMPS_NS {
+namespace deformable {
 
 class CurvedLines {
  public:
-  explicit CurvedLines(const deformable::ForceKernels &kernels) : kernels(kernels) {}
+  explicit CurvedLines(const ForceKernels &kernels) : kernels(kernels) {}
 
   Films *films = nullptr;    // of adhesive contacts
 
@@ -42,7 +42,7 @@ class CurvedLines {
   void arrange(ContactBatches &, NearPairs &, RemoteSides &);    // contacts are new
 
   // The first tilts and bends of a call, from those of the last ones; of another solution of this call.
-  void predict(const deformable::Extrapolation &);
+  void predict(const Extrapolation &);
   void take_past();
 
   // Lines of pairs that are straight yet take them.
@@ -54,9 +54,9 @@ class CurvedLines {
 
   // Stages of a sweep, see DualSolver, of some pairs: the imbalance of their lines, a force; how they answer outlines; and the
   // next tilts, bends and films.
-  double find(const deformable::PairArrays &, int begin, int end);
-  void find_answers(const deformable::PairArrays &, int begin, int end);
-  void settle(const deformable::PairArrays &, int begin, int end);
+  double find(const PairArrays &, int begin, int end);
+  void find_answers(const PairArrays &, int begin, int end);
+  void settle(const PairArrays &, int begin, int end);
 
   // Steps become shorter where imbalances do not fall, and longer again where they do.
   void adapt(double imbalance);
@@ -66,7 +66,7 @@ class CurvedLines {
   void exchange_answers();
   void forget_answers();
 
-  deformable::LineArrays arrays();
+  LineArrays arrays();
 
   void remember();         // for the next call
   void count_limited();    // see `limited`
@@ -81,7 +81,7 @@ class CurvedLines {
   }
 
  private:
-  const deformable::ForceKernels &kernels;
+  const ForceKernels &kernels;
   NearPairs *pairs = nullptr;
   ContactBatches *batches = nullptr;
   RemoteSides *remote = nullptr;
@@ -92,6 +92,6 @@ class CurvedLines {
   void turn(int begin, int end);
 };
 
-}    // namespace LAMMPS_NS
+}    // namespace deformable
 
 #endif

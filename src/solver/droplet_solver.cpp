@@ -7,8 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-using namespace LAMMPS_NS;
-using namespace deformable;
+namespace deformable {
 
 // The bulge of a droplet that no solution has seen, as if facets bore four times half of the overlap as their force.
 static constexpr double BULGE_PER_OVERLAP = BULGE_PER_LOAD * 2.0 / (8.0 * PI);
@@ -175,3 +174,5 @@ double DropletSolver::memory_usage() const
                   damping, taken, green, green2, d_green, normals[0], normals[1], normals[2],
                   facets[0], facets[1], facets[2], torques[0], torques[1], torques[2]);
 }
+
+}    // namespace deformable

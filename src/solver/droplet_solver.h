@@ -1,18 +1,18 @@
 // Droplets in space: the law of DualSolver with W of droplet.h.
 
-#ifndef LMP_DROPLET_SOLVER_H
-#define LMP_DROPLET_SOLVER_H
+#ifndef DEFORMABLE_DROPLET_SOLVER_H
+#define DEFORMABLE_DROPLET_SOLVER_H
 
 #include "solver/dual_solver.h"
 
 #include "kernels/force_kernels.h"
 
-namespace LAMMPS_NS {
+namespace deformable {
 
 class DropletSolver : public DualSolver {
  public:
-  DropletSolver(class LAMMPS *lmp, const deformable::ForceKernels &kernels,
-                const deformable::DropletKernels &droplets, double tolerance, int max_evaluations);
+  DropletSolver(LAMMPS *lmp, const ForceKernels &kernels, const DropletKernels &droplets,
+                double tolerance, int max_evaluations);
 
   // What a droplet bears, by its local index.
   double load(int i) const { return of_load[batches.place[i]]; }
@@ -26,13 +26,13 @@ class DropletSolver : public DualSolver {
   int pair_side(int place) const { return batches.pair_side[place]; }
   double indentation(int place) const { return batches.indentation[place]; }
   // The derivative of all works by the normal of a contact of a pair.
-  deformable::Vector3 torque(int k, int side) const
+  Vector3 torque(int k, int side) const
   {
     const int place = list.pairs.side[side][k];
     return {torques[0][place], torques[1][place], torques[2][place]};
   }
   // How the normal of a film turns against the line of centers, from the first droplet of a pair: -[(R t)_i - (R t)_j]/d.
-  deformable::Vector3 tilt(int k) const;
+  Vector3 tilt(int k) const;
 
   // Droplets beyond the model in the last solution, and its largest bulge, over the radius.
   int beyond_model = 0;
@@ -41,33 +41,33 @@ class DropletSolver : public DualSolver {
   double memory_usage() const;
 
  private:
-  const deformable::DropletKernels &droplets;
+  const DropletKernels &droplets;
   // see DropletArrays: by droplet, by contact, by two contacts
   LargeVector<double> tension, of_load, of_facet, still_work;
   LargeVector<double> film_log, per_radii, still, normals[3], force, facets[3], damping, torques[3];
   LargeVector<double> green, green2, d_green;
   LargeVector<float> taken;
 
-  deformable::DropletArrays arrays();
-  deformable::PairForces forces() const;
+  DropletArrays arrays();
+  PairForces forces() const;
   bool has_own_compliances() const override { return true; }
   void set_material(const Particles &, bool arranged) override;
-  bool shape(const deformable::RingBatches &) override;
-  bool adapt(const deformable::RingBatches &, const float *, double) override;
-  bool reshape(const deformable::RingBatches &batch, const float *, double) override
+  bool shape(const RingBatches &) override;
+  bool adapt(const RingBatches &, const float *, double) override;
+  bool reshape(const RingBatches &batch, const float *, double) override
   {
     return adapt(batch, nullptr, 0.0);
   }
   bool has_facets() const override { return true; }
-  void turn_facets(const deformable::RingBatches &) override;
+  void turn_facets(const RingBatches &) override;
   void exchange_facets() override;
-  void find_slopes(const deformable::RingBatches &) override;
+  void find_slopes(const RingBatches &) override;
   void find_films(const Particles &);
   void find_bulges(const Particles &) override;
   double energy() const override;
   void warn(const Particles &, bool) override { warn_unbalanced("deformable/droplet"); }
 };
 
-}    // namespace LAMMPS_NS
+}    // namespace deformable
 
 #endif

@@ -13,8 +13,7 @@
 #include <limits>
 #include <stdexcept>
 
-using namespace LAMMPS_NS;
-using deformable::PairArrays;
+namespace deformable {
 
 static Tuning with_environment(const Tuning &tuned, LAMMPS *lmp)
 {
@@ -25,8 +24,8 @@ static Tuning with_environment(const Tuning &tuned, LAMMPS *lmp)
   }
 }
 
-DualSolver::DualSolver(LAMMPS *lmp, const deformable::ForceKernels &kernels, bool in_space,
-                       bool curved, double bulge_per_overlap, double most_bulge, double tolerance,
+DualSolver::DualSolver(LAMMPS *lmp, const ForceKernels &kernels, bool in_space, bool curved,
+                       double bulge_per_overlap, double most_bulge, double tolerance,
                        int max_evaluations, const Tuning &tuned)
     : Pointers(lmp),
       tolerance(tolerance),
@@ -220,12 +219,12 @@ void DualSolver::predict()
   const double smooth = std::isfinite(small) ? tuning.smooth * small : 0.0;
   batches.scale = p.scale;
   batches.length = p.length;
-  deformable::Extrapolation by = {slope,
-                                  bend,
-                                  is_cubic ? 1.0 : 0.0,
-                                  is_cubic ? smooth : std::numeric_limits<double>::infinity(),
-                                  p.unit(),
-                                  0.0};
+  Extrapolation by = {slope,
+                      bend,
+                      is_cubic ? 1.0 : 0.0,
+                      is_cubic ? smooth : std::numeric_limits<double>::infinity(),
+                      p.unit(),
+                      0.0};
   kernels.extrapolate(p.past[FORCE].arrays(), by, p.least.empty() ? nullptr : p.least.data(),
                       p.force.data(), 0, p.size);
   if (lines) {
@@ -247,9 +246,7 @@ void DualSolver::take_past()
   const PairArrays a = arrays();
   const LargeVector<double> &past = list.pairs.past[FORCE].last;
   for (int k = 0; k < list.pairs.size; ++k)
-    a.force[k] = past[k] == deformable::UNKNOWN
-                     ? 0.0
-                     : std::max(past[k], deformable::least_force<double>(a, k));
+    a.force[k] = past[k] == UNKNOWN ? 0.0 : std::max(past[k], least_force<double>(a, k));
   if (lines) lines->take_past();
   for (int kind = 0; kind < list.pairs.kinds(); ++kind)
     changes[kind] = list.pairs.past[kind].earlier[0];
@@ -476,7 +473,7 @@ DualSolver::Steps DualSolver::with_lines(double accuracy)
     if (solution > 0) steps.insert(steps.end(), {Stage::FOLLOW, Stage::ANSWER});
     steps.push_back(Stage::RESPOND);
     steps.back().goes_on = solution > 0;
-    const double root = std::cos(deformable::PI * (solution + 0.5) / solutions);
+    const double root = std::cos(PI * (solution + 0.5) / solutions);
     add_solution(steps, iterations, 2.0 / (high + low + (high - low) * root), true);
   }
   steps.insert(steps.end(),
@@ -591,7 +588,7 @@ void DualSolver::move(double from, double to, int begin, int end)
     const double moved = is_small    ? force + (to - from) * change * a.unit
                          : to == 0.0 ? before * a.unit
                                      : (before + to * change) * a.unit;
-    a.force[k] = std::max(moved, deformable::least_force<double>(a, k));
+    a.force[k] = std::max(moved, least_force<double>(a, k));
   }
 }
 
@@ -640,7 +637,7 @@ void DualSolver::forget()
   NearPairs &p = list.pairs;
   const auto fill = [](auto value, auto &...v) { (std::fill(v.begin(), v.end(), value), ...); };
   for (NearPairs::Past &past : p.past) {
-    fill(deformable::UNKNOWN, past.last);
+    fill(UNKNOWN, past.last);
     fill(0.0F, past.earlier[0], past.earlier[1], past.earlier[2]);
   }
 }
@@ -648,7 +645,7 @@ void DualSolver::forget()
 // The forces are past ones, outlines have slopes, and pairs push.
 void DualSolver::finish(const Push &push, double part)
 {
-  deformable::RingBatches here = batches.arrays();
+  RingBatches here = batches.arrays();
   const auto work = [&](int block, int stage) {
     blocks.choose(here, block);
     if (stage == 1 && !lines) find_slopes(here);    // those have slopes
@@ -722,8 +719,8 @@ Evaluation DualSolver::evaluate()
 Evaluation DualSolver::run(const Steps &steps, Evaluation *before,
                            const BlockLevels::Choice *chosen)
 {
-  const deformable::RingBatches rings = batches.arrays();
-  deformable::RingBatches here = rings;    // of the block that has its turn
+  const RingBatches rings = batches.arrays();
+  RingBatches here = rings;    // of the block that has its turn
   const auto corrects = [](const Step &step) {
     return step.stage == Stage::CORRECT || step.stage == Stage::RESPOND;
   };
@@ -764,8 +761,7 @@ Evaluation DualSolver::run(const Steps &steps, Evaluation *before,
   return sum_up(0, exist);
 }
 
-void DualSolver::work(const Step &now, int block, deformable::RingBatches &here, OfBlock &found,
-                      bool &exist)
+void DualSolver::work(const Step &now, int block, RingBatches &here, OfBlock &found, bool &exist)
 {
   const PairArrays loop = arrays();
   switch (now.stage) {
@@ -785,7 +781,7 @@ void DualSolver::work(const Step &now, int block, deformable::RingBatches &here,
       relaxation.relax(block, kernels, blocks, list.pairs, batches, loop);
       break;
     case Stage::RESHAPE:
-      relaxation.for_changed(here, [&](const deformable::RingBatches &changed) {
+      relaxation.for_changed(here, [&](const RingBatches &changed) {
         exist &= reshape(changed, step.data(), loop.unit);
       });
       break;
@@ -811,7 +807,7 @@ void DualSolver::work(const Step &now, int block, deformable::RingBatches &here,
   }
 }
 
-void DualSolver::OfBlock::add(const deformable::Residuals &r, double part)
+void DualSolver::OfBlock::add(const Residuals &r, double part)
 {
   error = std::max(error, r.error);
   force = std::max(force, r.force);
@@ -857,3 +853,5 @@ double DualSolver::memory_usage() const
          bytes_of(residual, weight, step, of_blocks, changes[0], changes[1], changes[2]) +
          (lines ? lines->bytes() : 0.0) + (films ? films->bytes() : 0.0);
 }
+
+}    // namespace deformable

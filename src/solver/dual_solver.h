@@ -30,10 +30,8 @@
 // what only corrects them in single precision and in units of PairArrays. RingSolver and DropletSolver say what W is; lines that
 // tilt and bend (CurvedLines) turn with each correction once forces are close to balance.
 
-#ifndef LMP_DUAL_SOLVER_H
-#define LMP_DUAL_SOLVER_H
-
-#include "pointers.h"
+#ifndef DEFORMABLE_DUAL_SOLVER_H
+#define DEFORMABLE_DUAL_SOLVER_H
 
 #include "solver/block_levels.h"
 #include "solver/contact_batches.h"
@@ -42,13 +40,14 @@
 #include "solver/pair_list.h"
 #include "solver/pair_relaxation.h"
 #include "solver/tuning.h"
+#include "styles/lammps_names.h"
 
 #include <algorithm>
 #include <functional>
 #include <memory>
 #include <vector>
 
-namespace LAMMPS_NS {
+namespace deformable {
 
 // How a solution ends; compute pair shows the number, warnings the words.
 enum class Termination { BALANCED, STUCK, NO_SHAPE, OUT_OF_EVALUATIONS };
@@ -63,7 +62,7 @@ struct Summary {
 // What is found in all particles and pairs with their present forces.
 struct Evaluation {
   double imbalance = 0.0, force = 0.0;    // the largest ones of a pair
-  double norm2 = 0.0, weights = 0.0;      // see deformable::Residuals
+  double norm2 = 0.0, weights = 0.0;      // see Residuals
   double slope = 0.0;             // of the dual energy along the last step, where that began
   bool exists = false;            // every particle has a shape
   double line_imbalance = 0.0;    // the largest one of a line, CurvedLines
@@ -108,9 +107,8 @@ class DualSolver : protected Pointers {
 
  protected:
   // See PairList for the bulges.
-  DualSolver(class LAMMPS *, const deformable::ForceKernels &, bool in_space, bool curved,
-             double bulge_per_overlap, double most_bulge, double tolerance, int max_evaluations,
-             const Tuning &tuning = {});
+  DualSolver(LAMMPS *, const ForceKernels &, bool in_space, bool curved, double bulge_per_overlap,
+             double most_bulge, double tolerance, int max_evaluations, const Tuning &tuning = {});
 
   // The law. Radii and stiffnesses of all particles, and the units of pairs; `arranged`: contacts are new, and `batches` has
   // other places.
@@ -118,19 +116,16 @@ class DualSolver : protected Pointers {
   virtual bool has_own_compliances() const { return false; }
   // Shapes of the particles of some batches from the forces of their pairs; the same after small changes; and slopes of
   // outlines. False: a particle has no shape.
-  virtual bool shape(const deformable::RingBatches &) = 0;
-  virtual bool adapt(const deformable::RingBatches &, const float *changes, double unit) = 0;
+  virtual bool shape(const RingBatches &) = 0;
+  virtual bool adapt(const RingBatches &, const float *changes, double unit) = 0;
   // Whether indentations also ask for the places of facets on neighbors: `shape` leaves these, ranks exchange them, `turn` does the
   // rest.
   virtual bool has_facets() const { return false; }
-  virtual void turn_facets(const deformable::RingBatches &) {}
+  virtual void turn_facets(const RingBatches &) {}
   virtual void exchange_facets() {}
   // The same after pairs were relaxed, by these changes.
-  virtual bool reshape(const deformable::RingBatches &batch, const float *, double)
-  {
-    return shape(batch);
-  }
-  virtual void find_slopes(const deformable::RingBatches &) {}
+  virtual bool reshape(const RingBatches &batch, const float *, double) { return shape(batch); }
+  virtual void find_slopes(const RingBatches &) {}
   // After a solution: how far outlines bulge; false on all ranks: particles have no room, and forces no limit.
   virtual bool has_room() { return true; }
   virtual void find_bulges(const Particles &) = 0;
@@ -140,9 +135,9 @@ class DualSolver : protected Pointers {
   virtual void warn(const Particles &, bool films_changed) = 0;
   void warn_unbalanced(const char *style);
 
-  const deformable::ForceKernels &kernels;
+  const ForceKernels &kernels;
   const Tuning tuning;
-  solver::PairList list;
+  PairList list;
   ContactBatches batches;
   std::unique_ptr<CurvedLines> lines;    // null: perpendicular to lines of centers
   std::unique_ptr<Films> films;          // null: no adhesion
@@ -198,9 +193,9 @@ class DualSolver : protected Pointers {
   PairRelaxation relaxation;
   BlockLevels blocks;
   LargeVector<float> residual, weight, step;    // by pair, see PairArrays
-  struct OfBlock : deformable::Residuals {
+  struct OfBlock : Residuals {
     double slope = 0.0, line = 0.0;    // of the dual energy; the imbalance of a line
-    void add(const deformable::Residuals &, double part);
+    void add(const Residuals &, double part);
   };
   std::vector<OfBlock> of_blocks;
   double pairs_of_all = 1.0;    // the number of pairs of all ranks, plus 1
@@ -242,11 +237,11 @@ class DualSolver : protected Pointers {
   double limit(const Evaluation &now) const { return std::max(tolerance * now.force, enough); }
   bool may_go_on() const { return summary.evaluations < allowed; }
 
-  deformable::PairArrays arrays();
+  PairArrays arrays();
   Evaluation run(const Steps &, Evaluation *before = nullptr,
                  const BlockLevels::Choice *chosen = nullptr);
   Evaluation evaluate();
-  void work(const Step &, int block, deformable::RingBatches &, OfBlock &, bool &exist);
+  void work(const Step &, int block, RingBatches &, OfBlock &, bool &exist);
   Evaluation sum_up(int first, bool exist) const;
   void hold_others(const BlockLevels::Choice &);
   void move(double from, double to) { move(from, to, 0, list.pairs.size); }
@@ -262,6 +257,6 @@ class DualSolver : protected Pointers {
   }
 };
 
-}    // namespace LAMMPS_NS
+}    // namespace deformable
 
 #endif

@@ -6,8 +6,7 @@
 #include <array>
 #include <cmath>
 
-using namespace LAMMPS_NS;
-using namespace deformable;
+namespace deformable {
 
 void Films::arrange(ContactBatches &b, NearPairs &p, RemoteSides &r)
 {
@@ -201,3 +200,5 @@ double Films::free_arc(int i) const
   }
   return least;
 }
+
+}    // namespace deformable

@@ -7,8 +7,8 @@
 // Angles depend on the tensions of the outlines, and act on rings like a load. Both lag one evaluation behind the forces. Films
 // tilt and bend as all curved lines do.
 
-#ifndef LMP_FILMS_H
-#define LMP_FILMS_H
+#ifndef DEFORMABLE_FILMS_H
+#define DEFORMABLE_FILMS_H
 
 #include "solver/contact_batches.h"
 #include "solver/near_pairs.h"
@@ -16,11 +16,11 @@
 
 #include <vector>
 
-namespace LAMMPS_NS {
+namespace deformable {
 
 class Films {
  public:
-  explicit Films(const deformable::ForceKernels &kernels) : kernels(kernels) {}
+  explicit Films(const ForceKernels &kernels) : kernels(kernels) {}
 
   void arrange(ContactBatches &, NearPairs &, RemoteSides &);    // contacts are new
 
@@ -35,8 +35,8 @@ class Films {
   void take(int begin, int end);
 
   // What the tensions of the rings of some batches differ by from those that films know, a force; and films learn of them.
-  double tension_imbalance(const deformable::RingBatches &) const;
-  void follow_tensions(const deformable::RingBatches &);
+  double tension_imbalance(const RingBatches &) const;
+  void follow_tensions(const RingBatches &);
 
   // Pairs whose film has no length let go, and pairs that touch attach, if they may. Whether any would, on all ranks.
   bool would_change(bool may_attach) const;
@@ -61,19 +61,19 @@ class Films {
   }
 
  private:
-  const deformable::ForceKernels &kernels;
+  const ForceKernels &kernels;
   NearPairs *pairs = nullptr;
   ContactBatches *batches = nullptr;
   RemoteSides *remote = nullptr;
   std::vector<double> next_angle[2], next_pull;
   std::vector<double> last_gap;    // of tensions, by ring
   std::vector<char> has_let_go;    // in this call: such pairs stay free until the next one
-  deformable::FilmArrays arrays();
+  FilmArrays arrays();
   bool would_change(int k, bool may_attach) const;
   // rings whose tension may change, and by what it differs from that which films know
-  template <class Act> void for_tensions(const deformable::RingBatches &rings, Act &&act) const
+  template <class Act> void for_tensions(const RingBatches &rings, Act &&act) const
   {
-    for (int ring = rings.begin * deformable::LANES; ring < rings.end * deformable::LANES; ++ring)
+    for (int ring = rings.begin * LANES; ring < rings.end * LANES; ++ring)
       if (batches->particle[ring] >= 0 && batches->stiffness_of(ring).tension != 0.0 &&
           batches->stiffness_of(ring).kP != 0.0)
         act(ring);
@@ -82,9 +82,9 @@ class Films {
   int ring_of(int k, int side) const;
   void agree();
   // At the start of a solution the lower bound of an attached pair is not known yet: there is none.
-  double least_until_taken(int k) const { return pairs->attached[k] ? deformable::UNKNOWN : 0.0; }
+  double least_until_taken(int k) const { return pairs->attached[k] ? UNKNOWN : 0.0; }
 };
 
-}    // namespace LAMMPS_NS
+}    // namespace deformable
 
 #endif

@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-using namespace LAMMPS_NS;
-using deformable::PairArrays;
+namespace deformable {
 
 int LinearSolver::begin(ContactBatches &batches, RemoteSides &remote, const PairArrays &arrays,
                         double norm2, double accuracy)
@@ -18,7 +17,7 @@ void LinearSolver::conjugate_gradients(ContactBatches &batches, RemoteSides &rem
                                        const PairArrays &arrays, double norm2, double accuracy)
 {
   constexpr int MAX_ITERATIONS = 500;
-  const deformable::RingBatches rings = batches.arrays();
+  const RingBatches rings = batches.arrays();
   const double enough = accuracy * accuracy * norm2;
   std::vector<double> alpha, beta;
   double conjugation = 0.0;
@@ -108,12 +107,12 @@ int LinearSolver::plan(double accuracy)
 }
 
 // Two iterations that follow each other have products of their own: blocks may be one apart.
-float *LinearSolver::products(const deformable::RingBatches &rings, int k)
+float *LinearSolver::products(const RingBatches &rings, int k)
 {
   return rings.corrections.product + (k % 2) * rings.corrections.products;
 }
 
-void LinearSolver::iterate(deformable::RingBatches b, const PairArrays &arrays, int k, int last,
+void LinearSolver::iterate(RingBatches b, const PairArrays &arrays, int k, int last,
                            const float *left, double gain) const
 {
   float *const product = products(b, k);
@@ -129,3 +128,5 @@ void LinearSolver::iterate(deformable::RingBatches b, const PairArrays &arrays, 
     kernels.advance_twice(b, alpha[last - 1], beta[last], alpha[last], gain);
   }
 }
+
+}    // namespace deformable

@@ -6,8 +6,8 @@
 // over all pairs, ranks wait for their neighbors only, and each block of particles may run ahead of the others (BlockLevels).
 // Conjugate gradients find the bounds.
 
-#ifndef LMP_LINEAR_SOLVER_H
-#define LMP_LINEAR_SOLVER_H
+#ifndef DEFORMABLE_LINEAR_SOLVER_H
+#define DEFORMABLE_LINEAR_SOLVER_H
 
 #include "solver/contact_batches.h"
 #include "solver/remote_sides.h"
@@ -15,13 +15,11 @@
 
 #include <vector>
 
-namespace LAMMPS_NS {
+namespace deformable {
 
 class LinearSolver {
  public:
-  LinearSolver(const deformable::ForceKernels &kernels, const Tuning &tuning)
-      : kernels(kernels),
-        tuning(tuning)
+  LinearSolver(const ForceKernels &kernels, const Tuning &tuning) : kernels(kernels), tuning(tuning)
   {
   }
 
@@ -29,7 +27,7 @@ class LinearSolver {
 
   // Returns the number of iterations that are still to be done: 0 if conjugate gradients have solved the equations already.
   // norm2: the sum of w r^2/length^2. In the end x is in `batches.step`.
-  int begin(ContactBatches &batches, RemoteSides &, const deformable::PairArrays &, double norm2,
+  int begin(ContactBatches &batches, RemoteSides &, const PairArrays &, double norm2,
             double accuracy);
 
   bool knows_bounds() const { return highest > 0.0 && !are_invalid; }
@@ -44,24 +42,24 @@ class LinearSolver {
 
   // Iteration k of `last` of some rings, from 1 on, and the products that it leaves, by contact. `left`, unless null: what is
   // left of the residuals but for the products, number 0, of the step so far, which goes on. Steps are `gain` times as long.
-  void iterate(deformable::RingBatches, const deformable::PairArrays &, int k, int last,
-               const float *left = nullptr, double gain = 1.0) const;
-  static float *products(const deformable::RingBatches &, int k);
+  void iterate(RingBatches, const PairArrays &, int k, int last, const float *left = nullptr,
+               double gain = 1.0) const;
+  static float *products(const RingBatches &, int k);
 
  private:
-  const deformable::ForceKernels &kernels;
+  const ForceKernels &kernels;
   const Tuning &tuning;
   // bounds of the eigenvalues of C, with the weights; if highest = 0, Chebyshev's iteration is not worth it
   double lowest = 0.0, highest = 0.0;
   bool are_invalid = true;
   std::vector<double> alpha, beta;    // of each iteration
 
-  void conjugate_gradients(ContactBatches &, RemoteSides &, const deformable::PairArrays &,
-                           double norm2, double accuracy);
+  void conjugate_gradients(ContactBatches &, RemoteSides &, const PairArrays &, double norm2,
+                           double accuracy);
   double decay() const;
   bool find_bounds(const std::vector<double> &alpha, const std::vector<double> &beta);
 };
 
-}    // namespace LAMMPS_NS
+}    // namespace deformable
 
 #endif

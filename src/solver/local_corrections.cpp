@@ -10,7 +10,7 @@
 #include <cmath>
 #include <vector>
 
-using namespace LAMMPS_NS;
+namespace deformable {
 
 // False: all have to be corrected, and `now` may have been evaluated again.
 bool DualSolver::correct_some(Evaluation &now)
@@ -64,7 +64,7 @@ void DualSolver::hold_others(const BlockLevels::Choice &chosen)
 {
   const NearPairs &p = list.pairs;
   const ContactBatches &b = batches;
-  const deformable::RingBatches all = batches.arrays();
+  const RingBatches all = batches.arrays();
   const auto is_chosen = [&](int particle) {
     return chosen[BlockLevels::of_ring(b.place[particle])] != 0;
   };
@@ -89,3 +89,5 @@ void DualSolver::hold_others(const BlockLevels::Choice &chosen)
     drop_product(b.partner[c]);
   }
 }
+
+}    // namespace deformable

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-using namespace LAMMPS_NS;
+namespace deformable {
 
 // A vector that grows by itself may take twice the memory that it needs.
 void NearPairs::clear(const KnownPairs &old)
@@ -54,8 +54,7 @@ void NearPairs::make_room()
     v->assign(adhesive ? one_more : 0, 0.0);
 }
 
-int NearPairs::locate(const deformable::ForceKernels &kernels, const double *x,
-                      const double *radius)
+int NearPairs::locate(const ForceKernels &kernels, const double *x, const double *radius)
 {
   int wrong = -1;
   if (!in_space) {
@@ -68,8 +67,7 @@ int NearPairs::locate(const deformable::ForceKernels &kernels, const double *x,
     for (int k = 0; k < wall; ++k) {
       const double small = std::fmin(radius[i[k]], radius[j[k]]),
                    large = std::fmax(radius[i[k]], radius[j[k]]), d = 1.0 / per_distance[k];
-      const double part =
-          deformable::contact_line(d, per_distance[k], small, large).indentation / small;
+      const double part = contact_line(d, per_distance[k], small, large).indentation / small;
       if (part <= most) continue;
       nearest = k;
       if (std::isnan(part)) break;
@@ -91,7 +89,7 @@ int NearPairs::locate(const deformable::ForceKernels &kernels, const double *x,
   return wrong;
 }
 
-void NearPairs::locate_wall(int k, double radius, const deformable::SurfacePoint &point)
+void NearPairs::locate_wall(int k, double radius, const SurfacePoint &point)
 {
   overlap[k] = radius - point.height;
   nx[k] = point.n.x;
@@ -101,7 +99,7 @@ void NearPairs::locate_wall(int k, double radius, const deformable::SurfacePoint
     nz[k] = point.n.z;
     surfaces[k - wall] = point;
   } else {
-    angle[k] = deformable::angle_of(point.n.x, point.n.y);
+    angle[k] = angle_of(point.n.x, point.n.y);
   }
 }
 
@@ -113,3 +111,5 @@ double NearPairs::bytes() const
                             nz, tilt, bend, side[0], side[1], ring[0], ring[1], surfaces, attached,
                             adhesion_if_attached, adhesion, film_angle[0], film_angle[1], least);
 }
+
+}    // namespace deformable

@@ -11,7 +11,7 @@
 #include <cmath>
 #include <vector>
 
-namespace LAMMPS_NS {
+namespace deformable {
 
 // What is remembered of a pair: its force or, if it bears none, its imbalance, which is negative (DualSolver). With curved lines also
 // the sine of the tilt, and the bend as the first particle sees it. Of each: the value at the last call, and differences from call to
@@ -19,7 +19,7 @@ namespace LAMMPS_NS {
 enum { FORCE, TILT, BEND, KINDS };
 struct PairPast {
   struct Series {
-    double last = deformable::UNKNOWN;
+    double last = UNKNOWN;
     double earlier[3] = {0.0, 0.0, 0.0};
   } of[KINDS];
 
@@ -27,7 +27,7 @@ struct PairPast {
   {
     PairPast past = *this;
     Series &bend = past.of[BEND];
-    if (bend.last != deformable::UNKNOWN) bend.last = -bend.last;
+    if (bend.last != UNKNOWN) bend.last = -bend.last;
     for (double &change : bend.earlier) change = -change;
     return past;
   }
@@ -46,7 +46,7 @@ struct KnownPairs {
   struct Past {
     LargeVector<double> last;
     LargeVector<float> earlier[3];    // in unit(kind)
-    deformable::PastArrays arrays()
+    PastArrays arrays()
     {
       return {last.data(), {earlier[0].data(), earlier[1].data(), earlier[2].data()}};
     }
@@ -91,7 +91,7 @@ struct NearPairs : KnownPairs {
   LargeVector<double> bend;            // tan(beta/2), see contact_curve.h
   LargeVector<int> side[2];            // index of the contact of i and of that of j
   LargeVector<int> ring[2];            // with curved lines: those of i and j in arrays of rings
-  std::vector<deformable::SurfacePoint> surfaces;    // of walls in space, from the first one on
+  std::vector<SurfacePoint> surfaces;    // of walls in space, from the first one on
 
   // of films, see Films
   LargeVector<char> attached;
@@ -111,7 +111,7 @@ struct NearPairs : KnownPairs {
     return size++;
   }
 
-  deformable::Vector3 normal(int k) const { return {nx[k], ny[k], in_space ? nz[k] : 0.0}; }
+  Vector3 normal(int k) const { return {nx[k], ny[k], in_space ? nz[k] : 0.0}; }
   // The direction from i to j, and the cosine of the tilt.
   struct Centers {
     double nx, ny, cosine;
@@ -129,11 +129,11 @@ struct NearPairs : KnownPairs {
 
   // Distances, normals and overlaps of pairs of particles: of positions x and radii. Returns a pair whose contact line cannot
   // lie between the centers, in space one without a direction; or -1.
-  int locate(const deformable::ForceKernels &, const double *x, const double *radius);
+  int locate(const ForceKernels &, const double *x, const double *radius);
   // The point of a wall that is nearest to the center of a pair.
-  void locate_wall(int k, double radius, const deformable::SurfacePoint &);
+  void locate_wall(int k, double radius, const SurfacePoint &);
 
-  deformable::PairDirections directions() const
+  PairDirections directions() const
   {
     return {force.data(),
             angle.data(),
@@ -146,6 +146,6 @@ struct NearPairs : KnownPairs {
   double bytes() const;
 };
 
-}    // namespace LAMMPS_NS
+}    // namespace deformable
 
 #endif

@@ -8,12 +8,10 @@
 #include <cmath>
 #include <limits>
 
-using namespace LAMMPS_NS;
-using deformable::Vector3;
-using solver::PairList;
+namespace deformable {
 
-PairList::PairList(LAMMPS *lmp, const deformable::ForceKernels &kernels, const Tuning &tuning,
-                   bool in_space, bool curved, double bulge_per_overlap, double most_bulge)
+PairList::PairList(LAMMPS *lmp, const ForceKernels &kernels, const Tuning &tuning, bool in_space,
+                   bool curved, double bulge_per_overlap, double most_bulge)
     : Pointers(lmp),
       remote_sides(lmp),
       kernels(kernels),
@@ -195,7 +193,7 @@ void PairList::guess_bulges(const Particles &p)
       for (int ii = 0; ii < p.list->inum; ++ii) {
         const int i = p.list->ilist[ii];
         if (!unknown[i]) continue;
-        visit_walls(*p.walls, i, p.radius[i], 0.0, [&](int, const deformable::SurfacePoint &point) {
+        visit_walls(*p.walls, i, p.radius[i], 0.0, [&](int, const SurfacePoint &point) {
           bulge[i] += 2.0 * bulge_per_overlap * (p.radius[i] - point.height);
         });
       }
@@ -211,22 +209,21 @@ void PairList::add_walls(const Particles &p, bool new_list, const KnownPairs &ol
   for (int ii = 0; ii < p.list->inum; ++ii) {
     const int own = order(*p.list)[ii];
     const double near = p.radius[own] + bulge[own] + margin;
-    visit_walls(*p.walls, own, p.radius[own], p.reach,
-                [&](int code, const deformable::SurfacePoint &point) {
-                  const bool is_attached =
-                      pairs.adhesive && (p.films->is_attached(own, code) ||
-                                         (knows_films[own] == 0.0 && point.height < p.radius[own]));
-                  if (point.height > near && !is_attached) return;
-                  at_walls.push_back(is_attached);
-                  PairPast past;
-                  if (new_list) {
-                    past = history.find(atom->tag[own], code, {});
-                  } else {
-                    for (int k = first_old[own]; k < old.size && old.i[k] == own; ++k)
-                      if (old.j[k] == code) past = old.past_of(k);
-                  }
-                  pairs.add(own, code, past);
-                });
+    visit_walls(*p.walls, own, p.radius[own], p.reach, [&](int code, const SurfacePoint &point) {
+      const bool is_attached =
+          pairs.adhesive && (p.films->is_attached(own, code) ||
+                             (knows_films[own] == 0.0 && point.height < p.radius[own]));
+      if (point.height > near && !is_attached) return;
+      at_walls.push_back(is_attached);
+      PairPast past;
+      if (new_list) {
+        past = history.find(atom->tag[own], code, {});
+      } else {
+        for (int k = first_old[own]; k < old.size && old.i[k] == own; ++k)
+          if (old.j[k] == code) past = old.past_of(k);
+      }
+      pairs.add(own, code, past);
+    });
   }
 }
 
@@ -248,15 +245,14 @@ void PairList::locate_walls(const Particles &p)
   }
   for (int ii = 0; ii < p.list->inum; ++ii) {
     const int i = p.list->ilist[ii];
-    visit_walls(*p.walls, i, p.radius[i], p.reach,
-                [&](int code, const deformable::SurfacePoint &point) {
-                  int k = first_wall[i];
-                  while (k < pairs.size && pairs.i[k] == i && pairs.j[k] != code) ++k;
-                  if (k < pairs.size && pairs.i[k] == i)
-                    pairs.locate_wall(k, p.radius[i], point);
-                  else
-                    missed_wall |= point.height <= p.radius[i] + bulge_then[i] + 0.5 * margin;
-                });
+    visit_walls(*p.walls, i, p.radius[i], p.reach, [&](int code, const SurfacePoint &point) {
+      int k = first_wall[i];
+      while (k < pairs.size && pairs.i[k] == i && pairs.j[k] != code) ++k;
+      if (k < pairs.size && pairs.i[k] == i)
+        pairs.locate_wall(k, p.radius[i], point);
+      else
+        missed_wall |= point.height <= p.radius[i] + bulge_then[i] + 0.5 * margin;
+    });
   }
 }
 
@@ -423,3 +419,5 @@ double PairList::memory_usage() const
          bytes_of(bulge, rank_of, x_then, bulge_then, radius_then, first_wall, columns, tags,
                   remote_tags, candidates, knows_films, at_walls);
 }
+
+}    // namespace deformable

@@ -8,11 +8,10 @@
 #ifndef DEFORMABLE_PAIR_LIST_H
 #define DEFORMABLE_PAIR_LIST_H
 
-#include "pointers.h"
-
 #include "solver/near_pairs.h"
 #include "solver/remote_sides.h"
 #include "solver/tuning.h"
+#include "styles/lammps_names.h"
 #include "styles/memory/fix_deformable_films.h"
 #include "styles/refusals.h"
 #include "styles/species.h"
@@ -25,7 +24,7 @@
 #include <utility>
 #include <vector>
 
-namespace LAMMPS_NS {
+namespace deformable {
 
 // What a force call is about.
 struct Particles {
@@ -53,7 +52,7 @@ class PairHistory {
   }
   // Particle `tag` and a partner have borne these forces: another particle at the relative position x, or a wall of this
   // code < 0.
-  void add(tagint tag, tagint partner, const deformable::Vector3 &x, const PairPast &past)
+  void add(tagint tag, tagint partner, const Vector3 &x, const PairPast &past)
   {
     entries.push_back(entry_of(tag, partner, x, past));
   }
@@ -61,7 +60,7 @@ class PairHistory {
   void sort();
   // A particle in a small box may have several images of its partner: the one nearest to x counts. Nothing is known if there
   // is none within the distance that x itself has.
-  PairPast find(tagint tag, tagint partner, const deformable::Vector3 &x) const;
+  PairPast find(tagint tag, tagint partner, const Vector3 &x) const;
   double bulge(tagint tag) const;    // negative if it is not known
 
  private:
@@ -74,18 +73,16 @@ class PairHistory {
       return tag != other.tag ? tag < other.tag : partner < other.partner;
     }
   };
-  static Entry entry_of(tagint tag, tagint partner, const deformable::Vector3 &x,
-                        const PairPast &past);
+  static Entry entry_of(tagint tag, tagint partner, const Vector3 &x, const PairPast &past);
   std::vector<Entry> entries;
   std::vector<std::pair<tagint, double>> bulges;
 };
 
-namespace solver {    // LAMMPS has a pair style of this name
 class PairList : protected Pointers {
  public:
   // bulge_per_overlap: b of a particle that no solution has seen, over the overlaps of its circle; most_bulge: over the radius.
-  PairList(class LAMMPS *lmp, const deformable::ForceKernels &kernels, const Tuning &tuning,
-           bool in_space, bool curved, double bulge_per_overlap, double most_bulge);
+  PairList(LAMMPS *lmp, const ForceKernels &kernels, const Tuning &tuning, bool in_space,
+           bool curved, double bulge_per_overlap, double most_bulge);
 
   NearPairs pairs;
   RemoteSides remote_sides;
@@ -124,7 +121,7 @@ class PairList : protected Pointers {
   double memory_usage() const;
 
  private:
-  const deformable::ForceKernels &kernels;
+  const ForceKernels &kernels;
   const Tuning &tuning;
   const double bulge_per_overlap, most_bulge;
   double margin = 0.0;
@@ -145,7 +142,7 @@ class PairList : protected Pointers {
   std::vector<double> knows_films;    // of particles and ghosts
   std::vector<char> at_walls;         // attached, of pairs with walls
 
-  deformable::Vector3 relative(const double *from, const double *to) const
+  Vector3 relative(const double *from, const double *to) const
   {
     return {to[0] - from[0], to[1] - from[1], pairs.in_space ? to[2] - from[2] : 0.0};
   }
@@ -160,11 +157,10 @@ class PairList : protected Pointers {
   bool is_within_margin(const Particles &) const;
   std::array<double, 6> box_now() const;
   double box_change() const;
-  bool is_attached(const Particles &, int i, int j, const deformable::Vector3 &) const;
+  bool is_attached(const Particles &, int i, int j, const Vector3 &) const;
   void recall_films(const Particles &);
 };
-}    // namespace solver
 
-}    // namespace LAMMPS_NS
+}    // namespace deformable
 
 #endif

@@ -4,9 +4,7 @@
 
 #include <cmath>
 
-using namespace LAMMPS_NS;
-using deformable::LANES;
-using deformable::PairArrays;
+namespace deformable {
 
 void PairRelaxation::arrange(const ContactBatches &b, const NearPairs &p)
 {
@@ -22,7 +20,7 @@ void PairRelaxation::arrange(const ContactBatches &b, const NearPairs &p)
 static double change_alone(const PairArrays &a, int k)
 {
   const double residual = a.residual[k], weight = std::fabs(a.weight[k]);
-  return std::max(residual * weight * a.unit, deformable::least_force<double>(a, k) - a.force[k]);
+  return std::max(residual * weight * a.unit, least_force<double>(a, k) - a.force[k]);
 }
 
 void PairRelaxation::wait_for(const PairArrays &a, int k)
@@ -54,16 +52,15 @@ void PairRelaxation::change_particle(const ContactBatches &b, const PairArrays &
     if (k == pairs) continue;    // an empty place
     const int low = std::min(q, m), high = std::max(q, m);
     const float between = q != m          ? green[(high * (high - 1) / 2 + low) * LANES]
-                          : b.own.empty() ? static_cast<float>(deformable::GREEN_AT_ZERO)
+                          : b.own.empty() ? static_cast<float>(GREEN_AT_ZERO)
                                           : b.own[c];
     a.residual[k] -= (between * by - of_share * share[q * LANES] + constant) * per_p;
     wait_for(a, k);
   }
 }
 
-void PairRelaxation::relax(int block, const deformable::ForceKernels &kernels,
-                           const BlockLevels &blocks, const NearPairs &p, const ContactBatches &b,
-                           const PairArrays &a)
+void PairRelaxation::relax(int block, const ForceKernels &kernels, const BlockLevels &blocks,
+                           const NearPairs &p, const ContactBatches &b, const PairArrays &a)
 {
   constexpr std::size_t OFTEN = 50, ANY = 1000;
   std::size_t of_block = 0, first_ones = 0;
@@ -98,3 +95,5 @@ void PairRelaxation::relax(int block, const deformable::ForceKernels &kernels,
     if (k < p.wall) change_particle(b, a, j, p.side[1][k], by);
   }
 }
+
+}    // namespace deformable

@@ -5,8 +5,8 @@
 // good as the others, before all are corrected together. That is the method of Gauss and Seidel only where something is
 // left to do (R. V. Southwell, Relaxation Methods in Engineering Science, 1940).
 
-#ifndef LMP_PAIR_RELAXATION_H
-#define LMP_PAIR_RELAXATION_H
+#ifndef DEFORMABLE_PAIR_RELAXATION_H
+#define DEFORMABLE_PAIR_RELAXATION_H
 
 #include "solver/block_levels.h"
 #include "solver/contact_batches.h"
@@ -14,7 +14,7 @@
 
 #include <vector>
 
-namespace LAMMPS_NS {
+namespace deformable {
 
 class PairRelaxation {
  public:
@@ -34,11 +34,11 @@ class PairRelaxation {
   // Relaxes the pairs whose first ring is in the block, then those that this brings out of balance, in this block and its
   // neighbors. Rings of a batch do not change if one of them touches a ring of another rank, which would not learn of it.
   // Forces and residuals are those after that, to first order in the changes of forces, which are added to steps.
-  void relax(int block, const deformable::ForceKernels &, const BlockLevels &, const NearPairs &,
-             const ContactBatches &, const deformable::PairArrays &);
+  void relax(int block, const ForceKernels &, const BlockLevels &, const NearPairs &,
+             const ContactBatches &, const PairArrays &);
 
   // act(batches) for those of a block that have changed since the last time.
-  template <class Act> void for_changed(deformable::RingBatches block, Act &&act)
+  template <class Act> void for_changed(RingBatches block, Act &&act)
   {
     const int end = block.end;
     for (int batch = block.begin; batch < end; ++batch) {
@@ -66,11 +66,10 @@ class PairRelaxation {
   std::vector<char> is_free, is_changed;    // by batch
   std::vector<int> near_block;              // of each block, the last one that it was beside
 
-  void change_particle(const ContactBatches &, const deformable::PairArrays &, int ring,
-                       int contact, float by);
-  void wait_for(const deformable::PairArrays &, int pair);
+  void change_particle(const ContactBatches &, const PairArrays &, int ring, int contact, float by);
+  void wait_for(const PairArrays &, int pair);
 };
 
-}    // namespace LAMMPS_NS
+}    // namespace deformable
 
 #endif

@@ -9,7 +9,7 @@
 #include <numeric>
 #include <type_traits>
 
-using namespace LAMMPS_NS;
+namespace deformable {
 
 double RemoteSides::sum(double of_this_rank) const
 {
@@ -67,7 +67,7 @@ void RemoteSides::match(std::vector<Candidate> &candidates)
 {
   struct Record {
     tagint tag, partner;
-    deformable::Vector3 x;
+    Vector3 x;
     PairPast past;
     bool operator<(const Record &other) const
     {
@@ -114,14 +114,13 @@ void RemoteSides::match(std::vector<Candidate> &candidates)
     auto other = std::lower_bound(order.begin(), order.end(), wanted,
                                   [&](int a, const Record &b) { return of_others[a] < b; });
     for (; other != order.end() && !(wanted < of_others[*other]); ++other) {
-      const deformable::Vector3 apart = of_others[*other].x + pair.x;
+      const Vector3 apart = of_others[*other].x + pair.x;
       if (dot(apart, apart) >= nearest) continue;
       nearest = dot(apart, apart);
       found = *other;
     }
     if (found < 0) continue;    // by rounding at the end of the list: too far to bear a force
-    if (pair.past.of[FORCE].last == deformable::UNKNOWN)
-      pair.past = of_others[found].past.from_second();
+    if (pair.past.of[FORCE].last == UNKNOWN) pair.past = of_others[found].past.from_second();
     candidates[kept] = pair;
     sent_at[kept++] = sent_at[c];
     received_at.push_back(found);
@@ -132,3 +131,5 @@ void RemoteSides::match(std::vector<Candidate> &candidates)
   sent.assign(static_cast<std::size_t>(MOST_ARRAYS) * to_send, 0.0);
   received.assign(static_cast<std::size_t>(MOST_ARRAYS) * to_receive, 0.0);
 }
+
+}    // namespace deformable

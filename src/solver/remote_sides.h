@@ -2,25 +2,24 @@
 // the other rank. Two ranks send each other one number of each pair that they share, and nothing to other ranks, so neither a
 // particle of many contacts nor a rank without any costs anything.
 
-#ifndef LMP_REMOTE_SIDES_H
-#define LMP_REMOTE_SIDES_H
-
-#include "pointers.h"
+#ifndef DEFORMABLE_REMOTE_SIDES_H
+#define DEFORMABLE_REMOTE_SIDES_H
 
 #include "solver/near_pairs.h"
+#include "styles/lammps_names.h"
 
 #include <vector>
 
-namespace LAMMPS_NS {
+namespace deformable {
 
 class RemoteSides : protected Pointers {
  public:
-  explicit RemoteSides(class LAMMPS *lmp) : Pointers(lmp) {}
+  explicit RemoteSides(LAMMPS *lmp) : Pointers(lmp) {}
 
   // A pair of particle i and ghost j of another rank, at the relative position x.
   struct Candidate {
     int i, j, rank;
-    deformable::Vector3 x;
+    Vector3 x;
     PairPast past;
   };
 
@@ -95,6 +94,6 @@ class RemoteSides : protected Pointers {
   }
 };
 
-}    // namespace LAMMPS_NS
+}    // namespace deformable
 
 #endif

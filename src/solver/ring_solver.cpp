@@ -13,8 +13,7 @@
 #include <cmath>
 #include <utility>
 
-using namespace LAMMPS_NS;
-using namespace deformable;
+namespace deformable {
 
 // Contacts have a length of about 8 times the indentation, which is half of the overlap.
 static constexpr double BULGE_PER_OVERLAP = 0.4;
@@ -74,13 +73,13 @@ void RingSolver::set_material(const Particles &p, bool arranged)
 
 // A pair alone bears o^3/2 G(0)^2 (k_i^(-1/3) + k_j^(-1/3))^3 with the stiffnesses k of small loads. With a tension,
 // the force is linear: k is that of a ring which bears as much at an indentation of TYPICAL radii. This is k^(-1/3).
-static double softness_of(double r, const deformable::Stiffness &k)
+static double softness_of(double r, const Stiffness &k)
 {
   constexpr double TYPICAL = 0.05;
   const double a = TYPICAL * r;
   if (k.tension > 0.0)    // f = p a/G(0)
-    return a / std::cbrt(2.0 * deformable::GREEN_AT_ZERO * k.rest_pressure(r) * a);
-  return 1.0 / std::cbrt(deformable::area_stiffness(r, k));
+    return a / std::cbrt(2.0 * GREEN_AT_ZERO * k.rest_pressure(r) * a);
+  return 1.0 / std::cbrt(area_stiffness(r, k));
 }
 
 // Units of pairs, the force of a pair alone, and its adhesion.
@@ -403,3 +402,5 @@ bool RingSolver::has_collapsed() const
   }
   return false;
 }
+
+}    // namespace deformable

@@ -1,7 +1,7 @@
 // Rings in the plane: the law of DualSolver whose contacts slip, with lines that are straight or curved, and films.
 
-#ifndef LMP_RING_SOLVER_H
-#define LMP_RING_SOLVER_H
+#ifndef DEFORMABLE_RING_SOLVER_H
+#define DEFORMABLE_RING_SOLVER_H
 
 #include "solver/dual_solver.h"
 
@@ -11,13 +11,13 @@
 #include <cmath>
 #include <vector>
 
-namespace LAMMPS_NS {
+namespace deformable {
 
 class RingSolver : public DualSolver {
  public:
   // curved: contact lines may also tilt and bend
-  RingSolver(class LAMMPS *lmp, const deformable::ForceKernels &kernels, bool curved,
-             double tolerance, int max_evaluations);
+  RingSolver(LAMMPS *lmp, const ForceKernels &kernels, bool curved, double tolerance,
+             int max_evaluations);
 
   // Some contacts may have films: with curved lines only.
   void use_films();
@@ -56,7 +56,7 @@ class RingSolver : public DualSolver {
   // The state of ring i. The radius of curvature is the smallest one if that is negative, otherwise a lower bound; also
   // negative where films leave no free outline between them.
   struct Ring {
-    deformable::Energy energy;
+    Energy energy;
     double expansion, arc_radius;
     int contacts;
     double free_radius;    // q, without the skin
@@ -64,8 +64,7 @@ class RingSolver : public DualSolver {
   Ring ring(int i) const;
 
   // Contacts of ring i, their partners, and its shape, whose lengths are those of straight lines. Returns their number.
-  int shape_of(int i, std::vector<deformable::Contact> &, std::vector<int> &pair_sides,
-               deformable::Shape &) const;
+  int shape_of(int i, std::vector<Contact> &, std::vector<int> &pair_sides, Shape &) const;
 
   // The length of the line of pair k, of the length L from ring i.
   double line_length(int i, int k, double length) const;
@@ -85,9 +84,9 @@ class RingSolver : public DualSolver {
 
   void set_material(const Particles &, bool arranged) override;
   void set_units(const Particles &);
-  bool shape(const deformable::RingBatches &) override;
-  bool adapt(const deformable::RingBatches &, const float *changes, double unit) override;
-  void find_slopes(const deformable::RingBatches &) override;
+  bool shape(const RingBatches &) override;
+  bool adapt(const RingBatches &, const float *changes, double unit) override;
+  void find_slopes(const RingBatches &) override;
   void find_bulges(const Particles &) override;
   double bulge_with_films(std::size_t ring, double &lengths) const;
   void warn(const Particles &, bool films_changed) override;
@@ -108,14 +107,14 @@ class RingSolver : public DualSolver {
   // q - (1/pi) sum L: no direction has a smaller radius of curvature
   double arc_radius_at_least(std::size_t ring, double lengths) const
   {
-    return batches.free_radius(ring) - lengths * (1.0 / deformable::PI);
+    return batches.free_radius(ring) - lengths * (1.0 / PI);
   }
-  double energy_of(std::size_t ring, const deformable::LoadedRing &loaded) const
+  double energy_of(std::size_t ring, const LoadedRing &loaded) const
   {
     return loaded.energy(batches.radius[ring], batches.stiffness_of(ring), batches.work[ring]);
   }
 };
 
-}    // namespace LAMMPS_NS
+}    // namespace deformable
 
 #endif

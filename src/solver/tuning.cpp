@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <string>
 
-using namespace LAMMPS_NS;
+namespace deformable {
 
 // Throws std::invalid_argument.
 Tuning Tuning::changed_by(const std::string &given) const
@@ -49,3 +49,5 @@ Tuning Tuning::changed_by(const std::string &given) const
   }
   return t;
 }
+
+}    // namespace deformable

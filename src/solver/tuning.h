@@ -10,7 +10,7 @@
 
 #include <string>
 
-namespace LAMMPS_NS {
+namespace deformable {
 
 struct Tuning {
   // The list of near pairs: a large margin means more pairs, a small one more builds.
@@ -60,6 +60,6 @@ struct Tuning {
   Tuning changed_by(const std::string &given) const;    // words name=number
 };
 
-}    // namespace LAMMPS_NS
+}    // namespace deformable
 
 #endif

@@ -5,9 +5,9 @@
 
 #include <cstdlib>
 
-using namespace LAMMPS_NS;
+namespace deformable {
 
-std::vector<double> LAMMPS_NS::of_all_ranks(LAMMPS *lmp, std::vector<double> here)
+std::vector<double> of_all_ranks(LAMMPS *lmp, std::vector<double> here)
 {
   const int ranks = lmp->comm->nprocs;
   int count = static_cast<int>(here.size());
@@ -20,7 +20,7 @@ std::vector<double> LAMMPS_NS::of_all_ranks(LAMMPS *lmp, std::vector<double> her
   return all;
 }
 
-std::string LAMMPS_NS::environment(LAMMPS *lmp, const char *name)
+std::string environment(LAMMPS *lmp, const char *name)
 {
   const char *const given = std::getenv(name);
   std::string value = given ? given : "";
@@ -30,3 +30,5 @@ std::string LAMMPS_NS::environment(LAMMPS *lmp, const char *name)
   MPI_Bcast(value.data(), size, MPI_CHAR, 0, lmp->world);
   return value;
 }
+
+}    // namespace deformable

@@ -1,16 +1,16 @@
 // Numbers of all ranks, on all of them. MPI of LAMMPS' stubs takes no constants: these functions take copies.
 
-#ifndef LMP_ALL_RANKS_H
-#define LMP_ALL_RANKS_H
+#ifndef DEFORMABLE_ALL_RANKS_H
+#define DEFORMABLE_ALL_RANKS_H
 
 #include "lmptype.h"
-#include "pointers.h"
+#include "styles/lammps_names.h"
 
 #include <string>
 #include <type_traits>
 #include <vector>
 
-namespace LAMMPS_NS {
+namespace deformable {
 
 // Number: double, int or tagint.
 template <class Number> Number reduced(MPI_Comm world, Number here, MPI_Op operation)
@@ -42,6 +42,6 @@ std::vector<double> of_all_ranks(LAMMPS *, std::vector<double> here);
 // A variable of the environment of rank 0, which all ranks follow; empty if it is not set.
 std::string environment(LAMMPS *, const char *name);
 
-}    // namespace LAMMPS_NS
+}    // namespace deformable
 
 #endif

@@ -4,6 +4,8 @@
 #ifndef DEFORMABLE_LAMMPS_RELEASE_H
 #define DEFORMABLE_LAMMPS_RELEASE_H
 
+#include "styles/lammps_names.h"
+
 #include "domain.h"
 #include "error.h"
 
@@ -18,7 +20,7 @@
 #define FLERR_WORD(index) FLERR, index
 #endif
 
-namespace LAMMPS_NS {
+namespace deformable {
 
 // What Fix::image calls a line. Since 11Feb2026 numbers begin with an object that is not drawn.
 constexpr int IMAGE_LINE = DEFORMABLE_LAMMPS_RELEASE < 20260211 ? 1 : 2;
@@ -49,6 +51,6 @@ inline void minimum_image_big(const Domain *domain, double *delta)
 #endif
 }
 
-}    // namespace LAMMPS_NS
+}    // namespace deformable
 
 #endif

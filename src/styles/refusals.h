@@ -6,17 +6,17 @@
 //
 // Below are the checks of what LAMMPS' other commands do.
 
-#ifndef LMP_REFUSALS_H
-#define LMP_REFUSALS_H
+#ifndef DEFORMABLE_REFUSALS_H
+#define DEFORMABLE_REFUSALS_H
 
-#include "pointers.h"
+#include "styles/lammps_names.h"
 
 #include "fmt/format.h"
 
 #include <string>
 #include <vector>
 
-namespace LAMMPS_NS {
+namespace deformable {
 
 struct Refused {
   std::string message;
@@ -29,7 +29,7 @@ template <class... Args> [[noreturn]] void refuse(const char *format, const Args
 
 class Refusals : protected Pointers {
  public:
-  explicit Refusals(class LAMMPS *lmp) : Pointers(lmp) {}
+  explicit Refusals(LAMMPS *lmp) : Pointers(lmp) {}
 
   // Keeps the message of work that refuses.
   template <class Work> void collect(Work &&work)
@@ -61,7 +61,6 @@ class Refusals : protected Pointers {
 
 // Commands of LAMMPS that would make results of the deformable pair styles wrong.
 
-class NeighList;
 struct Species;
 
 // Refuses if special_bonds or comm_modify removes contacts of particles of these species (by type).
@@ -82,6 +81,6 @@ bool warn_out_of_plane(LAMMPS *, const NeighList &);
 // Warns if the radius of a particle is not that of its species; whether one is not, on any rank.
 bool warn_unused_radii(LAMMPS *, const NeighList &, const std::vector<Species> &);
 
-}    // namespace LAMMPS_NS
+}    // namespace deformable
 
 #endif

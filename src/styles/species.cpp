@@ -20,8 +20,7 @@
 #include <limits>
 #include <set>
 
-using namespace LAMMPS_NS;
-using deformable::PARAMETERS;
+namespace deformable {
 
 namespace {
 
@@ -127,8 +126,8 @@ void check_head(LAMMPS *lmp, const std::string &file, const std::string &head)
 double *number_of_keyword(const std::string &word, Species &s)
 {
   if (word == "skin") return &s.skin;
-  for (int n = deformable::FIRST_KEYWORD; n < deformable::MEMBERS; ++n) {
-    const deformable::Parameter &p = deformable::PARAMETERS[n];
+  for (int n = FIRST_KEYWORD; n < MEMBERS; ++n) {
+    const Parameter &p = PARAMETERS[n];
     if (p.name && word == p.name) return &(s.stiffness.*p.of_ring);
   }
   return nullptr;
@@ -199,8 +198,8 @@ Species read_line(Error *error, const std::string &place, const std::vector<std:
     return value_of(error, place, what + " of species " + name, word);
   };
   Species found = {words[0], value("radius", words[1]), {}, 0.0};
-  for (int n = 0; n < deformable::FIRST_KEYWORD; ++n) {
-    const deformable::Parameter &p = deformable::PARAMETERS[n];
+  for (int n = 0; n < FIRST_KEYWORD; ++n) {
+    const Parameter &p = PARAMETERS[n];
     found.stiffness.*p.of_ring = value(p.name, words[2 + n]);
   }
   read_options(error, of_species, words, value, found);
@@ -249,18 +248,18 @@ std::string problem_of(const Adhesion &adhesion, const SpeciesFile &file)
 
 }    // namespace
 
-std::vector<std::pair<std::string, double>> LAMMPS_NS::numbers_of(const Species &s)
+std::vector<std::pair<std::string, double>> numbers_of(const Species &s)
 {
   std::vector<std::pair<std::string, double>> numbers = {{"radius", s.radius}};
-  for (int n = 0; n < deformable::MEMBERS; ++n) {
-    const deformable::Parameter &p = deformable::PARAMETERS[n];
-    if (n == deformable::FIRST_KEYWORD) numbers.emplace_back("skin", s.skin);
+  for (int n = 0; n < MEMBERS; ++n) {
+    const Parameter &p = PARAMETERS[n];
+    if (n == FIRST_KEYWORD) numbers.emplace_back("skin", s.skin);
     if (p.name) numbers.emplace_back(p.name, s.stiffness.*p.of_ring);
   }
   return numbers;
 }
 
-std::string LAMMPS_NS::invalid_values(const Species &s)
+std::string invalid_values(const Species &s)
 {
   using namespace deformable;
   for (const std::string &problem :
@@ -269,10 +268,10 @@ std::string LAMMPS_NS::invalid_values(const Species &s)
   return unstable_radius(s.radius - s.skin, s.stiffness);
 }
 
-std::string LAMMPS_NS::invalid_adhesion(double adhesion, const Species &a, const Species &b)
+std::string invalid_adhesion(double adhesion, const Species &a, const Species &b)
 {
   using namespace deformable;
-  const std::string invalid = deformable::invalid_adhesion(adhesion);
+  const std::string invalid = invalid_adhesion(adhesion);
   if (!invalid.empty()) return invalid;
   for (const Species *s : {&a, &b}) {
     const std::string problem = invalid_for_adhesion(adhesion, s->stiffness, s->skin);
@@ -281,7 +280,7 @@ std::string LAMMPS_NS::invalid_adhesion(double adhesion, const Species &a, const
   return "";
 }
 
-std::string LAMMPS_NS::shown(const std::string &text)
+std::string shown(const std::string &text)
 {
   constexpr std::size_t LONGEST = 80;
   std::string plain = text.size() > LONGEST ? text.substr(0, LONGEST) + "..." : text;
@@ -290,7 +289,7 @@ std::string LAMMPS_NS::shown(const std::string &text)
   return plain;
 }
 
-SpeciesFile LAMMPS_NS::read_species(LAMMPS *lmp, const std::string &file)
+SpeciesFile read_species(LAMMPS *lmp, const std::string &file)
 {
   const std::string text = read_text(lmp, file);
   Error *error = lmp->error;
@@ -443,3 +442,5 @@ std::string Adhesions::problem(const std::vector<Species> &species) const
     }
   return "";
 }
+
+}    // namespace deformable

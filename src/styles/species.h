@@ -5,6 +5,7 @@
 #define DEFORMABLE_SPECIES_H
 
 #include "laws/stiffness.h"
+#include "styles/lammps_names.h"
 
 #include <array>
 #include <cmath>
@@ -12,14 +13,12 @@
 #include <utility>
 #include <vector>
 
-namespace LAMMPS_NS {
-
-class LAMMPS;
+namespace deformable {
 
 struct Species {
   std::string name;
   double radius;
-  deformable::Stiffness stiffness;
+  Stiffness stiffness;
   double skin;    // thickness of the rigid shell around the ring
 };
 
@@ -75,7 +74,7 @@ class SpeciesRamps {
     std::vector<double> values;
     std::vector<double *> rows;    // by type
   };
-  std::array<Array, deformable::MEMBERS> arrays;    // empty until someone asks for them
+  std::array<Array, MEMBERS> arrays;    // empty until someone asks for them
 };
 
 // The stiffness of each particle.
@@ -91,9 +90,9 @@ struct Materials {
   const Species &species_of(int i) const { return species[type[i]]; }
 
   // ring_radius: without the skin
-  deformable::Stiffness stiffness_of(int i, double ring_radius) const
+  Stiffness stiffness_of(int i, double ring_radius) const
   {
-    deformable::Stiffness k = species_of(i).stiffness;
+    Stiffness k = species_of(i).stiffness;
     if (kA) k.kA = kA[i];
     if (tension) k.tension = tension[i];
     if (yield > 0.0 && std::isinf(k.kA))
@@ -130,6 +129,6 @@ class Adhesions {
   void update();    // what follows from the values
 };
 
-}    // namespace LAMMPS_NS
+}    // namespace deformable
 
 #endif

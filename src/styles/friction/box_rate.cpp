@@ -7,7 +7,7 @@
 
 #include <algorithm>
 
-using namespace LAMMPS_NS;
+namespace deformable {
 
 bool BoxRate::Box::operator==(const Box &other) const
 {
@@ -61,3 +61,5 @@ void BoxRate::measure()
     }
   }
 }
+
+}    // namespace deformable

@@ -1,11 +1,11 @@
 // The rates of a box that fix deform changes.
 
-#ifndef LMP_BOX_RATE_H
-#define LMP_BOX_RATE_H
+#ifndef DEFORMABLE_BOX_RATE_H
+#define DEFORMABLE_BOX_RATE_H
 
-#include "pointers.h"
+#include "styles/lammps_names.h"
 
-namespace LAMMPS_NS {
+namespace deformable {
 
 // How fast the box changes, which velocities take across its boundaries with remap v.
 //
@@ -13,7 +13,7 @@ namespace LAMMPS_NS {
 // rate of its length, dL/dt. Here rates are measured by how the box has changed. From its first change on they replace LAMMPS'.
 class BoxRate : protected Pointers {
  public:
-  explicit BoxRate(class LAMMPS *lmp) : Pointers(lmp) {}
+  explicit BoxRate(LAMMPS *lmp) : Pointers(lmp) {}
 
   void begin_run();
   void measure();     // before velocities are sent to ghosts
@@ -30,6 +30,6 @@ class BoxRate : protected Pointers {
   bigint step = -1;    // of `before`
 };
 
-}    // namespace LAMMPS_NS
+}    // namespace deformable
 
 #endif

@@ -21,12 +21,8 @@
 #include <type_traits>
 
 using namespace LAMMPS_NS;
+using namespace deformable;
 using namespace FixConst;
-using deformable::Along;
-using deformable::ContactVector;
-using deformable::Friction;
-using deformable::Vector2;
-using deformable::Vector3;
 
 // Between runs the elastic force of a contact may change by this part of it, as contacts are balanced to 1e-8.
 static constexpr double BALANCED = 1e-6;
@@ -478,9 +474,8 @@ inline void FixDeformableFriction::list_row(int i, const Sides &sides, const Con
   const double partner = is_wall ? 0.0 : static_cast<double>(atom->tag[sides.partner]);
   const double wall = is_wall ? pairs.front()->wall_key(sides.partner) : 0.0;
   if constexpr (std::is_same_v<V, Vector2>) {
-    values.insert(values.end(),
-                  {id, partner, x.x, x.y, deformable::angle_of(n.x, n.y), force, a.rub.force,
-                   a.damping, a.rub.xi, slide, wall, a.film.along, a.film.normal});
+    values.insert(values.end(), {id, partner, x.x, x.y, angle_of(n.x, n.y), force, a.rub.force,
+                                 a.damping, a.rub.xi, slide, wall, a.film.along, a.film.normal});
   } else {
     const V f = cross(a.rub.force, n), xi = cross(a.rub.xi, n), film = cross(a.film.along, n);
     values.insert(values.end(),
@@ -511,15 +506,13 @@ void FixDeformableFriction::check_dashpots() const
   MPI_Allreduce(MPI_IN_PLACE, most, 2, MPI_DOUBLE, MPI_MAX, world);
   const auto [of_films, of_restitution] = most;
   if (update->whichflag != 1) return;
-  const double film =
-      deformable::largest_time_step({1.0, 0.0, of_films, of_films}, lightest, lever());
+  const double film = largest_time_step({1.0, 0.0, of_films, of_films}, lightest, lever());
   if (update->dt > film)
     error->all(FLERR,
                "Fix {} deformable/friction: the time step {:.6g} is too long for a film with the "
                "constant {:.6g} and particles of mass {:.6g}: use {:.3g} or less, or a smaller c",
                id, update->dt, of_films, lightest * force->ftm2v, film);
-  const double dashpot =
-      deformable::largest_time_step({0.0, 0.0, 0.0, of_restitution}, lightest, lever());
+  const double dashpot = largest_time_step({0.0, 0.0, 0.0, of_restitution}, lightest, lever());
   if (update->dt > dashpot)
     error->all(
         FLERR,
@@ -541,7 +534,7 @@ inline void FixDeformableFriction::lose(const Sides &sides, const Acting<V> &bef
 {
   const double half = 0.5 * dt;
   const Along<V> way = half * (v_before.v.along + v_now.v.along);
-  const deformable::RubLoss loss = deformable::loss(kt, before.rub, now.rub, way);
+  const RubLoss loss = deformable::loss(kt, before.rub, now.rub, way);
   output[ends ? DASHPOTS : SLIDING] += loss.sliding;
   output[DASHPOTS] += loss.dashpot;
   output[DAMPING] += half * (before.damping * v_before.v.normal + now.damping * v_now.v.normal);

@@ -14,8 +14,8 @@ FixStyle(deformable/friction,FixDeformableFriction);
 // clang-format on
 #else
 
-#ifndef LMP_FIX_DEFORMABLE_FRICTION_H
-#define LMP_FIX_DEFORMABLE_FRICTION_H
+#ifndef DEFORMABLE_FIX_DEFORMABLE_FRICTION_H
+#define DEFORMABLE_FIX_DEFORMABLE_FRICTION_H
 
 #include "styles/friction/box_rate.h"
 #include "styles/friction/friction_coefficients.h"
@@ -27,6 +27,11 @@ FixStyle(deformable/friction,FixDeformableFriction);
 namespace LAMMPS_NS {
 
 class PairDeformable;
+
+}    // namespace LAMMPS_NS
+
+namespace deformable {
+
 struct LoadedContact;
 
 // Of two particles the one with the smaller ID remembers a contact. It is the same from both sides but for its directions: n x xi
@@ -45,15 +50,19 @@ template <class V> struct ContactPlace {
 struct RememberedContact {
   double partner;    // ID, or the code < 0 of a wall
   double kt;
-  ContactPlace<deformable::Vector3> place;
-  deformable::Vector3 xi, force;    // n x, see laws/friction.h
-  deformable::ContactVector<deformable::Vector3> film;
+  ContactPlace<Vector3> place;
+  Vector3 xi, force;    // n x, see laws/friction.h
+  ContactVector<Vector3> film;
   double damping;
   double one_side;    // the partner remembers a contact of its own
   double is_here;     // in this step
 };
 
-class FixDeformableFriction : public FixPartnerMemory<RememberedContact> {
+}    // namespace deformable
+
+namespace LAMMPS_NS {
+
+class FixDeformableFriction : public deformable::FixPartnerMemory<deformable::RememberedContact> {
  public:
   FixDeformableFriction(class LAMMPS *, int, char **);
   static constexpr const char *STYLE = "contact/friction";    // see FixDeformableWall
@@ -80,11 +89,12 @@ class FixDeformableFriction : public FixPartnerMemory<RememberedContact> {
  protected:
   std::vector<double> all_sums() override;
   void go_on_from(const std::vector<double> &) override;
-  bool belongs_to_partner(int i, const RememberedContact &) const override;
-  RememberedContact from_partner(int i, const RememberedContact &) const override;
+  bool belongs_to_partner(int i, const deformable::RememberedContact &) const override;
+  deformable::RememberedContact from_partner(int i,
+                                             const deformable::RememberedContact &) const override;
 
  private:
-  FrictionCoefficients coefficients;
+  deformable::FrictionCoefficients coefficients;
   std::vector<PairDeformable *> pairs;    // several within a hybrid style
   bool told_of_spins = false, told_of_box = false;
   void check_spins();
@@ -113,7 +123,7 @@ class FixDeformableFriction : public FixPartnerMemory<RememberedContact> {
   void check_dashpots() const;
   double mass_of(int i) const;    // in force time^2/distance units
   double dashpot(const PairDeformable &, const Sides &, double ratio, double force);
-  BoxRate box_rate;
+  deformable::BoxRate box_rate;
   double dt = 0.0;    // 0: before the first step of a run
   void rub_all(int vflag);
 
@@ -133,12 +143,13 @@ class FixDeformableFriction : public FixPartnerMemory<RememberedContact> {
     deformable::ContactVector<V> film;
   };
   template <class V> void rub_contacts();
-  template <class V> void rub(const PairDeformable &, const LoadedContact &);
+  template <class V> void rub(const PairDeformable &, const deformable::LoadedContact &);
   template <class V>
-  bool find_sides(const LoadedContact &, Sides &, ContactPlace<V> &) const;
+  bool find_sides(const deformable::LoadedContact &, Sides &, deformable::ContactPlace<V> &) const;
   template <class V> Velocity<V> velocity(const Sides &) const;
   template <class V>
-  Speeds<V> speeds(const Sides &, const Velocity<V> &, const ContactPlace<V> &, double age) const;
+  Speeds<V> speeds(const Sides &, const Velocity<V> &, const deformable::ContactPlace<V> &,
+                   double age) const;
   template <class V>
   deformable::ContactVector<V> film_force(const deformable::Friction &, double size,
                                           deformable::ContactVector<V> v);
@@ -146,10 +157,12 @@ class FixDeformableFriction : public FixPartnerMemory<RememberedContact> {
   void lose(const Sides &, const Acting<V> &before, const Acting<V> &now, double kt,
             const Speeds<V> &v_before, const Speeds<V> &v_now, bool ends = false);
   template <class V>
-  void push(const Sides &, const ContactPlace<V> &, const deformable::ContactVector<V> &);
+  void push(const Sides &, const deformable::ContactPlace<V> &,
+            const deformable::ContactVector<V> &);
   template <class V>
-  void list_row(int i, const Sides &, const ContactPlace<V> &, const Acting<V> &, double force);
-  template <class V> void end(int i, const RememberedContact &);
+  void list_row(int i, const Sides &, const deformable::ContactPlace<V> &, const Acting<V> &,
+                double force);
+  template <class V> void end(int i, const deformable::RememberedContact &);
   void sweep();
   int words_of_spring() const;
   void give_spring(int i, const double *numbers);

@@ -12,8 +12,7 @@
 #include <algorithm>
 #include <limits>
 
-using namespace LAMMPS_NS;
-using deformable::Friction;
+namespace deformable {
 
 FrictionCoefficients::FrictionCoefficients(LAMMPS *lmp, int narg, char **arg)
     : Pointers(lmp),
@@ -151,3 +150,5 @@ double FrictionCoefficients::largest_time_step(double mass, double lever) const
     least = std::min(least, deformable::largest_time_step(c, mass, lever));
   return least;
 }
+
+}    // namespace deformable

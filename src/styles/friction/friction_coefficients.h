@@ -1,28 +1,28 @@
 // The words of fix deformable/friction:
 //   mu kt gt [damp gn] [restitution e] [film c n] [types I J mu kt gt gn [restitution e] [film c n]] ...
 
-#ifndef LMP_FRICTION_COEFFICIENTS_H
-#define LMP_FRICTION_COEFFICIENTS_H
+#ifndef DEFORMABLE_FRICTION_COEFFICIENTS_H
+#define DEFORMABLE_FRICTION_COEFFICIENTS_H
 
 #include "laws/friction.h"
 
-#include "pointers.h"
+#include "styles/lammps_names.h"
 
 #include <array>
 #include <string>
 #include <vector>
 
-namespace LAMMPS_NS {
+namespace deformable {
 
 // The coefficients of fix deformable/friction, by the types of both sides: for all contacts, then for contacts of some types.
 // Each is a number or an equal-style variable, whose value may change from step to step.
 class FrictionCoefficients : protected Pointers {
  public:
   // mu kt gt keyword value ..., from arg[3] on
-  FrictionCoefficients(class LAMMPS *, int narg, char **arg);
+  FrictionCoefficients(LAMMPS *, int narg, char **arg);
 
   static constexpr int WALL = 0;    // in place of a type
-  const deformable::Friction &between(int a, int b) const { return table[a * types + b]; }
+  const Friction &between(int a, int b) const { return table[a * types + b]; }
 
   bool vary() const { return varying; }
   bool have_films() const;          // of any types
@@ -49,13 +49,13 @@ class FrictionCoefficients : protected Pointers {
   const int types;            // and the wall
   std::vector<Rule> rules;    // the last one counts
   bool varying = false;
-  std::vector<deformable::Friction> table;
+  std::vector<Friction> table;
   Coefficient read(char *word, double until_known = 0.0) const;    // of a variable
   void read_types(char **arg);
   int read_keywords(int iarg, int narg, char **arg);
   void apply(const Rule &);
 };
 
-}    // namespace LAMMPS_NS
+}    // namespace deformable
 
 #endif

@@ -7,6 +7,7 @@
 #include <limits>
 
 using namespace LAMMPS_NS;
+using namespace deformable;
 
 FixDeformableFilms::FixDeformableFilms(LAMMPS *lmp, int narg, char **arg)
     : FixPartnerMemory(lmp, narg, arg, STYLE)

@@ -7,19 +7,23 @@ FixStyle(deformable/films,FixDeformableFilms);
 // clang-format on
 #else
 
-#ifndef LMP_FIX_DEFORMABLE_FILMS_H
-#define LMP_FIX_DEFORMABLE_FILMS_H
+#ifndef DEFORMABLE_FIX_DEFORMABLE_FILMS_H
+#define DEFORMABLE_FIX_DEFORMABLE_FILMS_H
 
 #include "styles/memory/fix_partner_memory.h"
 
-namespace LAMMPS_NS {
+namespace deformable {
 
 // Both particles of a pair have it.
 struct RememberedFilm {
   double partner, x, y;    // to its center; nan: the nearest image
 };
 
-class FixDeformableFilms : public FixPartnerMemory<RememberedFilm> {
+}    // namespace deformable
+
+namespace LAMMPS_NS {
+
+class FixDeformableFilms : public deformable::FixPartnerMemory<deformable::RememberedFilm> {
  public:
   FixDeformableFilms(class LAMMPS *, int, char **);
   static constexpr const char *STYLE = "wall/films";    // see FixDeformableWall

@@ -17,6 +17,7 @@
 #include <vector>
 
 using namespace LAMMPS_NS;
+using namespace deformable;
 
 FixDeformableRestart::FixDeformableRestart(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg)
 {

@@ -8,8 +8,8 @@ FixStyle(deformable/restart,FixDeformableRestart);
 // clang-format on
 #else
 
-#ifndef LMP_FIX_DEFORMABLE_RESTART_H
-#define LMP_FIX_DEFORMABLE_RESTART_H
+#ifndef DEFORMABLE_FIX_DEFORMABLE_RESTART_H
+#define DEFORMABLE_FIX_DEFORMABLE_RESTART_H
 
 #include "fix.h"
 

@@ -7,13 +7,14 @@
 // Where memory is a per-atom array of the fix it is double, with `columns` of them for each particle: commands of LAMMPS know such an
 // array by the place of its first number and the number of columns.
 
-#ifndef LMP_FIX_MEMORY_H
-#define LMP_FIX_MEMORY_H
+#ifndef DEFORMABLE_FIX_MEMORY_H
+#define DEFORMABLE_FIX_MEMORY_H
 
 #include "fix.h"
 
 #include "kernels/large_vector.h"
 #include "styles/all_ranks.h"
+#include "styles/lammps_names.h"
 
 #include "atom.h"
 
@@ -22,7 +23,7 @@
 #include <type_traits>
 #include <vector>
 
-namespace LAMMPS_NS {
+namespace deformable {
 
 template <class Memory> int count_of(const Memory &)
 {
@@ -124,6 +125,6 @@ template <class Memory> class FixMemory : public Fix {
   }
 };
 
-}    // namespace LAMMPS_NS
+}    // namespace deformable
 
 #endif

@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <sstream>
 
-using namespace LAMMPS_NS;
+namespace deformable {
 
 NewIDs::NewIDs(LAMMPS *lmp, const std::vector<double> &own)
 {
@@ -109,3 +109,5 @@ WallNames WallNames::from_text(const std::string &text)
   }
   return names;
 }
+
+}    // namespace deformable

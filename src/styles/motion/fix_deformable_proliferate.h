@@ -7,8 +7,8 @@ FixStyle(deformable/proliferate,FixDeformableProliferate);
 // clang-format on
 #else
 
-#ifndef LMP_FIX_DEFORMABLE_PROLIFERATE_H
-#define LMP_FIX_DEFORMABLE_PROLIFERATE_H
+#ifndef DEFORMABLE_FIX_DEFORMABLE_PROLIFERATE_H
+#define DEFORMABLE_FIX_DEFORMABLE_PROLIFERATE_H
 
 #include "laws/proliferation.h"
 #include "laws/vector3.h"
@@ -20,16 +20,20 @@ FixStyle(deformable/proliferate,FixDeformableProliferate);
 #include <cstdint>
 #include <vector>
 
-namespace LAMMPS_NS {
+namespace deformable {
 
 // Of a particle at the last force call before particles grow; 0 without contacts. It goes with the particle, as another fix may give
 // it to another rank, or delete others, before this one.
 struct Pressed {
-  deformable::SymmetricTensor stress;     // sum of f h n n over contacts, h their distance
-  deformable::SymmetricTensor moments;    // of the outline
+  SymmetricTensor stress;     // sum of f h n n over contacts, h their distance
+  SymmetricTensor moments;    // of the outline
 };
 
-class FixDeformableProliferate : public FixMemory<Pressed> {
+}    // namespace deformable
+
+namespace LAMMPS_NS {
+
+class FixDeformableProliferate : public deformable::FixMemory<deformable::Pressed> {
  public:
   FixDeformableProliferate(class LAMMPS *, int, char **);
   static constexpr const char *STYLE = "grow/divide";    // see FixDeformableWall
@@ -58,7 +62,7 @@ class FixDeformableProliferate : public FixMemory<Pressed> {
   double divisions = 0.0;
   tagint last_id =
       0;    // of all atoms that were there when a run began, or that such fixes have made
-  Refusals refusals;
+  deformable::Refusals refusals;
 
   void find_last_id();
   void find_stresses();

@@ -16,13 +16,8 @@
 #include <cstring>
 
 using namespace LAMMPS_NS;
+using namespace deformable;
 using namespace FixConst;
-using deformable::across;
-using deformable::CountedRandom;
-using deformable::cross;
-using deformable::length;
-using deformable::PI;
-using deformable::Vector3;
 
 namespace {
 

@@ -6,8 +6,8 @@ FixStyle(deformable/propel,FixDeformablePropel);
 // clang-format on
 #else
 
-#ifndef LMP_FIX_DEFORMABLE_PROPEL_H
-#define LMP_FIX_DEFORMABLE_PROPEL_H
+#ifndef DEFORMABLE_FIX_DEFORMABLE_PROPEL_H
+#define DEFORMABLE_FIX_DEFORMABLE_PROPEL_H
 
 #include "styles/memory/fix_memory.h"
 
@@ -17,7 +17,7 @@ FixStyle(deformable/propel,FixDeformablePropel);
 namespace LAMMPS_NS {
 
 // It remembers the components of directions, which are unit vectors; 0 of a particle that has none yet.
-class FixDeformablePropel : public FixMemory<double> {
+class FixDeformablePropel : public deformable::FixMemory<double> {
  public:
   FixDeformablePropel(class LAMMPS *, int, char **);
 

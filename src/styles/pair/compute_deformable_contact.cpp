@@ -8,6 +8,7 @@
 #include "update.h"
 
 using namespace LAMMPS_NS;
+using namespace deformable;
 
 ComputeDeformableContact::ComputeDeformableContact(LAMMPS *lmp, int narg, char **arg)
     : ComputeDeformableContact(lmp, narg, arg,

@@ -6,8 +6,8 @@ ComputeStyle(deformable/contact,ComputeDeformableContact);
 // clang-format on
 #else
 
-#ifndef LMP_COMPUTE_DEFORMABLE_CONTACT_H
-#define LMP_COMPUTE_DEFORMABLE_CONTACT_H
+#ifndef DEFORMABLE_COMPUTE_DEFORMABLE_CONTACT_H
+#define DEFORMABLE_COMPUTE_DEFORMABLE_CONTACT_H
 
 #include "compute.h"
 

@@ -11,6 +11,7 @@
 #include <string>
 
 using namespace LAMMPS_NS;
+using namespace deformable;
 
 ComputeDeformableOutline::ComputeDeformableOutline(LAMMPS *lmp, int narg, char **arg)
     : ComputeDeformableContact(lmp, narg, arg, PairDeformable::OUTLINE_COLUMNS)

@@ -7,8 +7,8 @@ ComputeStyle(deformable/outline,ComputeDeformableOutline);
 // clang-format on
 #else
 
-#ifndef LMP_COMPUTE_DEFORMABLE_OUTLINE_H
-#define LMP_COMPUTE_DEFORMABLE_OUTLINE_H
+#ifndef DEFORMABLE_COMPUTE_DEFORMABLE_OUTLINE_H
+#define DEFORMABLE_COMPUTE_DEFORMABLE_OUTLINE_H
 
 #include "styles/pair/compute_deformable_contact.h"
 

@@ -10,6 +10,7 @@
 #include <string>
 
 using namespace LAMMPS_NS;
+using namespace deformable;
 
 FixDeformableOutline::FixDeformableOutline(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg)
 {

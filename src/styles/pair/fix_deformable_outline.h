@@ -7,8 +7,8 @@ FixStyle(deformable/outline,FixDeformableOutline);
 // clang-format on
 #else
 
-#ifndef LMP_FIX_DEFORMABLE_OUTLINE_H
-#define LMP_FIX_DEFORMABLE_OUTLINE_H
+#ifndef DEFORMABLE_FIX_DEFORMABLE_OUTLINE_H
+#define DEFORMABLE_FIX_DEFORMABLE_OUTLINE_H
 
 #include "fix.h"
 

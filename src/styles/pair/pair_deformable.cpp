@@ -27,12 +27,7 @@
 #include <string>
 
 using namespace LAMMPS_NS;
-
-using deformable::PI;
-using deformable::SurfacePoint;
-using deformable::unstable_radius;
-using deformable::Vector2;
-using deformable::Vector3;
+using namespace deformable;
 
 PairDeformable::PairDeformable(LAMMPS *lmp, int outputs, int dimension)
     : Pair(lmp),
@@ -51,9 +46,9 @@ PairDeformable::PairDeformable(LAMMPS *lmp, int outputs, int dimension)
   pvector = new double[nextra]();
 
   const std::string level = environment(lmp, "DEFORMABLE_SIMD");
-  kernels = deformable::batch_kernels(level);
+  kernels = batch_kernels(level);
   refusals.check([&] {    // processors of ranks may differ
-    if (!kernels) refuse("{}", deformable::why_no_kernels("DEFORMABLE_SIMD", level));
+    if (!kernels) refuse("{}", why_no_kernels("DEFORMABLE_SIMD", level));
   });
 }
 
@@ -286,9 +281,8 @@ void PairDeformable::check_own_image(int i, int j)
    left out.
 ------------------------------------------------------------------------- */
 
-void PairDeformable::record(int i, int partner, const deformable::Contact &contact, double length,
-                            double force, const Vector2 &push, double distance,
-                            const RecordedLine &line)
+void PairDeformable::record(int i, int partner, const Contact &contact, double length, double force,
+                            const Vector2 &push, double distance, const RecordedLine &line)
 {
   if (!recording || (length == 0.0 && force == 0.0)) return;
   const double height = radii[i] - contact.indentation;
@@ -322,15 +316,14 @@ void PairDeformable::list_outlines(int groupbit, int points, std::vector<double>
   for (int ii = 0; ii < list->inum; ++ii) {
     const int i = list->ilist[ii];
     if (!(atom->mask[i] & groupbit)) continue;
-    deformable::Outline outline;
+    Outline outline;
     outline_of(i, of_atom[i], points, outline);
     const std::size_t size = outline.pieces.size();
     for (std::size_t k = 0; k < size; ++k) {
-      const deformable::Piece &piece = outline.pieces[k];
+      const Piece &piece = outline.pieces[k];
       const double *const one = &outline.xy[2 * k], *const other =
                                                         &outline.xy[2 * (k + 1) % (2 * size)];
-      const tagint partner =
-          piece.contact == deformable::Outline::FREE ? 0 : of_atom[i][piece.contact].partner;
+      const tagint partner = piece.contact == Outline::FREE ? 0 : of_atom[i][piece.contact].partner;
       const double *const x = atom->x[i];
       rows.insert(rows.end(),
                   {static_cast<double>(atom->tag[i]), static_cast<double>(atom->type[i]),
@@ -529,8 +522,8 @@ std::map<std::string, std::string> PairDeformable::description() const
   return all;
 }
 
-std::vector<PairDeformable *> LAMMPS_NS::require_deformable_pairs(LAMMPS *lmp,
-                                                                  const std::string &command)
+std::vector<PairDeformable *> deformable::require_deformable_pairs(LAMMPS *lmp,
+                                                                   const std::string &command)
 {
   const char *const style = lmp->force->pair_style;
   std::vector<PairDeformable *> pairs = deformable_pairs(*lmp->force);
@@ -565,8 +558,8 @@ void ParticleResults::clear(std::size_t particles)
   for (std::vector<double> &v : values) std::fill_n(v.begin(), particles, 0.0);
 }
 
-void ParticleResults::store_shape(int i, double radius, int contacts,
-                                  const deformable::Shape &shape, double pressure)
+void ParticleResults::store_shape(int i, double radius, int contacts, const Shape &shape,
+                                  double pressure)
 {
   int active = 0;
   double length = 0.0;

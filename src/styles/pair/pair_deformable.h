@@ -1,8 +1,8 @@
 // The base of the pair styles: parameters, contacts from the neighbor list and the walls, forces from the
 // derivatives of the shape, per-particle results. A contact law adds how contacts become a shape.
 
-#ifndef LMP_PAIR_DEFORMABLE_H
-#define LMP_PAIR_DEFORMABLE_H
+#ifndef DEFORMABLE_PAIR_DEFORMABLE_H
+#define DEFORMABLE_PAIR_DEFORMABLE_H
 
 #include "pair.h"
 
@@ -13,6 +13,7 @@
 #include "laws/stiffness.h"
 #include "laws/vector2.h"
 #include "response/outline.h"
+#include "styles/lammps_names.h"
 #include "styles/refusals.h"
 #include "styles/species.h"
 #include "styles/walls/fix_deformable_wall.h"
@@ -29,7 +30,7 @@
 #include <string>
 #include <vector>
 
-namespace LAMMPS_NS {
+namespace deformable {
 
 // Per-particle results of the pair styles, for fix pair.
 class ParticleResults {
@@ -45,7 +46,7 @@ class ParticleResults {
   void clear(std::size_t particles);
 
   // Particle i, whose ring has this radius when undeformed.
-  void store_shape(int i, double radius, int contacts, const deformable::Shape &, double pressure);
+  void store_shape(int i, double radius, int contacts, const Shape &, double pressure);
   void store_circle(int i, double radius, double pressure);
   // Droplet i in three dimensions: of its surface and of its facets.
   struct Surface {
@@ -90,15 +91,15 @@ struct RecordedContact {
   double angle;       // of the direction to the line
   double distance;    // of the partner's center, or of the wall
   RecordedLine line;
-  deformable::Vector2 push;    // force on the particle from its own energy; from a wall all of it
+  Vector2 push;    // force on the particle from its own energy; from a wall all of it
 };
 
 // A contact that bears a force, for fix deformable/friction.
 struct LoadedContact {
-  int i, j;      // local indices; of a wall its code < 0
-  int second;    // local index of the particle whose image j is, or -1: it is on another rank
-  deformable::Vector3 n;         // normal of the contact, from i to j
-  deformable::Vector3 middle;    // of its film, from the center of i
+  int i, j;          // local indices; of a wall its code < 0
+  int second;        // local index of the particle whose image j is, or -1: it is on another rank
+  Vector3 n;         // normal of the contact, from i to j
+  Vector3 middle;    // of its film, from the center of i
   double force;
   // of its film, if asked for: length in the plane, area in space; the mean of both sides
   double size;
@@ -106,27 +107,31 @@ struct LoadedContact {
 };
 
 // In the plane: at this height along the normal, and this far to the left of it.
-inline deformable::Vector3 middle_of(double nx, double ny, double height, double shift)
+inline Vector3 middle_of(double nx, double ny, double height, double shift)
 {
   return {height * nx - shift * ny, height * ny + shift * nx, 0.0};
 }
 
 // Two particles, or a particle and a wall, at the last force call: for minimizers, which take them for springs.
 struct Spring {
-  int i, j;                 // local indices, j may be a ghost; of a wall: -1
-  deformable::Vector3 n;    // from i to j
-  double distance;          // of the centers, or of the wall
-  double overlap;           // negative: a gap
+  int i, j;           // local indices, j may be a ghost; of a wall: -1
+  Vector3 n;          // from i to j
+  double distance;    // of the centers, or of the wall
+  double overlap;     // negative: a gap
 };
+
+}    // namespace deformable
+
+namespace LAMMPS_NS {
 
 class PairDeformable : public Pair {
  public:
   // Contacts of this rank's particles at the last call, if a compute of contacts or outlines is defined.
-  std::vector<RecordedContact> recorded;
+  std::vector<deformable::RecordedContact> recorded;
 
   // All contacts of this rank's particles that bear a force at the last call, if a fix deformable/friction is defined.
   // A contact between two ranks is on both.
-  std::vector<LoadedContact> loaded;
+  std::vector<deformable::LoadedContact> loaded;
   virtual bool slips() const { return true; }    // along its contacts
 
   // The energy of particle i where nothing but one contact presses it, with this force: a restitution asks for it. The contact
@@ -149,15 +154,15 @@ class PairDeformable : public Pair {
 
   bool has_wall(int code) const { return code < 0 && !walls.empty(); }
   // The wall that a code stands for, and the feature of it.
-  FixDeformableWall &wall(int code) const { return wall_of(code, walls); }
-  int wall_feature(int code) const { return wall_feature_of(code, wall_count()); }
+  FixDeformableWall &wall(int code) const { return deformable::wall_of(code, walls); }
+  int wall_feature(int code) const { return deformable::wall_feature_of(code, wall_count()); }
   // In tables of contacts: -1 - k of all walls of fix k, from 0.
-  int wall_number(int code) const { return -1 - wall_of(code, wall_count()); }
+  int wall_number(int code) const { return -1 - deformable::wall_of(code, wall_count()); }
   // The code of the first feature of the same obstacle: it stays where a particle turns around a corner.
   int wall_key(int code) const
   {
     const int first = wall(code).first_feature(wall_feature(code));
-    return wall_code(wall_of(code, wall_count()), first, wall_count());
+    return deformable::wall_code(deformable::wall_of(code, wall_count()), first, wall_count());
   }
 
   PairDeformable(class LAMMPS *, int outputs = 2, int dimension = 2);
@@ -180,12 +185,12 @@ class PairDeformable : public Pair {
 
   // All contacts of this rank's particles, and pairs with a gap up to this part of both radii. Each once, those of a particle
   // and a ghost on both sides.
-  void list_springs(double gap, std::vector<Spring> &springs) const;
+  void list_springs(double gap, std::vector<deformable::Spring> &springs) const;
   double smallest_radius() const;    // of all particles of all ranks
 
  protected:
   // Stops with an error if the style does not support this species.
-  virtual void check_species(const Species &) const {}
+  virtual void check_species(const deformable::Species &) const {}
 
   // Whether contact lines bend, without which nothing can stick: stops if the owner of an adhesion does.
   virtual bool bends_lines() const { return false; }
@@ -206,9 +211,10 @@ class PairDeformable : public Pair {
 
   double reach = 0.0;    // largest distance of contacts over R_i + R_j, minus 1
   bool bulges() const { return reach > 0.0; }    // else contacts are the lines inside of the circle
-  std::vector<Species> species;    // by atom type; without a name: of another pair style
-  Materials materials;             // as of this call
-  Adhesions adhesions;             // of all pairs of types
+  std::vector<deformable::Species>
+      species;                        // by atom type; without a name: of another pair style
+  deformable::Materials materials;    // as of this call
+  deformable::Adhesions adhesions;    // of all pairs of types
   std::map<std::string, std::string> defined;    // by pair_coeff
   void describe_species();
   std::vector<FixDeformableWall *> walls;
@@ -261,9 +267,9 @@ class PairDeformable : public Pair {
   std::vector<WallContact> wall_contacts;    // of the block; a place has -1 minus the index
 
   void end_call();
-  Refusals refusals;
+  deformable::Refusals refusals;
 
-  ParticleResults results;
+  deformable::ParticleResults results;
   bool recording = false;    // for computes of contacts and outlines, and fixes of division
   bool rubbing = false;      // whether `loaded` is asked for
   bool measuring = false;    // and the sizes of films
@@ -272,14 +278,15 @@ class PairDeformable : public Pair {
   bool needs_shapes() const { return recording || results.requested; }
 
   // The outline of particle i about its center, from what was recorded of its contacts.
-  virtual void outline_of(int /*i*/, const std::vector<RecordedContact> &, int /*points*/,
-                          deformable::Outline &) const
+  virtual void outline_of(int /*i*/, const std::vector<deformable::RecordedContact> &,
+                          int /*points*/, deformable::Outline &) const
   {
   }
 
   // For such computes, if there is one.
   void record(int i, int partner, const deformable::Contact &, double length, double force,
-              const deformable::Vector2 &push, double distance, const RecordedLine &line = {});
+              const deformable::Vector2 &push, double distance,
+              const deformable::RecordedLine &line = {});
 
   // Stops because the contact line of particle i does not lie in front of its center.
   [[noreturn]] void refuse_behind_center(int i, int j, double dx, double dy);
@@ -310,7 +317,8 @@ class PairDeformable : public Pair {
   };
   static WallPush push_of(const WallContact &, const deformable::Place &);
   void observe(const deformable::BlockParticle &);
-  LoadedContact loaded_contact(const deformable::BlockParticle &, const deformable::Place &) const;
+  deformable::LoadedContact loaded_contact(const deformable::BlockParticle &,
+                                           const deformable::Place &) const;
   void check_own_images(const deformable::BlockParticle &);
 
   struct {
@@ -352,6 +360,10 @@ void PairDeformable::for_each_block(const deformable::BatchKernel *chosen, Prepa
   }
 }
 
+}    // namespace LAMMPS_NS
+
+namespace deformable {
+
 // The pair style of a run, or the styles within a hybrid one, in its order. They are known by their class, because the names of
 // other styles, such as deformable/edge, begin alike.
 inline std::vector<PairDeformable *> deformable_pairs(Force &force)
@@ -370,6 +382,6 @@ inline std::vector<PairDeformable *> deformable_pairs(Force &force)
 // The same for a command that works with them only, such as "Fix ID deformable/wall": stops if there is none.
 std::vector<PairDeformable *> require_deformable_pairs(LAMMPS *, const std::string &command);
 
-}    // namespace LAMMPS_NS
+}    // namespace deformable
 
 #endif

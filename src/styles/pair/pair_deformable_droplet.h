@@ -6,8 +6,8 @@ PairStyle(deformable/droplet,PairDeformableDroplet);
 // clang-format on
 #else
 
-#ifndef LMP_PAIR_DEFORMABLE_DROPLET_H
-#define LMP_PAIR_DEFORMABLE_DROPLET_H
+#ifndef DEFORMABLE_PAIR_DEFORMABLE_DROPLET_H
+#define DEFORMABLE_PAIR_DEFORMABLE_DROPLET_H
 
 #include "styles/pair/pair_deformable.h"
 
@@ -35,7 +35,7 @@ class PairDeformableDroplet : public PairDeformable {
   void check_state() const override;
 
  protected:
-  void check_species(const Species &) const override;
+  void check_species(const deformable::Species &) const override;
   const char *what_is_beyond() const override
   {
     return "forces cover more than 0.4 of their surface with facets, or, where contacts are few "
@@ -44,8 +44,8 @@ class PairDeformableDroplet : public PairDeformable {
   }
 
  private:
-  std::unique_ptr<DropletSolver> solver;
-  SpeciesRamps ramps;
+  std::unique_ptr<deformable::DropletSolver> solver;
+  deformable::SpeciesRamps ramps;
   bool take_ramps();
   double smallest = 0.0;    // radius of all particles, as of the last new neighbor list
 

@@ -7,8 +7,8 @@ PairStyle(deformable/ring,PairDeformableRing);
 // clang-format on
 #else
 
-#ifndef LMP_PAIR_DEFORMABLE_RING_H
-#define LMP_PAIR_DEFORMABLE_RING_H
+#ifndef DEFORMABLE_PAIR_DEFORMABLE_RING_H
+#define DEFORMABLE_PAIR_DEFORMABLE_RING_H
 
 #include "styles/pair/pair_deformable.h"
 
@@ -43,13 +43,13 @@ class PairDeformableRing : public PairDeformable {
 
  protected:
   bool bends_lines() const override { return balanced && balanced->pairs().curved; }
-  void outline_of(int i, const std::vector<RecordedContact> &, int points,
+  void outline_of(int i, const std::vector<deformable::RecordedContact> &, int points,
                   deformable::Outline &) const override;
 
  private:
-  std::unique_ptr<RingSolver> balanced;         // null: contacts stay on their radical axes
-  class FixDeformableFilms *films = nullptr;    // null: no adhesion
-  SpeciesRamps ramps;
+  std::unique_ptr<deformable::RingSolver> balanced;    // null: contacts stay on their radical axes
+  class FixDeformableFilms *films = nullptr;           // null: no adhesion
+  deformable::SpeciesRamps ramps;
   bool take_ramps();         // whether a species or an adhesion has changed
   bool unchecked = false;    // values of ramps, also after an error that the caller has caught
   void check_adhesive_walls();
@@ -85,7 +85,8 @@ class PairDeformableRing : public PairDeformable {
   std::vector<int> pair_sides;
   void evaluate_balanced(bool new_material);
   double push_part = 1.0;    // of forces, see DualSolver::Push
-  deformable::Vector2 push_of(int k, const NearPairs::Centers &, double share, double slope) const;
+  deformable::Vector2 push_of(int k, const deformable::NearPairs::Centers &, double share,
+                              double slope) const;
   void push_pairs(int begin, int end, bool counts_energy);
   void refuse_pair(int k);
   void finish_balanced(int i);

@@ -6,8 +6,8 @@ PairStyle(deformable/sector,PairDeformableSector);
 // clang-format on
 #else
 
-#ifndef LMP_PAIR_DEFORMABLE_SECTOR_H
-#define LMP_PAIR_DEFORMABLE_SECTOR_H
+#ifndef DEFORMABLE_PAIR_DEFORMABLE_SECTOR_H
+#define DEFORMABLE_PAIR_DEFORMABLE_SECTOR_H
 
 #include "laws/sector.h"
 #include "styles/pair/pair_deformable.h"
@@ -27,8 +27,8 @@ class PairDeformableSector : public PairDeformable {
   void unpack_forward_comm(int, int, double *) override;
 
  protected:
-  void check_species(const Species &) const override;
-  void outline_of(int i, const std::vector<RecordedContact> &, int points,
+  void check_species(const deformable::Species &) const override;
+  void outline_of(int i, const std::vector<deformable::RecordedContact> &, int points,
                   deformable::Outline &) const override;
 
  private:

@@ -22,10 +22,8 @@
 #include <utility>
 
 using namespace LAMMPS_NS;
+using namespace deformable;
 using namespace FixConst;
-using deformable::SurfacePoint;
-using deformable::Vector3;
-using deformable::Wall;
 
 FixDeformableWall::FixDeformableWall(LAMMPS *lmp, int narg, char **arg)
     : Fix(lmp, narg, arg),
@@ -108,7 +106,7 @@ int FixDeformableWall::read_keyword(int iarg, int narg, char **arg)
   const char *const first = arg[iarg + 1];
   if (keyword == "adhesion") {
     stickiness = utils::numeric(FLERR, first, false, lmp);
-    require(deformable::invalid_adhesion(stickiness));
+    require(invalid_adhesion(stickiness));
     if (dimension == 3 && stickiness > 0.0)
       error->all(FLERR_WORD(iarg + 1),
                  "Fix {} deformable/wall: droplets in three dimensions do not stick to walls: use "
@@ -462,8 +460,7 @@ void FixDeformableWall::restart(char *buffer)
   for (double *place : places) *place = *list++;
 }
 
-void FixDeformableWall::refuse_center(int i, double radius,
-                                      const deformable::RefusedCenter &refused)
+void FixDeformableWall::refuse_center(int i, double radius, const RefusedCenter &refused)
 {
   const double *x = atom->x[i];
   const Wall &wall = walls.walls[refused.wall];

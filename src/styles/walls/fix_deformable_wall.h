@@ -10,8 +10,8 @@ FixStyle(deformable/wall,FixDeformableWall);
 // clang-format on
 #else
 
-#ifndef LMP_FIX_DEFORMABLE_WALL_H
-#define LMP_FIX_DEFORMABLE_WALL_H
+#ifndef DEFORMABLE_FIX_DEFORMABLE_WALL_H
+#define DEFORMABLE_FIX_DEFORMABLE_WALL_H
 
 #include "fix.h"
 
@@ -122,7 +122,7 @@ class FixDeformableWall : public Fix {
   const int dimension;
   std::string region_id;    // empty: shapes from words
   Region *region = nullptr;
-  Walls walls;
+  deformable::Walls walls;
   deformable::Vector3 center(int i) const
   {
     const double *const x = atom->x[i];
@@ -132,12 +132,12 @@ class FixDeformableWall : public Fix {
   double stickiness = 0.0;
   struct {
     int axis = -1;    // none
-    WallVariable speed;
+    deformable::WallVariable speed;
   } shear;
   // A wall that moves by Newton's equation.
   struct {
     double mass = 0.0;    // none
-    WallVariable force;
+    deformable::WallVariable force;
     double v = 0.0, pushed = 0.0;    // along the axis of the side; by the particles
   } load;
 
@@ -161,17 +161,21 @@ class FixDeformableWall : public Fix {
   void require(const std::string &problem);
   int read_keywords(int narg, char **arg);
   int read_keyword(int iarg, int narg, char **arg);
-  void check_keywords(Walls &) const;
-  std::vector<WallVariable *> variables();
+  void check_keywords(deformable::Walls &) const;
+  std::vector<deformable::WallVariable *> variables();
   void check_places();
   void kick();
   std::vector<double *> moving_places();
   void read_region();
   void match_region();
-  void take(Walls &&);
+  void take(deformable::Walls &&);
   void warn_of_box() const;
   [[noreturn]] void refuse_center(int i, double radius, const deformable::RefusedCenter &);
 };
+
+}    // namespace LAMMPS_NS
+
+namespace deformable {
 
 // As the partner of a particle a feature of wall fix w of n has the code -1 - (w + n feature): IDs and local indices are not
 // negative.
@@ -199,12 +203,12 @@ void visit_walls(const std::vector<FixDeformableWall *> &walls, int i, double ra
 {
   const int count = static_cast<int>(walls.size());
   for (int w = 0; w < count; ++w)
-    walls[w]->visit(i, radius, reach, [&](int feature, const deformable::SurfacePoint &point) {
+    walls[w]->visit(i, radius, reach, [&](int feature, const SurfacePoint &point) {
       visitor(wall_code(w, feature, count), point);
     });
 }
 
-}    // namespace LAMMPS_NS
+}    // namespace deformable
 
 #endif
 #endif

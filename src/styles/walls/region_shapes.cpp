@@ -5,8 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-using namespace LAMMPS_NS;
-using namespace deformable;
+namespace deformable {
 
 namespace {
 
@@ -412,8 +411,7 @@ std::string read(Region *region, WallShape &shape)
 }    // namespace in_space
 }    // namespace
 
-std::string LAMMPS_NS::read_shape(Region *region, int dimension, double x, double y,
-                                  WallShape &shape)
+std::string read_shape(Region *region, int dimension, double x, double y, WallShape &shape)
 {
   shape = {};
   return dimension == 2 ? in_the_plane::read(region, x, y, shape) : in_space::read(region, shape);
@@ -427,7 +425,7 @@ static Vector3 rotated_with(const Region *region, const Vector3 &v)
   return c * v + s * cross(axis, v) + ((1.0 - c) * dot(axis, v)) * axis;
 }
 
-WallShape LAMMPS_NS::moved_with(Region *region, const WallShape &at_rest)
+WallShape moved_with(Region *region, const WallShape &at_rest)
 {
   WallShape shape = at_rest;
   if (!region->dynamic) return shape;
@@ -442,9 +440,11 @@ WallShape LAMMPS_NS::moved_with(Region *region, const WallShape &at_rest)
   return shape;
 }
 
-Motion LAMMPS_NS::motion_of(Region *region)
+Motion motion_of(Region *region)
 {
   const Vector3 origin = RegionMotion::moved(region, {});
   if (!region->rotateflag) return {origin};
   return {origin, region->theta, RegionMotion::axis(region)};
 }
+
+}    // namespace deformable

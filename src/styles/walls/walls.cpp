@@ -14,8 +14,7 @@
 #include <limits>
 #include <set>
 
-using namespace LAMMPS_NS;
-using namespace deformable;
+namespace deformable {
 
 /* ----------------------------------------------------------------------
    Adds the walls of the points that match a region, or of those that do not.
@@ -381,3 +380,5 @@ std::string WallVariable::end_step(LAMMPS *lmp)
 {
   return of_state ? evaluate(lmp, next) : "";
 }
+
+}    // namespace deformable
