@@ -42,7 +42,7 @@ TIMES = {
 }
 SWITCHES = [
     *("relaxed=1e300", "planned=0", "small_step=0", "cubic=0", "smooth=1e300"),
-    *("few=0", "chebyshev=1e300", "group=1000"),
+    "chebyshev=1e300",
 ]
 LAWS = ("balanced", "curved", "droplet")
 IN_SPACE = {"droplet", "sphere"}

@@ -496,12 +496,10 @@ DEFORMABLE_LANE_FUNCTION void for_all(const RingBatches &b, Kernel &&kernel)
   for_each_vector<STEP>(b, [&](int n, const ContactArrays &c, const RingArrays &r)
                                DEFORMABLE_LANE_LAMBDA {
                                  switch (n) {
-                                   case 3: kernel(std::integral_constant<int, 3>(), n, c, r); break;
                                    case 4: kernel(std::integral_constant<int, 4>(), n, c, r); break;
                                    case 5: kernel(std::integral_constant<int, 5>(), n, c, r); break;
                                    case 6: kernel(std::integral_constant<int, 6>(), n, c, r); break;
                                    case 7: kernel(std::integral_constant<int, 7>(), n, c, r); break;
-                                   case 8: kernel(std::integral_constant<int, 8>(), n, c, r); break;
                                    default: kernel(std::integral_constant<int, 0>(), n, c, r);
                                  }
                                });

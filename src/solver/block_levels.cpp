@@ -6,10 +6,8 @@ namespace deformable {
 
 static constexpr int BATCHES = ContactBatches::BLOCK / LANES;
 
-void BlockLevels::arrange(const ContactBatches &b, const NearPairs &pairs, const Tuning &tuning)
+void BlockLevels::arrange(const ContactBatches &b, const NearPairs &pairs)
 {
-  group_size = std::max(1, static_cast<int>(tuning.group));
-  chunk_size = std::max(1, static_cast<int>(tuning.chunk));
   batches = b.batches;
   const int blocks = (batches + BATCHES - 1) / BATCHES;
   std::vector<int> end(blocks);    // of the contacts
@@ -53,13 +51,6 @@ void BlockLevels::choose(RingBatches &rings, int block) const
 {
   rings.begin = block * BATCHES;
   rings.end = std::min(rings.begin + BATCHES, batches);
-}
-
-void BlockLevels::widen(Choice &chosen) const
-{
-  const Choice before = chosen;
-  for (int k = 0; k < count(); ++k)
-    for (int n = first[k]; n < first[k + 1] && before[k]; ++n) chosen[neighbors[n]] = 1;
 }
 
 }    // namespace deformable

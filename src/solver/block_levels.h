@@ -8,7 +8,6 @@
 
 #include "solver/contact_batches.h"
 #include "solver/near_pairs.h"
-#include "solver/tuning.h"
 
 #include <algorithm>
 #include <vector>
@@ -18,7 +17,7 @@ namespace deformable {
 class BlockLevels {
  public:
   // Finds which blocks have contacts with each other, or with rings of other ranks.
-  void arrange(const ContactBatches &, const NearPairs &, const Tuning &);
+  void arrange(const ContactBatches &, const NearPairs &);
 
   int count() const { return static_cast<int>(level.size()); }
 
@@ -40,36 +39,28 @@ class BlockLevels {
     for (int n = first[block]; n < first[block + 1]; ++n) visit(neighbors[n]);
   }
 
-  using Choice = std::vector<char>;
-  // Adds the blocks that have contacts with chosen ones.
-  void widen(Choice &) const;
-  void add_borders(Choice &chosen) const
-  {
-    for (const int k : borders) chosen[k] = 1;
-  }
   static int of_ring(int ring) { return ring / ContactBatches::BLOCK; }
 
-  // work(block, iteration) for the chosen blocks, all if it is null, and iterations from 1 to `last`; exchange(iteration)
-  // between ranks after each one but the last.
-  template <class Work, class Exchange>
-  void run(int last, Work &&work, Exchange &&exchange, const Choice *chosen = nullptr)
+  // work(block, iteration) for all blocks and iterations from 1 to `last`; exchange(iteration) between ranks after each one
+  // but the last.
+  template <class Work, class Exchange> void run(int last, Work &&work, Exchange &&exchange)
   {
-    for (int k = 0; k < count(); ++k) level[k] = !chosen || (*chosen)[k] ? 0 : last;
+    std::fill(level.begin(), level.end(), 0);
     for (int next = 1; next < last; ++next) {
       for (const int k : borders)
         if (level[k] < next) raise(k, work);
       exchange(next);
     }
     // Wavefront order: a group of iterations on a chunk of blocks, then the next group; what they go through at once stays in
-    // the processor's own cache.
-    const int groups = (last + group_size - 1) / group_size,
-              chunks = (count() + chunk_size - 1) / chunk_size;
+    // the processor's own cache. Both sizes hardly matter: [2, 8].
+    constexpr int GROUP = 4, CHUNK = 4;
+    const int groups = (last + GROUP - 1) / GROUP, chunks = (count() + CHUNK - 1) / CHUNK;
     for (int turn = 0; turn < chunks + groups - 1; ++turn)
       for (int group = std::max(0, turn - chunks + 1); group <= std::min(turn, groups - 1);
            ++group) {
-        const int begin = chunk_size * (turn - group), end = std::min(count(), begin + chunk_size);
+        const int begin = CHUNK * (turn - group), end = std::min(count(), begin + CHUNK);
         for (int k = begin; k < end; ++k)
-          while (level[k] < std::min(last, group_size * (group + 1))) raise(k, work);
+          while (level[k] < std::min(last, GROUP * (group + 1))) raise(k, work);
       }
   }
 
@@ -83,7 +74,7 @@ class BlockLevels {
   std::vector<int> first, neighbors;        // of each block
   std::vector<int> borders;                 // blocks with contacts of other ranks
   std::vector<int> level;                   // the last iteration of each block
-  int batches = 0, group_size = 4, chunk_size = 4;
+  int batches = 0;
   std::vector<int> first_pair[PARTS];    // of each block, and the end
 
   template <class Work> void raise(int k, Work &work)

@@ -163,7 +163,7 @@ void DualSolver::arrange(const Particles &p, bool new_list)
   batches.arrange(list.order(*p.list), p.list->inum, atom->nlocal, pairs, atom->tag,
                   has_own_compliances());
   list.remote_sides.arrange(pairs.side[0].data() + pairs.remote, batches.contacts);
-  blocks.arrange(batches, pairs, tuning);
+  blocks.arrange(batches, pairs);
   relaxation.arrange(batches, pairs);
   set_material(p, true);
   batches.scale = pairs.scale;
@@ -294,7 +294,6 @@ bool DualSolver::balance(const Particles &p)
   Evaluation now = is_planned ? evaluate_and_correct() : evaluate();
   if (problems == 1 && !is_planned) planned_from = now;
 
-  local_corrections = 0;
   // Beyond confluence there may be no balance, and lines may lead astray.
   enum { PREDICTED, ANEW, STRAIGHT, LET_GO, HELD };
   constexpr double FAR = 1e-3;    // from balance, over the largest force
@@ -357,7 +356,7 @@ bool DualSolver::balance(const Particles &p)
       continue;
     }
     if (!std::isfinite(now.force)) break;
-    if (!correct_some(now)) now = correct(now);
+    now = correct(now);
   }
   if (!now.exists) summary.termination = Termination::NO_SHAPE;
   if (lines) lines->count_limited();
@@ -579,10 +578,10 @@ Evaluation DualSolver::line_search(Evaluation now, double enough)
 
 // Along the last step, from this part of it to that one. From the smaller one of the force before and its change: single
 // precision has only that precisely enough.
-void DualSolver::move(double from, double to, int begin, int end)
+void DualSolver::move(double from, double to)
 {
   const PairArrays a = arrays();
-  for (int k = begin; k < end; ++k) {
+  for (int k = 0; k < list.pairs.size; ++k) {
     const double before = a.before[k], change = a.step[k], force = a.force[k];
     const bool is_small = std::fabs(change) < std::fabs(before);
     const double moved = is_small    ? force + (to - from) * change * a.unit
@@ -715,9 +714,8 @@ Evaluation DualSolver::evaluate()
 }
 
 // Returns what the last stage RESIDUAL has found in all blocks; in `before`, unless null, what the last one before the
-// corrections has. If only some blocks are chosen, the others stay as they are.
-Evaluation DualSolver::run(const Steps &steps, Evaluation *before,
-                           const BlockLevels::Choice *chosen)
+// corrections has.
+Evaluation DualSolver::run(const Steps &steps, Evaluation *before)
 {
   const RingBatches rings = batches.arrays();
   RingBatches here = rings;    // of the block that has its turn
@@ -726,9 +724,7 @@ Evaluation DualSolver::run(const Steps &steps, Evaluation *before,
   };
   const int first =    // of them, from 0; steps count from 1
       static_cast<int>(std::find_if(steps.begin(), steps.end(), corrects) - steps.begin());
-  of_blocks.resize((before ? 2 : 1) * blocks.count());
-  for (std::size_t block = 0; block < of_blocks.size(); ++block)
-    if (!chosen || (*chosen)[block]) of_blocks[block] = {};
+  of_blocks.assign((before ? 2 : 1) * blocks.count(), {});
   bool exist = true;
   blocks.run(
       static_cast<int>(steps.size()),
@@ -751,8 +747,7 @@ Evaluation DualSolver::run(const Steps &steps, Evaluation *before,
         } else if (done.stage == Stage::FOLLOW || done.stage == Stage::FOLLOW_STEP) {
           lines->exchange_answers();
         }
-      },
-      chosen);
+      });
   if (steps.back().stage == Stage::RESIDUAL) ++summary.evaluations;
   if (before) {
     ++summary.evaluations;

@@ -17,7 +17,6 @@
 //                the facets of their neighbors, and have a stage more
 //   correct      C x = r for the active set (LinearSolver: Chebyshev's iteration, or conjugate gradients where the bounds of the
 //                spectrum are not known). A pair whose own force would become negative is not in it, and its force vanishes.
-//   correct_some the same for a few blocks of particles, if only these are not balanced (local_corrections.cpp)
 //   with_lines   the stages of a correction that curved lines answer (CurvedLines)
 //   evaluate_and_correct   both in one sweep, as planned from the last call: the usual way in a run, if the bounds are known.
 //                With straight lines pairs that are far off, as where contacts open, are relaxed before (PairRelaxation).
@@ -54,7 +53,7 @@ enum class Termination { BALANCED, STUCK, NO_SHAPE, OUT_OF_EVALUATIONS };
 
 struct Summary {
   Termination termination = Termination::BALANCED;
-  int evaluations = 0;        // in the call; one of some blocks counts as one
+  int evaluations = 0;        // in the call
   double imbalance = 0.0;     // the largest of a pair, over the largest force
   const char *why() const;    // in words: why it ended, and what helps
 };
@@ -221,8 +220,6 @@ class DualSolver : protected Pointers {
   Steps with_lines(double accuracy);
   Evaluation accept_with_lines(Evaluation now, const Evaluation &from);
   Evaluation evaluate_and_correct();
-  int local_corrections = 0;    // of this solution
-  bool correct_some(Evaluation &);
   Evaluation correct(const Evaluation &);
   double accuracy(const Evaluation &) const;
   Stage shape_after(const Evaluation &) const;
@@ -238,14 +235,11 @@ class DualSolver : protected Pointers {
   bool may_go_on() const { return summary.evaluations < allowed; }
 
   PairArrays arrays();
-  Evaluation run(const Steps &, Evaluation *before = nullptr,
-                 const BlockLevels::Choice *chosen = nullptr);
+  Evaluation run(const Steps &, Evaluation *before = nullptr);
   Evaluation evaluate();
   void work(const Step &, int block, RingBatches &, OfBlock &, bool &exist);
   Evaluation sum_up(int first, bool exist) const;
-  void hold_others(const BlockLevels::Choice &);
-  void move(double from, double to) { move(from, to, 0, list.pairs.size); }
-  void move(double from, double to, int begin, int end);
+  void move(double from, double to);
   double slope_at_end();
   double step_alone();
   double unit_of_energy() const { return list.pairs.length * list.pairs.unit(); }

@@ -14,8 +14,6 @@ Tuning Tuning::changed_by(const std::string &given) const
   Tuning t = *this;
   const std::map<std::string, double *> members = {{"margin", &t.margin},
                                                    {"column", &t.column},
-                                                   {"group", &t.group},
-                                                   {"chunk", &t.chunk},
                                                    {"cubic", &t.cubic},
                                                    {"smooth", &t.smooth},
                                                    {"planned", &t.planned},
@@ -29,7 +27,6 @@ Tuning Tuning::changed_by(const std::string &given) const
                                                    {"of_lines", &t.of_lines},
                                                    {"of_answers", &t.of_answers},
                                                    {"of_films", &t.of_films},
-                                                   {"few", &t.few},
                                                    {"small_step", &t.small_step},
                                                    {"chebyshev", &t.chebyshev},
                                                    {"spectrum", &t.spectrum},

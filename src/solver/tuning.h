@@ -17,10 +17,6 @@ struct Tuning {
   double margin = 0.1;    // of the smallest radius [0.05, 0.2]
   double column = 3.0;    // width of columns of particles, in smallest radii [1.4, 6]
 
-  // The order of work (BlockLevels)
-  double group = 4.0;    // iterations on a chunk, before the next chunk [2, 8]; many: no wavefront
-  double chunk = 4.0;    // blocks [2, 8]
-
   // The first forces of a call
   double cubic = 1.0;       // 0: a quadratic
   double smooth = 300.0;    // of the tolerance: smaller third differences are no kink [0, 1e300]
@@ -39,9 +35,6 @@ struct Tuning {
   double of_lines = 0.01;       // nor than what lines and films bring back of it [0.003, 0.1]
   double of_answers = 0.1;      // the largest part that lines undo of a solution, twice [0, 0.25]
   double of_films = 0.4;        // and that films under tension add to it [0, 0.6]
-
-  // A correction of some blocks alone: where no more than this part of them is not balanced, with their neighbors; 0: never
-  double few = 0.25;    // [0.1, 0.25]
 
   // After small steps shapes are adapted in single precision
   double small_step = 1e4;    // of the tolerance; 0: never [0, 1e4]
