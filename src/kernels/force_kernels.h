@@ -122,8 +122,7 @@ struct PairArrays {
   float *step;
   double length, unit;
   PastArrays past;
-  // Forces before the step. Shares memory with past.earlier[0]: `remember` writes that again after the solve.
-  float *before;
+  float *before;          // forces before the step
   const double *least;    // see least_force; null: 0
 };
 

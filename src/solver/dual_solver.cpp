@@ -33,7 +33,8 @@ DualSolver::DualSolver(LAMMPS *lmp, const ForceKernels &kernels, bool in_space, 
       tuning(with_environment(tuned, lmp)),
       list(lmp, kernels, tuning, in_space, curved, bulge_per_overlap, most_bulge),
       max_evaluations(max_evaluations),
-      linear(kernels, tuning)
+      linear(kernels, tuning),
+      is_traced(!environment(lmp, "DEFORMABLE_TRACE").empty())
 {
   if (curved) lines = std::make_unique<CurvedLines>(kernels);
 }
@@ -91,7 +92,7 @@ bool DualSolver::solve(const Particles &p, const Push &push)
   predict();
   if (films) films->begin_call();
   const bool moves = update->whichflag == 1 && !update->setupflag;
-  double before = 0.0, part = 1.0;
+  double energy_before = 0.0, part = 1.0;
   int changes = 0;
   for (int lists = 0;; ++lists) {
     are_balanced = balance(p);
@@ -110,7 +111,7 @@ bool DualSolver::solve(const Particles &p, const Push &push)
     // forces that do not balance may be those of films that should have gone
     if (films && changes < MOST_CHANGES && films->would_change(are_balanced)) {
       if (changes++ == 0) {
-        before = total_energy();
+        energy_before = total_energy();
         // In a run a pair that attaches or lets go in this step pushes with the mean of its forces before and after: energy plus
         // lost energy is then constant to second order in the time step.
         if (moves) push(0, list.pairs.size, part = 0.5, false);
@@ -123,7 +124,7 @@ bool DualSolver::solve(const Particles &p, const Push &push)
     break;
   }
   warn(p, changes > 0);
-  lost = changes > 0 ? before - total_energy() : 0.0;
+  summary.lost_energy = changes > 0 ? energy_before - total_energy() : 0.0;
   if (films && (p.new_list || adhesion_begins)) list.store_films(p);
   finish(push, part);
   if (is_meaningless()) forget();
@@ -152,8 +153,8 @@ bool DualSolver::find_pairs(const Particles &p)
 // Whether this rank goes no further.
 bool DualSolver::locate(const Particles &p)
 {
-  wrong = list.locate(p);
-  return wrong >= 0 || p.refusals->any_here();
+  refused = list.locate(p);
+  return refused >= 0 || p.refusals->any_here();
 }
 
 // Contacts are new.
@@ -169,7 +170,8 @@ void DualSolver::arrange(const Particles &p, bool new_list)
   batches.scale = pairs.scale;
   batches.length = pairs.length;
   // nothing happens in the last one, which stays zero
-  for (LargeVector<float> *v : {&residual, &weight, &step}) v->assign(pairs.size + 1, 0.0F);
+  for (LargeVector<float> *v : {&residual, &weight, &before, &step})
+    v->assign(pairs.size + 1, 0.0F);
   pairs_of_all = 1.0 + sum_over_pairs([](int begin, int end) { return end - begin; });
   if (lines) lines->arrange(batches, pairs, list.remote_sides);
   if (new_list) linear.invalidate_bounds();
@@ -234,9 +236,9 @@ void DualSolver::predict()
     lines->predict(by);
   }
   summary.evaluations = 0;
-  problems = 0;
+  solutions = 0;
   is_corrected = false;
-  allowed = max_evaluations;
+  allowed_evaluations = max_evaluations;
 }
 
 // Another solution of this call begins with the last forces. It is at the same time: the next call continues its forces by the
@@ -287,82 +289,125 @@ void DualSolver::average_over_ranks()
 
 bool DualSolver::balance(const Particles &p)
 {
-  if (problems++ > 0) take_past();
+  if (solutions++ > 0) take_past();
   average_over_ranks();
   if (lines) lines->begin();
+  outcome = Outcome::NONE;
   const bool is_planned = may_plan();
   Evaluation now = is_planned ? evaluate_and_correct() : evaluate();
-  if (problems == 1 && !is_planned) planned_from = now;
+  if (solutions == 1 && !is_planned) planned_from = now;
 
-  // Beyond confluence there may be no balance, and lines may lead astray.
-  enum { PREDICTED, ANEW, STRAIGHT, LET_GO, HELD };
-  constexpr double FAR = 1e-3;    // from balance, over the largest force
-  int attempt = PREDICTED;
-  double halved = std::numeric_limits<double>::infinity();
-  int since = summary.evaluations;
-  is_careful = false;
-  // From no forces, even beyond maxeval; with lines that may turn, with straight ones, and from these with lines that may turn again.
-  const auto begin = [&](int next) {
-    attempt = next;
-    halved = std::numeric_limits<double>::infinity();
-    since = summary.evaluations;
-    is_careful = false;
-    if (attempt != LET_GO) std::fill(list.pairs.force.begin(), list.pairs.force.end(), 0.0);
-    linear.invalidate_bounds();
-    if (attempt == LET_GO) {
-      lines->let_go();
-    } else if (lines) {
-      locate(p);    // lines may be nowhere
-      average_over_ranks();
-      lines->straighten(attempt != ANEW);
-    }
-    if (attempt != ANEW) allowed = summary.evaluations + max_evaluations;
-    now = evaluate();
-  };
+  Attempt attempt = Attempt::PREDICTED;
+  begin_attempt();
   for (;;) {
-    if (!now.exists && (attempt == PREDICTED || (lines && (attempt == ANEW || attempt == LET_GO))))
-      begin(attempt + 1);
-    if (is_balanced(now)) {
-      summary.termination = Termination::BALANCED;
-      if (attempt != STRAIGHT) break;
-      begin(LET_GO);
-      continue;
-    }
-    const bool is_far = now.worst() > FAR * now.force;
-    if (!may_go_on()) {
-      summary.termination = Termination::OUT_OF_EVALUATIONS;
-      if (attempt != LET_GO || !is_far) break;
-      begin(HELD);
-      continue;
-    }
-    if (now.worst() < 0.5 * halved) {
-      halved = now.worst();
-      since = summary.evaluations;
-    } else if (!is_careful && summary.evaluations > since + tuning.astray) {
-      is_careful = true;
-      since = summary.evaluations;
-    } else if (summary.evaluations > since + tuning.stuck) {
-      summary.termination = Termination::STUCK;
-      are_balanced = false;
-      const bool may_turn = lines && !lines->held;
-      if (may_turn && attempt == LET_GO && is_far)
-        begin(HELD);
-      else if (may_turn && attempt != LET_GO && !has_room())
-        begin(STRAIGHT);
-      else if (attempt == PREDICTED && is_far)
-        begin(ANEW);
-      else
-        break;
-      continue;
-    }
-    if (!std::isfinite(now.force)) break;
-    now = correct(now);
+    summary.termination = iterate(now, attempt);
+    const Attempt next = next_attempt(attempt, now);
+    if (next == attempt) break;
+    attempt = next;
+    now = begin(attempt, p);
   }
-  if (!now.exists) summary.termination = Termination::NO_SHAPE;
   if (lines) lines->count_limited();
   shapes_exist = now.exists;
   summary.imbalance = !now.exists ? 1.0 : now.worst() > 0.0 ? now.worst() / now.force : 0.0;
   return now.exists && now.worst() <= limit(now);
+}
+
+// Newton's method, until it ends.
+Termination DualSolver::iterate(Evaluation &now, Attempt attempt)
+{
+  for (;; now = correct(now)) {
+    if (is_traced) trace(attempt, now);
+    if (!now.exists && (has_another(attempt) || !std::isfinite(now.force)))
+      return Termination::NO_SHAPE;
+    if (is_balanced(now)) return Termination::BALANCED;
+    if (!may_go_on()) return now.exists ? Termination::OUT_OF_EVALUATIONS : Termination::NO_SHAPE;
+    if (gets_nowhere(now.worst())) return now.exists ? Termination::STUCK : Termination::NO_SHAPE;
+  }
+}
+
+// Steps that do not halve the imbalance become careful, and then they end.
+bool DualSolver::gets_nowhere(double imbalance)
+{
+  const int evaluations = summary.evaluations - progress.evaluations;
+  if (imbalance < 0.5 * progress.imbalance) {
+    progress.imbalance = imbalance;
+    progress.evaluations = summary.evaluations;
+  } else if (!progress.is_careful && evaluations > tuning.astray) {
+    progress.is_careful = true;
+    progress.evaluations = summary.evaluations;
+  } else if (evaluations > tuning.stuck) {
+    return true;
+  }
+  return false;
+}
+
+// After one that finds no shapes.
+bool DualSolver::has_another(Attempt attempt) const
+{
+  return attempt == Attempt::PREDICTED ||
+         (lines && (attempt == Attempt::ANEW || attempt == Attempt::LET_GO));
+}
+
+// The same one: it is the last.
+DualSolver::Attempt DualSolver::next_attempt(Attempt attempt, const Evaluation &now)
+{
+  constexpr double FAR = 1e-3;    // from balance, over the largest force
+  const bool is_far = now.worst() > FAR * now.force, lets_go = attempt == Attempt::LET_GO;
+  switch (summary.termination) {
+    case Termination::BALANCED: return attempt == Attempt::STRAIGHT ? Attempt::LET_GO : attempt;
+    case Termination::NO_SHAPE:
+      if (!has_another(attempt)) return attempt;
+      return attempt == Attempt::PREDICTED ? Attempt::ANEW
+             : lets_go                     ? Attempt::HELD
+                                           : Attempt::STRAIGHT;
+    case Termination::OUT_OF_EVALUATIONS: return lets_go && is_far ? Attempt::HELD : attempt;
+    case Termination::STUCK:
+      are_balanced = false;
+      if (lines && !lines->held) {
+        if (lets_go && is_far) return Attempt::HELD;
+        if (!lets_go && !has_room()) return Attempt::STRAIGHT;
+      }
+      return attempt == Attempt::PREDICTED && is_far ? Attempt::ANEW : attempt;
+  }
+  return attempt;
+}
+
+void DualSolver::begin_attempt()
+{
+  progress = {};
+  progress.evaluations = summary.evaluations;
+}
+
+// Even beyond maxeval.
+Evaluation DualSolver::begin(Attempt attempt, const Particles &p)
+{
+  begin_attempt();
+  outcome = Outcome::NONE;
+  linear.invalidate_bounds();
+  if (attempt == Attempt::LET_GO) {
+    lines->let_go();
+  } else {
+    std::fill(list.pairs.force.begin(), list.pairs.force.end(), 0.0);
+    if (lines) {
+      locate(p);    // lines may be nowhere
+      average_over_ranks();
+      lines->straighten(attempt != Attempt::ANEW);
+    }
+  }
+  if (attempt != Attempt::ANEW) allowed_evaluations = summary.evaluations + max_evaluations;
+  return evaluate();
+}
+
+// One row of each evaluation that a step leads to.
+void DualSolver::trace(Attempt attempt, const Evaluation &now) const
+{
+  static constexpr const char *ATTEMPTS[] = {"predicted", "anew", "straight", "let go", "held"};
+  static constexpr const char *OUTCOMES[] = {"", "taken", "shortened", "alone", "undone"};
+  utils::logmesg(
+      lmp, "Trace: step {} evaluation {} {} imbalance {:.3g} of lines {:.3g} force {:.6g}{}{} {}\n",
+      update->ntimestep, summary.evaluations, ATTEMPTS[static_cast<int>(attempt)], now.imbalance,
+      now.line_imbalance, now.force, now.exists ? "" : " no shape",
+      progress.is_careful ? " careful" : "", OUTCOMES[static_cast<int>(outcome)]);
 }
 
 // In a minimization each call makes a correction at least, so that contact forces converge with the total forces.
@@ -375,9 +420,10 @@ bool DualSolver::is_balanced(const Evaluation &now) const
 // Whether the last calls tell how far to correct: not in minimizations.
 bool DualSolver::may_plan() const
 {
-  return tuning.planned != 0.0 && problems == 1 && successive_calls >= QUADRATIC && !minimizing() &&
-         linear.knows_bounds() && planned_from.exists && planned_from.norm2 > 0.0 &&
-         planned_from.force > 0.0 && (!lines || lines_answer(planned_from));
+  return tuning.planned != 0.0 && solutions == 1 && successive_calls >= QUADRATIC &&
+         !minimizing() && linear.knows_bounds() && planned_from.exists &&
+         planned_from.norm2 > 0.0 && planned_from.force > 0.0 &&
+         (!lines || lines_answer(planned_from));
 }
 
 // Lines turn with the forces where these are close to balance.
@@ -400,30 +446,28 @@ Evaluation DualSolver::evaluate_and_correct()
 {
   is_corrected = true;
   Steps steps;
-  add_shape(steps, Stage::SHAPE);
+  add_shape(steps, Stage::SHAPE, true);
   if (!lines && relaxation.begin(tuning, tolerance, planned_from.force)) {
     std::fill(step.begin(), step.end(), 0.0F);
     steps.insert(steps.end(), {Stage::WAIT, Stage::RELAX});
-    add_shape(steps, Stage::RESHAPE);
+    add_shape(steps, Stage::RESHAPE, true);
   }
   if (lines) {
     const Steps correction = with_lines(accuracy(planned_from));
     steps.insert(steps.end(), correction.begin(), correction.end());
     const Evaluation now = run(steps, &planned_from);
-    return planned_from.exists ? accept_with_lines(now, planned_from) : now;
+    return std::isfinite(planned_from.force) ? accept_with_lines(now, planned_from) : now;
   }
   add_solution(steps, linear.plan(accuracy(planned_from)));
   const Stage shape = shape_after(planned_from);
   steps.push_back(Stage::STEP);
   add_shape(steps, shape);
   Evaluation now = run(steps, &planned_from);
-  if (!planned_from.exists) return now;
-  if (shape == Stage::ADAPT && shape_after(planned_from) != shape) {    // larger than planned
-    const double slope = now.slope;
+  if (!std::isfinite(planned_from.force)) return now;
+  if (shape == Stage::ADAPT && shape_after(planned_from) != shape)    // larger than planned
     now = evaluate();
-    now.slope = slope;
-  }
-  return line_search(accept(now, planned_from, true, true), BETTER * planned_from.imbalance);
+  return line_search(accept(now, planned_from, true, true),
+                     LineSearch::BETTER * planned_from.imbalance);
 }
 
 Evaluation DualSolver::correct(const Evaluation &from)
@@ -442,16 +486,17 @@ Evaluation DualSolver::correct(const Evaluation &from)
   const bool follows = moves && (films || lines->answers);
   if (!follows) add_shape(steps, shape_after(from));
   const Evaluation stepped = accept(run(steps), from, corrections > 0, !follows);
-  if (!moves) return line_search(stepped, is_careful ? 0.0 : BETTER * from.imbalance);
+  if (!moves)
+    return line_search(stepped, progress.is_careful ? 0.0 : LineSearch::BETTER * from.imbalance);
   lines->adapt(follows ? from.line_imbalance : stepped.line_imbalance);
   if (!follows) lines->forget_answers();    // by outlines as they are
   run(follows ? Steps{Stage::FOLLOW_STEP, Stage::TURN} : Steps{Stage::TURN});
-  Evaluation now = evaluate();
-  now.slope = stepped.slope;
-  lines->answers &= now.exists && now.worst() <= std::max(BETTER * from.worst(), limit(now));
+  const Evaluation now = evaluate();
+  lines->answers &=
+      now.exists && now.worst() <= std::max(LineSearch::BETTER * from.worst(), limit(now));
   // between films lines alone seldom make it worse: iterations may diverge slowly
   if (films && now.imbalance > from.imbalance) linear.invalidate_bounds();
-  return line_search(now, NO_WORSE * std::max(from.worst(), stepped.worst()));
+  return line_search(now, LineSearch::NO_WORSE * std::max(from.worst(), stepped.worst()));
 }
 
 /* ----------------------------------------------------------------------
@@ -484,11 +529,12 @@ DualSolver::Steps DualSolver::with_lines(double accuracy)
 // take steps for themselves, which may be shorter.
 Evaluation DualSolver::accept_with_lines(Evaluation now, const Evaluation &from)
 {
-  lines->answers = now.exists && now.worst() <= std::max(BETTER * from.worst(), limit(now));
-  if (lines->answers || (now.exists && now.worst() <= NO_WORSE * from.worst())) return now;
-  linear.invalidate_bounds();
-  move(1.0, 0.0);
-  return evaluate();
+  lines->answers =
+      now.exists && now.worst() <= std::max(LineSearch::BETTER * from.worst(), limit(now));
+  outcome = Outcome::TAKEN;
+  if (lines->answers || (now.exists && now.worst() <= LineSearch::NO_WORSE * from.worst()))
+    return now;
+  return undo();
 }
 
 /* ----------------------------------------------------------------------
@@ -521,22 +567,28 @@ DualSolver::Stage DualSolver::shape_after(const Evaluation &from) const
    or one after a step of each pair alone.
 ------------------------------------------------------------------------- */
 
-Evaluation DualSolver::accept(Evaluation now, const Evaluation &from, bool iterated,
+Evaluation DualSolver::accept(const Evaluation &now, const Evaluation &from, bool iterated,
                               bool has_shapes)
 {
-  if (iterated && !linear.is_sound(now.slope, from.norm2 * unit_of_energy())) {
-    linear.invalidate_bounds();
-    move(1.0, 0.0);
-    return evaluate();
-  }
-  if (now.slope > 0.0) return now;
+  if (iterated && !linear.is_sound(step_slope, from.norm2 * unit_of_energy())) return undo();
+  outcome = Outcome::TAKEN;
+  if (step_slope > 0.0) return now;
   // single precision is not enough
+  outcome = Outcome::ALONE;
   move(1.0, 0.0);
   if (has_shapes) evaluate();
-  const double slope = step_alone();
-  if (has_shapes) now = evaluate();
-  now.slope = slope;
-  return now;
+  step_slope = step_alone();
+  return has_shapes ? evaluate() : now;
+}
+
+// The last step leads astray, as the bounds of the spectrum are wrong: conjugate gradients come next.
+Evaluation DualSolver::undo()
+{
+  outcome = Outcome::UNDONE;
+  linear.invalidate_bounds();
+  move(1.0, 0.0);
+  step_slope = 0.0;
+  return evaluate();
 }
 
 /* ----------------------------------------------------------------------
@@ -546,17 +598,18 @@ Evaluation DualSolver::accept(Evaluation now, const Evaluation &from, bool itera
    below the tolerance.
 ------------------------------------------------------------------------- */
 
-Evaluation DualSolver::line_search(Evaluation now, double enough)
+Evaluation DualSolver::line_search(Evaluation now, double target)
 {
-  const double small_slope = is_careful ? 0.1 : 0.5;
-  const double slope = now.slope;
+  const double slope = step_slope;
   if (!(slope > 0.0)) return now;    // no step
+  const double flat =
+      slope * (progress.is_careful ? LineSearch::FLAT_IF_CAREFUL : LineSearch::FLAT);
   double low = 0.0, low_slope = slope, high = 1.0, at = 1.0;
   for (;;) {
-    if (now.exists && now.imbalance <= std::max(enough, limit(now))) return now;
+    if (now.exists && now.imbalance <= std::max(target, limit(now))) return now;
     linear.invalidate_bounds();
     const double here = now.exists ? slope_at_end() : -std::numeric_limits<double>::infinity();
-    if (here >= -small_slope * slope && (at == 1.0 || here <= small_slope * slope)) return now;
+    if (here >= -flat && (at == 1.0 || here <= flat)) return now;
     if (!may_go_on()) return now;
 
     double next;
@@ -566,10 +619,13 @@ Evaluation DualSolver::line_search(Evaluation now, double enough)
       next = 0.5 * (low + high);
     } else {
       high = at;
-      next = low + (high - low) * (std::isinf(here) ? 0.25 : low_slope / (low_slope - here));
+      const double part = low_slope / (low_slope - here);
+      next = low + (high - low) * (std::isinf(here) ? LineSearch::WITHOUT_SHAPE : part);
     }
-    next = std::clamp(next, low + 0.1 * (high - low), high - 0.1 * (high - low));
-    if (!(next > low && next < high) || high - low < 1e-10) return now;
+    const double margin = LineSearch::FROM_ENDS * (high - low);
+    next = std::clamp(next, low + margin, high - margin);
+    if (!(next > low && next < high) || high - low < LineSearch::NARROW) return now;
+    outcome = Outcome::SHORTENED;
     move(at, next);
     at = next;
     now = evaluate();
@@ -582,11 +638,11 @@ void DualSolver::move(double from, double to)
 {
   const PairArrays a = arrays();
   for (int k = 0; k < list.pairs.size; ++k) {
-    const double before = a.before[k], change = a.step[k], force = a.force[k];
-    const bool is_small = std::fabs(change) < std::fabs(before);
+    const double first = a.before[k], change = a.step[k], force = a.force[k];
+    const bool is_small = std::fabs(change) < std::fabs(first);
     const double moved = is_small    ? force + (to - from) * change * a.unit
-                         : to == 0.0 ? before * a.unit
-                                     : (before + to * change) * a.unit;
+                         : to == 0.0 ? first * a.unit
+                                     : (first + to * change) * a.unit;
     a.force[k] = std::max(moved, least_force<double>(a, k));
   }
 }
@@ -619,7 +675,7 @@ void DualSolver::remember()
 void DualSolver::remember_lines()
 {
   if (lines) lines->remember();
-  if (problems > 1)
+  if (solutions > 1)
     for (int kind = 0; kind < list.pairs.kinds(); ++kind)
       list.pairs.past[kind].earlier[0] = changes[kind];
 }
@@ -628,7 +684,7 @@ void DualSolver::remember_lines()
 void DualSolver::begin_again()
 {
   remember();
-  allowed = summary.evaluations + max_evaluations;
+  allowed_evaluations = summary.evaluations + max_evaluations;
 }
 
 void DualSolver::forget()
@@ -677,21 +733,25 @@ PairArrays DualSolver::arrays()
   a.force = p.force.data();
   a.residual = residual.data();
   a.weight = weight.data();
+  a.before = before.data();
   a.step = step.data();
   a.length = p.length;
   a.unit = p.unit();
   a.past = p.past[FORCE].arrays();
-  a.before = a.past.earlier[0];
   a.least = p.least.empty() ? nullptr : p.least.data();
   return a;
 }
 
 // Shapes, and then the residuals.
-void DualSolver::add_shape(Steps &steps, Stage shape) const
+void DualSolver::add_shape(Steps &steps, Stage shape, bool is_before) const
 {
-  steps.push_back(shape);
-  if (has_facets()) steps.push_back(Stage::TILT);
-  steps.push_back(Stage::RESIDUAL);
+  const auto add = [&](Stage stage) {
+    steps.push_back(stage);
+    steps.back().is_before = is_before;
+  };
+  add(shape);
+  if (has_facets()) add(Stage::TILT);
+  add(Stage::RESIDUAL);
 }
 
 void DualSolver::add_solution(Steps &steps, int iterations, double gain, bool goes_on)
@@ -713,92 +773,109 @@ Evaluation DualSolver::evaluate()
   return run(steps);
 }
 
-// Returns what the last stage RESIDUAL has found in all blocks; in `before`, unless null, what the last one before the
-// corrections has.
-Evaluation DualSolver::run(const Steps &steps, Evaluation *before)
+// Returns what the last stage RESIDUAL has found in all blocks; in `before`, unless null, what that before a planned correction has.
+Evaluation DualSolver::run(const Steps &steps, Evaluation *of_planned)
 {
   const RingBatches rings = batches.arrays();
   RingBatches here = rings;    // of the block that has its turn
-  const auto corrects = [](const Step &step) {
-    return step.stage == Stage::CORRECT || step.stage == Stage::RESPOND;
-  };
-  const int first =    // of them, from 0; steps count from 1
-      static_cast<int>(std::find_if(steps.begin(), steps.end(), corrects) - steps.begin());
-  of_blocks.assign((before ? 2 : 1) * blocks.count(), {});
-  bool exist = true;
+  found.assign(blocks.count(), {});
+  if (of_planned) found_before.assign(blocks.count(), {});
+  const auto step_of = [&](int number) -> const Step & { return steps[number - 1]; };
   blocks.run(
       static_cast<int>(steps.size()),
       [&](int block, int number) {
-        const bool is_before = before && number <= first;
         blocks.choose(here, block);
-        work(steps[number - 1], block, here, of_blocks[is_before ? blocks.count() + block : block],
-             exist);
+        work(step_of(number), block, here);
       },
-      [&](int number) {
-        const Step &done = steps[number - 1];
-        const bool shaped = done.stage == Stage::SHAPE || done.stage == Stage::ADAPT;
-        if (corrects(done) && (done.stage == Stage::RESPOND || done.iteration < done.last)) {
-          list.remote_sides.exchange(LinearSolver::products(rings, done.iteration));
-        } else if (shaped && has_facets()) {
-          exchange_facets();
-        } else if (shaped || done.stage == Stage::TILT) {
-          list.remote_sides.exchange(batches.indentation.data(), batches.compliance.data());
-          if (lines) lines->exchange_outlines();
-        } else if (done.stage == Stage::FOLLOW || done.stage == Stage::FOLLOW_STEP) {
-          lines->exchange_answers();
-        }
-      });
+      [&](int number) { exchange_after(step_of(number)); });
   if (steps.back().stage == Stage::RESIDUAL) ++summary.evaluations;
-  if (before) {
+  if (of_planned) {
     ++summary.evaluations;
-    *before = sum_up(blocks.count(), true);
+    *of_planned = sum_up(found_before);
   }
-  return sum_up(0, exist);
+  const auto takes = [](const Step &step) { return step.stage == Stage::STEP; };
+  const bool has_step = std::any_of(steps.begin(), steps.end(), takes);
+  Evaluation now = sum_up(found, has_step ? &step_slope : nullptr);
+  if (of_planned) now.exists &= of_planned->exists;
+  return now;
 }
 
-void DualSolver::work(const Step &now, int block, RingBatches &here, OfBlock &found, bool &exist)
+void DualSolver::work(const Step &now, int block, RingBatches &here)
 {
   const PairArrays loop = arrays();
+  OfBlock &of = (now.is_before ? found_before : found)[block];
   switch (now.stage) {
-    case Stage::SHAPE: exist &= shape(here); break;
-    case Stage::ADAPT: exist &= adapt(here, step.data(), loop.unit); break;
+    case Stage::SHAPE: of.exists &= shape(here); break;
+    case Stage::ADAPT: of.exists &= adapt(here, step.data(), loop.unit); break;
     case Stage::TILT: turn_facets(here); break;
     case Stage::RESIDUAL:
       blocks.for_pairs(block, [&](int begin, int end, double part) {
-        found.add(kernels.find_residuals(loop, begin, end), part);
-        if (lines) found.line = std::max(found.line, lines->find(loop, begin, end));
+        of.add(kernels.find_residuals(loop, begin, end), part);
+        if (lines) of.line = std::max(of.line, lines->find(loop, begin, end));
       });
-      if (films) found.line = std::max(found.line, films->tension_imbalance(here));
+      if (films) of.line = std::max(of.line, films->tension_imbalance(here));
       break;
     case Stage::WAIT: break;
     case Stage::RELAX:
-      found = {};
+      static_cast<Residuals &>(found_before[block]) = {};    // they are found again
       relaxation.relax(block, kernels, blocks, list.pairs, batches, loop);
       break;
     case Stage::RESHAPE:
       relaxation.for_changed(here, [&](const RingBatches &changed) {
-        exist &= reshape(changed, step.data(), loop.unit);
+        of.exists &= reshape(changed, step.data(), loop.unit);
       });
       break;
     case Stage::CORRECT:
       linear.iterate(here, loop, now.iteration, now.last,
                      now.goes_on ? lines->arrays().left : nullptr, now.gain);
       break;
+    case Stage::STEP:
+      blocks.for_pairs(block, [&](int begin, int end, double part) {
+        of.slope += part * kernels.take_step(loop, false, begin, end);
+      });
+      break;
     case Stage::FOLLOW: kernels.follow(here, lines->arrays(), nullptr); break;
-    case Stage::FOLLOW_STEP: kernels.follow(here, lines->arrays(), step.data()); break;
     case Stage::ANSWER:
       blocks.for_pairs(block,
                        [&](int begin, int end, double) { lines->find_answers(loop, begin, end); });
       break;
     case Stage::RESPOND: kernels.respond(here, lines->arrays(), !now.goes_on); break;
+    case Stage::FOLLOW_STEP: kernels.follow(here, lines->arrays(), step.data()); break;
     case Stage::TURN:
       blocks.for_pairs(block, [&](int begin, int end, double) { lines->settle(loop, begin, end); });
       if (films) films->follow_tensions(here);
+  }
+}
+
+// What other ranks need of a stage.
+void DualSolver::exchange_after(const Step &done)
+{
+  switch (done.stage) {
+    case Stage::SHAPE:
+    case Stage::ADAPT:
+    case Stage::TILT:
+      if (has_facets() && done.stage != Stage::TILT) {
+        exchange_facets();
+        break;
+      }
+      list.remote_sides.exchange(batches.indentation.data(), batches.compliance.data());
+      if (lines) lines->exchange_outlines();
       break;
+    case Stage::CORRECT:
+      if (done.iteration == done.last) break;
+      [[fallthrough]];
+    case Stage::RESPOND:
+      list.remote_sides.exchange(LinearSolver::products(batches.arrays(), done.iteration));
+      break;
+    case Stage::FOLLOW:
+    case Stage::FOLLOW_STEP: lines->exchange_answers(); break;
+    case Stage::RESIDUAL:
+    case Stage::WAIT:
+    case Stage::RELAX:
+    case Stage::RESHAPE:    // particles beside those of other ranks keep their shapes
     case Stage::STEP:
-      blocks.for_pairs(block, [&](int begin, int end, double part) {
-        found.slope += part * kernels.take_step(loop, false, begin, end);
-      });
+    case Stage::ANSWER:
+    case Stage::TURN: break;
   }
 }
 
@@ -811,19 +888,19 @@ void DualSolver::OfBlock::add(const Residuals &r, double part)
   weights += part * r.weights;
 }
 
-// What the blocks have found, from this place on.
-Evaluation DualSolver::sum_up(int first, bool exist) const
+// Of all blocks and ranks.
+Evaluation DualSolver::sum_up(const std::vector<OfBlock> &of_blocks, double *slope) const
 {
-  double largest[5] = {0.0, 0.0, 0.0, exist ? 0.0 : 1.0, 0.0}, sum[3] = {};
-  for (int block = first; block < first + blocks.count(); ++block) {
-    const OfBlock &found = of_blocks[block];
-    largest[0] = std::max(largest[0], found.error);
-    largest[1] = std::max(largest[1], found.force);
-    largest[2] = std::max(largest[2], found.left);
-    largest[4] = std::max(largest[4], found.line);
-    sum[0] += found.norm2;
-    sum[1] += found.weights;
-    sum[2] += found.slope;
+  double largest[5] = {}, sum[3] = {};
+  for (const OfBlock &of : of_blocks) {
+    largest[0] = std::max(largest[0], of.error);
+    largest[1] = std::max(largest[1], of.force);
+    largest[2] = std::max(largest[2], of.left);
+    largest[3] = std::max(largest[3], of.exists ? 0.0 : 1.0);
+    largest[4] = std::max(largest[4], of.line);
+    sum[0] += of.norm2;
+    sum[1] += of.weights;
+    sum[2] += of.slope;
   }
   if (comm->nprocs > 1) {
     MPI_Allreduce(MPI_IN_PLACE, largest, 5, MPI_DOUBLE, MPI_MAX, world);
@@ -838,14 +915,15 @@ Evaluation DualSolver::sum_up(int first, bool exist) const
   now.exists = largest[3] == 0.0 && std::isfinite(now.force);
   now.norm2 = sum[0];
   now.weights = sum[1];
-  now.slope = sum[2];
+  if (slope) *slope = sum[2];
   return now;
 }
 
 double DualSolver::memory_usage() const
 {
   return list.memory_usage() + batches.bytes() + blocks.bytes() + relaxation.bytes() +
-         bytes_of(residual, weight, step, of_blocks, changes[0], changes[1], changes[2]) +
+         bytes_of(residual, weight, before, step, found, found_before, changes[0], changes[1],
+                  changes[2]) +
          (lines ? lines->bytes() : 0.0) + (films ? films->bytes() : 0.0);
 }
 

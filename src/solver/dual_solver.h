@@ -43,6 +43,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -53,18 +54,18 @@ enum class Termination { BALANCED, STUCK, NO_SHAPE, OUT_OF_EVALUATIONS };
 
 struct Summary {
   Termination termination = Termination::BALANCED;
-  int evaluations = 0;        // in the call
-  double imbalance = 0.0;     // the largest of a pair, over the largest force
-  const char *why() const;    // in words: why it ended, and what helps
+  int evaluations = 0;         // in the call
+  double imbalance = 0.0;      // the largest of a pair, over the largest force
+  double lost_energy = 0.0;    // of films that came or went
+  const char *why() const;     // in words: why it ended, and what helps
 };
 
 // What is found in all particles and pairs with their present forces.
 struct Evaluation {
   double imbalance = 0.0, force = 0.0;    // the largest ones of a pair
   double norm2 = 0.0, weights = 0.0;      // see Residuals
-  double slope = 0.0;             // of the dual energy along the last step, where that began
-  bool exists = false;            // every particle has a shape
-  double line_imbalance = 0.0;    // the largest one of a line, CurvedLines
+  bool exists = false;                    // every particle has a shape
+  double line_imbalance = 0.0;            // the largest one of a line, CurvedLines
   double worst() const { return std::max(imbalance, line_imbalance); }
 };
 
@@ -73,7 +74,7 @@ class DualSolver : protected Pointers {
   virtual ~DualSolver() = default;
 
   const double tolerance;    // of the imbalance over the largest force
-  double enough = 0.0;       // an imbalance up to this force is small enough, too
+  double accepted = 0.0;     // an imbalance up to this force is small enough, too
   Summary summary;           // of the last call
 
   // push(begin, end, part, is_final) adds this part of the forces of pairs to those of their particles. Not final: films come or
@@ -83,7 +84,7 @@ class DualSolver : protected Pointers {
   // A force call. Returns false on all ranks if any must stop with an error: a wall has refused a center, this pair has a contact
   // line that cannot lie between the centers, or particles have no room (RingSolver). Else all forces have been pushed.
   bool solve(const Particles &, const Push &);
-  int refused_pair() const { return wrong; }    // or -1
+  int refused_pair() const { return refused; }    // or -1
 
   // Whether the forces of the last call are off by a tenth of the largest or more; and an error where they are. Minimizers go on.
   bool is_meaningless() const;
@@ -142,19 +143,19 @@ class DualSolver : protected Pointers {
   std::unique_ptr<Films> films;          // null: no adhesion
   bool are_balanced = false;
   bool shapes_exist = true;
-  double lost = 0.0;    // energy, when films came or went in this call
 
  private:
+  // What happens to a block in a sweep: `work` does it, and `exchange_after` tells other ranks.
   enum class Stage {
     SHAPE,       // of particles, for the forces of their pairs
     ADAPT,       // the same after a small step
     TILT,        // what neighbors add to that, as films of droplets turn
     RESIDUAL,    // overlaps of all pairs
-    WAIT,        // barrier: blocks that are two away have their residuals, which RELAX may change
-    RELAX,       // a few pairs that are far from balance
-    RESHAPE,     // of particles whose pairs were relaxed
-    CORRECT,     // an iteration for C x = r
-    STEP,        // all forces take their corrections
+    WAIT,    // nothing, as a barrier: blocks that are two away have their residuals, which RELAX may change
+    RELAX,      // a few pairs that are far from balance
+    RESHAPE,    // of particles whose pairs were relaxed
+    CORRECT,    // an iteration for C x = r
+    STEP,       // all forces take their corrections
     // curved lines: see CurvedLines
     FOLLOW,         // outlines follow the last answer of lines, and the correction so far
     ANSWER,         // of lines to that
@@ -167,22 +168,23 @@ class DualSolver : protected Pointers {
     int iteration = 0, last = 0;    // CORRECT: which one of so many
     double gain = 1.0;              // and what steps are multiplied by
     bool goes_on = false;           // CORRECT, RESPOND: with what a solution before has left
+    bool is_before = false;         // RESIDUAL: a correction that was planned follows
     Step(Stage stage) : stage(stage) {}
   };
   using Steps = std::vector<Step>;
-  void add_shape(Steps &, Stage) const;
+  void add_shape(Steps &, Stage, bool is_before = false) const;
   static void add_solution(Steps &, int iterations, double gain = 1.0, bool goes_on = false);
 
-  const int max_evaluations;    // of a call, without changes of films
-  int allowed = 0;              // evaluations of this call
-  int wrong = -1;               // see refused_pair
+  const int max_evaluations;      // of a call, without changes of films
+  int allowed_evaluations = 0;    // of this call
+  int refused = -1;               // see refused_pair
   bool warned_unbalanced = false;
 
   // prediction
   static constexpr int LINEAR = 2, QUADRATIC = 3, CUBIC = 4;    // past forces that are needed
   int successive_calls = 0;    // at successive time steps before this one
   bigint last_step = -2;
-  int problems = 0;                     // solutions of this call so far
+  int solutions = 0;                    // of this call so far
   LargeVector<float> changes[KINDS];    // from the last call, as the first solution has left them
   bool is_corrected = false;            // whether this call has made a correction
   // Before the correction of the last call, and then of this one, which is planned from it.
@@ -191,12 +193,15 @@ class DualSolver : protected Pointers {
   LinearSolver linear;
   PairRelaxation relaxation;
   BlockLevels blocks;
-  LargeVector<float> residual, weight, step;    // by pair, see PairArrays
+  LargeVector<float> residual, weight, before, step;    // by pair, see PairArrays
   struct OfBlock : Residuals {
-    double slope = 0.0, line = 0.0;    // of the dual energy; the imbalance of a line
+    double line = 0.0;     // imbalance of a line
+    double slope = 0.0;    // see step_slope
+    bool exists = true;    // every particle has a shape
     void add(const Residuals &, double part);
   };
-  std::vector<OfBlock> of_blocks;
+  std::vector<OfBlock> found,
+      found_before;             // by the last stages RESIDUAL and STEP; before a planned correction
   double pairs_of_all = 1.0;    // the number of pairs of all ranks, plus 1
 
   bool minimizing() const;
@@ -213,7 +218,20 @@ class DualSolver : protected Pointers {
   void remember_lines();
   void begin_again();
 
+  // Beyond confluence there may be no balance, and lines may lead astray. So a solution begins with the forces that are predicted;
+  // with no forces; with no forces and straight lines; from there with lines that may turn; and with lines that stay straight.
+  enum class Attempt { PREDICTED, ANEW, STRAIGHT, LET_GO, HELD };
+  // What became of a step; DEFORMABLE_TRACE prints it.
+  enum class Outcome { NONE, TAKEN, SHORTENED, ALONE, UNDONE };
   bool balance(const Particles &);
+  void begin_attempt();
+  Evaluation begin(Attempt, const Particles &);
+  Termination iterate(Evaluation &, Attempt);
+  bool has_another(Attempt) const;
+  Attempt next_attempt(Attempt, const Evaluation &);
+  bool gets_nowhere(double imbalance);
+  const bool is_traced;
+  void trace(Attempt, const Evaluation &) const;
   bool may_plan() const;
   bool lines_move(const Evaluation &) const;
   bool lines_answer(const Evaluation &) const;
@@ -223,23 +241,38 @@ class DualSolver : protected Pointers {
   Evaluation correct(const Evaluation &);
   double accuracy(const Evaluation &) const;
   Stage shape_after(const Evaluation &) const;
-  Evaluation accept(Evaluation now, const Evaluation &from, bool iterated, bool has_shapes);
-  Evaluation line_search(Evaluation now, double enough);
+  Evaluation accept(const Evaluation &now, const Evaluation &from, bool iterated, bool has_shapes);
+  Evaluation line_search(Evaluation now, double target);
   bool is_balanced(const Evaluation &now) const;
-  // Whether a step must lead to where the dual energy is largest along it, or only halve the imbalance. That is faster where
-  // Newton's method converges; from forces that are far off it may go to and fro, as between no force and one that is too large.
-  bool is_careful = false;
-  // A step needs no line search if the imbalance is at most this part of that before; if lines or other blocks change too.
-  static constexpr double BETTER = 0.5, NO_WORSE = 2.0;
-  double limit(const Evaluation &now) const { return std::max(tolerance * now.force, enough); }
-  bool may_go_on() const { return summary.evaluations < allowed; }
+  // Since when the imbalance has not halved.
+  struct Progress {
+    double imbalance = std::numeric_limits<double>::infinity();
+    int evaluations = 0;
+    // Whether a step must lead to where the dual energy is largest along it, or only halve the imbalance. That is faster where
+    // Newton's method converges; from forces that are far off it may go to and fro, as between no force and one that is too large.
+    bool is_careful = false;
+  } progress;
+  struct LineSearch {
+    // A step needs no search if the imbalance is at most this part of that before; if lines change too.
+    static constexpr double BETTER = 0.5, NO_WORSE = 2.0;
+    // Where it ends: slopes over the first one, and the part of the step that is left.
+    static constexpr double FLAT = 0.5, FLAT_IF_CAREFUL = 0.1, NARROW = 1e-10;
+    // The next place is so far from both ends of that part, and here where particles have no shape at its end.
+    static constexpr double FROM_ENDS = 0.1, WITHOUT_SHAPE = 0.25;
+  };
+  double limit(const Evaluation &now) const { return std::max(tolerance * now.force, accepted); }
+  bool may_go_on() const { return summary.evaluations < allowed_evaluations; }
 
   PairArrays arrays();
-  Evaluation run(const Steps &, Evaluation *before = nullptr);
+  Evaluation run(const Steps &, Evaluation *of_planned = nullptr);
   Evaluation evaluate();
-  void work(const Step &, int block, RingBatches &, OfBlock &, bool &exist);
-  Evaluation sum_up(int first, bool exist) const;
+  void work(const Step &, int block, RingBatches &);
+  void exchange_after(const Step &);
+  Evaluation sum_up(const std::vector<OfBlock> &, double *slope = nullptr) const;
+  double step_slope = 0.0;    // of the dual energy along the last step, where that began
+  Outcome outcome = Outcome::NONE;
   void move(double from, double to);
+  Evaluation undo();
   double slope_at_end();
   double step_alone();
   double unit_of_energy() const { return list.pairs.length * list.pairs.unit(); }

@@ -48,7 +48,6 @@ class RingSolver : public DualSolver {
   double energy() const override;    // of rings and films
 
   // What attaching and letting go have cost in this call, on all ranks.
-  double lost_energy() const { return lost; }
 
   // The rings whose smallest radius of curvature may be negative.
   const std::vector<int> &crowded_rings() const { return crowded; }

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from droplets import CASES, Droplets
 from laws import BALANCES
+from parallel import lmp
 from scene import PACKINGS, Scene
 
 TOLERANCE = 1e-8
@@ -62,3 +63,34 @@ def test_a_wrong_word(words, monkeypatch):
     monkeypatch.setenv("DEFORMABLE_TUNING", words)
     with pytest.raises(Exception, match=f"DEFORMABLE_TUNING: '{words}' is no name=number"):
         rings(BALANCES["balanced"])
+
+
+PAIR = """
+units lj
+dimension 2
+region box block 0 4 0 4 -0.5 0.5
+create_box 1 box
+create_atoms 1 single 1.3 2 0 units box
+create_atoms 1 single 2.2 2 0 units box
+mass 1 1.0
+pair_style deformable/ring
+pair_coeff * * species small
+fix move all nve
+run 2
+"""
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_a_trace(ranks, tmp_path, monkeypatch):
+    """A row for each evaluation, until the imbalance is below the tolerance."""
+    (tmp_path / "species").write_text("small 0.5 1.0 inf\n")
+    monkeypatch.setenv("DEFORMABLE_TRACE", "1")
+    row = r"Trace: step (\d) evaluation \d+ predicted imbalance (\S+) of lines 0 force (\S+) ?(\w*)"
+    rows = re.findall(f"^{row}$", lmp(ranks, PAIR, tmp_path).stdout, re.MULTILINE)
+    assert [int(row[0]) for row in rows] == sorted(int(row[0]) for row in rows)
+    assert {row[0] for row in rows} == {"0", "1", "2"}
+    assert {row[3] for row in rows} == {"", "taken"}
+    last = {step: float(imbalance) / float(force) for step, imbalance, force, _ in rows}
+    assert max(last.values()) <= TOLERANCE
+    monkeypatch.delenv("DEFORMABLE_TRACE")
+    assert "Trace" not in lmp(ranks, PAIR, tmp_path).stdout

@@ -31,7 +31,7 @@ class PairDeformableDroplet : public PairDeformable {
   double memory_usage() override;
   double energy_alone(int i, int partner, double force) const override;
   bool knows_energy_alone() const override { return true; }
-  void accept_imbalance(double force) override { solver->enough = force; }
+  void accept_imbalance(double force) override { solver->accepted = force; }
   void check_state() const override;
 
  protected:

@@ -353,7 +353,8 @@ void PairDeformableRing::evaluate_balanced(bool new_material)
     refusals.collect([this] { refuse_pair(balanced->refused_pair()); });
     refusals.stop();
   }
-  if (films && update->whichflag == 1 && !update->setupflag) films->lose(balanced->lost_energy());
+  if (films && update->whichflag == 1 && !update->setupflag)
+    films->lose(balanced->summary.lost_energy);
   push_part = 1.0;
   if (rubbing) load_contacts_of_pairs();
   pvector[4] = balanced->limited_lines();

@@ -37,7 +37,7 @@ class PairDeformableRing : public PairDeformable {
   bool knows_energy_alone() const override { return balanced != nullptr; }
   void accept_imbalance(double force) override
   {
-    if (balanced) balanced->enough = force;
+    if (balanced) balanced->accepted = force;
   }
   bool law_changes() const override { return soft_since != NEVER && all_giving_way() > 0; }
 
