@@ -133,7 +133,7 @@ FACES = [
 def test_a_droplet_between_walls(n, a, w, energy, force, length, pressure, tmp_path):
     """Attached to each face, also to those that it does not reach by itself."""
     walls = polygon_walls(n, 1.0 - a).rstrip() + f" adhesion {w}\n"
-    film = "fix_modify deformable_films attached " + " ".join(f"1 {-1 - k}" for k in range(n))
+    film = "fix_modify deformable_films attached " + " ".join(f"1 {-1 - 256 * k}" for k in range(n))
     scene = droplets([[0, 0]], tmp_path, 1e-9, commands=walls + CONTACTS, boundary="f f p")
     scene.run("run 0 post no\n" + film)
     state = scene.evaluate()

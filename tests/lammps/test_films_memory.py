@@ -1,5 +1,7 @@
 """Which contacts stick is remembered: in runs, on other ranks, in restart files, beside styles."""
 
+import struct
+
 import numpy as np
 import pytest
 from contact_rows import CONTACTS, contacts
@@ -15,7 +17,7 @@ from parallel import (
     report,
     reported,
 )
-from scene import Scene
+from scene import Scene, polygon_walls
 from test_films import doublet, droplets, pair_at
 
 W = 0.15
@@ -124,6 +126,54 @@ def test_a_new_particle_with_the_id_of_a_former_one(tmp_path):
     scene.run(f"create_atoms 1 single {STRETCHED} 0 0")
     assert list(scene.lmp.gather("id", 0, 1)) == [1, 2]
     assert scene.energy() == 0.0
+
+
+LID = "fix lid all deformable/wall plane 0 4 0 -1\n"
+
+
+def at_faces(folder):
+    """A droplet that hangs on two of the four faces of one fix; another fix may come before it."""
+    walls = LID + polygon_walls(4, 1.02).rstrip() + " adhesion 0.3\n"
+    scene = droplets([[0, 0]], folder, 1e-9, commands=walls + CONTACTS, boundary="f f p")
+    scene.run("run 0 post no\nfix_modify deformable_films attached 1 -258 1 -770")
+    return scene, walls
+
+
+def test_numbers_of_walls_stay_when_another_one_comes(tmp_path):
+    """They are those of the fix and its face, however many fixes there are."""
+    scene, _ = at_faces(tmp_path)
+    before = contacts(scene)
+    assert sorted(before["attached"]) == [-770, -258]
+    for commands in ("fix post all deformable/wall disk 4 0 0.5", "unfix post"):
+        scene.run(commands)
+        seen = contacts(scene)
+        assert (seen["attached"] == before["attached"]).all()
+        np.testing.assert_allclose(seen["angle"], before["angle"], rtol=0, atol=1e-9)
+    scene.run("unfix lid")
+    seen = contacts(scene)
+    assert (seen["attached"] == before["attached"] + 1).all()
+    np.testing.assert_allclose(seen["angle"], before["angle"], rtol=0, atol=1e-9)
+
+
+def test_restart_files_whose_numbers_of_walls_depend_on_how_many_there_are(tmp_path):
+    """Face f of fix w of two was -1 - (w + 2 f), and the names had no empty line before them."""
+    scene, walls = at_faces(tmp_path)
+    before = contacts(scene)
+    file = tmp_path / "restart"
+    scene.run(f"write_restart {file}")
+    written = file.read_bytes()
+    names = written[written.index(b"\nlid\t") + 1 :].split(b"\0")[0]
+    former = written.replace(b"\n" + names + b"\0", names + b"\0\0")
+    for face in (1, 3):
+        assert former.count(struct.pack("d", -2 - 256 * face)) == 1
+        former = former.replace(struct.pack("d", -2 - 256 * face), struct.pack("d", -2 - 2 * face))
+    for text in (written, former):
+        file.write_bytes(text)
+        again = Again(file, tmp_path)
+        again.run("compute_modify thermo_temp extra/dof 0\n" + walls)
+        seen = contacts(again)
+        assert (seen["attached"] == before["attached"]).all()
+        np.testing.assert_allclose(seen["angle"], before["angle"], rtol=0, atol=1e-9)
 
 
 def test_without_its_fix(tmp_path):

@@ -98,6 +98,14 @@ def test_words():
             scene.run(f"fix walls all deformable/wall {words}")
 
 
+def test_more_fixes_than_codes():
+    scene = far_away("")
+    scene.run("\n".join(f"fix w{k} all deformable/wall plane 0 -{k + 2} 0 1" for k in range(256)))
+    scene.run("run 0 post no")
+    with pytest.raises(Exception, match=r"Fix w256 deformable/wall: there are 256 fixes .*several"):
+        scene.run("fix w256 all deformable/wall plane 0 -300 0 1")
+
+
 @pytest.mark.parametrize(
     ("walls", "message"),
     [

@@ -333,8 +333,7 @@ FixDeformableFriction::speeds(const Sides &s, const Velocity<V> &w, const Contac
   Speeds<V> found = {at_contact(p.n, v), {}};
   if (s.partner < 0 && dt > 0.0 && pairs.front()->has_wall(s.partner)) {
     const V x = vector<V>(atom->x[s.particle]) + p.b - age * vector<V>(atom->v[s.particle]);
-    const Vector3 moved =
-        pairs.front()->wall(s.partner).way(pairs.front()->wall_feature(s.partner), wide(x));
+    const Vector3 moved = pairs.front()->wall(s.partner).way(wall_feature_of(s.partner), wide(x));
     found.wall = 1.0 / dt * at_contact(p.n, narrow<V>(moved));
     found.v = found.v + found.wall;
   }

@@ -40,31 +40,23 @@ WallNames WallNames::present(LAMMPS *lmp)
   return names;
 }
 
-const WallNames::Wall &WallNames::wall(double code) const
-{
-  return walls[wall_of(static_cast<int>(code), count())];
-}
-
-int WallNames::feature_of(double code) const
-{
-  return wall_feature_of(static_cast<int>(code), count());
-}
-
 bool WallNames::has(double code) const
 {
-  if (walls.empty()) return false;
-  const std::vector<std::string> &features = wall(code).features;
-  return features.empty() || feature_of(code) < static_cast<int>(features.size());
+  const std::size_t wall = wall_of(static_cast<int>(code));
+  if (wall >= walls.size()) return false;
+  const std::vector<std::string> &features = walls[wall].features;
+  return features.empty() ||
+         wall_feature_of(static_cast<int>(code)) < static_cast<int>(features.size());
 }
 
 double WallNames::code_in(const WallNames &there, double code) const
 {
   if (!has(code)) return 0.0;
-  const Wall &here = wall(code);
+  const Wall &here = walls[wall_of(static_cast<int>(code))];
   const auto same = std::find_if(there.walls.begin(), there.walls.end(),
                                  [&](const Wall &other) { return other.id == here.id; });
   if (same == there.walls.end()) return 0.0;
-  int feature = feature_of(code);
+  int feature = wall_feature_of(static_cast<int>(code));
   const bool is_only = here.features.size() == 1 && same->features.size() == 1;
   if (!here.features.empty() && !same->features.empty() && !is_only) {
     const auto found =
@@ -72,22 +64,22 @@ double WallNames::code_in(const WallNames &there, double code) const
     if (found == same->features.end()) return 0.0;
     feature = static_cast<int>(found - same->features.begin());
   }
-  const double found =
-      wall_code(static_cast<int>(same - there.walls.begin()), feature, there.count());
+  const double found = wall_code(static_cast<int>(same - there.walls.begin()), feature);
   return there.has(found) ? found : 0.0;
 }
 
 std::string WallNames::name_of(double code) const
 {
-  if (walls.empty()) return fmt::format("{:g}", code);
-  const Wall &named = wall(code);
-  if (!has(code) || named.features.size() < 2) return "fix " + named.id;
-  return fmt::format("'{}' of fix {}", named.features[feature_of(code)], named.id);
+  if (!has(code)) return fmt::format("{:g}", code);
+  const Wall &wall = walls[wall_of(static_cast<int>(code))];
+  if (wall.features.size() < 2) return "fix " + wall.id;
+  return fmt::format("'{}' of fix {}", wall.features[wall_feature_of(static_cast<int>(code))],
+                     wall.id);
 }
 
 std::string WallNames::text() const
 {
-  std::string text;
+  std::string text = "\n";
   for (const Wall &wall : walls) {
     text += wall.id;
     for (const std::string &feature : wall.features) text += '\t' + feature;
@@ -100,6 +92,8 @@ WallNames WallNames::from_text(const std::string &text)
 {
   WallNames names;
   std::istringstream lines(text);
+  names.counted = lines.peek() != '\n';
+  if (!names.counted) lines.get();
   for (std::string line; std::getline(lines, line);) {
     std::istringstream words(line);
     Wall wall;
@@ -108,6 +102,13 @@ WallNames WallNames::from_text(const std::string &text)
     names.walls.push_back(wall);
   }
   return names;
+}
+
+double WallNames::from_file(double code) const
+{
+  if (!counted || walls.empty()) return code;
+  const int index = static_cast<int>(-1.0 - code), count = static_cast<int>(walls.size());
+  return wall_code(index % count, index / count);
 }
 
 }    // namespace deformable

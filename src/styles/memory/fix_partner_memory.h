@@ -41,21 +41,23 @@ class NewIDs {
   std::unordered_set<double> taken;    // by particles that had another ID, or none
 };
 
-// The walls of all fixes deformable/wall. A code (wall_code) depends on the number and the order of the fixes: a wall is known by
-// the ID of its fix and the name of its feature, if that has others.
+// The walls of all fixes deformable/wall. A code (wall_code) depends on the order of the fixes: a wall is known by the ID of its fix
+// and the name of its feature, if that has others.
 class WallNames {
  public:
   static WallNames present(LAMMPS *);
   bool operator==(const WallNames &other) const { return walls == other.walls; }
 
+  bool has(double code) const;
   // The code there of a wall that has this code here, or 0: it is gone.
   double code_in(const WallNames &there, double code) const;
-  bool has(double code) const;
   std::string name_of(double code) const;
 
-  // As a line for each fix.
+  // As a line for each fix, after an empty one.
   std::string text() const;
   static WallNames from_text(const std::string &);
+  // A code of the file that the text is from. Files without an empty line have codes -1 - (w + n feature), with n walls.
+  double from_file(double code) const;
 
  private:
   struct Wall {
@@ -67,9 +69,7 @@ class WallNames {
     }
   };
   std::vector<Wall> walls;
-  int count() const { return static_cast<int>(walls.size()); }
-  const Wall &wall(double code) const;
-  int feature_of(double code) const;
+  bool counted = false;    // whether codes of the file depend on the number of walls
 };
 
 // Row: a struct of doubles that begins with `partner`.
@@ -119,6 +119,14 @@ template <class Row> class FixPartnerMemory : public FixMemory<PartnerMemory<Row
     follow_particles();
     for (int i = 0; i < atom->nlocal; ++i) particles[i].id = static_cast<double>(atom->tag[i]);
     hand_over();
+  }
+
+  // After `restart`.
+  void unpack_restart(int i, int fix) override
+  {
+    Base::unpack_restart(i, fix);
+    for (Row &row : particles[i].rows)
+      if (row.partner < 0.0) row.partner = walls.from_file(row.partner);
   }
 
   double memory_usage() override

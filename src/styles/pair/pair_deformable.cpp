@@ -287,7 +287,7 @@ void PairDeformable::record(int i, int partner, const Contact &contact, double l
   if (!recording || (length == 0.0 && force == 0.0)) return;
   const double height = radii[i] - contact.indentation;
   const double *x = atom->x[i];
-  recorded.push_back({i, partner < 0 ? wall_number(partner) : atom->tag[partner],
+  recorded.push_back({i, partner < 0 ? wall_code(wall_of(partner), 0) : atom->tag[partner],
                       contact.indentation, length, force, x[0] + height * contact.nx,
                       x[1] + height * contact.ny, contact.angle, distance, line, push});
 }

@@ -85,7 +85,7 @@ struct RecordedLine {
 // A contact from one of its two sides.
 struct RecordedContact {
   int atom;
-  tagint partner;    // its ID, or the number of a wall
+  tagint partner;    // its ID, or -1 - k of the walls of fix k, from 0
   double indentation, length, force;
   double x, y;        // point of the line that is nearest to the center
   double angle;       // of the direction to the line
@@ -152,17 +152,16 @@ class PairDeformable : public Pair {
   virtual bool law_changes() const { return false; }
   const deformable::FrontKernels &front_kernels() const { return kernels->fronts; }
 
-  bool has_wall(int code) const { return code < 0 && !walls.empty(); }
-  // The wall that a code stands for, and the feature of it.
+  bool has_wall(int code) const
+  {
+    return code < 0 && deformable::wall_of(code) < static_cast<int>(walls.size());
+  }
   FixDeformableWall &wall(int code) const { return deformable::wall_of(code, walls); }
-  int wall_feature(int code) const { return deformable::wall_feature_of(code, wall_count()); }
-  // In tables of contacts: -1 - k of all walls of fix k, from 0.
-  int wall_number(int code) const { return -1 - deformable::wall_of(code, wall_count()); }
   // The code of the first feature of the same obstacle: it stays where a particle turns around a corner.
   int wall_key(int code) const
   {
-    const int first = wall(code).first_feature(wall_feature(code));
-    return deformable::wall_code(deformable::wall_of(code, wall_count()), first, wall_count());
+    const int first = wall(code).first_feature(deformable::wall_feature_of(code));
+    return deformable::wall_code(deformable::wall_of(code), first);
   }
 
   PairDeformable(class LAMMPS *, int outputs = 2, int dimension = 2);
@@ -218,7 +217,6 @@ class PairDeformable : public Pair {
   std::map<std::string, std::string> defined;    // by pair_coeff
   void describe_species();
   std::vector<FixDeformableWall *> walls;
-  int wall_count() const { return static_cast<int>(walls.size()); }
 
   // The force of a wall on particle i at this contact, at `shift` beside the point nearest to the center.
   void push_wall(int i, int partner, double fx, double fy, const deformable::Contact &contact,
@@ -226,7 +224,7 @@ class PairDeformable : public Pair {
   {
     const double ri = radii[i], height = ri - contact.indentation;
     wall(partner).add_contact(
-        i, wall_feature(partner), fx, fy, -height * contact.nx + shift * contact.ny,
+        i, deformable::wall_feature_of(partner), fx, fy, -height * contact.nx + shift * contact.ny,
         -height * contact.ny - shift * contact.nx, -contact.ny, contact.nx, (1.0 + reach) * ri);
   }
 

@@ -242,7 +242,7 @@ void PairDeformableDroplet::push(int begin, int end)
     const int i = p.i[k], j = p.j[k];
     energy += p.part(k) * force * p.overlap[k];
     if (k >= p.wall) {    // which bears no energy of its own
-      wall(j).add_contact(i, wall_feature(j), force, torque(k, 0), p.surfaces[k - p.wall],
+      wall(j).add_contact(i, wall_feature_of(j), force, torque(k, 0), p.surfaces[k - p.wall],
                           (1.0 + reach) * radii[i]);
       continue;
     }
@@ -384,7 +384,7 @@ void PairDeformableDroplet::list_contacts(int groupbit, std::vector<double> &row
                          (radii[i] - solver->indentation(c)) * n;
       const Vector3 tilt = sign * solver->tilt(k);
       const double distance = k >= p.wall ? p.surfaces[k - p.wall].height : 1.0 / p.per_distance[k];
-      const tagint partner = k >= p.wall ? wall_number(p.j[k]) : atom->tag[other];
+      const tagint partner = k >= p.wall ? wall_code(wall_of(p.j[k]), 0) : atom->tag[other];
       rows.insert(rows.end(),
                   {static_cast<double>(atom->tag[i]), static_cast<double>(partner),
                    solver->indentation(c), facet_radius(force, radii[i], stiffness_of(i).tension),

@@ -32,6 +32,12 @@ FixDeformableWall::FixDeformableWall(LAMMPS *lmp, int narg, char **arg)
       walls(dimension)
 {
   if (narg < 4) utils::missing_cmd_args(FLERR, "fix deformable/wall", error);
+  if (modify->get_fix_by_style(STYLE).size() == MOST_WALLS)
+    error->all(
+        FLERR,
+        "Fix {} deformable/wall: there are {} fixes deformable/wall already, and no more can "
+        "be: give one fix several walls, as the sides and obstacles of one region",
+        id, MOST_WALLS);
   narg = read_keywords(narg, arg);
   if (narg > 4 && Walls::is_word(arg[3])) {
     Walls found(dimension);

@@ -177,23 +177,24 @@ class FixDeformableWall : public Fix {
 
 namespace deformable {
 
-// As the partner of a particle a feature of wall fix w of n has the code -1 - (w + n feature): IDs and local indices are not
-// negative.
-inline int wall_code(int wall, int feature, int walls)
+// As the partner of a particle a feature of wall fix w has the code -1 - (w + 256 feature), however many walls there are: IDs and
+// local indices are not negative. An int has room for 2^23 features.
+constexpr int MOST_WALLS = 256;
+inline int wall_code(int wall, int feature)
 {
-  return -1 - (wall + walls * feature);
+  return -1 - (wall + MOST_WALLS * feature);
 }
-inline int wall_of(int code, int walls)
+inline int wall_of(int code)
 {
-  return (-1 - code) % walls;
+  return (-1 - code) % MOST_WALLS;
 }
-inline int wall_feature_of(int code, int walls)
+inline int wall_feature_of(int code)
 {
-  return (-1 - code) / walls;
+  return (-1 - code) / MOST_WALLS;
 }
 inline FixDeformableWall &wall_of(int code, const std::vector<FixDeformableWall *> &walls)
 {
-  return *walls[wall_of(code, static_cast<int>(walls.size()))];
+  return *walls[wall_of(code)];
 }
 
 // Calls visitor(code, nearest point) for each wall within (1 + reach) radii of atom i, in the plane and in space.
@@ -201,10 +202,9 @@ template <class Visitor>
 void visit_walls(const std::vector<FixDeformableWall *> &walls, int i, double radius, double reach,
                  Visitor &&visitor)
 {
-  const int count = static_cast<int>(walls.size());
-  for (int w = 0; w < count; ++w)
+  for (std::size_t w = 0; w < walls.size(); ++w)
     walls[w]->visit(i, radius, reach, [&](int feature, const SurfacePoint &point) {
-      visitor(wall_code(w, feature, count), point);
+      visitor(wall_code(static_cast<int>(w), feature), point);
     });
 }
 
