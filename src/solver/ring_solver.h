@@ -47,8 +47,6 @@ class RingSolver : public DualSolver {
 
   double energy() const override;    // of rings and films
 
-  // What attaching and letting go have cost in this call, on all ranks.
-
   // The rings whose smallest radius of curvature may be negative.
   const std::vector<int> &crowded_rings() const { return crowded; }
 

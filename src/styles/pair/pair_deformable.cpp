@@ -268,6 +268,19 @@ void PairDeformable::end_call()
   }
 }
 
+void PairDeformable::refuse_behind_center(int i, int j, double dx, double dy)
+{
+  if (!std::isfinite(dx + dy))
+    refuse("The positions of atoms {} and {} are no numbers any more: the motion before was too "
+           "fast for its timestep, or beyond the model. Use a smaller timestep",
+           atom->tag[i], atom->tag[j]);
+  refuse("The contact line of atoms {} and {} does not lie well in front of the center of atom {}: "
+         "their distance is {:.6g}, their radii are {:.6g} and {:.6g}. Separate particles that "
+         "overlap first, start from a less compressed state, or take smaller steps or a smaller "
+         "timestep",
+         atom->tag[i], atom->tag[j], atom->tag[i], std::hypot(dx, dy), radii[i], radii[j]);
+}
+
 void PairDeformable::check_own_image(int i, int j)
 {
   if (atom->tag[j] != atom->tag[i] || atom->tag[i] == 0) return;
@@ -431,8 +444,7 @@ void PairDeformable::list_springs(double gap, std::vector<Spring> &springs) cons
 
 double PairDeformable::memory_usage()
 {
-  return Pair::memory_usage() + block.bytes() + bytes_of(recorded, loaded, radii, rows, partners) +
-         results.bytes();
+  return Pair::memory_usage() + bytes_of(recorded, loaded, radii) + results.bytes();
 }
 
 /* ----------------------------------------------------------------------

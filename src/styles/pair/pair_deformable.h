@@ -1,5 +1,5 @@
-// The base of the pair styles: parameters, contacts from the neighbor list and the walls, forces from the
-// derivatives of the shape, per-particle results. A contact law adds how contacts become a shape.
+// The base of the pair styles: parameters, walls, and what is asked for of particles and contacts. Forces come from BlockForces, for
+// laws of one particle, or from a DualSolver, for laws of forces.
 
 #ifndef DEFORMABLE_PAIR_DEFORMABLE_H
 #define DEFORMABLE_PAIR_DEFORMABLE_H
@@ -7,7 +7,7 @@
 #include "pair.h"
 
 #include "geometry/surface.h"
-#include "kernels/block_walk.h"
+#include "kernels/batch_kernels.h"
 #include "kernels/large_vector.h"
 #include "laws/shape.h"
 #include "laws/stiffness.h"
@@ -31,6 +31,8 @@
 #include <vector>
 
 namespace deformable {
+
+class BlockForces;
 
 // Per-particle results of the pair styles, for fix pair.
 class ParticleResults {
@@ -125,6 +127,8 @@ struct Spring {
 namespace LAMMPS_NS {
 
 class PairDeformable : public Pair {
+  friend class deformable::BlockForces;
+
  public:
   // Contacts of this rank's particles at the last call, if a compute of contacts or outlines is defined.
   std::vector<deformable::RecordedContact> recorded;
@@ -242,28 +246,8 @@ class PairDeformable : public Pair {
 
   // A force call is begin_call, then the forces, e.g. of blocks of particles, then end_call.
   void begin_call(int eflag, int vflag);
-  // Shapes and forces of all particles in blocks. prepare(particle) may take out its contacts, group_of(particle)
-  // chooses a kernel or 0 for law(particle, contacts), and finish(particle) follows its forces.
-  template <class Prepare, class GroupOf, class Law, class Finish>
-  void for_each_block(const deformable::BatchKernel *chosen, Prepare &&prepare, GroupOf &&group_of,
-                      Law &&law, Finish &&finish);
-  void check_lines(const deformable::BlockParticle &);    // all in front of the center?
-  void load_shape(const deformable::BlockParticle &);     // into `shape`
   const deformable::BatchKernels *kernels;
-  bool whole_list = true;    // blocks need each pair at both of its particles
-  deformable::ContactBlock block;
-  // The neighbors of each particle: in front the partners of contacts that were active at the last call.
-  struct Row {
-    int first, size, active;    // first: in partners
-  };
-  std::vector<Row> rows;    // by local index
-  std::vector<int> partners;
-  struct WallContact {
-    int wall;    // its code < 0
-    double nx, ny, height, per_lever;
-  };
-  std::vector<WallContact> wall_contacts;    // of the block; a place has -1 minus the index
-
+  bool whole_list = true;    // each pair at both of its particles, as BlockForces need it
   void end_call();
   deformable::Refusals refusals;
 
@@ -303,22 +287,6 @@ class PairDeformable : public Pair {
   std::vector<double> radius;    // by atom type; the largest one if radii are by atom
   void check_radii();
 
-  static constexpr int BLOCK = 256;
-  template <bool WALLS> void gather_block(int begin, int end);
-  void push_block();
-  void take_neighbors();
-  void remember_active(const deformable::BlockParticle &);
-  void push_mirror(const deformable::BlockParticle &, const deformable::Place &);
-  struct WallPush {
-    deformable::Vector2 push;
-    double shift;    // of its line from the point of the wall nearest to the center
-  };
-  static WallPush push_of(const WallContact &, const deformable::Place &);
-  void observe(const deformable::BlockParticle &);
-  deformable::LoadedContact loaded_contact(const deformable::BlockParticle &,
-                                           const deformable::Place &) const;
-  void check_own_images(const deformable::BlockParticle &);
-
   struct {
     double definition, walls, friction, exclusions, forces_of_motion;
     std::vector<double> by_type;
@@ -332,31 +300,6 @@ class PairDeformable : public Pair {
   void refuse_scaled() const;
   void allocate();
 };
-
-template <class Prepare, class GroupOf, class Law, class Finish>
-void PairDeformable::for_each_block(const deformable::BatchKernel *chosen, Prepare &&prepare,
-                                    GroupOf &&group_of, Law &&law, Finish &&finish)
-{
-  const bool shapes = results.requested || recording || measuring || neighbor->ago == 0;
-  const bool observing = results.requested || recording || rubbing || eflag_atom || vflag_either;
-  if (neighbor->ago == 0) take_neighbors();
-  for (int begin = 0; begin < list->inum; begin += BLOCK) {
-    const int end = std::min(begin + BLOCK, list->inum);
-    walls.empty() ? gather_block<false>(begin, end) : gather_block<true>(begin, end);
-    for (deformable::BlockParticle &p : block.particles) prepare(p);
-    shape_block(block, chosen, shapes, shape, group_of,
-                [&](deformable::BlockParticle &p, const deformable::Contacts &contacts) {
-                  check_lines(p);
-                  return law(p, contacts);
-                });
-    push_block();
-    for (const deformable::BlockParticle &p : block.particles) {
-      if (p.moved && bulges()) remember_active(p);
-      if (observing) observe(p);
-      finish(p);
-    }
-  }
-}
 
 }    // namespace LAMMPS_NS
 

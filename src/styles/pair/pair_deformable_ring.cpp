@@ -220,7 +220,7 @@ void PairDeformableRing::compute(int eflag, int vflag)
 
 void PairDeformableRing::evaluate_radical()
 {
-  for_each_block(
+  blocks.for_each(
       kernels->ring, [](BlockParticle &) {}, ring_group,
       [this](BlockParticle &p, const Contacts &contacts) {
         Energy energy = shape_ring(p.name, contacts, stiffness_of(p.name));
@@ -231,11 +231,11 @@ void PairDeformableRing::evaluate_radical()
       [this](const BlockParticle &p) {
         giving_way += p.stiffness.gives_way(p.pressure);
         if (neighbor->ago != 0 || p.energy == 0.0) return;
-        load_shape(p);
-        const Contacts contacts = load_contacts(block, p);
+        blocks.load_shape(p);
+        const Contacts contacts = load_contacts(blocks.block, p);
         if (is_within_reach(p.name, contacts)) return;
-        const int partner = block.places[p.first + deepest(contacts)].partner;
-        refuse_bulge(p.name, contacts, partner < 0 ? wall_contacts[-1 - partner].wall : partner);
+        const Place &place = blocks.block.places[p.first + deepest(contacts)];
+        refuse_bulge(p.name, contacts, blocks.partner_of(place));
       });
 }
 
@@ -307,7 +307,8 @@ void PairDeformableRing::check_state() const
 
 double PairDeformableRing::memory_usage()
 {
-  return PairDeformable::memory_usage() + (balanced ? balanced->memory_usage() : 0.0);
+  return PairDeformable::memory_usage() + blocks.bytes() +
+         (balanced ? balanced->memory_usage() : 0.0);
 }
 
 double PairDeformableRing::energy_alone(int i, int /*partner*/, double force) const

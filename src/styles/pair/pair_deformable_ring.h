@@ -10,6 +10,7 @@ PairStyle(deformable/ring,PairDeformableRing);
 #ifndef DEFORMABLE_PAIR_DEFORMABLE_RING_H
 #define DEFORMABLE_PAIR_DEFORMABLE_RING_H
 
+#include "styles/pair/block_forces.h"
 #include "styles/pair/pair_deformable.h"
 
 #include "laws/soft_ring.h"
@@ -47,7 +48,8 @@ class PairDeformableRing : public PairDeformable {
                   deformable::Outline &) const override;
 
  private:
-  std::unique_ptr<deformable::RingSolver> balanced;    // null: contacts stay on their radical axes
+  deformable::BlockForces blocks{*this};               // of contacts on their radical axes
+  std::unique_ptr<deformable::RingSolver> balanced;    // null: contacts stay there
   class FixDeformableFilms *films = nullptr;           // null: no adhesion
   deformable::SpeciesRamps ramps;
   bool take_ramps();         // whether a species or an adhesion has changed

@@ -77,7 +77,7 @@ void PairDeformableSector::compute(int eflag, int vflag)
     std::fill_n(ncontacts.begin(), atom->nlocal, 0.0);
   singles.clear();
   refusals.collect([this] {
-    for_each_block(
+    blocks.for_each(
         kernels->sector,
         [this](BlockParticle &p) {
           ncontacts[p.name] = p.active;
@@ -99,12 +99,11 @@ void PairDeformableSector::compute(int eflag, int vflag)
 
 void PairDeformableSector::set_aside(BlockParticle &p)
 {
-  check_lines(p);
-  const Place &place = block.places[p.first];
+  blocks.check_lines(p);
+  const Place &place = blocks.block.places[p.first];
   const PlacedLine line = line_of(p, place);
-  const bool wall = place.partner < 0;
-  singles.push_back({p.name, wall ? wall_contacts[-1 - place.partner].wall : place.partner,
-                     line.contact, (wall ? 0.5 : 1.0) / line.per_distance});
+  singles.push_back({p.name, blocks.partner_of(place), line.contact,
+                     (place.partner < 0 ? 0.5 : 1.0) / line.per_distance});
   p.active = 0;
 }
 
@@ -217,5 +216,5 @@ void PairDeformableSector::unpack_forward_comm(int n, int first, double *buf)
 
 double PairDeformableSector::memory_usage()
 {
-  return PairDeformable::memory_usage() + bytes_of(by_angle, singles, ncontacts);
+  return PairDeformable::memory_usage() + blocks.bytes() + bytes_of(by_angle, singles, ncontacts);
 }

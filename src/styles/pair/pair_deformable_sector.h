@@ -10,6 +10,7 @@ PairStyle(deformable/sector,PairDeformableSector);
 #define DEFORMABLE_PAIR_DEFORMABLE_SECTOR_H
 
 #include "laws/sector.h"
+#include "styles/pair/block_forces.h"
 #include "styles/pair/pair_deformable.h"
 
 namespace LAMMPS_NS {
@@ -32,6 +33,7 @@ class PairDeformableSector : public PairDeformable {
                   deformable::Outline &) const override;
 
  private:
+  deformable::BlockForces blocks{*this};
   std::vector<int> by_angle;    // the contacts of one particle
 
   // A particle with one contact has no sector: the pair repels as soft disks, once. The partner's number of

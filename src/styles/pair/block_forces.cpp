@@ -1,28 +1,25 @@
-// Contacts of blocks of particles from the neighbor list and the walls, and forces from their shapes.
-
-#include "styles/pair/pair_deformable.h"
+#include "styles/pair/block_forces.h"
 
 #include "styles/refusals.h"
 
-using namespace LAMMPS_NS;
-using namespace deformable;
+namespace deformable {
 
 /* ----------------------------------------------------------------------
    The neighbor list is new: no contact is known to be active.
 ------------------------------------------------------------------------- */
 
-void PairDeformable::take_neighbors()
+void BlockForces::take_neighbors()
 {
-  rows.resize(atom->nlocal);
+  rows.resize(pair.atom->nlocal);
   int size = 0;
-  for (int ii = 0; ii < list->inum; ++ii) {
-    const int i = list->ilist[ii];
-    rows[i] = {size, list->numneigh[i], 0};
-    size += list->numneigh[i];
+  for (int ii = 0; ii < pair.list->inum; ++ii) {
+    const int i = pair.list->ilist[ii];
+    rows[i] = {size, pair.list->numneigh[i], 0};
+    size += pair.list->numneigh[i];
   }
   partners.assign(size, 0);
-  for (int ii = 0; ii < list->inum; ++ii) {
-    const int i = list->ilist[ii], *const neighbors = list->firstneigh[i];
+  for (int ii = 0; ii < pair.list->inum; ++ii) {
+    const int i = pair.list->ilist[ii], *const neighbors = pair.list->firstneigh[i];
     for (int c = 0; c < rows[i].size; ++c) partners[rows[i].first + c] = neighbors[c] & NEIGHMASK;
   }
 }
@@ -34,25 +31,25 @@ void PairDeformable::take_neighbors()
    skipped by a branch: it would be mispredicted.
 ------------------------------------------------------------------------- */
 
-template <bool WALLS> void PairDeformable::gather_block(int begin, int end)
+template <bool WALLS> void BlockForces::gather_block(int begin, int end)
 {
-  const double *const x = atom->nmax > 0 ? atom->x[0] : nullptr;
-  const double *const radius = radii.data();
+  const double *const x = pair.atom->nmax > 0 ? pair.atom->x[0] : nullptr;
+  const double *const radius = pair.radii.data();
   block.clear(end - begin);
   wall_contacts.clear();
   for (int ii = begin; ii < end; ++ii) {
-    const int i = list->ilist[ii];
+    const int i = pair.list->ilist[ii];
     const double xi = x[3 * i], yi = x[3 * i + 1], ri = radius[i];
     const Row row = rows[i];
     const int *const neighbors = partners.data() + row.first;
     const auto first_wall = wall_contacts.size();
     if constexpr (WALLS)
-      visit_walls(walls, i, ri, reach, [this](int code, const SurfacePoint &point) {
+      visit_walls(pair.walls, i, ri, pair.reach, [this](int code, const SurfacePoint &point) {
         wall_contacts.push_back({code, point.n.x, point.n.y, point.height, point.turn});
       });
     const int room = row.size + static_cast<int>(wall_contacts.size() - first_wall);
     BlockParticle &p = block.particles[ii - begin];
-    block.place(p, i, ri, materials.species_of(i).skin, stiffness_of(i), room);
+    block.place(p, i, ri, pair.materials.species_of(i).skin, pair.stiffness_of(i), room);
 
     Place *const places = block.places.data() + p.first;
     int inside = 0;
@@ -85,21 +82,21 @@ template <bool WALLS> void PairDeformable::gather_block(int begin, int end)
     }
     if (inside == 0) p.active = 0;
     p.others = p.first + p.active;
-    if (bulges() ? inside > 0 && p.active == 0 : !as_before)
+    if (pair.bulges() ? inside > 0 && p.active == 0 : !as_before)
       arrange(block, p, [&](const Place &place) {
         const double sum = ri + place.radius;
         return !(place.dx * place.dx + place.dy * place.dy > sum * sum);
       });
-    if (bulges()) continue;
+    if (pair.bulges()) continue;
     if (p.moved) remember_active(p);
     p.others = p.last;
   }
 }
 
-template void PairDeformable::gather_block<false>(int, int);
-template void PairDeformable::gather_block<true>(int, int);
+template void BlockForces::gather_block<false>(int, int);
+template void BlockForces::gather_block<true>(int, int);
 
-void PairDeformable::remember_active(const BlockParticle &p)
+void BlockForces::remember_active(const BlockParticle &p)
 {
   Row &row = rows[p.name];
   const Place *const end_of_active = block.places.data() + p.first + p.active;
@@ -117,9 +114,9 @@ void PairDeformable::remember_active(const BlockParticle &p)
    the particles: the sums do not depend on how batches were made.
 ------------------------------------------------------------------------- */
 
-void PairDeformable::push_block()
+void BlockForces::push_block()
 {
-  double *const f = atom->nmax > 0 ? atom->f[0] : nullptr;
+  double *const f = pair.atom->nmax > 0 ? pair.atom->f[0] : nullptr;
   for (const BlockParticle &p : block.particles) {
     const Place *const end = block.places.data() + p.first + p.active;
     double fx = 0.0, fy = 0.0;
@@ -136,9 +133,9 @@ void PairDeformable::push_block()
     }
     f[3 * p.name] += fx;
     f[3 * p.name + 1] += fy;
-    if (eflag_global) eng_vdwl += p.energy;
+    if (pair.eflag_global) pair.eng_vdwl += p.energy;
     if (p.arc_radius < 0.0) {
-      ++beyond_model;
+      ++pair.beyond_model;
       check_own_images(p);
     }
   }
@@ -150,7 +147,7 @@ void PairDeformable::push_block()
    wall.
 ------------------------------------------------------------------------- */
 
-PairDeformable::WallPush PairDeformable::push_of(const WallContact &wall, const Place &place)
+BlockForces::WallPush BlockForces::push_of(const WallContact &wall, const Place &place)
 {
   const double nx = wall.nx, ny = wall.ny;
   const double along = 2.0 * (place.fx * nx + place.fy * ny);
@@ -161,52 +158,52 @@ PairDeformable::WallPush PairDeformable::push_of(const WallContact &wall, const 
           along < 0.0 ? -rest * torque / along : 0.0};
 }
 
-void PairDeformable::push_mirror(const BlockParticle &p, const Place &place)
+void BlockForces::push_mirror(const BlockParticle &p, const Place &place)
 {
   if (place.fx == 0.0 && place.fy == 0.0) return;
   const WallContact &wall = wall_contacts[-1 - place.partner];
   const auto [push, shift] = push_of(wall, place);
-  push_wall(p.name, wall.wall, push.x, push.y, {0.0, wall.nx, wall.ny, p.radius - wall.height},
-            shift);
+  pair.push_wall(p.name, wall.wall, push.x, push.y, {0.0, wall.nx, wall.ny, p.radius - wall.height},
+                 shift);
 }
 
 /* ----------------------------------------------------------------------
    What is asked for beside forces.
 ------------------------------------------------------------------------- */
 
-void PairDeformable::observe(const BlockParticle &p)
+void BlockForces::observe(const BlockParticle &p)
 {
-  if (eflag_atom) eatom[p.name] += p.energy;
-  if (vflag_either)
+  if (pair.eflag_atom) pair.eatom[p.name] += p.energy;
+  if (pair.vflag_either)
     for_each_active(block, p, [&](const Place &place) {
       if (place.partner >= 0)
-        ev_tally_xyz(p.name, place.partner, atom->nlocal, 1, 0.0, 0.0, place.fx, place.fy, 0.0,
-                     -place.dx, -place.dy, 0.0);
+        pair.ev_tally_xyz(p.name, place.partner, pair.atom->nlocal, 1, 0.0, 0.0, place.fx, place.fy,
+                          0.0, -place.dx, -place.dy, 0.0);
     });
-  if (results.requested) {
+  if (pair.results.requested) {
     if (p.energy == 0.0) {
-      results.store_circle(p.name, p.ring_radius, p.pressure);
+      pair.results.store_circle(p.name, p.ring_radius, p.pressure);
     } else {
       load_shape(p);
-      results.store_shape(p.name, p.ring_radius, p.active, shape, p.pressure);
+      pair.results.store_shape(p.name, p.ring_radius, p.active, pair.shape, p.pressure);
     }
   }
-  if (rubbing)
+  if (pair.rubbing)
     for_each_active(block, p, [&](const Place &place) {
-      if (place.fx != 0.0 || place.fy != 0.0) loaded.push_back(loaded_contact(p, place));
+      if (place.fx != 0.0 || place.fy != 0.0) pair.loaded.push_back(loaded_contact(p, place));
     });
-  if (recording)
+  if (pair.recording)
     for_each_active(block, p, [&](const Place &place) {
       const PlacedLine line = line_of(p, place);
       RecordedLine recorded_line;
       recorded_line.support_radius = p.radius + p.perimeter_excess / (2.0 * PI);
       recorded_line.support_length = place.length;
       if (place.partner >= 0)
-        return record(p.name, place.partner, line.contact, place.length, place.force,
-                      {place.fx, place.fy}, 1.0 / line.per_distance, recorded_line);
+        return pair.record(p.name, place.partner, line.contact, place.length, place.force,
+                           {place.fx, place.fy}, 1.0 / line.per_distance, recorded_line);
       const WallContact &wall = wall_contacts[-1 - place.partner];
-      record(p.name, wall.wall, line.contact, place.length, place.force, push_of(wall, place).push,
-             0.5 / line.per_distance, recorded_line);
+      pair.record(p.name, wall.wall, line.contact, place.length, place.force,
+                  push_of(wall, place).push, 0.5 / line.per_distance, recorded_line);
     });
 }
 
@@ -214,7 +211,7 @@ void PairDeformable::observe(const BlockParticle &p)
    Each side has a force of its own, along the line of centers; a wall has one.
 ------------------------------------------------------------------------- */
 
-LoadedContact PairDeformable::loaded_contact(const BlockParticle &p, const Place &place) const
+LoadedContact BlockForces::loaded_contact(const BlockParticle &p, const Place &place) const
 {
   if (place.partner < 0) {
     const WallContact &wall = wall_contacts[-1 - place.partner];
@@ -241,47 +238,36 @@ LoadedContact PairDeformable::loaded_contact(const BlockParticle &p, const Place
           true};
 }
 
-void PairDeformable::load_shape(const BlockParticle &p)
+void BlockForces::load_shape(const BlockParticle &p)
 {
-  shape.reset(p.active + p.last - p.others, p.ring_radius);
-  shape.area_deficit = p.area_deficit;
-  shape.perimeter_excess = p.perimeter_excess;
-  shape.arc_radius = p.arc_radius;
-  auto response = shape.contact.begin();
+  pair.shape.reset(p.active + p.last - p.others, p.ring_radius);
+  pair.shape.area_deficit = p.area_deficit;
+  pair.shape.perimeter_excess = p.perimeter_excess;
+  pair.shape.arc_radius = p.arc_radius;
+  auto response = pair.shape.contact.begin();
   for_each_place(block, p,
                  [&](const Place &place) { *response++ = {place.length, place.length, 0.0}; });
 }
 
-void PairDeformable::check_lines(const BlockParticle &p)
+void BlockForces::check_lines(const BlockParticle &p)
 {
   for_each_place(block, p, [&](const Place &place) {
     if (!(line_of(p, place).contact.indentation < (1.0 - NEAREST_LINE) * p.radius))
-      refuse_behind_center(p.name, place.partner, place.dx, place.dy);
+      pair.refuse_behind_center(p.name, place.partner, place.dx, place.dy);
   });
-}
-
-void PairDeformable::refuse_behind_center(int i, int j, double dx, double dy)
-{
-  if (!std::isfinite(dx + dy))
-    refuse("The positions of atoms {} and {} are no numbers any more: the motion before was too "
-           "fast for its timestep, or beyond the model. Use a smaller timestep",
-           atom->tag[i], atom->tag[j]);
-  refuse("The contact line of atoms {} and {} does not lie well in front of the center of atom {}: "
-         "their distance is {:.6g}, their radii are {:.6g} and {:.6g}. Separate particles that "
-         "overlap first, start from a less compressed state, or take smaller steps or a smaller "
-         "timestep",
-         atom->tag[i], atom->tag[j], atom->tag[i], std::hypot(dx, dy), radii[i], radii[j]);
 }
 
 /* ----------------------------------------------------------------------
    A particle in a box smaller than itself: its own images leave it no area.
 ------------------------------------------------------------------------- */
 
-void PairDeformable::check_own_images(const BlockParticle &p)
+void BlockForces::check_own_images(const BlockParticle &p)
 {
   if (PI * p.ring_radius * p.ring_radius - p.area_deficit > 0.0) return;
   for_each_active(block, p, [&](const Place &place) {
     if (place.partner >= 0 && (place.fx != 0.0 || place.fy != 0.0))
-      check_own_image(p.name, place.partner);
+      pair.check_own_image(p.name, place.partner);
   });
 }
+
+}    // namespace deformable
