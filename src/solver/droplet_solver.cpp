@@ -73,7 +73,7 @@ void DropletSolver::find_slopes(const RingBatches &batch)
 }
 
 // Pairs are in units of the largest tension and the smallest radius.
-void DropletSolver::set_material(const Particles &p, bool arranged)
+void DropletSolver::set_material(const ForceCall &call, bool arranged)
 {
   const std::size_t rows = batches.particle.size(), places = batches.contacts;
   if (arranged) {
@@ -95,35 +95,37 @@ void DropletSolver::set_material(const Particles &p, bool arranged)
   for (std::size_t row = 0; row < rows; ++row) {
     const int i = batches.particle[row];
     if (i < 0) continue;
-    batches.radius[row] = p.radius[i];
-    tension[row] = p.materials->stiffness_of(i, p.radius[i]).tension;
+    batches.radius[row] = call.radius[i];
+    tension[row] = call.materials->stiffness_of(i, call.radius[i]).tension;
     batches.per_pressure[row] = 1.0 / tension[row];
     largest = std::max(largest, tension[row]);
   }
   largest = list.remote_sides.largest(largest);
   list.pairs.set_units(largest > 0.0 ? std::ldexp(1.0, -std::ilogb(largest)) : 1.0,
-                       std::ldexp(1.0, std::ilogb(p.smallest)));
-  find_films(p);
+                       std::ldexp(1.0, std::ilogb(call.smallest)));
+  find_films(call);
 }
 
 // Films between droplets of unlike pressure are curved, and all of them may turn. Walls do neither.
-void DropletSolver::find_films(const Particles &p)
+void DropletSolver::find_films(const ForceCall &call)
 {
   const NearPairs &pairs = list.pairs;
-  const auto tension_of = [&](int i) { return p.materials->stiffness_of(i, p.radius[i]).tension; };
+  const auto tension_of = [&](int i) {
+    return call.materials->stiffness_of(i, call.radius[i]).tension;
+  };
   for (int k = 0; k < pairs.wall; ++k) {
     const int end[] = {pairs.i[k], pairs.j[k]};
-    const double radii = p.radius[end[0]] + p.radius[end[1]];
+    const double radii = call.radius[end[0]] + call.radius[end[1]];
     for (int side = 0; side < (k < pairs.remote ? 2 : 1); ++side) {
       const int i = end[side], j = end[1 - side], place = pairs.side[side][k];
       per_radii[place] = 1.0 / radii;
       film_log[place] =
-          std::log(film_ratio(p.radius[i], tension_of(i), p.radius[j], tension_of(j)));
+          std::log(film_ratio(call.radius[i], tension_of(i), call.radius[j], tension_of(j)));
     }
   }
 }
 
-void DropletSolver::find_bulges(const Particles &p)
+void DropletSolver::find_bulges(const ForceCall &call)
 {
   list.reset_growth();
   beyond_model = 0;
@@ -132,19 +134,19 @@ void DropletSolver::find_bulges(const Particles &p)
   for (std::size_t row = 0; row < batches.particle.size(); ++row) {
     const int i = batches.particle[row];
     if (i < 0) continue;
-    const double bulge = droplet_bulge(p.radius[i], of_load[row]);
+    const double bulge = droplet_bulge(call.radius[i], of_load[row]);
     list.set_bulge(i, bulge);
     beyond_model += of_load[row] > LARGEST_LOAD || of_facet[row] > LARGEST_FACET;
-    largest_bulge = std::max(largest_bulge, bulge / p.radius[i]);
-    if (bulge > p.reach * p.radius[i]) too_far = static_cast<int>(row);
+    largest_bulge = std::max(largest_bulge, bulge / call.radius[i]);
+    if (bulge > call.reach * call.radius[i]) too_far = static_cast<int>(row);
   }
   if (too_far < 0) return;
-  p.refusals->collect([&] {
+  call.refusals->collect([&] {
     const double x = of_load[too_far];
     refuse("The load of atom {} is {:.4g}, but 'reach {}' covers loads to {:.4g}: separate "
            "droplets that overlap first, take smaller steps or a smaller timestep, or use a "
            "reach of {:.2g} or more",
-           atom->tag[batches.particle[too_far]], x, p.reach, p.reach / BULGE_PER_LOAD,
+           atom->tag[batches.particle[too_far]], x, call.reach, call.reach / BULGE_PER_LOAD,
            std::min(1.2 * BULGE_PER_LOAD * x, LARGEST_BULGE));
   });
 }

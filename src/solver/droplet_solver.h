@@ -51,7 +51,7 @@ class DropletSolver : public DualSolver {
   DropletArrays arrays();
   PairForces forces() const;
   bool has_own_compliances() const override { return true; }
-  void set_material(const Particles &, bool arranged) override;
+  void set_material(const ForceCall &, bool arranged) override;
   bool shape(const RingBatches &) override;
   bool adapt(const RingBatches &, const float *, double) override;
   bool reshape(const RingBatches &batch, const float *, double) override
@@ -62,10 +62,10 @@ class DropletSolver : public DualSolver {
   void turn_facets(const RingBatches &) override;
   void exchange_facets() override;
   void find_slopes(const RingBatches &) override;
-  void find_films(const Particles &);
-  void find_bulges(const Particles &) override;
+  void find_films(const ForceCall &);
+  void find_bulges(const ForceCall &) override;
   double energy() const override;
-  void warn(const Particles &, bool) override { warn_unbalanced("deformable/droplet"); }
+  void warn(const ForceCall &, bool) override { warn_unbalanced("deformable/droplet"); }
 };
 
 }    // namespace deformable

@@ -83,11 +83,12 @@ void DualSolver::check_balance(const char *style) const
    forces of others, which may let others come or go.
 ------------------------------------------------------------------------- */
 
-bool DualSolver::solve(const Particles &p, const Push &push)
+bool DualSolver::solve(const ForceCall &call, const Push &push)
 {
   constexpr int MOST_LISTS = 20, MOST_CHANGES = 100;
-  const bool adhesion_begins = p.films && !list.pairs.adhesive;    // an adhesion has grown from 0
-  if (!find_pairs(p)) return false;
+  const bool adhesion_begins =
+      call.films && !list.pairs.adhesive;    // an adhesion has grown from 0
+  if (!find_pairs(call)) return false;
 
   predict();
   if (films) films->begin_call();
@@ -95,17 +96,17 @@ bool DualSolver::solve(const Particles &p, const Push &push)
   double energy_before = 0.0, part = 1.0;
   int changes = 0;
   for (int lists = 0;; ++lists) {
-    are_balanced = balance(p);
+    are_balanced = balance(call);
     if (!has_room()) return false;
-    find_bulges(p);
-    bool refused = p.refusals->any_here();
-    const bool sufficient = list.is_sufficient_after(p, refused);
+    find_bulges(call);
+    bool refused = call.refusals->any_here();
+    const bool sufficient = list.is_sufficient_after(call, refused);
     if (refused) return false;
     if (!sufficient && lists < MOST_LISTS) {
       remember();
-      list.build(p, false);
-      arrange(p, false);
-      list.locate(p);
+      list.build(call, false);
+      arrange(call, false);
+      list.locate(call);
       continue;
     }
     // forces that do not balance may be those of films that should have gone
@@ -117,56 +118,56 @@ bool DualSolver::solve(const Particles &p, const Push &push)
         if (moves) push(0, list.pairs.size, part = 0.5, false);
       }
       films->change(are_balanced);
-      list.store_films(p);    // for lists that are made anew in this call, too
+      list.store_films(call);    // for lists that are made anew in this call, too
       begin_again();
       continue;
     }
     break;
   }
-  warn(p, changes > 0);
+  warn(call, changes > 0);
   summary.lost_energy = changes > 0 ? energy_before - total_energy() : 0.0;
-  if (films && (p.new_list || adhesion_begins)) list.store_films(p);
+  if (films && (call.new_list || adhesion_begins)) list.store_films(call);
   finish(push, part);
   if (is_meaningless()) forget();
   return true;
 }
 
-bool DualSolver::find_pairs(const Particles &p)
+bool DualSolver::find_pairs(const ForceCall &call)
 {
-  if (p.new_list || (p.films && !list.pairs.adhesive)) {
-    list.build(p, p.new_list);
-    arrange(p, p.new_list);
-  } else if (p.radii_vary || p.new_material || p.materials->vary()) {
-    set_material(p, false);
+  if (call.new_list || (call.films && !list.pairs.adhesive)) {
+    list.build(call, call.new_list);
+    arrange(call, call.new_list);
+  } else if (call.radii_vary || call.new_material || call.materials->vary()) {
+    set_material(call, false);
   }
-  bool refused = locate(p);
-  if (p.new_list) {
+  bool refused = locate(call);
+  if (call.new_list) {
     refused = list.remote_sides.largest(refused) > 0.0;
-  } else if (!list.is_sufficient(p, refused) && !refused) {
-    list.build(p, false);
-    arrange(p, false);
-    refused = list.remote_sides.largest(locate(p)) > 0.0;
+  } else if (!list.is_sufficient(call, refused) && !refused) {
+    list.build(call, false);
+    arrange(call, false);
+    refused = list.remote_sides.largest(locate(call)) > 0.0;
   }
   return !refused;
 }
 
 // Whether this rank goes no further.
-bool DualSolver::locate(const Particles &p)
+bool DualSolver::locate(const ForceCall &call)
 {
-  refused = list.locate(p);
-  return refused >= 0 || p.refusals->any_here();
+  refused = list.locate(call);
+  return refused >= 0 || call.refusals->any_here();
 }
 
 // Contacts are new.
-void DualSolver::arrange(const Particles &p, bool new_list)
+void DualSolver::arrange(const ForceCall &call, bool new_list)
 {
   NearPairs &pairs = list.pairs;
-  batches.arrange(list.order(*p.list), p.list->inum, atom->nlocal, pairs, atom->tag,
+  batches.arrange(list.order(*call.list), call.list->inum, atom->nlocal, pairs, atom->tag,
                   has_own_compliances());
   list.remote_sides.arrange(pairs.side[0].data() + pairs.remote, batches.contacts);
   blocks.arrange(batches, pairs);
   relaxation.arrange(batches, pairs);
-  set_material(p, true);
+  set_material(call, true);
   batches.scale = pairs.scale;
   batches.length = pairs.length;
   // nothing happens in the last one, which stays zero
@@ -287,7 +288,7 @@ void DualSolver::average_over_ranks()
    with other pairs, after `remember`. Returns whether forces are balanced.
 ------------------------------------------------------------------------- */
 
-bool DualSolver::balance(const Particles &p)
+bool DualSolver::balance(const ForceCall &call)
 {
   if (solutions++ > 0) take_past();
   average_over_ranks();
@@ -304,7 +305,7 @@ bool DualSolver::balance(const Particles &p)
     const Attempt next = next_attempt(attempt, now);
     if (next == attempt) break;
     attempt = next;
-    now = begin(attempt, p);
+    now = begin(attempt, call);
   }
   if (lines) lines->count_limited();
   shapes_exist = now.exists;
@@ -379,7 +380,7 @@ void DualSolver::begin_attempt()
 }
 
 // Even beyond maxeval.
-Evaluation DualSolver::begin(Attempt attempt, const Particles &p)
+Evaluation DualSolver::begin(Attempt attempt, const ForceCall &call)
 {
   begin_attempt();
   outcome = Outcome::NONE;
@@ -389,7 +390,7 @@ Evaluation DualSolver::begin(Attempt attempt, const Particles &p)
   } else {
     std::fill(list.pairs.force.begin(), list.pairs.force.end(), 0.0);
     if (lines) {
-      locate(p);    // lines may be nowhere
+      locate(call);    // lines may be nowhere
       average_over_ranks();
       lines->straighten(attempt != Attempt::ANEW);
     }

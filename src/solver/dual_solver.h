@@ -83,7 +83,7 @@ class DualSolver : protected Pointers {
 
   // A force call. Returns false on all ranks if any must stop with an error: a wall has refused a center, this pair has a contact
   // line that cannot lie between the centers, or particles have no room (RingSolver). Else all forces have been pushed.
-  bool solve(const Particles &, const Push &);
+  bool solve(const ForceCall &, const Push &);
   int refused_pair() const { return refused; }    // or -1
 
   // Whether the forces of the last call are off by a tenth of the largest or more; and an error where they are. Minimizers go on.
@@ -112,7 +112,7 @@ class DualSolver : protected Pointers {
 
   // The law. Radii and stiffnesses of all particles, and the units of pairs; `arranged`: contacts are new, and `batches` has
   // other places.
-  virtual void set_material(const Particles &, bool arranged) = 0;
+  virtual void set_material(const ForceCall &, bool arranged) = 0;
   virtual bool has_own_compliances() const { return false; }
   // Shapes of the particles of some batches from the forces of their pairs; the same after small changes; and slopes of
   // outlines. False: a particle has no shape.
@@ -128,11 +128,11 @@ class DualSolver : protected Pointers {
   virtual void find_slopes(const RingBatches &) {}
   // After a solution: how far outlines bulge; false on all ranks: particles have no room, and forces no limit.
   virtual bool has_room() { return true; }
-  virtual void find_bulges(const Particles &) = 0;
+  virtual void find_bulges(const ForceCall &) = 0;
   virtual double energy() const = 0;    // of all particles of this rank, without what is left
   // What a user should know after a solution. The law calls warn_unbalanced: it warns once of contacts that are not balanced, and
   // names its pair style.
-  virtual void warn(const Particles &, bool films_changed) = 0;
+  virtual void warn(const ForceCall &, bool films_changed) = 0;
   void warn_unbalanced(const char *style);
 
   const ForceKernels &kernels;
@@ -206,9 +206,9 @@ class DualSolver : protected Pointers {
 
   bool minimizing() const;
   bool searches_lines() const;
-  void arrange(const Particles &, bool new_list);
-  bool locate(const Particles &);
-  bool find_pairs(const Particles &);
+  void arrange(const ForceCall &, bool new_list);
+  bool locate(const ForceCall &);
+  bool find_pairs(const ForceCall &);
   double total_energy() const;
 
   void predict();
@@ -223,9 +223,9 @@ class DualSolver : protected Pointers {
   enum class Attempt { PREDICTED, ANEW, STRAIGHT, LET_GO, HELD };
   // What became of a step; DEFORMABLE_TRACE prints it.
   enum class Outcome { NONE, TAKEN, SHORTENED, ALONE, UNDONE };
-  bool balance(const Particles &);
+  bool balance(const ForceCall &);
   void begin_attempt();
-  Evaluation begin(Attempt, const Particles &);
+  Evaluation begin(Attempt, const ForceCall &);
   Termination iterate(Evaluation &, Attempt);
   bool has_another(Attempt) const;
   Attempt next_attempt(Attempt, const Evaluation &);

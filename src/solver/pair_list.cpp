@@ -23,22 +23,22 @@ PairList::PairList(LAMMPS *lmp, const ForceKernels &kernels, const Tuning &tunin
   pairs.curved = curved;
 }
 
-void PairList::build(const Particles &p, bool new_list)
+void PairList::build(const ForceCall &call, bool new_list)
 {
-  margin = tuning.margin * p.smallest;
+  margin = tuning.margin * call.smallest;
   const int nlocal = atom->nlocal;
   if (new_list) {
     store_history();
     tags.assign(atom->tag, atom->tag + nlocal);
     find_owners();
-    guess_bulges(p);
-    find_order(p);
+    guess_bulges(call);
+    find_order(call);
   }
   remote_sides.to_ghosts(bulge);
-  pairs.adhesive = p.films != nullptr;
+  pairs.adhesive = call.films != nullptr;
   if (pairs.adhesive) {
-    if (new_list) p.films->follow();
-    p.films->who_knows(knows_films);
+    if (new_list) call.films->follow();
+    call.films->who_knows(knows_films);
     remote_sides.to_ghosts(knows_films);
   }
 
@@ -50,17 +50,17 @@ void PairList::build(const Particles &p, bool new_list)
                          first_old_remote =
                              new_list ? std::vector<int>() : first_of(old, old.remote, old.wall);
   const double *const *const x = atom->x;
-  const NeighList *const list = p.list;
+  const NeighList *const list = call.list;
   for (int ii = 0; ii < list->inum; ++ii) {
     const int i = order(*list)[ii],
               count = list->numneigh[i], *const neighbors = list->firstneigh[i];
-    const double of_i = p.radius[i] + bulge[i] + margin;
+    const double of_i = call.radius[i] + bulge[i] + margin;
     for (int jj = 0; jj < count; ++jj) {
       const int j = neighbors[jj] & NEIGHMASK;
       const Vector3 d = relative(x[i], x[j]);
-      const double near = of_i + p.radius[j] + bulge[j];
+      const double near = of_i + call.radius[j] + bulge[j];
       if (d.x * d.x + d.y * d.y + d.z * d.z > near * near &&    // a film may be stretched
-          !(pairs.adhesive && is_attached(p, i, j, d)))
+          !(pairs.adhesive && is_attached(call, i, j, d)))
         continue;
       const int owner = pairs.owned[j];
       if (j >= nlocal && owner >= 0) {    // an image of this rank's particle: the list has it twice
@@ -90,19 +90,19 @@ void PairList::build(const Particles &p, bool new_list)
     remote_tags.push_back(atom->tag[c.j]);
   }
   pairs.wall = pairs.size;
-  if (!p.walls->empty()) {
-    p.refusals->collect([&] { add_walls(p, new_list, old); });
+  if (!call.walls->empty()) {
+    call.refusals->collect([&] { add_walls(call, new_list, old); });
     first_wall = first_of(pairs, pairs.wall, pairs.size);
   }
   pairs.make_room();
-  if (pairs.adhesive) recall_films(p);
+  if (pairs.adhesive) recall_films(call);
   history = PairHistory();    // gives its memory back
 
   const int dimension = pairs.in_space ? 3 : 2;
   x_then.resize(static_cast<std::size_t>(dimension) * nlocal);
   for (int i = 0; i < nlocal; ++i) std::copy_n(x[i], dimension, &x_then[dimension * i]);
   bulge_then.assign(bulge.begin(), bulge.begin() + nlocal);
-  if (p.radii_vary) radius_then.assign(p.radius, p.radius + nlocal);
+  if (call.radii_vary) radius_then.assign(call.radius, call.radius + nlocal);
   box_then = box_now();
   missed_wall = false;
   farthest = grown = 0.0;
@@ -140,16 +140,16 @@ void PairList::find_owners()
 
 // LAMMPS sorts particles in rows along x. Where the box is cut across x only, columns along y are better: few blocks have
 // contacts with other ranks then (BlockLevels).
-void PairList::find_order(const Particles &p)
+void PairList::find_order(const ForceCall &call)
 {
   columns.clear();
   if (pairs.in_space || comm->procgrid[0] == 1 || comm->procgrid[1] > 1 ||
       comm->layout == Comm::LAYOUT_TILED)
     return;
-  const int rings = p.list->inum, *const list = p.list->ilist;
+  const int rings = call.list->inum, *const list = call.list->ilist;
   std::vector<double> column(atom->nlocal);    // also far from the origin
   for (int i = 0; i < atom->nlocal; ++i)
-    column[i] = std::floor(atom->x[i][0] / (tuning.column * p.smallest));
+    column[i] = std::floor(atom->x[i][0] / (tuning.column * call.smallest));
   columns.assign(list, list + rings);
   std::stable_sort(columns.begin(), columns.end(),
                    [&](int a, int b) { return column[a] < column[b]; });
@@ -164,7 +164,7 @@ std::vector<int> PairList::first_of(const KnownPairs &pairs, int begin, int end)
 }
 
 // Bulges of the last solution. For a particle that this rank has not seen before, in proportion to its overlaps.
-void PairList::guess_bulges(const Particles &p)
+void PairList::guess_bulges(const ForceCall &call)
 {
   const int nlocal = atom->nlocal;
   bulge.resize(nlocal);
@@ -178,81 +178,83 @@ void PairList::guess_bulges(const Particles &p)
   }
   if (!any) return;
   const double *const *const x = atom->x;
-  for (int ii = 0; ii < p.list->inum; ++ii) {
-    const int i = p.list->ilist[ii];
-    for (int jj = 0; jj < p.list->numneigh[i]; ++jj) {
-      const int j = p.list->firstneigh[i][jj] & NEIGHMASK;
-      const double overlap = p.radius[i] + p.radius[j] - length(relative(x[i], x[j]));
+  for (int ii = 0; ii < call.list->inum; ++ii) {
+    const int i = call.list->ilist[ii];
+    for (int jj = 0; jj < call.list->numneigh[i]; ++jj) {
+      const int j = call.list->firstneigh[i][jj] & NEIGHMASK;
+      const double overlap = call.radius[i] + call.radius[j] - length(relative(x[i], x[j]));
       if (!(overlap > 0.0)) continue;
       if (unknown[i]) bulge[i] += bulge_per_overlap * overlap;
       if (j < nlocal && unknown[j]) bulge[j] += bulge_per_overlap * overlap;
     }
   }
-  if (pairs.in_space && !p.walls->empty())
-    p.refusals->collect([&] {
-      for (int ii = 0; ii < p.list->inum; ++ii) {
-        const int i = p.list->ilist[ii];
+  if (pairs.in_space && !call.walls->empty())
+    call.refusals->collect([&] {
+      for (int ii = 0; ii < call.list->inum; ++ii) {
+        const int i = call.list->ilist[ii];
         if (!unknown[i]) continue;
-        visit_walls(*p.walls, i, p.radius[i], 0.0, [&](int, const SurfacePoint &point) {
-          bulge[i] += 2.0 * bulge_per_overlap * (p.radius[i] - point.height);
+        visit_walls(*call.walls, i, call.radius[i], 0.0, [&](int, const SurfacePoint &point) {
+          bulge[i] += 2.0 * bulge_per_overlap * (call.radius[i] - point.height);
         });
       }
     });
-  for (int i = 0; i < nlocal; ++i) bulge[i] = std::min(bulge[i], most_bulge * p.radius[i]);
+  for (int i = 0; i < nlocal; ++i) bulge[i] = std::min(bulge[i], most_bulge * call.radius[i]);
 }
 
-void PairList::add_walls(const Particles &p, bool new_list, const KnownPairs &old)
+void PairList::add_walls(const ForceCall &call, bool new_list, const KnownPairs &old)
 {
   const std::vector<int> first_old =
       new_list ? std::vector<int>() : first_of(old, old.wall, old.size);
   at_walls.clear();
-  for (int ii = 0; ii < p.list->inum; ++ii) {
-    const int own = order(*p.list)[ii];
-    const double near = p.radius[own] + bulge[own] + margin;
-    visit_walls(*p.walls, own, p.radius[own], p.reach, [&](int code, const SurfacePoint &point) {
-      const bool is_attached =
-          pairs.adhesive && (p.films->is_attached(own, code) ||
-                             (knows_films[own] == 0.0 && point.height < p.radius[own]));
-      if (point.height > near && !is_attached) return;
-      at_walls.push_back(is_attached);
-      PairPast past;
-      if (new_list) {
-        past = history.find(atom->tag[own], code, {});
-      } else {
-        for (int k = first_old[own]; k < old.size && old.i[k] == own; ++k)
-          if (old.j[k] == code) past = old.past_of(k);
-      }
-      pairs.add(own, code, past);
-    });
+  for (int ii = 0; ii < call.list->inum; ++ii) {
+    const int own = order(*call.list)[ii];
+    const double near = call.radius[own] + bulge[own] + margin;
+    visit_walls(
+        *call.walls, own, call.radius[own], call.reach, [&](int code, const SurfacePoint &point) {
+          const bool is_attached =
+              pairs.adhesive && (call.films->is_attached(own, code) ||
+                                 (knows_films[own] == 0.0 && point.height < call.radius[own]));
+          if (point.height > near && !is_attached) return;
+          at_walls.push_back(is_attached);
+          PairPast past;
+          if (new_list) {
+            past = history.find(atom->tag[own], code, {});
+          } else {
+            for (int k = first_old[own]; k < old.size && old.i[k] == own; ++k)
+              if (old.j[k] == code) past = old.past_of(k);
+          }
+          pairs.add(own, code, past);
+        });
   }
 }
 
-int PairList::locate(const Particles &p)
+int PairList::locate(const ForceCall &call)
 {
   std::fill(pairs.tilt.begin(), pairs.tilt.end(), 0.0);
-  const int wrong = pairs.locate(kernels, atom->nmax > 0 ? atom->x[0] : nullptr, p.radius);
-  if (wrong >= 0 || p.walls->empty()) return wrong;
-  p.refusals->collect([&] { locate_walls(p); });
+  const int wrong = pairs.locate(kernels, atom->nmax > 0 ? atom->x[0] : nullptr, call.radius);
+  if (wrong >= 0 || call.walls->empty()) return wrong;
+  call.refusals->collect([&] { locate_walls(call); });
   return -1;
 }
 
 // A wall that is out of reach counts as far away.
-void PairList::locate_walls(const Particles &p)
+void PairList::locate_walls(const ForceCall &call)
 {
   for (int k = pairs.wall; k < pairs.size; ++k) {
-    const double radius = p.radius[pairs.i[k]];
-    pairs.locate_wall(k, radius, {{1.0, 0.0, 0.0}, (2.0 + p.reach) * radius, 0.0, 0.0, {}});
+    const double radius = call.radius[pairs.i[k]];
+    pairs.locate_wall(k, radius, {{1.0, 0.0, 0.0}, (2.0 + call.reach) * radius, 0.0, 0.0, {}});
   }
-  for (int ii = 0; ii < p.list->inum; ++ii) {
-    const int i = p.list->ilist[ii];
-    visit_walls(*p.walls, i, p.radius[i], p.reach, [&](int code, const SurfacePoint &point) {
-      int k = first_wall[i];
-      while (k < pairs.size && pairs.i[k] == i && pairs.j[k] != code) ++k;
-      if (k < pairs.size && pairs.i[k] == i)
-        pairs.locate_wall(k, p.radius[i], point);
-      else
-        missed_wall |= point.height <= p.radius[i] + bulge_then[i] + 0.5 * margin;
-    });
+  for (int ii = 0; ii < call.list->inum; ++ii) {
+    const int i = call.list->ilist[ii];
+    visit_walls(*call.walls, i, call.radius[i], call.reach,
+                [&](int code, const SurfacePoint &point) {
+                  int k = first_wall[i];
+                  while (k < pairs.size && pairs.i[k] == i && pairs.j[k] != code) ++k;
+                  if (k < pairs.size && pairs.i[k] == i)
+                    pairs.locate_wall(k, call.radius[i], point);
+                  else
+                    missed_wall |= point.height <= call.radius[i] + bulge_then[i] + 0.5 * margin;
+                });
   }
 }
 
@@ -294,38 +296,38 @@ double PairList::move_of(int i, const double *x) const
   return dx * dx + dy * dy + dz * dz;
 }
 
-bool PairList::is_sufficient(const Particles &p, bool &refused)
+bool PairList::is_sufficient(const ForceCall &call, bool &refused)
 {
   const double *const x = atom->nlocal > 0 ? atom->x[0] : nullptr;
   constexpr double INFINITE = std::numeric_limits<double>::infinity();
   double farthest2 = 0.0;
   bool are_finite = true;
-  for (int ii = 0; ii < p.list->inum; ++ii) {    // others may be fast
-    const double d2 = move_of(p.list->ilist[ii], x);
+  for (int ii = 0; ii < call.list->inum; ++ii) {    // others may be fast
+    const double d2 = move_of(call.list->ilist[ii], x);
     are_finite &= d2 < INFINITE;
     farthest2 = std::max(farthest2, d2);
   }
   farthest = are_finite ? std::sqrt(farthest2) : INFINITE;
-  return is_sufficient_after(p, refused);
+  return is_sufficient_after(call, refused);
 }
 
-bool PairList::is_sufficient_after(const Particles &p, bool &refused)
+bool PairList::is_sufficient_after(const ForceCall &call, bool &refused)
 {
-  return remote_sides.all_ranks_sufficient(!missed_wall && is_within_margin(p), refused);
+  return remote_sides.all_ranks_sufficient(!missed_wall && is_within_margin(call), refused);
 }
 
 // Mostly the longest move and the largest growth of a bulge are together below half of the margin: then no particle needs a
 // look of its own.
-bool PairList::is_within_margin(const Particles &p) const
+bool PairList::is_within_margin(const ForceCall &call) const
 {
   const double most = 0.5 * (margin - box_change());
-  if (!p.radii_vary && farthest + grown <= most) return true;
+  if (!call.radii_vary && farthest + grown <= most) return true;
   const double *const x = atom->nlocal > 0 ? atom->x[0] : nullptr;
   bool are_near = true;
-  for (int ii = 0; ii < p.list->inum; ++ii) {
-    const int i = p.list->ilist[ii];
+  for (int ii = 0; ii < call.list->inum; ++ii) {
+    const int i = call.list->ilist[ii];
     const double left = most - std::max(bulge[i] - bulge_then[i], 0.0) -
-                        (p.radii_vary ? std::fabs(p.radius[i] - radius_then[i]) : 0.0);
+                        (call.radii_vary ? std::fabs(call.radius[i] - radius_then[i]) : 0.0);
     are_near &= left * std::fabs(left) >= move_of(i, x);
   }
   return are_near;
@@ -336,39 +338,40 @@ bool PairList::is_within_margin(const Particles &p) const
 ------------------------------------------------------------------------- */
 
 // What the particles know; of a particle that is new, whether the circles overlap.
-bool PairList::is_attached(const Particles &p, int i, int j, const Vector3 &x) const
+bool PairList::is_attached(const ForceCall &call, int i, int j, const Vector3 &x) const
 {
-  if (!(p.adhesions->between(atom->type[i], atom->type[j]) > 0.0)) return false;
-  if (p.films->is_attached(i, atom->tag[j], x.x, x.y)) return true;
+  if (!(call.adhesions->between(atom->type[i], atom->type[j]) > 0.0)) return false;
+  if (call.films->is_attached(i, atom->tag[j], x.x, x.y)) return true;
   if (knows_films[i] != 0.0 && knows_films[j] != 0.0) return false;
-  const double touch = p.radius[i] + p.radius[j];
+  const double touch = call.radius[i] + call.radius[j];
   return x.x * x.x + x.y * x.y < touch * touch;
 }
 
 // Both ranks of a pair: where circles just touch, rounding of a ghost's position decides.
-void PairList::recall_films(const Particles &p)
+void PairList::recall_films(const ForceCall &call)
 {
   for (int k = 0; k < pairs.wall; ++k) {
     const int i = pairs.i[k], j = pairs.j[k];
-    pairs.attached[k] = is_attached(p, i, j, relative(atom->x[i], atom->x[j]));
+    pairs.attached[k] = is_attached(call, i, j, relative(atom->x[i], atom->x[j]));
   }
   for (int k = pairs.wall; k < pairs.size; ++k)
-    pairs.attached[k] = at_walls[k - pairs.wall] && wall_of(pairs.j[k], *p.walls).adhesion() > 0.0;
+    pairs.attached[k] =
+        at_walls[k - pairs.wall] && wall_of(pairs.j[k], *call.walls).adhesion() > 0.0;
 }
 
-void PairList::store_films(const Particles &p) const
+void PairList::store_films(const ForceCall &call) const
 {
-  p.films->forget(*p.list);
+  call.films->forget(*call.list);
   for (int k = 0; k < pairs.size; ++k) {
     if (!pairs.attached[k]) continue;
     const int i = pairs.i[k], j = pairs.j[k];
     if (k >= pairs.wall) {
-      p.films->attach(i, j, 0.0, 0.0);
+      call.films->attach(i, j, 0.0, 0.0);
       continue;
     }
     const Vector3 d = relative(atom->x[i], atom->x[j]);
-    p.films->attach(i, atom->tag[j], d.x, d.y);
-    if (k < pairs.remote) p.films->attach(pairs.second(k), atom->tag[i], -d.x, -d.y);
+    call.films->attach(i, atom->tag[j], d.x, d.y);
+    if (k < pairs.remote) call.films->attach(pairs.second(k), atom->tag[i], -d.x, -d.y);
   }
 }
 

@@ -27,17 +27,17 @@
 namespace deformable {
 
 // What a force call is about.
-struct Particles {
-  const NeighList *list;
-  const Materials *materials;
-  const double *radius;    // by local index, ghosts included
-  bool radii_vary;         // from call to call
-  const std::vector<FixDeformableWall *> *walls;
-  double reach;         // up to which walls are looked for, over the radius, minus 1
-  double smallest;      // radius of all
-  bool new_list;        // the neighbor list is new: particles have other indices
-  bool new_material;    // a species has changed since the last call
-  Refusals *refusals;
+struct ForceCall {
+  const NeighList *list = nullptr;
+  const Materials *materials = nullptr;
+  const double *radius = nullptr;    // by local index, ghosts included
+  bool radii_vary = false;           // from call to call
+  const std::vector<FixDeformableWall *> *walls = nullptr;
+  double reach = 0.0;           // up to which walls are looked for, over the radius, minus 1
+  double smallest = 0.0;        // radius of all
+  bool new_list = false;        // the neighbor list is new: particles have other indices
+  bool new_material = false;    // a species has changed since the last call
+  Refusals *refusals = nullptr;
   const Adhesions *adhesions = nullptr;
   FixDeformableFilms *films = nullptr;    // null: no adhesion
 };
@@ -90,16 +90,16 @@ class PairList : protected Pointers {
   std::vector<double> bulge;
 
   // Collects the pairs anew, with what is remembered of them. new_list: particles have other indices.
-  void build(const Particles &, bool new_list);
+  void build(const ForceCall &, bool new_list);
 
   // Overlaps and normals of all pairs. Returns -1, or a pair whose contact line cannot lie between the centers.
-  int locate(const Particles &);
+  int locate(const ForceCall &);
 
   // Whether the list is sufficient, on all ranks, for the present positions and bulges. `refused`: whether this rank goes no
   // further; then whether any does.
-  bool is_sufficient(const Particles &, bool &refused);
+  bool is_sufficient(const ForceCall &, bool &refused);
   // The same after bulges have changed, of particles that have not moved.
-  bool is_sufficient_after(const Particles &, bool &refused);
+  bool is_sufficient_after(const ForceCall &, bool &refused);
 
   // A solution sets all bulges anew: first this, then one by one.
   void reset_growth() { grown = 0.0; }
@@ -110,7 +110,7 @@ class PairList : protected Pointers {
   }
 
   // Keeps which pairs are attached by a film, for the next build, on whatever rank.
-  void store_films(const Particles &) const;
+  void store_films(const ForceCall &) const;
 
   // The particles of a list, in the order of the pairs.
   const int *order(const NeighList &list) const
@@ -148,17 +148,17 @@ class PairList : protected Pointers {
   }
   void store_history();
   void find_owners();
-  void find_order(const Particles &);
-  void guess_bulges(const Particles &);
+  void find_order(const ForceCall &);
+  void guess_bulges(const ForceCall &);
   std::vector<int> first_of(const KnownPairs &, int begin, int end) const;
-  void add_walls(const Particles &, bool new_list, const KnownPairs &old);
-  void locate_walls(const Particles &);
+  void add_walls(const ForceCall &, bool new_list, const KnownPairs &old);
+  void locate_walls(const ForceCall &);
   double move_of(int i, const double *x) const;
-  bool is_within_margin(const Particles &) const;
+  bool is_within_margin(const ForceCall &) const;
   std::array<double, 6> box_now() const;
   double box_change() const;
-  bool is_attached(const Particles &, int i, int j, const Vector3 &) const;
-  void recall_films(const Particles &);
+  bool is_attached(const ForceCall &, int i, int j, const Vector3 &) const;
+  void recall_films(const ForceCall &);
 };
 
 }    // namespace deformable

@@ -46,14 +46,14 @@ void RingSolver::find_slopes(const RingBatches &rings)
   kernels.slopes(rings, list.pairs.directions());
 }
 
-void RingSolver::set_material(const Particles &p, bool arranged)
+void RingSolver::set_material(const ForceCall &call, bool arranged)
 {
   bool soft = false, skinned = false;
   ContactBatches::Members given = {};
   for (const int i : batches.particle) {
     if (i < 0) continue;
-    const Species &s = p.materials->species_of(i);
-    const Stiffness k = p.materials->stiffness_of(i, p.radius[i] - s.skin);
+    const Species &s = call.materials->species_of(i);
+    const Stiffness k = call.materials->stiffness_of(i, call.radius[i] - s.skin);
     soft |= !k.conserves_perimeter();
     skinned |= lines && s.skin > 0.0;
     for (int m = 0; m < MEMBERS; ++m)
@@ -63,12 +63,12 @@ void RingSolver::set_material(const Particles &p, bool arranged)
   for (std::size_t ring = 0; ring < batches.particle.size(); ++ring) {
     const int i = batches.particle[ring];
     if (i < 0) continue;
-    const Species &s = p.materials->species_of(i);
-    batches.radius[ring] = p.radius[i] - s.skin;
-    batches.set_stiffness(ring, p.materials->stiffness_of(i, batches.radius[ring]));
+    const Species &s = call.materials->species_of(i);
+    batches.radius[ring] = call.radius[i] - s.skin;
+    batches.set_stiffness(ring, call.materials->stiffness_of(i, batches.radius[ring]));
     if (skinned) batches.skin[ring] = s.skin;
   }
-  if (arranged || p.new_material) set_units(p);
+  if (arranged || call.new_material) set_units(call);
 }
 
 // A pair alone bears o^3/2 G(0)^2 (k_i^(-1/3) + k_j^(-1/3))^3 with the stiffnesses k of small loads. With a tension,
@@ -83,15 +83,15 @@ static double softness_of(double r, const Stiffness &k)
 }
 
 // Units of pairs, the force of a pair alone, and its adhesion.
-void RingSolver::set_units(const Particles &p)
+void RingSolver::set_units(const ForceCall &call)
 {
   NearPairs &pairs = list.pairs;
-  const Materials &m = *p.materials;
+  const Materials &m = *call.materials;
   softness.clear();
   if (m.vary()) {
     for (int i = 0; i < atom->nlocal; ++i) {
       const Species &s = m.species_of(i);
-      const double r = p.radius[i] - s.skin;
+      const double r = call.radius[i] - s.skin;
       softness.push_back(s.radius == 0.0 ? 0.0 : softness_of(r, m.stiffness_of(i, r)));
     }
     list.remote_sides.to_ghosts(softness);
@@ -111,20 +111,20 @@ void RingSolver::set_units(const Particles &p)
   double most = 0.0;
   for (int k = 0; k < pairs.size; ++k) most = std::max(most, stiffening(k));
   // the same on all ranks, which sum up what is scaled
-  const double of_all = list.remote_sides.largest(most) * p.smallest * p.smallest;
+  const double of_all = list.remote_sides.largest(most) * call.smallest * call.smallest;
   pairs.set_units(of_all > 0.0 ? std::ldexp(1.0, -std::ilogb(of_all)) : 1.0,
-                  std::ldexp(1.0, std::ilogb(p.smallest)));
+                  std::ldexp(1.0, std::ilogb(call.smallest)));
   const double unit = pairs.scale * pairs.length * pairs.length;
   for (int k = 0; k < pairs.size; ++k)
     pairs.stiffening[k] = static_cast<float>(stiffening(k) * unit);
   if (!pairs.adhesive) return;
   for (int k = 0; k < pairs.size; ++k)
     pairs.adhesion_if_attached[k] =
-        k < pairs.wall ? p.adhesions->between(atom->type[pairs.i[k]], atom->type[pairs.j[k]])
-                       : wall_of(pairs.j[k], *p.walls).adhesion();
+        k < pairs.wall ? call.adhesions->between(atom->type[pairs.i[k]], atom->type[pairs.j[k]])
+                       : wall_of(pairs.j[k], *call.walls).adhesion();
 }
 
-void RingSolver::find_bulges(const Particles &)
+void RingSolver::find_bulges(const ForceCall &)
 {
   list.reset_growth();
   crowded.clear();
@@ -290,10 +290,10 @@ void RingSolver::warn_films()
         id, 2.0 * LARGEST_AT_TOUCH, LARGEST_AT_TOUCH);
 }
 
-void RingSolver::warn(const Particles &p, bool films_changed)
+void RingSolver::warn(const ForceCall &call, bool films_changed)
 {
   warn_unbalanced("deformable/ring");
-  if (lines && p.new_list && !warned_limited) warn_limited();
+  if (lines && call.new_list && !warned_limited) warn_limited();
   if (films_changed && !warned_films) warn_films();
 }
 

@@ -79,14 +79,14 @@ class RingSolver : public DualSolver {
   std::vector<double> softness;            // by type; of particles and ghosts, if these vary
   std::vector<double> length_per_force;    // of particles and ghosts
 
-  void set_material(const Particles &, bool arranged) override;
-  void set_units(const Particles &);
+  void set_material(const ForceCall &, bool arranged) override;
+  void set_units(const ForceCall &);
   bool shape(const RingBatches &) override;
   bool adapt(const RingBatches &, const float *changes, double unit) override;
   void find_slopes(const RingBatches &) override;
-  void find_bulges(const Particles &) override;
+  void find_bulges(const ForceCall &) override;
   double bulge_with_films(std::size_t ring, double &lengths) const;
-  void warn(const Particles &, bool films_changed) override;
+  void warn(const ForceCall &, bool films_changed) override;
   void warn_limited();
   void warn_films();
 

@@ -228,11 +228,27 @@ void PairDeformable::begin_call(int eflag, int vflag)
   }
   if (radius_by_atom) refusals.collect([this] { check_radii(); });
   if (neighbor->ago == 0 || radius_by_atom) refusals.agree();
+  if (neighbor->ago == 0) smallest = smallest_radius();
   for (FixDeformableWall *wall : walls) wall->begin_call(this);
 
   if (!results.requested) return;
   results.resize(atom->nmax);
   if (list->inum < atom->nlocal) results.clear(atom->nlocal);    // particles of other pair styles
+}
+
+ForceCall PairDeformable::force_call()
+{
+  ForceCall call;
+  call.list = list;
+  call.materials = &materials;
+  call.radius = radii.data();
+  call.radii_vary = radius_by_atom;
+  call.walls = &walls;
+  call.reach = reach;
+  call.smallest = smallest;
+  call.new_list = neighbor->ago == 0;
+  call.refusals = &refusals;
+  return call;
 }
 
 /* ----------------------------------------------------------------------

@@ -13,6 +13,7 @@
 #include "laws/stiffness.h"
 #include "laws/vector2.h"
 #include "response/outline.h"
+#include "solver/pair_list.h"
 #include "styles/lammps_names.h"
 #include "styles/refusals.h"
 #include "styles/species.h"
@@ -236,6 +237,7 @@ class PairDeformable : public Pair {
   bool is_by_atom(int iarg, char **arg) const;    // the value of a keyword, 'type' or 'atom'
   bool radius_by_atom = false;
   std::vector<double> radii;    // of all particles, ghosts included
+  double smallest = 0.0;        // of all ranks, as of the last new neighbor list
   double ring_radius_of(int i) const { return radii[i] - species[atom->type[i]].skin; }
   deformable::Stiffness stiffness_of(int i) const
   {
@@ -246,6 +248,7 @@ class PairDeformable : public Pair {
 
   // A force call is begin_call, then the forces, e.g. of blocks of particles, then end_call.
   void begin_call(int eflag, int vflag);
+  deformable::ForceCall force_call();    // what a DualSolver is told
   const deformable::BatchKernels *kernels;
   bool whole_list = true;    // each pair at both of its particles, as BlockForces need it
   void end_call();

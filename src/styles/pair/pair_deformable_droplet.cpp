@@ -117,10 +117,7 @@ void PairDeformableDroplet::compute(int eflag, int vflag)
 {
   const bool new_material = take_ramps(), new_list = neighbor->ago == 0;
   begin_call(eflag, vflag);
-  if (new_list) {
-    smallest = smallest_radius();
-    check_room();
-  }
+  if (new_list) check_room();
   solve(new_material);
   if (eflag_atom || needs_shapes()) finish_droplets();
   if (comm->me == 0) {    // compute pair sums over ranks
@@ -173,9 +170,9 @@ void PairDeformableDroplet::check_room()
 
 void PairDeformableDroplet::solve(bool new_material)
 {
-  const Particles particles = {list,  &materials, radii.data(),       radius_by_atom, &walls,
-                               reach, smallest,   neighbor->ago == 0, new_material,   &refusals};
-  if (!solver->solve(particles, [this](int begin, int end, double, bool) { push(begin, end); })) {
+  ForceCall call = force_call();
+  call.new_material = new_material;
+  if (!solver->solve(call, [this](int begin, int end, double, bool) { push(begin, end); })) {
     refusals.collect([&] {
       const int k = solver->refused_pair();
       if (k < 0) return;

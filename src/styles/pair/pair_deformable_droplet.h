@@ -47,7 +47,6 @@ class PairDeformableDroplet : public PairDeformable {
   std::unique_ptr<deformable::DropletSolver> solver;
   deformable::SpeciesRamps ramps;
   bool take_ramps();
-  double smallest = 0.0;    // radius of all particles, as of the last new neighbor list
 
   void check_room();
   double impossible = 0.0;    // energy of the last call, if it was below that of spheres

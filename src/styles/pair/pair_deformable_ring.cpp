@@ -209,7 +209,6 @@ void PairDeformableRing::compute(int eflag, int vflag)
   if (materials.vary()) refusals.check([this] { check_properties(); });
   if (films && (neighbor->ago == 0 || new_material || materials.vary()))
     refusals.check([this] { check_adhesive_walls(); });
-  if (neighbor->ago == 0) smallest = smallest_radius();
   if (balanced)
     evaluate_balanced(new_material);
   else
@@ -326,20 +325,21 @@ double PairDeformableRing::energy_alone(int i, int /*partner*/, double force) co
 
 void PairDeformableRing::evaluate_balanced(bool new_material)
 {
-  Particles particles = {list,         &materials, radii.data(), radius_by_atom,
-                         &walls,       reach,      smallest,     neighbor->ago == 0,
-                         new_material, &refusals,  &adhesions,   films};
+  ForceCall call = force_call();
+  call.new_material = new_material;
+  call.adhesions = &adhesions;
+  call.films = films;
   const auto push = [this](int begin, int end, double part, bool is_final) {
     push_part = part;
     push_pairs(begin, end, is_final);
   };
-  bool goes_on = balanced->solve(particles, push);
+  bool goes_on = balanced->solve(call, push);
   if (balanced->lacks_room() && materials.yield == 0.0 && may_give_way()) {
     begin_to_give_way();
     balanced->forget();
-    particles.new_list = false;
-    particles.new_material = true;
-    goes_on = balanced->solve(particles, push);
+    call.new_list = false;
+    call.new_material = true;
+    goes_on = balanced->solve(call, push);
   }
   if (balanced->lacks_room()) {
     const int crushed = balanced->without_room();

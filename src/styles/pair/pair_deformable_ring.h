@@ -74,8 +74,6 @@ class PairDeformableRing : public PairDeformable {
   int all_giving_way() const;
   void tell_room();
 
-  double smallest = 0.0;    // radius of all particles, as of the last new neighbor list
-
   deformable::RingLCP lcp;
   std::vector<char> is_active;    // of one ring
 
