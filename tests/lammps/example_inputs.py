@@ -6,11 +6,14 @@ from pathlib import Path
 # Commands of other pair styles, files that are not needed, and pictures.
 _LEFT_OUT = (
     *("pair_coeff", "pair_modify", "dump", "dump_modify", "undump", "restart", "thermo_style"),
-    *("thermo_modify", "thermo", "log", "info", "shell"),
+    *("thermo_modify", "thermo", "log", "info", "shell", "newton", "special_bonds"),
 )
 
 # What begins a LAMMPS that reads the particles of another one.
-_HEAD = "units", "dimension", "boundary", "atom_style", "newton", "atom_modify"
+_HEAD = "units", "dimension", "boundary", "atom_style", "atom_modify"
+
+# What older inputs call otherwise.
+_RENAMED = {"dynamic yes": "dynamic/dof yes", "dynamic no": "dynamic/dof no"}
 
 # Radius near the minimum of a Lennard-Jones pair, at which no lattice of the examples just touches,
 # and stiffnesses that stop its atoms.
@@ -37,8 +40,15 @@ def written(name: str) -> str:
 def _lines(text: str) -> list[str]:
     """Commands, each in one line, without comments."""
     text = re.sub(r"&[ \t]*\n", " ", text)
+    for old, new in _RENAMED.items():
+        text = text.replace(old, new)
     lines = (line.partition("#")[0].strip() for line in text.splitlines())
     return [line for line in lines if line]
+
+
+def without_coefficients(data: str) -> str:
+    """A data file without those of other pair styles."""
+    return re.sub(r"^Pair(IJ)? Coeffs.*?(?=^[A-Z])", "", data, flags=re.MULTILINE | re.DOTALL)
 
 
 def _types(lines: list[str], folder: Path) -> int:
@@ -67,16 +77,18 @@ class Example:
                 self.ends = re.sub(r"\b[sm]+\b", "f", " ".join(line.split()[1:]))
         kinds = " ".join(["a" if self.plane else "b"] * _types(self.lines, self.folder))
         self.pair = f"pair_style {self.style} balance 1e-12 1000\npair_coeff * * species {kinds}\n"
+        self.pair += "special_bonds lj/coul 1 1 1\n"  # the laws scale no contacts
         self._left = steps
 
     def script(self) -> str:
         """The input, and what it writes at its end."""
         commands, words = [], [line.split()[0] for line in self.lines]
         begins = words.index("pair_coeff" if "pair_coeff" in words else "pair_style")
+        box = next(n for n, word in enumerate(words) if word in ("create_box", "read_data"))
         for n, (word, line) in enumerate(zip(words, self.lines, strict=True)):
-            if n == begins:
+            if n == max(begins, box + 1):
                 commands.append(self.pair)
-            elif word == "run" and self._left > 0:
+            if word == "run" and self._left > 0:
                 commands.append(f"run {self._part(line.split()[1])}")
             elif word == "minimize":
                 commands.append("minimize 0 1e-6 50 100")
@@ -87,7 +99,7 @@ class Example:
 
     def fresh(self) -> str:
         """A new LAMMPS that reads the particles, and strains them by a little."""
-        head = [line for line in self.lines if line.split()[0] in _HEAD]
+        head = [line for line in self.lines if line.split()[0] in _HEAD and " first " not in line]
         axes = ["x", "y", "z"][: 2 if self.plane else 3]
         tilts = ["xy", "xz", "yz"][: 1 if self.plane else 3] if self.tilted else []
         strained = "change_box all triclinic\n" * self.tilted
