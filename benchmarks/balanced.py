@@ -24,7 +24,7 @@ from typing import Any
 
 import lammps_deformable as ld
 import numpy as np
-from lammps_deformable.versions import machine
+from lammps_deformable.common.versions import machine
 from motion import energy_error, step
 
 HERE = Path(__file__).parent

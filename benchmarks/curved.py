@@ -30,9 +30,9 @@ from typing import Any
 
 import lammps_deformable as ld
 import numpy as np
-from lammps_deformable.comparison import compressed, compression_rows, standard_polygons
-from lammps_deformable.polygons import DeformablePolygon
-from lammps_deformable.versions import machine
+from lammps_deformable.common.versions import machine
+from lammps_deformable.particles.polygons import DeformablePolygon
+from lammps_deformable.reference.comparison import compressed, compression_rows, standard_polygons
 from motion import energies, energy_error, step
 
 HERE = Path(__file__).parent

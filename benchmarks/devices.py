@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any
 
 import droplet
 import loop_time
-from lammps_deformable.versions import machine
+from lammps_deformable.common.versions import machine
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING
 
 import lammps_deformable as ld
 import numpy as np
-from lammps_deformable.shearing import sheared
+from lammps_deformable.protocols.shearing import sheared
 from scipy import stats
 
 if TYPE_CHECKING:

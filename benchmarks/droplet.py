@@ -22,7 +22,7 @@ import time
 from pathlib import Path
 from typing import Any
 
-from lammps_deformable.versions import machine
+from lammps_deformable.common.versions import machine
 from mpi4py import MPI  # before lammps, which needs its library
 
 HERE = Path(__file__).parent

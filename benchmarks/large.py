@@ -27,7 +27,7 @@ from datetime import date
 from pathlib import Path
 from typing import Any
 
-from lammps_deformable.versions import machine
+from lammps_deformable.common.versions import machine
 
 ROOT = Path(__file__).parents[1]
 BIN = Path(sys.executable).parent

@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any
 
 import lammps_deformable as ld
-from lammps_deformable.versions import machine
+from lammps_deformable.common.versions import machine
 
 HERE = Path(__file__).parent
 PHI, STRAIN = 0.86, 0.01

@@ -20,7 +20,7 @@ import time
 from pathlib import Path
 
 import lammps_deformable as ld
-from lammps_deformable.lammps import silent_lammps
+from lammps_deformable.engine.lammps import silent_lammps
 from mpi4py import MPI
 
 HERE = Path(__file__).parent

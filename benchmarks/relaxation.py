@@ -22,7 +22,7 @@ from pathlib import Path
 from typing import Any
 
 import lammps_deformable as ld
-from lammps_deformable.versions import machine
+from lammps_deformable.common.versions import machine
 
 HERE = Path(__file__).parent
 NUMBERS, SEEDS = (16, 32, 64, 128), (1, 2, 3)

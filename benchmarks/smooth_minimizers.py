@@ -17,8 +17,8 @@ from typing import TYPE_CHECKING
 
 import lammps_deformable as ld
 import numpy as np
-from lammps_deformable import polygon_engine
-from lammps_deformable.comparison import standard_polygons
+from lammps_deformable.engine import polygon_engine
+from lammps_deformable.reference.comparison import standard_polygons
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -50,7 +50,7 @@ def study(name: str, *words: object, cwd: Path) -> str:
 
 def command(*words: object, cwd: Path) -> subprocess.CompletedProcess[str]:
     """The command `deformable` in this process, which has loaded what it loads in half a second."""
-    from lammps_deformable.cli import main
+    from lammps_deformable.cli.main import main
 
     arguments = ["deformable", *map(str, words)]
     here, code = Path.cwd(), None

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import typer
-from lammps_deformable.cli import app
+from lammps_deformable.cli.main import app
 from programs import output
 
 ROOT = Path(__file__).parents[1]

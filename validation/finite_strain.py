@@ -6,14 +6,14 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from lammps_deformable._checks import expect, positive
-from lammps_deformable.box import refuse_space
-from lammps_deformable.hessian import check_at_rest
-from lammps_deformable.laws import root
-from lammps_deformable.moduli import following, tolerance_under, unbalanced_modulus
-from lammps_deformable.shearing import sheared
-from lammps_deformable.simulation import Simulation
-from lammps_deformable.state import State
+from lammps_deformable.common._checks import expect, positive
+from lammps_deformable.common.box import refuse_space
+from lammps_deformable.engine.moduli import following, tolerance_under, unbalanced_modulus
+from lammps_deformable.engine.simulation import Simulation
+from lammps_deformable.particles.laws import root
+from lammps_deformable.protocols.shearing import sheared
+from lammps_deformable.state.hessian import check_at_rest
+from lammps_deformable.state.state import State
 from mpi4py import MPI
 from numpy.typing import NDArray
 

@@ -51,6 +51,6 @@ def __dir__() -> list[str]:
 def _end() -> None:
     """Tell other ranks that this one ends: they may wait for it."""
     if "mpi4py.MPI" in sys.modules:
-        from .ranks import end
+        from .common.ranks import end
 
         end()

@@ -5,7 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from lammps_deformable import core, laws
+from lammps_deformable import core
+from lammps_deformable.particles import laws
 from polyhedra import FACES
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq

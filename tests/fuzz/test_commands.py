@@ -8,7 +8,7 @@ import pytest
 from grammar import numbers, positive, words_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from lammps_deformable.laws import LAWS
+from lammps_deformable.particles.laws import LAWS
 from test_species_file import SCENE
 
 ROOT = Path(__file__).parents[2]

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from lammps_deformable.compression import check_target
-from lammps_deformable.polygons import Walls
+from lammps_deformable.particles.polygons import Walls
+from lammps_deformable.protocols.compression import check_target
 
 # Valid numbers, invalid ones, and other objects. Large counts would only take long.
 FLOATS = st.one_of(st.floats(), st.floats(0.1, 2.0), st.integers(-3, 30))

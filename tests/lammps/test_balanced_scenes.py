@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from contact_rows import of_compute_pair
 from derivatives import assert_forces
-from lammps_deformable.lammps import gather
+from lammps_deformable.engine.lammps import gather
 from laws import BALANCED, EXACT, LAWS, RADICAL, balanced_laws
 from scene import BOX, PACKINGS, Scene, polygon_walls
 from test_refusals import refuses

@@ -4,7 +4,7 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 from lammps_deformable import core
-from lammps_deformable.lammps import gather
+from lammps_deformable.engine.lammps import gather
 from laws import LAWS
 from materials import packing, pushed
 from scene import PACKINGS, Scene, box_walls

@@ -4,13 +4,7 @@ from collections.abc import Callable
 from typing import Any
 
 import lammps_deformable as ld
-from lammps_deformable import (
-    DeformablePolygon,
-    Droplet,
-    Ring,
-    Simulation,
-    SoftContact,
-)
+from lammps_deformable import DeformablePolygon, Droplet, Ring, Simulation, SoftContact
 
 PLANE = ld.bidisperse(4, seed=1).at(0.3)
 SPACE = ld.bidisperse(4, dimension=3, seed=1).at(0.2)

@@ -4,8 +4,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 import pytest
-from lammps_deformable import commands
-from lammps_deformable.laws import AnyLaw, Droplet
+from lammps_deformable.particles import commands
+from lammps_deformable.particles.laws import AnyLaw, Droplet
 
 
 @contextmanager

@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from contact_laws import simulate
-from lammps_deformable import store
-from lammps_deformable.recording import _write
+from lammps_deformable.formats import store
+from lammps_deformable.protocols.recording import _write
 
 
 class Stop(Exception):

@@ -10,8 +10,10 @@ from typing import Any
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable import comparison, core
-from lammps_deformable.comparison import (
+from lammps_deformable import core
+from lammps_deformable.engine.lammps import gather
+from lammps_deformable.reference import comparison
+from lammps_deformable.reference.comparison import (
     centers_rms,
     matching_laws,
     polygon_outlines,
@@ -19,7 +21,6 @@ from lammps_deformable.comparison import (
     shape_error,
     shape_errors,
 )
-from lammps_deformable.lammps import gather
 from refusals import refused
 
 # Made by a bead code that shares nothing with this project; coordinates have nine decimals. The

@@ -8,8 +8,8 @@ from typing import Any
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable import exact_droplets
-from lammps_deformable.exact_droplets import ExactPacking, exact_packing, osmotic, shape
+from lammps_deformable.reference import exact_droplets
+from lammps_deformable.reference.exact_droplets import ExactPacking, exact_packing, osmotic, shape
 
 DATA = Path(__file__).parents[1] / "data"
 CAGES = {

@@ -4,15 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from lammps_deformable import (
-    DeformablePolygon,
-    Ring,
-    Simulation,
-    State,
-    bidisperse,
-    jam,
-)
-from lammps_deformable.comparison import centers_rms, matching, standard_polygons
+from lammps_deformable import DeformablePolygon, Ring, Simulation, State, bidisperse, jam
+from lammps_deformable.reference.comparison import centers_rms, matching, standard_polygons
 
 
 @pytest.fixture(scope="module")

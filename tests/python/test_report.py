@@ -6,7 +6,7 @@ from pathlib import Path
 
 import lammps_deformable as ld
 import pytest
-from lammps_deformable import comparison, report
+from lammps_deformable.reference import comparison, report
 from programs import command
 
 SETTINGS = {"vertices": (19, 38), "strain": 0.01, "steps": 1, "workers": 1}

@@ -4,7 +4,7 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 from lammps_deformable import core
-from lammps_deformable.comparison import deviation, radial_distance, shape_error
+from lammps_deformable.reference.comparison import deviation, radial_distance, shape_error
 
 
 def polar(radius: float, angle: np.ndarray) -> np.ndarray:

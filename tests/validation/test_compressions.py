@@ -7,7 +7,7 @@ from typing import Any
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable.comparison import standard_polygons
+from lammps_deformable.reference.comparison import standard_polygons
 
 from validation.ensembles import once
 from validation.report.accuracy import smooth_rows

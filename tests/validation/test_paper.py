@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from lammps_deformable import DeformablePolygon, ParameterError, core
-from lammps_deformable.comparison import shape_error
+from lammps_deformable.reference.comparison import shape_error
 
 from validation.report import packings, paper
 from validation.report.packings import AtCenters

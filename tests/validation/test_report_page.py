@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from lammps_deformable import DeformablePolygon
-from lammps_deformable.comparison import standard_polygons
+from lammps_deformable.reference.comparison import standard_polygons
 
 from validation.report import __main__ as report
 from validation.report import section as numbers

@@ -6,7 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from lammps_deformable import DeformablePolygon, Ring, Sector, Simulation, bidisperse, jam
-from lammps_deformable.comparison import matching_laws, of_many_vertices, predict, shape_errors
+from lammps_deformable.reference.comparison import (
+    matching_laws,
+    of_many_vertices,
+    predict,
+    shape_errors,
+)
 
 from validation.report import accuracy, packings, stability
 

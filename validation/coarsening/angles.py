@@ -14,7 +14,7 @@ from pathlib import Path
 import lammps_deformable as ld
 import matplotlib.pyplot as plt
 import numpy as np
-from lammps_deformable.coarsening import gas_flow
+from lammps_deformable.protocols.coarsening import gas_flow
 from scipy.stats import lognorm
 
 from validation import options_of

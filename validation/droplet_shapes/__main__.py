@@ -16,7 +16,7 @@ from typing import Any
 
 import lammps_deformable as ld
 import numpy as np
-from lammps_deformable.exact_droplets import VOLUME, exact_packing, shape
+from lammps_deformable.reference.exact_droplets import VOLUME, exact_packing, shape
 
 HERE = Path(__file__).parent
 PHI = {

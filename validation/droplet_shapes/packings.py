@@ -3,7 +3,7 @@
     python -m validation.droplet_shapes.packings [--out FOLDER] [--cases ...]
 
 Each packing is relaxed with the law. Then finite elements find the shapes of all droplets, and of
-their films, in the same box (`lammps_deformable.exact_droplets`).
+their films, in the same box (`lammps_deformable.reference.exact_droplets`).
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 
 import lammps_deformable as ld
 import numpy as np
-from lammps_deformable.exact_droplets import ExactPacking, exact_packing, osmotic
+from lammps_deformable.reference.exact_droplets import ExactPacking, exact_packing, osmotic
 
 HERE = Path(__file__).parent
 

@@ -15,8 +15,8 @@ from pathlib import Path
 import lammps_deformable as ld
 import matplotlib.pyplot as plt
 import numpy as np
-from lammps_deformable.comparison import matching, matching_laws
-from lammps_deformable.contacts import without_rattlers
+from lammps_deformable.reference.comparison import matching, matching_laws
+from lammps_deformable.state.contacts import without_rattlers
 
 from validation import options_of
 from validation.ensembles import over_cores

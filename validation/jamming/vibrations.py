@@ -21,15 +21,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from lammps_deformable._files import make_folder, write_whole
-from lammps_deformable.generators import bidisperse
-from lammps_deformable.jamming import jam, natural_pressure
-from lammps_deformable.laws import SoftContact
-from lammps_deformable.packing import Packing
-from lammps_deformable.parallel import jackknife
-from lammps_deformable.simulation import Simulation
-from lammps_deformable.soft_disks import relax_at_pressure
-from lammps_deformable.state import State
+from lammps_deformable.common._files import make_folder, write_whole
+from lammps_deformable.common.parallel import jackknife
+from lammps_deformable.engine.jamming import jam, natural_pressure
+from lammps_deformable.engine.simulation import Simulation
+from lammps_deformable.engine.soft_disks import relax_at_pressure
+from lammps_deformable.particles.generators import bidisperse
+from lammps_deformable.particles.laws import SoftContact
+from lammps_deformable.particles.packing import Packing
+from lammps_deformable.state.state import State
 from mpi4py import MPI
 from numpy.typing import NDArray
 

@@ -23,11 +23,11 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from lammps_deformable._files import make_folder
-from lammps_deformable.comparison import standard_polygons
-from lammps_deformable.polygons import DeformablePolygon
-from lammps_deformable.ranks import print_once, progress
-from lammps_deformable.versions import machine, versions
+from lammps_deformable.common._files import make_folder
+from lammps_deformable.common.ranks import print_once, progress
+from lammps_deformable.common.versions import machine, versions
+from lammps_deformable.particles.polygons import DeformablePolygon
+from lammps_deformable.reference.comparison import standard_polygons
 from matplotlib.figure import Figure
 
 from validation.ensembles import once, over_cores

@@ -8,17 +8,24 @@ from statistics import mean, median
 from typing import Any
 
 import numpy as np
-from lammps_deformable.comparison import (
+from lammps_deformable.engine.jamming import jam
+from lammps_deformable.engine.relax import TOLERANCE
+from lammps_deformable.particles.generators import bidisperse
+from lammps_deformable.particles.polygons import DeformablePolygon
+from lammps_deformable.reference.comparison import (
     compare,
     compression_rows,
     of_many_vertices,
     standard_polygons,
 )
-from lammps_deformable.error_plot import POLYGON_NAMES, POLYGONS, SMOOTH, STYLES, Style, plot_errors
-from lammps_deformable.generators import bidisperse
-from lammps_deformable.jamming import jam
-from lammps_deformable.polygons import DeformablePolygon
-from lammps_deformable.relax import TOLERANCE
+from lammps_deformable.reference.error_plot import (
+    POLYGON_NAMES,
+    POLYGONS,
+    SMOOTH,
+    STYLES,
+    Style,
+    plot_errors,
+)
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 

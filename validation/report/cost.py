@@ -8,16 +8,16 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from lammps_deformable.box import cartesian, fractional
-from lammps_deformable.commands import pair_style
-from lammps_deformable.error_plot import STYLES
-from lammps_deformable.generators import bidisperse
-from lammps_deformable.jamming import jam
-from lammps_deformable.lammps import run
-from lammps_deformable.laws import Law, Ring, Sector
-from lammps_deformable.packing import Packing
-from lammps_deformable.simulation import Simulation
-from lammps_deformable.soft_disks import open_disks
+from lammps_deformable.common.box import cartesian, fractional
+from lammps_deformable.engine.jamming import jam
+from lammps_deformable.engine.lammps import run
+from lammps_deformable.engine.simulation import Simulation
+from lammps_deformable.engine.soft_disks import open_disks
+from lammps_deformable.particles.commands import pair_style
+from lammps_deformable.particles.generators import bidisperse
+from lammps_deformable.particles.laws import Law, Ring, Sector
+from lammps_deformable.particles.packing import Packing
+from lammps_deformable.reference.error_plot import STYLES
 from mpi4py import MPI
 
 from validation.report.section import Column, Picture, Row, Section, Table, listed, show

@@ -15,7 +15,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from lammps_deformable import core
-from lammps_deformable.comparison import (
+from lammps_deformable.engine.jamming import jam
+from lammps_deformable.engine.lammps import run
+from lammps_deformable.engine.relax import TOLERANCE, minimize_command
+from lammps_deformable.engine.simulation import Simulation
+from lammps_deformable.engine.soft_disks import open_disks
+from lammps_deformable.particles.generators import bidisperse
+from lammps_deformable.particles.laws import Law, Ring, Sector, per_species
+from lammps_deformable.particles.packing import Packing
+from lammps_deformable.particles.polygons import DeformablePolygon
+from lammps_deformable.reference.comparison import (
     deviation,
     is_unjammed,
     matching_laws,
@@ -26,17 +35,8 @@ from lammps_deformable.comparison import (
     stiff_polygons,
     timed,
 )
-from lammps_deformable.error_plot import BEAD, STYLES
-from lammps_deformable.generators import bidisperse
-from lammps_deformable.jamming import jam
-from lammps_deformable.lammps import run
-from lammps_deformable.laws import Law, Ring, Sector, per_species
-from lammps_deformable.packing import Packing
-from lammps_deformable.polygons import DeformablePolygon
-from lammps_deformable.relax import TOLERANCE, minimize_command
-from lammps_deformable.simulation import Simulation
-from lammps_deformable.soft_disks import open_disks
-from lammps_deformable.state import State
+from lammps_deformable.reference.error_plot import BEAD, STYLES
+from lammps_deformable.state.state import State
 from mpi4py import MPI
 from numpy.typing import NDArray
 

@@ -16,16 +16,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from lammps_deformable import core
-from lammps_deformable._checks import expect, numbers, positive
-from lammps_deformable.comparison import deviation, shape_error
-from lammps_deformable.error_plot import BEAD, STYLES
-from lammps_deformable.errors import ParameterError
-from lammps_deformable.laws import Ring
-from lammps_deformable.packing import Packing
-from lammps_deformable.polygon_engine import steiner_point
-from lammps_deformable.polygons import DeformablePolygon, Walls
-from lammps_deformable.simulation import Simulation
-from lammps_deformable.state import State
+from lammps_deformable.common._checks import expect, numbers, positive
+from lammps_deformable.common.errors import ParameterError
+from lammps_deformable.engine.polygon_engine import steiner_point
+from lammps_deformable.engine.simulation import Simulation
+from lammps_deformable.particles.laws import Ring
+from lammps_deformable.particles.packing import Packing
+from lammps_deformable.particles.polygons import DeformablePolygon, Walls
+from lammps_deformable.reference.comparison import deviation, shape_error
+from lammps_deformable.reference.error_plot import BEAD, STYLES
+from lammps_deformable.state.state import State
 from matplotlib import colormaps
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, NullFormatter, NullLocator

@@ -7,17 +7,17 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from lammps_deformable.comparison import compressed, matching_laws, predict, timed
-from lammps_deformable.error_plot import POLYGON_NAMES, POLYGONS, SMOOTH
-from lammps_deformable.errors import ParameterError
-from lammps_deformable.generators import bidisperse
-from lammps_deformable.jamming import jam
-from lammps_deformable.lammps import run
-from lammps_deformable.packing import Packing
-from lammps_deformable.polygons import DeformablePolygon
-from lammps_deformable.relax import minimize_command
-from lammps_deformable.simulation import Simulation
-from lammps_deformable.state import State
+from lammps_deformable.common.errors import ParameterError
+from lammps_deformable.engine.jamming import jam
+from lammps_deformable.engine.lammps import run
+from lammps_deformable.engine.relax import minimize_command
+from lammps_deformable.engine.simulation import Simulation
+from lammps_deformable.particles.generators import bidisperse
+from lammps_deformable.particles.packing import Packing
+from lammps_deformable.particles.polygons import DeformablePolygon
+from lammps_deformable.reference.comparison import compressed, matching_laws, predict, timed
+from lammps_deformable.reference.error_plot import POLYGON_NAMES, POLYGONS, SMOOTH
+from lammps_deformable.state.state import State
 from matplotlib.figure import Figure
 from mpi4py import MPI
 

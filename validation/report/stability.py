@@ -18,16 +18,16 @@ from typing import Any, TypeVar
 
 import numpy as np
 from lammps_deformable import core
-from lammps_deformable.errors import BeyondModelWarning, LammpsError
-from lammps_deformable.generators import bidisperse
-from lammps_deformable.jamming import jam
-from lammps_deformable.lammps import run
-from lammps_deformable.laws import LAWS, Law, Ring, Sector
-from lammps_deformable.packing import Packing
-from lammps_deformable.parallel import parallel_map
-from lammps_deformable.relax import TOLERANCE
-from lammps_deformable.simulation import Simulation
-from lammps_deformable.state import State
+from lammps_deformable.common.errors import BeyondModelWarning, LammpsError
+from lammps_deformable.common.parallel import parallel_map
+from lammps_deformable.engine.jamming import jam
+from lammps_deformable.engine.lammps import run
+from lammps_deformable.engine.relax import TOLERANCE
+from lammps_deformable.engine.simulation import Simulation
+from lammps_deformable.particles.generators import bidisperse
+from lammps_deformable.particles.laws import LAWS, Law, Ring, Sector
+from lammps_deformable.particles.packing import Packing
+from lammps_deformable.state.state import State
 from mpi4py import MPI
 from numpy.typing import NDArray
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable.cli import app
+from lammps_deformable.cli.main import app
 from programs import command
 from refusals import refused
 
@@ -63,7 +63,7 @@ def test_radii(word: str, radii: list[float], here: Path, monkeypatch: pytest.Mo
         return [sim.state()]
 
     monkeypatch.setattr(ld.Simulation, "compress", compress)
-    monkeypatch.setattr("lammps_deformable.cli._finish", lambda *_: None)
+    monkeypatch.setattr("lammps_deformable.cli.main._finish", lambda *_: None)
     app(["compress", "--from", "a.xyz", "--from-radii", word], standalone_mode=False)
     assert begun == [sorted({*radii})]
 

@@ -11,7 +11,8 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 import ranks
-from lammps_deformable import cli, core
+from lammps_deformable import core
+from lammps_deformable.cli import main as cli
 from programs import command, program
 
 
@@ -137,7 +138,7 @@ def test_ranks_print_once_what_is_wrong(tmp_path: Path) -> None:
     """Commands one after another, in processes that load only once what they need."""
     script = f"""
 import sys
-from lammps_deformable.cli import main
+from lammps_deformable.cli.main import main
 for words in {[*WRONG]}:
     sys.argv = ["deformable", *words.split()]
     try:
@@ -174,7 +175,7 @@ def test_warnings_of_a_command_come_from_any_rank(tmp_path: Path) -> None:
     script = """
 import sys, warnings
 from mpi4py import MPI
-from lammps_deformable import cli
+from lammps_deformable.cli import main as cli
 @cli.app.command("speak")
 def speak():
     if MPI.COMM_WORLD.rank == 1:

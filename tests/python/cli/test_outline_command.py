@@ -7,7 +7,7 @@ from typing import Any
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable.cli import app
+from lammps_deformable.cli.main import app
 from programs import command, program
 from protocol_helpers import written
 from refusals import refused

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import lammps_deformable as ld
 import pytest
-from lammps_deformable.relax import TOLERANCE
+from lammps_deformable.engine.relax import TOLERANCE
 from programs import command
 
 

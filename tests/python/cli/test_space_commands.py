@@ -4,8 +4,8 @@ from pathlib import Path
 
 import lammps_deformable as ld
 import pytest
-from lammps_deformable.cli import app
-from lammps_deformable.cli_options import law_and_dimension
+from lammps_deformable.cli.main import app
+from lammps_deformable.cli.options import law_and_dimension
 from refusals import refused
 
 

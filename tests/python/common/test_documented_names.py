@@ -11,7 +11,7 @@ from typing import Any
 
 import lammps_deformable as ld
 import pytest
-from lammps_deformable.state import COLUMNS
+from lammps_deformable.state.state import COLUMNS
 
 MODULES = [
     importlib.import_module(f"{ld.__name__}.{module.name}")

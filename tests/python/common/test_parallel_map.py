@@ -7,9 +7,10 @@ import threading
 import warnings
 
 import pytest
-from lammps_deformable import ParameterError, cli
-from lammps_deformable.parallel import parallel_map
-from lammps_deformable.versions import machine
+from lammps_deformable import ParameterError
+from lammps_deformable.cli import main as cli
+from lammps_deformable.common.parallel import parallel_map
+from lammps_deformable.common.versions import machine
 
 from validation.report.paper import regular, ring_in_walls, squeeze
 

@@ -11,7 +11,7 @@ from pathlib import Path
 import nbclient
 import nbformat
 import pytest
-from lammps_deformable.parallel import parallel_map
+from lammps_deformable.common.parallel import parallel_map
 from programs import PATIENT, program
 
 PAGE = Path(__file__).parents[3] / "docs" / "cookbook.md"

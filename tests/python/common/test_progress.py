@@ -5,7 +5,7 @@ import sys
 
 import lammps_deformable as ld
 import pytest
-from lammps_deformable import ranks
+from lammps_deformable.common import ranks
 
 
 def test_lines_off_a_terminal(

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import lammps_deformable as ld
 import pytest
-from lammps_deformable.ranks import independently, world
+from lammps_deformable.common.ranks import independently, world
 from mpi4py import MPI
 from ranks import launch
 
@@ -63,7 +63,7 @@ def test_ranks_share_calls(tmp_path: Path) -> None:
 FAILS = """
 import os, time
 import lammps_deformable as ld
-from lammps_deformable.ranks import world
+from lammps_deformable.common.ranks import world
 
 def inverse(value):
     open(f"called-{value}", "w").close()

@@ -47,7 +47,7 @@ def test_simulations_come_and_go(times: int) -> None:
 
 def test_a_collector_is_of_its_thread() -> None:
     """It keeps warnings of its categories, of the innermost that has them."""
-    from lammps_deformable.errors import StalledWarning, UnjammedWarning, collected, warn
+    from lammps_deformable.common.errors import StalledWarning, UnjammedWarning, collected, warn
 
     def tell(_: int) -> None:
         with pytest.warns(StalledWarning, match="another"):

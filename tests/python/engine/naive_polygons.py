@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import lammps_deformable as ld
 import numpy as np
-from lammps_deformable.polygons import Walls
+from lammps_deformable.particles.polygons import Walls
 
 
 def area(outline: np.ndarray) -> float:

@@ -3,7 +3,12 @@
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable.soft_disks import Enthalpy, relax_at_pressure, settle, settle_at_pressure
+from lammps_deformable.engine.soft_disks import (
+    Enthalpy,
+    relax_at_pressure,
+    settle,
+    settle_at_pressure,
+)
 
 
 def test_critical_damping() -> None:

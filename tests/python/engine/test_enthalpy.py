@@ -6,8 +6,8 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 from contact_laws import simulate
-from lammps_deformable.neighbors import near_pairs
-from lammps_deformable.soft_disks import Enthalpy, relax_at_pressure
+from lammps_deformable.engine.soft_disks import Enthalpy, relax_at_pressure
+from lammps_deformable.particles.neighbors import near_pairs
 
 SCENE = (ld.Sphere(4, (0, 0)), ld.Sphere(0.6, (1, 0.5), inside=False))
 BELOW = (ld.Plane((0, -9), (0, 1)), ld.Plane((0, -4), (0, -1)))

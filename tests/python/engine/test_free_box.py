@@ -7,7 +7,7 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 from contact_laws import simulate
-from lammps_deformable import free_box
+from lammps_deformable.engine import free_box
 from numpy.typing import NDArray
 from refusals import refused
 

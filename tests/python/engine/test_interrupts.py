@@ -49,8 +49,8 @@ def test_a_block_of_a_motion_ends_at_once() -> None:
 
 
 def test_a_minimization_ends_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("lammps_deformable.engines.Deformables.patience", 10**8)
-    monkeypatch.setattr("lammps_deformable.relax._ITERATIONS", 10**8)
+    monkeypatch.setattr("lammps_deformable.engine.engines.Deformables.patience", 10**8)
+    monkeypatch.setattr("lammps_deformable.engine.relax._ITERATIONS", 10**8)
     packing = ld.bidisperse(20, phi=0.7, seed=1).push_off()
     with ld.Simulation(packing, ld.Ring(), comm=MPI.COMM_SELF) as sim:
         sim.lmp.command("fix down all addforce 0 1e-6 0")  # a fall without end

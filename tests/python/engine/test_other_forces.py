@@ -29,7 +29,7 @@ def test_a_heap_under_its_weight(start: ld.Packing) -> None:
 
 
 def test_free_fall_has_no_end(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("lammps_deformable.engines.Deformables.patience", 3000)
+    monkeypatch.setattr("lammps_deformable.engine.engines.Deformables.patience", 3000)
     loose = ld.bidisperse(8, phi=0.4, seed=1).push_off()
     with ld.Simulation(loose, ld.Ring()) as sim:
         sim.lmp.command(f"fix down all addforce 0 {-GRAVITY} 0")

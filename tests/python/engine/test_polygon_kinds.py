@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable import polygon_engine
+from lammps_deformable.engine import polygon_engine
 from naive_polygons import pair
 
 pytestmark = pytest.mark.filterwarnings("error")

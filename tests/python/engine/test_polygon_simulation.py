@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable.lammps import gather
+from lammps_deformable.engine.lammps import gather
 from naive_polygons import area, naive, pair
 
 pytestmark = pytest.mark.filterwarnings("error")

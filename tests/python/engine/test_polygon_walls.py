@@ -6,8 +6,8 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 from lammps_deformable import core
-from lammps_deformable.lammps import gather
-from lammps_deformable.polygons import Walls
+from lammps_deformable.engine.lammps import gather
+from lammps_deformable.particles.polygons import Walls
 from naive_polygons import ALONE, LONE_BEADS, naive, square
 from refusals import refused
 

@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 import lammps_deformable as ld
 import pytest
-from lammps_deformable.relax import Forces, largest_force_told
+from lammps_deformable.engine.relax import Forces, largest_force_told
 
 SIMULATIONS = [
     lambda packing: ld.Simulation(packing, ld.Ring()),
@@ -41,7 +41,7 @@ def test_contacts_that_do_not_balance_are_not_relaxed(monkeypatch: pytest.Monkey
     """Whatever their forces on particles are."""
     packing = ld.bidisperse(6, phi=0.5, seed=1).push_off()
     with ld.Simulation(packing, ld.Ring()) as sim:
-        module = sys.modules["lammps_deformable.simulation"]
+        module = sys.modules["lammps_deformable.engine.simulation"]
         monkeypatch.setattr(module, "minimize_until_relaxed", lambda *_, **__: Forces(0.0, 1))
         monkeypatch.setattr(sim._engine, "unbalanced", lambda *_: True)
         with pytest.warns(ld.StalledWarning, match="the contacts do not balance"):
@@ -51,6 +51,8 @@ def test_contacts_that_do_not_balance_are_not_relaxed(monkeypatch: pytest.Monkey
 def test_no_numbers_far_beyond_the_model(monkeypatch: pytest.MonkeyPatch) -> None:
     """Where LAMMPS has forces that are none, there is no state."""
     with ld.Simulation(ld.bidisperse(8, seed=1).push_off(), ld.Ring()) as sim:
-        monkeypatch.setattr("lammps_deformable.engines.largest_force", lambda *_: float("nan"))
+        monkeypatch.setattr(
+            "lammps_deformable.engine.engines.largest_force", lambda *_: float("nan")
+        )
         with pytest.raises(ld.LammpsError, match=r"forces are no numbers .* compress less"):
             sim.relax()

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from brute_force import shapes
 from contact_laws import simulate
-from lammps_deformable.relax import TOLERANCE
+from lammps_deformable.engine.relax import TOLERANCE
 
 pytestmark = pytest.mark.filterwarnings("error")
 

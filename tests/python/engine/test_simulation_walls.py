@@ -3,15 +3,7 @@
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable import (
-    LammpsError,
-    ParameterError,
-    Plane,
-    PolygonWall,
-    Ring,
-    Segment,
-    Sphere,
-)
+from lammps_deformable import LammpsError, ParameterError, Plane, PolygonWall, Ring, Segment, Sphere
 
 SCENE = (
     Sphere(6.0, (1.0, -2.0)),

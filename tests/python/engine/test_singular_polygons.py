@@ -4,7 +4,7 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 import scipy.sparse.linalg
-from lammps_deformable.polygon_engine import SmoothPolygons, relax_smooth
+from lammps_deformable.engine.polygon_engine import SmoothPolygons, relax_smooth
 
 
 @pytest.mark.parametrize("failures", [1, 10**9])

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from crystal import crystal
 from lammps_deformable import core
-from lammps_deformable.lammps import gather
-from lammps_deformable.polygon_engine import SmoothPolygons, have_crossed
+from lammps_deformable.engine.lammps import gather
+from lammps_deformable.engine.polygon_engine import SmoothPolygons, have_crossed
 from naive_polygons import pair
 from refusals import refused
 

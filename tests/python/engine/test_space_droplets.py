@@ -8,13 +8,8 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 from droplet_formula import crystal as crystal_of
-from lammps_deformable import (
-    Droplet,
-    Packing,
-    Simulation,
-    State,
-    engines,
-)
+from lammps_deformable import Droplet, Packing, Simulation, State
+from lammps_deformable.engine import engines
 from numpy.typing import NDArray
 from polyhedra import FACES
 from refusals import refused

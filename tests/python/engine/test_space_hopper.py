@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from exact_balance import exactly_balanced
 from lammps_deformable import BoxWall, Cone, Cylinder, Droplet, ParameterError, Plane
-from lammps_deformable.contacts import free_motions
+from lammps_deformable.state.contacts import free_motions
 from programs import output
 
 FLOOR, LID = Plane((0, 0, 0), (0, 0, 1)), Plane((0, 0, 9), (0, 0, -1))

@@ -6,7 +6,7 @@ from pathlib import Path
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable.relax import Iteration
+from lammps_deformable.engine.relax import Iteration
 from ranks import python
 
 

@@ -8,8 +8,8 @@ import MDAnalysis
 import numpy as np
 import pytest
 from lammps_deformable import Packing
-from lammps_deformable.commands import PLANE
-from lammps_deformable.lammps import silent_lammps
+from lammps_deformable.engine.lammps import silent_lammps
+from lammps_deformable.particles.commands import PLANE
 from mpi4py import MPI
 from programs import output
 

@@ -9,7 +9,7 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 from lammps_deformable import Packing, State
-from lammps_deformable.lammps import silent_lammps
+from lammps_deformable.engine.lammps import silent_lammps
 from mpi4py import MPI
 from protocol_helpers import written
 from refusals import refused

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import lammps_deformable as ld
 import pytest
-from lammps_deformable.store import _last_line, holds, refuse
+from lammps_deformable.formats.store import _last_line, holds, refuse
 from programs import command
 
 

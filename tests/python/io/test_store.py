@@ -6,7 +6,7 @@ from pathlib import Path
 
 import lammps_deformable as ld
 import pytest
-from lammps_deformable.store import read
+from lammps_deformable.formats.store import read
 from refusals import refused
 
 

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import lammps_deformable as ld
 import pytest
-from lammps_deformable import _files
-from lammps_deformable.cli import app
+from lammps_deformable.cli.main import app
+from lammps_deformable.common import _files
 from matplotlib.animation import PillowWriter
 from refusals import refused
 

@@ -4,8 +4,8 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 from crystal import crystal
-from lammps_deformable.box import lengths
-from lammps_deformable.neighbors import near_pairs
+from lammps_deformable.common.box import lengths
+from lammps_deformable.particles.neighbors import near_pairs
 from refusals import refused
 
 

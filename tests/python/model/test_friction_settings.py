@@ -5,7 +5,7 @@ import math
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable.friction import friction_commands
+from lammps_deformable.particles.friction import friction_commands
 from refusals import refused
 
 MATRIX = [[0.3, 0.1], [0.1, 0.0]]

@@ -3,8 +3,9 @@
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable import BoxWall, ParameterError, Plane, PolygonWall, Segment, Sphere, room
-from lammps_deformable.contacts import free_motions
+from lammps_deformable import BoxWall, ParameterError, Plane, PolygonWall, Segment, Sphere
+from lammps_deformable.particles import room
+from lammps_deformable.state.contacts import free_motions
 from refusals import refused
 
 BOX = np.array([[12.0, 0.0], [0.0, 10.0]])

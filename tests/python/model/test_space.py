@@ -4,7 +4,7 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 from lammps_deformable import Packing
-from lammps_deformable.box import cartesian, fractional, nearest_image, widths
+from lammps_deformable.common.box import cartesian, fractional, nearest_image, widths
 from refusals import refused
 from scipy import stats
 

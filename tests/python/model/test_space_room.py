@@ -5,9 +5,10 @@ from collections.abc import Callable
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable import BoxWall, Cylinder, ParameterError, Plane, Sphere, room
-from lammps_deformable.contacts import free_motions, motions
-from lammps_deformable.room import free_room, section_between
+from lammps_deformable import BoxWall, Cylinder, ParameterError, Plane, Sphere
+from lammps_deformable.particles import room
+from lammps_deformable.particles.room import free_room, section_between
+from lammps_deformable.state.contacts import free_motions, motions
 from refusals import refused
 
 BOX = np.diag([12.0, 10.0, 9.0])

@@ -13,8 +13,8 @@ from lammps_deformable import (
     Segment,
     Sphere,
 )
-from lammps_deformable.polygons import Walls
-from lammps_deformable.walls import as_walls
+from lammps_deformable.particles.polygons import Walls
+from lammps_deformable.particles.walls import as_walls
 from refusals import refused
 
 WRONG = {

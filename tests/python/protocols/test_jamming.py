@@ -10,9 +10,14 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 from contact_laws import simulate
-from lammps_deformable import jamming, soft_disks
-from lammps_deformable.jamming import natural_pressure
-from lammps_deformable.soft_disks import RelaxedDisks, Report, relax_at_pressure, relax_in_box
+from lammps_deformable.engine import jamming, soft_disks
+from lammps_deformable.engine.jamming import natural_pressure
+from lammps_deformable.engine.soft_disks import (
+    RelaxedDisks,
+    Report,
+    relax_at_pressure,
+    relax_in_box,
+)
 from mpi4py import MPI
 
 RADICAL, BALANCED = (ld.Ring(contact=contact) for contact in ("radical", "balanced"))

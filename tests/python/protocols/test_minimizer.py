@@ -7,7 +7,7 @@ from pathlib import Path
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable.commands import LBFGS
+from lammps_deformable.particles.commands import LBFGS
 
 LAWS = {
     **{contact: ld.Ring(contact=contact) for contact in ("radical", "balanced", "curved")},
@@ -56,7 +56,7 @@ def test_what_a_law_can_have() -> None:
 def test_fire_goes_on_where_lbfgs_fails(monkeypatch: pytest.MonkeyPatch) -> None:
     """Steps that rounding swallows."""
     failing = "min_style deformable/lbfgs\nmin_modify norm max dmax 1e-20\n"
-    monkeypatch.setattr("lammps_deformable.relax.LBFGS", failing)
+    monkeypatch.setattr("lammps_deformable.engine.relax.LBFGS", failing)
     jammed = ld.jam(ld.bidisperse(40, seed=2))
     with ld.Simulation(jammed, ld.Ring()) as sim:
         state = sim.compress(strain=0.01)[-1]
@@ -67,8 +67,8 @@ def test_fire_goes_on_where_lbfgs_fails(monkeypatch: pytest.MonkeyPatch) -> None
 def test_fire_goes_on_where_lbfgs_is_slow(monkeypatch: pytest.MonkeyPatch) -> None:
     """Steps that are too short for the way."""
     slow = "min_style deformable/lbfgs\nmin_modify norm max dmax 1e-9\n"
-    monkeypatch.setattr("lammps_deformable.relax.LBFGS", slow)
-    monkeypatch.setattr("lammps_deformable.relax._LBFGS_PATIENCE", 2000)
+    monkeypatch.setattr("lammps_deformable.engine.relax.LBFGS", slow)
+    monkeypatch.setattr("lammps_deformable.engine.relax._LBFGS_PATIENCE", 2000)
     jammed = ld.jam(ld.bidisperse(40, seed=2))
     with ld.Simulation(jammed, ld.Ring()) as sim:
         state = sim.compress(strain=0.01)[-1]
@@ -78,7 +78,9 @@ def test_fire_goes_on_where_lbfgs_is_slow(monkeypatch: pytest.MonkeyPatch) -> No
 
 def test_fire_goes_on_where_lbfgs_meets_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
     """From the places before it: steps of L-BFGS are longer, and may lead where no outlines are."""
-    monkeypatch.setattr("lammps_deformable.relax.LBFGS", LBFGS + "minimize 0 0 3 9\nnonsense\n")
+    monkeypatch.setattr(
+        "lammps_deformable.engine.relax.LBFGS", LBFGS + "minimize 0 0 3 9\nnonsense\n"
+    )
     jammed = ld.jam(ld.bidisperse(40, seed=2))
     states = {}
     for minimizer in ("lbfgs", "fire"):

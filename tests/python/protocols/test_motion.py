@@ -5,7 +5,7 @@ from typing import Any
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable.motion import Dynamics
+from lammps_deformable.protocols.motion import Dynamics
 from refusals import refused
 
 SOFT = ld.Ring(kP=0.3)

@@ -7,8 +7,8 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 from contact_laws import simulate
-from lammps_deformable.engines import IMBALANCE, told
-from lammps_deformable.lammps import place_particles
+from lammps_deformable.engine.engines import IMBALANCE, told
+from lammps_deformable.engine.lammps import place_particles
 
 LAWS = {
     "disks": None,
@@ -25,7 +25,7 @@ def dense(law: object) -> ld.Simulation:
 
 @pytest.mark.parametrize("law", ["radical", "balanced", "curved"])
 def test_few_steps_of_newton(law: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    module, steps = import_module("lammps_deformable.relax"), []
+    module, steps = import_module("lammps_deformable.engine.relax"), []
     place = module.place_particles
     monkeypatch.setattr(module, "place_particles", lambda *a: (steps.append(1), place(*a)))
     with dense(LAWS[law]) as sim:
@@ -74,7 +74,7 @@ def test_the_strain_of_a_shear_stays() -> None:
 
 
 def test_what_newton_cannot_do_is_left_to_fire(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("lammps_deformable.engines.Deformables.patience", 5000)
+    monkeypatch.setattr("lammps_deformable.engine.engines.Deformables.patience", 5000)
     with ld.Simulation(ld.bidisperse(1, seed=1), ld.Sector()) as sim:
         assert sim.relax(1e-10).residual == 0.0
     rough = ld.Friction(0.3, kt=0.05)

@@ -6,7 +6,7 @@ from pathlib import Path
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable.laws import LAWS
+from lammps_deformable.particles.laws import LAWS
 from protocol_helpers import Stop, stop_after
 
 ROUGH = ld.Friction(0.3, kt=0.05)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from crystal import RADIUS, crystal
 from lammps_deformable import core
-from lammps_deformable.shearing import sheared, straighten
+from lammps_deformable.protocols.shearing import sheared, straighten
 from refusals import refused
 
 from validation.finite_strain import bulk_modulus, shear_modulus

@@ -6,7 +6,7 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 from lammps_deformable import Droplet, Packing, State
-from lammps_deformable.shearing import sheared
+from lammps_deformable.protocols.shearing import sheared
 from protocol_helpers import dynamic_modulus
 
 FRICTION = 1.5

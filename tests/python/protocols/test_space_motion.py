@@ -4,8 +4,8 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 from lammps_deformable import Droplet, Packing, State
-from lammps_deformable.lammps import gather, place_particles, run
-from lammps_deformable.laws import longest_overdamped_step, longest_step
+from lammps_deformable.engine.lammps import gather, place_particles, run
+from lammps_deformable.particles.laws import longest_overdamped_step, longest_step
 from refusals import refused
 
 

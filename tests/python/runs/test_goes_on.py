@@ -7,7 +7,7 @@ from pathlib import Path
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable.state import State
+from lammps_deformable.state.state import State
 from protocol_helpers import Stop, stop_after
 
 pytestmark = pytest.mark.filterwarnings("error")

@@ -143,7 +143,7 @@ def test_a_row_stands_for_a_whole_frame(
         raise KeyboardInterrupt
 
     def next_is_killed(_: ld.State) -> None:
-        monkeypatch.setattr("lammps_deformable.store._dump_frame", killed)
+        monkeypatch.setattr("lammps_deformable.formats.store._dump_frame", killed)
 
     with ld.Simulation(jammed, ld.Ring()) as sim, pytest.raises(KeyboardInterrupt):
         sim.compress(strain=0.01, steps=2, record=tmp_path, callback=next_is_killed)

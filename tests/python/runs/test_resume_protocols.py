@@ -113,7 +113,7 @@ def test_one_lammps_for_all_steps(
     start: ld.Packing, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     opened = []
-    from lammps_deformable import lammps
+    from lammps_deformable.engine import lammps
 
     whole = lammps.guarded_lammps()
     monkeypatch.setattr(

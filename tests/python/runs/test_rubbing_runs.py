@@ -5,7 +5,7 @@ from pathlib import Path
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable.laws import LAWS
+from lammps_deformable.particles.laws import LAWS
 
 ROUGH = ld.Friction(
     [[0.4, 0.2], [0.2, np.inf]], kt=1e-2, gt=1e-3, damping=1e-3, walls=ld.Friction(0.2, kt=1e-2)

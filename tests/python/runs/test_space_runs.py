@@ -9,7 +9,7 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 from lammps_deformable import Droplet, Packing, State
-from lammps_deformable.cli import app
+from lammps_deformable.cli.main import app
 from protocol_helpers import Stop, stop_after
 
 LAW = Droplet([1.0, 1.5])
@@ -143,7 +143,7 @@ def test_the_shell_keeps_runs_of_droplets(tmp_path: Path, monkeypatch: pytest.Mo
     begun = "compress --law droplet --number 8 --strain 0.01 --tolerance 1e-4 --out"
     shell(f"{begun} whole --steps 2")
     assert Path("whole", "packing.png").exists()
-    monkeypatch.setattr("lammps_deformable.cli._finish", lambda *_: None)  # takes seconds
+    monkeypatch.setattr("lammps_deformable.cli.main._finish", lambda *_: None)  # takes seconds
     run = ld.Run("whole")
     assert len(run) == 3
     assert run[-1].law == Droplet()

@@ -5,7 +5,7 @@ from typing import Any
 
 import lammps_deformable as ld
 import pytest
-from lammps_deformable import _files
+from lammps_deformable.common import _files
 from protocol_helpers import Stop, stop_after
 from refusals import refused
 

@@ -3,7 +3,7 @@
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable.moduli import ElasticModuli
+from lammps_deformable.engine.moduli import ElasticModuli
 
 SCENE = (ld.Sphere(4, (0, 0)), ld.Sphere(0.6, (1, 0.5), inside=False))
 ANNULUS = (ld.Sphere(1.5, (1, 2), inside=False), ld.Sphere(5, (1, 2)))

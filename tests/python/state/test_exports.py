@@ -195,6 +195,6 @@ def test_notebooks_show_the_picture(state: ld.State, monkeypatch: pytest.MonkeyP
     assert html is not None
     assert html.startswith('<img src="data:image/png;base64,iVBORw0KGgo')
     assert "State: 32 particles, law Ring(kA=2.0), phi = 0.8" in html
-    monkeypatch.setattr("lammps_deformable.plot.find_spec", lambda name: None)
+    monkeypatch.setattr("lammps_deformable.pictures.plot.find_spec", lambda name: None)
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     assert state._repr_html_() is None

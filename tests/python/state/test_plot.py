@@ -89,7 +89,7 @@ def test_force_chains_are_as_wide_as_their_forces(state: ld.State) -> None:
 
 def test_force_chains_do_not_hide_the_particles(state: ld.State) -> None:
     """At most 3 points wide; narrower where particles are many and small."""
-    from lammps_deformable.drawing import scale
+    from lammps_deformable.pictures.drawing import scale
 
     widths = [scale([np.ones(count)], [np.ones(3)], "area").widest for count in (4, 128, 1152)]
     assert widths[0] == widths[1] == 3.0
@@ -144,7 +144,7 @@ def test_pictures_of_a_movie_share_one_scale(
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    from lammps_deformable import drawing as plots
+    from lammps_deformable.pictures import drawing as plots
 
     drawn, maps = [], []
     draw = plots.draw

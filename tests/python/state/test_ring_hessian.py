@@ -7,8 +7,8 @@ from pathlib import Path
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable.hessian import open_contacts
-from lammps_deformable.relax import polish
+from lammps_deformable.engine.relax import polish
+from lammps_deformable.state.hessian import open_contacts
 from ranks import python
 
 pytestmark = pytest.mark.usefixtures("exact_balance")

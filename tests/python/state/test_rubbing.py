@@ -3,7 +3,7 @@
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable.laws import LAWS
+from lammps_deformable.particles.laws import LAWS
 
 MU, MU_WALL = 0.4, 0.2
 ROUGH = ld.Friction(

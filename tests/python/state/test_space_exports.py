@@ -8,7 +8,7 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 from lammps_deformable import State
-from lammps_deformable.plot3d import WHOLE, Facets, Surfaces, facets_of, surfaces_of
+from lammps_deformable.pictures.plot3d import WHOLE, Facets, Surfaces, facets_of, surfaces_of
 
 
 @pytest.fixture(scope="module")

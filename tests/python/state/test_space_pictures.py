@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable import plot3d
-from lammps_deformable.contacts import other_side
-from lammps_deformable.plot3d import WHOLE, Facets, facets_of, section_of
+from lammps_deformable.pictures import plot3d
+from lammps_deformable.pictures.plot3d import WHOLE, Facets, facets_of, section_of
+from lammps_deformable.state.contacts import other_side
 from refusals import refused
 
 if TYPE_CHECKING:

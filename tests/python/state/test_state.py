@@ -6,8 +6,8 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 from brute_force import brute_force_contacts, brute_force_rattlers, check_pressure, shapes
-from lammps_deformable.lammps import gather
-from lammps_deformable.laws import LAWS, Law
+from lammps_deformable.engine.lammps import gather
+from lammps_deformable.particles.laws import LAWS, Law
 
 pytestmark = pytest.mark.filterwarnings("error")
 

@@ -1,0 +1,1 @@
+"""What all other folders use: errors, checks of arguments, files and locks, ranks, the box."""

@@ -1,0 +1,1 @@
+"""LAMMPS, the ways to rest, and one simulation."""

@@ -1,0 +1,1 @@
+"""What a packing and a law are, and how they read in LAMMPS."""

@@ -1,0 +1,1 @@
+"""What is done to a simulation, step by step."""

@@ -1,0 +1,368 @@
+"""The steps of every protocol: states are shown, kept or written, and runs go on after a kill.
+
+Frame 0 of a run is the state before the first step. A protocol that is written starts each step
+from the state before, as a process does that has read it from the folder: LAMMPS is cleared, and
+the particles are created anew. So a step gives the same digits whether or not the same process
+computed those before it. Where a user has given commands to LAMMPS that would be lost, the steps
+follow each other instead, and the run cannot be resumed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack, closing
+from functools import partial
+from itertools import islice
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from mpi4py import MPI
+
+from ..common._checks import expect, positive, shown
+from ..common._files import alone_in, check_parameters
+from ..common.errors import FileError, ParameterError
+from ..common.ranks import progress, together
+from ..engine.lammps import has_commands_of_a_user
+from ..formats import store
+from ..particles.laws import Droplet, Ring, Sector, SoftContact
+
+if TYPE_CHECKING:
+    from ..runs.run import Run
+
+# With a larger one the forces on a particle are far from balanced.
+LARGEST_TOLERANCE = 1e-2
+
+# Called with each state after a step; True ends the protocol there.
+Callback = Callable[[Any], object]
+
+
+class Protocol(NamedTuple):
+    """What a protocol does.
+
+    Attributes:
+        check: from the simulation and the arguments of the call, the settings, what JSON can hold;
+            it raises what the method of `Simulation` says.
+        begin: from the simulation and the settings, the state before the first step,
+            and what its steps must know of the start, which JSON can hold: `states` is their
+            number at most.
+        go: the states after the steps that remain, from simulation, settings, start, the number of
+            steps done, and the state before, or None if that is not known. It may write into the
+            start what later steps must know.
+    """
+
+    check: Callable[[Any, Mapping[str, Any]], dict[str, Any]]
+    begin: Callable[[Any, Mapping[str, Any]], tuple[Any, dict[str, Any]]]
+    go: Callable[[Any, Mapping[str, Any], dict[str, Any], int, Any], Iterator[Any]]
+
+
+def protocol_of(name: str) -> Protocol:
+    """The protocol of this name.
+
+    Raises:
+        FileError: there is none.
+    """
+    from . import coarsening, compression, motion, proliferation, shearing  # which know this module
+
+    protocols = {
+        "compress": compression.COMPRESS,
+        "grow": compression.GROW,
+        "shear": shearing.SHEAR,
+        "oscillate": shearing.OSCILLATE,
+        "creep": shearing.CREEP,
+        "coarsen": coarsening.COARSEN,
+        "proliferate": proliferation.PROLIFERATE,
+        "run": motion.RUN,
+    }
+    if name not in protocols:
+        raise FileError(f"there is no protocol {name!r}")
+    return protocols[name]
+
+
+def check_tolerance(tolerance: float | None, recorded: bool = True) -> float | None:
+    """The tolerance of relaxations, if given.
+
+    Raises:
+        ParameterError: it is not positive; or it is larger than that of states worth keeping.
+    """
+    if tolerance is None:
+        return None
+    if positive("tolerance", tolerance) > LARGEST_TOLERANCE and recorded:
+        raise ParameterError(f"tolerance must be at most {LARGEST_TOLERANCE}, not {tolerance}")
+    return float(tolerance)
+
+
+def play(sim: Any, name: str, given: Mapping[str, Any]) -> Run:
+    """Take the steps of a protocol.
+
+    Args:
+        sim: a simulation; it ends in the last state.
+        name: of the protocol, a method of `Simulation`.
+        given: the arguments of the method by name. Those of all protocols are `record`, a folder or
+            None, `mode`, `callback`, `keep`, and `parameters` for the summary.
+
+    Returns:
+        The run, which begins with the state before the first step.
+
+    Raises:
+        ParameterError: an argument is out of range or of another kind.
+        TypeError: the callback returns something else than None and a bool.
+        FileError: the folder cannot be taken, see `mode`, or written.
+    """
+    from ..runs.run import Run
+
+    protocol = protocol_of(name)
+    for flag in ("keep", "inertia"):
+        expect(flag, given.get(flag, True), bool)
+    settings = protocol.check(sim, given)
+    record, mode, callback = given["record"], given["mode"], given["callback"]
+    keep, parameters = given["keep"], given["parameters"]
+    if callback is not None and not callable(callback):
+        raise ParameterError(
+            "callback must be a function of a state, such as "
+            f"lambda state: state.pressure > 1e-3, or None, not {shown(callback)}"
+        )
+    check_parameters(parameters)
+    _ = sim.lmp  # or say that it is closed
+    folder, first, before = _taken(sim, name, record, mode)
+    state, start = protocol.begin(sim, settings)
+    start = {"frame": max(first, 1)} | start
+    told: dict[str, Any] = {**(parameters or {}), "protocol": name, **settings}
+    if folder is not None and not has_commands_of_a_user(sim.lmp, sim._setup):
+        told["start"] = start
+    if sim.minimizer != sim._choose(None):
+        told["minimizer"] = sim.minimizer
+    told |= before
+    states = [state]
+    with ExitStack() as lock:
+        if folder is not None:
+            check = partial(_check_place, name, record, mode, first)
+            lock.enter_context(alone_in(folder, sim.comm, check))
+        if folder is not None and state._root:
+            if mode == "a":
+                store.keep_frames(folder, first)
+            else:
+                store.drop_frames(folder)
+            if first:
+                state._write(folder, told, frames=first)  # all of a run that goes on, but the frame
+            else:
+                _write(folder, 0, state, told)
+        _steps(sim, told, start, 0, max(first, 1), state, folder, callback, states, keep)
+    if folder is None:
+        return Run(states, told)
+    return Run(folder)[max(first, 1) - 1 :] if keep else Run(folder)[-1:]
+
+
+def resume(run: Run, sim: Any, done: int, callback: Callback | None = None) -> None:
+    """Take the steps that a recorded run lacks, from a simulation of its last state.
+
+    Args:
+        run: in a folder.
+        sim: of its last state.
+        done: number of steps that the run had when that state was read.
+        callback: see `play`.
+
+    Raises:
+        FileError: frames are missing, or another process writes or has written the run.
+    """
+    told = run.parameters
+    start = told["start"]
+    assert run.folder is not None
+
+    def check() -> None:
+        if run.steps_done != done:
+            raise FileError(
+                f"another process has gone on with the run in '{run.folder}': resume it again"
+            )
+
+    with alone_in(run.folder, sim.comm, check):
+        store.check_frames(run.folder)
+        sim.comm.barrier()  # all ranks have read the frames
+        if sim.comm.rank == 0:
+            store.keep_frames(run.folder, store.frames_in(run.folder))
+        if done and "seed" not in told:
+            sim.relax(np.finfo(float).max)  # relaxed already: this only finds whether it is rigid
+            packing, *_ = store.read(run.folder)
+            sim.reset(packing)
+            sim._engine.go_on(sim, store.read_motion(run.folder, packing))
+        _steps(sim, told, start, done, start["frame"], None, run.folder, callback, [], False)
+
+
+def _taken(
+    sim: Any, name: str, record: str | Path | None, mode: str
+) -> tuple[Path | None, int, dict[str, Any]]:
+    """The folder, the number of frames in it that stay, and the parameters of the run before.
+
+    Raises:
+        ParameterError: the mode is another, or the simulation cannot be recorded.
+        FileError: see `_place`.
+    """
+    if mode not in ("x", "w", "a"):
+        raise ParameterError(f"mode must be 'x', 'w' or 'a', not {shown(mode)}")
+    if record is None:
+        return None, 0, {}
+    expect("record", record, str, Path)
+    if not isinstance(sim.law, Ring | Sector | Droplet | SoftContact):
+        raise ParameterError(
+            f"states of {type(sim.law).__name__} cannot be written yet: leave out record, or take "
+            "another law"
+        )
+    sim.comm.barrier()  # rank 0 may still be writing
+    return _place(name, record, mode)
+
+
+def _place(name: str, record: str | Path, mode: str) -> tuple[Path, int, dict[str, Any]]:
+    """What `_taken` returns of a folder, by what is in it.
+
+    Raises:
+        FileError: the folder holds what the mode does not allow, or an interrupted run.
+    """
+    from ..runs.run import Run
+
+    call = f"{name}(..., record={str(record)!r}, mode="
+    ways = (
+        f"finish it with Run({str(record)!r}).resume()",
+        f"go on behind it with {call}'a')",
+        f"replace it with {call}'w')",
+    )
+    place = store.refuse_run(record, mode != "x", ways)
+    place = place.absolute()  # a callback may change the working folder
+    store.refuse_foreign(place / store.SERIES)
+    if mode != "a" or store.holds(place) is None:
+        return place, 0, {}
+    run = Run(place)
+    done, before = run.steps_done, run.parameters
+    if done is not None and done < before["start"]["states"]:
+        raise FileError(
+            f"the run in '{place}' is interrupted at step {done} of {before['start']['states']}: "
+            f"finish it first with Run({str(place)!r}).resume() (in the shell: --resume)"
+        )
+    store.check_frames(place)
+    return place, store.frames_in(place), {"before": before}
+
+
+def _check_place(name: str, record: str | Path, mode: str, first: int) -> None:
+    """Raise an error if a folder is not as `_taken` has found it, with `first` frames that stay."""
+    if _place(name, record, mode)[1] != first:
+        raise FileError(
+            f"another process has gone on with the run in '{record}' since this call of {name} "
+            "began: open it again, or name another folder"
+        )
+
+
+def _steps(
+    sim: Any,
+    told: dict[str, Any],
+    start: dict[str, Any],
+    done: int,
+    first: int,
+    before: Any,
+    folder: Path | None,
+    callback: Callback | None,
+    states: list[Any],
+    keep: bool,
+) -> None:
+    """Take the steps that remain.
+
+    Args:
+        sim: that goes on.
+        told: parameters of the run; with a `start` each step begins anew.
+        start: what the steps know of the start.
+        done: number of steps before.
+        first: number of the frame of the first step.
+        before: the last state; None if it is not known.
+        folder: to which states are written, if any.
+        callback: see `play`.
+        states: to which they are appended; they take its place if not all are kept.
+        keep: whether all are.
+    """
+    go = protocol_of(told["protocol"]).go
+    anew: Any = _each_anew(sim, go, told, start, done, before) if "start" in told else None
+    source: Any = anew or go(sim, told, start, done, before)
+    number, state = first + done - 1, None
+    title = told["protocol"]
+    with closing(source), progress(title, "state", start["states"], initial=done) as bar:
+        remaining = islice(source, start["states"] - done)
+        for number, state in enumerate(remaining, start=first + done):
+            if folder is not None and state._root:
+                _write(folder, number, state, told)
+            if not keep:
+                states.clear()
+            states.append(state)
+            bar.set_postfix(phi=f"{state.phi:.4f}", pressure=f"{state.pressure:.3g}")
+            bar.update()
+            if callback and _ends(callback, state, sim.comm):
+                break
+    if "start" in told and state is not None and (taken := number + 1 - first) < start["states"]:
+        told["start"] = {**told["start"], "states": taken}  # complete: nothing is to be resumed
+        if folder is not None and state._root:
+            state._write(folder, told, frames=number + 1)
+
+
+def _each_anew(
+    sim: Any,
+    go: Callable[..., Iterator[Any]],
+    told: Mapping[str, Any],
+    start: dict[str, Any],
+    done: int,
+    state: Any,
+) -> Iterator[Any]:
+    """The states after the steps that remain, each as if the one before were read from a file."""
+    for n in range(done, start["states"]):
+        if state is not None:
+            so_far = steps_so_far(sim)
+            sim.reset(state)
+            sim._steps_before = so_far  # a later call draws other noise
+        steps: Any = go(sim, told, start, n, None)
+        with closing(steps):
+            state = next(steps, None)
+        if state is None:
+            return
+        yield state
+
+
+def steps_so_far(sim: Any) -> int:
+    """Number of time steps and iterations of a simulation so far."""
+    return int(sim._steps_before + sim.lmp.extract_global("ntimestep"))
+
+
+def _ends(callback: Callback, state: Any, comm: MPI.Comm) -> bool:
+    """Whether the callback ends the protocol; its exception is raised here, on all ranks.
+
+    Raises:
+        TypeError: it returns neither None nor a bool.
+        RuntimeError: it has failed on other ranks only.
+    """
+
+    def ends() -> bool:
+        answer = callback(state)
+        if answer is not None and not isinstance(answer, (bool, np.bool_)):
+            raise TypeError(
+                "callback must return None to go on, or a bool, True to end here, not "
+                f"{shown(answer)}"
+            )
+        return bool(answer)
+
+    return together(ends, comm, "the callback")
+
+
+def recorded_numbers(state: Any) -> dict[str, Any]:
+    """The numbers of a state that are recorded, by name: a row of the series."""
+    numbers: dict[str, Any] = dict(state._numbers())
+    axes = "xyz"[: len(state.pressure_tensor)]
+    for k, a in enumerate(axes):
+        for n, b in enumerate(axes[k:], start=k):
+            numbers[f"p{a}{b}"] = float(state.pressure_tensor[k, n])
+    if isinstance(state.law, Ring | Sector) or state.friction:
+        numbers["lost_energy"] = state.lost_energy
+    return numbers
+
+
+def _write(folder: Path, number: int, state: Any, parameters: Mapping[str, Any]) -> None:
+    """Write a frame, and the state behind it. Only one rank calls this."""
+    made_of = store.setup(state.packing, state.law, state.friction, state.gravity)
+    store.append_setup(folder, number, made_of | store.memory(state._motion))
+    images = () if state.images is None else state.images.T
+    values = dict(zip(("ix", "iy", "iz"), images, strict=False)) | state._particle_values()
+    store.append_frame(folder, number, state.packing, values, recorded_numbers(state))
+    state._write(folder, parameters, frames=number + 1)

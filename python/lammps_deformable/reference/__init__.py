@@ -1,0 +1,1 @@
+"""Laws against reference models: error against run time."""

@@ -1,0 +1,1 @@
+"""What was recorded, and states in dumps of LAMMPS."""

@@ -1,0 +1,299 @@
+"""What particles did between two states: displacements, local strains and D^2_min.
+
+Periodic images and boxes that changed are taken into account.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from itertools import combinations
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..common._checks import shown, whole
+from ..common.box import cartesian, fractional, nearest_image
+from ..common.errors import JumpWarning, ParameterError, warn
+from ..particles.neighbors import pairs_within
+from ..particles.packing import Packing
+from ..particles.room import closed
+from .population import labels_of
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from .state import State
+
+Floats = NDArray[np.float64]
+
+# Steps of this part of the box, beside its strain, tell that others are beyond half of it, where
+# the nearest image is another one.
+_FAR = 0.4
+
+
+def packing_of(name: str, given: Any) -> Packing:
+    """The packing of a state, or the packing itself."""
+    packing = given if isinstance(given, Packing) else getattr(given, "packing", None)
+    if not isinstance(packing, Packing):
+        raise ParameterError(f"{name} must be a state or a Packing, not {shown(given)}")
+    return packing
+
+
+def affine(before: State | Packing, now: State, points: Floats) -> Floats:
+    """Points that follow the box from a state to a later one, shape (n, d) [length].
+
+    Boxes whose tilts differ by their widths have the same images. Of the boxes that are equivalent
+    to that of the later state it is the one that its `shear_strain` leads to or, if that is
+    None, the one whose tilts are nearest.
+    """
+    old, new = packing_of("before", before).box, packing_of("now", now).box
+    strain = getattr(now, "shear_strain", None)
+    added = 0.0 if strain is None else strain - (getattr(before, "shear_strain", None) or 0.0)
+    return cartesian(fractional(points, old), _unflipped(old, np.array(new), added))
+
+
+def _unflipped(old: Floats, box: Floats, added: float) -> Floats:
+    """The box that is equivalent to a later one and comes from this one by a shear, shape (d, d).
+
+    Without flips a lattice vector keeps its tilts over its side, but for the shear, which moves it
+    along x by the added strain times its part along y.
+    """
+    for row in range(1, len(box)):
+        expected = old[row] * (box[row, row] / old[row, row])
+        for axis in reversed(range(row)):
+            if axis == 0:
+                expected[0] += added * box[row, 1]
+            box[row] += np.rint((expected[axis] - box[row, axis]) / box[axis, axis]) * box[axis]
+    return box
+
+
+def nonaffine(before: State | Packing, now: State) -> Floats:
+    """See `State.nonaffine`."""
+    old, new = packing_of("before", before), packing_of("now", now)
+    if len(old) != len(new):
+        raise ParameterError(
+            f"before has {len(old)} particles and this state {len(new)}: particles can only be "
+            "followed between states with the same ones"
+        )
+    if old.dimension != new.dimension:
+        raise ParameterError(f"before has {old.dimension} dimensions, this state {new.dimension}")
+    shut = closed(new.walls, new.dimension)
+    if closed(old.walls, old.dimension) != shut:
+        raise ParameterError(
+            "before and this state are between other walls, which close other directions"
+        )
+    moved = new.positions - affine(before, now, old.positions)
+    return nearest_image(moved, new.box, shut)
+
+
+def displacements(before: State | Packing, now: State) -> Floats:
+    """See `State.displacements`."""
+    moved = nonaffine(before, now)
+    start = packing_of("before", before).positions
+    return affine(before, now, start) - start + moved
+
+
+def unwrapped(states: Iterable[State]) -> Floats:
+    """See `Run.unwrapped`."""
+    found: list[Floats] = []
+    former: State | None = None
+    farthest, last = 0.0, 0
+    for number, state in enumerate(states):
+        packing = packing_of("a state", state)
+        if found and len(packing) != len(found[0]):
+            raise ParameterError(
+                f"the first state has {len(found[0])} particles and state {number} {len(packing)}: "
+                "particles can only be followed between states with the same ones"
+            )
+        images = getattr(state, "images", None)
+        if images is not None:
+            found.append(packing.positions + cartesian(images, packing.box))
+        elif former is None:
+            found.append(packing.positions)
+        else:
+            # states of soft disks: from one to the next the nearest images
+            moved = nonaffine(former, state)
+            found.append(affine(former, state, found[-1]) + moved)
+            if (far := _part_of_box(moved, packing)) > farthest:
+                farthest, last = far, number
+        former = state
+    if farthest >= _FAR:
+        warn(
+            f"a particle moves by {farthest:.2g} of the box from state {last - 1} to state {last}, "
+            "and one that moves by more than half of it is followed to a wrong image: take states "
+            "nearer to each other",
+            JumpWarning,
+        )
+    if not found:
+        raise ParameterError("unwrapped positions need at least one state")
+    return np.array(found)
+
+
+def mean_squared_displacement(
+    run: Sequence[Any], lags: Sequence[int] | None
+) -> tuple[Floats, Floats]:
+    """See `Run.msd`."""
+    places, number = unwrapped(run), len(run)
+    if isinstance(lags, str) or not isinstance(lags, Iterable | None):
+        raise ParameterError(f"lags must be several whole numbers, not {shown(lags)}")
+    chosen = range(number // 2 + 1) if lags is None else [whole("a lag", lag) for lag in lags]
+    for lag in chosen:
+        if not 0 <= lag < number:
+            raise ParameterError(
+                f"lags must lie between 0 and {number - 1} in a run of {number} states, not {lag}"
+            )
+    times = np.array([float(getattr(state, "time", 0.0)) for state in run])
+    steps = np.diff(times)
+    if len(steps) and not np.allclose(steps, steps[0], rtol=1e-6, atol=0.0):
+        raise ParameterError(
+            "states are not equally far apart in time: take the part of the run where they are"
+        )
+    # a run that is turned round goes back in time
+    step = abs(float(steps.mean())) if len(steps) and steps[0] else 1.0
+    squares = [
+        np.mean(np.sum((places[lag:] - places[: number - lag]) ** 2, axis=2)) for lag in chosen
+    ]
+    return step * np.array(chosen, dtype=np.float64), np.array(squares)
+
+
+_Pair = tuple[int, int]
+
+
+def _contacts_of(state: State) -> set[_Pair]:
+    """Pairs of labels that touch, the smaller one first; walls last, as -1 - k."""
+    labels, table = labels_of(state), state.contacts
+    i, j = labels[table["i"]], table["j"]
+    wall = j < 0
+    j = np.where(wall, j, labels[np.maximum(j, 0)])
+    first = wall | (i < j)
+    return set(zip(i[first].tolist(), j[first].tolist(), strict=True))
+
+
+def _touching(pairs: Iterable[_Pair]) -> dict[int, set[int]]:
+    """The neighbors of each particle; walls are none."""
+    found: dict[int, set[int]] = {}
+    for i, j in pairs:
+        if j >= 0:
+            found.setdefault(i, set()).add(j)
+            found.setdefault(j, set()).add(i)
+    return found
+
+
+def _exchanges(old: set[_Pair], new: set[_Pair]) -> list[tuple[_Pair, _Pair]]:
+    """T1 events: a pair that parts, and two of their common neighbors that meet.
+
+    Neighbors before, or afterwards.
+    """
+    before, after, formed = _touching(old), _touching(new), new - old
+    none: set[int] = set()
+    found: list[tuple[_Pair, _Pair]] = []
+    for i, j in sorted(old - new):
+        if j < 0:
+            continue
+        common = before[i] & before[j] | after.get(i, none) & after.get(j, none)
+        for pair in combinations(sorted(common), 2):
+            if pair in formed:
+                found.append(((i, j), pair))
+                formed.remove(pair)
+                break
+    return found
+
+
+# Columns of events, and their types, without events too.
+_EVENTS: dict[str, type | str] = {
+    "frame": int,
+    "time": float,
+    "event": "U8",
+    "i": int,
+    "j": int,
+    "t1": int,
+}
+
+
+def changes(states: Iterable[State]) -> dict[str, NDArray[Any]]:
+    """See `Run.events`; the frames are counted from 0."""
+    found: dict[str, list[Any]] = {name: [] for name in _EVENTS}
+    former: State | None = None
+    number = 0
+    for frame, state in enumerate(states):
+        if former is not None:
+            before, now = _contacts_of(former), _contacts_of(state)
+            there, here = (set(labels_of(each).tolist()) for each in (former, state))
+            exchanged: dict[_Pair, int] = {}
+            for pairs in _exchanges(before, now) if state.packing.dimension == 2 else ():
+                exchanged |= dict.fromkeys(pairs, number)
+                number += 1
+            rows = [
+                *(("vanishes", (one, one), -1) for one in sorted(there - here)),
+                *(("is born", (one, one), -1) for one in sorted(here - there)),
+                *(("breaks", pair, exchanged.get(pair, -1)) for pair in sorted(before - now)),
+                *(("forms", pair, exchanged.get(pair, -1)) for pair in sorted(now - before)),
+            ]
+            for event, (i, j), t1 in rows:
+                for name, value in zip(found, (frame, state.time, event, i, j, t1), strict=True):
+                    found[name].append(value)
+        former = state
+    return {name: np.array(found[name], dtype=np.dtype(kind)) for name, kind in _EVENTS.items()}
+
+
+def _part_of_box(moved: Floats, packing: Packing) -> float:
+    """The largest of these steps, in lengths of the box along x, y and z where it has images."""
+    images = ~np.array(closed(packing.walls, packing.dimension))
+    parts = np.abs(moved) / packing.box.diagonal()
+    return float(parts[:, images].max(initial=0.0))
+
+
+# Neighbors on a line, or in a plane, do not tell a strain: the determinant of sum v v^T over the
+# power of its trace.
+_ON_A_LINE = 1e-10
+
+
+class LocalStrain(NamedTuple):
+    """The strain around each particle.
+
+    Attributes:
+        gradient: of the displacement, du_a/dx_b, that fits the motion of the neighbors best, shape
+            (N, d, d); nan where all neighbors are on one line, or in one plane.
+        d2min: D^2_min, the sum over neighbors of the squared distance from that fit, shape (N,)
+            [length^2].
+        neighbors: their number, shape (N,).
+    """
+
+    gradient: Floats
+    d2min: Floats
+    neighbors: NDArray[np.int64]
+
+    @property
+    def strain(self) -> Floats:
+        """Symmetric part of the gradient, without rotation, shape (N, d, d)."""
+        return 0.5 * (self.gradient + np.swapaxes(self.gradient, 1, 2))
+
+
+def local_strain(before: State | Packing, now: State, r_max: float) -> LocalStrain:
+    """See `State.local_strain`."""
+    beside, start = nonaffine(before, now), packing_of("before", before)
+    i, j, shift = pairs_within(start, r_max)
+    v = start.positions[j] + shift - start.positions[i]
+    w = affine(before, now, v) + beside[j] - beside[i]
+    i, v, w = np.concatenate([i, j]), np.concatenate([v, -v]), np.concatenate([w, -w])
+    dimension = start.dimension
+    total = np.zeros((2, len(start), dimension, dimension))
+    np.add.at(total[0], i, v[:, :, None] * v[:, None, :])
+    np.add.at(total[1], i, (w - v)[:, :, None] * v[:, None, :])
+    within, moved = total
+    size = np.trace(within, axis1=1, axis2=2) ** dimension
+    flat = np.linalg.det(within) <= _ON_A_LINE * size
+    gradient = moved @ np.linalg.inv(np.where(flat[:, None, None], np.eye(dimension), within))
+    gradient[flat] = np.nan
+    left = w - v - np.einsum("mab,mb->ma", gradient[i], v)
+    number = len(start)
+    d2min = np.zeros(number)
+    np.add.at(d2min, i, np.sum(left**2, axis=1))
+    d2min[flat] = np.nan
+    return LocalStrain(gradient, d2min, np.bincount(i, minlength=number))
+
+
+def usual_distance(packing: Packing) -> float:
+    """Distance up to which particles are neighbors, 3 times the mean radius [length]."""
+    return 3.0 * float(packing.radii.mean())
