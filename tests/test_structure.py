@@ -4,7 +4,6 @@ import ast
 import re
 import shutil
 from collections import Counter
-from collections.abc import Iterator
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
@@ -15,11 +14,43 @@ ROOT = Path(__file__).parents[1]
 PACKAGE = ROOT / "python" / "lammps_deformable"
 
 
-def imports_of(text: str) -> Iterator[str]:
-    """Modules of the package that a module loads when it is imported."""
-    for node in ast.parse(text).body:
-        if isinstance(node, ast.ImportFrom) and node.level == 1:
-            yield from [node.module] if node.module else [alias.name for alias in node.names]
+# Each may import those before it. The objects of users have methods that later rooms do: their
+# modules import these where they are called, and nobody else does.
+ROOMS = (
+    *("common", "particles", "formats", "state", "pictures", "engine", "protocols", "runs"),
+    *("reference", "cli"),
+)
+FACADES = {
+    *("particles.packing", "state.state", "state.modes", "engine.simulation"),
+    "protocols.recording",
+}
+
+
+def imports_of(text: str, name: str, inside: bool = True) -> set[str]:
+    """Modules of the package that a module of this name imports, also inside of functions or not.
+
+    Those of types only do not count.
+    """
+    tree = ast.parse(text)
+    of_types = {
+        node
+        for choice in ast.walk(tree)
+        if isinstance(choice, ast.If) and "TYPE_CHECKING" in ast.unparse(choice.test)
+        for node in ast.walk(choice)
+    }
+    found = set()
+    for node in ast.walk(tree) if inside else tree.body:
+        if not isinstance(node, ast.ImportFrom) or not node.level or node in of_types:
+            continue
+        folder = name.split(".")[: -node.level]
+        path = [*folder, node.module] if node.module else folder
+        found |= {".".join([*path, alias.name]) for alias in node.names} | {".".join(path)}
+    return found
+
+
+def modules() -> dict[str, str]:
+    """Texts of the modules by their names within the package."""
+    return {f"{path.parent.name}.{path.stem}": path.read_text() for path in PACKAGE.glob("*/*.py")}
 
 
 def circle(graph: dict[str, set[str]]) -> list[str]:
@@ -30,16 +61,38 @@ def circle(graph: dict[str, set[str]]) -> list[str]:
     return []
 
 
+def arrows_up(name: str, text: str) -> list[str]:
+    """Imports of a module from a room behind its own."""
+    room = ROOMS.index(name.partition(".")[0])
+    found = imports_of(text, name, inside=name not in FACADES)
+    others = {each for each in found if each.partition(".")[0] in ROOMS}
+    return sorted(each for each in others if ROOMS.index(each.partition(".")[0]) > room)
+
+
+def test_rooms_import_those_before_them() -> None:
+    assert {path.name for path in PACKAGE.iterdir() if path.is_dir()} >= set(ROOMS)
+    found = {name: arrows_up(name, text) for name, text in modules().items()}
+    assert {name: arrows for name, arrows in found.items() if arrows} == {}
+    inside = "def f():\n    from ..engine.relax import rest\n"
+    assert "engine.relax" in arrows_up("state.contacts", inside)
+    assert arrows_up("state.state", inside) == []
+    assert "engine.relax" in arrows_up("state.state", "from ..engine.relax import rest")
+
+
 def test_imports_have_no_circle() -> None:
-    graph = {path.stem: set(imports_of(path.read_text())) for path in PACKAGE.glob("[!_]*.py")}
+    texts = modules()
+    graph = {
+        name: imports_of(text, name, inside=name not in FACADES) & set(texts)
+        for name, text in texts.items()
+    }
     assert circle(graph) == []
-    graph["errors"] = {"packing"}
-    assert "errors" in circle(graph)
+    graph["common.errors"] = {"particles.packing"}
+    assert "common.errors" in circle(graph)
 
 
-def test_no_module_hides_a_name() -> None:
-    """`ld.jam` would be the module `jam` once that is imported."""
-    assert {path.stem for path in PACKAGE.glob("*.py")} & set(ld.__all__) == set()
+def test_no_room_hides_a_name() -> None:
+    """`ld.jam` would be a room `jam` once that is imported."""
+    assert set(ROOMS) & set(ld.__all__) == set()
 
 
 def test_no_two_files_of_tests_have_one_name() -> None:

@@ -28,12 +28,10 @@ from ..particles.commands import (
 )
 from ..particles.friction import (
     FRICTION,
-    RUBBING_ROWS,
     Friction,
     Rubbing,
     check_friction,
     friction_commands,
-    rubbing_table,
     spring_commands,
 )
 from ..particles.gravity import gravity_commands, gravity_energy
@@ -56,6 +54,7 @@ from ..particles.laws import (
 from ..particles.packing import Packing
 from ..particles.room import Distances, check_centers, check_fit
 from ..state.contacts import ROWS, ContactTable, attached, contact_table
+from ..state.rubbing import RUBBING_ROWS, rubbing_table
 from ..state.state import State
 from .lammps import (
     gather,

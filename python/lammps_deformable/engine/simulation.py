@@ -22,7 +22,6 @@ from ..particles.laws import AnyLaw, Droplet, Ring, Sector, SoftContact
 from ..particles.packing import Packing, refuse_crushed
 from ..particles.polygons import DeformablePolygon, Walls
 from ..particles.walls import Wall
-from ..protocols.recording import play
 from ..state.state import State
 from .engines import (
     Droplets,
@@ -76,6 +75,13 @@ _ENGINES: dict[type, type] = {
     SoftContact: SoftParticles,
     DeformablePolygon: PolygonBeads,
 }
+
+
+def _play(sim: Simulation, name: str, given: Mapping[str, Any]) -> Run:
+    """The method of this name, which is a protocol."""
+    from ..protocols.recording import play
+
+    return play(sim, name, given)
 
 
 class Simulation(OneCall):
@@ -401,7 +407,7 @@ class Simulation(OneCall):
         Warns:
             UnjammedWarning: an expansion has taken the packing apart.
         """
-        return play(self, "compress", locals())
+        return _play(self, "compress", locals())
 
     def grow(
         self,
@@ -440,7 +446,7 @@ class Simulation(OneCall):
             ParameterError: a value is out of range, or a target cannot be reached.
             FileError: see `compress`.
         """
-        return play(self, "grow", locals())
+        return _play(self, "grow", locals())
 
     def shear(
         self,
@@ -508,7 +514,7 @@ class Simulation(OneCall):
 
         Source: drag: Durian, Phys. Rev. Lett. 75, 4780 (1995).
         """
-        return play(self, "shear", locals())
+        return _play(self, "shear", locals())
 
     def oscillate(
         self,
@@ -562,7 +568,7 @@ class Simulation(OneCall):
             LammpsError: see `shear`.
             FileError: see `compress`.
         """
-        return play(self, "oscillate", locals())
+        return _play(self, "oscillate", locals())
 
     def creep(
         self,
@@ -617,7 +623,7 @@ class Simulation(OneCall):
             LammpsError: see `run`.
             FileError: see `compress`.
         """
-        return play(self, "creep", locals())
+        return _play(self, "creep", locals())
 
     def coarsen(
         self,
@@ -676,7 +682,7 @@ class Simulation(OneCall):
         Eng. Chem. Fundam. 17, 89 (1978); growth: Lifshitz and Slyozov, J. Phys. Chem. Solids 19, 35
         (1961).
         """
-        return play(self, "coarsen", locals())
+        return _play(self, "coarsen", locals())
 
     def proliferate(
         self,
@@ -742,7 +748,7 @@ class Simulation(OneCall):
         Source: growth under pressure: Shraiman, PNAS 102, 3318 (2005), and Basan et al., HFSP J. 3,
         265 (2009); long axis: Hertwig (1884).
         """
-        return play(self, "proliferate", locals())
+        return _play(self, "proliferate", locals())
 
     def run(
         self,
@@ -859,7 +865,7 @@ class Simulation(OneCall):
         76, 637 (1982); damped motion at a pressure: Somfai et al., Phys. Rev. E 75, 020301 (2007);
         inertial number: GDR MiDi, Eur. Phys. J. E 14, 341 (2004).
         """
-        return play(self, "run", locals())
+        return _play(self, "run", locals())
 
     def state(self) -> State:
         """The present state, not relaxed."""

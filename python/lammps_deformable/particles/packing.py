@@ -24,7 +24,6 @@ from ..common.box import (
 )
 from ..common.errors import FileError, ParameterError, UnsavedWarning, warn
 from ..common.versions import optional
-from ..formats.files import read_particles, write_particles
 from . import room
 from .laws import root, undeformed
 from .room import closed
@@ -269,6 +268,8 @@ class Packing:
         dimension_of(dimension)
         wanted = (radii,) if isinstance(radii, str) else RADII
         path, topology = at_home(path), topology and at_home(topology)
+        from ..formats.files import read_particles
+
         found = read_particles(path, frame, topology or None, wanted)
         return cls._of_particles(found, path, radii, walls, box, dimension)
 
@@ -333,6 +334,8 @@ class Packing:
                 f"'{path}' is there already: replace it by to_file({str(path)!r}, mode='w'), or "
                 "give another name"
             )
+        from ..formats.files import write_particles
+
         write_particles(
             path,
             self.box,

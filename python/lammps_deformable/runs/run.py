@@ -36,7 +36,6 @@ from ..engine.lammps import communicator
 from ..engine.relax import check_callback
 from ..engine.simulation import Simulation
 from ..formats import store
-from ..formats.shapes import collection
 from ..formats.store import (
     SERIES,
     SUMMARY,
@@ -51,6 +50,7 @@ from ..formats.store import (
 )
 from ..particles.laws import AnyLaw, Droplet, SoftContact
 from ..particles.packing import Packing
+from ..pictures.shapes import collection
 from ..protocols import recording
 from ..protocols.recording import recorded_numbers
 from ..protocols.shearing import DynamicModulus, harmonic

@@ -13,7 +13,6 @@ from ..common._checks import count, shown, whole
 from ..common.errors import ParameterError
 from ..common.versions import optional
 from ..particles.room import in_box
-from ..pictures.drawing import scale
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -150,7 +149,7 @@ class Modes:
         part = size / size.max()
         title = f"$\\omega$ = {self.frequencies[number]:.3g},  "
         title += f"participation {self.participation[number]:.2g}"
-        on, packing = scale([part], [np.zeros(1)], _LABEL), self.packing
+        on, packing = drawing.scale([part], [np.zeros(1)], _LABEL), self.packing
         arrows = length / size.max() * vector
         if packing.dimension == 3:
             seen = (20.0, 30.0) if view is None else view

@@ -20,7 +20,6 @@ from ..common._checks import count, expect, numbers, positive, shown
 from ..common._files import check_parameters, replaces
 from ..common.errors import ParameterError, UndefinedError, UnsavedWarning, warn
 from ..common.versions import optional
-from ..formats import shapes
 from ..formats.store import (
     TEMPERATURE,
     Motion,
@@ -1298,6 +1297,8 @@ class State:
         there, and count from the lower left corner of the box, `Packing.origin`. Walls are left
         out.
         """
+        from ..pictures import shapes
+
         return shapes.to_mdanalysis(self)
 
     def to_pandas(self, table: str = "particles") -> Any:
@@ -1312,6 +1313,8 @@ class State:
             ParameterError: there is no such table.
             ImportError: pandas is missing (`pip install 'lammps-deformable[pandas]'`).
         """
+        from ..pictures import shapes
+
         return shapes.to_pandas(self, table)
 
     def export(self, path: str | Path, forces: bool = False, mode: str = "x") -> None:
@@ -1339,6 +1342,8 @@ class State:
             ParameterError: the suffix is another.
             FileError: there is a file, see `mode`, or it cannot be written.
         """
+        from ..pictures import shapes
+
         shapes.export(self, path, forces, mode)
 
     def to_surface_evolver(self, path: str | Path, mode: str = "x") -> None:

@@ -20,7 +20,7 @@ from ..common._checks import expect, shown
 from ..common._files import at_home, refuse_present, replaces, write_whole
 from ..common.errors import ParameterError
 from ..common.versions import optional
-from .files import in_space
+from ..formats.files import in_space
 
 if TYPE_CHECKING:
     from MDAnalysis import Universe
@@ -237,7 +237,7 @@ def _bodies(state: State) -> tuple[Shapes, NDArray[np.int64], dict[str, NDArray[
     packing = state.packing
     if packing.dimension == 2:
         return polygons_of(state.outlines), np.arange(len(packing)), {}
-    from ..pictures.plot3d import facets_of, surfaces_of
+    from .plot3d import facets_of, surfaces_of
 
     found = surfaces_of(packing.positions, packing.radii, facets_of(state))
     shapes = Shapes(found.points, found.corners, found.ends, normals=found.normals)
