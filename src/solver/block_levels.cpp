@@ -23,7 +23,8 @@ void BlockLevels::arrange(const ContactBatches &b, const NearPairs &pairs)
     for (; c < end[k]; ++c) {
       const int partner = b.partner[c];
       is_border |= partner >= b.contacts && partner != b.none();
-      if (partner >= b.contacts || (partner < end[k] && partner >= c)) continue;
+      if (partner >= b.contacts || (partner < end[k] && partner >= c))
+        continue;    // most: in this block
       const auto found = std::upper_bound(end.begin(), end.end(), partner);
       const int other = static_cast<int>(found - end.begin());
       if (seen_by[other] == k) continue;

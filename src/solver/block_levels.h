@@ -41,8 +41,8 @@ class BlockLevels {
 
   static int of_ring(int ring) { return ring / ContactBatches::BLOCK; }
 
-  // work(block, iteration) for all blocks and iterations from 1 to `last`; exchange(iteration) between ranks after each one
-  // but the last.
+  // work(block, iteration) for all blocks and iterations from 1 to `last`, for DualSolver the stages of a sweep; exchange(iteration)
+  // between ranks after each one but the last. First comes what other ranks wait for, and what that needs.
   template <class Work, class Exchange> void run(int last, Work &&work, Exchange &&exchange)
   {
     std::fill(level.begin(), level.end(), 0);

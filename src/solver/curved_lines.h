@@ -35,9 +35,10 @@ class CurvedLines {
   // Lines of the last solution that bear a force at a limit. A line that two ranks share counts half on each.
   double limited = 0.0;
 
-  bool held = false;      // all lines stay straight in this solution
-  bool answers = true;    // lines answer while corrections are found
-  double part = 1.0;      // of the step to the next tilts and bends
+  bool held = false;    // all lines stay straight in this solution
+  bool answers =
+      true;    // lines answer while corrections are found; DualSolver: not after a step that led astray
+  double part = 1.0;    // of the step to the next tilts and bends
 
   void arrange(ContactBatches &, NearPairs &, RemoteSides &);    // contacts are new
 

@@ -94,22 +94,22 @@ bool DualSolver::solve(const ForceCall &call, const Push &push)
   if (films) films->begin_call();
   const bool moves = update->whichflag == 1 && !update->setupflag;
   double energy_before = 0.0, part = 1.0;
-  int changes = 0;
-  for (int lists = 0;; ++lists) {
+  int changes = 0, lists = 0;
+  for (;;) {
     are_balanced = balance(call);
     if (!has_room()) return false;
     find_bulges(call);
     bool refused = call.refusals->any_here();
     const bool sufficient = list.is_sufficient_after(call, refused);
     if (refused) return false;
-    if (!sufficient && lists < MOST_LISTS) {
+    if (!sufficient && lists++ < MOST_LISTS) {
       remember();
       list.build(call, false);
       arrange(call, false);
-      list.locate(call);
+      list.locate(call);    // of the same positions: none is refused
       continue;
     }
-    // forces that do not balance may be those of films that should have gone
+    // Only balanced forces let pairs attach. Others may be those of films that should have gone.
     if (films && changes < MOST_CHANGES && films->would_change(are_balanced)) {
       if (changes++ == 0) {
         energy_before = total_energy();
@@ -207,6 +207,7 @@ bool DualSolver::searches_lines() const
    there a straight line is taken.
 ------------------------------------------------------------------------- */
 
+// Differences of earlier calls move on, once a call.
 void DualSolver::predict()
 {
   NearPairs &p = list.pairs;
@@ -278,6 +279,7 @@ void DualSolver::average_over_ranks()
     list.remote_sides.exchange(here);
     for (int c = 0; c < count; ++c) value[c] = 0.5 * (value[c] + there[c]);
   };
+  // of normals and angles, which also round differently, each particle needs those of its own rank only
   take_means(p.overlap);
   take_means(p.force);
   if (p.curved) take_means(p.per_distance);
@@ -320,9 +322,11 @@ Termination DualSolver::iterate(Evaluation &now, Attempt attempt)
     if (is_traced) trace(attempt, now);
     if (!now.exists && (has_another(attempt) || !std::isfinite(now.force)))
       return Termination::NO_SHAPE;
-    if (is_balanced(now)) return Termination::BALANCED;
+    // straight lines are let go afterwards, and films follow their tensions only then
+    const double worst = attempt == Attempt::STRAIGHT ? now.imbalance : now.worst();
+    if (is_balanced(now, worst)) return Termination::BALANCED;
     if (!may_go_on()) return now.exists ? Termination::OUT_OF_EVALUATIONS : Termination::NO_SHAPE;
-    if (gets_nowhere(now.worst())) return now.exists ? Termination::STUCK : Termination::NO_SHAPE;
+    if (gets_nowhere(worst)) return now.exists ? Termination::STUCK : Termination::NO_SHAPE;
   }
 }
 
@@ -363,7 +367,7 @@ DualSolver::Attempt DualSolver::next_attempt(Attempt attempt, const Evaluation &
                                            : Attempt::STRAIGHT;
     case Termination::OUT_OF_EVALUATIONS: return lets_go && is_far ? Attempt::HELD : attempt;
     case Termination::STUCK:
-      are_balanced = false;
+      are_balanced = false;    // has_room looks only then
       if (lines && !lines->held) {
         if (lets_go && is_far) return Attempt::HELD;
         if (!lets_go && !has_room()) return Attempt::STRAIGHT;
@@ -412,9 +416,9 @@ void DualSolver::trace(Attempt attempt, const Evaluation &now) const
 }
 
 // In a minimization each call makes a correction at least, so that contact forces converge with the total forces.
-bool DualSolver::is_balanced(const Evaluation &now) const
+bool DualSolver::is_balanced(const Evaluation &now, double worst) const
 {
-  return now.exists && now.worst() <= limit(now) &&
+  return now.exists && worst <= limit(now) &&
          (!minimizing() || is_corrected || now.imbalance == 0.0);
 }
 
@@ -481,13 +485,15 @@ Evaluation DualSolver::correct(const Evaluation &from)
     corrections = linear.begin(batches, list.remote_sides, arrays(), from.norm2, accuracy(from));
   else    // only particles without force touch
     std::fill(batches.step.begin(), batches.step.end(), 0.0F);
+  // Lines that do not move: shapes and a line search. Lines that move: they turn after the step, by outlines as they are then, or,
+  // with films or where they have answered, by outlines that follow the step to first order.
   Steps steps;
   add_solution(steps, corrections);
   steps.push_back(Stage::STEP);
   const bool follows = moves && (films || lines->answers);
   if (!follows) add_shape(steps, shape_after(from));
   const Evaluation stepped = accept(run(steps), from, corrections > 0, !follows);
-  if (!moves)
+  if (!moves || outcome == Outcome::UNDONE)
     return line_search(stepped, progress.is_careful ? 0.0 : LineSearch::BETTER * from.imbalance);
   lines->adapt(follows ? from.line_imbalance : stepped.line_imbalance);
   if (!follows) lines->forget_answers();    // by outlines as they are
@@ -774,7 +780,8 @@ Evaluation DualSolver::evaluate()
   return run(steps);
 }
 
-// Returns what the last stage RESIDUAL has found in all blocks; in `before`, unless null, what that before a planned correction has.
+// Returns what the last stage RESIDUAL has found in all blocks; in `of_planned`, unless null, what that before a planned correction
+// has.
 Evaluation DualSolver::run(const Steps &steps, Evaluation *of_planned)
 {
   const RingBatches rings = batches.arrays();
@@ -840,7 +847,11 @@ void DualSolver::work(const Step &now, int block, RingBatches &here)
       blocks.for_pairs(block,
                        [&](int begin, int end, double) { lines->find_answers(loop, begin, end); });
       break;
-    case Stage::RESPOND: kernels.respond(here, lines->arrays(), !now.goes_on); break;
+    case Stage::RESPOND: {
+      const bool begins = !now.goes_on;
+      kernels.respond(here, lines->arrays(), begins);
+      break;
+    }
     case Stage::FOLLOW_STEP: kernels.follow(here, lines->arrays(), step.data()); break;
     case Stage::TURN:
       blocks.for_pairs(block, [&](int begin, int end, double) { lines->settle(loop, begin, end); });

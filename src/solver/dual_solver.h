@@ -78,7 +78,7 @@ class DualSolver : protected Pointers {
   Summary summary;           // of the last call
 
   // push(begin, end, part, is_final) adds this part of the forces of pairs to those of their particles. Not final: films come or
-  // go afterwards, and other forces follow.
+  // go afterwards, and other forces follow; then they are all pairs, else pairs of one part, as of one block.
   using Push = std::function<void(int begin, int end, double part, bool is_final)>;
 
   // A force call. Returns false on all ranks if any must stop with an error: a wall has refused a center, this pair has a contact
@@ -140,7 +140,7 @@ class DualSolver : protected Pointers {
   PairList list;
   ContactBatches batches;
   std::unique_ptr<CurvedLines> lines;    // null: perpendicular to lines of centers
-  std::unique_ptr<Films> films;          // null: no adhesion
+  std::unique_ptr<Films> films;          // null: no adhesion; RingSolver::use_films makes them
   bool are_balanced = false;
   bool shapes_exist = true;
 
@@ -184,9 +184,10 @@ class DualSolver : protected Pointers {
   static constexpr int LINEAR = 2, QUADRATIC = 3, CUBIC = 4;    // past forces that are needed
   int successive_calls = 0;    // at successive time steps before this one
   bigint last_step = -2;
-  int solutions = 0;                    // of this call so far
-  LargeVector<float> changes[KINDS];    // from the last call, as the first solution has left them
-  bool is_corrected = false;            // whether this call has made a correction
+  int solutions = 0;    // of this call so far
+  // From the last call, as the first solution has left them: they stand in for past[].earlier[0] in a call of several solutions.
+  LargeVector<float> changes[KINDS];
+  bool is_corrected = false;    // whether this call has made a correction
   // Before the correction of the last call, and then of this one, which is planned from it.
   Evaluation planned_from;
 
@@ -243,7 +244,7 @@ class DualSolver : protected Pointers {
   Stage shape_after(const Evaluation &) const;
   Evaluation accept(const Evaluation &now, const Evaluation &from, bool iterated, bool has_shapes);
   Evaluation line_search(Evaluation now, double target);
-  bool is_balanced(const Evaluation &now) const;
+  bool is_balanced(const Evaluation &now, double worst) const;
   // Since when the imbalance has not halved.
   struct Progress {
     double imbalance = std::numeric_limits<double>::infinity();

@@ -59,7 +59,7 @@ FilmArrays Films::arrays()
   return a;
 }
 
-// Angles need T = q p only.
+// Angles need T = q p only: the tension stands for q, and 1 for p.
 void Films::begin()
 {
   NearPairs &p = *pairs;
@@ -101,7 +101,8 @@ double Films::tension_imbalance(const RingBatches &rings) const
   return worst;
 }
 
-// Forces respond to tensions, and tensions to forces: full steps of both may oscillate. They are taken where they do not.
+// Forces respond to tensions, and tensions to forces: full steps of both may oscillate. So steps are full only where the gap has the
+// sign that it had before.
 void Films::follow_tensions(const RingBatches &rings)
 {
   constexpr double PART = 0.5;

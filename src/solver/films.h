@@ -67,7 +67,8 @@ class Films {
   RemoteSides *remote = nullptr;
   std::vector<double> next_angle[2], next_pull;
   std::vector<double> last_gap;    // of tensions, by ring
-  std::vector<char> has_let_go;    // in this call: such pairs stay free until the next one
+  std::vector<char>
+      has_let_go;    // in this call: such pairs stay free until the next one, or the next list of pairs
   FilmArrays arrays();
   bool would_change(int k, bool may_attach) const;
   // rings whose tension may change, and by what it differs from that which films know

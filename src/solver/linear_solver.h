@@ -40,8 +40,8 @@ class LinearSolver {
     return slope > 0.0 && slope <= 2.0 * norm2 / lowest;
   }
 
-  // Iteration k of `last` of some rings, from 1 on, and the products that it leaves, by contact. `left`, unless null: what is
-  // left of the residuals but for the products, number 0, of the step so far, which goes on. Steps are `gain` times as long.
+  // Iteration k of `last` of some rings, from 1 on, and the products that it leaves, by contact. Steps are `gain` times as long.
+  // `left`, unless null: the step so far goes on; this is what it has left of the residuals, before products(.., 0) are subtracted.
   void iterate(RingBatches, const PairArrays &, int k, int last, const float *left = nullptr,
                double gain = 1.0) const;
   static float *products(const RingBatches &, int k);

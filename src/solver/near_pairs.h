@@ -14,8 +14,8 @@
 namespace deformable {
 
 // What is remembered of a pair: its force or, if it bears none, its imbalance, which is negative (DualSolver). With curved lines also
-// the sine of the tilt, and the bend as the first particle sees it. Of each: the value at the last call, and differences from call to
-// call (PastArrays).
+// the sine of the tilt, and the bend as the first particle sees it. Of each: the value at the last call, or UNKNOWN, and differences from call to
+// call (PastArrays), which DualSolver::predict moves on.
 enum { FORCE, TILT, BEND, KINDS };
 struct PairPast {
   struct Series {

@@ -63,7 +63,8 @@ void PairList::build(const ForceCall &call, bool new_list)
           !(pairs.adhesive && is_attached(call, i, j, d)))
         continue;
       const int owner = pairs.owned[j];
-      if (j >= nlocal && owner >= 0) {    // an image of this rank's particle: the list has it twice
+      if (j >= nlocal &&
+          owner >= 0) {    // an image of this rank's particle: LAMMPS' list has it twice
         // images in one row have the same y to the last bit; those above each other in a tilted box not the same x
         const bool before = d.z < 0.0 || (d.z == 0.0 && (d.y < 0.0 || (d.y == 0.0 && d.x < 0.0)));
         if (owner < i || (owner == i && before)) continue;
@@ -347,7 +348,7 @@ bool PairList::is_attached(const ForceCall &call, int i, int j, const Vector3 &x
   return x.x * x.x + x.y * x.y < touch * touch;
 }
 
-// Both ranks of a pair: where circles just touch, rounding of a ghost's position decides.
+// Where circles just touch, rounding of a ghost's position decides: Films::agree lets both ranks decide alike.
 void PairList::recall_films(const ForceCall &call)
 {
   for (int k = 0; k < pairs.wall; ++k) {

@@ -28,7 +28,7 @@ namespace deformable {
 
 // What a force call is about.
 struct ForceCall {
-  const NeighList *list = nullptr;
+  const NeighList *list = nullptr;    // each pair once; a pair with a ghost at both particles
   const Materials *materials = nullptr;
   const double *radius = nullptr;    // by local index, ghosts included
   bool radii_vary = false;           // from call to call

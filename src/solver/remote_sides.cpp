@@ -35,7 +35,7 @@ void RemoteSides::to_ghosts(std::vector<double> &by_particle)
 {
   const int all = atom->nlocal + atom->nghost;
   by_particle.resize(all);
-  std::vector<double *> each(all);    // `rows` are those of pairs
+  std::vector<double *> each(all);
   for (int i = 0; i < all; ++i) each[i] = &by_particle[i];
   comm->forward_comm_array(1, each.data());
 }

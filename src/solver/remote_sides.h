@@ -23,7 +23,7 @@ class RemoteSides : protected Pointers {
     PairPast past;
   };
 
-  // Leaves the candidates that the other rank has too, and gives both ranks the same past. Two images of a particle
+  // Leaves the candidates that the other rank has too, and gives a rank that knows no past that of the other. Two images of a particle
   // in one direction are told apart by their positions.
   void match(std::vector<Candidate> &candidates);
 
@@ -40,7 +40,8 @@ class RemoteSides : protected Pointers {
     own_rings = rings;
   }
 
-  // Appends the values of the other ranks' contacts to those of this rank's, to each of these arrays; and of the rings of pairs.
+  // Appends the values of the other ranks' contacts to those of this rank's, to each of these arrays, that of remote pair c at
+  // own + c; and of the rings of pairs.
   template <class... Number> void exchange(Number *...values)
   {
     exchange_of(contact, own, values...);

@@ -90,7 +90,7 @@ void PairDeformableRing::settings(int narg, char **arg)
   radius_by_atom = of_atoms.radius;
   kA_by_atom = of_atoms.kA;
   tension_by_atom = of_atoms.tension;
-  // a list of near pairs makes the larger one free
+  // a larger reach costs nothing where a list of near pairs filters
   reach = given_reach > 0.0 ? given_reach : radical ? 0.3 : 0.6;
   films = nullptr;
   whole_list = radical;
@@ -408,12 +408,12 @@ Vector2 PairDeformableRing::push_of(int k, const NearPairs::Centers &centers, do
    is the dual energy, whose error is O(r^2).
 ------------------------------------------------------------------------- */
 
-void PairDeformableRing::push_pairs(int begin, int end, bool counts_energy)
+void PairDeformableRing::push_pairs(int begin, int end, bool is_final)
 {
   const NearPairs &p = balanced->pairs();
   double *const f = atom->f[0];
-  const bool plain = begin < p.remote && !p.curved && !eflag_atom && !vflag_either;
-  const bool sums_energy = counts_energy && eflag_either;
+  const bool plain = end <= p.remote && !p.curved && !eflag_atom && !vflag_either;
+  const bool sums_energy = is_final && eflag_either;
   const int usual = plain ? end : begin;
   double rest_of_usual = 0.0;
   for (int k = begin; k < usual && sums_energy && eflag_global; ++k)

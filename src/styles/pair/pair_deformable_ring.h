@@ -87,7 +87,7 @@ class PairDeformableRing : public PairDeformable {
   double push_part = 1.0;    // of forces, see DualSolver::Push
   deformable::Vector2 push_of(int k, const deformable::NearPairs::Centers &, double share,
                               double slope) const;
-  void push_pairs(int begin, int end, bool counts_energy);
+  void push_pairs(int begin, int end, bool is_final);
   void refuse_pair(int k);
   void finish_balanced(int i);
   void load_contacts_of_pairs();
