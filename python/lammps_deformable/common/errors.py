@@ -108,4 +108,4 @@ def warn(message: str | Warning, category: type[Warning] | None = None) -> None:
 
 def _is_own(module: object) -> bool:
     name = str(module)  # code of `exec` may have anything
-    return name in _BETWEEN or name.partition(".")[0] == __package__
+    return name in _BETWEEN or name.partition(".")[0] == __name__.partition(".")[0]
