@@ -8,6 +8,7 @@ import pytest
 from contact_laws import simulate
 from lammps_deformable.engine.soft_disks import Enthalpy, relax_at_pressure
 from lammps_deformable.particles.neighbors import near_pairs
+from lammps_deformable.particles.room import closed
 
 SCENE = (ld.Sphere(4, (0, 0)), ld.Sphere(0.6, (1, 0.5), inside=False))
 BELOW = (ld.Plane((0, -9), (0, 1)), ld.Plane((0, -4), (0, -1)))
@@ -50,7 +51,7 @@ def test_near_pairs_are_all_pairs() -> None:
         distance = np.linalg.norm(apart, axis=1)
         assert (distance < packing.radii[i] + packing.radii[j] + skin).all()
         x = packing.positions
-        shut = ld.room.closed(packing.walls, packing.dimension)
+        shut = closed(packing.walls, packing.dimension)
         farthest = 12 if packing.dimension == 2 else 8
         spans = [range(1) if closed else range(-farthest, farthest + 1) for closed in shut]
         steps = np.array(list(product(*spans))) @ packing.box

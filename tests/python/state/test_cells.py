@@ -7,6 +7,7 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 from crystal import crystal
+from lammps_deformable.particles.room import closed
 from programs import output
 from scipy.spatial import ConvexHull, Voronoi
 
@@ -61,7 +62,7 @@ def test_cells_by_points_at_random_places() -> None:
         else:
             points = rng.random((20000, 2)) @ packing.box
         apart = (points[:, None] - packing.positions) @ np.linalg.inv(packing.box)
-        shut = np.array(ld.room.closed(packing.walls))
+        shut = np.array(closed(packing.walls))
         images = [
             (apart - np.rint(apart) * ~shut + np.array(step) * ~shut) @ packing.box
             for step in product((-1, 0, 1), repeat=2)

@@ -4,6 +4,7 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 from lammps_deformable.engine.moduli import ElasticModuli
+from lammps_deformable.particles.walls import Wall
 
 SCENE = (ld.Sphere(4, (0, 0)), ld.Sphere(0.6, (1, 0.5), inside=False))
 ANNULUS = (ld.Sphere(1.5, (1, 2), inside=False), ld.Sphere(5, (1, 2)))
@@ -86,7 +87,7 @@ def test_all_modes_of_the_same_stiffness_are_found() -> None:
 
 
 @pytest.mark.parametrize(("walls", "zero"), [(ANNULUS, 1), (CHANNEL, 1), (TRIANGLE, 0)])
-def test_motions_between_walls(walls: tuple[ld.walls.Wall, ...], zero: int):
+def test_motions_between_walls(walls: tuple[Wall, ...], zero: int):
     """A rotation in a circle or annulus, a translation along a channel, none around others."""
     packing = ld.bidisperse(40, sizes=(0.4, 0.56), seed=5).between(walls)
     with ld.Simulation(packing.at(0.95), ld.SoftContact()) as disks:
