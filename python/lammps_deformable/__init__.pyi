@@ -18,6 +18,8 @@ from .common.errors import UnsavedWarning as UnsavedWarning
 from .common.parallel import jackknife as jackknife
 from .common.parallel import parallel_map as parallel_map
 from .engine.jamming import jam as jam
+from .engine.moduli import ElasticModuli as ElasticModuli
+from .engine.relax import Iteration as Iteration
 from .engine.simulation import Simulation as Simulation
 from .formats.surface_evolver import Evolved as Evolved
 from .particles.friction import Friction as Friction
@@ -37,10 +39,18 @@ from .particles.walls import Plane as Plane
 from .particles.walls import PolygonWall as PolygonWall
 from .particles.walls import Segment as Segment
 from .particles.walls import Sphere as Sphere
+from .protocols.shearing import DynamicModulus as DynamicModulus
 from .reference.comparison import Comparison as Comparison
 from .reference.comparison import compare as compare
 from .runs.run import Run as Run
+from .runs.run import Table as Table
+from .state.analysis import Cells as Cells
+from .state.contacts import ContactForces as ContactForces
+from .state.hessian import Hessian as Hessian
+from .state.modes import Modes as Modes
+from .state.secondary import SecondaryOutlines as SecondaryOutlines
 from .state.state import State as State
+from .state.tracking import LocalStrain as LocalStrain
 
 __version__: str
 potentials: pathlib.Path

@@ -161,8 +161,8 @@ class Simulation(OneCall):
         expect("friction", friction, Friction, type(None))
         self.law, self.comm = law, communicator(comm, (law, friction, gravity, minimizer))
         start, state = _parts(self.comm.bcast(packing))  # those of other machines may differ
-        self.friction = state.friction if state and friction is None else friction
-        gravity = state.gravity if state and gravity is None else gravity
+        self.friction = state.friction if state is not None and friction is None else friction
+        gravity = state.gravity if state is not None and gravity is None else gravity
         self.gravity = as_gravity(gravity, start, law)
         self._engine = _ENGINES[type(law)](law)
         self.minimizer = self._choose(minimizer)
@@ -204,7 +204,7 @@ class Simulation(OneCall):
         try:
             self._engine.check(packing, self.friction)
         except ParameterError as error:
-            if state and self.friction and self.friction == state.friction:
+            if state is not None and self.friction and self.friction == state.friction:
                 raise ParameterError(f"{error}; or start from the packing of the state") from None
             raise
 
@@ -215,7 +215,7 @@ class Simulation(OneCall):
         self._imbalance = USUAL
         self._facet = float(packing.radii.min()) ** (packing.dimension - 1)
         at_rest = Motion(np.zeros_like(packing.positions))
-        self._engine.go_on(self, state._motion if state else at_rest)
+        self._engine.go_on(self, state._motion if state is not None else at_rest)
         self._setup = setup(self.lmp)
 
     def reset(self, packing: Packing | State) -> None:

@@ -355,9 +355,28 @@ class State:
         return self.packing.radii
 
     @property
+    def species(self) -> NDArray[np.int64]:
+        """Species of the particles, those of `packing`, shape (N,)."""
+        return self.packing.species
+
+    @property
     def box(self) -> Floats:
         """Lattice vectors as rows, those of `packing`, shape (d, d) [length]."""
         return self.packing.box
+
+    @property
+    def walls(self) -> tuple[Wall, ...]:
+        """Walls, those of `packing`."""
+        return self.packing.walls
+
+    @property
+    def dimension(self) -> int:
+        """2, or 3 in space."""
+        return self.packing.dimension
+
+    def __len__(self) -> int:
+        """Number of particles."""
+        return len(self.packing)
 
     @cached_property
     def forces(self) -> Floats:
@@ -1166,7 +1185,7 @@ class State:
                 the force, at most all of it. In space they take the place of the particles, those
                 behind paler.
             scale: of colors and forces, to use one for several pictures, see
-                `lammps_deformable.drawing.scale`.
+                `lammps_deformable.pictures.drawing.scale`.
             cmap: name of one of matplotlib's color maps. If not given, `YlGnBu`, or `BrBG` if 0 is
                 in the middle.
             vmin: value of the first color; that of `scale` if not given.

@@ -8,6 +8,7 @@ from typing import Any
 
 import lammps_deformable as ld
 import matplotlib.pyplot as plt
+import numpy as np
 import pytest
 
 WRONG: dict[str, Any] = {
@@ -20,13 +21,41 @@ WRONG: dict[str, Any] = {
 
 # What means something: a text, a folder, any objects, a strain the other way round, a coordinate.
 MEANT = {
-    "a word": {"folder", "items", "keep", "label", "record", "title", "values"},
+    "a word": {
+        "State.to_surface_evolver.path",
+        "folder",
+        "items",
+        "keep",
+        "label",
+        "record",
+        "title",
+        "values",
+    },
     "a list": {"frequencies", "items", "source"},
-    "a negative number": {"frame", "inset", "shear_stress", "strain", "tilt", "vmin"},
+    "a negative number": {
+        "Modes.plot.index",
+        "frame",
+        "inset",
+        "shear_stress",
+        "strain",
+        "tilt",
+        "vmin",
+    },
 }
 
 # Results, which a user does not make, and methods that are those of a list.
-LEFT_OUT = {"Run.count", "Run.index", "Simulation.close", "State"}
+LEFT_OUT = {
+    *("Run.count", "Run.index", "Simulation.close", "State"),
+    *(
+        f"Hessian.{of_solvers}"
+        for of_solvers in ("factored", "line_response", "project", "response")
+    ),
+}
+RESULTS = {"Hessian", "Modes", "Table"}
+RESULTS_WITHOUT_ARGUMENTS = {
+    *("Cells", "Comparison", "ContactForces", "DynamicModulus", "ElasticModuli", "Evolved"),
+    *("Iteration", "LocalStrain", "SecondaryOutlines"),
+}
 
 # Calls that take seconds, or load a library that does.
 SLOW = {"compare", "Run.movie", "State.graph", "State.to_pandas"}
@@ -39,10 +68,11 @@ def public() -> Iterator[str]:
     """Names of functions, classes and methods, such as `Run.msd`."""
     for name in vars(ld)["__all__"]:
         found = getattr(ld, name)
-        if name in ("Comparison", "Evolved"):  # results
+        if name in RESULTS_WITHOUT_ARGUMENTS:
             continue
         if isinstance(found, type) and not issubclass(found, Exception):
-            yield name
+            if name not in RESULTS:
+                yield name
             for method in dir(found):
                 static = inspect.getattr_static(found, method)
                 plain = inspect.isfunction(static) or isinstance(static, classmethod | staticmethod)
@@ -64,6 +94,8 @@ class Calls:
         bubbles = ld.Simulation(PACKING, ld.Ring(kA=math.inf, kP=0.0, tension=1.0))
         self.objects = {
             "DeformablePolygon": ld.DeformablePolygon(),
+            "Hessian": run[0].hessian(),
+            "Modes": run[0].modes(),
             "Packing": PACKING,
             "Ring": ld.Ring(contact="curved"),
             "Run": run,
@@ -72,6 +104,7 @@ class Calls:
             "Simulation": sim,
             "State": run[0],
             "State.to_surface_evolver": bubbles.relax(),
+            "Table": run.table(),
         }
         self.valid: dict[str, Any] = {
             "a": [0, 0], "amplitude": 1e-3, "angle": 0.5, "axis": [0, 0, 1], "b": [1, 0],
@@ -107,6 +140,7 @@ class Calls:
                 "species": "run/species.deformable",
             },
             "State.to_surface_evolver": {"path": ".fe"},
+            "Hessian.solve": {"forces": np.zeros(PACKING.positions.size)},
             "Packing.from_file": {"path": "packing.xyz"},
             "Packing.to_file": {"path": ".xyz"},
             "compare": {"vertices": [20], "workers": 1},
@@ -181,7 +215,7 @@ def test_wrong_arguments(name: str, calls: Calls, monkeypatch: pytest.MonkeyPatc
             given = calls.arguments(name) | {parameter.name: value}
             try:
                 calls(name, given)
-                if parameter.name in MEANT.get(kind, ()):
+                if MEANT.get(kind, set()) & {parameter.name, f"{name}.{parameter.name}"}:
                     continue
                 found = "is accepted"
             except ld.DeformableError as error:
