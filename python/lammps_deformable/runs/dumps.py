@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import potentials
 from ..common._checks import expect, shown, whole
-from ..common._files import reading
+from ..common._files import at_home, reading
 from ..common.errors import FileError, LackingWarning, ParameterError, warn
 from ..engine.lammps import close_lammps, run, silent_lammps
 from ..engine.simulation import Simulation
@@ -58,6 +58,7 @@ def state_in_file(
     """See `State.from_file`."""
     expect("path", path, str, Path)
     expect("species", species, str, Path)
+    path, species = at_home(path), at_home(species)
     expect("radii", radii, str, type(None))
     expect("law", law, str, type(None))
     frame = whole("frame", frame)
@@ -68,7 +69,7 @@ def state_in_file(
     law = law or (told.name if told else _UNTOLD)
     if law not in ALL_LAWS:
         raise ParameterError(f"law must be {', '.join(ALL_LAWS)}, not {law}")
-    file = Path(species)
+    file = species
     if not file.exists() and (potentials / file).exists():
         file = potentials / file
     if not file.exists() or file.is_dir():
@@ -76,7 +77,7 @@ def state_in_file(
         hint = f": ld.Run('{there}') has the states of its run" if holds(there) == "run" else ""
         raise FileError(f"there is no species file '{species}'{hint}")
     own, dimension = 1.0 if radii is None else radii, ALL_LAWS[law].dimension
-    found = read_particles(Path(path), frame, None, () if radii is None else (radii,))
+    found = read_particles(path, frame, None, () if radii is None else (radii,))
     found, names = with_species(found, path, file, types)
     packing = Packing._of_particles(found, path, own, walls, box, dimension)
     number = len(packing._species_radii)

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from ..core import unit_vectors
 from ..particles.friction import rubbing_columns
@@ -88,6 +87,8 @@ def rubbing_table(
 def _sides_in(table: ContactTable, i: Floats, j: Floats, normal: Floats) -> NDArray[np.int64]:
     """Sides with these IDs, j = 0 for a wall; a pair in a small box has several directions."""
     given = np.column_stack([table["i"] + 1, np.maximum(table["j"] + 1, 0), _normals(table)])
+    from scipy.spatial import cKDTree
+
     _, at = cKDTree(given).query(np.column_stack([i, j, normal]))
     return np.asarray(at, np.int64)
 

@@ -77,3 +77,10 @@ def test_warnings_of_code_without_a_name(given: dict[str, Any]) -> None:
         exec("warn('walls', category)", given)
     assert [each.filename for each in told] == ["<string>"]
     exec("warn('walls', category)", given | {"__name__": None})  # of which Python warns never
+
+
+def test_versions_are_shown(capsys: pytest.CaptureFixture[str]) -> None:
+    ld.show_versions()
+    rows = dict(line.split(": ", 1) for line in capsys.readouterr().out.splitlines())
+    assert rows["deformable"] == ld.__version__
+    assert {"lammps", "numpy", "python", "mpi", "processor"} <= set(rows)

@@ -114,6 +114,9 @@ def test_a_folder_stays_where_it_was(tmp_path: Path, monkeypatch: pytest.MonkeyP
     run[-1].save("~/state")
     run[-1].packing.to_file("~/packing.data")
     assert len(ld.Packing.from_file("~/packing.data")) == 8
+    read = ld.State.from_file("~/run/trajectory.lammpstrj", "~/run/species.deformable")
+    assert (len(read), read.dimension, read.walls) == (8, 2, ())
+    assert np.array_equal(read.species, run[-1].species)
     assert os.listdir(elsewhere) == []
 
 
