@@ -133,7 +133,8 @@ def download(suite, folder):
     apt_get = [tool("apt-get"), "--quiet", *(word for option in options for word in ("-o", option))]
     what = f"LAMMPS in Debian {suite}"
     call(*apt_get, "update", what=what)
-    call(*apt_get, "source", "--download-only", "--tar-only", "lammps", cwd=apt, what=what)
+    only = "--only-source", "--download-only", "--tar-only"  # of this suite, not what is installed
+    call(*apt_get, "source", *only, "lammps", cwd=apt, what=what)
     (archive,) = apt.glob("lammps_*.orig.tar.*")
     # some of these archives have a folder of their own, others do not
     unpacked = apt / "lammps"
