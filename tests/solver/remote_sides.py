@@ -68,7 +68,7 @@ def past(key):
 
 def check(filled):
     LMP.commands_string(SCRIPT.format(ranks=RANKS, filled=filled, reach=REACH))
-    remote = parts.RemoteSides(LMP.lmp.value)
+    remote = parts.RemoteSides(LMP)
     candidates = {key: candidate for key, candidate in shared() if number("left out", key) > 0.1}
     matched = remote.match([(*candidate, past(key)) for key, candidate in candidates.items()])
 

@@ -41,9 +41,9 @@ const ForceKernels &kernels()
   return batch_kernels("")->forces;
 }
 
-LAMMPS *lammps_at(std::uintptr_t address)    // lmp.lmp.value in Python
+LAMMPS *lammps_of(nb::handle lmp)    // of an object of Python
 {
-  return reinterpret_cast<LAMMPS *>(address);
+  return reinterpret_cast<LAMMPS *>(nb::cast<std::uintptr_t>(lmp.attr("lmp").attr("value")));
 }
 
 /* ----------------------------------------------------------------------
@@ -130,12 +130,6 @@ void bind_rings(nb::module_ &m)
       return per_contact(r.pairs.size, [&](std::size_t k) { return value(r, k); });
     };
   };
-  const auto of_rings = [](auto &&value) {
-    return [value](const Rings &r) {
-      return per_contact(r.batches.place.size(),
-                         [&](std::size_t i) { return value(r.batches, r.batches.place[i]); });
-    };
-  };
   // of the first or second contact of a pair, which has only one with a ghost or a wall
   const auto correction = [&](int side) {
     return of_pairs([side](const Rings &r, int k) {
@@ -159,10 +153,13 @@ void bind_rings(nb::module_ &m)
                    move)
       .def_prop_ro("first_correction", correction(0), move)
       .def_prop_ro("second_correction", correction(1), move)
-      .def_prop_ro("total", of_rings([](const ContactBatches &b, int at) { return b.total[at]; }),
-                   move)
-      .def_prop_ro("batch", of_rings([](const ContactBatches &, int at) { return at / LANES; }),
-                   move);
+      .def_prop_ro(
+          "batch",
+          [](const Rings &r) {
+            return per_contact(r.batches.place.size(),
+                               [&](std::size_t i) { return r.batches.place[i] / LANES; });
+          },
+          move);
 }
 
 struct Linear {
@@ -171,10 +168,10 @@ struct Linear {
   RemoteSides remote;
   LinearSolver solver;
 
-  Linear(Rings &rings, std::uintptr_t lmp, const std::string &tuned)
+  Linear(Rings &rings, nb::handle lmp, const std::string &tuned)
       : rings(rings),
         tuning(Tuning().changed_by(tuned)),
-        remote(lammps_at(lmp)),
+        remote(lammps_of(lmp)),
         solver(kernels(), tuning)
   {
   }
@@ -191,8 +188,8 @@ struct Linear {
 void bind_linear(nb::module_ &m)
 {
   nb::class_<Linear>(m, "LinearSolver")
-      .def(nb::init<Rings &, std::uintptr_t, std::string>(), "rings"_a, "lmp"_a, "tuning"_a = "",
-           nb::keep_alive<1, 2>())
+      .def(nb::init<Rings &, nb::handle, std::string>(), "rings"_a, "lmp"_a, "tuning"_a = "",
+           nb::keep_alive<1, 2>(), nb::keep_alive<1, 3>())
       .def("begin", &Linear::begin, "norm2"_a, "accuracy"_a)
       .def("plan", [](Linear &s, double accuracy) { return s.solver.plan(accuracy); })
       .def("iterate", &Linear::iterate, "last"_a)
@@ -339,10 +336,10 @@ struct List {
   Refusals refusals;
   PairList list;
 
-  List(std::uintptr_t address, bool curved, double smallest, double reach,
+  List(nb::handle given, bool curved, double smallest, double reach,
        const std::vector<std::vector<std::string>> &walls_by_words, const std::string &tuned)
       : tuning(Tuning().changed_by(tuned)),
-        lmp(lammps_at(address)),
+        lmp(lammps_of(given)),
         smallest(smallest),
         reach(reach),
         refusals(lmp),
@@ -388,10 +385,11 @@ struct List {
 void bind_list(nb::module_ &m)
 {
   nb::class_<List>(m, "PairList")
-      .def(nb::init<std::uintptr_t, bool, double, double, std::vector<std::vector<std::string>>,
+      .def(nb::init<nb::handle, bool, double, double, std::vector<std::vector<std::string>>,
                     std::string>(),
            "lmp"_a, "curved"_a, "smallest"_a, "reach"_a,
-           "walls"_a = std::vector<std::vector<std::string>>{}, "tuning"_a = "")
+           "walls"_a = std::vector<std::vector<std::string>>{}, "tuning"_a = "",
+           nb::keep_alive<1, 2>())
       .def("build", &List::build, "new_list"_a)
       .def("is_sufficient", &List::is_sufficient)
       .def("set_bulges",
@@ -443,14 +441,14 @@ struct Remote {
   RemoteSides sides;
   std::vector<int> contacts;
 
-  explicit Remote(std::uintptr_t lmp) : sides(lammps_at(lmp)) {}
+  explicit Remote(nb::handle lmp) : sides(lammps_of(lmp)) {}
 };
 
 void bind_remote(nb::module_ &m)
 {
   using Candidate = std::tuple<int, int, int, Place3, Past>;
   nb::class_<Remote>(m, "RemoteSides")
-      .def(nb::init<std::uintptr_t>(), "lmp"_a)
+      .def(nb::init<nb::handle>(), "lmp"_a, nb::keep_alive<1, 2>())
       .def("match",
            [](Remote &r, const std::vector<Candidate> &given) {
              std::vector<RemoteSides::Candidate> candidates;

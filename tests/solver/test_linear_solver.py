@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from parts import HERE, Lattice, parts
+from parts import LMP, Lattice, parts
 
 ALWAYS = "chebyshev=0"  # Chebyshev's iteration, however fast conjugate gradients are
 
@@ -54,7 +54,7 @@ def equations(request):
 
 @pytest.mark.parametrize("accuracy", [0.1, 1e-2, 1e-4])
 def test_conjugate_gradients(equations, accuracy):
-    solver = parts.LinearSolver(equations.rings, HERE)
+    solver = parts.LinearSolver(equations.rings, LMP)
     assert solver.begin(equations.norm2, accuracy) == 0
     assert 0.01 * accuracy < equations.left <= 1.01 * accuracy
     exact = np.linalg.solve(equations.matrix, equations.residual)
@@ -63,7 +63,7 @@ def test_conjugate_gradients(equations, accuracy):
 
 def test_chebyshev_for_every_mode(equations):
     """None grows: the bounds contain the spectrum. Wider ones would cost iterations."""
-    solver = parts.LinearSolver(equations.rings, HERE, ALWAYS)
+    solver = parts.LinearSolver(equations.rings, LMP, ALWAYS)
     solver.begin(equations.norm2, 1e-6)
     lowest, highest = equations.spectrum[[0, -1]]
     decay = np.arccosh((highest + lowest) / (highest - lowest))
@@ -78,7 +78,7 @@ def test_chebyshev_for_every_mode(equations):
 
 
 def test_few_conjugate_gradients_know_no_bounds(equations):
-    solver = parts.LinearSolver(equations.rings, HERE, ALWAYS)
+    solver = parts.LinearSolver(equations.rings, LMP, ALWAYS)
     assert not solver.knows_bounds()
     general = equations.residual
     for _ in range(2):
@@ -96,14 +96,14 @@ def test_few_conjugate_gradients_know_no_bounds(equations):
 @pytest.mark.parametrize(("tuning", "worth"), [(ALWAYS, True), ("chebyshev=inf", False)])
 def test_chebyshev_where_it_is_worth_it(tuning, worth):
     equations = Equations()
-    solver = parts.LinearSolver(equations.rings, HERE, tuning)
+    solver = parts.LinearSolver(equations.rings, LMP, tuning)
     solver.begin(equations.norm2, 1e-4)
     assert solver.knows_bounds() == worth
 
 
 def test_sound_steps(equations):
     """Those of every mode; none that goes back, or twice as far as the softest mode."""
-    solver = parts.LinearSolver(equations.rings, HERE, ALWAYS)
+    solver = parts.LinearSolver(equations.rings, LMP, ALWAYS)
     solver.begin(equations.norm2, 1e-6)
     for mode in equations.modes:
         norm2 = (equations.weight * mode**2).sum()

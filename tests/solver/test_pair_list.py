@@ -56,9 +56,7 @@ class Particles:
                 dimension=len(box), lx=lx, ly=ly, tilt=tilt, bottom=bottom, top=top, atoms=atoms
             )
         )
-        self.list = parts.PairList(
-            self.lmp.lmp.value, True, SMALLEST, 0.5, list(walls), f"margin={MARGIN}"
-        )
+        self.list = parts.PairList(self.lmp, True, SMALLEST, 0.5, list(walls), f"margin={MARGIN}")
 
     def run(self, commands):
         """Then the neighbor list is new."""
