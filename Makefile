@@ -21,7 +21,7 @@ BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 PIP_INSTALL := $(PIP) install --no-compile
 SOURCES := $(shell find cmake potentials python src -type f -not -name '*.pyc') CMakeLists.txt pyproject.toml \
-           tests/core/core_for_tests.cpp
+           tests/core/core_for_tests.cpp tests/solver/solver_for_tests.cpp
 
 # Containers often set it. Without bytecode each process compiles all that it imports, for two seconds.
 export PYTHONDONTWRITEBYTECODE :=

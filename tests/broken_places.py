@@ -9,13 +9,13 @@ notices more. What came out goes into data/broken_places.csv, and what pytest sa
 a file for each place.
 """
 
+import argparse
 import csv
 import os
 import re
 import shutil
 import signal
 import subprocess
-import sys
 from contextlib import suppress
 from pathlib import Path
 
@@ -64,7 +64,8 @@ def build(folder: Path) -> Path:
         (source / file).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy2(ROOT / file, source / file)
     with_switches(source)
-    options = ("-q", "--no-build-isolation", "--no-deps", "-w", folder, source)
+    for_tests = ("-C", "cmake.define.DEFORMABLE_FOR_TESTS=ON")
+    options = ("-q", "--no-build-isolation", "--no-deps", *for_tests, "-w", folder, source)
     path = f"{BIN}:{os.environ['PATH']}"
     done = program("python", "-m", "pip", "wheel", *options, cwd=folder, PATH=path, timeout=3600)
     assert done.returncode == 0, done.stderr
@@ -130,10 +131,20 @@ def write_results(results: dict[int, tuple[int, int]]) -> None:
 
 
 if __name__ == "__main__":
-    into = Path(sys.argv[1]).resolve()
+    summary, _, usage = __doc__.partition("\n\n")
+    words = argparse.ArgumentParser(
+        description=summary, epilog=usage, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    words.add_argument("folder", type=Path, help="where the package is built")
+    words.add_argument("numbers", type=int, nargs="*", help="of places; all if there are none")
+    given = words.parse_args()
+    numbers = given.numbers or range(1, len(PLACES) + 1)
+    if not 1 <= min(numbers) <= max(numbers) <= len(PLACES):
+        words.error(f"places have the numbers 1 to {len(PLACES)}")
+    into = given.folder.resolve()
     into.mkdir(parents=True, exist_ok=True)
     package, results = build(into), {}
-    for number in map(int, sys.argv[2:] or range(1, len(PLACES) + 1)):
+    for number in numbers:
         results[number] = noticed(package, number, into / f"{number}.txt")
         what, name, *_ = PLACES[number - 1]
         print(f"{number} {name}, {what}: {results[number][0]} of {results[number][1]}", flush=True)

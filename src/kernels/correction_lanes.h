@@ -38,8 +38,7 @@ template <class Body> DEFORMABLE_LANE_FUNCTION void for_contacts_in_all(const Ri
 
 DEFORMABLE_LANE_FUNCTION Floats floats_of_pairs(const float *x, const int *pair_side)
 {
-  return floats_of([&](int w) DEFORMABLE_LANE_LAMBDA { return x[pair_side[w] >> 1]; },
-                   std::make_integer_sequence<int, FLOATS>());
+  return each_of<Floats>([&](int w) DEFORMABLE_LANE_LAMBDA { return x[pair_side[w] >> 1]; });
 }
 
 // A step of this length, or `gain` times as long, along the direction of a contact; r after it.

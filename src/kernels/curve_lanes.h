@@ -19,8 +19,8 @@ namespace deformable::DEFORMABLE_LEVEL {
 // 1 or -1
 DEFORMABLE_LANE_FUNCTION Floats side_of(const int *pair_side)
 {
-  return floats_of([&](int w) DEFORMABLE_LANE_LAMBDA { return 1.0F - 2.0F * (pair_side[w] & 1); },
-                   std::make_integer_sequence<int, FLOATS>());
+  return each_of<Floats>([&](int w)
+                             DEFORMABLE_LANE_LAMBDA { return 1.0F - 2.0F * (pair_side[w] & 1); });
 }
 
 template <int... LANE>

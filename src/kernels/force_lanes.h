@@ -79,56 +79,22 @@ DEFORMABLE_LANE_FUNCTION ComplianceLanes press_rigid(const RingArrays &r, const 
   return c;
 }
 
-// find_expansion of ring_forces.h from the expansion of the last call, as long as Newton's method stays between its
-// bounds. Returns where that leads to a ring.
+// Returns where the last expansion leads to a ring.
 DEFORMABLE_LANE_FUNCTION Mask expand(const RingArrays &r, Lanes &pressure, Lanes &expansion)
 {
-  constexpr double CLOSE = 1e-8, NOTHING = 1e-280;
-  constexpr int ITERATIONS = 8;
-  const bool tense = r.stiffness.tension;    // some rings may have a tension
-  const Lanes radius = load<Lanes>(r.radius), kA = load<Lanes>(r.stiffness.kA),
-              kP = load<Lanes>(r.stiffness.kP);
-  const Lanes work = load<Lanes>(r.work), most = LARGEST_EXPANSION * radius;
-  const Lanes per_kA = 1.0 / kA, spring = 2.0 * PI * kP;
-  const Lanes pull = load<Lanes>(r.total) * (0.5 / PI);
-  Lanes tension = pull, p0 = Lanes{};
-  if (tense) {
-    tension += load<Lanes>(r.stiffness.tension);
-    p0 = load<Lanes>(r.stiffness.tension) / radius;
-  }
-  Lanes low = larger(-radius, -tension / spring), high = all(__builtin_inf());
-  Lanes delta = load<Lanes>(r.expansion);
-  Mask open = (kP / kA < all(__builtin_inf())) & (magnitude(work) > NOTHING) & (delta > low) &
-              (delta < most) & (load<Lanes>(r.pressure) > 0.0);
-  Mask found = Mask{};
-  if (tense) {    // the closed form
-    const Lanes x = work / (PI * tension * tension);
-    found = open & (kA == all(__builtin_inf())) & (kP == Lanes{}) & (x < all(1.0));
-    const Lanes part = root(1.0 - select(found, x, Lanes{}));
-    delta = select(found, radius * x / (part * (1.0 + part)), delta);
-    open &= ~found;
-  }
-  for (int iteration = 0; iteration < ITERATIONS && any(open); ++iteration) {
-    const Expanded<Lanes> at = expanded(radius, per_kA, spring, p0, pull, work, delta);
-    const Mask above = (at.slope > 0.0) & (at.h > 0.0);
-    high = select(open & above, delta, high);
-    low = select(open & ~above, delta, low);
-    const Lanes next = delta - at.h / at.slope;
-    const Mask inside = (at.slope > 0.0) & (low <= next) & (next <= high);
-    Lanes least = at.E * at.p / spring;
-    if (tense) {
-      const Lanes lacks = magnitude(at.deficit);
-      const Mask balanced = magnitude(at.h) <= 0.1 * lacks + 1e-14 * magnitude(at.above) * per_kA;
-      least = select(p0 > 0.0, select(balanced, lacks * (0.5 / PI) / radius, Lanes{}), least);
-    }
-    const Mask close = magnitude(next - delta) <= CLOSE * (magnitude(next) + least);
-    delta = select(open & inside, next, delta);
-    found |= open & inside & close;
-    open &= inside & ~close;
-  }
-  expansion = delta;
-  pressure = p0 + ((spring - p0) * delta + pull) / (radius + delta);
-  return found & (expansion < most);
+  constexpr double NOTHING = 1e-280;
+  const StiffnessArrays &k = r.stiffness;
+  const RingUnderLoad<Lanes> ring = {load<Lanes>(r.radius),
+                                     load<Lanes>(k.kA),
+                                     load<Lanes>(k.kP),
+                                     k.tension ? load<Lanes>(k.tension) : Lanes{},
+                                     load<Lanes>(r.total) * (0.5 / PI),
+                                     load<Lanes>(r.work)};
+  pressure = load<Lanes>(r.pressure);
+  expansion = load<Lanes>(r.expansion);
+  const Mask soft = ring.kP / ring.kA<__builtin_inf(), loaded = magnitude(ring.work)> NOTHING;
+  return find_expansion(ring, k.tension != nullptr, soft & loaded, pressure, expansion) &
+         (expansion < LARGEST_EXPANSION * ring.radius);
 }
 
 // Pressure, expansion and compliance of W rings; returns false where a ring does not exist. In compliances,

@@ -37,30 +37,9 @@ DEFORMABLE_LANE_FUNCTION void to_places(Place *const *at, int m, double Place::*
   for_each_lane([&](int w) DEFORMABLE_LANE_LAMBDA { at[w][m].*member = x[w]; });
 }
 
-// angle_of of trigonometry.h, with the same operations.
-DEFORMABLE_LANE_FUNCTION Lanes angle_of_lanes(Lanes x, Lanes y)
-{
-  const Lanes ax = magnitude(x), ay = magnitude(y);
-  const Lanes large = larger(ax, ay), small = smaller(ax, ay);
-  const Mask upper = small > 0.41421356237309503 * large;
-  const Lanes z = select(upper, small - large, small) / select(upper, large + small, large);
-
-  const Lanes s = z * z, s2 = s * s, s4 = s2 * s2;
-  const Lanes octant = z + z * s * taylor::arctangent(s, s2, s4);
-
-  const Lanes eighth = select(upper, all(0.25 * PI) + octant, octant);
-  const Lanes quarter = select(ay > ax, 0.5 * PI - eighth, eighth);
-  return with_sign_of(select(x < 0.0, PI - quarter, quarter), y);
-}
-
 struct DirectionLanes {
   Lanes nx, ny;
 };
-
-DEFORMABLE_LANE_FUNCTION double angle_of_lanes(double x, double y)
-{
-  return angle_of(x, y);
-}
 
 // Angles between two contacts of each particle: |t|, sin |t|, cos |t| and where t < 0.
 struct AngleLanes {

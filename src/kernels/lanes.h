@@ -8,26 +8,20 @@
 #ifndef DEFORMABLE_LANES_H
 #define DEFORMABLE_LANES_H
 
+#include "laws/numbers.h"
+
 #include <type_traits>
 #include <utility>
 
-#define DEFORMABLE_LANE_LAMBDA __attribute__((always_inline))
 #define DEFORMABLE_LANE_FUNCTION static inline __attribute__((always_inline, unused))
 
 namespace deformable::DEFORMABLE_LEVEL {
 
 constexpr int W = DEFORMABLE_LANES;
 typedef double Lanes __attribute__((vector_size(8 * W)));
-typedef long long Mask __attribute__((vector_size(8 * W)));    // of each lane: -1 (true) or 0
+typedef decltype(Lanes{} < Lanes{}) Mask;
 
-// The vector of value(w), and action(w) for each lane. Written out, because compilers turn loops over lanes into
-// instructions that gather and scatter, which are slow.
-template <class Value, int... LANE>
-DEFORMABLE_LANE_FUNCTION Lanes each_of(Value &&value, std::integer_sequence<int, LANE...>)
-{
-  return Lanes{value(LANE)...};
-}
-
+// Action(w) for each lane, and the vector of value(w).
 template <class Action, int... LANE>
 DEFORMABLE_LANE_FUNCTION void for_each_of(Action &&action, std::integer_sequence<int, LANE...>)
 {
@@ -36,7 +30,7 @@ DEFORMABLE_LANE_FUNCTION void for_each_of(Action &&action, std::integer_sequence
 
 template <class Value> DEFORMABLE_LANE_FUNCTION Lanes each_lane(Value &&value)
 {
-  return each_of(value, std::make_integer_sequence<int, W>());
+  return each_of<Lanes>(value);
 }
 
 template <class Action> DEFORMABLE_LANE_FUNCTION void for_each_lane(Action &&action)
@@ -49,52 +43,8 @@ DEFORMABLE_LANE_FUNCTION Lanes all(double x)
   return x - Lanes{};
 }
 
-DEFORMABLE_LANE_FUNCTION Lanes select(Mask m, Lanes yes, Lanes no)
-{
-  return m ? yes : no;
-}
-
-DEFORMABLE_LANE_FUNCTION bool any(Mask m)
-{
-  long long found = 0;
-  for (int w = 0; w < W; ++w) found |= m[w];
-  return found != 0;
-}
-
-DEFORMABLE_LANE_FUNCTION Lanes root(Lanes x)
-{
-  return each_lane([&](int w) DEFORMABLE_LANE_LAMBDA { return __builtin_sqrt(x[w]); });
-}
-
-DEFORMABLE_LANE_FUNCTION Lanes magnitude(Lanes x)
-{
-  return (Lanes)((Mask)x & 0x7fffffffffffffffLL);
-}
-
-DEFORMABLE_LANE_FUNCTION Lanes with_sign_of(Lanes x, Lanes sign)
-{
-  constexpr long long BIT = -0x7fffffffffffffffLL - 1;
-  return (Lanes)(((Mask)x & ~BIT) | ((Mask)sign & BIT));
-}
-
-DEFORMABLE_LANE_FUNCTION Lanes larger(Lanes a, Lanes b)
-{
-  return a < b ? b : a;
-}
-
-DEFORMABLE_LANE_FUNCTION Lanes smaller(Lanes a, Lanes b)
-{
-  return b < a ? b : a;
-}
-
 // Numbers in single precision in memory, which arithmetic does not see.
 typedef float Singles __attribute__((vector_size(4 * W)));
-
-template <class Value, int... LANE>
-DEFORMABLE_LANE_FUNCTION Singles singles_of(Value &&value, std::integer_sequence<int, LANE...>)
-{
-  return Singles{value(LANE)...};
-}
 
 // Numbers for arithmetic in single precision: twice as many, and not more than 8, the rings of a batch.
 constexpr int FLOATS = W < 4 ? 2 * W : 8;
@@ -143,12 +93,6 @@ DEFORMABLE_LANE_FUNCTION void store(float *to, Lanes x)
 DEFORMABLE_LANE_FUNCTION void store_floats(float *to, Floats x)
 {
   __builtin_memcpy(to, &x, sizeof x);
-}
-
-template <class Value, int... LANE>
-DEFORMABLE_LANE_FUNCTION Floats floats_of(Value &&value, std::integer_sequence<int, LANE...>)
-{
-  return Floats{value(LANE)...};
 }
 
 // Two numbers in single precision side by side, in the memory of one double.
@@ -213,8 +157,7 @@ DEFORMABLE_LANE_FUNCTION Both<double> both_of(double bits)
 // x[index[w]]
 DEFORMABLE_LANE_FUNCTION Floats gather_floats(const float *x, const int *index)
 {
-  return floats_of([&](int w) DEFORMABLE_LANE_LAMBDA { return x[index[w]]; },
-                   std::make_integer_sequence<int, FLOATS>());
+  return each_of<Floats>([&](int w) DEFORMABLE_LANE_LAMBDA { return x[index[w]]; });
 }
 
 // x[index(w)]
@@ -227,52 +170,7 @@ DEFORMABLE_LANE_FUNCTION T gather(const Number *x, Index &&index)
   else if constexpr (sizeof(Number) == sizeof(double))
     return each_lane(value);
   else
-    return __builtin_convertvector(singles_of(value, std::make_integer_sequence<int, W>()), Lanes);
-}
-
-DEFORMABLE_LANE_FUNCTION bool all_true(bool m)
-{
-  return m;
-}
-
-DEFORMABLE_LANE_FUNCTION bool all_true(Mask m)
-{
-  return !any(~m);
-}
-
-DEFORMABLE_LANE_FUNCTION bool any_true(bool m)
-{
-  return m;
-}
-
-DEFORMABLE_LANE_FUNCTION bool any_true(Mask m)
-{
-  return any(m);
-}
-
-DEFORMABLE_LANE_FUNCTION double root(double x)
-{
-  return __builtin_sqrt(x);
-}
-
-DEFORMABLE_LANE_FUNCTION double select(bool m, double yes, double no)
-{
-  return m ? yes : no;
-}
-
-DEFORMABLE_LANE_FUNCTION double magnitude(double x)
-{
-  return __builtin_fabs(x);
-}
-
-DEFORMABLE_LANE_FUNCTION double larger(double a, double b)
-{
-  return a < b ? b : a;
-}
-
-DEFORMABLE_LANE_FUNCTION double smaller(double a, double b)
-{
-  return b < a ? b : a;
+    return __builtin_convertvector(each_of<Singles>(value), Lanes);
 }
 
 }    // namespace deformable::DEFORMABLE_LEVEL

@@ -54,7 +54,7 @@ static bool locate_pairs(PairPlaces p, int begin, int end)
     store(p.overlap + k, ri + rj - d);
     store(p.nx + k, dx * per_d);
     store(p.ny + k, dy * per_d);
-    store(p.angle + k, angle_of_lanes(dx, dy));
+    store(p.angle + k, angle_of(dx, dy));
   });
   return apart;
 }
@@ -409,8 +409,7 @@ static void turn_lines(LineArrays a, int begin, int end)
                         z2 * (3.0 / 40.0 + z2 * (15.0 / 336.0 +
                                                  z2 * (105.0 / 3456.0 + z2 * (945.0 / 42240.0))))));
     angle = select(angle > PI, angle - 2.0 * PI, select(angle < -PI, angle + 2.0 * PI, angle));
-    if (any_true(magnitude(z) > SMALL))
-      angle = select(magnitude(z) > SMALL, angle_of_lanes(x, y), angle);
+    if (any(magnitude(z) > SMALL)) angle = select(magnitude(z) > SMALL, angle_of(x, y), angle);
     store(a.sine + k, sine);
     store(a.nx + k, x);
     store(a.ny + k, y);
@@ -449,7 +448,7 @@ static double find_films(FilmArrays p, int begin, int end)
     store(p.next_angle[0] + k, ti);
     store(p.next_angle[1] + k, tj);
     store(p.next_pull + k, select(w > 0.0, 0.5 * root(pull2) / film, zero));
-    if (!any_true(w > 0.0)) return;
+    if (!any(w > 0.0)) return;
 
     const T per_i = 1.0 / (1.0 + ti * ti), per_j = 1.0 / (1.0 + tj * tj);
     const T of_i = magnitude(ti - load<T>(p.angle[0] + k)) * qi * ti * per_i * per_i,
@@ -481,9 +480,8 @@ static void take_films(FilmArrays p, int begin, int end)
     const auto take = [&](int side, const int *contact, T bend) DEFORMABLE_LANE_LAMBDA {
       const T t = load<T>(p.next_angle[side] + k);
       store(p.angle[side] + k, t);
-      const FilmTerms<T> terms = film_terms(t, bend, [](T cosine, T sine) DEFORMABLE_LANE_LAMBDA {
-        return angle_of_lanes(cosine, sine);
-      });
+      const FilmTerms<T> terms = film_terms(
+          t, bend, [](T cosine, T sine) DEFORMABLE_LANE_LAMBDA { return angle_of(cosine, sine); });
       const T of[] = {terms.perimeter, terms.linear, terms.square, terms.depth};
       for (int n = 0; n < 4; ++n)
         for (int lane = 0; lane < static_cast<int>(sizeof(T) / sizeof(double)); ++lane) {

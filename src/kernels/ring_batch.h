@@ -6,116 +6,9 @@
 
 #include "kernels/lane_geometry.h"
 #include "laws/green.h"
+#include "laws/soft_ring.h"
 
 namespace deformable::DEFORMABLE_LEVEL {
-
-template <int N> struct Factors {
-  Lanes green[N][N], per_pivot[N];    // lower triangle: L D L^T = G
-};
-
-// As in ring_lcp.h: x = (D L^T)^-1 x
-template <int N> DEFORMABLE_LANE_FUNCTION void back_substitute(const Factors<N> &f, Lanes *x)
-{
-#pragma GCC unroll 8
-  for (int c = N - 1; c >= 0; --c) {
-#pragma GCC unroll 8
-    for (int r = c + 1; r < N; ++r) x[c] -= f.green[r][c] * x[r];
-    x[c] *= f.per_pivot[c];
-  }
-}
-
-// x = G^-1 x
-template <int N> DEFORMABLE_LANE_FUNCTION void solve_lanes(const Factors<N> &f, Lanes *x)
-{
-#pragma GCC unroll 8
-  for (int c = 0; c < N; ++c) {
-    const Lanes scaled = x[c] * f.per_pivot[c];
-#pragma GCC unroll 8
-    for (int r = c + 1; r < N; ++r) x[r] -= f.green[r][c] * scaled;
-  }
-  back_substitute(f, x);
-}
-
-// Factors G in place and solves for x. Returns where G is singular.
-template <int N> DEFORMABLE_LANE_FUNCTION Mask factor_lanes(Factors<N> &f, Lanes *x)
-{
-  constexpr double SMALLEST_PIVOT = 1e-13;    // as in solve_dense
-  Mask singular = Mask{};
-#pragma GCC unroll 8
-  for (int c = 0; c < N; ++c) {
-    singular |= f.green[c][c] < SMALLEST_PIVOT;
-    f.per_pivot[c] = 1.0 / f.green[c][c];
-#pragma GCC unroll 8
-    for (int r = c + 1; r < N; ++r) {
-      const Lanes scaled = f.green[r][c] * f.per_pivot[c];
-      x[r] -= scaled * x[c];
-#pragma GCC unroll 8
-      for (int k = c + 1; k <= r; ++k) f.green[r][k] -= scaled * f.green[k][c];
-    }
-  }
-  back_substitute(f, x);
-  return singular;
-}
-
-// expansion_of of soft_ring.h. `odd` becomes true where it would leave the common path.
-DEFORMABLE_LANE_FUNCTION Lanes expansions(Lanes deficit, Lanes sum, Lanes rate, Lanes radius,
-                                          Lanes ratio, Mask soft, Mask &odd)
-{
-  const Lanes e = 1.0 - rate * (0.5 / PI), q0 = radius - sum * (0.5 / PI);
-  const Lanes drive = deficit * q0, square = PI * q0 * q0 + e * deficit;
-  odd |= soft & ~((q0 > 0.0) & (square > 0.0) & (drive > 0.0));
-  Lanes near = Lanes{}, far = deficit / (PI * q0);
-  const Lanes spring = 2.0 * PI * ratio;
-  Lanes delta = smaller(far, drive / (spring + 2.0 * PI * q0 * q0));
-  const Mask by_area = ratio == 0.0;
-  delta = select(by_area, deficit / (PI * q0 + root(PI * square)), delta);
-  Mask open = soft & ~by_area & ~odd;
-  for (int iteration = 0; any(open); ++iteration) {
-    if (iteration == 30) {
-      odd |= open;
-      break;
-    }
-    const Lanes q = q0 + e * delta, left = deficit - PI * delta * (q0 + q);
-    const Lanes f = spring * delta - left * q;
-    far = select(open & (f > 0.0), delta, far);
-    near = select(open & ~(f > 0.0), delta, near);
-    const Lanes next = delta - f / (spring + 2.0 * PI * q * q - e * left);
-    const Mask inside = (near <= next) & (next <= far);
-    const Lanes step = next - delta;
-    delta = select(open, select(inside, next, 0.5 * (near + far)), delta);
-    open &= ~(inside & (magnitude(step) <= 1e-8 * magnitude(delta)));
-  }
-  return select(soft, delta, Lanes{});
-}
-
-// expansion_under_tension of soft_ring.h.
-DEFORMABLE_LANE_FUNCTION Lanes expansions_under_tension(Lanes deficit, Lanes sum, Lanes rate,
-                                                        Lanes radius, Lanes ratio, Lanes rest,
-                                                        Mask &odd)
-{
-  const Lanes e = 1.0 - rate * (0.5 / PI), shorter = sum * (0.5 / PI), q0 = radius - shorter;
-  const Lanes square = PI * q0 * q0 + e * deficit, spring = 2.0 * PI * ratio;
-  odd |= ~((q0 > 0.0) & (square > 0.0));
-  const Lanes by_area = deficit / (PI * (q0 + root(select(odd, q0, square * (1.0 / PI)))));
-  Lanes delta = by_area;
-  Mask open = ~odd & ((ratio > 0.0) | (rest > 0.0));
-  for (int iteration = 0; any(open); ++iteration) {
-    const Lanes q = q0 + e * delta, left = deficit - PI * delta * (q0 + q);
-    const Lanes f = spring * delta + rest * (shorter - e * delta) - left * q;
-    const Lanes slope = spring + 2.0 * PI * q * q - e * (left + rest);
-    const Mask fails = open & ~((slope > 0.0) & (q > 0.0));
-    odd |= fails;
-    open &= ~fails;
-    if (iteration == 30) {
-      odd |= open;
-      break;
-    }
-    const Lanes step = f / slope;
-    delta = select(open, delta - step, delta);
-    open &= ~(magnitude(step) <= 1e-8 * (magnitude(delta) + magnitude(by_area)));
-  }
-  return delta;
-}
 
 // Looks at the candidates that are not active, for those particles that are settled otherwise. Sets the length of
 // candidates to 1 that the outlines reach, and returns which particles have such.
@@ -147,7 +40,7 @@ DEFORMABLE_LANE_FUNCTION Mask reached(BlockParticle *const *p, Place *const *at,
       gap -= length[m] * green_bound(line[m].nx * at_other.nx + line[m].ny * at_other.ny);
     if (!any(exists & (gap > -expansion))) continue;
 
-    const Lanes theta = angle_of_lanes(dx, dy);
+    const Lanes theta = angle_of(dx, dy);
     gap = at_other.indentation;
 #pragma GCC unroll 8
     for (int m = 0; m < N; ++m) {
@@ -177,25 +70,28 @@ DEFORMABLE_LANE_FUNCTION void ring_batch(BlockParticle *const *p, Place *places,
 
   LineLanes line[N];
   Lanes angle[N], length[N], slopes[N][N];
-  Factors<N> factors;
+  Lanes factors[N][N], per_pivot[N];    // lower triangle: L D L^T = G
   Mask odd = Mask{};
 #pragma GCC unroll 8
   for (int m = 0; m < N; ++m) {
     const Lanes dx = of_places(at, m, &Place::dx), dy = of_places(at, m, &Place::dy);
     line[m] = contact_lines(dx, dy, radius, of_places(at, m, &Place::radius));
-    angle[m] = angle_of_lanes(dx, dy);
+    angle[m] = angle_of(dx, dy);
     length[m] = line[m].indentation;
     odd |= ~(line[m].indentation < (1.0 - NEAREST_LINE) * radius);
 #pragma GCC unroll 8
     for (int k = 0; k < m; ++k) {
       const AngleLanes t = angles_between(angle[k], line[k], angle[m], line[m]);
       const Lanes slope = d_green(t.magnitude, t.sine, t.cosine);
-      factors.green[m][k] = green(t.magnitude, t.sine, t.cosine);
+      factors[m][k] = green(t.magnitude, t.sine, t.cosine);
       slopes[m][k] = select(t.negative, -slope, slope);
     }
-    factors.green[m][m] = all(GREEN_AT_ZERO);
+    factors[m][m] = all(GREEN_AT_ZERO);
   }
-  odd |= factor_lanes(factors, length);
+  solve_dense(N, factors, length, per_pivot, [&](int, Mask vanishes) DEFORMABLE_LANE_LAMBDA {
+    odd |= vanishes;
+    return false;
+  });
 
   const Lanes ring_radius = of_particles(p, &BlockParticle::ring_radius);
   const Lanes kA = of_particles(p, &Stiffness::kA);
@@ -206,21 +102,21 @@ DEFORMABLE_LANE_FUNCTION void ring_batch(BlockParticle *const *p, Place *places,
     const Lanes ratio = kP / kA;
     soft = ratio < all(__builtin_inf());
     if constexpr (TENSE) rest = of_particles(p, &Stiffness::tension) / ring_radius;
-    Lanes rate[N], deficit = Lanes{}, sum = Lanes{}, sum_rate = Lanes{};
+    Lanes rate[N];
+    BranchOf<Lanes> branch = {};
 #pragma GCC unroll 8
     for (int m = 0; m < N; ++m) rate[m] = all(1.0);
-    solve_lanes(factors, rate);
+    solve_factored(N, factors, per_pivot, rate);
 #pragma GCC unroll 8
     for (int m = 0; m < N; ++m) {
-      deficit += 0.5 * line[m].indentation * length[m];
-      sum += length[m];
-      sum_rate += rate[m];
+      branch.deficit += 0.5 * line[m].indentation * length[m];
+      branch.sum += length[m];
+      branch.rate += rate[m];
     }
     if constexpr (TENSE)
-      expansion =
-          expansions_under_tension(deficit, sum, sum_rate, ring_radius, ratio, rest / kA, odd);
+      expansion = expansion_under_tension(branch, ring_radius, ratio, rest / kA, odd);
     else
-      expansion = expansions(deficit, sum, sum_rate, ring_radius, ratio, soft, odd);
+      expansion = select(soft, expansion_of(branch, ring_radius, ratio, soft, odd), Lanes{});
 #pragma GCC unroll 8
     for (int m = 0; m < N; ++m) {
       line[m].indentation += expansion;

@@ -70,7 +70,7 @@ DEFORMABLE_LANE_FUNCTION void sector_batch(BlockParticle *const *p, Place *place
 #pragma GCC unroll 8
   for (int m = 0; m < N; ++m) {
     const Lanes dx = of_places(at, m, &Place::dx), dy = of_places(at, m, &Place::dy);
-    contact[m] = {angle_of_lanes(dx, dy), dx, dy, of_places(at, m, &Place::radius), Mask{} + m};
+    contact[m] = {angle_of(dx, dy), dx, dy, of_places(at, m, &Place::radius), Mask{} + m};
   }
   constexpr SortingNetwork<N> network;
 #pragma GCC unroll 32

@@ -18,29 +18,24 @@ namespace deformable {
 
 // S = 1/2 a.L,  dS/da_c = L_c,  dS/dtheta_c = -L_c sum_{c' != c} L_c' G'(theta_c - theta_c')
 // Smallest radius of curvature: q - |m| with q = R - sum L/2 pi and m = (1/pi) sum L_c n_c.
-DEFORMABLE_INLINE void fill_shape(double radius, int n, const RingCandidates &r,
-                                  const double *length, double *d_angle, Shape &shape)
+inline void fill_shape(double radius, RingLCP &p, Shape &shape)
 {
   double sum = 0.0, twice_deficit = 0.0, mx = 0.0, my = 0.0;
-#pragma GCC unroll 8
-  for (int m = 0; m < n; ++m) {
+  const double *const length = p.length.data();
+  double *const d_angle = p.scratch.data();
+  for (int m = 0; m < p.size; ++m) {
     d_angle[m] = 0.0;
-#pragma GCC unroll 8
     for (int k = 0; k < m; ++k) {
-      const double pair = length[m] * length[k] * r.d_green[m * r.stride + k];
+      const double pair = length[m] * length[k] * p.d_green[m * p.stride + k];
       d_angle[m] -= pair;
       d_angle[k] += pair;
     }
     sum += length[m];
-    twice_deficit += r.indentation[m] * length[m];
-    mx += length[m] * r.nx[m];
-    my += length[m] * r.ny[m];
+    twice_deficit += p.indentation[m] * length[m];
+    mx += length[m] * p.nx[m];
+    my += length[m] * p.ny[m];
   }
-#pragma GCC unroll 8
-  for (int m = 0; m < n; ++m) {
-    const int c = r.contact[m];
-    shape.contact[c] = {length[m], length[m], d_angle[m]};
-  }
+  for (int m = 0; m < p.size; ++m) shape.contact[p.contact[m]] = {length[m], length[m], d_angle[m]};
   shape.area_deficit = 0.5 * twice_deficit;
   shape.arc_radius = radius - sum * (0.5 / PI) - std::sqrt(mx * mx + my * my) * (1.0 / PI);
 }
@@ -50,50 +45,36 @@ DEFORMABLE_INLINE void fill_shape(double radius, int n, const RingCandidates &r,
 struct InextensibleRing {
   double radius;
   static constexpr double expansion = 0.0;
-  template <int N> void expand(const double *, const double *, double *, double *) const {}
+  void expand(RingLCP &) const {}
 };
 
-// Assumes that the N contacts in `active` (ascending) are the active ones. That is right where no length is
+// Assumes that the first n contacts in `active` (ascending) are the active ones. That is right where no length is
 // negative and the outline reaches no other contact line. Otherwise `active` becomes the next assumption:
 // without the contacts of negative length or, if there are none, with the contacts that the outline reaches.
 enum class Trial { DONE, OTHERS, FAILED };
 
-template <int N, class Ring>
-Trial try_active(Ring &ring, const Contacts &contacts, int *active, int &n, Shape &shape)
+template <class Ring>
+Trial try_active(Ring &ring, const Contacts &contacts, int &n, RingLCP &p, Shape &shape)
 {
-  int contact[N];
-  double angle[N], nx[N], ny[N], indentation[N], green[N * N], d_green[N * N];
-  double length[N], per_pivot[N];
-  const RingCandidates r = {N, contact, angle, nx, ny, indentation, green, d_green};
-#pragma GCC unroll 8
-  for (int m = 0; m < N; ++m) {
-    add_candidate(r, m, contacts, active[m]);
-    length[m] = indentation[m];
-  }
-  if (solve_dense(N, green, N, length, per_pivot) >= 0) return Trial::FAILED;
-  ring.template expand<N>(green, per_pivot, r.indentation, length);
+  p.size = 0;
+  for (int m = 0; m < n; ++m) p.add(contacts, p.active[m], 0.0, RingLCP::ACTIVE);
+  std::copy_n(p.indentation.begin(), n, p.length.begin());
+  if (solve_dense(n, p.rows(p.green), p.length.data(), p.scratch.data()) >= 0) return Trial::FAILED;
+  ring.expand(p);
 
-  bool all_positive = true;
-#pragma GCC unroll 8
-  for (int m = 0; m < N; ++m) all_positive &= length[m] >= 0.0;
-  if (!all_positive) {
-    n = 0;
-    for (int m = 0; m < N; ++m)
-      if (length[m] > 0.0) active[n++] = contact[m];
+  n = 0;
+  for (int m = 0; m < p.size; ++m)
+    if (p.length[m] > 0.0) p.active[n++] = p.contact[m];
+  if (!std::all_of(p.length.begin(), p.length.begin() + p.size, [](double L) { return L >= 0.0; }))
     return Trial::OTHERS;
+  n = 0;
+  for (int c = 0, m = 0; c < contacts.size; ++c) {
+    const bool is_active = m < p.size && p.contact[m] == c;
+    m += is_active;
+    if (is_active || reaches(p, p.size, contacts[c], ring.expansion)) p.active[n++] = c;
   }
-  if (N < contacts.size) {
-    n = 0;
-    for (int c = 0, m = 0; c < contacts.size; ++c) {
-      const bool is_active = m < N && contact[m] == c;
-      m += is_active;
-      if (is_active || (may_reach(contacts, c, N, r, length, ring.expansion) &&
-                        slack(contacts, c, N, r, length) > -ring.expansion))
-        active[n++] = c;
-    }
-    if (n > N) return Trial::OTHERS;
-  }
-  fill_shape(ring.radius + ring.expansion, N, r, length, per_pivot, shape);
+  if (n > p.size) return Trial::OTHERS;
+  fill_shape(ring.radius + ring.expansion, p, shape);
   return Trial::DONE;
 }
 
@@ -108,13 +89,9 @@ inline void solve_all(const Contacts &contacts, double expansion, RingLCP &p)
   for (int solved = 0; p.size > solved;) {
     solve(p);
     solved = p.size;
-    const double *const length = p.length.data();
-    for (int c = 0; c < contacts.size; ++c) {
-      if (p.candidate[c] || !may_reach(contacts, c, solved, p.candidates(), length, expansion))
-        continue;
-      if (slack(contacts, c, solved, p.candidates(), length) > -expansion)
+    for (int c = 0; c < contacts.size; ++c)
+      if (!p.candidate[c] && reaches(p, solved, contacts[c], expansion))
         p.add(contacts, c, expansion, RingLCP::FREE);
-    }
   }
 }
 
@@ -122,7 +99,7 @@ inline void ring_shape_by_lcp(const InextensibleRing &ring, const Contacts &cont
                               Shape &shape)
 {
   solve_all(contacts, 0.0, p);
-  fill_shape(ring.radius, p.size, p.candidates(), p.length.data(), p.scratch.data(), shape);
+  fill_shape(ring.radius, p, shape);
 }
 
 // `is_active` holds a first guess of the active contacts, and the active contacts afterwards: from one force
@@ -133,10 +110,9 @@ void ring_shape(Ring &ring, const Contacts &contacts, char *is_active, RingLCP &
   shape.circle(contacts.size, ring.radius);
   p.clear(contacts.size);
 
-  int *const active = p.active.data();
   int guessed = 0, indented = 0;
   for (int c = 0; c < contacts.size; ++c) {
-    active[guessed] = c;
+    p.active[guessed] = c;
     guessed += is_active[c];
     indented += contacts[c].indentation > 0.0;
   }
@@ -147,19 +123,11 @@ void ring_shape(Ring &ring, const Contacts &contacts, char *is_active, RingLCP &
   int n = guessed;
   if (guessed == 0)
     for (int c = 0; c < contacts.size; ++c)
-      if (contacts[c].indentation > 0.0) active[n++] = c;
+      if (contacts[c].indentation > 0.0) p.active[n++] = c;
 
   Trial trial = Trial::OTHERS;
-  for (int attempt = 0; attempt < 6 && trial == Trial::OTHERS; ++attempt) switch (n) {
-      case 1: trial = try_active<1>(ring, contacts, active, n, shape); break;
-      case 2: trial = try_active<2>(ring, contacts, active, n, shape); break;
-      case 3: trial = try_active<3>(ring, contacts, active, n, shape); break;
-      case 4: trial = try_active<4>(ring, contacts, active, n, shape); break;
-      case 5: trial = try_active<5>(ring, contacts, active, n, shape); break;
-      case 6: trial = try_active<6>(ring, contacts, active, n, shape); break;
-      case 7: trial = try_active<7>(ring, contacts, active, n, shape); break;
-      default: trial = Trial::FAILED;
-    }
+  for (int attempt = 0; attempt < 6 && trial == Trial::OTHERS; ++attempt)
+    trial = n > 0 ? try_active(ring, contacts, n, p, shape) : Trial::FAILED;
   if (trial != Trial::DONE) ring_shape_by_lcp(ring, contacts, p, shape);
   for (int c = 0; c < contacts.size; ++c) is_active[c] = shape.contact[c].length > 0.0;
 }

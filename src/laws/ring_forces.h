@@ -94,59 +94,88 @@ DEFORMABLE_INLINE Expanded<T> expanded(T radius, T per_kA, T spring, T p0, T pul
   return at;
 }
 
+// A ring, its stiffness and its load. T is double, or a vector of doubles of several rings.
+template <class T> struct RingUnderLoad {
+  T radius, kA, kP, tension, pull, work;    // pull: F/2 pi
+};
+
 // The root delta of h(delta) = (p - p0)/kA + pi delta (2 r + delta) - Q/p^2, with
 //   p - p0 = ((2 pi kP - p0) delta + F/2 pi)/E,
 // so that no difference of large numbers remains in h, and
 //   E h' = D = 2 pi E^2 + (2 pi kP - p) e,   e = 1/kA + 2 Q/p^3.
 // Stable rings have D > 0; h < 0, or D < 0, to the left of that root. For kA = inf and kP = 0 the root is E = r/sqrt(1 - x),
-// x = Q/pi (gamma + F/2 pi)^2. Newton's method starts from the expansion of `ring` if its pressure is positive. Returns false
-// if there is no such ring: a negative area would be needed.
+// x = Q/pi (gamma + F/2 pi)^2. Newton's method starts from p and delta where p is positive. Returns of which rings of `open` a root is
+// found: without it a negative area would be needed or, of one in a vector, it is far from where the method starts. `tense`: some
+// ring may have a tension.
+template <class T, class M>
+DEFORMABLE_INLINE M find_expansion(const RingUnderLoad<T> &r, bool tense, M open, T &p, T &delta)
+{
+  constexpr double CLOSE = 1e-8;    // each step doubles the digits, so this one is the last
+  constexpr double INF = std::numeric_limits<double>::infinity();
+  constexpr int MOST = IS_ONE<T> ? 200 : 8;
+  const T per_kA = 1.0 / r.kA, spring = 2.0 * PI * r.kP;
+  T tension = r.pull, p0{};
+  if (tense) {
+    tension += r.tension;
+    p0 = r.tension / r.radius;
+  }
+  T low = select(r.kP > 0.0, larger(-r.radius, -tension / spring), -r.radius);    // E > 0 and p > 0
+  T high = T{} + INF;
+  const M known = (p > 0.0) & (delta > low) & (delta < LARGEST_EXPANSION * r.radius);
+  if constexpr (!IS_ONE<T>) {
+    open &= known;
+  } else if (!known) {
+    delta = 0.0;
+    // without the terms of second order in delta:  p^3 <= K (Q + p^2 r F/(2 pi kP))
+    if (r.tension == 0.0) {
+      const double K = 1.0 / (per_kA + r.radius * r.radius / r.kP);
+      const double guess = std::cbrt(K * r.work) + K * r.radius / r.kP * tension;
+      delta = larger((guess * r.radius - tension) / spring, 0.5 * low);
+    }
+  }
+  M found{};
+  if (tense) {
+    const T x = r.work / (PI * tension * tension);
+    found = open & (r.kA == INF) & (r.kP == 0.0) & (x < 1.0);
+    const T part = root(1.0 - select(found, x, T{}));
+    delta = select(found, r.radius * x / (part * (1.0 + part)), delta);
+    if constexpr (IS_ONE<T>) {
+      p = tension * part / r.radius;
+      if (r.kA == INF && r.kP == 0.0) return found;
+    }
+    open &= !found;
+  }
+  for (int iteration = 0; iteration < MOST && any(open); ++iteration) {
+    const Expanded<T> at = expanded(r.radius, per_kA, spring, p0, r.pull, r.work, delta);
+    const M stable = at.slope > 0.0, above = stable & (at.h > 0.0);
+    high = select(open & above, delta, high);
+    low = select(open & !above, delta, low);
+    T next = delta - at.h / at.slope;
+    const M inside = stable & (low <= next) & (next <= high);
+    if constexpr (IS_ONE<T>)
+      if (!inside) next = high == INF ? 2.0 * at.E - r.radius : 0.5 * (low + high);
+    T least = at.E * at.p / spring;
+    if (tense) {
+      // delta may vanish; a deficit of which little is balanced says nothing about its size
+      const T lacks = magnitude(at.deficit);
+      const M balanced = magnitude(at.h) <= 0.1 * lacks + 1e-14 * magnitude(at.above) * per_kA;
+      least = select(p0 > 0.0, select(balanced, lacks * (0.5 / PI) / r.radius, T{}), least);
+    }
+    const M close = magnitude(next - delta) <= CLOSE * (magnitude(next) + least);
+    delta = select(IS_ONE<T> ? open : open & inside, next, delta);
+    found |= open & inside & close;
+    open &= IS_ONE<T> ? !found : inside & !close;
+  }
+  p = p0 + ((spring - p0) * delta + r.pull) / (r.radius + delta);
+  return found;
+}
+
 DEFORMABLE_INLINE bool find_expansion(double radius, const Stiffness &k, const RingLoad &load,
                                       LoadedRing &ring)
 {
-  constexpr double CLOSE = 1e-8;    // each step doubles the digits, so this one is the last
-  const double pull = load.total / (2.0 * PI), spring = 2.0 * PI * k.kP;
-  const double p0 = k.rest_pressure(radius), tension = k.tension + pull, per_kA = 1.0 / k.kA;
-  if (k.kP == 0.0 && std::isinf(k.kA)) {
-    const double x = load.work / (PI * tension * tension), root = std::sqrt(1.0 - x);
-    if (!(x < 1.0)) return false;
-    ring = {tension * root / radius, radius * x / (root * (1.0 + root))};
-    return true;
-  }
-  double low = -radius, high = std::numeric_limits<double>::infinity();    // E > 0 and p > 0
-  if (k.kP > 0.0) low = std::max(low, -tension / spring);
-  double delta = ring.expansion;
-  if (!(ring.pressure > 0.0 && delta > low && delta < LARGEST_EXPANSION * radius)) {
-    delta = 0.0;
-    // without the terms of second order in delta:  p^3 <= K (Q + p^2 r F/(2 pi kP))
-    if (k.tension == 0.0) {
-      const double K = area_stiffness(radius, k);
-      const double p = std::cbrt(K * load.work) + K * radius / k.kP * tension;
-      delta = std::max((p * radius - tension) / spring, 0.5 * low);
-    }
-  }
-  for (int iteration = 0; iteration < 200; ++iteration) {
-    const Expanded<double> at = expanded(radius, per_kA, spring, p0, pull, load.work, delta);
-    ring = {at.p, delta};
-    (at.slope > 0.0 && at.h > 0.0 ? high : low) = delta;
-    double next = delta - at.h / at.slope;
-    const bool inside = at.slope > 0.0 && low <= next && next <= high;
-    if (!inside) next = std::isinf(high) ? 2.0 * at.E - radius : 0.5 * (low + high);
-    double least = at.E * at.p / spring;
-    if (k.tension > 0.0) {
-      // delta may vanish; a deficit of which little is balanced says nothing about its size
-      const double lacks = std::fabs(at.deficit);
-      const bool balanced = std::fabs(at.h) <= 0.1 * lacks + 1e-14 * std::fabs(at.above) * per_kA;
-      least = balanced ? lacks / (2.0 * PI * radius) : 0.0;
-    }
-    const bool close = std::fabs(next - delta) <= CLOSE * (std::fabs(next) + least);
-    delta = next;
-    if (inside && close) {
-      ring = {p0 + ((spring - p0) * delta + pull) / (radius + delta), delta};
-      return true;
-    }
-  }
-  return false;
+  const RingUnderLoad<double> r = {radius,   k.kA, k.kP, k.tension, load.total / (2.0 * PI),
+                                   load.work};
+  return find_expansion(r, true, true, ring.pressure, ring.expansion);
 }
 
 // Of a ring that gives way, with p = T/E and T = gamma + F/2 pi + 2 pi kP delta: the area pi E^2 - Q/p^2 is A0 y/p, so that

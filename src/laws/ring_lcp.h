@@ -14,125 +14,68 @@
 
 namespace deformable {
 
-// These functions are written for any number of contacts n. The compiler makes a separate copy for each small
-// n (ring_shape) and unrolls all loops: a particle has 3 to 7 contacts, and loops of unknown short length
-// would cost more than the arithmetic: DEFORMABLE_INLINE.
-
-// The contacts that may be active. Of the matrices G and G' only the lower triangle is stored.
-struct RingCandidates {
+// A matrix in memory, one row after the other: g[r][c].
+struct MatrixRows {
+  double *memory;
   int stride;
-  int *contact;    // indices in Contacts
-  double *angle, *nx, *ny, *indentation;
-  double *green, *d_green;
+  double *operator[](int r) const { return memory + r * stride; }
 };
 
-// The angle t from candidate k to a contact: its sign, |t|, sin |t| and cos |t|.
+// x = (D L^T)^-1 x. T is double, or a vector of doubles of several particles; loops unroll where n is a constant.
+template <class Matrix, class T>
+DEFORMABLE_INLINE void back_substitute(int n, const Matrix &g, const T *per_pivot, T *x)
+{
+#pragma GCC unroll 8
+  for (int c = n - 1; c >= 0; --c) {
+#pragma GCC unroll 8
+    for (int r = c + 1; r < n; ++r) x[c] -= g[r][c] * x[r];
+    x[c] *= per_pivot[c];
+  }
+}
+
+// x = G^-1 x by L D L^T in place. Ends, and returns false, where stops(row, whether its pivot vanishes) is true: the direction of
+// that contact is, up to rounding, the direction of a contact before it.
+template <class Matrix, class T, class Stops>
+DEFORMABLE_INLINE bool solve_dense(int n, Matrix &&g, T *x, T *per_pivot, Stops &&stops)
+{
+  constexpr double SMALLEST_PIVOT = 1e-13;
+#pragma GCC unroll 8
+  for (int c = 0; c < n; ++c) {
+    const T pivot = g[c][c];
+    if (stops(c, pivot < SMALLEST_PIVOT)) return false;
+    per_pivot[c] = 1.0 / pivot;
+#pragma GCC unroll 8
+    for (int r = c + 1; r < n; ++r) {
+      const T scaled = g[r][c] * per_pivot[c];
+      x[r] -= scaled * x[c];
+#pragma GCC unroll 8
+      for (int k = c + 1; k <= r; ++k) g[r][k] -= scaled * g[k][c];
+    }
+  }
+  back_substitute(n, g, per_pivot, x);
+  return true;
+}
+
+// x = G^-1 x with the factors that solve_dense has left in g and per_pivot.
+template <class Matrix, class T>
+DEFORMABLE_INLINE void solve_factored(int n, const Matrix &g, const T *per_pivot, T *x)
+{
+#pragma GCC unroll 8
+  for (int c = 0; c < n; ++c) {
+    const T scaled = x[c] * per_pivot[c];
+#pragma GCC unroll 8
+    for (int r = c + 1; r < n; ++r) x[r] -= g[r][c] * scaled;
+  }
+  back_substitute(n, g, per_pivot, x);
+}
+
+// The angle t between two contacts: its sign, |t|, sin |t| and cos |t|.
 struct AngleBetween {
   bool negative;
   double magnitude, sine, cosine;
 };
 
-DEFORMABLE_INLINE AngleBetween angle_between(const RingCandidates &r, int k, const Contact &to)
-{
-  const double difference = to.angle - r.angle[k];
-  const double cross = r.nx[k] * to.ny - r.ny[k] * to.nx;
-  const bool negative = difference < 0.0;
-  return {negative, std::fabs(difference), negative ? -cross : cross,
-          r.nx[k] * to.nx + r.ny[k] * to.ny};
-}
-
-DEFORMABLE_INLINE void add_candidate(const RingCandidates &r, int m, const Contacts &contacts,
-                                     int c)
-{
-  const Contact contact = contacts[c];
-  r.contact[m] = c;
-  r.angle[m] = contact.angle;
-  r.nx[m] = contact.nx;
-  r.ny[m] = contact.ny;
-  r.indentation[m] = contact.indentation;
-#pragma GCC unroll 8
-  for (int k = 0; k < m; ++k) {
-    const AngleBetween t = angle_between(r, k, contact);
-    const double slope = d_green(t.magnitude, t.sine, t.cosine);
-    r.green[m * r.stride + k] = green(t.magnitude, t.sine, t.cosine);
-    r.d_green[m * r.stride + k] = t.negative ? -slope : slope;
-  }
-  r.green[m * r.stride + m] = GREEN_AT_ZERO;
-}
-
-// x = (D L^T)^-1 x
-DEFORMABLE_INLINE void back_substitute(int n, const double *g, int stride, const double *per_pivot,
-                                       double *x)
-{
-#pragma GCC unroll 8
-  for (int c = n - 1; c >= 0; --c) {
-#pragma GCC unroll 8
-    for (int r = c + 1; r < n; ++r) x[c] -= g[r * stride + c] * x[r];
-    x[c] *= per_pivot[c];
-  }
-}
-
-// x = G^-1 x by L D L^T in place. Returns -1, or the row whose pivot vanishes: the direction of that contact
-// is, up to rounding, the direction of a contact before it.
-DEFORMABLE_INLINE int solve_dense(int n, double *g, int stride, double *x, double *per_pivot)
-{
-  constexpr double SMALLEST_PIVOT = 1e-13;
-#pragma GCC unroll 8
-  for (int c = 0; c < n; ++c) {
-    const double pivot = g[c * stride + c];
-    if (pivot < SMALLEST_PIVOT) return c;
-    per_pivot[c] = 1.0 / pivot;
-#pragma GCC unroll 8
-    for (int r = c + 1; r < n; ++r) {
-      const double scaled = g[r * stride + c] * per_pivot[c];
-      x[r] -= scaled * x[c];
-#pragma GCC unroll 8
-      for (int k = c + 1; k <= r; ++k) g[r * stride + k] -= scaled * g[k * stride + c];
-    }
-  }
-  back_substitute(n, g, stride, per_pivot, x);
-  return -1;
-}
-
-// x = G^-1 x with the factors that solve_dense has left in g and per_pivot.
-DEFORMABLE_INLINE void solve_factored(int n, const double *g, int stride, const double *per_pivot,
-                                      double *x)
-{
-#pragma GCC unroll 8
-  for (int c = 0; c < n; ++c) {
-    const double scaled = x[c] * per_pivot[c];
-#pragma GCC unroll 8
-    for (int r = c + 1; r < n; ++r) x[r] -= g[r * stride + c] * scaled;
-  }
-  back_substitute(n, g, stride, per_pivot, x);
-}
-
-// Whether the outline, moved out by `expansion`, may reach a contact line outside of the circle. May return true
-// by mistake, never false.
-DEFORMABLE_INLINE bool may_reach(const Contacts &contacts, int c, int n, const RingCandidates &r,
-                                 const double *length, double expansion)
-{
-  double gap = contacts[c].indentation;
-#pragma GCC unroll 8
-  for (int m = 0; m < n; ++m)
-    gap -= length[m] * green_bound(r.nx[m] * contacts[c].nx + r.ny[m] * contacts[c].ny);
-  return gap > -expansion;
-}
-
-// g = a - G L of a contact that is not active; negative where the outline does not reach its line.
-DEFORMABLE_INLINE double slack(const Contacts &contacts, int c, int n, const RingCandidates &r,
-                               const double *length)
-{
-  double gap = contacts[c].indentation;
-#pragma GCC unroll 8
-  for (int m = 0; m < n; ++m) {
-    const AngleBetween t = angle_between(r, m, contacts[c]);
-    gap -= length[m] * green(t.magnitude, t.sine, t.cosine);
-  }
-  return gap;
-}
-
-// The problem for any number of contacts, and its memory.
+// The contacts that may be active, and the memory of the problem.
 struct RingLCP {
   // a DUPLICATE has the direction of a deeper contact
   enum State : char { FREE, ACTIVE, DUPLICATE };
@@ -141,7 +84,8 @@ struct RingLCP {
   int stride = 0;
   int active_count = 0;
   std::vector<int> contact, active;
-  std::vector<double> angle, nx, ny, indentation, green, d_green;
+  std::vector<double> angle, nx, ny, indentation;
+  std::vector<double> green, d_green;    // lower triangles
   std::vector<State> state;
   std::vector<double> length;    // the solution
   std::vector<double> block, block_length, scratch;
@@ -164,22 +108,65 @@ struct RingLCP {
       v->resize(static_cast<std::size_t>(stride) * stride);
   }
 
-  RingCandidates candidates()
+  // from contact m to another one
+  AngleBetween angle_to(int m, const Contact &to) const
   {
-    return {stride,    contact.data(),     angle.data(), nx.data(),
-            ny.data(), indentation.data(), green.data(), d_green.data()};
+    const double difference = to.angle - angle[m], cross = nx[m] * to.ny - ny[m] * to.nx;
+    const bool negative = difference < 0.0;
+    return {negative, std::fabs(difference), negative ? -cross : cross,
+            nx[m] * to.nx + ny[m] * to.ny};
   }
 
   void add(const Contacts &contacts, int c, double expansion, State as)
   {
-    add_candidate(candidates(), size, contacts, c);
-    indentation[size] += expansion;
+    const Contact added = contacts[c];
+    const int m = size++;
     candidate[c] = 1;
-    state[size++] = as;
+    state[m] = as;
+    contact[m] = c;
+    angle[m] = added.angle;
+    nx[m] = added.nx;
+    ny[m] = added.ny;
+    indentation[m] = added.indentation + expansion;
+    double *const row = &green[m * stride], *const d_row = &d_green[m * stride];
+    for (int k = 0; k < m; ++k) {
+      const AngleBetween t = angle_to(k, added);
+      const double slope = deformable::d_green(t.magnitude, t.sine, t.cosine);
+      row[k] = deformable::green(t.magnitude, t.sine, t.cosine);
+      d_row[k] = t.negative ? -slope : slope;
+    }
+    row[m] = GREEN_AT_ZERO;
   }
 
+  MatrixRows rows(std::vector<double> &matrix) const { return {matrix.data(), stride}; }
   double between(int m, int k) const { return green[m > k ? m * stride + k : k * stride + m]; }
 };
+
+// Whether the outline between the first n contacts, moved out by `expansion`, reaches the line of another one.
+inline bool reaches(const RingLCP &p, int n, const Contact &contact, double expansion)
+{
+  double gap = contact.indentation;
+  for (int m = 0; m < n; ++m)
+    gap -= p.length[m] * green_bound(p.nx[m] * contact.nx + p.ny[m] * contact.ny);
+  if (!(gap > -expansion)) return false;
+  gap = contact.indentation;    // a - G L
+  for (int m = 0; m < n; ++m) {
+    const AngleBetween t = p.angle_to(m, contact);
+    gap -= p.length[m] * green(t.magnitude, t.sine, t.cosine);
+  }
+  return gap > -expansion;
+}
+
+// x = G^-1 x. Returns -1, or the row where G is singular.
+inline int solve_dense(int n, const MatrixRows &g, double *x, double *per_pivot)
+{
+  int singular = -1;
+  solve_dense(n, g, x, per_pivot, [&](int row, bool vanishes) {
+    if (vanishes) singular = row;
+    return vanishes;
+  });
+  return singular;
+}
 
 // L = G^-1 a of the active contacts. Of two contacts in the same direction only the deeper one is active.
 inline void solve_active(RingLCP &p)
@@ -195,8 +182,7 @@ inline void solve_active(RingLCP &p)
       for (int c = 0; c <= r; ++c) p.block[r * p.stride + c] = p.between(p.active[r], p.active[c]);
       p.block_length[r] = p.indentation[p.active[r]];
     }
-    const int row =
-        solve_dense(n, p.block.data(), p.stride, p.block_length.data(), p.scratch.data());
+    const int row = solve_dense(n, p.rows(p.block), p.block_length.data(), p.scratch.data());
     again = row >= 0;
     if (again) {
       const int m = p.active[row];

@@ -18,41 +18,54 @@
 
 namespace deformable {
 
-// While the same contacts are active:  S = deficit + sum delta + rate delta^2/2,  sum L = sum + rate delta
-struct Branch {
-  double deficit, sum;    // S and sum L at delta = 0
-  double rate;            // 1.G^-1.1
+// While the same contacts are active:  S = deficit + sum delta + rate delta^2/2,  sum L = sum + rate delta. T is double, or a vector
+// of doubles of several rings.
+template <class T> struct BranchOf {
+  T deficit, sum;    // S and sum L at delta = 0
+  T rate;            // 1.G^-1.1
 };
+using Branch = BranchOf<double>;
 
 // The root delta of f = 2 pi delta kP/kA - D q, D = A0 - A, on one branch, where with e = 1 - rate/2 pi
 //   q = q0 + e delta,   D = S0 - pi delta (q0 + q),   f' = 2 pi kP/kA + 2 pi q^2 - e D.
 // It lies between delta = 0 (kP = inf) and the delta where D = 0 (kA = inf). If no ring has this area, the
-// far end is that of the largest ring, q = 0. Newton's method starts from the root for a constant q.
-inline double expansion_of(const Branch &branch, double radius, double ratio)
+// far end is that of the largest ring, q = 0. Newton's method starts from the root for a constant q. `odd` becomes true where it
+// does not end and, in vectors, of those rings of `which` that only a ring alone can be.
+template <class T, class M>
+DEFORMABLE_INLINE T expansion_of(const BranchOf<T> &branch, T radius, T ratio, M which, M &odd)
 {
-  const double e = 1.0 - branch.rate * (0.5 / PI), q0 = radius - branch.sum * (0.5 / PI);
-  const double drive = branch.deficit * q0;
-  if (drive == 0.0) return 0.0;
-  const double square = PI * q0 * q0 + e * branch.deficit;    // pi q^2 where D = 0
-  double near = 0.0,
-         far = square > 0.0 ? branch.deficit / (PI * q0) : -q0 / e;    // they enclose the root
-  if (ratio == 0.0)
-    return square > 0.0 ? branch.deficit / (PI * q0 + std::copysign(std::sqrt(PI * square), q0))
-                        : far;
-
   constexpr double CLOSE = 1e-8;    // each step doubles the digits, so this one is the last
-  const double spring = 2.0 * PI * ratio;
-  double delta = drive / (spring + 2.0 * PI * q0 * q0);
-  if (std::fabs(delta) > std::fabs(far)) delta = far;
-  for (int iteration = 0; iteration < 100; ++iteration) {
-    const double q = q0 + e * delta, deficit = branch.deficit - PI * delta * (q0 + q);
-    const double f = spring * delta - deficit * q;
-    ((f > 0.0) == (q0 > 0.0) ? far : near) = delta;
-    const double next = delta - f / (spring + 2.0 * PI * q * q - e * deficit);
-    const bool inside = std::min(near, far) <= next && next <= std::max(near, far);
-    const double step = next - delta;
-    delta = inside ? next : 0.5 * (near + far);
-    if (inside && std::fabs(step) <= CLOSE * std::fabs(delta)) break;
+  constexpr int MOST = IS_ONE<T> ? 100 : 30;
+  const T e = 1.0 - branch.rate * (0.5 / PI), q0 = radius - branch.sum * (0.5 / PI);
+  const T drive = branch.deficit * q0, spring = 2.0 * PI * ratio;
+  const T square = PI * q0 * q0 + e * branch.deficit;    // pi q^2 where D = 0
+  T near{}, far = branch.deficit / (PI * q0);            // they enclose the root
+  if constexpr (IS_ONE<T>) {
+    if (drive == 0.0) return 0.0;
+    if (!(square > 0.0)) far = -q0 / e;
+    if (!(square > 0.0) && ratio == 0.0) return far;
+  } else {
+    odd |= which & !((q0 > 0.0) & (square > 0.0) & (drive > 0.0));
+  }
+  T delta = drive / (spring + 2.0 * PI * q0 * q0);
+  delta = select(magnitude(delta) > magnitude(far), far, delta);
+  const M by_area = ratio == 0.0;
+  delta = select(by_area, branch.deficit / (PI * q0 + with_sign_of(root(PI * square), q0)), delta);
+  M open = which & !by_area & !odd;
+  for (int iteration = 0; any(open); ++iteration) {
+    if (iteration == MOST) {
+      odd |= open;
+      break;
+    }
+    const T q = q0 + e * delta, deficit = branch.deficit - PI * delta * (q0 + q);
+    const T f = spring * delta - deficit * q;
+    const M beyond = (f > 0.0) == (q0 > 0.0);
+    far = select(open & beyond, delta, far);
+    near = select(open & !beyond, delta, near);
+    const T next = delta - f / (spring + 2.0 * PI * q * q - e * deficit), step = next - delta;
+    const M inside = (smaller(near, far) <= next) & (next <= larger(near, far));
+    delta = select(open, select(inside, next, 0.5 * (near + far)), delta);
+    open &= !(inside & (magnitude(step) <= CLOSE * magnitude(delta)));
   }
   return delta;
 }
@@ -60,30 +73,42 @@ inline double expansion_of(const Branch &branch, double radius, double ratio)
 // The same with a line tension, of f = 2 pi delta kP/kA + (p0/kA) (r - q) - D q with the pressure at rest p0 =
 // gamma/r and r - q = sum0/2 pi - e delta;  f' = 2 pi kP/kA + 2 pi q^2 - e (D + p0/kA).
 // f is not negative where D = 0, from where Newton's method starts, and convex for e > 0, where the stable root is
-// the larger one, concave for e < 0: so it converges without bounds. Not a number if there is no root.
-inline double expansion_under_tension(const Branch &branch, double radius, double ratio,
-                                      double rest)    // p0/kA
+// the larger one, concave for e < 0: so it converges without bounds. `odd` also becomes true where there is no root. rest: p0/kA.
+template <class T, class M>
+DEFORMABLE_INLINE T expansion_under_tension(const BranchOf<T> &branch, T radius, T ratio, T rest,
+                                            M &odd)
 {
   constexpr double CLOSE = 1e-8, ROUNDING = 1e-12;    // each step doubles the digits
-  constexpr double NONE = std::numeric_limits<double>::quiet_NaN();
-  const double e = 1.0 - branch.rate * (0.5 / PI), shorter = branch.sum * (0.5 / PI);
-  const double q0 = radius - shorter, spring = 2.0 * PI * ratio;
-  const double square = PI * q0 * q0 + e * branch.deficit;    // pi q^2 where D = 0
-  const double q_by_area = std::sqrt(std::max(square, 0.0) / PI);
-  const double by_area =
-      q0 > 0.0 && square > 0.0 ? branch.deficit / (PI * (q0 + q_by_area)) : (q_by_area - q0) / e;
-  if (ratio == 0.0 && rest == 0.0) return square > 0.0 ? by_area : NONE;
-  double delta = by_area;
-  for (int iteration = 0; iteration < 100; ++iteration) {
-    const double q = q0 + e * delta, deficit = branch.deficit - PI * delta * (q0 + q);
-    const double f = spring * delta + rest * (shorter - e * delta) - deficit * q;
-    const double slope = spring + 2.0 * PI * q * q - e * (deficit + rest);
-    if (!(slope > 0.0) || q < -ROUNDING * radius) break;
-    const double step = f / slope;
-    delta -= step;
-    if (std::fabs(step) <= CLOSE * (std::fabs(delta) + std::fabs(by_area))) return delta;
+  constexpr int MOST = IS_ONE<T> ? 100 : 30;
+  const T e = 1.0 - branch.rate * (0.5 / PI), shorter = branch.sum * (0.5 / PI);
+  const T q0 = radius - shorter, spring = 2.0 * PI * ratio;
+  const T square = PI * q0 * q0 + e * branch.deficit;    // pi q^2 where D = 0
+  const T q_by_area = root(larger(square, T{}) * (1.0 / PI));
+  T by_area = branch.deficit / (PI * (q0 + q_by_area));
+  const M common = (q0 > 0.0) & (square > 0.0);
+  if constexpr (!IS_ONE<T>)
+    odd |= !common;
+  else if (!common)
+    by_area = (q_by_area - q0) / e;
+  M open = ((ratio > 0.0) | (rest > 0.0)) & !odd;
+  odd |= !(open | (square > 0.0));
+  T delta = by_area;
+  for (int iteration = 0; any(open); ++iteration) {
+    const T q = q0 + e * delta, deficit = branch.deficit - PI * delta * (q0 + q);
+    const T f = spring * delta + rest * (shorter - e * delta) - deficit * q;
+    const T slope = spring + 2.0 * PI * q * q - e * (deficit + rest);
+    const M fails = open & !((slope > 0.0) & (q >= -ROUNDING * radius));
+    odd |= fails;
+    open &= !fails;
+    if (iteration == MOST) {
+      odd |= open;
+      break;
+    }
+    const T step = f / slope;
+    delta = select(open, delta - step, delta);
+    open &= !(magnitude(step) <= CLOSE * (magnitude(delta) + magnitude(by_area)));
   }
-  return NONE;
+  return delta;
 }
 
 // Of a ring that gives way, p = T/q and p A = y A0:  f = A T/y - A0 q,  T/y = gamma/y + 2 pi delta kP/y,  A = A0 - D. The root
@@ -131,31 +156,28 @@ struct SoftRing {
   double expansion_on(const Branch &branch) const
   {
     if (gives_way) return expansion_of_gas(branch, radius, ratio, rest);
-    return rest < 0.0 ? expansion_of(branch, radius, ratio)
-                      : expansion_under_tension(branch, radius, ratio, rest);
+    bool odd = false;
+    const double found = rest < 0.0 ? expansion_of(branch, radius, ratio, true, odd)
+                                    : expansion_under_tension(branch, radius, ratio, rest, odd);
+    return odd ? std::numeric_limits<double>::quiet_NaN() : found;
   }
 
   // Finds delta from the lengths at delta = 0 and the factors of G; changes indentations and lengths to it.
-  template <int N>
-  DEFORMABLE_INLINE void expand(const double *factors, const double *per_pivot, double *indentation,
-                                double *length)
+  void expand(RingLCP &p)
   {
-    double rate[N];
-#pragma GCC unroll 8
-    for (int m = 0; m < N; ++m) rate[m] = 1.0;
-    solve_factored(N, factors, N, per_pivot, rate);
+    double *const rate = p.block_length.data();
+    std::fill_n(rate, p.size, 1.0);
+    solve_factored(p.size, p.rows(p.green), p.scratch.data(), rate);
     Branch branch = {0.0, 0.0, 0.0};
-#pragma GCC unroll 8
-    for (int m = 0; m < N; ++m) {
-      branch.deficit += 0.5 * indentation[m] * length[m];
-      branch.sum += length[m];
+    for (int m = 0; m < p.size; ++m) {
+      branch.deficit += 0.5 * p.indentation[m] * p.length[m];
+      branch.sum += p.length[m];
       branch.rate += rate[m];
     }
     expansion = expansion_on(branch);
-#pragma GCC unroll 8
-    for (int m = 0; m < N; ++m) {
-      indentation[m] += expansion;
-      length[m] += expansion * rate[m];
+    for (int m = 0; m < p.size; ++m) {
+      p.indentation[m] += expansion;
+      p.length[m] += expansion * rate[m];
     }
   }
 };
@@ -171,7 +193,7 @@ inline void ring_shape_by_lcp(SoftRing &ring, const Contacts &contacts, RingLCP 
     solve_all(contacts, delta, p);
     double *const rate = p.block_length.data();
     std::fill_n(rate, p.active_count, 1.0);
-    solve_factored(p.active_count, p.block.data(), p.stride, p.scratch.data(), rate);
+    solve_factored(p.active_count, p.rows(p.block), p.scratch.data(), rate);
     Branch branch = {0.0, 0.0, 0.0};
     for (int k = 0; k < p.active_count; ++k) {
       const int m = p.active[k];
@@ -191,8 +213,7 @@ inline void ring_shape_by_lcp(SoftRing &ring, const Contacts &contacts, RingLCP 
     (next > delta ? below : above) = delta;
     ring.expansion = below < next && next < above ? next : 0.5 * (below + above);
   }
-  fill_shape(ring.radius + ring.expansion, p.size, p.candidates(), p.length.data(),
-             p.scratch.data(), shape);
+  fill_shape(ring.radius + ring.expansion, p, shape);
 }
 
 // The energy of a ring under tension without differences of large numbers: with p - p0 = kA (A0 - A),

@@ -3,14 +3,11 @@
 #ifndef DEFORMABLE_TRIGONOMETRY_H
 #define DEFORMABLE_TRIGONOMETRY_H
 
-#include <algorithm>
+#include "laws/numbers.h"
+
 #include <cmath>
 
 namespace deformable {
-
-// For functions that must not be linked into code for other processors, and for loops of short lengths that the
-// compiler unrolls for each length.
-#define DEFORMABLE_INLINE inline __attribute__((always_inline))
 
 constexpr double PI = 3.14159265358979323846;
 
@@ -76,23 +73,19 @@ inline double sine_minus_x_cosine(double x, double sine, double cosine)
   return x < 1.0 ? x * x * x * taylor::SINE_MINUS_X_COSINE(x * x) : sine - x * cosine;
 }
 
-// atan2(y, x) to 4e-16, for (x, y) other than the origin. It has no branch: the force loop needs it for each
-// contact, and directions are at random, so that branches would be mispredicted.
-DEFORMABLE_INLINE double angle_of(double x, double y)
+// atan2(y, x) to 4e-16, for (x, y) other than the origin. Above tan(pi/8), atan(small/large) is computed as a difference from pi/4.
+template <class T> DEFORMABLE_INLINE T angle_of(T x, T y)
 {
-  const double ax = std::fabs(x), ay = std::fabs(y);
-  const double large = std::max(ax, ay), small = std::min(ax, ay);
-  // Conditions are numbers, 0 or 1. Above tan(pi/8), atan(small/large) is computed as a difference from pi/4.
-  const double upper = small > 0.41421356237309503 * large;
-  const double steep = ay > ax, left = x < 0.0;
-  const double z = (small - upper * large) / (large + upper * small);
+  const T ax = magnitude(x), ay = magnitude(y), large = larger(ax, ay), small = smaller(ax, ay);
+  const auto upper = small > 0.41421356237309503 * large;
+  const T z = select(upper, small - large, small) / select(upper, large + small, large);
 
-  const double s = z * z, s2 = s * s, s4 = s2 * s2;
-  const double octant = z + z * s * taylor::arctangent(s, s2, s4);
+  const T s = z * z, s2 = s * s, s4 = s2 * s2;
+  const T octant = z + z * s * taylor::arctangent(s, s2, s4);
 
-  const double eighth = upper * (0.25 * PI) + octant;
-  const double quarter = steep * (0.5 * PI) + (1.0 - 2.0 * steep) * eighth;
-  return std::copysign(left * PI + (1.0 - 2.0 * left) * quarter, y);
+  const T eighth = select(upper, 0.25 * PI + octant, octant);
+  const T quarter = select(ay > ax, 0.5 * PI - eighth, eighth);
+  return with_sign_of(select(x < 0.0, PI - quarter, quarter), y);
 }
 
 }    // namespace deformable

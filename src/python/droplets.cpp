@@ -124,12 +124,29 @@ Droplet droplet(nb::handle given_normals, nb::handle given_forces, double radius
   batch.contacts.own = each.data();
   batch.contacts.scratch = scratch.data();
   batch.corrections.partner = partner.data();
-  const DropletArrays arrays = {
-      tensions.data(),    film.data(),   per_radii.data(), load.data(),  facet.data(),
-      still_work.data(),  still.data(),  nx.data(),        ny.data(),    nz.data(),
-      f.data(),           tx.data(),     ty.data(),        tz.data(),    damping.data(),
-      x_turn.data(),      y_turn.data(), z_turn.data(),    taken.data(), each_green.data(),
-      each_green2.data(), d_green.data()};
+  DropletArrays arrays = {};
+  arrays.tension = tensions.data();
+  arrays.film_log = film.data();
+  arrays.per_radii = per_radii.data();
+  arrays.load = load.data();
+  arrays.facet = facet.data();
+  arrays.still_work = still_work.data();
+  arrays.still = still.data();
+  arrays.nx = nx.data();
+  arrays.ny = ny.data();
+  arrays.nz = nz.data();
+  arrays.force = f.data();
+  arrays.tx = tx.data();
+  arrays.ty = ty.data();
+  arrays.tz = tz.data();
+  arrays.damping = damping.data();
+  arrays.torque_x = x_turn.data();
+  arrays.torque_y = y_turn.data();
+  arrays.torque_z = z_turn.data();
+  arrays.taken = taken.data();
+  arrays.green = each_green.data();
+  arrays.green2 = each_green2.data();
+  arrays.d_green = d_green.data();
   kernels->droplets.shape(batch, arrays, {force.data(), x.data(), y.data(), n.data()});
   kernels->droplets.turn(batch, arrays);
   kernels->droplets.derive(batch, arrays);

@@ -30,15 +30,16 @@ struct RingState {
 inline void green_inverse(const Contacts &contacts, int n, const int *active, RingLCP &p,
                           double *inverse)
 {
-  p.clear(n);
-  const RingCandidates r = p.candidates();
-  for (int m = 0; m < n; ++m) add_candidate(r, m, contacts, active[m]);
-  const bool regular = solve_dense(n, r.green, p.stride, r.indentation, p.scratch.data()) < 0;
+  p.clear(contacts.size);
+  for (int m = 0; m < n; ++m) p.add(contacts, active[m], 0.0, RingLCP::ACTIVE);
+  const MatrixRows green = p.rows(p.green);
+  double *const per_pivot = p.scratch.data();
+  const bool regular = solve_dense(n, green, p.indentation.data(), per_pivot) < 0;
   std::fill_n(inverse, n * n, 0.0);
   for (int m = 0; m < n; ++m) {
     double *const row = inverse + m * n;
     row[m] = regular ? 1.0 : 1.0 / GREEN_AT_ZERO;
-    if (regular) solve_factored(n, r.green, p.stride, p.scratch.data(), row);
+    if (regular) solve_factored(n, green, per_pivot, row);
   }
 }
 

@@ -169,25 +169,65 @@ RingBatches ContactBatches::arrays()
   constexpr std::size_t SIZE = LANES * sizeof(double);
   const std::size_t address = reinterpret_cast<std::uintptr_t>(scratch.data());
   void *const aligned = scratch.data() + (SIZE - address % SIZE) % SIZE;
-  return {0,
-          batches,
-          size.data(),
-          first.data(),
-          first_green.data(),
-          soft,
-          {radius.data(), stiffnesses(), pressure.data(), work.data(), total.data(),
-           per_pressure.data(), square.data(), soft ? expansion.data() : nullptr,
-           soft ? mixed.data() : nullptr, soft ? rate.data() : nullptr,
-           skin.empty() ? nullptr : skin.data(), scale},
-          {pair_side.data(), indentation.data(), compliance.data(), slope.data(), share.data(),
-           green.data(), own.empty() ? nullptr : own.data(), aligned},
-          {partner.data(), none(), weight.data(), left.data(), direction.data(), step.data(),
-           product.data(), product.data(), none() + 1},
-          {film_tension.empty() ? nullptr : film_tension.data(),
-           {film[0].data(), film[1].data(), film[2].data(), film[3].data()}},
-          {free_radius_of.empty() ? nullptr : free_radius_of.data(), bulk_and_swell.data(),
-           per_lengths.data(), change.data(), normal[0].data(), normal[1].data(),
-           rate_of_slope.data(), across.data(), turn.data(), length}};
+  const auto unless_empty = [](auto &v) { return v.empty() ? nullptr : v.data(); };
+  RingBatches b = {};
+  b.end = batches;
+  b.size = size.data();
+  b.first = first.data();
+  b.first_green = first_green.data();
+  b.soft = soft;
+
+  RingArrays &r = b.rings;
+  r.radius = radius.data();
+  r.stiffness = stiffnesses();
+  r.pressure = pressure.data();
+  r.work = work.data();
+  r.total = total.data();
+  r.per_pressure = per_pressure.data();
+  r.square = square.data();
+  if (soft) {
+    r.expansion = expansion.data();
+    r.mixed = mixed.data();
+    r.rate = rate.data();
+  }
+  r.skin = unless_empty(skin);
+  r.scale = scale;
+
+  ContactArrays &c = b.contacts;
+  c.pair_side = pair_side.data();
+  c.indentation = indentation.data();
+  c.compliance = compliance.data();
+  c.slope = slope.data();
+  c.share = share.data();
+  c.green = green.data();
+  c.own = unless_empty(own);
+  c.scratch = aligned;
+
+  CorrectionArrays &x = b.corrections;
+  x.partner = partner.data();
+  x.none = none();
+  x.weight = weight.data();
+  x.left = left.data();
+  x.direction = direction.data();
+  x.step = step.data();
+  x.product = x.last_product = product.data();
+  x.products = none() + 1;
+
+  b.films.tension = unless_empty(film_tension);
+  for (int n = 0; n < 4; ++n) b.films.terms[n] = film[n].data();
+
+  OutlineArrays &o = b.outline;
+  o.free_radius = unless_empty(free_radius_of);
+  o.bulk_and_swell = bulk_and_swell.data();
+  o.per_lengths = per_lengths.data();
+  o.change = change.data();
+  o.nx = normal[0].data();
+  o.ny = normal[1].data();
+  o.rate = rate_of_slope.data();
+  o.across = across.data();
+  o.turn = turn.data();
+  o.length = length;
+  return b;
 }
 
 double ContactBatches::bytes() const

@@ -31,12 +31,30 @@ DropletSolver::DropletSolver(LAMMPS *lmp, const ForceKernels &kernels,
 
 DropletArrays DropletSolver::arrays()
 {
-  return {tension.data(),    film_log.data(),   per_radii.data(), of_load.data(),
-          of_facet.data(),   still_work.data(), still.data(),     normals[0].data(),
-          normals[1].data(), normals[2].data(), force.data(),     facets[0].data(),
-          facets[1].data(),  facets[2].data(),  damping.data(),   torques[0].data(),
-          torques[1].data(), torques[2].data(), taken.data(),     green.data(),
-          green2.data(),     d_green.data()};
+  DropletArrays d = {};
+  d.tension = tension.data();
+  d.film_log = film_log.data();
+  d.per_radii = per_radii.data();
+  d.load = of_load.data();
+  d.facet = of_facet.data();
+  d.still_work = still_work.data();
+  d.still = still.data();
+  d.nx = normals[0].data();
+  d.ny = normals[1].data();
+  d.nz = normals[2].data();
+  d.force = force.data();
+  d.tx = facets[0].data();
+  d.ty = facets[1].data();
+  d.tz = facets[2].data();
+  d.damping = damping.data();
+  d.torque_x = torques[0].data();
+  d.torque_y = torques[1].data();
+  d.torque_z = torques[2].data();
+  d.taken = taken.data();
+  d.green = green.data();
+  d.green2 = green2.data();
+  d.d_green = d_green.data();
+  return d;
 }
 
 PairForces DropletSolver::forces() const

@@ -58,10 +58,17 @@ int NearPairs::locate(const ForceKernels &kernels, const double *x, const double
 {
   int wrong = -1;
   if (!in_space) {
-    if (wall == 0 || kernels.locate({i.data(), j.data(), x, radius, per_distance.data(),
-                                     overlap.data(), angle.data(), nx.data(), ny.data()},
-                                    0, wall))
-      return -1;
+    PairPlaces places = {};
+    places.i = i.data();
+    places.j = j.data();
+    places.x = x;
+    places.radius = radius;
+    places.per_distance = per_distance.data();
+    places.overlap = overlap.data();
+    places.angle = angle.data();
+    places.nx = nx.data();
+    places.ny = ny.data();
+    if (wall == 0 || kernels.locate(places, 0, wall)) return -1;
     int nearest = -1;    // line, as part of the smaller radius
     double most = 0.0;
     for (int k = 0; k < wall; ++k) {

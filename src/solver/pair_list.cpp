@@ -385,7 +385,7 @@ PairHistory::Entry PairHistory::entry_of(tagint tag, tagint partner, const Vecto
 {
   const float x = static_cast<float>(at.x), y = static_cast<float>(at.y),
               z = static_cast<float>(at.z);
-  if (partner < 0 || tag < partner) return {tag, partner, x, y, z, past};
+  if (partner < 0 || tag <= partner) return {tag, partner, x, y, z, past};
   return {partner, tag, -x, -y, -z, past.from_second()};
 }
 

@@ -106,32 +106,72 @@ struct Batch {
 
   ContactArrays contacts(int w, bool curved)
   {
-    return contacts_of({pair_side.data(), indentation.data(), compliance.data(), slope.data(),
-                        share.data(), green.data(), curved ? own.data() : nullptr, scratch},
-                       w, w);
+    ContactArrays c = {};
+    c.pair_side = pair_side.data();
+    c.indentation = indentation.data();
+    c.compliance = compliance.data();
+    c.slope = slope.data();
+    c.share = share.data();
+    c.green = green.data();
+    if (curved) c.own = own.data();
+    c.scratch = scratch;
+    return contacts_of(c, w, w);
   }
   OutlineArrays outline(int w)
   {
-    return {free_radius.data() + w, bulk_and_swell.data() + w,
-            per_lengths.data() + w, change.data() + w,
-            normal[0].data() + w,   normal[1].data() + w,
-            rate.data() + w,        across.data() + w,
-            turn.data() + w,        LENGTH};
+    OutlineArrays o = {};
+    o.free_radius = free_radius.data() + w;
+    o.bulk_and_swell = bulk_and_swell.data() + w;
+    o.per_lengths = per_lengths.data() + w;
+    o.change = change.data() + w;
+    o.nx = normal[0].data() + w;
+    o.ny = normal[1].data() + w;
+    o.rate = rate.data() + w;
+    o.across = across.data() + w;
+    o.turn = turn.data() + w;
+    o.length = LENGTH;
+    return o;
   }
   CorrectionArrays corrections(int w)
   {
-    return corrections_of({partner.data(), 0, weight.data(), left.data(), direction.data(),
-                           step.data(), product.data(), last_product.data(), 0},
-                          w);
+    CorrectionArrays x = {};
+    x.partner = partner.data();
+    x.weight = weight.data();
+    x.left = left.data();
+    x.direction = direction.data();
+    x.step = step.data();
+    x.product = product.data();
+    x.last_product = last_product.data();
+    return corrections_of(x, w);
   }
   RingArrays rings(int w)
   {
-    const StiffnessArrays stiffness = {kA.data(), kP.data(), is_tense ? tension.data() : nullptr,
-                                       nullptr};
-    return rings_of({radius.data(), stiffness, ring[0].data(), ring[2].data(), ring[3].data(),
-                     ring[4].data(), response[1].data(), ring[1].data(), response[0].data(),
-                     response[2].data(), skin.data(), SCALE},
-                    w);
+    RingArrays r = {};
+    r.radius = radius.data();
+    r.stiffness.kA = kA.data();
+    r.stiffness.kP = kP.data();
+    if (is_tense) r.stiffness.tension = tension.data();
+    r.pressure = ring[0].data();
+    r.expansion = ring[1].data();
+    r.work = ring[2].data();
+    r.total = ring[3].data();
+    r.per_pressure = ring[4].data();
+    r.mixed = response[0].data();
+    r.square = response[1].data();
+    r.rate = response[2].data();
+    r.skin = skin.data();
+    r.scale = SCALE;
+    return rings_of(r, w);
+  }
+  PairDirections pairs(bool curved) const
+  {
+    PairDirections p = {};
+    p.force = force.data();
+    p.angle = angle.data();
+    p.nx = nx.data();
+    p.ny = ny.data();
+    if (curved) p.bend = bend.data();
+    return p;
   }
 };
 
@@ -139,8 +179,7 @@ template <int SIZE, bool SOFT>
 void check(int n, std::mt19937 &random, Tensions tensions, bool curved)
 {
   Batch b(n, SOFT, tensions, random);
-  const PairDirections pairs = {b.force.data(), b.angle.data(), b.nx.data(), b.ny.data(),
-                                curved ? b.bend.data() : nullptr};
+  const PairDirections pairs = b.pairs(curved);
   // a second time with pressures to start from
   for (const double factor : {1.0, 1.03}) {
     for (double &f : b.force) f *= factor;
@@ -309,8 +348,7 @@ template <bool SOFT> void check_answers(const Known &known)
       b.bend[k / 2] = 0.0;
     }
   }
-  const PairDirections pairs = {b.force.data(), b.angle.data(), b.nx.data(), b.ny.data(),
-                                b.bend.data()};
+  const PairDirections pairs = b.pairs(true);
   double chord[3];
   // sin(beta)/s is the curvature
   for (int turn = 0; turn < 30; ++turn) {

@@ -56,19 +56,23 @@ def build(source, folder, *options):
     call(tool("cmake"), "--build", folder, "--parallel", "2")
 
 
-def build_lammps(suite, *options):
-    """LAMMPS of a suite of Debian with the packages that the scenes need, installed; the prefix.
+# MISC has names that ours must not be, MOLECULE has bonds, PLUGIN loads the styles.
+FEW = "-DPKG_MISC=ON", "-DPKG_MOLECULE=ON", "-DPKG_PLUGIN=ON"
+# Of LAMMPS' own choice these need libraries that CMake downloads, or that Debian has left out.
+NOT_HERE = "ELECTRODE", "MACHDYN", "ML-POD", "RHEO", "VORONOI"
 
-    MISC has names that ours must not be, MOLECULE has bonds, PLUGIN loads the styles.
-    """
-    source, folder, prefix = sources(suite), CACHE / suite / "build", CACHE / suite / "prefix"
-    packages = (
-        "-DPKG_MISC=ON",
-        "-DPKG_MOLECULE=ON",
-        "-DPKG_PLUGIN=ON",
-        "-DBUILD_OMP=OFF",
-        "-DDOWNLOAD_POTENTIALS=OFF",
-    )
+
+def most_packages(suite):
+    """The preset of LAMMPS that has about all packages without dependencies."""
+    preset = sources(suite) / "cmake" / "presets" / "most.cmake"
+    return "-C", preset, "-DBUILD_TOOLS=OFF", *(f"-DPKG_{name}=OFF" for name in NOT_HERE)
+
+
+def build_lammps(suite, *options, packages=FEW, name="build"):
+    """LAMMPS of a suite of Debian with these packages, installed; the prefix."""
+    source, folder = sources(suite), CACHE / suite / name
+    prefix = folder.with_name(f"{name}-prefix")
+    packages = (*packages, "-DBUILD_OMP=OFF", "-DDOWNLOAD_POTENTIALS=OFF")
     precompile = f"-DCMAKE_PROJECT_INCLUDE={Path(__file__).with_name('precompile.cmake')}"
     # where it will be is compiled in: the places of its library and of species files
     place = f"-DCMAKE_INSTALL_PREFIX={prefix}"
@@ -133,7 +137,8 @@ def download(suite, folder):
     apt_get = [tool("apt-get"), "--quiet", *(word for option in options for word in ("-o", option))]
     what = f"LAMMPS in Debian {suite}"
     call(*apt_get, "update", what=what)
-    call(*apt_get, "source", "--download-only", "--tar-only", "lammps", cwd=apt, what=what)
+    only = "--only-source", "--download-only", "--tar-only"  # of this suite, not what is installed
+    call(*apt_get, "source", *only, "lammps", cwd=apt, what=what)
     (archive,) = apt.glob("lammps_*.orig.tar.*")
     # some of these archives have a folder of their own, others do not
     unpacked = apt / "lammps"

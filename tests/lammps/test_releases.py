@@ -3,6 +3,7 @@
 These tests install and compile LAMMPS.
 """
 
+import every_style
 import lammps_deformable_plugin as plugin
 import pytest
 from lammps_builds import (
@@ -12,15 +13,18 @@ from lammps_builds import (
     build_lammps,
     build_plugin,
     call,
+    most_packages,
     program,
     sources,
     wheel,
 )
 from lammps_deformable import core
+from parallel import finished
 from releases import assert_same, evaluate
 
 pytestmark = pytest.mark.slow
 SHARED = "-DBUILD_SHARED_LIBS=ON", "-DLAMMPS_INSTALL_RPATH=ON"
+INTO = f"-DCMAKE_PROJECT_lammps_INCLUDE={ROOT / 'cmake' / 'into_lammps.cmake'}"
 MPIEXEC = BIN / "mpiexec"
 
 
@@ -64,11 +68,26 @@ def test_plugin_of_an_own_lammps(tmp_path):
 
 def test_styles_compiled_into_lammps(tmp_path):
     """With atom IDs beyond 32 bits and without MPI. Species files are found once installed."""
-    into = f"-DCMAKE_PROJECT_lammps_INCLUDE={ROOT / 'cmake' / 'into_lammps.cmake'}"
-    prefix = build_lammps("trixie", into, "-DLAMMPS_SIZES=bigbig", "-DBUILD_MPI=OFF")
+    prefix = build_lammps("trixie", INTO, "-DLAMMPS_SIZES=bigbig", "-DBUILD_MPI=OFF")
     lmp = prefix / "bin" / "lmp"
     assert_same(evaluate([lmp], tmp_path / "scenes", first_id=2**33))
 
     assert "deformable/ring" in call(lmp, "-h")
     done = call(lmp, "-in", "in.packing", "-log", "none", cwd=tmp_path / "scenes")
     assert f"comes with the package: {prefix}/share/lammps/potentials/bubbles.deformable" in done
+
+
+def test_styles_beside_most_packages(tmp_path):
+    """None has a name of ours. Every style runs, and tells the same as the plugin."""
+    packages = most_packages("trixie")
+    prefix = build_lammps("trixie", INTO, "-DBUILD_MPI=OFF", packages=packages, name="most")
+    alone = {"LAMMPS_PLUGIN_PATH": ""}  # `import lammps` may have set it
+
+    def run(script):
+        (tmp_path / "in.script").write_text(script)
+        call(prefix / "bin" / "lmp", "-in", "in.script", "-log", "none", cwd=tmp_path, **alone)
+
+    folder = tmp_path / "plugin"
+    folder.mkdir()
+    expected = every_style.told(lambda script: finished(1, script, folder), folder)
+    every_style.assert_same(every_style.told(run, tmp_path), expected)

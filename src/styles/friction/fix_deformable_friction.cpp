@@ -302,9 +302,9 @@ inline bool FixDeformableFriction::find_sides(const LoadedContact &c, Sides &sid
   if (!(atom->mask[c.j] & groupbit)) return false;
   place.r = vector<V>(atom->x[c.j]) - vector<V>(atom->x[c.i]);
   if (c.one_side || atom->tag[c.i] <= atom->tag[c.j]) return true;
-  sides = {c.j, c.i, c.second};
+  sides = {c.j, c.i, c.owned};
   place = place.from_partner();
-  return c.second >= 0;
+  return c.owned >= 0;
 }
 
 // Velocities are those of the half step before.
@@ -539,11 +539,12 @@ inline void FixDeformableFriction::lose(const Sides &sides, const Acting<V> &bef
   output[DAMPING] += half * (before.damping * v_before.v.normal + now.damping * v_now.v.normal);
   output[FILMS] += half * (dot(before.film, v_before.v) + dot(now.film, v_now.v));
   if (sides.partner >= 0 || !pairs.front()->has_wall(sides.partner)) return;
-  const ContactVector<V> first = before.film + ContactVector<V>{before.rub.force, before.damping};
-  const ContactVector<V> second = now.film + ContactVector<V>{now.rub.force, now.damping};
+  const ContactVector<V> force_before =
+      before.film + ContactVector<V>{before.rub.force, before.damping};
+  const ContactVector<V> force_now = now.film + ContactVector<V>{now.rub.force, now.damping};
   pairs.front()
       ->wall(sides.partner)
-      .do_work(-half * (dot(first, v_before.wall) + dot(second, v_now.wall)));
+      .do_work(-half * (dot(force_before, v_before.wall) + dot(force_now, v_now.wall)));
 }
 
 /* ----------------------------------------------------------------------

@@ -190,14 +190,14 @@ double MinDeformableLbfgs::evaluate()
 void MinDeformableLbfgs::balance_loosely()
 {
   if (!may_be_loose) return;
-  enough = LOOSE * std::sqrt(fnorm_max());
-  pair->accept_imbalance(enough);
+  accepted = LOOSE * std::sqrt(fnorm_max());
+  pair->accept_imbalance(accepted);
 }
 
 void MinDeformableLbfgs::balance_fully()
 {
-  if (enough == 0.0) return;
-  enough = 0.0;
+  if (accepted == 0.0) return;
+  accepted = 0.0;
   pair->accept_imbalance(0.0);
   evaluate();
 }

@@ -76,7 +76,7 @@ class MinDeformableLbfgs : public Min {
   bool is_at_rest();
 
   // of the contacts of our pair styles
-  double enough = 0.0;    // see PairDeformable::accept_imbalance
+  double accepted = 0.0;    // see PairDeformable::accept_imbalance
   bool may_be_loose = false;
   void balance_loosely();
   void balance_fully();

@@ -392,8 +392,8 @@ void PairDeformable::check_ramped_species() const
 {
   for (const Species &s : species) {
     if (s.name.empty()) continue;
-    const std::string wrong = invalid_values(s);
-    if (!wrong.empty()) error->all(FLERR, "Species {} in a run: {}", s.name, wrong);
+    const std::string problem = invalid_values(s);
+    if (!problem.empty()) error->all(FLERR, "Species {} in a run: {}", s.name, problem);
     check_species(s);
   }
 }

@@ -100,7 +100,7 @@ struct RecordedContact {
 // A contact that bears a force, for fix deformable/friction.
 struct LoadedContact {
   int i, j;          // local indices; of a wall its code < 0
-  int second;        // local index of the particle whose image j is, or -1: it is on another rank
+  int owned;         // local index of the particle whose image j is, or -1: it is on another rank
   Vector3 n;         // normal of the contact, from i to j
   Vector3 middle;    // of its film, from the center of i
   double force;

@@ -171,8 +171,8 @@ bool PairDeformableRing::take_ramps()
   if (!unchecked) return false;
   ramps.fill(species);
   check_ramped_species();
-  const std::string wrong = adhesions.problem(species);
-  if (!wrong.empty()) error->all(FLERR, "Adhesion in a run: {}", wrong);
+  const std::string problem = adhesions.problem(species);
+  if (!problem.empty()) error->all(FLERR, "Adhesion in a run: {}", problem);
   check_lines_bend("Species", adhesions.any());
   find_films();
   unchecked = false;
@@ -192,10 +192,10 @@ void PairDeformableRing::check_adhesive_walls()
       const int i = list->ilist[ii];
       if (!(atom->mask[i] & wall->groupbit)) continue;
       const Species &s = species[atom->type[i]];
-      const std::string wrong = invalid_for_adhesion(wall->adhesion(), stiffness_of(i), s.skin);
-      if (!wrong.empty())
+      const std::string problem = invalid_for_adhesion(wall->adhesion(), stiffness_of(i), s.skin);
+      if (!problem.empty())
         refuse("Fix {} deformable/wall: atom {} of species {}: {}", wall->id, atom->tag[i], s.name,
-               wrong);
+               problem);
     }
   }
 }
@@ -289,9 +289,9 @@ void PairDeformableRing::refuse_bulge(int i, const Contacts &contacts, int partn
                 "a wall of fix {} cuts it {:.4g} from its center, whose radius is {:.4g}: move "
                 "one of them",
                 wall(partner).id, radii[i] - contacts[deepest(contacts)].indentation, radii[i]);
-  const double enough = 1.2 * ratio * reach;
+  const double needed = 1.2 * ratio * reach;
   const std::string larger =
-      enough <= LARGEST_REACH ? fmt::format(" or use a reach of {:.2g} or more", enough) : "";
+      needed <= LARGEST_REACH ? fmt::format(" or use a reach of {:.2g} or more", needed) : "";
   const char *const slower = update->whichflag == 1 ? ", slower particles or stiffer ones" : "";
   refuse("The outline of atom {} bulges by {:.6g}, but 'reach {}' covers {:.6g}: {}, take "
          "smaller steps or a smaller timestep{}{}{}",
@@ -610,11 +610,11 @@ void PairDeformableRing::check_properties()
     const int i = list->ilist[ii];
     const Stiffness k = stiffness_of(i);
     const Species &s = materials.species_of(i);
-    std::string wrong = invalid_stiffness(k);
-    if (wrong.empty()) wrong = unstable_radius(ring_radius_of(i), k);
-    if (wrong.empty()) wrong = invalid_for_adhesion(adhesion[atom->type[i]], k, s.skin);
-    if (wrong.empty()) continue;
-    refuse("Atom {} of species {}: {} ({} of fix property/atom)", atom->tag[i], s.name, wrong,
+    std::string problem = invalid_stiffness(k);
+    if (problem.empty()) problem = unstable_radius(ring_radius_of(i), k);
+    if (problem.empty()) problem = invalid_for_adhesion(adhesion[atom->type[i]], k, s.skin);
+    if (problem.empty()) continue;
+    refuse("Atom {} of species {}: {} ({} of fix property/atom)", atom->tag[i], s.name, problem,
            kA_by_atom ? tension_by_atom ? "d_kA and d_tension" : "d_kA" : "d_tension");
   }
 }

@@ -144,14 +144,14 @@ std::string read_prism(Region *region, WallShape &shape)
 // sphere.
 std::string read_disk(Region *region, bool sphere, WallShape &shape)
 {
-  const char *const wrong = sphere ? "is a sphere whose center is not at z = 0"
-                                   : "is a cylinder that does not cross the plane z = 0 of the "
-                                     "particles, or whose axis is not along z";
+  const char *const problem = sphere ? "is a sphere whose center is not at z = 0"
+                                     : "is a cylinder that does not cross the plane z = 0 of the "
+                                       "particles, or whose axis is not along z";
   double z = 0.0, distance = FAR_PRISM;
   for (int round = 0; round < 4; ++round) {
     const double x = shape.center.x + 0.8 * distance, y = shape.center.y + 0.6 * distance;
     const Region::Contact *contact = outer_contact(region, x, y, ANY_DISTANCE);
-    if (!contact || !(contact->r > 0.0) || (!sphere && contact->delz != 0.0)) return wrong;
+    if (!contact || !(contact->r > 0.0) || (!sphere && contact->delz != 0.0)) return problem;
     shape.radius = sphere ? contact->radius : 0.5 * contact->radius;
     const double to_center = (contact->r + shape.radius) / contact->r;
     shape.center.x = x - contact->delx * to_center;
@@ -159,14 +159,14 @@ std::string read_disk(Region *region, bool sphere, WallShape &shape)
     z = -contact->delz * to_center;
     distance = std::max(2.0 * shape.radius, round == 0 ? 1e-4 : 1e-9);
   }
-  if (sphere) return std::fabs(z) <= 1e-9 * shape.radius ? "" : wrong;
+  if (sphere) return std::fabs(z) <= 1e-9 * shape.radius ? "" : problem;
   for (int k = 0; k < 16; ++k) {    // a cylinder along x or y has another section
     const double angle = 0.125 * PI * k;
     const double c = shape.radius * std::cos(angle), s = shape.radius * std::sin(angle);
     if (region->inside(shape.center.x + 0.999 * c, shape.center.y + 0.999 * s, 0.0) &&
         !region->inside(shape.center.x + 1.001 * c, shape.center.y + 1.001 * s, 0.0))
       continue;
-    return wrong;
+    return problem;
   }
   return "";
 }
