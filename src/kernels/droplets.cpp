@@ -141,7 +141,8 @@ DEFORMABLE_LANE_FUNCTION OfContacts sums_of(const DropletArrays &d, int begin, i
 
 // Forces and outward normals of the contacts of a batch.
 template <bool KNOWN>
-static void take_pairs(const RingBatches &b, const DropletArrays &d, const PairForces &p, int batch)
+static void take_pairs(const RingBatches &b, const DropletArrays &d, const PairDirections &p,
+                       int batch)
 {
   const int first = b.first[batch], places = b.first[batch + 1] - first;
   const int *const pair_side = b.contacts.pair_side + first;
@@ -272,7 +273,7 @@ DEFORMABLE_LANE_FUNCTION void find_compliances(const RingBatches &b, const Dropl
 }
 
 // All that a droplet's own forces say: work, indentations and compliances, but for films that turn and facets that move.
-template <bool KNOWN> static void load_droplets(RingBatches b, DropletArrays d, PairForces p)
+template <bool KNOWN> static void load_droplets(RingBatches b, DropletArrays d, PairDirections p)
 {
   const RingArrays &r = b.rings;
   for (int batch = b.begin; batch < b.end; ++batch) {

@@ -15,10 +15,12 @@ namespace deformable {
 // first contact of all rings of a batch, then the second one, and so on.
 constexpr int LANES = 8;
 
-// Pairs as rings see them. The direction is that from the first ring of a pair. One more than pairs: the last one, of
-// places of contacts that are empty, bears nothing.
+// Pairs as rings and droplets see them. The direction is that from the first particle of a pair. One more than pairs: the last one,
+// of places of contacts that are empty, bears nothing.
 struct PairDirections {
-  const double *force, *angle, *nx, *ny;
+  const double *force;
+  const double *angle;           // in the plane
+  const double *nx, *ny, *nz;    // nz: in space
   const double *bend;     // tan(beta/2), see contact_curve.h; null where contact lines are straight
   const double *least;    // -2 T sin(theta) of films, see contact_curve.h; null: no film sticks
 };
@@ -262,12 +264,6 @@ struct ForceKernels {
 
 // Droplets: what they have beside the arrays of rings (droplets.cpp).
 
-// Pairs: the force, and the normal from the first droplet. One more than pairs: the last one, of empty places, bears
-// nothing.
-struct PairForces {
-  const double *force, *nx, *ny, *nz;
-};
-
 // What only droplets have, in units of R and g R unless it says more. By droplet (batch x LANES + lane), by contact, and by two
 // contacts, as RingBatches; tx, ty, tz and damping have the contacts of other ranks, too, and one that is 0 for walls.
 struct DropletArrays {
@@ -288,9 +284,9 @@ struct DropletArrays {
 //   g C_ck = `green` + rate - mixed (f_c + f_k) - square f_c f_k,   for c = k `own` in place of `green`.
 struct DropletKernels {
   // All droplets of the batches, from the forces of their pairs.
-  void (*shape)(RingBatches, DropletArrays, PairForces);
+  void (*shape)(RingBatches, DropletArrays, PairDirections);
   // The same for other forces.
-  void (*adapt)(RingBatches, DropletArrays, PairForces);
+  void (*adapt)(RingBatches, DropletArrays, PairDirections);
   // Then, when their neighbors have shapes too: films that turn, and facets that move. Indentations and works.
   void (*turn)(RingBatches, DropletArrays);
   // The derivatives by the normals.

@@ -147,7 +147,12 @@ Droplet droplet(nb::handle given_normals, nb::handle given_forces, double radius
   arrays.green = each_green.data();
   arrays.green2 = each_green2.data();
   arrays.d_green = d_green.data();
-  kernels->droplets.shape(batch, arrays, {force.data(), x.data(), y.data(), n.data()});
+  PairDirections pairs = {};
+  pairs.force = force.data();
+  pairs.nx = x.data();
+  pairs.ny = y.data();
+  pairs.nz = n.data();
+  kernels->droplets.shape(batch, arrays, pairs);
   kernels->droplets.turn(batch, arrays);
   kernels->droplets.derive(batch, arrays);
   const auto own = [&](const std::vector<double> &by_place) {

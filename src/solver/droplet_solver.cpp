@@ -57,21 +57,15 @@ DropletArrays DropletSolver::arrays()
   return d;
 }
 
-PairForces DropletSolver::forces() const
-{
-  const NearPairs &p = list.pairs;
-  return {p.force.data(), p.nx.data(), p.ny.data(), p.nz.data()};
-}
-
 bool DropletSolver::shape(const RingBatches &batch)
 {
-  droplets.shape(batch, arrays(), forces());
+  droplets.shape(batch, arrays(), list.pairs.directions());
   return true;
 }
 
 bool DropletSolver::adapt(const RingBatches &batch, const float *, double)
 {
-  droplets.adapt(batch, arrays(), forces());
+  droplets.adapt(batch, arrays(), list.pairs.directions());
   return true;
 }
 

@@ -49,7 +49,6 @@ class DropletSolver : public DualSolver {
   LargeVector<float> taken;
 
   DropletArrays arrays();
-  PairForces forces() const;
   bool has_own_compliances() const override { return true; }
   void set_material(const ForceCall &, bool arranged) override;
   bool shape(const RingBatches &) override;

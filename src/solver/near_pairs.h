@@ -135,12 +135,15 @@ struct NearPairs : KnownPairs {
 
   PairDirections directions() const
   {
-    return {force.data(),
-            angle.data(),
-            nx.data(),
-            ny.data(),
-            curved ? bend.data() : nullptr,
-            adhesive ? least.data() : nullptr};
+    PairDirections d = {};
+    d.force = force.data();
+    d.angle = angle.data();
+    d.nx = nx.data();
+    d.ny = ny.data();
+    d.nz = nz.data();
+    if (curved) d.bend = bend.data();
+    if (adhesive) d.least = least.data();
+    return d;
   }
 
   double bytes() const;
