@@ -11,6 +11,7 @@
 #include "solver/block_levels.h"
 #include "solver/contact_batches.h"
 #include "solver/near_pairs.h"
+#include "solver/tuning.h"
 
 #include <vector>
 
