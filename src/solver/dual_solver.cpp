@@ -406,6 +406,7 @@ Evaluation DualSolver::begin(Attempt attempt, const ForceCall &call)
 // One row of each evaluation that a step leads to.
 void DualSolver::trace(Attempt attempt, const Evaluation &now) const
 {
+  if (comm->me != 0) return;
   static constexpr const char *ATTEMPTS[] = {"predicted", "anew", "straight", "let go", "held"};
   static constexpr const char *OUTCOMES[] = {"", "taken", "shortened", "alone", "undone"};
   utils::logmesg(
