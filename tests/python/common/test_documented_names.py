@@ -14,9 +14,9 @@ import pytest
 from lammps_deformable.state.state import COLUMNS
 
 MODULES = [
-    importlib.import_module(f"{ld.__name__}.{module.name}")
-    for module in pkgutil.iter_modules(ld.__path__)
-    if not module.name.startswith("core")
+    importlib.import_module(module.name)
+    for module in pkgutil.walk_packages(ld.__path__, f"{ld.__name__}.")
+    if not re.search(r"\.core$|_for_tests$", module.name)
 ]
 
 # What docstrings call an object of each class.
