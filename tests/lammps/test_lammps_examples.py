@@ -25,7 +25,7 @@ NAMES = [
     *("melt/in.melt", "deposit/in.deposit.atom", "KAPPA/in.ehex", "UNITS/in.ar.lj"),
     *("controller/in.controller.temp", "balance/in.balance.neigh.rcb"),
     *("PACKAGES/momentum/in.momentum", "HEAT/in.lj.ehex", "HEAT/in.lj.hex", "KAPPA/in.heat"),
-    *("KAPPA/in.heatflux", "KAPPA/in.langevin", "KAPPA/in.mp", "MC/in.mc", "gcmc/in.gcmc.lj"),
+    *("KAPPA/in.heatflux", "KAPPA/in.langevin", "KAPPA/in.mp", "MC/in.mc"),
     *("VISCOSITY/in.einstein.2d", "atm/in.atm", "granregion/in.granregion.box", "rerun/in.first"),
     *(f"balance/in.balance.{way}.static" for way in ("clock", "group", "neigh")),
     *(f"balance/in.balance.{way}.dynamic" for way in ("clock", "group", "neigh", "var")),
