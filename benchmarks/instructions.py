@@ -51,17 +51,19 @@ print(json.dumps([os.path.join(lmp.ROOT_DIR, "lmp"), dict(os.environ)]))
 """
 
 
-def run(checkout: Path, script: str, species: str) -> tuple[int, str]:
-    """Instructions of a script with the plugin of a checkout, and what it prints last."""
-    environment = os.environ | {
-        "PYTHONPATH": str(checkout / "python"),
-        "OMP_NUM_THREADS": "1",
-        "DEFORMABLE_SIMD": "avx2",
-    }
+def lmp_of(checkout: Path) -> tuple[str, dict[str, str]]:
+    """The program `lmp`, and the environment in which it has the plugin of a checkout."""
+    environment = os.environ | {"PYTHONPATH": str(checkout / "python"), "OMP_NUM_THREADS": "1"}
     found = subprocess.run(
         [sys.executable, "-c", PROGRAM], env=environment, capture_output=True, text=True, check=True
     )
     program, environment = json.loads(found.stdout.splitlines()[-1])
+    return program, environment
+
+
+def run(checkout: Path, script: str, species: str) -> tuple[int, str]:
+    """Instructions of a script with the plugin of a checkout, and what it prints last."""
+    program, environment = lmp_of(checkout)
     with tempfile.TemporaryDirectory() as folder:
         (Path(folder) / "species").write_text(species)
         (Path(folder) / "in.cost").write_text(script)
@@ -69,7 +71,7 @@ def run(checkout: Path, script: str, species: str) -> tuple[int, str]:
         done = subprocess.run(
             [*valgrind, "--cachegrind-out-file=/dev/null", program, "-in", "in.cost"],
             cwd=folder,
-            env=environment,
+            env=environment | {"DEFORMABLE_SIMD": "avx2"},
             capture_output=True,
             text=True,
             check=True,

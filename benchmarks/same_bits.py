@@ -11,15 +11,13 @@ not change a bit; another one says why it does.
 from __future__ import annotations
 
 import hashlib
-import json
-import os
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
 from typing import NamedTuple
 
-from instructions import PROGRAM
+from instructions import lmp_of
 
 PLANE = """
 units lj
@@ -124,11 +122,7 @@ SCENES = {
 
 def bits(checkout: Path, scene: Scene) -> str:
     """Hash of the places and forces of a scene, with the plugin of a checkout."""
-    environment = os.environ | {"PYTHONPATH": str(checkout / "python"), "OMP_NUM_THREADS": "1"}
-    found = subprocess.run(
-        [sys.executable, "-c", PROGRAM], env=environment, capture_output=True, text=True, check=True
-    )
-    program, environment = json.loads(found.stdout.splitlines()[-1])
+    program, environment = lmp_of(checkout)
     of_ranks = [Path(sys.executable).with_name("mpiexec"), "-n", str(scene.ranks)]
     with tempfile.TemporaryDirectory() as folder:
         (Path(folder) / "species").write_text(scene.species)

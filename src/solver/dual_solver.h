@@ -168,7 +168,7 @@ class DualSolver : protected Pointers {
     int iteration = 0, last = 0;    // CORRECT: which one of so many
     double gain = 1.0;              // and what steps are multiplied by
     bool goes_on = false;           // CORRECT, RESPOND: with what a solution before has left
-    bool is_before = false;         // RESIDUAL: a correction that was planned follows
+    bool is_before = false;         // SHAPE to RESIDUAL: a correction that was planned follows
     Step(Stage stage) : stage(stage) {}
   };
   using Steps = std::vector<Step>;
@@ -201,9 +201,9 @@ class DualSolver : protected Pointers {
     bool exists = true;    // every particle has a shape
     void add(const Residuals &, double part);
   };
-  std::vector<OfBlock> found,
-      found_before;             // by the last stages RESIDUAL and STEP; before a planned correction
-  double pairs_of_all = 1.0;    // the number of pairs of all ranks, plus 1
+  std::vector<OfBlock> found;           // by the last stages RESIDUAL and STEP
+  std::vector<OfBlock> found_before;    // the same, before a correction that was planned
+  double pairs_of_all = 1.0;            // the number of pairs of all ranks, plus 1
 
   bool minimizing() const;
   bool searches_lines() const;

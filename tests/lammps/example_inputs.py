@@ -12,9 +12,6 @@ _LEFT_OUT = (
 # What begins a LAMMPS that reads the particles of another one.
 _HEAD = "units", "dimension", "boundary", "atom_style", "atom_modify"
 
-# What older inputs call otherwise.
-_RENAMED = {"dynamic yes": "dynamic/dof yes", "dynamic no": "dynamic/dof no"}
-
 # Radius near the minimum of a Lennard-Jones pair, at which no lattice of the examples just touches,
 # and stiffnesses that stop its atoms.
 SPECIES = "a {radius} 2000 inf\nb {radius} inf 0 tension 300\n"
@@ -40,8 +37,6 @@ def written(name: str) -> str:
 def _lines(text: str) -> list[str]:
     """Commands, each in one line, without comments."""
     text = re.sub(r"&[ \t]*\n", " ", text)
-    for old, new in _RENAMED.items():
-        text = text.replace(old, new)
     lines = (line.partition("#")[0].strip() for line in text.splitlines())
     return [line for line in lines if line]
 
