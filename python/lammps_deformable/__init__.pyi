@@ -15,7 +15,7 @@ from .common.errors import StalledWarning as StalledWarning
 from .common.errors import UndefinedError as UndefinedError
 from .common.errors import UnjammedWarning as UnjammedWarning
 from .common.errors import UnsavedWarning as UnsavedWarning
-from .common.parallel import jackknife as jackknife
+from .common.jackknife import jackknife as jackknife
 from .common.parallel import parallel_map as parallel_map
 from .common.versions import show_versions as show_versions
 from .engine.jamming import jam as jam
@@ -45,13 +45,13 @@ from .reference.comparison import Comparison as Comparison
 from .reference.comparison import compare as compare
 from .runs.run import Run as Run
 from .runs.run import Table as Table
-from .state.analysis import Cells as Cells
 from .state.contacts import ContactForces as ContactForces
+from .state.displacements import LocalStrain as LocalStrain
 from .state.hessian import Hessian as Hessian
 from .state.modes import Modes as Modes
-from .state.secondary import SecondaryOutlines as SecondaryOutlines
+from .state.secondary_contacts import SecondaryOutlines as SecondaryOutlines
 from .state.state import State as State
-from .state.tracking import LocalStrain as LocalStrain
+from .state.voronoi import Cells as Cells
 
 __version__: str
 potentials: pathlib.Path

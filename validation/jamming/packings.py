@@ -10,7 +10,7 @@ from itertools import pairwise, zip_longest
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from lammps_deformable.common._checks import zero_or_more
+from lammps_deformable.common.checks import zero_or_more
 from lammps_deformable.common.errors import ParameterError, StalledWarning, UnjammedWarning
 from lammps_deformable.engine.jamming import jam, natural_pressure
 from lammps_deformable.engine.relax import TOLERANCE

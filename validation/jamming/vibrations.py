@@ -21,8 +21,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from lammps_deformable.common._files import make_folder, write_whole
-from lammps_deformable.common.parallel import jackknife
+from lammps_deformable.common.files import make_folder, write_whole
+from lammps_deformable.common.jackknife import jackknife
 from lammps_deformable.engine.jamming import jam, natural_pressure
 from lammps_deformable.engine.simulation import Simulation
 from lammps_deformable.engine.soft_disks import relax_at_pressure

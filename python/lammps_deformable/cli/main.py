@@ -23,8 +23,8 @@ from tqdm import tqdm
 from typer import Argument, Option
 
 from .. import potentials
-from ..common._files import make_folder, written_whole
 from ..common.errors import DeformableError, ParameterError
+from ..common.files import make_folder, written_whole
 from ..common.ranks import print_once
 from ..common.versions import mpi_of_lammps, mpi_of_python, optional, versions
 from ..engine.jamming import jam

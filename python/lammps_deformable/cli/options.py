@@ -21,7 +21,7 @@ import typer
 from mpi4py import MPI
 from typer import Option
 
-from ..common._checks import positive
+from ..common.checks import positive
 from ..common.errors import FileError, ParameterError
 from ..engine.relax import TOLERANCE
 from ..particles.generators import bidisperse, polydisperse

@@ -24,8 +24,8 @@ from ..particles.commands import (
     memory_commands,
     pair_style,
     soft_commands,
-    species_file,
 )
+from ..particles.containers import Distances, check_centers, check_fit
 from ..particles.friction import (
     FRICTION,
     Friction,
@@ -52,7 +52,7 @@ from ..particles.laws import (
     undeformed,
 )
 from ..particles.packing import Packing
-from ..particles.room import Distances, check_centers, check_fit
+from ..particles.species_file import species_file
 from ..state.contacts import ROWS, ContactTable, attached, contact_table
 from ..state.rubbing import RUBBING_ROWS, rubbing_table
 from ..state.state import State

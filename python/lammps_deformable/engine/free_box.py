@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common._checks import positive, shown
+from ..common.checks import positive, shown
 from ..common.errors import LammpsError, ParameterError, UnjammedWarning, collected, warn
 from ..particles.laws import excess_phi, natural_pressure, root
 from ..particles.polygons import DeformablePolygon

@@ -14,7 +14,7 @@ import numpy as np
 from mpi4py import MPI
 from tqdm import tqdm
 
-from ..common._checks import expect, positive
+from ..common.checks import expect, positive
 from ..common.errors import ParameterError, StalledWarning, UnjammedWarning, collected, warn
 from ..common.ranks import progress, world
 from ..particles.laws import (

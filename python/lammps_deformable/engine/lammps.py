@@ -21,15 +21,14 @@ import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from ..common._checks import expect
-from ..common.box import half_thickness
+from ..common.box import half_thickness, in_space
+from ..common.checks import expect
 from ..common.errors import LammpsError
 from ..common.ranks import OPENING, agree, guarded_lammps, world
 from ..common.versions import check_lammps
-from ..formats.files import in_space
-from ..particles import room
+from ..particles import containers
+from ..particles.columns import tilts_of
 from ..particles.commands import PLANE, WALL, setup_commands, wall_commands
-from ..particles.text_files import tilts_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -115,8 +114,8 @@ def box_change(walls: tuple[Wall, ...], box: NDArray[np.float64]) -> str:
 
 def _ends(walls: tuple[Wall, ...], box: NDArray[np.float64]) -> list[tuple[float, float]]:
     """Both ends of LAMMPS' box along each axis, with a margin around a container."""
-    ends = room.bounds(walls, box)
-    margin = _MARGIN * np.array(room.closed(walls, len(box))) * np.ptp(ends, axis=0)
+    ends = containers.bounds(walls, box)
+    margin = _MARGIN * np.array(containers.closed(walls, len(box))) * np.ptp(ends, axis=0)
     low, high = (ends + np.outer([-1.0, 1.0], margin)).tolist()
     return list(zip(low, high, strict=True))
 

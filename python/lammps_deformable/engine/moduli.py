@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..common._checks import numbers, positive, shown
+from ..common.checks import numbers, positive, shown
 from ..common.errors import ParameterError
 from .relax import CLOSE, USUAL, balanced_to
 

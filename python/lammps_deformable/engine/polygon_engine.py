@@ -21,8 +21,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import core
-from ..common._checks import expect
 from ..common.box import cartesian, fractional, refuse_space
+from ..common.checks import expect
 from ..common.errors import ParameterError
 from ..common.ranks import progress
 from ..core import angles
@@ -39,7 +39,6 @@ from ..particles.packing import Packing
 from ..particles.polygons import (
     DeformablePolygon,
     Walls,
-    polygon_file,
     refuse_own_image,
     refuse_packing,
     refuse_start,
@@ -80,6 +79,15 @@ if TYPE_CHECKING:
     from ..particles.polygons import Polygons
     from ..particles.walls import Wall
     from .simulation import Simulation
+
+
+from typing import TYPE_CHECKING
+
+from ..common.box import half_thickness
+from ..formats.data_files import data_file
+
+if TYPE_CHECKING:
+    from ..particles.polygons import Polygons
 
 Array = NDArray[np.float64]
 
@@ -619,3 +627,31 @@ def _line_search(
             low, low_slope, high = (part, here, high) if lower else (low, low_slope, part)
             part = 0.5 * (low + high)
     return lowest
+
+
+def polygon_file(packing: Packing, polygons: list[NDArray[np.float64]], centered: bool) -> str:
+    """LAMMPS data file of bead polygons.
+
+    Args:
+        packing: gives the box and the species.
+        polygons: positions of the beads of each, arrays (N_v, 2) [length].
+        centered: the center of the box is the origin; otherwise its lower left corner is.
+    """
+    sizes = [len(polygon) for polygon in polygons]
+    types = np.repeat(packing.species + 1, sizes)
+    ids = np.arange(1, len(types) + 1)
+    following = np.concatenate(
+        [np.roll(polygon, -1) for polygon in np.split(ids, np.cumsum(sizes)[:-1])]
+    )
+    (lx, _), (_, ly) = packing.box.tolist()
+    return data_file(
+        "bead polygons",
+        "bond",
+        packing.box,
+        len(packing._species_radii),
+        [np.repeat(np.arange(1, len(polygons) + 1), sizes), types],
+        np.vstack(polygons),
+        np.column_stack([types, ids, following]),
+        (-0.5 * lx, -0.5 * ly) if centered else (0, 0),
+        half=half_thickness(float(packing._species_radii.max())),
+    )

@@ -18,7 +18,7 @@ import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from ..common._checks import shown
+from ..common.checks import shown
 from ..common.errors import (
     BeyondModelWarning,
     LammpsError,

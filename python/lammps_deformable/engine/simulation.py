@@ -10,12 +10,12 @@ import numpy as np
 from mpi4py import MPI
 from numpy.typing import ArrayLike, NDArray
 
-from ..common._checks import count, expect, positive, shown
 from ..common.box import lattice_vectors, shown_box
+from ..common.checks import count, expect, positive, shown
 from ..common.errors import ParameterError, UndefinedError
 from ..common.ranks import OneCall
 from ..formats.store import Motion
-from ..particles import room
+from ..particles import containers
 from ..particles.friction import Friction
 from ..particles.gravity import as_gravity, check_held
 from ..particles.laws import AnyLaw, Droplet, Ring, Sector, SoftContact
@@ -311,7 +311,7 @@ class Simulation(OneCall):
         lx, ly, lz = (end - begin for begin, end in zip(low, high, strict=True))
         box = np.array([[lx, 0.0, 0.0], [xy, ly, 0.0], [xz, yz, lz]])
         dimension = self.dimension
-        return room.box_between(self._walls, box[:dimension, :dimension])
+        return containers.box_between(self._walls, box[:dimension, :dimension])
 
     @property
     def packing(self) -> Packing:
@@ -339,7 +339,7 @@ class Simulation(OneCall):
         box = lattice_vectors(box)
         if len(box) != self.dimension:
             raise ParameterError(f"box must have {self.dimension} sides, not {len(box)}")
-        walls = room.stretched(self._walls, former, box)
+        walls = containers.stretched(self._walls, former, box)
         self._engine.follow(self, walls, box)
         self._walls = walls
         run(self.lmp, box_change(walls, box))
@@ -1016,7 +1016,7 @@ class Simulation(OneCall):
             return
         if not self.friction:
             rest(self.lmp)  # FIRE begins without velocities
-        free = room.free_room(self._walls, self.box)
+        free = containers.free_room(self._walls, self.box)
         tensor = stress(self.lmp, free if self._walls else None)
         phi, pressure = self._engine.filled() / free, float(np.trace(tensor) / len(tensor))
         root = self.comm.rank == 0

@@ -19,9 +19,9 @@ from numpy.typing import NDArray
 from .. import core
 from ..common.box import fractional, lengths
 from ..core import dot, norm
+from ..particles.containers import Distances, free_room, stretched
 from ..particles.neighbors import near_pairs
 from ..particles.packing import Packing
-from ..particles.room import Distances, free_room, stretched
 from .engines import open_disks
 from .lammps import gather, run
 from .relax import force_rounding, largest_force, minimize_command, stress

@@ -19,8 +19,10 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common._checks import expect
-from ..common._files import (
+from ..common.box import half_thickness
+from ..common.checks import expect
+from ..common.errors import FileError, ParameterError
+from ..common.files import (
     as_json,
     at_home,
     from_json,
@@ -30,8 +32,6 @@ from ..common._files import (
     write_whole,
     writing,
 )
-from ..common.box import half_thickness
-from ..common.errors import FileError, ParameterError
 from ..common.versions import versions
 from ..core import unit_vectors
 from ..particles.commands import (
@@ -44,9 +44,9 @@ from ..particles.commands import (
     law_commands,
     setup_commands,
     soft_commands,
-    species_file,
     wall_commands,
 )
+from ..particles.containers import closed
 from ..particles.friction import (
     Friction,
     Rubbing,
@@ -60,16 +60,10 @@ from ..particles.friction import (
 from ..particles.gravity import Floats, gravity_commands
 from ..particles.laws import ALL_LAWS, AnyLaw, SoftContact
 from ..particles.packing import Packing
-from ..particles.room import closed
-from ..particles.text_files import (
-    data_file,
-    dump_frame,
-    frame_texts,
-    read_data_file,
-    read_dump_frame,
-    sphere_columns,
-)
+from ..particles.species_file import species_file
 from ..particles.walls import SHAPES, Wall
+from .data_files import data_file, read_data_file, sphere_columns
+from .dump_files import dump_frame, frame_texts, read_dump_frame
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence

@@ -18,9 +18,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common._checks import expect
-from ..common._files import at_home, refuse_present, replaces, write_whole
+from ..common.checks import expect
 from ..common.errors import FileError, ParameterError
+from ..common.files import at_home, refuse_present, replaces, write_whole
 from ..particles.laws import Droplet, Ring, pair_matrix, per_species, volumes
 from ..particles.walls import Plane
 

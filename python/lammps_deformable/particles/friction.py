@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import core
-from ..common._checks import expect, positive
-from ..common._files import comment_lines, rows_in_comments
+from ..common.checks import expect, positive
 from ..common.errors import ParameterError
+from ..common.files import comment_lines, rows_in_comments
 from .laws import AnyLaw, ByPair, Ring, Sector, by_pair, pair_matrix
 
 if TYPE_CHECKING:

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..common._checks import count, finite, numbers, positive, shown
 from ..common.box import cartesian, dimension_of
+from ..common.checks import count, finite, numbers, positive, shown
 from ..common.errors import ParameterError
 from .laws import root, undeformed
 from .packing import Packing, drawn_seed, fraction_of

@@ -14,10 +14,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..common._checks import numbers, shown
+from ..common.checks import numbers, shown
 from ..common.errors import ParameterError
+from .containers import closed
 from .laws import Droplet, Ring, Sector
-from .room import closed
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

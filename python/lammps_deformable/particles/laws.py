@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import core
-from ..common._checks import (
+from ..common.box import refuse_space
+from ..common.checks import (
     as_array,
     as_call,
     count,
@@ -27,7 +28,6 @@ from ..common._checks import (
     shown,
     whole,
 )
-from ..common.box import refuse_space
 from ..common.errors import ParameterError
 
 if TYPE_CHECKING:

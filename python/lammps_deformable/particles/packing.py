@@ -12,8 +12,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..common._checks import count, expect, numbers, positive, shown, whole
-from ..common._files import at_home, reading, replaces, writing
 from ..common.box import (
     cartesian,
     dimension_of,
@@ -22,12 +20,14 @@ from ..common.box import (
     refuse_space,
     shown_box,
 )
+from ..common.checks import count, expect, numbers, positive, shown, whole
 from ..common.errors import FileError, ParameterError, UnsavedWarning, warn
+from ..common.files import at_home, reading, replaces, writing
 from ..common.versions import optional
-from . import room
+from . import containers
+from .columns import RADII, Particles, check_radii
+from .containers import closed
 from .laws import root, undeformed
-from .room import closed
-from .text_files import RADII, Particles, check_radii
 from .walls import Plane, Wall, as_walls
 
 if TYPE_CHECKING:
@@ -136,7 +136,7 @@ class Packing:
                 f"sides, not {len(given)}"
             )
         self._set("walls", self._all_walls(given))
-        self._set("box", lattice_vectors(room.box_between(self.walls, given)))
+        self._set("box", lattice_vectors(containers.box_between(self.walls, given)))
         self._set("periodic", tuple(not shut for shut in closed(self.walls, self.dimension)))
         boxes = np.abs(fractional(self.positions, self.box)).max(axis=1)
         if boxes.max() > _FARTHEST:
@@ -268,7 +268,7 @@ class Packing:
         dimension_of(dimension)
         wanted = (radii,) if isinstance(radii, str) else RADII
         path, topology = at_home(path), topology and at_home(topology)
-        from ..formats.files import read_particles
+        from ..formats.particle_files import read_particles
 
         found = read_particles(path, frame, topology or None, wanted)
         return cls._of_particles(found, path, radii, walls, box, dimension)
@@ -334,7 +334,7 @@ class Packing:
                 f"'{path}' is there already: replace it by to_file({str(path)!r}, mode='w'), or "
                 "give another name"
             )
-        from ..formats.files import write_particles
+        from ..formats.particle_files import write_particles
 
         write_particles(
             path,
@@ -360,7 +360,7 @@ class Packing:
         searches for neighbors find none above. Positions are rounded to 32 bits there, and count
         from the lower left corner of the box, `Packing.origin`. Walls are left out.
         """
-        from ..formats.files import universe_of
+        from ..formats.universe import universe_of
 
         return universe_of(self.box, self.species, self.positions - self.origin, self.radii)
 
@@ -383,12 +383,12 @@ class Packing:
     @cached_property
     def volume(self) -> float:
         """Area, in space volume, that is free: of the box, or the container, without obstacles."""
-        return room.free_room(self.walls, self.box)
+        return containers.free_room(self.walls, self.box)
 
     @property
     def origin(self) -> Floats:
         """Lower left corner of the box, (0, 0) but for containers, shape (d,) [length]."""
-        return room.bounds(self.walls, self.box)[0]
+        return containers.bounds(self.walls, self.box)[0]
 
     @property
     def phi(self) -> float:
@@ -542,7 +542,7 @@ class Packing:
             grown._set("_species_radii", self._species_radii / factor)
             return grown
         box = self.box * factor
-        walls = room.stretched(self.walls, self.box, box)
+        walls = containers.stretched(self.walls, self.box, box)
         return self.replace(positions=self.positions * factor, box=box, walls=walls)
 
     def between(self, walls: Wall | Sequence[Wall], seed: int | None = None) -> Packing:
@@ -569,7 +569,7 @@ class Packing:
             )
         else:
             rng = np.random.default_rng(drawn_seed(seed))
-        centers = room.random_places(packing.walls, packing.box, len(self), rng)
+        centers = containers.random_places(packing.walls, packing.box, len(self), rng)
         return packing.replace(positions=centers)
 
     def push_off(self) -> Packing:

@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import core
-from ..common._checks import as_call, expect, number_or_nan, numbers, positive, shown
 from ..common.box import lengths
+from ..common.checks import as_call, expect, number_or_nan, numbers, positive, shown
 from ..common.errors import ParameterError
 from .laws import wall_adhesion
 

@@ -20,10 +20,10 @@ from matplotlib.patches import Polygon
 from matplotlib.textpath import TextPath
 from numpy.typing import NDArray
 
-from ..common._checks import as_array, expect, finite, shown
 from ..common.box import fractional
+from ..common.checks import as_array, expect, finite, shown
 from ..common.errors import ParameterError
-from ..particles.room import closed, container, obstacles
+from ..particles.containers import closed, container, obstacles
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence

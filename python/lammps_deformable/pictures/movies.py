@@ -9,9 +9,9 @@ from typing import Any
 
 from numpy.typing import ArrayLike
 
-from ..common._checks import expect, shown, whole
-from ..common._files import at_home, refuse_present, replaces, written_whole
+from ..common.checks import expect, shown, whole
 from ..common.errors import ParameterError
+from ..common.files import at_home, refuse_present, replaces, written_whole
 from ..common.ranks import progress
 from ..particles.packing import Packing
 from ..state.state import State

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..common._checks import count, expect, numbers
+from ..common.checks import count, expect, numbers
 from ..common.errors import ParameterError
 from ..core import unit_vectors
 from ..particles.laws import Ring, Sector, SoftContact, refuse_adhesion

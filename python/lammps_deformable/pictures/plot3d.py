@@ -15,10 +15,10 @@ from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize, to_rgb
 from numpy.typing import ArrayLike, NDArray
 
-from ..common._checks import expect, finite, numbers, shown
 from ..common.box import lengths
+from ..common.checks import expect, finite, numbers, shown
 from ..common.errors import ParameterError
-from ..particles.room import bounds, closed, in_box, lines_around, section_between
+from ..particles.containers import bounds, closed, in_box, lines_around, section_between
 from ..particles.walls import Sphere, Wall
 from .drawing import (
     PUSH,

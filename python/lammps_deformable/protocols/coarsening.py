@@ -26,11 +26,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common._checks import count, expect, positive, zero_or_more
+from ..common.checks import count, expect, positive, zero_or_more
 from ..common.errors import ParameterError
 from ..particles.laws import Droplet, Ring, volumes
-from ..state.population import at_rest, next_time, remaining
-from .recording import Protocol, check_tolerance
+from ..state.labels import remaining
+from .recording import Protocol, at_rest, check_tolerance, next_time
 
 Floats = NDArray[np.float64]
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..common._checks import count, expect, finite, positive
+from ..common.checks import count, expect, finite, positive
 from ..common.errors import ParameterError, UnjammedWarning, warn
 from ..common.ranks import world
 from ..engine.free_box import REACHED, UnreachedError, reach, refuse_polygons, told_at_the_end

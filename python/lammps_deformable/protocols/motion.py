@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..common._checks import count, number_or_nan, positive, whole, zero_or_more
+from ..common.checks import count, number_or_nan, positive, whole, zero_or_more
 from ..common.errors import LammpsError, ParameterError, StalledWarning, warn
 from ..core import unit_vectors
 from ..engine.lammps import gather, place, place_velocities, rub_and_spin, run

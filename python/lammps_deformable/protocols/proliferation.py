@@ -22,12 +22,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import core
-from ..common._checks import count, expect, positive, shown, zero_or_more
+from ..common.checks import count, expect, positive, shown, zero_or_more
 from ..common.errors import LammpsError, ParameterError
 from ..particles.laws import Droplet, Ring, one_or_each, per_species, volumes
-from ..state.population import at_rest, divided, labels_of, next_time, remaining
+from ..state.labels import divided, labels_of, remaining
 from .motion import drawn_seed
-from .recording import Protocol, check_tolerance, steps_so_far
+from .recording import Protocol, at_rest, check_tolerance, next_time, steps_so_far
 
 Floats = NDArray[np.float64]
 

@@ -19,9 +19,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from mpi4py import MPI
 
-from ..common._checks import expect, positive, shown
-from ..common._files import alone_in, check_parameters
-from ..common.errors import FileError, ParameterError
+from ..common.checks import expect, positive, shown
+from ..common.errors import FileError, ParameterError, UnjammedWarning, collected
+from ..common.files import alone_in, check_parameters
 from ..common.ranks import progress, together
 from ..engine.lammps import has_commands_of_a_user
 from ..formats import store
@@ -29,6 +29,7 @@ from ..particles.laws import Droplet, Ring, Sector, SoftContact
 
 if TYPE_CHECKING:
     from ..runs.run import Run
+    from ..state.state import State
 
 # With a larger one the forces on a particle are far from balanced.
 LARGEST_TOLERANCE = 1e-2
@@ -366,3 +367,15 @@ def _write(folder: Path, number: int, state: Any, parameters: Mapping[str, Any])
     values = dict(zip(("ix", "iy", "iz"), images, strict=False)) | state._particle_values()
     store.append_frame(folder, number, state.packing, values, recorded_numbers(state))
     state._write(folder, parameters, frames=number + 1)
+
+
+def at_rest(sim: Any, settings: Mapping[str, Any]) -> State:
+    """The relaxed state. Particles that become loose are no news where they vanish and divide."""
+    with collected(UnjammedWarning):
+        return sim.relax(settings["tolerance"])  # type: ignore[no-any-return]
+
+
+def next_time(now: float, end: float, change: float, rate: float) -> tuple[float, float]:
+    """A step in which what changes at this rate changes by so much at most, and the time after."""
+    step = end - now if rate == 0.0 else min(end - now, change / rate)
+    return step, end if step == end - now else now + step

@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common._checks import count, finite, number_or_nan, positive, whole
 from ..common.box import fractional
+from ..common.checks import count, finite, number_or_nan, positive, whole
 from ..common.errors import ParameterError
 from ..engine.lammps import images_of, named_tilts, place_images, place_velocities, run
 from ..engine.moduli import (

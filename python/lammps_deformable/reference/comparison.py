@@ -21,10 +21,10 @@ from mpi4py import MPI
 from numpy.typing import ArrayLike, NDArray
 
 from .. import core
-from ..common._checks import count, expect, finite, shown
-from ..common._files import make_folder
 from ..common.box import cartesian, fractional
+from ..common.checks import count, expect, finite, shown
 from ..common.errors import ParameterError, StalledWarning, UnjammedWarning, collected, warn
+from ..common.files import make_folder
 from ..common.parallel import parallel_map
 from ..common.versions import optional
 from ..core import angles, norm, unit_vectors

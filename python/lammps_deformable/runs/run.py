@@ -27,9 +27,9 @@ import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from ..common._checks import expect, shown
-from ..common._files import at_home, from_json, reading, refuse_present, replaces, write_whole
+from ..common.checks import expect, shown
 from ..common.errors import FileError, ParameterError, StalledWarning, warn
+from ..common.files import at_home, from_json, reading, refuse_present, replaces, write_whole
 from ..common.ranks import world
 from ..common.versions import optional
 from ..engine.lammps import communicator
@@ -50,12 +50,13 @@ from ..formats.store import (
 )
 from ..particles.laws import AnyLaw, Droplet, SoftContact
 from ..particles.packing import Packing
-from ..pictures.shapes import collection
+from ..pictures.vtk import collection
 from ..protocols import recording
 from ..protocols.recording import recorded_numbers
 from ..protocols.shearing import DynamicModulus, harmonic
+from ..state.displacements import mean_squared_displacement, unwrapped
+from ..state.events import changes
 from ..state.state import COLUMNS, State
-from ..state.tracking import changes, mean_squared_displacement, unwrapped
 
 if TYPE_CHECKING:
     from MDAnalysis import Universe
@@ -655,6 +656,6 @@ class Run(Sequence[Any]):
         """
         if self.folder is None:
             raise ParameterError("a run in memory has no trajectory: give record= to the protocol")
-        from ..formats.universe import universe
+        from ..formats.run_universe import universe
 
         return universe(self.folder, self._range)

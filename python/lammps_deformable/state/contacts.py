@@ -14,13 +14,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common._checks import zero_or_more
 from ..common.box import fractional, lengths
+from ..common.checks import zero_or_more
 from ..common.errors import ParameterError
 from ..common.versions import optional
 from ..core import unit_vectors
+from ..particles.containers import Distances, closed
 from ..particles.neighbors import forward, near_pairs
-from ..particles.room import Distances, closed
 from ..particles.walls import Cone, Cylinder, Plane, Sphere, Wall
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import core
-from ..common._checks import numbers
+from ..common.checks import numbers
 from ..common.errors import ParameterError, UndefinedError
 from ..core import (
     EnergyBlocks,
@@ -26,8 +26,8 @@ from ..core import (
     droplet_facets,
     ring_blocks,
 )
+from ..particles.containers import free_room
 from ..particles.laws import Droplet, Law, Ring, Sector, SoftContact, refuse_adhesion
-from ..particles.room import free_room
 from .contacts import (
     ContactTable,
     Sides,

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common._checks import count, shown, whole
+from ..common.checks import count, shown, whole
 from ..common.errors import ParameterError
 from ..common.versions import optional
-from ..particles.room import in_box
+from ..particles.containers import in_box
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

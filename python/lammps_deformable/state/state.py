@@ -16,9 +16,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..common._checks import count, expect, numbers, positive, shown
-from ..common._files import check_parameters, replaces
+from ..common.checks import count, expect, numbers, positive, shown
 from ..common.errors import ParameterError, UndefinedError, UnsavedWarning, warn
+from ..common.files import check_parameters, replaces
 from ..common.versions import optional
 from ..formats.store import (
     TEMPERATURE,
@@ -30,6 +30,7 @@ from ..formats.store import (
     save,
 )
 from ..particles.commands import SOFT_STEP
+from ..particles.containers import free_room
 from ..particles.friction import Friction, Rubbing, inertia, spin_column
 from ..particles.gravity import gravity_energy
 from ..particles.laws import (
@@ -43,11 +44,10 @@ from ..particles.laws import (
     filled_area,
     volumes,
 )
-from ..particles.room import free_room
-from . import analysis, contacts, tracking
-from .analysis import Cells, cells_of, space_cells_of
+from . import contacts, conversions, correlations, displacements, voronoi
 from .contacts import ContactForces, ContactTable
 from .hessian import at_rest, hessian_of
+from .voronoi import Cells, cells_of, space_cells_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -58,10 +58,10 @@ if TYPE_CHECKING:
     from ..particles.packing import Packing
     from ..particles.walls import Wall
     from ..pictures.drawing import Scale
+    from .displacements import LocalStrain
     from .hessian import Hessian
     from .modes import Modes
-    from .secondary import SecondaryOutlines
-    from .tracking import LocalStrain
+    from .secondary_contacts import SecondaryOutlines
 
 Floats = NDArray[np.float64]
 
@@ -289,7 +289,7 @@ class State:
             LackingWarning: rounding of positions changes overlaps by more than 1 % of their mean;
                 or particles are left out, by their IDs.
         """
-        from ..runs.dumps import state_in_file
+        from ..runs.from_file import state_in_file
 
         return state_in_file(path, species, law, types, frame, radii, walls, box)
 
@@ -607,7 +607,7 @@ class State:
 
         Source: R. Maharana, "Efficient Simulation of Deformable Particles"; docs/theory.md.
         """
-        from .secondary import resolve_secondary
+        from .secondary_contacts import resolve_secondary
 
         return resolve_secondary(self, iterations)
 
@@ -870,7 +870,7 @@ class State:
 
         Source: Mickel et al., J. Chem. Phys. 138, 044501 (2013).
         """
-        return analysis.hexatic(self._cells, len(self.packing), k)
+        return voronoi.hexatic(self._cells, len(self.packing), k)
 
     @_only("plane")
     def hexatic_correlation(self, bins: int, r_max: float, *, k: int = 6) -> tuple[Floats, Floats]:
@@ -898,7 +898,7 @@ class State:
         Source: Nelson and Halperin, Phys. Rev. B 19, 2457 (1979).
         """
         r_max, bins = positive("r_max", r_max), count("bins", bins)
-        return analysis.correlation(self.to_freud(), self.hexatic(k), r_max, bins)
+        return correlations.correlation(self.to_freud(), self.hexatic(k), r_max, bins)
 
     @_only("space")
     def steinhardt(self, l: int = 6) -> Floats:  # noqa: E741
@@ -920,7 +920,7 @@ class State:
         Source: Steinhardt, Nelson and Ronchetti, Phys. Rev. B 28, 784 (1983); weights: Mickel et
         al., J. Chem. Phys. 138, 044501 (2013).
         """
-        return analysis.steinhardt(self._cells, len(self.packing), l)
+        return voronoi.steinhardt(self._cells, len(self.packing), l)
 
     def radial_distribution(self, bins: int, r_max: float) -> tuple[Floats, Floats]:
         """The radial distribution function g(r) of the centers, by freud.
@@ -941,7 +941,7 @@ class State:
             ImportError: freud is missing (`pip install 'lammps-deformable[freud]'`).
         """
         r_max, bins = positive("r_max", r_max), count("bins", bins)
-        return analysis.radial_distribution(self.packing, self.to_freud(), r_max, bins)
+        return correlations.radial_distribution(self.packing, self.to_freud(), r_max, bins)
 
     def structure_factor(self, bins: int, k_max: float) -> tuple[Floats, Floats]:
         """The static structure factor S(k) of the centers.
@@ -961,7 +961,7 @@ class State:
         Raises:
             ParameterError: a value is out of range, or walls close a direction.
         """
-        return analysis.structure_factor(
+        return correlations.structure_factor(
             self.packing, positive("k_max", k_max), count("bins", bins)
         )
 
@@ -980,7 +980,7 @@ class State:
             ParameterError: wrong shape, or a wave that does not fit into the box, or walls close a
                 direction.
         """
-        return analysis.density_waves(self.packing, numbers("k", k))
+        return correlations.density_waves(self.packing, numbers("k", k))
 
     # motion since an earlier state
 
@@ -1000,14 +1000,14 @@ class State:
             ParameterError: `before` has another number of particles, or walls that close other
                 directions.
         """
-        return tracking.displacements(before, self)
+        return displacements.displacements(before, self)
 
     def nonaffine(self, before: State | Packing) -> Floats:
         """`displacements` without the strain of the box, shape (N, d) [length].
 
         Without them the centers would keep their places in units of the lattice vectors.
         """
-        return tracking.nonaffine(before, self)
+        return displacements.nonaffine(before, self)
 
     def local_strain(self, before: State | Packing, r_max: float | None = None) -> LocalStrain:
         """Strain around each particle since an earlier state, and D^2_min.
@@ -1032,9 +1032,9 @@ class State:
 
         Source: Falk and Langer, Phys. Rev. E 57, 7192 (1998).
         """
-        start = tracking.packing_of("before", before)
-        r_max = tracking.usual_distance(start) if r_max is None else positive("r_max", r_max)
-        return tracking.local_strain(before, self, r_max)
+        start = displacements.packing_of("before", before)
+        r_max = displacements.usual_distance(start) if r_max is None else positive("r_max", r_max)
+        return displacements.local_strain(before, self, r_max)
 
     # linear response
 
@@ -1303,8 +1303,8 @@ class State:
             raise ParameterError(f"what must be points or contacts, not {shown(what)}")
         freud = optional("freud", "freud")
         if what == "points":
-            return analysis.system(freud, self.packing)
-        return analysis.neighbors(freud, len(self.packing), self._contact_forces)
+            return conversions.system(freud, self.packing)
+        return conversions.neighbors(freud, len(self.packing), self._contact_forces)
 
     def to_mdanalysis(self) -> Universe:
         """A Universe of MDAnalysis with one frame.
@@ -1316,9 +1316,7 @@ class State:
         there, and count from the lower left corner of the box, `Packing.origin`. Walls are left
         out.
         """
-        from ..pictures import shapes
-
-        return shapes.to_mdanalysis(self)
+        return conversions.to_mdanalysis(self)
 
     def to_pandas(self, table: str = "particles") -> Any:
         """A DataFrame of pandas.
@@ -1332,9 +1330,7 @@ class State:
             ParameterError: there is no such table.
             ImportError: pandas is missing (`pip install 'lammps-deformable[pandas]'`).
         """
-        from ..pictures import shapes
-
-        return shapes.to_pandas(self, table)
+        return conversions.to_pandas(self, table)
 
     def export(self, path: str | Path, forces: bool = False, mode: str = "x") -> None:
         """Write the shapes of the particles, with their values, or the network of forces.
@@ -1361,9 +1357,9 @@ class State:
             ParameterError: the suffix is another.
             FileError: there is a file, see `mode`, or it cannot be written.
         """
-        from ..pictures import shapes
+        from ..pictures import vtk
 
-        shapes.export(self, path, forces, mode)
+        vtk.export(self, path, forces, mode)
 
     def to_surface_evolver(self, path: str | Path, mode: str = "x") -> None:
         """Write droplets for Surface Evolver, which finds their exact shapes.

@@ -7,8 +7,9 @@ from typing import Any
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable.particles.commands import species_file, wall_commands
+from lammps_deformable.particles.commands import wall_commands
 from lammps_deformable.particles.laws import pair_matrix
+from lammps_deformable.particles.species_file import species_file
 from refusals import refused
 
 DROPLET: dict[str, Any] = {"kA": math.inf, "kP": 0.0, "tension": 1.0, "contact": "curved"}

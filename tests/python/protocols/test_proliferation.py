@@ -7,7 +7,7 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 from lammps_deformable.protocols.proliferation import divide, growth, long_axes, stretched_axes
-from lammps_deformable.state.population import divided
+from lammps_deformable.state.labels import divided
 from refusals import refused
 
 CELL = ld.Ring(kA=20.0, kP=2.0, tension=1.0)

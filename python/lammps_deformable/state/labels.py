@@ -8,31 +8,16 @@ ancestor.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .. import core
-from ..common.errors import UnjammedWarning, collected
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from ..particles.commands import Films
     from .state import State
-
-
-def at_rest(sim: Any, settings: Mapping[str, Any]) -> State:
-    """The relaxed state. Particles that become loose are no news where they vanish and divide."""
-    with collected(UnjammedWarning):
-        return sim.relax(settings["tolerance"])  # type: ignore[no-any-return]
-
-
-def next_time(now: float, end: float, change: float, rate: float) -> tuple[float, float]:
-    """A step in which what changes at this rate changes by so much at most, and the time after."""
-    step = end - now if rate == 0.0 else min(end - now, change / rate)
-    return step, end if step == end - now else now + step
 
 
 def labels_of(state: State) -> NDArray[np.int64]:

@@ -12,12 +12,12 @@ from mpi4py import MPI
 from numpy.typing import ArrayLike, NDArray
 
 from .. import potentials
-from ..common._checks import expect, shown, whole
-from ..common._files import at_home, reading
+from ..common.checks import expect, shown, whole
 from ..common.errors import FileError, LackingWarning, ParameterError, warn
+from ..common.files import at_home, reading
 from ..engine.lammps import close_lammps, run, silent_lammps
 from ..engine.simulation import Simulation
-from ..formats.files import read_particles
+from ..formats.particle_files import read_particles
 from ..formats.store import (
     SUMMARY,
     TRAJECTORY,
@@ -28,9 +28,9 @@ from ..formats.store import (
     setups_in,
     summary_in,
 )
+from ..particles.columns import UNTYPED, Particles
 from ..particles.laws import ALL_LAWS, AnyLaw, Droplet, Ring, Sector, SoftContact, SpeciesParameters
 from ..particles.packing import Packing
-from ..particles.text_files import UNTYPED, Particles
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

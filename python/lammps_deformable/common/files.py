@@ -19,7 +19,7 @@ import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from ._checks import expect, shown
+from .checks import expect, shown
 from .errors import FileError, ParameterError
 
 
