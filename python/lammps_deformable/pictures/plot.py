@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..common.checks import count, expect, numbers
+from ..common.checks import count, numbers
 from ..common.errors import ParameterError
 from ..core import unit_vectors
 from ..particles.laws import Ring, Sector, SoftContact, refuse_adhesion
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from ..particles.packing import Packing
     from ..state.state import State
-    from .drawing import Halves, Mark, Scale
+    from .drawing import Halves, Look, Mark
 
 
 Floats = NDArray[np.float64]
@@ -61,27 +61,6 @@ def parallels(state: State, inset: Floats | None, points: int, same_area: bool) 
     ]
 
 
-# Names at the bar of the colors.
-_LABELS = {
-    "pressures": "pressure in the particle",
-    "pressure": "pressure in the particle",
-    "area_deficit": "area deficit $A_0 - A$",
-    "arc_radii": "smallest radius of curvature",
-    "arc_radius": "smallest radius of curvature",
-    "spin": "spin [1/time]",
-    "direction": "direction of propulsion [rad]",
-    "shape_parameter": r"shape parameter $P^2 / 4 \pi A$",
-}
-
-
-def label_of(color_by: str | ArrayLike, label: str | None) -> str:
-    """The label of the bar of the colors; that of the name if none is given."""
-    expect("label", label, str, type(None))
-    if label is not None:
-        return label
-    return _LABELS.get(color_by, color_by) if isinstance(color_by, str) else ""
-
-
 # Names for colors that a message lists, beside those of `_particle_values`.
 _NAMES = ("area_deficit", "volumes", "pressures", "rattlers", "shape_parameter")
 
@@ -96,18 +75,6 @@ def values_of(state: State, color_by: str | ArrayLike) -> Floats:
         found = columns.get(color_by, getattr(state, color_by, None))
     names = {name for name in _NAMES if hasattr(state, name)}
     return per_particle(color_by, found, len(state.packing), {*columns, *names})
-
-
-def scale_of(
-    state: State, scale: Scale | None, forces: Sequence[Floats], color_by: str | ArrayLike
-) -> Scale:
-    """The scale that is given, or that of the values and forces."""
-    from . import drawing
-
-    if scale is None:
-        scale = drawing.scale([values_of(state, color_by)], forces, color_by)
-    expect("scale", scale, drawing.Scale)
-    return scale
 
 
 def title_of(state: State) -> str:
@@ -227,37 +194,18 @@ def _marks(state: State, contacts: bool, forces: bool, spins: bool) -> list[Mark
 
 
 def plot(
-    state: State,
-    ax: Axes | None,
-    color_by: str | ArrayLike,
-    contacts: bool,
-    forces: bool,
-    scale: Scale | None,
-    cmap: str | None,
-    vmin: float | None,
-    vmax: float | None,
-    title: str | None,
-    colorbar: bool,
-    label: str | None,
-    spins: bool,
+    state: State, ax: Axes | None, look: Look, contacts: bool, forces: bool, spins: bool
 ) -> Axes:
     """See `State.plot`, of a state in the plane."""
     from . import drawing
 
-    values, each = values_of(state, color_by), halves_of(state)
-    label = label_of(color_by, label)
-    scale = scale_of(state, scale, [force for _, force in each], color_by)
     return drawing.draw(
         state.packing,
         state.outlines,
-        values,
-        label,
-        title or "",
-        drawing.limited(scale, vmin, vmax),
+        values_of(state, look.color),
+        look,
         ax,
         _flats(state) if contacts else None,
-        each if forces else None,
-        cmap,
-        colorbar,
+        halves_of(state) if forces else None,
         _marks(state, contacts, forces, spins),
     )

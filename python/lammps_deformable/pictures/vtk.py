@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from ..particles.packing import Packing
     from ..state.contacts import ContactForces
     from ..state.state import State
+from ..formats.surface_evolver import datafile
 from ..state.conversions import values_of
 
 # VTK's names of the numbers in its files, by numpy's kinds of numbers; OVITO reads no others.
@@ -129,7 +130,7 @@ def write_shapes(
     if path.suffix not in texts:
         kinds = "shapes in the plane are written as" if plane else "shapes in space are written as"
         raise ParameterError(
-            f"{kinds} {' or '.join(texts)}, not as '{path}': packing.to_file writes the centers"
+            f"{kinds} {' or '.join(texts)}, not as '{path}': packing.export writes the centers"
         )
     write_whole(path, texts[path.suffix](shapes, values, numbers))
 
@@ -176,6 +177,11 @@ def export(state: State, path: str | Path, forces: bool, mode: str) -> None:
         return
     path = at_home(path)
     refuse_present(path, replaces(mode))
+    if path.suffix == ".fe":
+        if forces:
+            raise ParameterError("Surface Evolver takes no network of forces: leave out forces")
+        write_whole(path, datafile(state))
+        return
     packing = state.packing
     numbers = {"box": packing.box, "phi": state.phi, "pressure": state.pressure}
     if forces:

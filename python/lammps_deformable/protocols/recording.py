@@ -17,7 +17,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from mpi4py import MPI
 
 from ..common.checks import expect, positive, shown
 from ..common.errors import FileError, ParameterError, UnjammedWarning, collected
@@ -28,6 +27,8 @@ from ..formats import store
 from ..particles.laws import Droplet, Ring, Sector, SoftContact
 
 if TYPE_CHECKING:
+    from mpi4py import MPI
+
     from ..runs.run import Run
     from ..state.state import State
 

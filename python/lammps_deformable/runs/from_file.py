@@ -8,13 +8,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from mpi4py import MPI
 from numpy.typing import ArrayLike, NDArray
 
 from .. import potentials
 from ..common.checks import expect, shown, whole
 from ..common.errors import FileError, LackingWarning, ParameterError, warn
 from ..common.files import at_home, reading
+from ..common.ranks import alone
 from ..engine.lammps import close_lammps, run, silent_lammps
 from ..engine.simulation import Simulation
 from ..formats.particle_files import read_particles
@@ -102,7 +102,7 @@ def state_in_file(
             "contacts with those that are left out, as in a dump of a group, are not in the state",
             LackingWarning,
         )
-    with Simulation(packing, chosen, comm=MPI.COMM_SELF) as sim:
+    with Simulation(packing, chosen, comm=alone()) as sim:
         state = sim.state()
     warn_of_digits(state, path, found.step)
     return state
@@ -243,7 +243,7 @@ def read_species(path: Path, names: Sequence[str], law: str) -> tuple[NDArray[np
     """
     kind = ALL_LAWS[law]
     style = f"ring contact {law}" if isinstance(kind, Ring) else law
-    lmp = silent_lammps(MPI.COMM_SELF)
+    lmp = silent_lammps(alone())
     try:
         run(lmp, _COMMANDS.format(types=len(names), style=style, dimension=kind.dimension))
         run(lmp, f'pair_coeff * * "{path}" {" ".join(names)}')

@@ -24,13 +24,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
-from mpi4py import MPI
 from numpy.typing import NDArray
 
 from ..common.checks import expect, shown
 from ..common.errors import FileError, ParameterError, StalledWarning, warn
 from ..common.files import at_home, from_json, reading, refuse_present, replaces, write_whole
-from ..common.ranks import world
+from ..common.ranks import alone, wait_for_all, world
 from ..common.versions import optional
 from ..engine.lammps import communicator
 from ..engine.relax import check_callback
@@ -60,6 +59,7 @@ from ..state.state import COLUMNS, State
 
 if TYPE_CHECKING:
     from MDAnalysis import Universe
+    from mpi4py import MPI
 
     from ..formats.store import Motion, Setup
 
@@ -160,7 +160,7 @@ def _stress_in(row: Mapping[str, str], dimension: int) -> NDArray[np.float64]:
 
 def _evaluated(packing: Packing, made_of: Setup, motion: Motion) -> State:
     """The state of recorded particles, on this rank alone."""
-    with _simulation_of(packing, made_of, MPI.COMM_SELF) as sim:
+    with _simulation_of(packing, made_of, alone()) as sim:
         sim._engine.go_on(sim, motion)
         return sim.state()
 
@@ -281,7 +281,7 @@ class Run(Sequence[Any]):
         if self._range is not None:
             return self._range
         if self.folder is not None:
-            communicator(None).barrier()  # rank 0 may still be writing
+            wait_for_all()  # rank 0 may still be writing
         return range(len(self))
 
     def __iter__(self) -> Iterator[Any]:

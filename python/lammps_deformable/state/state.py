@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..common.checks import count, expect, numbers, positive, shown
-from ..common.errors import ParameterError, UndefinedError, UnsavedWarning, warn
+from ..common.errors import ParameterError, UndefinedError, UnsavedWarning, renamed, warn
 from ..common.files import check_parameters, replaces
 from ..common.versions import optional
 from ..formats.store import (
@@ -1206,22 +1206,32 @@ class State:
             ImportError: matplotlib is missing (`pip install lammps-deformable[plot]`).
         """
         optional("matplotlib", "plot")
-        flags = {"contacts": contacts, "forces": forces, "colorbar": colorbar, "spins": spins}
-        for name, flag in flags.items():
+        from ..pictures.drawing import Look
+
+        look = Look(
+            color=color,
+            scale=scale,
+            cmap=cmap,
+            vmin=vmin,
+            vmax=vmax,
+            title=title,
+            label=label,
+            colorbar=colorbar,
+        )
+        for name, flag in {"contacts": contacts, "forces": forces, "spins": spins}.items():
             expect(name, flag, bool)
-        common = contacts, forces, scale, cmap, vmin, vmax, title, colorbar, label
         if self.packing.dimension == 2:
             if view is not None or slice is not None:
                 raise ParameterError("view and slice are for packings in three dimensions")
             from ..pictures.plot import plot
 
-            return plot(self, ax, color, *common, spins)
+            return plot(self, ax, look, contacts, forces, spins)
         if spins:
             raise ParameterError("spins are for packings in the plane")
         from ..pictures.plot3d import plot as plot_in_space
 
         seen = (20.0, 30.0) if view is None else view
-        return plot_in_space(self, ax, color, *common, seen, slice)
+        return plot_in_space(self, ax, look, contacts, forces, seen, slice)
 
     def _repr_html_(self) -> str | None:
         """The picture and the line of `repr`, for notebooks; None without matplotlib."""
@@ -1337,6 +1347,7 @@ class State:
 
             state.export("outlines.vtp")
             state.export("network.vtp", forces=True)
+            state.export("packing.fe")
 
         Particles have an `id` and a `type` from 1, as in LAMMPS. In the plane shapes are the
         outlines, a polygon each. In three dimensions they are the spheres of `plot` that facets
@@ -1344,49 +1355,36 @@ class State:
         the triangles between facets; a neighbor of -1 is a wall. Shapes are whole: those of
         particles at the boundary reach beyond the box.
 
+        Droplets go to Surface Evolver too, which finds their exact shapes. There `relax` minimizes
+        the energy of all outlines, tension times perimeter, in space times surface, at constant
+        areas or volumes in the box; `finer` does it again with edges half as long; and `results >>
+        "packing.txt"` writes what `Evolved.from_file` reads. Films are those of the contacts of
+        this state, in the order of its rows with i < j or with a wall: no new ones form. Those at
+        walls stay on them.
+
         Args:
             path: `.vtp` for ParaView, OVITO and other programs that read VTK's files, with the
                 values as cell data; in the plane also `.geojson` for programs of plane geometry,
-                with the values as properties.
+                with the values as properties; `.fe` for Surface Evolver.
             forces: write lines between centers in the place of shapes: the contacts, with their
                 `force` along the line, positive where it pushes, the `distance`, the ids `i` and
                 `j`, of which -1 is a wall, and with friction `friction` and `sliding`.
             mode: `w` replaces a file that is there, `x` refuses to.
 
         Raises:
-            ParameterError: the suffix is another.
+            ParameterError: the suffix is another. For Surface Evolver, the law is neither `Droplet`
+                nor `Ring(kA=inf, kP=0, tension=...)`; a wall is not flat, or sticks; a particle
+                touches its own image; or droplets are squeezed so much that films overlap at the
+                start.
             FileError: there is a file, see `mode`, or it cannot be written.
+
+        Source: K. A. Brakke, Experimental Mathematics 1, 141 (1992).
         """
         from ..pictures import vtk
 
         vtk.export(self, path, forces, mode)
 
-    def to_surface_evolver(self, path: str | Path, mode: str = "x") -> None:
-        """Write droplets for Surface Evolver, which finds their exact shapes.
-
-            state.to_surface_evolver("packing.fe")
-
-        In Surface Evolver `relax` minimizes the energy of all outlines, tension times perimeter, in
-        space times surface, at constant areas or volumes in the box; `finer` does it again with
-        edges half as long; and `results >> "packing.txt"` writes what `Evolved.from_file` reads.
-        Films are those of the contacts of this state, in the order of its rows with i < j or with a
-        wall: no new ones form. Those at walls stay on them.
-
-        Args:
-            path: of the file, `.fe` by custom.
-            mode: `w` replaces a file that is there, `x` refuses to.
-
-        Raises:
-            ParameterError: the law is neither `Droplet` nor `Ring(kA=inf, kP=0, tension=...)`;
-                a wall is not flat, or sticks; a particle touches its own image; or droplets are
-                squeezed so much that films overlap at the start.
-            FileError: there is a file, see `mode`, or it cannot be written.
-
-        Source: K. A. Brakke, Experimental Mathematics 1, 141 (1992).
-        """
-        from ..formats.surface_evolver import write_surface_evolver
-
-        write_surface_evolver(self, path, mode)
+    to_surface_evolver = renamed("to_surface_evolver", "export")
 
     @_only("saved")
     def save(

@@ -22,7 +22,6 @@ WRONG: dict[str, Any] = {
 # What means something: a text, a folder, any objects, a strain the other way round, a coordinate.
 MEANT = {
     "a word": {
-        "State.to_surface_evolver.path",
         "folder",
         "items",
         "keep",
@@ -89,9 +88,8 @@ class Calls:
         sim = ld.Simulation(PACKING, ld.Ring())
         sim.relax().save(folder / "state")
         run = sim.compress(strain=1e-3, steps=2, record=folder / "run")
-        PACKING.to_file(folder / "packing.xyz")
+        PACKING.export(folder / "packing.xyz")
         self.folder, self.written = folder, 0
-        bubbles = ld.Simulation(PACKING, ld.Ring(kA=math.inf, kP=0.0, tension=1.0))
         self.objects = {
             "DeformablePolygon": ld.DeformablePolygon(),
             "Hessian": run[0].hessian(),
@@ -103,7 +101,6 @@ class Calls:
             "Sector": ld.Sector(),
             "Simulation": sim,
             "State": run[0],
-            "State.to_surface_evolver": bubbles.relax(),
             "Table": run.table(),
         }
         self.valid: dict[str, Any] = {
@@ -139,10 +136,9 @@ class Calls:
                 "path": "run/trajectory.lammpstrj",
                 "species": "run/species.deformable",
             },
-            "State.to_surface_evolver": {"path": ".fe"},
             "Hessian.solve": {"forces": np.zeros(PACKING.positions.size)},
             "Packing.from_file": {"path": "packing.xyz"},
-            "Packing.to_file": {"path": ".xyz"},
+            "Packing.export": {"path": ".xyz"},
             "compare": {"vertices": [20], "workers": 1},
             "jackknife": {"f": len},
             "jam": {"packing": LOOSE},

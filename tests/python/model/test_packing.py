@@ -130,7 +130,7 @@ def test_lengths_may_have_any_unit(unit: float, tmp_path: Path) -> None:
         assert polygons.state().phi == pytest.approx(0.7, rel=0.02)
     state.save(tmp_path / "state")
     for suffix in (".data", ".dump"):
-        state.packing.to_file(tmp_path / f"packing{suffix}")
+        state.packing.export(tmp_path / f"packing{suffix}")
         again = ld.Packing.from_file(tmp_path / f"packing{suffix}")
         assert np.array_equal(again.positions, state.packing.positions)
     output("lmp", "-in", "in.lammps", cwd=tmp_path / "state")

@@ -112,7 +112,7 @@ def test_a_folder_stays_where_it_was(tmp_path: Path, monkeypatch: pytest.MonkeyP
     assert ld.Run.exists("~/run")
     assert ld.Run("~/run")[-1] in run
     run[-1].save("~/state")
-    run[-1].packing.to_file("~/packing.data")
+    run[-1].packing.export("~/packing.data")
     assert len(ld.Packing.from_file("~/packing.data")) == 8
     read = ld.State.from_file("~/run/trajectory.lammpstrj", "~/run/species.deformable")
     assert (len(read), read.dimension, read.walls) == (8, 2, ())
