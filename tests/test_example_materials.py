@@ -82,7 +82,7 @@ def test_clones(tmp_path: Path) -> None:
 
 def test_page_of_clones_has_the_numbers_of_its_log() -> None:
     page, log = ((EXAMPLES / "clones" / name).read_text() for name in ("README.md", "clones.log"))
-    late = [row for row in re.findall(r"^time (\S+)  cells (\S+) .* (\S+)$", log, re.M)][3:]
+    late = list(re.findall(r"^time (\S+)  cells (\S+) .* (\S+)$", log, re.M))[3:]
     numbers = [int(cells) for _, cells, _ in late]
     assert f"{min(numbers)} to {max(numbers)} of them" in page
     pressures = [float(pressure) for *_, pressure in late]

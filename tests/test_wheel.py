@@ -67,7 +67,7 @@ def test_tags_of_the_wheel(dist, pythons):
 
 
 @pytest.mark.slow
-def test_the_source_has_what_is_compiled_and_installed(dist):
+def test_the_source_has_what_is_compiled_and_installed_and_tests(dist):
     (source,) = dist.glob("*.tar.gz")
     with tarfile.open(source) as archive:
         names = {name.partition("/")[2] for name in archive.getnames()}
@@ -78,7 +78,12 @@ def test_the_source_has_what_is_compiled_and_installed(dist):
     assert set(listed.stdout.split()) <= names
     documents = {"CHANGELOG.md", "CITATION.cff", "LICENSE", "README.md"}
     files = {"CMakeLists.txt", "PKG-INFO", "pyproject.toml"}
-    assert {name.partition("/")[0] for name in names if name} == {*folders, *documents, *files}
+    assert {name.partition("/")[0] for name in names if name} == {
+        *folders,
+        "tests",
+        *documents,
+        *files,
+    }
 
 
 @pytest.mark.slow

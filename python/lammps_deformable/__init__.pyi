@@ -45,7 +45,6 @@ from .reference.comparison import Comparison as Comparison
 from .reference.comparison import compare as compare
 from .runs.run import Run as Run
 from .runs.run import Table as Table
-from .state.contacts import ContactForces as ContactForces
 from .state.displacements import LocalStrain as LocalStrain
 from .state.hessian import Hessian as Hessian
 from .state.modes import Modes as Modes

@@ -344,7 +344,7 @@ def guarded_lammps() -> Any:
 _LINES = 60.0
 
 
-class _Lines(tqdm):  # type: ignore[type-arg]
+class _Lines(tqdm):  # type: ignore[misc]
     """Progress as lines of text, for logs."""
 
     def display(self, msg: str | None = None, pos: int | None = None) -> bool:

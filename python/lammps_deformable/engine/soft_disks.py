@@ -367,7 +367,7 @@ def relax_on_ranks(
     Walls and disks with radii of their own have no energy in LAMMPS: each rank relaxes them by
     itself.
     """
-    if packing.walls or packing._own_radii:
+    if packing.walls or packing.own_radii:
         return relax_in_box(packing, tolerance, loose, report)
     smallest = float(packing.radii.min())
     facet = smallest ** (packing.dimension - 1)  # about that of a contact

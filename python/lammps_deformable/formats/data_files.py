@@ -161,7 +161,7 @@ def read_data_file(text: str) -> Particles:
 def _labeled(types: NDArray[Any], labels: str) -> dict[str, Any]:
     """Types by the rows of Atom Type Labels, if any, of which files have numbers or names."""
     rows = labels.strip("\n").partition("\n\n")[0].splitlines()
-    named = {number: name for number, name in (row.split()[:2] for row in rows)}
+    named = dict(row.split()[:2] for row in rows)
     words = [f"{word:g}" if types.dtype.kind in "biuf" else word for word in types.tolist()]
     names = [name for _, name in sorted(named.items(), key=lambda row: int(row[0]))]
     if not named:

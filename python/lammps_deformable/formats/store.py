@@ -59,7 +59,7 @@ from ..particles.friction import (
 )
 from ..particles.gravity import Floats, gravity_commands
 from ..particles.laws import ALL_LAWS, AnyLaw, SoftContact
-from ..particles.packing import Packing
+from ..particles.packing import Packing, packing_of_species
 from ..particles.species_file import species_file
 from ..particles.walls import SHAPES, Wall
 from .data_files import data_file, read_data_file, sphere_columns
@@ -179,7 +179,7 @@ def packing_file(packing: Packing, motion: Motion, frames: int | None) -> str:
     title = f"LAMMPS data file by lammps-deformable, units lj, atom_style {style}, "
     title += f"{space}-dimensional"
     columns: list[NDArray[Any]] = [packing.species + 1]
-    if packing._own_radii:
+    if packing.own_radii:
         columns += sphere_columns(packing.radii)
     if motion.time:
         title += f", time {motion.time!r}"
@@ -191,14 +191,14 @@ def packing_file(packing: Packing, motion: Motion, frames: int | None) -> str:
         title if frames is None else f"{title}, {frames} frames",
         style,
         packing.box,
-        len(packing._species_radii),
+        len(packing.species_radii),
         columns,
         packing.positions,
         origin=packing.origin.tolist(),
         velocities=motion.velocities if motion.moves else None,
         spins=motion.rubbing.spins if motion.rubbing else None,
         images=motion.images,
-        half=half_thickness(float(packing._species_radii.max())),
+        half=half_thickness(float(packing.species_radii.max())),
     )
     memory = film_lines(motion.films) + rubbing_lines(motion.rubbing)
     return text + memory + carried_lines(motion)
@@ -219,7 +219,7 @@ def packing_in(text: str, radii: list[float], dimension: int) -> Packing:
     if not np.array_equal(found.ids, np.arange(1, len(found.ids) + 1)):
         raise ValueError(f"atom IDs must be 1 to {len(found.ids)}")
     own = "diameter" in found.columns
-    return Packing._of_species(
+    return packing_of_species(
         found.places(dimension),
         found.species,
         radii,
@@ -332,7 +332,7 @@ def script(
     else:
         commands = law_commands(packing, law, SPECIES) + wall_commands(packing.walls)
         commands += film_commands(law, packing.walls, motion.films)
-    commands += friction_commands(friction, len(packing._species_radii)) + spring_commands(
+    commands += friction_commands(friction, len(packing.species_radii)) + spring_commands(
         friction, motion.rubbing
     )
     commands += gravity_commands(gravity) + f"timestep {timestep!r}\n"
@@ -703,7 +703,7 @@ def _dump_frame(number: int, packing: Packing, columns: Mapping[str, NDArray[Any
         columns,
         packing.origin.tolist(),
         closed(packing.walls, packing.dimension),
-        half_thickness(float(packing._species_radii.max())),
+        half_thickness(float(packing.species_radii.max())),
     )
 
 
@@ -730,7 +730,7 @@ def read_frame(
     values, species, largest = found.columns, found.species, np.array(radii)
     own = bool((values["radius"] != largest[species]).any())
     np.maximum.at(largest, species, values["radius"])
-    packing = Packing._of_species(
+    packing = packing_of_species(
         found.places(dimension),
         species,
         largest,
@@ -783,7 +783,7 @@ def save(
         "versions": versions(),
     }
     if not isinstance(law, SoftContact):  # LAMMPS' own pair styles have no species file
-        write_whole(folder / SPECIES, species_file(law, packing._species_radii))
+        write_whole(folder / SPECIES, species_file(law, packing.species_radii))
     write_whole(folder / SCRIPT, script(packing, law, *timesteps, motion, friction, gravity))
     write_whole(folder / SUMMARY, json.dumps(summary, indent=2, allow_nan=False) + "\n")
     # last: it completes the state
@@ -812,7 +812,7 @@ def setup(
     return {
         "law": {"name": law.name} | as_json("law", settings),
         "dimension": packing.dimension,
-        "radii": packing._species_radii.tolist(),
+        "radii": packing.species_radii.tolist(),
         "walls": [{"shape": type(wall).__name__, **asdict(wall)} for wall in packing.walls],
         **({} if friction is None else {"friction": as_json("friction", asdict(friction))}),
         **({} if gravity is None else {"gravity": gravity.tolist()}),

@@ -131,7 +131,7 @@ def datafile(state: State) -> str:
             flat, or sticks.
     """
     packing, law = state.packing, state.law
-    kinds = len(packing._species_radii)
+    kinds = len(packing.species_radii)
     planes: list[Plane] = []
     for wall in packing.walls:
         if not isinstance(wall, Plane) or wall.adhesion:

@@ -116,7 +116,7 @@ def wall_commands(walls: Sequence[Wall]) -> str:
 
 def atom_style(packing: Packing) -> str:
     """LAMMPS atom_style for this packing."""
-    return "sphere" if packing._own_radii else "atomic"
+    return "sphere" if packing.own_radii else "atomic"
 
 
 def pair_style(law: AnyLaw) -> str:
@@ -146,9 +146,9 @@ pair_coeff * *
 
 def soft_commands(packing: Packing, k: float) -> str:
     """Commands that define soft contacts by LAMMPS' own styles, U = k/2 overlap^2 of each pair."""
-    if packing._own_radii:
+    if packing.own_radii:
         return _GRAINS.format(k=k)
-    pairs = combinations_with_replacement(enumerate(packing._species_radii, start=1), 2)
+    pairs = combinations_with_replacement(enumerate(packing.species_radii, start=1), 2)
     return "pair_style harmonic/cut\n" + "".join(
         f"pair_coeff {i} {j} {0.5 * k!r} {float(a + b)!r}\n"  # LAMMPS' energy has no 1/2
         for (i, a), (j, b) in pairs
@@ -166,9 +166,9 @@ def law_commands(packing: Packing, law: AnyLaw, file: str) -> str:
     smallest = float(packing.radii.min())
     commands = _LAW.format(
         style=f"{pair_style(law)} {pair_style_arguments(law)}".strip(),
-        whose="atom" if packing._own_radii else "type",
+        whose="atom" if packing.own_radii else "type",
         file=file,
-        names=" ".join(f"s{n}" for n in range(1, len(packing._species_radii) + 1)),
+        names=" ".join(f"s{n}" for n in range(1, len(packing.species_radii) + 1)),
     )
     energy_jumps = law.name == "sector"
     return (
@@ -182,7 +182,7 @@ def balance_command(packing: Packing, law: AnyLaw, tolerance: float) -> str:
     """Command for the imbalance that LAMMPS leaves to contacts; empty if the law has no balance."""
     if law.name in ("radical", "sector"):
         return ""
-    whose = "atom" if packing._own_radii else "type"
+    whose = "atom" if packing.own_radii else "type"
     arguments = f"{pair_style_arguments(law)} balance {tolerance!r} 1000 radius {whose}"
     return f"pair_style {pair_style(law)} {arguments}"
 
@@ -278,7 +278,7 @@ def film_commands(law: AnyLaw, walls: Sequence[Wall], films: Films | None = None
     if not sticks(law, walls):
         return ""
     # with a law that sticks, the pair style has it already
-    fix = [] if law._sticks else ["fix deformable_films all deformable/films"]
+    fix = [] if law.sticks else ["fix deformable_films all deformable/films"]
     return "\n".join([*fix, *memory_commands(films)]) + "\n"
 
 

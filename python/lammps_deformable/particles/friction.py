@@ -171,7 +171,7 @@ def check_friction(friction: Friction, packing: Packing, law: AnyLaw) -> None:
             "a restitution needs contacts with one force, and those of radical have two: take "
             "contact='balanced' or 'curved'"
         )
-    friction._of_pairs(len(packing._species_radii))
+    friction._of_pairs(len(packing.species_radii))
     if packing.walls and friction._by_species and friction.walls is None:
         raise ParameterError(
             "friction differs by species, and walls have none: give it walls=Friction(mu, kt=kt)"

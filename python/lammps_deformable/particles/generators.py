@@ -12,7 +12,7 @@ from ..common.box import cartesian, dimension_of
 from ..common.checks import count, finite, numbers, positive, shown
 from ..common.errors import ParameterError
 from .laws import root, undeformed
-from .packing import Packing, drawn_seed, fraction_of
+from .packing import Packing, drawn_seed, fraction_of, packing_of_species
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -63,7 +63,7 @@ def bidisperse(
     species = (np.arange(number) >= number - round(fraction * number)).astype(np.int64)
     box = _box(np.where(species == 1, large, small), phi, aspect, tilt, dimension)
     places = cartesian(positions, box)
-    return Packing._of_species(places, species, (small, large), box, seed=seed)
+    return packing_of_species(places, species, (small, large), box, seed=seed)
 
 
 class Distribution(Protocol):

@@ -63,7 +63,7 @@ def as_gravity(given: ArrayLike | None, packing: Packing, law: Any) -> Floats | 
     if not isinstance(law, Ring | Sector | Droplet):
         raise ParameterError(f"{type(law).__name__} has no gravity: take Ring or Droplet")
     found, d = numbers("gravity", given), packing.dimension
-    species = len(packing._species_radii)
+    species = len(packing.species_radii)
     if found.shape not in ((d,), (species, d)):
         axes = ", ".join(f"g{axis}" for axis in "xyz"[:d])
         rows = f", or {species} rows of that, one for each species" if species > 1 else ""

@@ -76,6 +76,8 @@ class Packing:
             walls closes a direction, the box is not periodic and spans it, whatever is given.
             Obstacles repeat with the box.
         seed: from which positions were drawn, None if they were not.
+        species_radii: largest radius of each species, shape (number of species,) [length].
+        own_radii: whether particles have radii of their own in LAMMPS, by atom_style sphere.
 
     Raises:
         ParameterError: shapes disagree, walls have another dimension, a number is not finite, or a
@@ -90,9 +92,8 @@ class Packing:
     periodic: tuple[bool, ...] = True  # type: ignore[assignment]
     walls: tuple[Wall, ...] = ()
     seed: int | None = None
-    # Largest radius of each species, and whether particles have radii of their own in LAMMPS.
-    _species_radii: Floats = field(init=False)
-    _own_radii: bool = field(init=False)
+    species_radii: Floats = field(init=False)
+    own_radii: bool = field(init=False)
 
     def __post_init__(self) -> None:
         positions, radii = numbers("positions", self.positions), numbers("radii", self.radii)
@@ -145,7 +146,7 @@ class Packing:
                 f"positions of particle {far}, {self.positions[far].tolist()}, are "
                 f"{boxes[far]:.2g} boxes away: move it into the box"
             )
-        self._set_species_radii(0)
+        self._count_species(0)
 
     def _set(self, name: str, value: Any) -> None:
         if isinstance(value, np.ndarray):
@@ -169,7 +170,7 @@ class Packing:
                     sides.append(Plane(tuple(end * unit), tuple(inward)))
         return (*walls, *sides)
 
-    def _set_species_radii(self, least: int) -> None:
+    def _count_species(self, least: int) -> None:
         """Find the largest radius of each species; of one without particles it is that of all.
 
         Args:
@@ -177,44 +178,9 @@ class Packing:
         """
         largest = np.zeros(max(least, int(self.species.max()) + 1))
         np.maximum.at(largest, self.species, self.radii)
-        self._set("_own_radii", bool((self.radii != largest[self.species]).any()))
+        self._set("own_radii", bool((self.radii != largest[self.species]).any()))
         largest[largest == 0.0] = self.radii.max()
-        self._set("_species_radii", largest)
-
-    @classmethod
-    def _of_species(
-        cls,
-        positions: ArrayLike,
-        species: ArrayLike,
-        species_radii: ArrayLike,
-        box: ArrayLike,
-        own: ArrayLike | None = None,
-        walls: Sequence[Wall] = (),
-        seed: int | None = None,
-    ) -> Packing:
-        """A packing of species, some of which may have no particles.
-
-        Args:
-            positions: as of a packing.
-            species: as of a packing.
-            species_radii: of each species, at least those of its particles.
-            box: as of a packing.
-            own: radii of particles, where LAMMPS has such; those of the species if None.
-            walls: as of a packing.
-            seed: as of a packing.
-        """
-        largest, kinds = numbers("radii", species_radii), np.asarray(species)
-        radii = largest[kinds.astype(np.int64)] if own is None else numbers("radii", own)
-        made = cls(positions, radii, box, species=kinds, walls=walls, seed=seed)  # type: ignore[arg-type]
-        made._set("_species_radii", largest)
-        made._set("_own_radii", own is not None)
-        return made
-
-    def _with_own_radii(self) -> Packing:
-        """The packing whose particles have radii of their own in LAMMPS, which lets them turn."""
-        packing = self.replace()
-        packing._set("_own_radii", True)
-        return packing
+        self._set("species_radii", largest)
 
     @classmethod
     def from_file(
@@ -271,40 +237,7 @@ class Packing:
         from ..formats.particle_files import read_particles
 
         found = read_particles(path, frame, topology or None, wanted)
-        return cls._of_particles(found, path, radii, walls, box, dimension)
-
-    @classmethod
-    def _of_particles(
-        cls,
-        found: Particles,
-        path: str | Path,
-        radii: float | str | Mapping[Any, float] | None,
-        walls: Wall | Sequence[Wall],
-        box: ArrayLike | None,
-        dimension: int,
-    ) -> Packing:
-        """The packing of particles that were read; see `from_file`."""
-        plane = dimension == 2
-        walls, given = as_walls(walls, dimension), None if box is None else lattice_vectors(box)
-        with reading(f"'{path}'"):
-            places, radius = found.places(dimension), found.radius(radii)
-            shut = closed(walls, dimension)
-            if given is None:
-                given = found.lattice(dimension)
-                lengths = "(lx, ly)" if plane else "(lx, ly, lz)"
-                for axis, periodic, walled in zip("xyz", found.periodic, shut, strict=False):
-                    if not (periodic or walled):
-                        raise ValueError(
-                            f"its box is not periodic along {axis}: give "
-                            + f"the walls there, such as walls=BoxWall({lengths}), or "
-                            + f"a periodic box, as box={lengths}"
-                        )
-                if not walls:
-                    places = places - found.origin[:dimension]
-            species = found.species
-        packing = cls(places, radius, given, species=species, walls=walls)
-        packing._set_species_radii(found.count)
-        return packing
+        return packing_of_particles(found, path, radii, walls, box, dimension)
 
     def export(self, path: str | Path, mode: str = "x") -> None:
         """Write the packing for other programs; `from_file` reads it again.
@@ -342,7 +275,7 @@ class Packing:
             self.species,
             self.positions,
             self.radii,
-            len(self._species_radii),
+            len(self.species_radii),
             self.origin,
             closed(self.walls, self.dimension),
         )
@@ -370,7 +303,7 @@ class Packing:
         return len(self.species)
 
     def __repr__(self) -> str:
-        kinds = len(self._species_radii)
+        kinds = len(self.species_radii)
         drawn = "" if self.seed is None else f", seed {self.seed}"
         return (
             f"<Packing: {len(self)} particles of {kinds} species, phi = {self.phi:.4f}, "
@@ -487,10 +420,10 @@ class Packing:
                 )
         if "species" not in changes:
             if "radii" in changes:
-                packing._set_species_radii(len(self._species_radii))
+                packing._count_species(len(self.species_radii))
             else:
-                packing._set("_species_radii", self._species_radii)
-                packing._set("_own_radii", self._own_radii)
+                packing._set("species_radii", self.species_radii)
+                packing._set("own_radii", self.own_radii)
         return packing
 
     def replicate(self, nx: int, ny: int, nz: int = 1) -> Packing:
@@ -523,7 +456,7 @@ class Packing:
             species=np.tile(self.species, len(steps)),
             box=self.box * np.array(along)[:, None],
         )
-        packing._set_species_radii(len(self._species_radii))
+        packing._count_species(len(self.species_radii))
         return packing
 
     def at(self, phi: float, *, grow: bool = False) -> Packing:
@@ -542,8 +475,8 @@ class Packing:
         expect("grow", grow, bool)
         if grow:
             grown = self.replace(radii=self.radii / factor)
-            grown._set("_own_radii", self._own_radii)
-            grown._set("_species_radii", self._species_radii / factor)
+            grown._set("own_radii", self.own_radii)
+            grown._set("species_radii", self.species_radii / factor)
             return grown
         box = self.box * factor
         walls = containers.stretched(self.walls, self.box, box)
@@ -622,3 +555,77 @@ def drawn_seed(seed: int | None) -> int:
     if (number := whole("seed", seed)) < 0:
         raise ParameterError(f"seed must not be negative, not {number}")
     return number
+
+
+def packing_of_species(
+    positions: ArrayLike,
+    species: ArrayLike,
+    species_radii: ArrayLike,
+    box: ArrayLike,
+    own: ArrayLike | None = None,
+    walls: Sequence[Wall] = (),
+    seed: int | None = None,
+) -> Packing:
+    """A packing of species, some of which may have no particles.
+
+    Args:
+        positions: as of a packing.
+        species: as of a packing.
+        species_radii: of each species, at least those of its particles.
+        box: as of a packing.
+        own: radii of particles, where LAMMPS has such; those of the species if None.
+        walls: as of a packing.
+        seed: as of a packing.
+    """
+    largest, kinds = numbers("radii", species_radii), np.asarray(species)
+    radii = largest[kinds.astype(np.int64)] if own is None else numbers("radii", own)
+    made = Packing(positions, radii, box, species=kinds, walls=walls, seed=seed)  # type: ignore[arg-type]
+    made._set("species_radii", largest)
+    made._set("own_radii", own is not None)
+    return made
+
+
+def with_own_radii(packing: Packing) -> Packing:
+    """The packing whose particles have radii of their own in LAMMPS, which lets them turn."""
+    packing = packing.replace()
+    packing._set("own_radii", True)
+    return packing
+
+
+def packing_of_particles(
+    found: Particles,
+    path: str | Path,
+    radii: float | str | Mapping[Any, float] | None,
+    walls: Wall | Sequence[Wall],
+    box: ArrayLike | None,
+    dimension: int,
+) -> Packing:
+    """The packing of particles that were read; see `from_file`."""
+    plane = dimension == 2
+    walls, given = as_walls(walls, dimension), None if box is None else lattice_vectors(box)
+    with reading(f"'{path}'"):
+        places, radius = found.places(dimension), found.radius(radii)
+        shut = closed(walls, dimension)
+        if given is None:
+            given = found.lattice(dimension)
+            lengths = "(lx, ly)" if plane else "(lx, ly, lz)"
+            for axis, periodic, walled in zip("xyz", found.periodic, shut, strict=False):
+                if not (periodic or walled):
+                    raise ValueError(
+                        f"its box is not periodic along {axis}: give "
+                        + f"the walls there, such as walls=BoxWall({lengths}), or "
+                        + f"a periodic box, as box={lengths}"
+                    )
+            if not walls:
+                places = places - found.origin[:dimension]
+        species = found.species
+    packing = Packing(places, radius, given, species=species, walls=walls)
+    packing._count_species(found.count)
+    return packing
+
+
+def with_species(packing: Packing, number: int, **changes: Any) -> Packing:
+    """The packing with other particles, whose species are so many: some may have none left."""
+    changed = packing.replace(**changes)
+    changed._count_species(number)
+    return changed

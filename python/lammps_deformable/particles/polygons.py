@@ -281,7 +281,7 @@ def refuse_packing(packing: Packing) -> None:
     """Refuse a packing that no polygons can have."""
     if packing.walls:
         raise ParameterError("polygons have no walls: replace the packing by one without walls")
-    if packing._own_radii:
+    if packing.own_radii:
         raise ParameterError(
             "polygons have the radii of their species: give each size a species of its own, as "
             "packing.replace(species=np.unique(packing.radii, return_inverse=True)[1])"

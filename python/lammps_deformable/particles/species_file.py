@@ -17,9 +17,9 @@ def species_file(law: AnyLaw, radii: Sequence[float] | NDArray[np.float64]) -> s
     """Text of the species file for species of these radii [length], named s1, s2, ...
 
     Raises:
-        ParameterError: see `Ring._species_parameters`.
+        ParameterError: see `Ring.species_parameters`.
     """
-    columns = np.column_stack([radii, *law._species_parameters(radii)])
+    columns = np.column_stack([radii, *law.species_parameters(radii)])
     units = "kA[energy/length^4] kP[energy/length^2] skin[length]"
     if isinstance(law, Droplet):
         units = "kA kP skin (inf 0 0: constant volume) tension[energy/length^2]"
@@ -32,7 +32,7 @@ def species_file(law: AnyLaw, radii: Sequence[float] | NDArray[np.float64]) -> s
         for name, value in zip(SpeciesParameters._fields[3:], row[4:], strict=True):
             words += [name, repr(value)] * (value != 0.0)
         lines.append(" ".join(words))
-    if isinstance(law, Ring) and law._sticks:
+    if isinstance(law, Ring) and law.sticks:
         matrix = pair_matrix("adhesion", law.adhesion, len(radii)).tolist()
         lines += [
             f"adhesion s{i + 1} s{j + 1} {matrix[i][j]!r}"

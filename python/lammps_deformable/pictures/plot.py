@@ -17,7 +17,7 @@ from ..common.checks import count, numbers
 from ..common.errors import ParameterError
 from ..core import unit_vectors
 from ..particles.laws import Ring, Sector, SoftContact, refuse_adhesion
-from ..state.contacts import ContactTable, chords, flats_of, halves
+from ..state.contacts import ContactTable, chords, flats_of, forces_of, halves
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -96,13 +96,13 @@ def halves_of(state: State) -> list[Halves]:
     """Where the contacts of each particle are, (m, 2), and their forces, (m,)."""
     if isinstance(state.law, Ring | Sector):
         return [(table["position"], table["force"]) for table in state._contacts_of_each]
-    return halves(state.packing, state._contact_forces)
+    return halves(state.packing, forces_of(state))
 
 
 def _flats(state: State) -> list[list[Floats]]:
     """Contacts of each particle as lines, arrays of shape (m, 2) [length]."""
     if isinstance(state.law, SoftContact):
-        return chords(state.packing, state._contact_forces)
+        return chords(state.packing, forces_of(state))
     if not isinstance(state.law, Ring | Sector):
         raise ParameterError("contacts of polygons have no lines to draw: draw their forces")
     return flats_of(state.outlines, state.packing.radii, state._contacts_of_each)

@@ -21,6 +21,7 @@ from ..common.checks import finite, numbers, shown
 from ..common.errors import ParameterError
 from ..particles.containers import bounds, closed, in_box, lines_around, section_between
 from ..particles.walls import Sphere, Wall
+from ..state.contacts import forces_of
 from .drawing import (
     PUSH,
     Look,
@@ -529,7 +530,7 @@ def plot(
             ax,
             cut.contacts if contacts else None,
         )
-    network = state._contact_forces
+    network = forces_of(state)
     chains = Chains(network.i, network.vector, lengths(network.force))
     facets = facets_of(state)
     return draw(state.packing, values, look, ax, facets, chains if forces else None, view)

@@ -20,6 +20,7 @@ from ..common.box import in_space
 from ..common.checks import expect
 from ..common.errors import ParameterError
 from ..common.files import at_home, refuse_present, replaces, write_whole
+from ..state.contacts import forces_of
 
 if TYPE_CHECKING:
     from ..particles.packing import Packing
@@ -185,7 +186,7 @@ def export(state: State, path: str | Path, forces: bool, mode: str) -> None:
     packing = state.packing
     numbers = {"box": packing.box, "phi": state.phi, "pressure": state.pressure}
     if forces:
-        shapes, values = _network(packing, state._contact_forces)
+        shapes, values = _network(packing, forces_of(state))
     else:
         names = {"id": np.arange(1, len(packing) + 1), "type": packing.species + 1}
         shapes, particle, further = _bodies(state)

@@ -73,7 +73,7 @@ def _settings(sim: Any, given: Mapping[str, Any]) -> dict[str, Any]:
 
 def _begin(sim: Any, settings: Mapping[str, Any]) -> tuple[Any, dict[str, Any]]:
     """The relaxed start, and what its cells are called."""
-    per_species(settings["rate"], len(sim.packing._species_radii))
+    per_species(settings["rate"], len(sim.packing.species_radii))
     state = at_rest(sim, settings)
     return state, {
         "time": sim.time,
@@ -113,7 +113,7 @@ def _proliferated(
 
 def growth(state: Any, rate: Any, pressure: float) -> Floats:
     """Rate of growth of each cell, shape (N,) [1/time]."""
-    species = np.array(per_species(rate, len(state.packing._species_radii)))
+    species = np.array(per_species(rate, len(state.packing.species_radii)))
     moments = np.trace(state.particle_stress, axis1=1, axis2=2) * state.volumes  # sum f h
     d = state.packing.dimension
     pressed = moments / (d * volumes(state.radii, d))

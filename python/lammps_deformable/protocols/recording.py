@@ -373,7 +373,7 @@ def _write(folder: Path, number: int, state: Any, parameters: Mapping[str, Any])
 def at_rest(sim: Any, settings: Mapping[str, Any]) -> State:
     """The relaxed state. Particles that become loose are no news where they vanish and divide."""
     with collected(UnjammedWarning):
-        return sim.relax(settings["tolerance"])  # type: ignore[no-any-return]
+        return sim.relax(settings["tolerance"])
 
 
 def next_time(now: float, end: float, change: float, rate: float) -> tuple[float, float]:

@@ -30,7 +30,7 @@ from ..formats.store import (
 )
 from ..particles.columns import UNTYPED, Particles
 from ..particles.laws import ALL_LAWS, AnyLaw, Droplet, Ring, Sector, SoftContact, SpeciesParameters
-from ..particles.packing import Packing
+from ..particles.packing import packing_of_particles, packing_of_species
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -79,8 +79,8 @@ def state_in_file(
     own, dimension = 1.0 if radii is None else radii, ALL_LAWS[law].dimension
     found = read_particles(path, frame, None, () if radii is None else (radii,))
     found, names = with_species(found, path, file, types)
-    packing = Packing._of_particles(found, path, own, walls, box, dimension)
-    number = len(packing._species_radii)
+    packing = packing_of_particles(found, path, own, walls, box, dimension)
+    number = len(packing.species_radii)
     if number > len(names):
         raise ParameterError(
             f"'{path}' has particles of type {number}, but the species of {len(names)} types are "
@@ -92,7 +92,7 @@ def state_in_file(
     if isinstance(told, Ring) and isinstance(chosen, Ring):  # no species file has the reach
         chosen = replace(chosen, reach=told.reach)
     if radii is None:
-        packing = Packing._of_species(
+        packing = packing_of_species(
             packing.positions, packing.species, sizes, packing.box, walls=packing.walls
         )
     missing = int(found.ids.max()) - len(found.ids)

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import core
+from ..particles.packing import with_species
 
 if TYPE_CHECKING:
     from ..particles.commands import Films
@@ -40,12 +41,13 @@ def remaining(state: State, left: NDArray[np.bool_]) -> State:
     if left.all():
         return state
     packing = state.packing
-    part = packing.replace(
+    part = with_species(
+        packing,
+        len(packing.species_radii),
         positions=packing.positions[left],
         radii=packing.radii[left],
         species=packing.species[left],
     )
-    part._set_species_radii(len(packing._species_radii))  # of which some may have none left
     images, directions = state.images, state.directions
     return replace(
         state,
@@ -85,12 +87,13 @@ def divided(
     images, directions = state.images, state.directions
     # each particle, and for each that divides a second one at the end
     from_mothers = np.append(np.arange(len(packing)), mothers)
-    both = packing.replace(
+    both = with_species(
+        packing,
+        len(packing.species_radii),
         positions=np.concatenate([positions, center - (share * apart)[:, None] * axes]),
         radii=np.append(radii, second),
         species=packing.species[from_mothers],
     )
-    both._set_species_radii(len(packing._species_radii))
     return replace(
         state,
         packing=both,

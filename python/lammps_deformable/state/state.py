@@ -45,7 +45,7 @@ from ..particles.laws import (
     volumes,
 )
 from . import contacts, conversions, correlations, displacements, voronoi
-from .contacts import ContactForces, ContactTable
+from .contacts import ContactTable
 from .hessian import at_rest, hessian_of
 from .voronoi import Cells, cells_of, space_cells_of
 
@@ -374,6 +374,11 @@ class State:
         """2, or 3 in space."""
         return self.packing.dimension
 
+    @property
+    def volume(self) -> float:
+        """What walls leave free of the box, in the plane its area, that of `packing` [length^d]."""
+        return self.packing.volume
+
     def __len__(self) -> int:
         """Number of particles."""
         return len(self.packing)
@@ -523,7 +528,7 @@ class State:
         """Thickness of the rigid skin of each particle, shape (N,) [length]."""
         if self.polygons is not None:
             return self.polygons.skin[self.packing.species]
-        skin: Floats = self.law._species_parameters(self.packing._species_radii).skin
+        skin: Floats = self.law.species_parameters(self.packing.species_radii).skin
         return skin[self.packing.species]
 
     @property
@@ -674,15 +679,6 @@ class State:
         return np.split(self.contacts, first)
 
     @property
-    def _contact_forces(self) -> ContactForces:
-        """All active contacts, each once."""
-        if isinstance(self.law, SoftContact):
-            return contacts.soft_forces(self.packing, self.law.k)
-        if self.polygons is not None:
-            return contacts.polygon_forces(self.packing, self.contacts)
-        return contacts.forces_of_table(self.packing, self.contacts)
-
-    @property
     def _rubs(self) -> bool:
         return self.friction is not None and self.friction._rubs
 
@@ -761,7 +757,7 @@ class State:
             ParameterError: the threshold is negative or no number.
         """
         return contacts.excess_coordination(
-            self.packing, self._contact_forces, self._of_rattlers, self._rubs, threshold
+            self.packing, contacts.forces_of(self), self._of_rattlers, self._rubs, threshold
         )
 
     @cached_property
@@ -780,7 +776,7 @@ class State:
 
         Source: mean stress by Love and Weber; Bagi, Mech. Mater. 22, 165 (1996).
         """
-        return contacts.particle_stress(self._contact_forces, self.volumes)
+        return contacts.particle_stress(contacts.forces_of(self), self.volumes)
 
     @_only("bubbles")
     def gas_flow(self, permeability: float, *, border: float = 0.0) -> Floats:
@@ -810,7 +806,7 @@ class State:
         Raises:
             ImportError: networkx is missing (`pip install 'lammps-deformable[networkx]'`).
         """
-        return contacts.graph(self.packing, self._contact_forces, self.rattlers)
+        return contacts.graph(self.packing, contacts.forces_of(self), self.rattlers)
 
     # order
 
@@ -1314,7 +1310,7 @@ class State:
         freud = optional("freud", "freud")
         if what == "points":
             return conversions.system(freud, self.packing)
-        return conversions.neighbors(freud, len(self.packing), self._contact_forces)
+        return conversions.neighbors(freud, len(self.packing), contacts.forces_of(self))
 
     def to_mdanalysis(self) -> Universe:
         """A Universe of MDAnalysis with one frame.

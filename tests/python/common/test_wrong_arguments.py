@@ -92,6 +92,7 @@ class Calls:
         self.folder, self.written = folder, 0
         self.objects = {
             "DeformablePolygon": ld.DeformablePolygon(),
+            "Droplet": ld.Droplet(),
             "Hessian": run[0].hessian(),
             "Modes": run[0].modes(),
             "Packing": PACKING,

@@ -16,6 +16,7 @@ from lammps_deformable import (
     Plane,
     Sphere,
 )
+from lammps_deformable.state.contacts import forces_of
 from polyhedra import FACES, FORCES, INDENTATIONS
 from programs import output
 
@@ -97,7 +98,7 @@ def test_walls_bear_what_droplets_carry(name: str) -> None:
     scale = table["force"].max()
     assert state.wall_forces.sum(axis=0) == pytest.approx(-on_droplets, abs=1e-10 * scale)
     assert forces.sum(axis=0) == pytest.approx(on_droplets, abs=1e-10 * scale)
-    moment = np.einsum("ma,ma->", state._contact_forces.vector, state._contact_forces.force)
+    moment = np.einsum("ma,ma->", forces_of(state).vector, forces_of(state).force)
     assert state.pressure == pytest.approx(-moment / 3 / packing.volume, rel=1e-8)
     energies, volumes = [], []
     for factor in (1 - 1e-5, 1 + 1e-5):

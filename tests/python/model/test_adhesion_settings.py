@@ -18,11 +18,11 @@ MATRIX = [[0.3, 0.1], [0.1, 0.0]]
 
 def test_a_number_and_a_matrix() -> None:
     assert ld.Ring(**DROPLET).adhesion == 0.0
-    assert not ld.Ring(**DROPLET)._sticks
-    assert not ld.Sector()._sticks
+    assert not ld.Ring(**DROPLET).sticks
+    assert not ld.Sector().sticks
     for given in (0.2, np.float32(0.2), MATRIX, np.array(MATRIX)):
         law = ld.Ring(**DROPLET, adhesion=given)
-        assert law._sticks
+        assert law.sticks
         assert pair_matrix("adhesion", law.adhesion, 2).shape == (2, 2)
         assert eval(repr(law), {"Ring": ld.Ring, "inf": math.inf}) == law
     law = ld.Ring(**DROPLET, adhesion=MATRIX)

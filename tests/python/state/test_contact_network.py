@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from crystal import crystal
 from lammps_deformable import Ring
+from lammps_deformable.state.contacts import forces_of
 
 DROPLETS = Ring(kA=np.inf, kP=0.0, tension=1.0, contact="curved")
 
@@ -34,7 +35,7 @@ def states() -> list[ld.State]:
 
 def by_loops(state: ld.State, threshold: float) -> tuple[int, np.ndarray]:
     """Contacts and the degree of each particle, once rattlers are gone."""
-    contacts = state._contact_forces
+    contacts = forces_of(state)
     all_of_them = [
         (int(i), int(j), float(np.hypot(*force)))
         for i, j, force in zip(contacts.i, contacts.j, contacts.force, strict=True)
