@@ -1,7 +1,8 @@
 """A saved state and a recorded run on disk: their files, written and read.
 
 A state is a LAMMPS data file, a species file, a LAMMPS script and a summary. A run has a row in the
-series and a frame in the trajectory for each state besides. Nothing is replaced unasked.
+series and a frame in the trajectory for each state besides. Nothing is replaced unasked. What is in
+the files stands in docs/run_folder.md; another FORMAT needs a row there.
 """
 
 from __future__ import annotations
@@ -351,6 +352,9 @@ def script(
     }
     return _SCRIPT.format(script=SCRIPT, setup=setup, data=DATA, law=commands, **proposed).lstrip()
 
+
+# Version of the format, which is raised where older versions of this package misread new files.
+FORMAT = 1
 
 # Files of a run, see `recording`.
 DATA, SUMMARY = "packing.data", "summary.json"
@@ -777,6 +781,7 @@ def save(
     """
     folder = make_folder(folder)
     summary = {
+        "format": FORMAT,
         "state": as_json("state", numbers),
         **setup(packing, law, friction, gravity),
         "parameters": as_json("parameters", parameters or {}),
@@ -850,7 +855,13 @@ def summary_in(folder: Path) -> dict[str, Any]:
         FileError: the file is missing or damaged.
     """
     with reading(folder / SUMMARY):
-        return dict(json.loads(_text(folder / SUMMARY, folder)))
+        summary = dict(json.loads(_text(folder / SUMMARY, folder)))
+        if int(summary.get("format", 1)) > FORMAT:  # without it is of 0.1.0
+            raise FileError(
+                f"'{folder}' has the format {summary['format']}, and this version of "
+                f"lammps-deformable reads up to {FORMAT}: install a newer one"
+            )
+    return summary
 
 
 def _text(path: Path, folder: Path) -> str:
