@@ -74,7 +74,7 @@ struct BatchKernels {
   // Beyond MOST_IN_BATCH: rings that change their perimeter; beyond twice that: with a tension.
   const BatchKernel *ring;
   const ForceKernels &forces;
-  const DropletKernels &droplets;
+  const DropletKernels &droplets, &sticking_droplets;
   const FrontKernels &fronts;
 };
 

@@ -1,9 +1,9 @@
-// Droplets with given forces, side by side: the formulas of droplet.h in vectors. Compiled for each level of
+// Droplets with given forces, side by side: the formulas of droplet.h and droplet_film.h in vectors. Compiled for each level of
 // SIMD instructions, see cmake/sources.cmake.
 
 #include "kernels/force_kernels.h"
 #include "kernels/lanes.h"
-#include "laws/droplet.h"
+#include "laws/droplet_film.h"
 
 #include <algorithm>
 
@@ -47,7 +47,7 @@ DEFORMABLE_LANE_FUNCTION Logarithm logarithm(Lanes x)
   return {exponent * LN_2 + 2.0 * t * series, sum * quotient};
 }
 
-// exp y for y <= 0, below 2^-1000 that. y = k ln 2 + r, and the powers of r up to the thirteenth.
+// exp y for y < 700, below 2^-1000 that. y = k ln 2 + r, and the powers of r up to the thirteenth.
 DEFORMABLE_LANE_FUNCTION Lanes exponential(Lanes y)
 {
   typedef unsigned long long Bits __attribute__((vector_size(8 * W)));
@@ -65,12 +65,8 @@ DEFORMABLE_LANE_FUNCTION Lanes exponential(Lanes y)
   return power * (Lanes)(((Bits)shifted + 1023) << 52);
 }
 
-DEFORMABLE_LANE_FUNCTION DropletLoad<Lanes> load_of(Lanes sum, Lanes sum_of_squares)
-{
-  return DropletLoad<Lanes>(
-      sum, sum_of_squares, [](Lanes x) DEFORMABLE_LANE_LAMBDA { return logarithm(x).value; },
-      [](Lanes x) DEFORMABLE_LANE_LAMBDA { return exponential(x); });
-}
+constexpr auto LOG = [](Lanes x) DEFORMABLE_LANE_LAMBDA { return logarithm(x).value; };
+constexpr auto EXP = [](Lanes x) DEFORMABLE_LANE_LAMBDA { return exponential(x); };
 
 // A vector in space of each lane.
 struct Vectors {
@@ -139,6 +135,24 @@ DEFORMABLE_LANE_FUNCTION OfContacts sums_of(const DropletArrays &d, int begin, i
   return all;
 }
 
+// What all contacts share; STICKS: some are films.
+template <bool STICKS>
+DEFORMABLE_LANE_FUNCTION auto load_of(const DropletArrays &d, const OfContacts &all, int begin,
+                                      int end)
+{
+  if constexpr (STICKS) {
+    Lanes sum{}, squares{};
+    for (int c = begin; c < end; c += LANES) {
+      const Lanes s = load<Lanes>(d.sine + c), e = load<Lanes>(d.force + c) + PI * (s * s);
+      sum += e;
+      squares += e * e;
+    }
+    return FilmLoad<Lanes>(all.sum, all.squares, sum, squares, LOG, EXP);
+  } else {
+    return DropletLoad<Lanes>(all.sum, all.squares, LOG, EXP);
+  }
+}
+
 // Forces and outward normals of the contacts of a batch.
 template <bool KNOWN>
 static void take_pairs(const RingBatches &b, const DropletArrays &d, const PairDirections &p,
@@ -165,9 +179,9 @@ static void take_pairs(const RingBatches &b, const DropletArrays &d, const PairD
 // The sums over the other contacts that W needs: G f, G2 f, (D^16 (2/3) C G2 - G/(4 pi)) f^2, and G' f n. And da/df of each two
 // contacts, without what facets that move add to it and without Q: the solver corrects with it. KNOWN: all functions of
 // directions, and da/df, are those of the last time.
-template <bool KNOWN>
-DEFORMABLE_LANE_FUNCTION void respond(const RingBatches &b, const DropletArrays &d,
-                                      const DropletLoad<Lanes> &of, int batch, int w)
+template <bool KNOWN, class Load>
+DEFORMABLE_LANE_FUNCTION void respond(const RingBatches &b, const DropletArrays &d, const Load &of,
+                                      int batch, int w)
 {
   const int first = b.first[batch], places = b.first[batch + 1] - first;
   double *const nx = d.nx + first, *const ny = d.ny + first, *const nz = d.nz + first,
@@ -176,7 +190,7 @@ DEFORMABLE_LANE_FUNCTION void respond(const RingBatches &b, const DropletArrays 
   double *const first_order = static_cast<double *>(b.contacts.scratch),
                 *const second = first_order + places, *const third = second + places;
   const Lanes of_cube = (2.0 / 3.0 * CUBE_GREEN2) * of.third;
-  [[maybe_unused]] const Lanes of_square = 4.0 * of.x * of.first, of_balance = BALANCE * of.x;
+  [[maybe_unused]] const Lanes of_square = 4.0 * of.x * of.first, of_balance = BALANCE * of.held;
   [[maybe_unused]] float *const taken = d.taken + first;
   std::size_t at = b.first_green[batch] + w;
   for (int c = w; c < places; c += LANES) {
@@ -237,30 +251,35 @@ DEFORMABLE_LANE_FUNCTION void respond(const RingBatches &b, const DropletArrays 
 
 // And da/df of each contact, as `respond` has those of two. What the facets of others take from it, 1/2 D^4 sum_k f_k (dt_k/df_c)^2
 // about, is in `taken`.
+template <bool STICKS, class Load>
 DEFORMABLE_LANE_FUNCTION void find_compliances(const RingBatches &b, const DropletArrays &d,
-                                               const OfContacts &all_of,
-                                               const DropletLoad<Lanes> &of, int batch, int w)
+                                               const OfContacts &all_of, const Load &of, int batch,
+                                               int w)
 {
   const int first = b.first[batch], places = b.first[batch + 1] - first,
             droplet = batch * LANES + w;
   const double *const first_order = static_cast<double *>(b.contacts.scratch),
                       *const second = first_order + places, *const logs = second + 2 * places;
+  [[maybe_unused]] const double *const of_films = logs + 3 * places;
   const RingArrays &r = b.rings;
   const Lanes per_tension = load<Lanes>(r.per_pressure + droplet),
-              least = select(all_of.sum > NO_FORCE, LEAST_OF_MEAN * of.facet * (8.0 * PI),
-                             all(LEAST_ALONE)),
+              least = select((STICKS ? of.held : all_of.sum) > NO_FORCE,
+                             LEAST_OF_MEAN * of.facet * (8.0 * PI), all(LEAST_ALONE)),
               l_at_least = LOG_8_PI - logarithm(least).value,
               of_second = (4.0 * BY_SUM) * of.first / of.mixed;
   for (int at = w; at < places; at += LANES) {
     const int c = first + at;
     const Lanes f = load<Lanes>(d.force + c), h = load<Lanes>(second + at);
-    const Lanes l = select(f > NO_FORCE, load<Lanes>(logs + at), l_at_least);
-    const Lanes own = own_compliance(f, l, load<Lanes>(d.film_log + c), of.stretch) -
-                      load<Lanes>(first_order + at) * (0.5 / PI) +
-                      of.x * (BALANCE + 4.0 * GREEN2_AT_ONE * of.first) -
-                      0.5 * of.first * load<Lanes>(d.taken + c) +
-                      of.third * ((4.0 / 3.0 * CUBE_GREEN2) * (h + 2.0 * GREEN2_AT_ONE * f) +
-                                  4.0 * CUBE_FORCES * f);
+    Mask bears = f > NO_FORCE;
+    if constexpr (STICKS) bears |= load<Lanes>(d.sine + c) > 0.0;
+    const Lanes l = select(bears, load<Lanes>(logs + at), l_at_least);
+    Lanes own = own_compliance(f, l, load<Lanes>(d.film_log + c), of.stretch) -
+                load<Lanes>(first_order + at) * (0.5 / PI) +
+                of.x * (BALANCE + 4.0 * GREEN2_AT_ONE * of.first) -
+                0.5 * of.first * load<Lanes>(d.taken + c) +
+                of.third * ((4.0 / 3.0 * CUBE_GREEN2) * (h + 2.0 * GREEN2_AT_ONE * f) +
+                            4.0 * CUBE_FORCES * f);
+    if constexpr (STICKS) own += load<Lanes>(of_films + at) + BALANCE * (of.held - of.x);
     const Lanes v = f + of_second * h, rest = v * (2.0 * of.mixed + v * of.square) + of.rate,
                 safe = larger(own + rest, all(LEAST_COMPLIANCE));
     store(b.contacts.compliance + c, safe * per_tension * (1.0 / r.scale));
@@ -272,8 +291,78 @@ DEFORMABLE_LANE_FUNCTION void find_compliances(const RingBatches &b, const Dropl
   store(r.rate + droplet, of.rate);
 }
 
+// What films add to the work, to each a and to each own compliance, and L. Newton's method for L begins with the last one; of its last,
+// small step, the work is known to second order, and a to first order. Each lane ends for itself: its neighbors do not matter.
+DEFORMABLE_LANE_FUNCTION Lanes load_films(const RingBatches &b, const DropletArrays &d,
+                                          const FilmLoad<Lanes> &of, int batch, int w)
+{
+  constexpr double CLOSE = 3e-6, VOLUME = 4.0 / 3.0 * PI;
+  constexpr int MOST_STEPS = 20;
+  const int first = b.first[batch], places = b.first[batch + 1] - first,
+            droplet = batch * LANES + w;
+  double *const mixed = static_cast<double *>(b.contacts.scratch) + 4 * places,
+                *const by_force = mixed + places, *const compliance = by_force + places;
+  const RingArrays &r = b.rings;
+  const Lanes X = of.x - of.squares * BY_SUM, radius = load<Lanes>(r.radius + droplet),
+              tension = load<Lanes>(d.tension + droplet);
+  Lanes curved{};    // -dL^3 V0 of films that are caps, as of the last time
+  for (int c = first + w; c < first + places; c += LANES)
+    curved += load<Lanes>(d.curved_by_pressure + c);
+
+  Lanes L = load<Lanes>(d.stretch + droplet), step{}, slope{}, work{}, cover{};
+  Mask going = L > 0.0;
+  for (int n = 0; n < MOST_STEPS; ++n) {
+    const FilmPressure<Lanes> inside(L, X);
+    Lanes sum{}, rate{};
+    work = cover = Lanes{};
+    for (int at = w; at < places; at += LANES) {
+      const int c = first + at;
+      const Lanes lean = load<Lanes>(d.lean + c);
+      const FilmTerm<Lanes> u(load<Lanes>(d.force + c), load<Lanes>(d.sine + c),
+                              load<Lanes>(d.rise + c), 2.0 / (inside.P * lean), LOG);
+      work += u.u;
+      sum += lean * u.P;
+      rate += lean * lean * u.PP;
+      cover += u.radius * u.radius;
+      store(mixed + at, lean * u.fP);
+      store(by_force + at, u.f);
+      store(compliance + at, u.ff + (L - 1.0) * (0.25 / PI));
+      store(d.film_radius + c, radius * u.radius);
+    }
+    slope = inside.slope;
+    const Lanes off = L * L * L - 1.0 + (sum + curved) * (1.0 / VOLUME);
+    const Lanes steep = 3.0 * L * L + rate * slope * (1.0 / VOLUME);
+    step = Lanes{} - off / larger(steep, all(1.0));
+    work +=
+        work_of_stretch(L, X) - 0.5 * VOLUME * slope * steep * step * step - curved * slope * step;
+    going &= magnitude(step) > CLOSE;
+    if (!any(going) || n + 1 == MOST_STEPS) break;
+    L = select(going, larger(L + step, all(0.5)), L);
+  }
+  L += step;
+  const FilmPressure<Lanes> inside(L, X);
+  const Lanes pressure = inside.P * tension / radius;
+  Lanes pull{};
+  for (int at = w; at < places; at += LANES) {
+    const int c = first + at;
+    const Lanes f = load<Lanes>(d.force + c), sine = load<Lanes>(d.sine + c);
+    store(by_force + at, load<Lanes>(by_force + at) + (L - 1.0) * (f * (0.25 / PI) - 1.0) +
+                             step * slope * load<Lanes>(mixed + at));
+    store(d.least + c,
+          radius * tension * least_of_film(sine, 2.0 / (inside.P * load<Lanes>(d.lean + c))));
+    store(d.pressure + c, pressure);
+    pull += larger(Lanes{} - f, Lanes{});
+  }
+  store(d.stretch + droplet, L);
+  store(d.cover + droplet, 0.25 * cover);
+  store(d.bulge + droplet, BULGE_PER_LOAD * larger(of.x + BY_SUM * pull, Lanes{}) +
+                               BULGE_PER_PULL * BY_SUM * pull + larger(L - 1.0, Lanes{}));
+  return work;
+}
+
 // All that a droplet's own forces say: work, indentations and compliances, but for films that turn and facets that move.
-template <bool KNOWN> static void load_droplets(RingBatches b, DropletArrays d, PairDirections p)
+template <bool KNOWN, bool STICKS>
+static void load_droplets(RingBatches b, DropletArrays d, PairDirections p)
 {
   const RingArrays &r = b.rings;
   for (int batch = b.begin; batch < b.end; ++batch) {
@@ -282,14 +371,17 @@ template <bool KNOWN> static void load_droplets(RingBatches b, DropletArrays d, 
     double *const first_order = static_cast<double *>(b.contacts.scratch),
                   *const second = first_order + places, *const third = second + places,
                   *const logs = third + places, *const beside = logs + places;
+    [[maybe_unused]] const double *const of_films = beside + places;
     for (int w = 0; w < LANES; w += W) {
       const int begin = first + w, end = first + places, droplet = batch * LANES + w;
       const OfContacts all_of = sums_of(d, begin, end);
-      const DropletLoad<Lanes> of = load_of(all_of.sum, all_of.squares);
+      const auto of = load_of<STICKS>(d, all_of, begin, end);
+      Lanes work{};
+      if constexpr (STICKS) work = load_films(b, d, of, batch, w);
       respond<KNOWN>(b, d, of, batch, w);
 
       const Lanes radius = load<Lanes>(r.radius + droplet);
-      Lanes work{}, turned{}, square{}, cube{};    // T1, J and the sum f^2 G2 f
+      Lanes turned{}, square{}, cube{};    // T1, J and the sum f^2 G2 f
       for (int c = begin; c < end; c += LANES) {
         const int at = c - first;
         const Lanes f = load<Lanes>(d.force + c), h = load<Lanes>(second + at);
@@ -297,7 +389,8 @@ template <bool KNOWN> static void load_droplets(RingBatches b, DropletArrays d, 
                       moved = load_vectors(d.tx + c, d.ty + c, d.tz + c);
         const Lanes along = dot(moved, n);
         const Vectors t = {along * n.x - moved.x, along * n.y - moved.y, along * n.z - moved.z};
-        const Lanes t2 = dot(t, t), l = LOG_8_PI - logarithm(larger(f, all(NO_FORCE))).value;
+        const Lanes t2 = dot(t, t), size = STICKS ? magnitude(f) : f,
+                    l = LOG_8_PI - logarithm(larger(size, all(NO_FORCE))).value;
         store(logs + at, l);
         store(beside + at, t2);
         turned -= 0.5 * f * t2;
@@ -326,13 +419,17 @@ template <bool KNOWN> static void load_droplets(RingBatches b, DropletArrays d, 
         const Lanes of_trace = 2.0 * CUBE_TRACE * (dot(qn, qn) - trace),
                     of_cube =
                         of_trace + 2.0 * CUBE_FORCES * f * f + (4.0 / 3.0 * CUBE_GREEN2) * f * h;
-        const Lanes a =
-            own_indentation(f, l, film, of.stretch) + response * (1.0 - f * (0.5 / PI)) +
-            load<Lanes>(third + at) + of.first * (4.0 * of.x * h - 0.5 * load<Lanes>(beside + at)) +
-            of.third * of_cube + BALANCE * of.x * dot(n, all_of.balance) + shared.by_force;
+        Lanes a = own_indentation(f, l, film, of.stretch) + response * (1.0 - f * (0.5 / PI)) +
+                  load<Lanes>(third + at) +
+                  of.first * (4.0 * of.x * h - 0.5 * load<Lanes>(beside + at)) +
+                  of.third * of_cube + BALANCE * of.held * dot(n, all_of.balance) + shared.by_force;
+        if constexpr (STICKS) {
+          const Lanes sine = load<Lanes>(d.sine + c);
+          a += load<Lanes>(of_films + at) + of.tilt * (sine * sine);
+        }
         store(d.still + c, radius * a);
       }
-      find_compliances(b, d, all_of, of, batch, w);
+      find_compliances<STICKS>(b, d, all_of, of, batch, w);
       store(d.load + droplet, of.x);
       store(d.facet + droplet, of.facet);
       store(r.total + droplet, all_of.sum * radius * load<Lanes>(d.tension + droplet));
@@ -364,7 +461,38 @@ DEFORMABLE_LANE_FUNCTION Turned turned_film(const RingBatches &b, const DropletA
           part * dot(way, way)};
 }
 
-static void turn_films(RingBatches b, DropletArrays d)
+// Films between droplets of unlike radii: half of their further term to each side. What it adds by the pressure has an effect in
+// `load_films` the next time.
+DEFORMABLE_LANE_FUNCTION void bend_films(const RingBatches &b, const DropletArrays &d, int batch,
+                                         int w)
+{
+  const int first = b.first[batch], droplet = batch * LANES + w;
+  const RingArrays &r = b.rings;
+  const Lanes radius = load<Lanes>(r.radius + droplet), tension = load<Lanes>(d.tension + droplet),
+              unit = radius * tension, per_volume = 1.0 / (radius * radius * radius);
+  Lanes work = load<Lanes>(r.work + droplet);
+  for (int c = first + w; c < b.first[batch + 1]; c += LANES) {
+    const Lanes is_cap = load<Lanes>(d.is_cap + c), sine = is_cap * load<Lanes>(d.sine + c);
+    if (!any(sine > 0.0)) {
+      store(d.curved_by_pressure + c, Lanes{});
+      continue;
+    }
+    const int *const partner = b.corrections.partner + c;
+    const Lanes here = load<Lanes>(d.pressure + c),
+                there =
+                    each_lane([&](int w) DEFORMABLE_LANE_LAMBDA { return d.pressure[partner[w]]; });
+    const CurvedFilm<Lanes> film(unit * load<Lanes>(d.force + c), here, there, tension, sine,
+                                 load<Lanes>(d.rise + c), LOG);
+    const Mask is = sine > 0.0;
+    work += select(is, 0.5 * film.energy, Lanes{});
+    double *const a = b.contacts.indentation + c;
+    store(a, load<Lanes>(a) + select(is, 0.5 * film.by_force, Lanes{}));
+    store(d.curved_by_pressure + c, select(is, film.by_p_i * per_volume, Lanes{}));
+  }
+  store(r.work + droplet, work);
+}
+
+template <bool STICKS> static void turn_films(RingBatches b, DropletArrays d)
 {
   const RingArrays &r = b.rings;
   for (int batch = b.begin; batch < b.end; ++batch) {
@@ -405,6 +533,7 @@ static void turn_films(RingBatches b, DropletArrays d)
                                                       radius * load<Lanes>(back + c) - damped);
       store(r.work + droplet,
             tension * radius * (radius * load<Lanes>(d.still_work + droplet) + 0.25 * of_all));
+      if constexpr (STICKS) bend_films(b, d, batch, w);
     }
   }
 }
@@ -414,7 +543,7 @@ static void turn_films(RingBatches b, DropletArrays d)
 //     f_c n_c.v_k)}
 //     - f_c sum_k G' v_k + v_c sum_k G' m f_k + 4 A D^16 f_c Q^2 n_c + BALANCE x f_c sum f n,   v = f z
 // with the G' that t has where it is multiplied by v.
-static void derive_droplets(RingBatches b, DropletArrays d)
+template <bool STICKS> static void derive_droplets(RingBatches b, DropletArrays d)
 {
   const RingArrays &r = b.rings;
   for (int batch = b.begin; batch < b.end; ++batch) {
@@ -429,7 +558,7 @@ static void derive_droplets(RingBatches b, DropletArrays d)
       const int droplet = batch * LANES + w;
       const Lanes radius = load<Lanes>(r.radius + droplet), per_radius = 1.0 / radius;
       const OfContacts all_of = sums_of(d, first + w, first + places);
-      const DropletLoad<Lanes> of = load_of(all_of.sum, all_of.squares);
+      const auto of = load_of<STICKS>(d, all_of, first + w, first + places);
       const Lanes of_square = 4.0 * of.x * of.first, of_cube = (2.0 / 3.0 * CUBE_GREEN2) * of.third;
       const double *known = d.d_green + b.first_green[batch] + w;
       for (int c = w; c < places; c += LANES) {
@@ -439,7 +568,7 @@ static void derive_droplets(RingBatches b, DropletArrays d)
         const Vectors v = {of_c * zc.x, of_c * zc.y, of_c * zc.z};
         const Vectors qqn = all_of.times(all_of.times(n));
         const Lanes of_trace = 4.0 * CUBE_TRACE * of.third * of_c,
-                    of_balance = BALANCE * of.x * of_c;
+                    of_balance = BALANCE * of.held * of_c;
         Vectors sum = {of_trace * qqn.x + of_balance * all_of.balance.x,
                        of_trace * qqn.y + of_balance * all_of.balance.y,
                        of_trace * qqn.z + of_balance * all_of.balance.z};
@@ -491,9 +620,11 @@ static void derive_droplets(RingBatches b, DropletArrays d)
   }
 }
 
-extern const DropletKernels droplet_kernels;
+extern const DropletKernels droplet_kernels, sticking_droplet_kernels;
 
-const DropletKernels droplet_kernels = {load_droplets<false>, load_droplets<true>, turn_films,
-                                        derive_droplets};
+const DropletKernels droplet_kernels = {load_droplets<false, false>, load_droplets<true, false>,
+                                        turn_films<false>, derive_droplets<false>};
+const DropletKernels sticking_droplet_kernels = {
+    load_droplets<false, true>, load_droplets<true, true>, turn_films<true>, derive_droplets<true>};
 
 }    // namespace deformable::DEFORMABLE_LEVEL

@@ -278,10 +278,20 @@ struct DropletArrays {
   double *torque_x, *torque_y, *torque_z;    // dW/dn [energy]
   float *taken;                              // by facets of others: sum f (dt/df)^2
   double *green, *green2, *d_green;          // G, G2 and G' of two contacts
+
+  // Of films that stick, droplet_film.h. By contact: s and 1 - C, 0 of a free one, lambda, and 1 where the film is a cap, else 0.
+  const double *sine, *rise, *lean, *is_cap;
+  double *stretch, *cover,
+      *bulge;             // by droplet: L, the part of it under films, and how far it may bulge
+  double *film_radius;    // [length]
+  double *curved_by_pressure;    // of caps: what they add to u_P
+  double *pressure,
+      *least;    // [energy/volume], [force], also of contacts of other ranks, and of walls
 };
 
 // RingBatches have W as `work`, the sum of forces as `total`, 1/tension as `per_pressure`, f as `share`, and about
 //   g C_ck = `green` + rate - mixed (f_c + f_k) - square f_c f_k,   for c = k `own` in place of `green`.
+// There are two of them: for droplets without films, and for such that may have some.
 struct DropletKernels {
   // All droplets of the batches, from the forces of their pairs.
   void (*shape)(RingBatches, DropletArrays, PairDirections);

@@ -11,10 +11,11 @@ namespace deformable {
   namespace NAME {                                                                                 \
   extern const BatchKernel sector_kernels[], ring_kernels[];                                       \
   extern const ForceKernels force_kernels;                                                         \
-  extern const DropletKernels droplet_kernels;                                                     \
+  extern const DropletKernels droplet_kernels, sticking_droplet_kernels;                           \
   extern const FrontKernels front_kernels;                                                         \
-  static const BatchKernels kernels = {sector_kernels, ring_kernels, force_kernels,                \
-                                       droplet_kernels, front_kernels};                            \
+  static const BatchKernels kernels = {                                                            \
+      sector_kernels,           ring_kernels, force_kernels, droplet_kernels,                      \
+      sticking_droplet_kernels, front_kernels};                                                    \
   }
 DEFORMABLE_LEVELS
 #undef LEVEL

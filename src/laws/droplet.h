@@ -100,6 +100,8 @@ constexpr double SMALLEST_HALF = 1e-12, SMALLEST_APART = 0.0076,
 
 // G has its smallest value, -0.0468, at m = 0.269: no contact bulges by more than this times x R.
 constexpr double BULGE_PER_LOAD = 1.177;
+// A pull has its largest bulge on the opposite side, where G(-1) = 0.0663 is.
+constexpr double BULGE_PER_PULL = 1.67;
 // Beyond this load the theory is off by more than it is worth; the work may lose its convexity.
 constexpr double LARGEST_LOAD = 0.4;
 // And beyond this part of the surface in the mean facet, y = sum f^2/(8 pi sum f), where contacts are few and strong. Dense
@@ -113,6 +115,8 @@ constexpr double LARGEST_BULGE = 0.5;
 constexpr double PSI_EVEN = 1.43, PSI_UNEVEN = 14.3, DECAY = 2.6, BALANCE = 0.5;
 constexpr double CUBE_TRACE = -0.00368257, CUBE_FORCES = -0.00026156, CUBE_GREEN2 = -0.11453672;
 constexpr double BY_SUM = 0.125 / PI;    // dx/df
+// 1 + P x is cut there, far beyond the pull of any films.
+constexpr double LEAST_OF_PSI = 1e-3;
 
 // How far contacts may lie outside of the undeformed droplet and still bear a force.
 inline double droplet_bulge(double radius, double load)
@@ -134,11 +138,34 @@ constexpr double LEAST_OF_MEAN = 1e-3, LEAST_ALONE = 1e-2;
 // And no compliance below this: beyond the model W is not convex.
 constexpr double LEAST_COMPLIANCE = 0.01;
 
+// psi(x, P(w)), P = 1.43 (1 + 10 w), and its derivatives by x and P. x may be negative, as where films pull. log: of a T.
+template <class T> struct DropletPsi {
+  T psi, by_x, by_P, by_xx, by_xP, by_PP;
+
+  template <class Log> DEFORMABLE_INLINE DropletPsi(T x, T w, Log &&log)
+  {
+    const T P = PSI_EVEN + PSI_UNEVEN * w, per_P = 1.0 / P, z = P * x, sum = 1.0 + z,
+            least = T{} + LEAST_OF_PSI, u = sum > LEAST_OF_PSI ? sum : least, per_u = 1.0 / u;
+    const T above = u - 1.0;    // ln(1 + z) to all digits
+    const T rounded = above != 0.0 ? above : T{} + 1.0, L = log(u) * (z / rounded);
+    const T ln = above != 0.0 ? L : z;
+    const T far = x - CONTINUED_LOAD, over = far > 0.0 ? far : T{},
+            stiff = STIFFENING * over * over;
+    psi = ln * per_P + stiff * over;
+    by_x = per_u + 3.0 * stiff;
+    by_P = (x * per_u - ln * per_P) * per_P;
+    by_xx = T{} - P * per_u * per_u + 6.0 * STIFFENING * over;
+    by_xP = T{} - x * per_u * per_u;
+    by_PP = ((2.0 * (ln * per_P - x * per_u)) * per_P - x * x * per_u * per_u) * per_P;
+  }
+};
+
 // What all contacts of a droplet share. log, exp: of a T.
 //   S = sum f^2/(8 pi), psi(x, P), P = P(w):   d(S psi)/df_c = slope + f_c/(4 pi) stretch,
 //   d^2(S psi)/df_c df_k = rate + mixed (f_c + f_k) + square f_c f_k,   for c = k also stretch/(4 pi)
 template <class T> struct DropletLoad {
   T x, squares;    // S
+  T held;          // x of the term that holds forces which do not balance
   T facet;         // y
   T psi, slope, stretch, rate, mixed, square;
   T damping, first, third;    // D, D^4, D^16
@@ -146,33 +173,31 @@ template <class T> struct DropletLoad {
   template <class Log, class Exp>
   DEFORMABLE_INLINE DropletLoad(T sum, T sum_of_squares, Log &&log, Exp &&exp)
       : x(sum * BY_SUM),
-        squares(sum_of_squares * BY_SUM)
+        squares(sum_of_squares * BY_SUM),
+        held(x)
   {
     constexpr double LEAST = 1e-100;
     const T least = T{} + LEAST, some = x > LEAST ? x : least;
     const T y = squares / some, w = y / some * BY_SUM;
     facet = y * BY_SUM;
-    // P w.r.t. w is PSI_UNEVEN; psi and its derivatives by x and P
-    const T P = PSI_EVEN + PSI_UNEVEN * w, per_P = 1.0 / P, z = P * x, u = 1.0 + z, per_u = 1.0 / u;
-    const T above = u - 1.0;    // ln(1 + z) to all digits
-    const T rounded = above > 0.0 ? above : T{} + 1.0, L = log(u) * (z / rounded);
-    const T ln = above > 0.0 ? L : z;
-    const T by_x = per_u, by_P = (x * per_u - ln * per_P) * per_P, by_xx = T{} - P * per_u * per_u,
-            by_xP = T{} - x * per_u * per_u,
-            by_PP = ((2.0 * (ln * per_P - x * per_u)) * per_P - x * x * per_u * per_u) * per_P;
-    const T far = x - CONTINUED_LOAD, over = far > 0.0 ? far : T{},
-            stiff = STIFFENING * over * over;
+    const DropletPsi<T> of(x, w, log);
     const T turn = PSI_UNEVEN * w;    // dP/dw w
-    psi = ln * per_P + stiff * over;
-    slope = BY_SUM * (squares * (by_x + 3.0 * stiff) - 2.0 * turn * y * by_P);
-    stretch = psi + turn * by_P;
-    rate =
-        (BY_SUM * BY_SUM) * (squares * (by_xx + 6.0 * STIFFENING * over) - 4.0 * turn * y * by_xP) +
-        BY_SUM * (turn * w) * (4.0 * PSI_UNEVEN * w * by_PP + 6.0 * by_P);
-    mixed = (BY_SUM * 0.25 / PI) * (by_x + 3.0 * stiff + turn * by_xP -
-                                    (4.0 * turn * by_P + 2.0 * turn * turn * by_PP) / some);
-    square =
-        (0.0625 / (PI * PI)) * (PSI_UNEVEN * BY_SUM) * (2.0 * by_P + turn * by_PP) / (some * some);
+    psi = of.psi;
+    slope = BY_SUM * (squares * of.by_x - 2.0 * turn * y * of.by_P);
+    stretch = psi + turn * of.by_P;
+    rate = (BY_SUM * BY_SUM) * (squares * of.by_xx - 4.0 * turn * y * of.by_xP) +
+           BY_SUM * (turn * w) * (4.0 * PSI_UNEVEN * w * of.by_PP + 6.0 * of.by_P);
+    mixed = (BY_SUM * 0.25 / PI) * (of.by_x + turn * of.by_xP -
+                                    (4.0 * turn * of.by_P + 2.0 * turn * turn * of.by_PP) / some);
+    square = (0.0625 / (PI * PI)) * (PSI_UNEVEN * BY_SUM) * (2.0 * of.by_P + turn * of.by_PP) /
+             (some * some);
+    damp(exp);
+  }
+
+ protected:
+  DropletLoad() = default;
+  template <class Exp> DEFORMABLE_INLINE void damp(Exp &&exp)
+  {
     damping = exp(x * (-0.25 * DECAY));
     const T twice = damping * damping;
     first = twice * twice;
@@ -190,7 +215,7 @@ template <class T> struct SharedTerms {
                                 const T &off)
   {
     const T uneven = T1 + 2.0 * of.x * J;
-    work = of.first * uneven + (2.0 / 3.0) * of.third * I3 + (0.5 * BALANCE) * of.x * off;
+    work = of.first * uneven + (2.0 / 3.0) * of.third * I3 + (0.5 * BALANCE) * of.held * off;
     by_force = of.slope + BY_SUM * (of.first * (2.0 * J - DECAY * uneven) -
                                     (8.0 / 3.0 * DECAY) * of.third * I3 + (0.5 * BALANCE) * off);
   }

@@ -116,6 +116,11 @@ inline bool operator>(const Dual &x, double y)
   return x.value > y;
 }
 
+inline bool operator!=(const Dual &x, double y)
+{
+  return x.value != y;
+}
+
 }    // namespace deformable
 
 #endif
