@@ -148,7 +148,7 @@ def play(sim: Any, name: str, given: Mapping[str, Any]) -> Run:
             if first:
                 state._write(folder, told, frames=first)  # all of a run that goes on, but the frame
             else:
-                _write(folder, 0, state, told)
+                write_frame(folder, 0, state, told)
         _steps(sim, told, start, 0, max(first, 1), state, folder, callback, states, keep)
     if folder is None:
         return Run(states, told)
@@ -287,7 +287,7 @@ def _steps(
         remaining = islice(source, start["states"] - done)
         for number, state in enumerate(remaining, start=first + done):
             if folder is not None and state._root:
-                _write(folder, number, state, told)
+                write_frame(folder, number, state, told)
             if not keep:
                 states.clear()
             states.append(state)
@@ -360,7 +360,7 @@ def recorded_numbers(state: Any) -> dict[str, Any]:
     return numbers
 
 
-def _write(folder: Path, number: int, state: Any, parameters: Mapping[str, Any]) -> None:
+def write_frame(folder: Path, number: int, state: Any, parameters: Mapping[str, Any]) -> None:
     """Write a frame, and the state behind it. Only one rank calls this."""
     made_of = store.setup(state.packing, state.law, state.friction, state.gravity)
     store.append_setup(folder, number, made_of | store.memory(state._motion))

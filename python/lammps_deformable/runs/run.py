@@ -28,7 +28,15 @@ from numpy.typing import NDArray
 
 from ..common.checks import expect, shown
 from ..common.errors import FileError, ParameterError, StalledWarning, warn
-from ..common.files import at_home, from_json, reading, refuse_present, replaces, write_whole
+from ..common.files import (
+    alone_in,
+    at_home,
+    from_json,
+    reading,
+    refuse_present,
+    replaces,
+    write_whole,
+)
 from ..common.ranks import alone, wait_for_all, world
 from ..common.versions import optional
 from ..engine.lammps import communicator
@@ -55,7 +63,7 @@ from ..protocols.recording import recorded_numbers
 from ..protocols.shearing import DynamicModulus, harmonic
 from ..state.displacements import mean_squared_displacement, unwrapped
 from ..state.events import changes
-from ..state.state import COLUMNS, State
+from ..state.state import COLUMNS, SAVED, State
 
 if TYPE_CHECKING:
     from MDAnalysis import Universe
@@ -640,6 +648,45 @@ class Run(Sequence[Any]):
                 write_whole(path, collection(names, times))
         if not names:
             raise ParameterError("a series of shapes needs at least one state")
+
+    def save(self, folder: str | Path, mode: str = "x") -> Run:
+        """Write the states as a recorded run: those in memory, of a dump, or a part of a run.
+
+            run[10:20].save("part")
+            frames = (ld.State.from_file("dump", "cells", frame=n) for n in range(100))
+            ld.Run(frames).save("run")
+
+        Args:
+            folder: made if missing.
+            mode: `w` replaces a state or a run that is there, `x` refuses to.
+
+        Returns:
+            The run in the folder, which has nothing to resume.
+
+        Raises:
+            ParameterError: there are no states, or one cannot be saved, as those of polygons.
+            FileError: the folder has a state or a run, see `mode`, or cannot be written.
+        """
+        ways = (f"replace it with save({str(folder)!r}, mode='w')",)
+
+        def place() -> Path:
+            return store.refuse_run(folder, replaces(mode), ways).absolute()
+
+        if (into := place()) == self.folder:
+            raise ParameterError(f"the run in '{into}' cannot be written over itself: name another")
+        if not len(self):
+            raise ParameterError("there are no states to save")
+        told = {name: value for name, value in self.parameters.items() if name != "start"}
+        with alone_in(into, world(), place):
+            for number, state in enumerate(self):
+                expect("a state that is saved", state, State)
+                expect("the law of a state that is saved", state.law, *SAVED)
+                if state._root and number == 0:
+                    store.drop_frames(into)
+                if state._root:
+                    recording.write_frame(into, number, state, told)
+        wait_for_all()
+        return Run(into)
 
     def to_mdanalysis(self) -> Universe:
         """A Universe of MDAnalysis of a run in a folder.

@@ -67,13 +67,13 @@ Floats = NDArray[np.float64]
 
 # Laws with particles that deform and move; those of which states can be saved.
 _MOVING = (Ring, Sector, Droplet)
-_SAVED = (*_MOVING, SoftContact)
+SAVED = (*_MOVING, SoftContact)
 
 # The laws that have an attribute, and what the message calls them.
 _LAWS: dict[str, tuple[tuple[type, ...], str]] = {
     "rings": ((Ring, Sector), "Ring and Sector"),
     "moving": (_MOVING, "Ring, Sector and Droplet"),
-    "saved": (_SAVED, "Ring, Sector, Droplet and SoftContact"),
+    "saved": (SAVED, "Ring, Sector, Droplet and SoftContact"),
     "droplets": ((Droplet,), "Droplet"),
     "bubbles": ((Ring, Droplet), "Ring and Droplet"),
 }
@@ -1260,7 +1260,7 @@ class State:
             "minimizer": self.minimizer or "none",
             "iterations": self.iterations,
         }
-        if isinstance(self.law, _SAVED):
+        if isinstance(self.law, SAVED):
             found |= {"temperature": self.temperature, "time": self.time}
         if isinstance(self.law, _MOVING):
             name = "load" if isinstance(self.law, Droplet) else "shape_parameter"
@@ -1277,7 +1277,7 @@ class State:
         for name, values in self.results.items():
             found[COLUMNS.get(name, name)] = values
         found["rattler"] = self.rattlers.astype(int)
-        if isinstance(self.law, _SAVED):
+        if isinstance(self.law, SAVED):
             found |= dict(zip(("vx", "vy", "vz"), self.velocities.T, strict=False))
             found |= {**as_columns(self._motion), **spin_column(self.rubbing)}
         return found

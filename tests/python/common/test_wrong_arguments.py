@@ -52,7 +52,7 @@ LEFT_OUT = {
 }
 RESULTS = {"Hessian", "Modes", "Table"}
 RESULTS_WITHOUT_ARGUMENTS = {
-    *("Cells", "Comparison", "ContactForces", "DynamicModulus", "ElasticModuli", "Evolved"),
+    *("Cells", "Comparison", "DynamicModulus", "ElasticModuli", "Evolved"),
     *("Iteration", "LocalStrain", "SecondaryOutlines"),
 }
 
@@ -166,6 +166,9 @@ class Calls:
         if special.get("path", "").startswith("."):
             self.written += 1
             special["path"] = f"{self.written}{special['path']}"
+        if "folder" in needed and name != "Run.exists":
+            self.written += 1
+            special["folder"] = f"saved{self.written}"
         return {each: self.valid[each] for each in needed if each not in special} | special
 
     def __call__(self, name: str, given: dict[str, Any]) -> None:
