@@ -36,8 +36,6 @@ from ..particles.generators import bidisperse
 from ..particles.laws import ALL_LAWS
 from ..pictures.movies import of_dimension
 from ..pictures.plot import title_of
-from ..protocols.compression import check_target
-from ..protocols.recording import check_tolerance
 from ..runs.run import Run
 from ..state.state import State
 from .options import (
@@ -209,25 +207,24 @@ def compress_command(
     first, last = _WAYS_OUT
     ways = first, "compress it further with --append", last
     folder = refuse(out, "run" if resume or append or overwrite else None, ways)
-    protocol = {"steps": settings.steps, "tolerance": settings.tolerance, **settings.target}
+    protocol = settings.protocol
     done, sim = 0, None
     if resume:
         check_same(folder, given)
         done = Run(folder).steps_done or 0
         run = Run(folder).resume(callback=_printing(_COLUMNS, done))
     elif append:
-        target = ("strain", "phi", "pressure", "steps", "tolerance")
+        target = protocol.settings
         check_same(folder, {name: given[name] for name in given if name not in target})
         show = _printing(_COLUMNS, max(len(Run(folder)) - 1, 0))
         sim = Run(folder).simulation()
-        run = sim.compress(**protocol, record=folder, mode="a", callback=show)
+        run = sim.play(protocol, record=folder, mode="a", callback=show)
     else:
         settings.check(given, *(field.name for field in fields(RandomStart)))
         if settings.polydispersity is not None and given.keys() & {"radii", "fraction"}:
             raise ParameterError("give --polydispersity, or --radii and --fraction of two sizes")
         law = settings.contact_law()
-        check_target(law, settings.steps, **settings.target)
-        check_tolerance(settings.tolerance)
+        protocol.check_for(law, recorded=True)
         start = settings.start()
         if MPI.COMM_WORLD.rank == 0:
             make_folder(folder)
@@ -235,8 +232,8 @@ def compress_command(
         begun = "jammed" if settings.from_file is None else f"{len(packing)} particles"
         print_once(f"{begun} at phi = {packing.phi:.5f} ({time.perf_counter() - began:.1f} s)")
         sim = Simulation(packing, law)
-        run = sim.compress(
-            **protocol,
+        run = sim.play(
+            protocol,
             record=folder,
             mode="w" if overwrite else "x",
             callback=_printing(_COLUMNS),

@@ -65,6 +65,7 @@ if TYPE_CHECKING:
     from lammps import lammps
     from mpi4py import MPI
 
+    from ..protocols.protocol import Protocol
     from ..runs.run import Run
 
 # What is computed for each law.
@@ -75,13 +76,6 @@ _ENGINES: dict[type, type] = {
     SoftContact: SoftParticles,
     DeformablePolygon: PolygonBeads,
 }
-
-
-def _play(sim: Simulation, name: str, given: Mapping[str, Any]) -> Run:
-    """The method of this name, which is a protocol."""
-    from ..protocols.recording import play
-
-    return play(sim, name, given)
 
 
 class Simulation(OneCall):
@@ -407,7 +401,16 @@ class Simulation(OneCall):
         Warns:
             UnjammedWarning: an expansion has taken the packing apart.
         """
-        return _play(self, "compress", locals())
+        from ..protocols.compression import Compress
+
+        return self.play(
+            Compress(strain=strain, phi=phi, pressure=pressure, steps=steps, tolerance=tolerance),
+            record=record,
+            mode=mode,
+            callback=callback,
+            keep=keep,
+            parameters=parameters,
+        )
 
     def grow(
         self,
@@ -446,7 +449,16 @@ class Simulation(OneCall):
             ParameterError: a value is out of range, or a target cannot be reached.
             FileError: see `compress`.
         """
-        return _play(self, "grow", locals())
+        from ..protocols.compression import Grow
+
+        return self.play(
+            Grow(factor=factor, phi=phi, steps=steps, tolerance=tolerance),
+            record=record,
+            mode=mode,
+            callback=callback,
+            keep=keep,
+            parameters=parameters,
+        )
 
     def shear(
         self,
@@ -514,7 +526,26 @@ class Simulation(OneCall):
 
         Source: drag: Durian, Phys. Rev. Lett. 75, 4780 (1995).
         """
-        return _play(self, "shear", locals())
+        from ..protocols.shearing import Shear
+
+        return self.play(
+            Shear(
+                strain=strain,
+                steps=steps,
+                rate=rate,
+                drag=drag,
+                temperature=temperature,
+                inertia=inertia,
+                timestep=timestep,
+                tolerance=tolerance,
+                seed=seed,
+            ),
+            record=record,
+            mode=mode,
+            callback=callback,
+            keep=keep,
+            parameters=parameters,
+        )
 
     def oscillate(
         self,
@@ -568,7 +599,26 @@ class Simulation(OneCall):
             LammpsError: see `shear`.
             FileError: see `compress`.
         """
-        return _play(self, "oscillate", locals())
+        from ..protocols.shearing import Oscillate
+
+        return self.play(
+            Oscillate(
+                amplitude=amplitude,
+                period=period,
+                cycles=cycles,
+                steps=steps,
+                drag=drag,
+                temperature=temperature,
+                timestep=timestep,
+                tolerance=tolerance,
+                seed=seed,
+            ),
+            record=record,
+            mode=mode,
+            callback=callback,
+            keep=keep,
+            parameters=parameters,
+        )
 
     def creep(
         self,
@@ -623,7 +673,25 @@ class Simulation(OneCall):
             LammpsError: see `run`.
             FileError: see `compress`.
         """
-        return _play(self, "creep", locals())
+        from ..protocols.shearing import Creep
+
+        return self.play(
+            Creep(
+                shear_stress=shear_stress,
+                time=time,
+                steps=steps,
+                drag=drag,
+                viscosity=viscosity,
+                temperature=temperature,
+                timestep=timestep,
+                seed=seed,
+            ),
+            record=record,
+            mode=mode,
+            callback=callback,
+            keep=keep,
+            parameters=parameters,
+        )
 
     def coarsen(
         self,
@@ -682,7 +750,22 @@ class Simulation(OneCall):
         Eng. Chem. Fundam. 17, 89 (1978); growth: Lifshitz and Slyozov, J. Phys. Chem. Solids 19, 35
         (1961).
         """
-        return _play(self, "coarsen", locals())
+        from ..protocols.coarsening import Coarsen
+
+        return self.play(
+            Coarsen(
+                permeability=permeability,
+                time=time,
+                steps=steps,
+                border=border,
+                tolerance=tolerance,
+            ),
+            record=record,
+            mode=mode,
+            callback=callback,
+            keep=keep,
+            parameters=parameters,
+        )
 
     def proliferate(
         self,
@@ -748,7 +831,27 @@ class Simulation(OneCall):
         Source: growth under pressure: Shraiman, PNAS 102, 3318 (2005), and Basan et al., HFSP J. 3,
         265 (2009); long axis: Hertwig (1884).
         """
-        return _play(self, "proliferate", locals())
+        from ..protocols.proliferation import Proliferate
+
+        return self.play(
+            Proliferate(
+                rate=rate,
+                division=division,
+                time=time,
+                steps=steps,
+                axis=axis,
+                asymmetry=asymmetry,
+                pressure=pressure,
+                death=death,
+                tolerance=tolerance,
+                seed=seed,
+            ),
+            record=record,
+            mode=mode,
+            callback=callback,
+            keep=keep,
+            parameters=parameters,
+        )
 
     def run(
         self,
@@ -865,7 +968,64 @@ class Simulation(OneCall):
         76, 637 (1982); damped motion at a pressure: Somfai et al., Phys. Rev. E 75, 020301 (2007);
         inertial number: GDR MiDi, Eur. Phys. J. E 14, 341 (2004).
         """
-        return _play(self, "run", locals())
+        from ..protocols.motion import Move
+
+        return self.play(
+            Move(
+                steps=steps,
+                every=every,
+                timestep=timestep,
+                temperature=temperature,
+                drag=drag,
+                inertia=inertia,
+                propulsion=propulsion,
+                persistence=persistence,
+                pressure=pressure,
+                inertial_number=inertial_number,
+                tolerance=tolerance,
+                balance=balance,
+                seed=seed,
+            ),
+            record=record,
+            mode=mode,
+            callback=callback,
+            keep=keep,
+            parameters=parameters,
+        )
+
+    def play(
+        self,
+        protocol: Protocol,
+        *,
+        record: str | Path | None = None,
+        mode: str = "x",
+        callback: Callable[[Any], object] | None = None,
+        keep: bool = True,
+        parameters: Mapping[str, Any] | None = None,
+    ) -> Run:
+        """Take the steps of a protocol: one of this package, or a user's own, see `Protocol`.
+
+            sim.play(Tap(amplitude=0.01, steps=20), record="taps")
+
+        Args:
+            protocol: with its settings; the simulation ends in the state after its last step.
+            record: folder of the run, as in `compress`, as all that follows.
+            mode: of the folder.
+            callback: called with each state.
+            keep: whether the result has all states.
+            parameters: for the summary.
+
+        Returns:
+            The states: that before the first step, then that after each step.
+
+        Raises:
+            ParameterError: an argument is out of range or of another kind.
+            TypeError: the callback returns something else than None and a bool.
+            FileError: see `compress`.
+        """
+        from ..protocols.recording import play
+
+        return play(self, protocol, record, mode, callback, keep, parameters)
 
     def state(self) -> State:
         """The present state, not relaxed."""

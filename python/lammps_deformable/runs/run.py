@@ -40,7 +40,6 @@ from ..common.files import (
 from ..common.ranks import alone, wait_for_all, world
 from ..common.versions import optional
 from ..engine.lammps import communicator
-from ..engine.relax import check_callback
 from ..engine.simulation import Simulation
 from ..formats import store
 from ..formats.store import (
@@ -72,7 +71,7 @@ if TYPE_CHECKING:
     from ..formats.store import Motion, Setup
 
 
-Column = Callable[[Any], Any]
+Column = Callable[[State], Any]
 
 
 class Table(dict[str, NDArray[Any]]):
@@ -196,7 +195,7 @@ def _same(one: Any, other: Any) -> bool:
     return numbers[0] == numbers[1] and np.array_equal(mine, others)
 
 
-class Run(Sequence[Any]):
+class Run(Sequence[State]):
     """States one after the other, in memory or in a folder: what every protocol returns.
 
         run = sim.compress(strain=0.01, steps=10, record="run")
@@ -226,7 +225,7 @@ class Run(Sequence[Any]):
 
     def __init__(
         self,
-        source: str | Path | Iterable[Any],
+        source: str | Path | Iterable[State],
         parameters: Mapping[str, Any] | None = None,
     ) -> None:
         expect("source", source, str, Path, Iterable)
@@ -292,14 +291,14 @@ class Run(Sequence[Any]):
             wait_for_all()  # rank 0 may still be writing
         return range(len(self))
 
-    def __iter__(self) -> Iterator[Any]:
+    def __iter__(self) -> Iterator[State]:
         return (self._state(number) for number in self._numbers())
 
     @overload
-    def __getitem__(self, index: int) -> Any: ...
+    def __getitem__(self, index: int) -> State: ...
     @overload
     def __getitem__(self, index: slice) -> Run: ...
-    def __getitem__(self, index: int | slice) -> Any:
+    def __getitem__(self, index: int | slice) -> State | Run:
         numbers = self._numbers()
         if isinstance(index, slice):
             part = copy(self)
@@ -318,7 +317,7 @@ class Run(Sequence[Any]):
             )
         return self._state(numbers[index])
 
-    def _state(self, number: int) -> Any:
+    def _state(self, number: int) -> State:
         """The state of a frame, from 0."""
         if self.folder is None:
             return self._states[number]
@@ -353,7 +352,7 @@ class Run(Sequence[Any]):
             return None
         return store.frames_in(self.folder) - int(parameters["start"]["frame"])
 
-    def simulation(self, comm: MPI.Comm | None = None) -> Any:
+    def simulation(self, comm: MPI.Comm | None = None) -> Simulation:
         """A simulation of the last state: the same particles, box and law.
 
         Velocities, spins, films, springs of contacts, directions, time and shear strain go on from
@@ -378,7 +377,7 @@ class Run(Sequence[Any]):
             )
         return self._simulation(self.folder, comm)
 
-    def _simulation(self, folder: Path, comm: MPI.Comm | None) -> Any:
+    def _simulation(self, folder: Path, comm: MPI.Comm | None) -> Simulation:
         packing, made_of = read(folder)
         motion = read_motion(folder, packing)
         sim = _simulation_of(packing, made_of, comm, self.parameters.get("minimizer"))
@@ -386,7 +385,7 @@ class Run(Sequence[Any]):
         return sim
 
     def resume(
-        self, *, callback: Callable[[Any], object] | None = None, comm: MPI.Comm | None = None
+        self, *, callback: Callable[[State], object] | None = None, comm: MPI.Comm | None = None
     ) -> Run:
         """Finish an interrupted protocol in the folder, with the numbers of a whole one.
 
@@ -405,7 +404,7 @@ class Run(Sequence[Any]):
             FileError: the protocol cannot be resumed, as commands of a user were given to its
                 `lmp`; its files cannot be read; or another process is writing the run.
         """
-        check_callback(callback)
+        recording.check_callback(callback)
         if self.folder is None:
             return self
         communicator(comm).barrier()  # rank 0 may still be writing
@@ -570,7 +569,7 @@ class Run(Sequence[Any]):
         return self._mean(lambda state: state.structure_factor(bins, k_max))
 
     def _mean(
-        self, function: Callable[[Any], tuple[NDArray[np.float64], NDArray[np.float64]]]
+        self, function: Callable[[State], tuple[NDArray[np.float64], NDArray[np.float64]]]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Abscissae, and the mean of the values that are no nan."""
         found = [function(state) for state in self]

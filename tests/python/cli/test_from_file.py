@@ -58,11 +58,11 @@ def test_radii(word: str, radii: list[float], here: Path, monkeypatch: pytest.Mo
     """They reach the compression, which does not begin here."""
     begun = []
 
-    def compress(sim: ld.Simulation, **_: object) -> list[ld.State]:
+    def play(sim: ld.Simulation, *_: object, **__: object) -> list[ld.State]:
         begun.append(sorted({*sim.state().packing.radii.tolist()}))
         return [sim.state()]
 
-    monkeypatch.setattr(ld.Simulation, "compress", compress)
+    monkeypatch.setattr(ld.Simulation, "play", play)
     monkeypatch.setattr("lammps_deformable.cli.main._finish", lambda *_: None)
     app(["compress", "--from", "a.xyz", "--from-radii", word], standalone_mode=False)
     assert begun == [sorted({*radii})]

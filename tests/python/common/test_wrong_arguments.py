@@ -10,6 +10,7 @@ import lammps_deformable as ld
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+from lammps_deformable.protocols.compression import Compress
 
 WRONG: dict[str, Any] = {
     "None": None,
@@ -45,6 +46,7 @@ MEANT = {
 # Results, which a user does not make, and methods that are those of a list.
 LEFT_OUT = {
     *("Run.count", "Run.index", "Simulation.close", "State"),
+    *(f"Protocol.{of_users}" for of_users in ("begin", "check", "go", "step")),
     *(
         f"Hessian.{of_solvers}"
         for of_solvers in ("factored", "line_response", "project", "response")
@@ -113,6 +115,7 @@ class Calls:
             "k_max": 5.0, "kt": 1.0, "lattice": "hex", "law": ld.Ring(), "lengths": [3, 3],
             "mu": 0.1, "normal": [1, 0], "number": 4, "nx": 1, "ny": 1, "origin": [0, 0],
             "packing": PACKING, "period": 0.1, "permeability": 1e-6, "phi": 0.95,
+            "protocol": Compress(strain=1e-3),
             "positions": [[1, 1]], "r_max": 0.9, "radii": [0.5], "radius": 0.5, "rate": 1e-3,
             "shear_stress": 1e-4, "source": folder / "run", "start": PACKING, "steps": 1,
             "strain": 1e-3, "time": 0.01, "tip": [0, 0, 0], "values": [1.0, 2.0],
