@@ -65,6 +65,7 @@ def errors(name: str, state: ld.State, exact: ExactPacking) -> tuple[float, floa
     return abs(energy), abs(pressure), float(np.abs(off).max() / known.mean())
 
 
+@pytest.mark.slow
 def test_a_crystal(coarse: None) -> None:
     """Has the shapes of one droplet between planes, and a contact that is not told is found."""
     with ld.Simulation(ld.crystal("fcc", 1, phi=0.79), ld.Droplet(tension=2.0)) as sim:

@@ -130,7 +130,7 @@ def test_deaths_by_chance() -> None:
 
 def test_the_last_cell_stays() -> None:
     with ld.Simulation(loose(4), CELL) as sim:
-        last = sim.proliferate(0.0, division=NEVER, time=1.0, death=100.0)[-1]
+        last = sim.proliferate(0.0, division=NEVER, time=0.1, death=100.0)[-1]
     assert len(last.packing) == 1
 
 
