@@ -17,6 +17,7 @@ from .common.errors import UnjammedWarning as UnjammedWarning
 from .common.errors import UnsavedWarning as UnsavedWarning
 from .common.jackknife import jackknife as jackknife
 from .common.parallel import parallel_map as parallel_map
+from .common.ranks import show_progress as show_progress
 from .common.versions import show_versions as show_versions
 from .engine.jamming import jam as jam
 from .engine.moduli import ElasticModuli as ElasticModuli

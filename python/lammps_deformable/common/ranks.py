@@ -11,7 +11,7 @@ import sys
 import time
 from contextlib import contextmanager
 from contextvars import ContextVar
-from dataclasses import is_dataclass
+from dataclasses import fields, is_dataclass
 from functools import cache, wraps
 from hashlib import blake2b
 from inspect import isfunction
@@ -24,6 +24,7 @@ from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 import numpy as np
 from tqdm import tqdm
 
+from .checks import expect
 from .errors import CallError
 
 if TYPE_CHECKING:
@@ -107,8 +108,10 @@ def _told(value: Any) -> object:
     if isinstance(value, (list, tuple)):
         return [_told(each) for each in value]
     plain = value.tolist() if isinstance(value, (np.ndarray, np.generic)) else value
-    settings = is_dataclass(plain) and not hasattr(plain, "positions")
-    alike = settings or isinstance(plain, (str, int, float, list, Path, type(None)))
+    if is_dataclass(plain) and not hasattr(plain, "positions"):
+        each = {field.name: getattr(plain, field.name) for field in fields(plain) if field.repr}
+        return type(plain).__name__, _told(each)
+    alike = isinstance(plain, (str, int, float, list, Path, type(None)))
     return plain if alike else type(plain).__name__
 
 
@@ -343,6 +346,22 @@ def guarded_lammps() -> Any:
 # Seconds between lines of progress where there is no terminal.
 _LINES = 60.0
 
+# Whether progress is shown.
+_shown = True
+
+
+def show_progress(shown: bool = True) -> None:
+    """Show progress of protocols, `jam` and others from now on, or hide it.
+
+    An environment variable TQDM_DISABLE that is not empty hides it, too.
+
+    Raises:
+        ParameterError: `shown` is neither True nor False.
+    """
+    global _shown
+    expect("shown", shown, bool)
+    _shown = shown
+
 
 class _Lines(tqdm):  # type: ignore[misc]
     """Progress as lines of text, for logs."""
@@ -361,6 +380,7 @@ class _Lines(tqdm):  # type: ignore[misc]
 def progress(description: str, unit: str, total: int | None = None, initial: int = 0) -> tqdm[Any]:
     """Progress on stderr: a bar on a terminal, elsewhere a line a minute after the first minute."""
     hidden = world().rank > 0 or independent() or parent_process() is not None
+    hidden = hidden or not _shown or bool(os.environ.get("TQDM_DISABLE"))
     shared = {"desc": description, "unit": unit, "total": total, "initial": initial}
     if total is None:
         shared["bar_format"] = "{desc}: {n_fmt} {unit}s [{elapsed}{postfix}]"

@@ -471,7 +471,7 @@ class Simulation(OneCall):
         inertia: bool = False,
         timestep: float | None = None,
         tolerance: float | None = None,
-        seed: int | None = None,
+        seed: int | np.random.Generator | None = None,
         record: str | Path | None = None,
         mode: str = "x",
         callback: Callable[[Any], object] | None = None,
@@ -558,7 +558,7 @@ class Simulation(OneCall):
         temperature: float | None = None,
         timestep: float | None = None,
         tolerance: float | None = None,
-        seed: int | None = None,
+        seed: int | np.random.Generator | None = None,
         record: str | Path | None = None,
         mode: str = "x",
         callback: Callable[[Any], object] | None = None,
@@ -630,7 +630,7 @@ class Simulation(OneCall):
         viscosity: float | None = None,
         temperature: float | None = None,
         timestep: float | None = None,
-        seed: int | None = None,
+        seed: int | np.random.Generator | None = None,
         record: str | Path | None = None,
         mode: str = "x",
         callback: Callable[[Any], object] | None = None,
@@ -779,7 +779,7 @@ class Simulation(OneCall):
         pressure: float | None = None,
         death: float = 0.0,
         tolerance: float | None = None,
-        seed: int | None = None,
+        seed: int | np.random.Generator | None = None,
         record: str | Path | None = None,
         mode: str = "x",
         callback: Callable[[Any], object] | None = None,
@@ -868,7 +868,7 @@ class Simulation(OneCall):
         inertial_number: float | None = None,
         tolerance: float | None = None,
         balance: float | None = None,
-        seed: int | None = None,
+        seed: int | np.random.Generator | None = None,
         record: str | Path | None = None,
         mode: str = "x",
         callback: Callable[[Any], object] | None = None,
@@ -938,8 +938,9 @@ class Simulation(OneCall):
                 in steps and states; 1e-8 if not given. In a hot bath 1e-4 halves the time of
                 `curved`.
             seed: of velocities and noise, together with the number of steps so far: a second call
-                draws others. The noise also depends on the number of ranks. If not given one is
-                drawn, which `sim.seed` and the parameters of the run keep.
+                draws others. The noise also depends on the number of ranks. If not given, or a
+                generator of numpy, one is drawn, which `sim.seed` and the parameters of the run
+                keep.
             record: as in `compress`, as all that follows. A run that is recorded draws other noise
                 than one in memory, as it begins anew at each state.
             mode: of the folder.

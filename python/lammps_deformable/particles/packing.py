@@ -126,7 +126,7 @@ class Packing:
                 "them from 0"
             )
         if self.seed is not None:
-            self._set("seed", drawn_seed(self.seed))
+            self._set("seed", checked_seed(self.seed))
         self._set("positions", positions)
         self._set("radii", np.array(np.broadcast_to(radii, number)))
         self._set("species", kinds.astype(np.int64))
@@ -482,7 +482,9 @@ class Packing:
         walls = containers.stretched(self.walls, self.box, box)
         return self.replace(positions=self.positions * factor, box=box, walls=walls)
 
-    def between(self, walls: Wall | Sequence[Wall], seed: int | None = None) -> Packing:
+    def between(
+        self, walls: Wall | Sequence[Wall], seed: int | np.random.Generator | None = None
+    ) -> Packing:
         """The same particles at random places between walls, where they may overlap.
 
             bidisperse(60).between([Sphere(7), Sphere(1, (2, 0), inside=False)])
@@ -493,8 +495,8 @@ class Packing:
 
         Args:
             walls: one wall or several, see `Packing`.
-            seed: of numpy's default generator. By default the former positions take its place:
-                packings from several seeds have several places between walls too.
+            seed: as for `bidisperse`. By default the former positions take its place: packings from
+                several seeds have several places between walls too.
 
         Raises:
             ParameterError: walls leave no room.
@@ -548,10 +550,15 @@ def refuse_crushed(packing: Packing) -> None:
         )
 
 
-def drawn_seed(seed: int | None) -> int:
-    """The seed, or one that is drawn."""
-    if seed is None:
-        return int(np.random.SeedSequence().generate_state(1)[0])
+def drawn_seed(seed: int | np.random.Generator | None) -> int:
+    """The seed, or one that is drawn, by the generator if that is given."""
+    if seed is None or isinstance(seed, np.random.Generator):
+        return int(np.random.default_rng(seed).integers(2**32))
+    return checked_seed(seed)
+
+
+def checked_seed(seed: int) -> int:
+    """The seed, if it is none below 0."""
     if (number := whole("seed", seed)) < 0:
         raise ParameterError(f"seed must not be negative, not {number}")
     return number

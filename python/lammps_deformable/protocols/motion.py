@@ -245,17 +245,19 @@ def moving(sim: Simulation, dynamics: Dynamics, seed: int) -> Iterator[None]:
             run(lmp, "\n".join(f"unfix {name}" for name in names))
 
 
-def drawn_seed(sim: Simulation, seed: int | None) -> int:
-    """The seed of a motion, one that is drawn if none is given; `sim.seed` keeps it.
+def drawn_seed(sim: Simulation, seed: int | np.random.Generator | None) -> int:
+    """The seed of a motion, or one that is drawn, as for packings; `sim.seed` keeps it.
 
     Raises:
         ParameterError: LAMMPS takes no such seed.
     """
-    if seed is None:
-        seed = sim.comm.bcast(int(np.random.default_rng().integers(1, 2**31)))
-    if not 0 < whole("seed", seed) < 2**31:
+    if seed is None or isinstance(seed, np.random.Generator):
+        drawn = int(np.random.default_rng(seed).integers(1, 2**31))
+        sim.seed = int(sim.comm.bcast(drawn))
+    elif not 0 < (number := whole("seed", seed)) < 2**31:
         raise ParameterError(f"seed must lie between 1 and 2^31 - 1, not {seed}")
-    sim.seed = int(seed)
+    else:
+        sim.seed = number
     return sim.seed
 
 
@@ -352,7 +354,7 @@ class Move(Protocol, name="run"):
     inertial_number: float | None = None
     tolerance: float | None = None
     balance: float | None = None
-    seed: int | None = None
+    seed: int | np.random.Generator | None = None
 
     def check(self, sim: Simulation, recorded: bool) -> Move:
         def checked(check: Callable[[str, Any], float], name: str) -> float | None:
@@ -448,7 +450,7 @@ class Move(Protocol, name="run"):
 
     def begin(self, sim: Simulation) -> tuple[State, dict[str, Any]]:
         """The state before: particles may get velocities, by Maxwell, and directions."""
-        assert self.seed is not None
+        assert isinstance(self.seed, int)
         lmp, temperature, dynamics = sim.lmp, self.temperature, self.dynamics(sim)
         step = steps_so_far(sim)
         of_start, _ = seeds(self.seed, step)
@@ -487,7 +489,7 @@ class Move(Protocol, name="run"):
     def go(
         self, sim: Simulation, start: dict[str, Any], done: int, before: State | None
     ) -> Iterator[State]:
-        assert self.seed is not None
+        assert isinstance(self.seed, int)
         dynamics, begun = self.dynamics(sim), sim._begun
         state = _with_directions(sim, dynamics) if before is None else before
         _, of_noise = seeds(self.seed, start["step"], *[done] * (done > 0))

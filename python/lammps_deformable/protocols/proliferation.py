@@ -58,7 +58,7 @@ class Proliferate(Protocol):
     pressure: float | None = None
     death: float = 0.0
     tolerance: float | None = None
-    seed: int | None = None
+    seed: int | np.random.Generator | None = None
 
     def check(self, sim: Simulation, recorded: bool) -> Proliferate:
         expect("the law of cells", sim.law, Ring, Droplet)
@@ -107,6 +107,7 @@ class Proliferate(Protocol):
     ) -> Iterator[State]:
         state = at_rest(sim, self.tolerance) if before is None else before
         assert self.pressure is not None
+        assert isinstance(self.seed, int)
         for n in range(done + 1, self.steps + 1):
             rng = np.random.default_rng([self.seed, start["step"], n])
             end = start["time"] + self.time * n / self.steps

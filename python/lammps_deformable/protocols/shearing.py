@@ -89,7 +89,7 @@ class Flow(Protocol, name=""):
     drag: float | None = None
     temperature: float | None = None
     timestep: float | None = None
-    seed: int | None = None
+    seed: int | np.random.Generator | None = None
 
     def dynamics(self, sim: Simulation) -> Dynamics:
         """Overdamped motion relative to the mean flow, or one with inertia, by these settings.
@@ -137,7 +137,7 @@ class Flow(Protocol, name=""):
 
     def noise(self, start: Mapping[str, Any], done: int) -> int:
         """The seed of the noise from a state on: another one where a record goes on from it."""
-        assert self.seed is not None
+        assert isinstance(self.seed, int)
         return seeds(self.seed, start["step"], *[done] * (done > 0))[1]
 
 

@@ -4,6 +4,7 @@ import json
 from contextlib import suppress
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
+from typing import Any
 
 import lammps_deformable as ld
 import numpy as np
@@ -92,6 +93,17 @@ def test_what_is_no_protocol(packing: ld.Packing, tmp_path: Path) -> None:
         with pytest.raises(ld.ParameterError, match=r"steps must be"):
             Lazy(steps=0)
     assert not (tmp_path / "none").exists()
+
+
+def test_a_generator_draws_a_seed_that_is_recorded(packing: ld.Packing, tmp_path: Path) -> None:
+    hot: dict[str, Any] = {"temperature": 1e-6, "every": 5}
+    with ld.Simulation(packing, ld.Ring()) as sim:
+        run = sim.run(5, **hot, seed=np.random.default_rng(3), record=tmp_path / "drawn")
+    seed = run.parameters["seed"]
+    assert seed == np.random.default_rng(3).integers(1, 2**31)
+    with ld.Simulation(packing, ld.Ring()) as sim:
+        again = sim.run(5, **hot, seed=seed, record=tmp_path / "given")
+    assert np.array_equal(again[-1].velocities, run[-1].velocities)
 
 
 def test_settings_stand_in_json() -> None:
