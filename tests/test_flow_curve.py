@@ -22,6 +22,7 @@ def test_a_strain_without_blocks_is_refused(tmp_path: Path) -> None:
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.slow
 def test_script(tmp_path: Path) -> None:
     """A few droplets at a few rates: each flow bears more stress than relaxed steps do.
 
