@@ -2,18 +2,21 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 namespace deformable {
 
 void DropletFilms::set_material(const ForceCall &call, const ContactBatches &b, NearPairs &p,
                                 bool arranged)
 {
+  any_caps = false;
   if (arranged) {
     const std::size_t rows = b.particle.size(), places = b.contacts, all = b.indentation.size();
     for (auto *const v :
          {&sine_if, &rise_if, &sine, &rise, &is_cap, &radius_of_film, &curved_by_pressure})
       v->assign(places, 0.0);
-    for (auto *const v : {&lean_if, &lean_free, &lean}) v->assign(places, 1.0);
+    lean.assign(places, 1.0);
+    lean_log.assign(places, 0.0);
     pressure.assign(all, 0.0);
     least.assign(all, UNKNOWN);    // of walls: none
     stretch.assign(rows, 1.0);
@@ -31,23 +34,22 @@ void DropletFilms::set_material(const ForceCall &call, const ContactBatches &b, 
       if (k >= p.wall && side == 1) continue;
       const int i = end[side], j = end[1 - side], place = p.side[side][k];
       const double Ri = call.radius[i], gi = tension_of(i);
-      FilmSide film, free;
+      FilmSide film;
       if (k < p.wall) {
         const double Rj = call.radius[j], gj = tension_of(j);
         film = film_side(Ri, gi, Rj, gj, w);
-        free = film_side(Ri, gi, Rj, gj, 0.0);
       } else {
         film = film_side_of_wall(gi, w);
-        free = film_side_of_wall(gi, 0.0);
       }
       p.film_angle[side][k] = film.rise > 0.0 ? film.rise / film.sine : 0.0;
       if (side == 1 && k >= p.remote) continue;    // of another rank
       sine_if[place] = film.sine;
       rise_if[place] = film.rise;
-      lean_if[place] = film.lean;
-      lean_free[place] = free.lean;
+      lean[place] = film.lean;
+      lean_log[place] = std::log(film.lean);
       const bool unlike = k < p.wall && gi == tension_of(j) && Ri != call.radius[j];
       is_cap[place] = unlike ? 1.0 : 0.0;
+      any_caps |= unlike;
     }
   }
 }
@@ -62,7 +64,6 @@ void DropletFilms::begin()
       const int place = p.side[side][k];
       sine[place] = sticks ? sine_if[place] : 0.0;
       rise[place] = sticks ? rise_if[place] : 0.0;
-      lean[place] = sticks ? lean_if[place] : lean_free[place];
     }
   }
 }
@@ -92,7 +93,8 @@ void DropletFilms::add_to(DropletArrays &d)
   d.sine = sine.data();
   d.rise = rise.data();
   d.lean = lean.data();
-  d.is_cap = is_cap.data();
+  d.lean_log = lean_log.data();
+  d.is_cap = any_caps ? is_cap.data() : nullptr;
   d.stretch = stretch.data();
   d.cover = cover.data();
   d.bulge = bulges.data();
@@ -107,26 +109,31 @@ bool DropletFilms::are_beyond(std::size_t row, int contacts, const DropletArrays
 {
   static const double LARGEST_SINE = std::sin(LARGEST_FILM_ANGLE);
   if (cover[row] > LARGEST_COVER) return true;
+  struct Opening {
+    double x, y, z, cosine, sine;
+  };
+  static thread_local std::vector<Opening> openings;
+  openings.clear();
   const int first = batches->first[row / LANES] + static_cast<int>(row % LANES);
   for (int n = 0; n < contacts; ++n) {
     const int c = first + n * LANES;
+    if (sine[c] == 0.0) continue;
     if (sine[c] > LARGEST_SINE) return true;
-    const double r = radius_of_film[c], h = batches->radius[row] - batches->indentation[c];
-    for (int m = 0; m < n; ++m) {
-      const int k = first + m * LANES;
-      if (sine[c] == 0.0 && sine[k] == 0.0) continue;
-      const double cosine = d.nx[c] * d.nx[k] + d.ny[c] * d.ny[k] + d.nz[c] * d.nz[k];
-      const double rk = radius_of_film[k], hk = batches->radius[row] - batches->indentation[k];
-      const double lengths = std::sqrt((h * h + r * r) * (hk * hk + rk * rk));
-      if (h * hk - r * rk < lengths * cosine) return true;
-    }
+    const double r = radius_of_film[c], h = batches->radius[row] - batches->indentation[c],
+                 over = 1.0 / std::sqrt(h * h + r * r);
+    const Opening here = {d.nx[c], d.ny[c], d.nz[c], h * over, r * over};
+    for (const Opening &there : openings)
+      if (here.cosine * there.cosine - here.sine * there.sine <
+          here.x * there.x + here.y * there.y + here.z * there.z)
+        return true;
+    openings.push_back(here);
   }
   return false;
 }
 
 double DropletFilms::bytes() const
 {
-  return Films::bytes() + bytes_of(sine_if, rise_if, lean_if, lean_free, sine, rise, lean, is_cap,
+  return Films::bytes() + bytes_of(sine_if, rise_if, sine, rise, lean, lean_log, is_cap,
                                    radius_of_film, curved_by_pressure, pressure, least, stretch,
                                    cover, bulges);
 }

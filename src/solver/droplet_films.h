@@ -40,8 +40,9 @@ class DropletFilms : public Films {
 
  private:
   // by contact, see DropletArrays; `_if`: of pairs that are attached
-  LargeVector<double> sine_if, rise_if, lean_if, lean_free, sine, rise, lean, is_cap,
-      radius_of_film, curved_by_pressure, pressure, least;
+  LargeVector<double> sine_if, rise_if, sine, rise, lean, lean_log, is_cap, radius_of_film,
+      curved_by_pressure, pressure, least;
+  bool any_caps = false;
   LargeVector<double> stretch, cover, bulges;    // by droplet
 };
 

@@ -159,9 +159,7 @@ double DropletSolver::bulge_of(std::size_t row, double radius) const
 
 void DropletSolver::find_bulges(const ForceCall &call)
 {
-  const DropletArrays with = arrays();
   list.reset_growth();
-  beyond_model = 0;
   largest_bulge = 0.0;
   int too_far = -1;
   for (std::size_t row = 0; row < batches.particle.size(); ++row) {
@@ -169,9 +167,6 @@ void DropletSolver::find_bulges(const ForceCall &call)
     if (i < 0) continue;
     const double bulge = bulge_of(row, call.radius[i]);
     list.set_bulge(i, bulge);
-    beyond_model += of_load[row] > LARGEST_LOAD ||
-                    (droplet_films ? droplet_films->are_beyond(row, batches.count[i], with)
-                                   : of_facet[row] > LARGEST_FACET);
     largest_bulge = std::max(largest_bulge, bulge / call.radius[i]);
     if (bulge > call.reach * call.radius[i]) too_far = static_cast<int>(row);
   }
@@ -185,6 +180,20 @@ void DropletSolver::find_bulges(const ForceCall &call)
            atom->tag[batches.particle[too_far]], x, call.reach, call.reach / BULGE_PER_LOAD,
            std::min(1.2 * BULGE_PER_LOAD * x, LARGEST_BULGE));
   });
+}
+
+int DropletSolver::beyond_model()
+{
+  const DropletArrays of = arrays();
+  int count = 0;
+  for (std::size_t row = 0; row < batches.particle.size(); ++row) {
+    const int i = batches.particle[row];
+    if (i < 0) continue;
+    count += of_load[row] > LARGEST_LOAD ||
+             (droplet_films ? droplet_films->are_beyond(row, batches.count[i], of)
+                            : of_facet[row] > LARGEST_FACET);
+  }
+  return count;
 }
 
 Vector3 DropletSolver::tilt(int k) const

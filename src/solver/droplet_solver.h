@@ -41,9 +41,9 @@ class DropletSolver : public DualSolver {
   // How the normal of a film turns against the line of centers, from the first droplet of a pair: -[(R t)_i - (R t)_j]/d.
   Vector3 tilt(int k) const;
 
-  // Droplets beyond the model in the last solution, and its largest bulge, over the radius.
-  int beyond_model = 0;
+  // The largest bulge of the last solution, over the radius; and its droplets beyond the model.
   double largest_bulge = 0.0;
+  int beyond_model();
 
   double memory_usage() const;
 

@@ -207,7 +207,7 @@ void PairDeformableDroplet::solve(bool new_material)
   if (films && update->whichflag == 1 && !update->setupflag)
     films->lose(solver->summary.lost_energy);
   if (rubbing) load_contacts();
-  beyond_model = solver->beyond_model;
+  if (eflag_global || neighbor->ago == 0) beyond_model = solver->beyond_model();
   if (neighbor->ago == 0)
     bulge_over_reach = std::max(bulge_over_reach, solver->largest_bulge / reach);
   impossible = 0.0;
