@@ -30,8 +30,9 @@ namespace deformable {
 // The law was judged up to the first of these angles, and compared with exact shapes up to the second one. Films may cover this part of
 // a droplet.
 constexpr double LARGEST_FILM_ANGLE = 0.7, MOST_FILM_ANGLE = 1.0, LARGEST_COVER = 0.5;
-// A film is torn where the root of its force above the least one, y = q/s, is this: at 0.999 of the largest pull.
-constexpr double TORN = 0.03;
+// A film is torn where y = q/s, the root of its force above the least one, is this: at 0.9999 of the largest pull. At y = 0 it gives
+// way without a bound.
+constexpr double TORN = 0.01;
 
 // One side of the film of a pair, or of a wall: s, 1 - C and lambda.
 struct FilmSide {
