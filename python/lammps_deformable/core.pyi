@@ -322,6 +322,9 @@ def droplet(
     facet_ratios: ArrayLike | None = None,
     film_ratios: ArrayLike | None = None,
 ) -> Droplet: ...
+def invalid_for_droplet_film(
+    adhesion: float, tension: float, partner: float | None = None
+) -> str | None: ...
 def film_term(
     force: float, pressure: float, angle: float
 ) -> tuple[float, float, float, float, float, float]: ...

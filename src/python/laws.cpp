@@ -6,6 +6,8 @@
 
 #include <cmath>
 #include <limits>
+#include <nanobind/stl/optional.h>
+#include <optional>
 #include <utility>
 
 using namespace deformable;
@@ -218,6 +220,28 @@ kA must be inf, the tension positive, the skin and all other parameters 0.)");
       R"(The problem of valid stiffnesses and a skin for a particle of this adhesion, or None.
 
 Its tension must be above half of the adhesion, kP finite, the skin 0.)");
+  m.def(
+      "invalid_for_droplet_film",
+      [](double adhesion, double tension, std::optional<double> partner) {
+        for (const double each : {tension, partner.value_or(tension)}) {
+          const Stiffness droplet = {Stiffness::INF, 0.0, each};
+          const std::string problem = invalid_for_adhesion(adhesion, droplet, 0.0);
+          if (!problem.empty()) return or_none(problem);
+        }
+        const double rise = partner ? std::max(film_rise(tension, *partner, adhesion),
+                                               film_rise(*partner, tension, adhesion))
+                                    : film_side_of_wall(tension, adhesion).rise;
+        return or_none(invalid_for_droplet_film(adhesion, rise));
+      },
+      "adhesion"_a, "tension"_a, "partner"_a = nb::none(),
+      R"(The problem of a droplet in space that sticks to another one, or to a wall, or None.
+
+Args:
+    adhesion: by area [energy/length^2].
+    tension: of the droplet [energy/length^2].
+    partner: tension of the other one; of a wall None.
+
+Tensions must be above half of the adhesion, and contact angles at most 1.)");
 }
 
 void deformable::bind_friction(nb::module_ &m)

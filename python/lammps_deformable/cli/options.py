@@ -42,7 +42,7 @@ _STRAIN = 0.01
 # Options that laws lack.
 _NOT_OF = {
     "sector": ("reach", "tension", "adhesion"),
-    "droplet": ("kA", "kP", "reach", "adhesion"),
+    "droplet": ("kA", "kP", "reach"),
 }
 
 Out = Annotated[str, Option(metavar="PATH", help="Output folder.")]
@@ -162,7 +162,8 @@ class Material(InFile):
         float,
         Option(
             help="With --law curved: energy gained for each unit of length of a film between two "
-            "particles [energy/length], below twice the tension."
+            "particles [energy/length], below twice the tension. Of droplets in three dimensions "
+            "for each unit of area [energy/length^2]."
         ),
     ] = 0.0
     reach: Annotated[
@@ -184,7 +185,7 @@ class Material(InFile):
         super().check(given, *random)
         for name in _NOT_OF.get(str(self.law), ()):
             if name in given:
-                others = "--law curved" if name == "adhesion" else "ring laws"
+                others = "--law curved and droplet" if name == "adhesion" else "ring laws"
                 raise ParameterError(
                     f"{option(name)} is an option of {others}: leave it out with --law {self.law}"
                 )
@@ -193,7 +194,7 @@ class Material(InFile):
         """The law of this name with these stiffnesses."""
         law = ALL_LAWS[str(self.law)]
         if isinstance(law, Droplet):
-            return Droplet(self.tension)
+            return Droplet(self.tension, adhesion=self.adhesion)
         elastic: dict[str, Any] = {"kA": self.kA, "kP": self.kP}
         if isinstance(law, Ring):
             elastic |= {"tension": self.tension, "adhesion": self.adhesion}

@@ -456,7 +456,7 @@ class Rings(Deformables):
                 "arc_radii": arc_radius,
             },
             _table=table,
-            films=attached(rows) if sticks(self.law, sim.walls) else None,
+            films=attached(rows, 2) if sticks(self.law, sim.walls) else None,
             lost_energy=sim._lost + told(sim.lmp, LOST) + sum(rubbing.lost if rubbing else ()),
             friction=sim.friction,
             rubbing=rubbing,
@@ -493,7 +493,7 @@ class Droplets(Deformables):
         self._rows = np.concatenate(sim.comm.allgather(rows))
         force = self._rows[:, ROWS[3].index("force")]
         self.loose = not force.any()
-        mean = 0.0 if self.loose else float(force.mean())
+        mean = 0.0 if self.loose else float(np.abs(force).mean())
         largest = largest_force(sim.lmp, self._particle_radii if sim.friction else None)
         others = others_push(sim, largest, float(force.sum()))
         scale = max(mean, least) or others * largest
@@ -539,7 +539,8 @@ class Droplets(Deformables):
                 "n_contacts": contacts.astype(np.int64),
             },
             _table=table,
-            lost_energy=sim._lost + sum(rubbing.lost if rubbing else ()),
+            films=attached(self._rows, 3) if sticks(self.law, sim.walls) else None,
+            lost_energy=sim._lost + told(sim.lmp, LOST) + sum(rubbing.lost if rubbing else ()),
             friction=sim.friction,
             rubbing=rubbing,
         )

@@ -564,19 +564,30 @@ class Droplet:
 
         Simulation(packing, Droplet(tension=1.0))
 
+    Droplets with an adhesion stick: their surfaces meet a film at the angle theta, cos theta =
+    1 - w/(2 tension) between equals, and a film may pull. They attach where they touch; a film that
+    is pulled too far is torn.
+
+        Simulation(packing, Droplet(tension=1.0, adhesion=0.1))
+
     Args:
         tension: surface tension [energy/length^2]: a number, or one for each species.
+        adhesion: energy w that two droplets gain for each unit of area of the film between them
+            [energy/length^2]: a number for all pairs, or a symmetric matrix, a row for each
+            species. Contact angles above 0.7 are beyond the model, those above 1 are refused.
 
     Raises:
-        ParameterError: a tension is not a positive number.
+        ParameterError: a tension is not a positive number, or an adhesion is negative, or too large
+            for a tension.
 
     Source: Morse and Witten, Europhys. Lett. 22, 549 (1993); docs/theory/droplets.md.
     """
 
     dimension: ClassVar[int] = 3
-    sticks: ClassVar[bool] = False
 
     tension: float | Sequence[float] = 1.0
+    _: KW_ONLY
+    adhesion: ByPair = 0.0
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "tension", one_or_each("tension", self.tension))
@@ -586,9 +597,21 @@ class Droplet:
                 f"tension must be positive, as droplets have nothing else, not "
                 f"{shown(np.asarray(self.tension))}"
             )
+        object.__setattr__(self, "adhesion", adhesion_of(self.adhesion))
+        rows = 1 if isinstance(self.adhesion, float) else len(self.adhesion)
+        count_of = len(values) if len(values) > 1 else rows
+        matrix = pair_matrix("adhesion", self.adhesion, count_of)
+        tensions = np.broadcast_to(values, count_of)
+        for w, one, other in np.broadcast(matrix, tensions[:, None], tensions):
+            _refuse(core.invalid_for_droplet_film(w, one, other))
 
     def __repr__(self) -> str:
-        return as_call(self)
+        return as_call(self, adhesion=0.0)
+
+    @property
+    def sticks(self) -> bool:
+        """Whether any droplets have an adhesion."""
+        return bool(np.max(self.adhesion) > 0.0)
 
     @property
     def name(self) -> str:
@@ -702,14 +725,18 @@ def check_sticky_walls(packing: Packing, law: AnyLaw) -> None:
     for n, wall in enumerate(packing.walls, start=1):
         if wall.adhesion == 0.0:
             continue
-        if not (isinstance(law, Ring) and law.contact == "curved"):
+        if not (isinstance(law, Droplet) or (isinstance(law, Ring) and law.contact == "curved")):
             raise ParameterError(
                 f"{wall._kind} {n}: adhesion needs contact lines that bend, to meet outlines at an "
                 "angle: use Ring(contact='curved'), or adhesion 0"
             )
         for kind in kinds:
-            of_kind = (float(values[kind]) for values in parameters)
-            if problem := core.invalid_for_adhesion(wall.adhesion, *of_kind):
+            of_kind = [float(values[kind]) for values in parameters]
+            if isinstance(law, Droplet):
+                problem = core.invalid_for_droplet_film(wall.adhesion, of_kind[-1])
+            else:
+                problem = core.invalid_for_adhesion(wall.adhesion, *of_kind)
+            if problem:
                 raise ParameterError(f"{wall._kind} {n}, species {kind}: {problem}")
 
 

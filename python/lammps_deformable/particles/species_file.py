@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from .laws import AnyLaw, Droplet, Ring, SpeciesParameters, pair_matrix
+from .laws import AnyLaw, Droplet, Sector, SpeciesParameters, pair_matrix
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -32,7 +32,7 @@ def species_file(law: AnyLaw, radii: Sequence[float] | NDArray[np.float64]) -> s
         for name, value in zip(SpeciesParameters._fields[3:], row[4:], strict=True):
             words += [name, repr(value)] * (value != 0.0)
         lines.append(" ".join(words))
-    if isinstance(law, Ring) and law.sticks:
+    if not isinstance(law, Sector) and law.sticks:
         matrix = pair_matrix("adhesion", law.adhesion, len(radii)).tolist()
         lines += [
             f"adhesion s{i + 1} s{j + 1} {matrix[i][j]!r}"

@@ -38,7 +38,8 @@ class Wall(ABC):
 
     Attributes:
         adhesion: energy that a particle gains for each unit of length of its film with the wall
-            [energy/length], see `Ring`; in the plane only.
+            [energy/length], see `Ring`; in space for each unit of area [energy/length^2], see
+            `Droplet`.
     """
 
     inside: ClassVar[bool]  # whether it is a container
@@ -50,11 +51,6 @@ class Wall(ABC):
         name = type(self).__name__
         object.__setattr__(self, "adhesion", wall_adhesion(name, self.adhesion))
         expect(f"inside of a {name}", self.inside, bool)
-        if self.dimension == 3 and self.adhesion:
-            raise ParameterError(
-                f"adhesion of a {name} is for the plane: droplets in space do not stick, leave it "
-                "out"
-            )
 
     def __repr__(self) -> str:
         return as_call(self)

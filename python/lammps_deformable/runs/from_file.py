@@ -252,12 +252,12 @@ def read_species(path: Path, names: Sequence[str], law: str) -> tuple[NDArray[np
             for name in ("radius", *SpeciesParameters._fields)
         )
         found: dict[str, Any] = dict(zip(SpeciesParameters._fields, values, strict=True))
-        if isinstance(kind, Droplet):
-            return np.array(radii), Droplet(tuple(found["tension"]))
         if isinstance(kind, Sector):
             return np.array(radii), Sector(kA=_one("kA", found), kP=_one("kP", found))
         adhesion = np.array(lmp.extract_pair("adhesion"))[1:, 1:]
         sticky = tuple(map(tuple, adhesion.tolist())) if adhesion.any() else 0.0
+        if isinstance(kind, Droplet):
+            return np.array(radii), Droplet(tuple(found["tension"]), adhesion=sticky)
         return np.array(radii), Ring(contact=law, adhesion=sticky, **found)
     finally:
         close_lammps(lmp)

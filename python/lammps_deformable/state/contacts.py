@@ -317,6 +317,8 @@ COLUMNS = {
             ("force_vector", float, 3),  # on i by the contact; their sum is the force on i
             ("tilt", float, 3),  # of the film: its normal is normal + tilt
             ("curvature", float),  # of the film, positive where it is convex for i [1/length]
+            ("contact_angle", float),  # at which the surface of i meets the film, 0 without [rad]
+            ("attached", bool),  # whether it sticks: its force may be negative
         ]
     ),
 }
@@ -331,7 +333,7 @@ ROWS = {
     3: (
         *("i", "j", "indentation", "facet_radius", "force"),
         *("x", "y", "z", "nx", "ny", "nz", "distance", "fx", "fy", "fz"),
-        *("turn_x", "turn_y", "turn_z", "curvature"),
+        *("turn_x", "turn_y", "turn_z", "curvature", "contact_angle", "attached"),
     ),
 }
 _VECTORS: dict[int, dict[str, Sequence[str]]] = {
@@ -405,9 +407,9 @@ def react(table: ContactTable) -> None:
     table["force_vector"][pair] -= both[other_side(table[pair])]
 
 
-def attached(rows: NDArray[np.float64]) -> NDArray[np.int64]:
+def attached(rows: NDArray[np.float64], dimension: int) -> NDArray[np.int64]:
     """The contacts that stick, sorted, see `commands.Films`; a wall has its code for an ID."""
-    told = dict(zip(ROWS[2], rows.astype(np.int64).T, strict=True))
+    told = dict(zip(ROWS[dimension], rows.astype(np.int64).T, strict=True))
     partner = np.where(told["attached"] < 0, told["attached"], told["j"])
     first = (told["attached"] < 0) | (told["attached"] > 0) & (told["i"] <= told["j"])
     return np.unique(np.column_stack([told["i"], partner])[first], axis=0)

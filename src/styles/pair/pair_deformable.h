@@ -179,7 +179,7 @@ class PairDeformable : public Pair {
   void *extract_peratom(const char *, int &) override;
 
   // Appends the rows of compute deformable/contact: of contacts of this rank's particles in the group.
-  static int contact_columns(int dimension) { return dimension == 3 ? 19 : 15; }
+  static int contact_columns(int dimension) { return dimension == 3 ? 21 : 15; }
   virtual void list_contacts(int groupbit, std::vector<double> &rows) const;
   // Those of compute deformable/outline; points: of a whole turn.
   static constexpr int OUTLINE_COLUMNS = 8;

@@ -401,7 +401,8 @@ double PairDeformableDroplet::film_curvature(int i, int j) const
    One row for each side of a contact: the particle, its partner, indentation,
    radius of the facet, force, its middle, its normal, distance of the centers
    or of the wall, the force on the particle from its own energy, the turn of
-   the normal, and the curvature of the film.
+   the normal, the curvature of the film, the angle at which the surface meets
+   a film that sticks, and whether there is one.
 ------------------------------------------------------------------------- */
 
 void PairDeformableDroplet::list_contacts(int groupbit, std::vector<double> &rows) const
@@ -423,10 +424,16 @@ void PairDeformableDroplet::list_contacts(int groupbit, std::vector<double> &row
       const Vector3 tilt = sign * solver->tilt(k);
       const double distance = k >= p.wall ? p.surfaces[k - p.wall].height : 1.0 / p.per_distance[k];
       const tagint partner = k >= p.wall ? wall_code(wall_of(p.j[k]), 0) : atom->tag[other];
+      double angle = 0.0, attached = 0.0;
+      if (solver->is_attached(k)) {
+        angle = std::acos(1.0 - solver->film_rise(c));
+        attached = k >= p.wall ? p.j[k] : 1.0;
+      }
       rows.insert(rows.end(), {static_cast<double>(atom->tag[i]), static_cast<double>(partner),
                                solver->indentation(c), facet_of(c, i, force), force, at.x, at.y,
                                at.z, n.x, n.y, n.z, distance, push.x, push.y, push.z, tilt.x,
                                tilt.y, tilt.z, k >= p.wall ? 0.0 : film_curvature(i, other)});
+      rows.insert(rows.end(), {angle, attached});
     }
   }
 }

@@ -1,0 +1,109 @@
+"""Droplets in space that stick, from Python: films, walls, files, runs."""
+
+import math
+from pathlib import Path
+
+import lammps_deformable as ld
+import numpy as np
+import pytest
+
+BOX = (12.0, 12.0, 12.0)
+STICKY = ld.Droplet(adhesion=0.2)
+
+
+def doublet(distance: float, **more: object) -> ld.Packing:
+    return ld.Packing([[4.0, 6.0, 6.0], [4.0 + distance, 6.0, 6.0]], 1.0, BOX, **more)
+
+
+def test_a_doublet_at_rest() -> None:
+    """Two truncated spheres: v = (pi/3)(1 - C)^2 (2 + C), L = (1 - 3 v/4 pi)^(-1/3), d = 2 L C."""
+    with ld.Simulation(doublet(1.95), STICKY) as sim:
+        state = sim.relax()
+    cosine = 1.0 - 0.2 / 2.0
+    stretch = (1.0 - (1.0 - cosine) ** 2 * (2.0 + cosine) / 4.0) ** (-1.0 / 3.0)
+    table = state.contacts
+    assert table["distance"] == pytest.approx(2.0 * stretch * cosine, rel=1e-4)
+    assert table["attached"].all()
+    assert table["contact_angle"] == pytest.approx(math.acos(cosine))
+    sine = math.sqrt(1.0 - cosine**2)
+    assert table["facet_radius"] == pytest.approx(stretch * sine, rel=1e-3)
+    assert state.energy == pytest.approx(8.0 * math.pi * (1.0 / stretch - 1.0), rel=2e-3)
+    assert np.abs(table["force"]).max() < 1e-6
+    assert state.films.tolist() == [[1, 2]]
+    assert state.pressures == pytest.approx(2.0 / stretch, rel=1e-3)
+
+
+def test_a_film_pulls_and_is_torn() -> None:
+    with ld.Simulation(doublet(1.95), STICKY) as sim:
+        sim.relax()
+        forces = []
+        for distance in np.arange(1.84, 2.3, 0.02):
+            lmp, x = sim.lmp, np.array([[4.0, 6.0, 6.0], [4.0 + distance, 6.0, 6.0]])
+            lmp.scatter("x", 1, 3, np.ctypeslib.as_ctypes(x.ravel()))
+            state = sim.state()
+            forces.append(state.contacts["force"][0] if len(state.contacts) else 0.0)
+        assert state.films.size == 0
+    assert min(forces) < -0.1
+    assert forces[-1] == 0.0
+
+
+def test_a_drop_on_a_wall() -> None:
+    """It wets the wall with the angle of Young's law; gravity presses it."""
+    wall = ld.Plane((0, 0, 1), (0, 0, 1), adhesion=0.1)
+    lid = ld.Plane((0, 0, 11), (0, 0, -1))
+    packing = ld.Packing([[6.0, 6.0, 1.98]], 1.0, BOX, walls=(wall, lid))
+    with ld.Simulation(packing, ld.Droplet()) as sim:
+        state = sim.relax()
+    (row,) = state.contacts
+    assert row["contact_angle"] == pytest.approx(math.acos(0.9))
+    stretch = (1.0 - 0.01 * 2.9 / 4.0) ** (-1.0 / 3.0)
+    assert row["distance"] == pytest.approx(0.9 * stretch, rel=1e-3)
+    with ld.Simulation(packing, ld.Droplet(), gravity=(0.0, 0.0, -0.05)) as sim:
+        heavy = sim.relax()
+    assert heavy.contacts["force"][0] == pytest.approx(0.05, rel=1e-5)
+    assert heavy.contacts["facet_radius"][0] > row["facet_radius"]
+    with pytest.raises(
+        ld.ParameterError, match=r"^plane 1, species 0: adhesion 0\.6 makes a contact"
+    ):
+        other = packing.replace(walls=(ld.Plane((0, 0, 1), (0, 0, 1), adhesion=0.6), lid))
+        ld.Simulation(other, ld.Droplet())
+
+
+def test_files_and_runs_keep_films(tmp_path: Path) -> None:
+    law = ld.Droplet((1.0, 1.5), adhesion=((0.1, 0.2), (0.2, 0.0)))
+    packing = ld.Packing(
+        [[4.0, 6.0, 6.0], [5.9, 6.0, 6.0], [7.8, 6.0, 6.0]], 1.0, BOX, species=[0, 1, 0]
+    )
+    with ld.Simulation(packing, law) as sim:
+        run = sim.compress(strain=1e-3, steps=2, record=tmp_path / "run")
+    state = run[-1]
+    assert state.films.tolist() == [[1, 2], [2, 3]]
+    again = ld.State.from_file(
+        tmp_path / "run" / "trajectory.lammpstrj", tmp_path / "run" / "species.deformable"
+    )
+    assert again.law == law
+    assert again.energy == pytest.approx(state.energy, rel=1e-6)
+    with ld.Run(tmp_path / "run").simulation() as sim:
+        assert sim.law == law
+        assert sim.state().films.tolist() == state.films.tolist()
+        moved = sim.run(2000, temperature=1e-4)
+    ledger = [
+        each.energy + each.lost_energy + 0.5 * float(np.sum(each.velocities**2)) for each in moved
+    ]
+    assert ledger[-1] == pytest.approx(ledger[0], abs=1e-6)
+
+
+def test_what_is_refused() -> None:
+    for given, told in (
+        ({"adhesion": 2.0}, "adhesion 2 "),
+        ({"adhesion": -0.1}, "adhesion must"),
+        ({"adhesion": 1.2}, "makes a contact angle"),
+        ({"adhesion": ((0.0, 0.1), (0.2, 0.0))}, "symmetric"),
+    ):
+        with pytest.raises(ld.ParameterError, match=told):
+            ld.Droplet(**given)
+    packing = ld.bidisperse(8, dimension=3, seed=1)
+    with pytest.raises(ld.ParameterError, match="no pressure at an onset"):
+        ld.jam(packing, STICKY)
+    assert repr(STICKY) == "Droplet(adhesion=0.2)"
+    assert repr(ld.Droplet()) == "Droplet()"
