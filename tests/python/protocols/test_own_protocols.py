@@ -1,6 +1,7 @@
 """Protocols of users are recorded, resumed and told like ours."""
 
 import json
+from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
@@ -13,6 +14,7 @@ from lammps_deformable.protocols.coarsening import Coarsen
 from lammps_deformable.protocols.compression import Compress, Grow
 from lammps_deformable.protocols.motion import Move
 from lammps_deformable.protocols.proliferation import Proliferate
+from lammps_deformable.protocols.protocol import KNOWN
 from lammps_deformable.protocols.recording import protocol_in
 from lammps_deformable.protocols.shearing import Creep, Oscillate, Shear
 
@@ -29,6 +31,9 @@ class Tap(ld.Protocol):
         sim.relax()
         sim.deform(box)
         return sim.relax()
+
+
+FirstTap = Tap
 
 
 @pytest.fixture(scope="module")
@@ -93,6 +98,43 @@ def test_what_is_no_protocol(packing: ld.Packing, tmp_path: Path) -> None:
         with pytest.raises(ld.ParameterError, match=r"steps must be"):
             Lazy(steps=0)
     assert not (tmp_path / "none").exists()
+
+
+def test_a_name_of_two_classes(packing: ld.Packing, tmp_path: Path) -> None:
+    @dataclass(frozen=True, kw_only=True)
+    class Tap(ld.Protocol):
+        def step(self, sim: ld.Simulation, n: int) -> ld.State:
+            return sim.state()
+
+    with ld.Simulation(packing, ld.Ring()) as sim:
+        sim.play(Tap(), record=tmp_path / "one")
+        try:
+            with pytest.raises(ld.ParameterError, match=r"Tap is a protocol of the name 'tap' too"):
+                sim.play(FirstTap(amplitude=0.01), record=tmp_path / "other")
+        finally:
+            KNOWN["tap"] = FirstTap
+        assert not (tmp_path / "other").exists()
+        sim.play(FirstTap(amplitude=0.01), record=tmp_path / "other")
+
+
+def test_steps_by_go(packing: ld.Packing, tmp_path: Path) -> None:
+    """They may be any iterator; each is a state."""
+
+    @dataclass(frozen=True, kw_only=True)
+    class Still(ld.Protocol):
+        result: str = "state"
+
+        def go(
+            self, sim: ld.Simulation, start: dict[str, Any], done: int, before: ld.State | None
+        ) -> Iterator[ld.State]:
+            state = sim.state() if self.result == "state" else None
+            return iter([state] * (start["states"] - done))  # type: ignore[list-item]
+
+    with ld.Simulation(packing, ld.Ring()) as sim:
+        assert len(sim.play(Still(steps=2))) == 3
+        assert len(sim.play(Still(steps=2), record=tmp_path / "still")) == 3
+        with pytest.raises(ld.ParameterError, match=r"^the result of a step of still must be"):
+            sim.play(Still(result="none"))
 
 
 def test_a_generator_draws_a_seed_that_is_recorded(packing: ld.Packing, tmp_path: Path) -> None:
