@@ -60,8 +60,11 @@ def protocol_in(parameters: Mapping[str, Any]) -> Protocol:
             "Run.simulation()"
         )
     kind = KNOWN[name]
-    names = {field.name for field in fields(kind)} & set(parameters)
-    return kind(**{each: parameters[each] for each in names})
+    told = dict(parameters)
+    if name == "run" and "look" in told:  # what `every` was called, which was limited by `steps`
+        told["every"] = told["look"]
+    names = {field.name for field in fields(kind)} & set(told)
+    return kind(**{each: told[each] for each in names})
 
 
 def check_callback(callback: Callback | None) -> None:

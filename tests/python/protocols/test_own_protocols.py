@@ -1,7 +1,7 @@
 """Protocols of users are recorded, resumed and told like ours."""
 
 import json
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
@@ -165,10 +165,50 @@ def test_settings_stand_in_json() -> None:
         assert {field.name for field in fields(each)} == set(told)
 
 
-def test_parameters_of_version_0_1_0_are_read() -> None:
+def test_older_parameters_are_read() -> None:
     """They lack settings that were not given, and have others."""
     assert protocol_in({"protocol": "compress", "strain": 0.1, "steps": 2, "tolerance": None}) == (
         Compress(strain=0.1, steps=2)
     )
     old = {"protocol": "run", "steps": 9, "every": 3, "look": 3, "inertia": True, "seed": 1}
     assert protocol_in(old | {"timestep": None, "drag": None}) == Move(steps=9, every=3, seed=1)
+    assert protocol_in(old | {"every": 9, "look": None}) == Move(steps=9, seed=1)
+
+
+@pytest.mark.parametrize(
+    ("call", "lacks", "has"),
+    [
+        (
+            lambda sim, **how: sim.compress(strain=0.03, steps=3, **how),
+            ("phi", "pressure"),
+            {},
+        ),
+        (
+            lambda sim, **how: sim.run(30, every=10, temperature=1e-6, seed=1, **how),
+            ("propulsion", "persistence", "pressure", "inertial_number", "tolerance"),
+            {"look": 10},
+        ),
+    ],
+    ids=["compress", "run"],
+)
+def test_an_older_folder_is_resumed(
+    packing: ld.Packing,
+    tmp_path: Path,
+    call: Callable[..., ld.Run],
+    lacks: tuple[str, ...],
+    has: dict[str, Any],
+) -> None:
+    whole, killed = tmp_path / "whole", tmp_path / "killed"
+    for folder, callback in ((whole, None), (killed, lambda _: 1 // 0)):
+        with ld.Simulation(packing, ld.Ring()) as sim, suppress(ZeroDivisionError):
+            call(sim, record=folder, callback=callback)
+    summary = json.loads((killed / "summary.json").read_text())
+    told = summary["parameters"]
+    for name in lacks:
+        assert told.pop(name) is None
+    summary["parameters"] = told | has
+    (killed / "summary.json").write_text(json.dumps(summary))
+    assert ld.Run(killed).steps_done == 1
+    assert len(ld.Run(killed).resume()) == 4
+    for name in ("series.csv", "trajectory.lammpstrj"):
+        assert (killed / name).read_text() == (whole / name).read_text()
