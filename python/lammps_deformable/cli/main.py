@@ -37,6 +37,7 @@ from ..particles.laws import ALL_LAWS
 from ..pictures.movies import of_dimension
 from ..pictures.plot import title_of
 from ..runs.run import Run
+from ..state.recorded import numbers_of
 from ..state.state import State
 from .options import (
     CommandLineError,
@@ -151,14 +152,14 @@ def _tell(line: str) -> None:
 
 
 def _printing(columns: Sequence[str], done: int = 0) -> Callable[[State], None]:
-    """A callback that prints these of `State._numbers`, after so many steps before."""
+    """A callback that prints these of `numbers_of`, after so many steps before."""
     steps = itertools.count(done + 1)
 
     def show(state: State) -> None:
         step = next(steps)
         if step == done + 1:
             print_once("step " + " ".join(f"{name:>12}" for name in columns))
-        row = state._numbers()
+        row = numbers_of(state)
         print_once(f"{step:4d} " + " ".join(f"{row[name]:12.6g}" for name in columns))
 
     return show
@@ -166,7 +167,7 @@ def _printing(columns: Sequence[str], done: int = 0) -> Callable[[State], None]:
 
 def _finish(state: State, folder: Path, began: float) -> None:
     """Draw the last state."""
-    if state._root and importlib.util.find_spec("matplotlib"):
+    if MPI.COMM_WORLD.rank == 0 and importlib.util.find_spec("matplotlib"):
         _draw(state, folder / "packing.png")
     print_once(f"wrote {folder} ({time.perf_counter() - began:.1f} s)")
 

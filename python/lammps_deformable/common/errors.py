@@ -67,11 +67,11 @@ class UnsavedWarning(UserWarning):
 
 
 def renamed(old: str, new: str) -> Any:
-    """An attribute that only tells its new name, by an AttributeError."""
+    """An attribute that is not there any more, and tells its new name."""
 
     def told(owner: object) -> None:
         kind = type(owner).__name__
-        raise AttributeError(f"{kind}.{old} is {kind}.{new} now", name=old, obj=owner)
+        raise UndefinedError(f"{kind}.{old} is {kind}.{new} now")
 
     return property(told)
 

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.box import fractional
+from ..common.checks import shown
 from ..common.errors import LammpsError, ParameterError
 from ..common.ranks import alone
 from ..core import dot, unit_vectors
@@ -32,6 +33,8 @@ from ..particles.friction import (
     Rubbing,
     check_friction,
     friction_commands,
+    has_films,
+    rubbing_step,
     spring_commands,
 )
 from ..particles.gravity import gravity_commands, gravity_energy
@@ -57,6 +60,7 @@ from ..state.contacts import ROWS, ContactTable, attached, contact_table
 from ..state.rubbing import RUBBING_ROWS, rubbing_table
 from ..state.state import State
 from .lammps import (
+    Setup,
     gather,
     has_other_fixes,
     images_of,
@@ -77,6 +81,7 @@ from .lammps import (
 from .relax import (
     NO_FORCE,
     TOLERANCE,
+    USUAL,
     Fire,
     Forces,
     Minimizer,
@@ -207,7 +212,7 @@ def contacts_of(
         return contact_table(rows, packing), None
     own = local_array(lmp, FRICTION, RUBBING_ROWS[packing.dimension], fix=True)
     rubbing = np.concatenate(comm.allgather(own))
-    table, springs, places = rubbing_table(rows, packing, rubbing, friction._films)
+    table, springs, places = rubbing_table(rows, packing, rubbing, has_films(friction))
     stored, *lost = (lmp.extract_fix(FRICTION, 0, 1, n) for n in (0, 1, 2, 3, 6))
     omega = gather(lmp, "omega", 3)
     spins = np.ascontiguousarray(omega[:, 2]) if packing.dimension == 2 else omega
@@ -244,12 +249,39 @@ class Engine:
         scale: of the forces, in words.
         indicator: what falls while a relaxation goes on; None: the patience is for all of it.
         loose: whether no contact bears a force; None: nobody asks.
+        law: of the particles.
+        setup: what LAMMPS had when it was filled.
+        begun: how often it has been filled.
+        steps_before: steps of LAMMPS before it began to count them.
+        lost: energy that films had lost before LAMMPS began to count it [energy].
+        labels, clones: of the particles, see `State`.
+        imbalance: of contacts, over the largest force.
+        fell_back: whether FIRE went on where L-BFGS failed, in the last relaxation.
     """
 
     minimizers: tuple[str, ...] = ("lbfgs", "fire")
     tolerance, patience, scale = TOLERANCE, 0, "the mean contact force"
     indicator: Callable[[Forces], float] | None = None
     loose: bool | None = None
+    law: Any
+    setup: Setup
+    begun, steps_before, lost = 0, 0, 0.0
+    labels: NDArray[np.int64] | None = None
+    clones: NDArray[np.int64] | None = None
+    imbalance, fell_back = USUAL, False
+
+    def chosen(self, minimizer: str | None, friction: Friction | None) -> str:
+        """The minimizer, or the first one that the law can have."""
+        choice = ("damped",) if friction else self.minimizers
+        if minimizer is None:
+            return choice[0]
+        if minimizer not in choice:
+            raise ParameterError(
+                f"minimizer must be {' or '.join(map(repr, choice))} for "
+                f"{'contacts that rub' if friction else type(self.law).__name__}, "
+                f"not {shown(minimizer)}"
+            )
+        return minimizer
 
     def opened(self, packing: Packing, friction: Friction | None) -> Packing:
         """The packing as LAMMPS gets it."""
@@ -304,7 +336,7 @@ class Deformables(Engine):
         run(lmp, film_commands(self.law, packing.walls))
         run(lmp, friction_commands(friction, len(self._radii)) + gravity_commands(sim.gravity))
         if friction:  # evaluations have a time step too
-            run(lmp, f"timestep {min(friction._accurate_step, _TIMESTEP)!r}")
+            run(lmp, f"timestep {min(rubbing_step(friction), _TIMESTEP)!r}")
         stress_of = virial_command("pair fix" if packing.walls or friction else "pair")
         run(lmp, stress_of + _COMPUTES.format(style=pair_style(self.law)) + THERMO)
         self._smallest_radius = float(packing.radii.min())
@@ -333,14 +365,14 @@ class Deformables(Engine):
         if motion.images is not None and motion.images.any():
             place_images(lmp, motion.images)
         sim.time, sim.shear_strain, sim.directions = motion.time, motion.strain, motion.directions
-        sim._lost, sim._labels, sim._clones = motion.lost, motion.labels, motion.clones
+        self.lost, self.labels, self.clones = motion.lost, motion.labels, motion.clones
 
     def unbalanced(self, sim: Simulation, tolerance: float) -> bool:
         return told(sim.lmp, IMBALANCE) > max(tolerance, UNBALANCED)
 
     def _particles(self, sim: Simulation) -> None:
         """Take species and radii from LAMMPS: commands given to `lmp` may have changed them."""
-        refuse_other(sim.lmp, sim._setup)
+        refuse_other(sim.lmp, self.setup)
         self._species = gather(sim.lmp, "type", 1).astype(np.int64) - 1
         by_particle = sim.lmp.extract_setting("radius_flag")
         self._particle_radii = gather(sim.lmp, "radius", 1) if by_particle else None
@@ -370,9 +402,9 @@ class Deformables(Engine):
             "wall_forces": wall_forces(sim.lmp, sim.walls),
             "time": sim.time,
             "shear_strain": sim.shear_strain,
-            "labels": _of_all(sim._labels, len(packing)),
-            "clones": _of_all(sim._clones, len(packing)),
-            "unsaved": unsaved(sim.lmp, sim._setup),
+            "labels": _of_all(self.labels, len(packing)),
+            "clones": _of_all(self.clones, len(packing)),
+            "unsaved": unsaved(sim.lmp, self.setup),
             "images": images,
         }
 
@@ -457,7 +489,7 @@ class Rings(Deformables):
             },
             _table=table,
             films=attached(rows, 2) if sticks(self.law, sim.walls) else None,
-            lost_energy=sim._lost + told(sim.lmp, LOST) + sum(rubbing.lost if rubbing else ()),
+            lost_energy=self.lost + told(sim.lmp, LOST) + sum(rubbing.lost if rubbing else ()),
             friction=sim.friction,
             rubbing=rubbing,
         )
@@ -540,7 +572,7 @@ class Droplets(Deformables):
             },
             _table=table,
             films=attached(self._rows, 3) if sticks(self.law, sim.walls) else None,
-            lost_energy=sim._lost + told(sim.lmp, LOST) + sum(rubbing.lost if rubbing else ()),
+            lost_energy=self.lost + told(sim.lmp, LOST) + sum(rubbing.lost if rubbing else ()),
             friction=sim.friction,
             rubbing=rubbing,
         )
@@ -566,7 +598,7 @@ def others_push(sim: Simulation, largest: float, total: float) -> bool:
     """Whether gravity or a user's fix moves particles: all contacts together bear less than a
     force.
     """
-    moves = sim.gravity is not None or has_other_fixes(sim.lmp, sim._setup)
+    moves = sim.gravity is not None or has_other_fixes(sim.lmp, sim.engine.setup)
     return largest > total and moves
 
 
@@ -656,13 +688,13 @@ class SoftParticles(Engine):
         """The forces before a relaxation: their scale is in the contacts, or given."""
         if least == 0.0:
             return self.forces(sim)
-        refuse_other(sim.lmp, sim._setup)
+        refuse_other(sim.lmp, self.setup)
         self._radius = packing_in(sim, self._radii).radii
         return Forces(np.inf, least, force_rounding(sim.box, self.law.k))
 
     def forces(self, sim: Simulation, least: float = 0.0) -> Forces:
         """The forces at the present positions."""
-        refuse_other(sim.lmp, sim._setup)
+        refuse_other(sim.lmp, self.setup)
         self._radius = packing_in(sim, self._radii).radii  # for the walls
         run(sim.lmp, "run 0 post no")
         return self.after(sim, least)

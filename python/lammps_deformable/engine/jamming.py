@@ -34,7 +34,7 @@ from ..state.state import State, soft_state
 from .engines import separated
 from .free_box import check_free
 from .relax import TOLERANCE, Callback, Iteration, check_callback, tell
-from .simulation import Simulation
+from .simulation import Simulation, relax_above
 from .soft_disks import (
     HUGE,
     RelaxedDisks,
@@ -382,7 +382,7 @@ def _relaxed(
     quiet = collected(StalledWarning, UnjammedWarning)
     with Simulation(packing, law, comm=comm) as sim, quiet:
         for part in _STAGES:
-            state = sim._relax(part * tolerance, least)
+            state = relax_above(sim, part * tolerance, least)
             if state.pressure <= pressure or not state.converged:
                 break
     return state
@@ -398,7 +398,9 @@ def push_off(packing: Packing) -> Packing:
     sim = Simulation(packing, SoftContact(), comm=alone())
     with sim, collected(StalledWarning):  # with another text
         facet = float(packing.radii.min()) ** (packing.dimension - 1)  # about that of a contact
-        pushed = sim._relax(1e-3, _PUSHED_OFF * natural_pressure(packing, SoftContact()) * facet)
+        pushed = relax_above(
+            sim, 1e-3, _PUSHED_OFF * natural_pressure(packing, SoftContact()) * facet
+        )
     if not pushed.converged:
         warn(
             f"separating the particles stalled: the largest force is {pushed.residual:.2g} of the "

@@ -28,6 +28,7 @@ from ..common.versions import check_lammps
 from ..particles import containers
 from ..particles.columns import tilts_of
 from ..particles.commands import PLANE, WALL, setup_commands, wall_commands
+from ..particles.walls import kind_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -327,7 +328,7 @@ def run_forces(lmp: lammps, commands: str, walls: Sequence[Wall]) -> None:
         run(lmp, commands)
     except LammpsError as error:
         line = _FIX_OF_WALL.sub(
-            lambda found: f"{walls[int(found[1]) - 1]._kind} {found[1]}", str(error)
+            lambda found: f"{kind_of(walls[int(found[1]) - 1])} {found[1]}", str(error)
         )
         hints = "".join(hint for words, hint in _HINTS.items() if words in line)
         raise LammpsError(line + hints) from None

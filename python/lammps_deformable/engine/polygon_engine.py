@@ -238,7 +238,7 @@ class PolygonBeads(Engine):
     def forces(self, sim: Simulation, least: float = 0.0) -> Forces:
         """Bring forces, areas and perimeters up to date; returns the forces."""
         lmp = sim.lmp
-        refuse_other(lmp, sim._setup)
+        refuse_other(lmp, self.setup)
         refuse_other_types(lmp, np.repeat(self._species + 1, np.diff(self._first)))
         run(lmp, "run 0 post no")
         self._area, self._perimeter = np.empty((2, len(self._species)))

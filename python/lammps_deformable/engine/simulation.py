@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..common.box import lattice_vectors, shown_box
-from ..common.checks import count, expect, positive, shown
+from ..common.checks import count, expect, positive
 from ..common.errors import ParameterError, UndefinedError
 from ..common.ranks import OneCall
 from ..formats.store import Motion
@@ -21,6 +21,7 @@ from ..particles.laws import AnyLaw, Droplet, Ring, Sector, SoftContact
 from ..particles.packing import Packing, refuse_crushed
 from ..particles.polygons import DeformablePolygon, Walls
 from ..particles.walls import Wall
+from ..state.recorded import motion_of
 from ..state.state import State
 from .engines import (
     Droplets,
@@ -129,15 +130,9 @@ class Simulation(OneCall):
     shear_strain: float | None = None
     directions: NDArray[np.float64] | None = None
     seed: int | None = None
-    _labels: NDArray[np.int64] | None = None  # of the particles, see `State`
-    _clones: NDArray[np.int64] | None = None
-    _lost: float = 0.0  # energy that films had lost before LAMMPS began to count it
-    _steps_before: int = 0  # steps of LAMMPS before it began to count them
-    _fell_back: bool = False  # whether FIRE went on where L-BFGS failed, in the last relaxation
-    _begun: int = 0  # how often LAMMPS has been filled
     _callback: Callback | None = None
-    _imbalance = USUAL  # of contacts, over the largest force
     law: Any
+    engine: Any
     _lmp: Any
 
     def __init__(
@@ -158,8 +153,8 @@ class Simulation(OneCall):
         self.friction = state.friction if state is not None and friction is None else friction
         gravity = state.gravity if state is not None and gravity is None else gravity
         self.gravity = as_gravity(gravity, start, law)
-        self._engine = _ENGINES[type(law)](law)
-        self.minimizer = self._choose(minimizer)
+        self.engine = _ENGINES[type(law)](law)
+        self.minimizer = self.engine.chosen(minimizer, self.friction)
         self._rigidity = Rigidity(start)
         self._check(start, state)
         self._open(start, state)
@@ -173,44 +168,31 @@ class Simulation(OneCall):
         sim = cls.__new__(cls)
         sim.law, sim.comm, sim.friction = law, communicator(comm), None
         sim.gravity = None
-        sim._engine, sim._rigidity = PolygonBeads(law, walls), Rigidity(packing)
-        sim.minimizer = sim._choose(None)
+        sim.engine, sim._rigidity = PolygonBeads(law, walls), Rigidity(packing)
+        sim.minimizer = sim.engine.chosen(None, None)
         sim._check(packing, None)
         sim._open(packing, None)
         return sim
-
-    def _choose(self, minimizer: str | None) -> str:
-        """The minimizer, or the first one that the law can have."""
-        choice = ("damped",) if self.friction else self._engine.minimizers
-        if minimizer is None:
-            return str(choice[0])
-        if minimizer not in choice:
-            raise ParameterError(
-                f"minimizer must be {' or '.join(map(repr, choice))} for "
-                f"{'contacts that rub' if self.friction else type(self.law).__name__}, "
-                f"not {shown(minimizer)}"
-            )
-        return minimizer
 
     def _check(self, packing: Packing, state: State | None) -> None:
         """Refuse a start that the law cannot have, before anything is changed."""
         refuse_crushed(packing)
         try:
-            self._engine.check(packing, self.friction)
+            self.engine.check(packing, self.friction)
         except ParameterError as error:
             if state is not None and self.friction and self.friction == state.friction:
                 raise ParameterError(f"{error}; or start from the packing of the state") from None
             raise
 
     def _open(self, packing: Packing, state: State | None, former: lammps | None = None) -> None:
-        packing = self._engine.opened(packing, self.friction)
+        packing = self.engine.opened(packing, self.friction)
         self._walls = packing.walls
-        self.lmp = self._engine.open(self, packing, former)
-        self._imbalance = USUAL
+        self.lmp = self.engine.open(self, packing, former)
+        self.engine.imbalance = USUAL
         self._facet = float(packing.radii.min()) ** (packing.dimension - 1)
         at_rest = Motion(np.zeros_like(packing.positions))
-        self._engine.go_on(self, state._motion if state is not None else at_rest)
-        self._setup = setup(self.lmp)
+        self.engine.go_on(self, motion_of(state) if state is not None else at_rest)
+        self.engine.setup = setup(self.lmp)
 
     def reset(self, packing: Packing | State) -> None:
         """Start anew from a packing or a state, with the same law: results depend on it alone.
@@ -232,7 +214,7 @@ class Simulation(OneCall):
         start, state = _parts(packing)
         self._check(start, state)
         as_gravity(self.gravity, start, self.law)
-        self._steps_before = 0
+        self.engine.steps_before = 0
         self._rigidity.start = self._rigidity.start and start
         try:
             self._open(start, state, self.lmp)
@@ -253,7 +235,7 @@ class Simulation(OneCall):
 
     @lmp.setter
     def lmp(self, lmp: lammps) -> None:
-        self._begun += 1
+        self.engine.begun += 1
         lmp.calls.begun = True
         self._lmp = lmp
 
@@ -287,7 +269,7 @@ class Simulation(OneCall):
     def __repr__(self) -> str:
         if self.closed:
             return "<Simulation: closed>"
-        number = self._engine.number(self.lmp)
+        number = self.engine.number(self.lmp)
         return f"<Simulation: {number} particles, law {self.law!r}, {shown_box(self.box)}>"
 
     @property
@@ -334,7 +316,7 @@ class Simulation(OneCall):
         if len(box) != self.dimension:
             raise ParameterError(f"box must have {self.dimension} sides, not {len(box)}")
         walls = containers.stretched(self._walls, former, box)
-        self._engine.follow(self, walls, box)
+        self.engine.follow(self, walls, box)
         self._walls = walls
         run(self.lmp, box_change(walls, box))
         if state is not None:
@@ -342,9 +324,9 @@ class Simulation(OneCall):
 
     def _confine(self, walls: Walls) -> None:
         """Move the walls around a single polygon, see `PolygonBeads.confine`."""
-        if not isinstance(self._engine, PolygonBeads):
+        if not isinstance(self.engine, PolygonBeads):
             raise ParameterError("_confine moves the walls of a single polygon only: take deform")
-        self._engine.confine(self, walls)
+        self.engine.confine(self, walls)
 
     def compress(
         self,
@@ -356,7 +338,7 @@ class Simulation(OneCall):
         tolerance: float | None = None,
         record: str | Path | None = None,
         mode: str = "x",
-        callback: Callable[[Any], object] | None = None,
+        callback: Callable[[State], object] | None = None,
         keep: bool = True,
         parameters: Mapping[str, Any] | None = None,
     ) -> Run:
@@ -421,7 +403,7 @@ class Simulation(OneCall):
         tolerance: float | None = None,
         record: str | Path | None = None,
         mode: str = "x",
-        callback: Callable[[Any], object] | None = None,
+        callback: Callable[[State], object] | None = None,
         keep: bool = True,
         parameters: Mapping[str, Any] | None = None,
     ) -> Run:
@@ -474,7 +456,7 @@ class Simulation(OneCall):
         seed: int | np.random.Generator | None = None,
         record: str | Path | None = None,
         mode: str = "x",
-        callback: Callable[[Any], object] | None = None,
+        callback: Callable[[State], object] | None = None,
         keep: bool = True,
         parameters: Mapping[str, Any] | None = None,
     ) -> Run:
@@ -561,7 +543,7 @@ class Simulation(OneCall):
         seed: int | np.random.Generator | None = None,
         record: str | Path | None = None,
         mode: str = "x",
-        callback: Callable[[Any], object] | None = None,
+        callback: Callable[[State], object] | None = None,
         keep: bool = True,
         parameters: Mapping[str, Any] | None = None,
     ) -> Run:
@@ -633,7 +615,7 @@ class Simulation(OneCall):
         seed: int | np.random.Generator | None = None,
         record: str | Path | None = None,
         mode: str = "x",
-        callback: Callable[[Any], object] | None = None,
+        callback: Callable[[State], object] | None = None,
         keep: bool = True,
         parameters: Mapping[str, Any] | None = None,
     ) -> Run:
@@ -703,7 +685,7 @@ class Simulation(OneCall):
         tolerance: float | None = None,
         record: str | Path | None = None,
         mode: str = "x",
-        callback: Callable[[Any], object] | None = None,
+        callback: Callable[[State], object] | None = None,
         keep: bool = True,
         parameters: Mapping[str, Any] | None = None,
     ) -> Run:
@@ -782,7 +764,7 @@ class Simulation(OneCall):
         seed: int | np.random.Generator | None = None,
         record: str | Path | None = None,
         mode: str = "x",
-        callback: Callable[[Any], object] | None = None,
+        callback: Callable[[State], object] | None = None,
         keep: bool = True,
         parameters: Mapping[str, Any] | None = None,
     ) -> Run:
@@ -871,7 +853,7 @@ class Simulation(OneCall):
         seed: int | np.random.Generator | None = None,
         record: str | Path | None = None,
         mode: str = "x",
-        callback: Callable[[Any], object] | None = None,
+        callback: Callable[[State], object] | None = None,
         keep: bool = True,
         parameters: Mapping[str, Any] | None = None,
     ) -> Run:
@@ -1000,7 +982,7 @@ class Simulation(OneCall):
         *,
         record: str | Path | None = None,
         mode: str = "x",
-        callback: Callable[[Any], object] | None = None,
+        callback: Callable[[State], object] | None = None,
         keep: bool = True,
         parameters: Mapping[str, Any] | None = None,
     ) -> Run:
@@ -1030,7 +1012,7 @@ class Simulation(OneCall):
 
     def state(self) -> State:
         """The present state, not relaxed."""
-        return self._engine.state(self, self._engine.forces(self), converged=True)
+        return self.engine.state(self, self.engine.forces(self), converged=True)
 
     @property
     def callback(self) -> Callback | None:
@@ -1107,45 +1089,18 @@ class Simulation(OneCall):
         al., Comput. Mater. Sci. 175, 109584 (2020). L-BFGS: Nocedal, Math. Comp. 35, 773 (1980),
         preconditioned by the springs of contacts.
         """
-        return self._relax(tolerance, 0.0, pressure, free, max_steps)
-
-    def _relax(
-        self,
-        tolerance: float | None = None,
-        least: float = 0.0,
-        pressure: float | None = None,
-        free: str = "iso",
-        max_steps: int | None = None,
-    ) -> State:
-        """As `relax`, where the mean contact force counts as at least so much [energy/length]."""
-        tolerance = positive(
-            "tolerance", self._engine.tolerance if tolerance is None else tolerance
-        )
-        if max_steps is not None:
-            count("max_steps", max_steps)
-        if not self.friction:
-            refuse_forces_of_motion(self.lmp)
-        check_free(free, self._walls, pressure, self.law, self.friction)
-        if self.gravity is not None and not has_other_fixes(self.lmp, self._setup):
-            species = gather(self.lmp, "type", 1).astype(np.int64) - 1
-            check_held(self.gravity, species, self._walls)
-        if pressure is not None:
-            least = max(least, pressure * self._facet)
-            return relax_free_box(
-                self, pressure, free, lambda: self._relaxed(tolerance, least, max_steps)
-            )
-        return self._relaxed(tolerance, least, max_steps)
+        return relax_above(self, tolerance, 0.0, pressure, free, max_steps)
 
     def _relaxed(self, tolerance: float, least: float, max_steps: int | None) -> State:
         """The state relaxed in its box."""
-        engine, first = self._engine, self.lmp.extract_global("ntimestep")
+        engine, first = self.engine, self.lmp.extract_global("ntimestep")
 
         def seen(forces: Forces) -> Forces:
             self._tell(forces, self.lmp.extract_global("ntimestep") - first)
             return forces
 
         aim = max(tolerance, minimizers_reach(self, tolerance))
-        self._fell_back = False
+        self.engine.fell_back = False
         forces = minimize_until_relaxed(
             seen(engine.begin(self, least)),
             aim,
@@ -1164,10 +1119,11 @@ class Simulation(OneCall):
         unjammed = engine.loose is not None and self._rigidity.lost(
             state.packing.phi, engine.loose, self._balanced
         )
-        warn_of(state, tolerance, unjammed, engine.scale)
+        if self.comm.rank == 0:
+            warn_of(state, tolerance, unjammed, engine.scale)
         return replace(
             state,
-            minimizer=self.minimizer + ", fire" * self._fell_back,
+            minimizer=self.minimizer + ", fire" * self.engine.fell_back,
             iterations=int(self.lmp.extract_global("ntimestep")) - first,
         )
 
@@ -1179,7 +1135,7 @@ class Simulation(OneCall):
             rest(self.lmp)  # FIRE begins without velocities
         free = containers.free_room(self._walls, self.box)
         tensor = stress(self.lmp, free if self._walls else None)
-        phi, pressure = self._engine.filled() / free, float(np.trace(tensor) / len(tensor))
+        phi, pressure = self.engine.filled() / free, float(np.trace(tensor) / len(tensor))
         root = self.comm.rank == 0
         seen = Iteration("relax", iterations, phi, pressure, forces.residual, root)
         tell(self.callback, seen, self.comm)
@@ -1187,7 +1143,33 @@ class Simulation(OneCall):
     def _balanced(self, packing: Packing) -> bool:
         """Whether contact forces about balance in a packing."""
         with Simulation(packing, self.law, comm=self.comm, gravity=self.gravity) as sim:
-            return sim.state().residual <= BALANCED and not sim._engine.loose
+            return sim.state().residual <= BALANCED and not sim.engine.loose
+
+
+def relax_above(
+    sim: Simulation,
+    tolerance: float | None = None,
+    least: float = 0.0,
+    pressure: float | None = None,
+    free: str = "iso",
+    max_steps: int | None = None,
+) -> State:
+    """As `relax`, where the mean contact force counts as at least so much [energy/length]."""
+    tolerance = positive("tolerance", sim.engine.tolerance if tolerance is None else tolerance)
+    if max_steps is not None:
+        count("max_steps", max_steps)
+    if not sim.friction:
+        refuse_forces_of_motion(sim.lmp)
+    check_free(free, sim._walls, pressure, sim.law, sim.friction)
+    if sim.gravity is not None and not has_other_fixes(sim.lmp, sim.engine.setup):
+        species = gather(sim.lmp, "type", 1).astype(np.int64) - 1
+        check_held(sim.gravity, species, sim._walls)
+    if pressure is not None:
+        least = max(least, pressure * sim._facet)
+        return relax_free_box(
+            sim, pressure, free, lambda: sim._relaxed(tolerance, least, max_steps)
+        )
+    return sim._relaxed(tolerance, least, max_steps)
 
 
 def _parts(given: Packing | State) -> tuple[Packing, State | None]:

@@ -607,6 +607,11 @@ SHAPES: dict[str, type[Wall]] = {
 }
 
 
+def kind_of(wall: Wall) -> str:
+    """LAMMPS' word for a wall."""
+    return wall._kind
+
+
 def as_walls(given: Wall | Iterable[Wall], dimension: int) -> tuple[Wall, ...]:
     """The walls of a packing from one wall or several; a box becomes its sides.
 

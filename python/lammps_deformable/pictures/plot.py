@@ -18,6 +18,7 @@ from ..common.errors import ParameterError
 from ..core import unit_vectors
 from ..particles.laws import Ring, Sector, SoftContact, refuse_adhesion
 from ..state.contacts import ContactTable, chords, flats_of, forces_of, halves
+from ..state.recorded import particle_values
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -61,7 +62,7 @@ def parallels(state: State, inset: Floats | None, points: int, same_area: bool) 
     ]
 
 
-# Names for colors that a message lists, beside those of `_particle_values`.
+# Names for colors that a message lists, beside those of `particle_values`.
 _NAMES = ("area_deficit", "volumes", "pressures", "rattlers", "shape_parameter")
 
 
@@ -69,7 +70,7 @@ def values_of(state: State, color_by: str | ArrayLike) -> Floats:
     """See `State._values`."""
     from .drawing import per_particle
 
-    columns = state._particle_values()
+    columns = particle_values(state)
     found: Any = color_by
     if isinstance(color_by, str):
         found = columns.get(color_by, getattr(state, color_by, None))

@@ -18,7 +18,14 @@ from ..core import unit_vectors
 from ..engine.lammps import gather, place, place_velocities, rub_and_spin, run
 from ..engine.relax import balanced_to
 from ..engine.simulation import Simulation
-from ..particles.friction import Friction, damped_commands, inertia
+from ..particles.friction import (
+    Friction,
+    damped_commands,
+    inertia,
+    longest_rubbing_step,
+    overdamped_part,
+    rubbing_step,
+)
 from ..particles.gravity import largest_weight
 from ..particles.laws import (
     ACCURATE,
@@ -29,6 +36,8 @@ from ..particles.laws import (
     longest_step,
     squeeze_under,
 )
+from ..particles.walls import kind_of
+from ..state.recorded import heat_of, squeeze_of, step_limits
 from ..state.state import State
 from .protocol import Protocol
 from .recording import steps_so_far
@@ -105,12 +114,12 @@ class Dynamics:
         if self.persistence is not None:
             steps.append(_PERSISTED * self.persistence)
         if self.rubbing:
-            steps[0] *= self.rubbing._overdamped
-            steps.append(self.rubbing._accurate_step)
+            steps[0] *= overdamped_part(self.rubbing)
+            steps.append(rubbing_step(self.rubbing))
         return min(steps)
 
     def _longest(self, state: State, drive: float, temperature: float) -> float:
-        packing, law, squeeze, _ = state._step_limits()
+        packing, law, squeeze, _ = step_limits(state)
         squeeze = max(squeeze, squeeze_under(drive, packing, law))
         if self.inertia:
             return longest_step(packing, law, squeeze, temperature)
@@ -121,7 +130,7 @@ class Dynamics:
         bath = self.temperature or 0.0
         if not self.inertia:
             return bath
-        return max(state._heat, bath if self.drag else 0.0)
+        return max(heat_of(state), bath if self.drag else 0.0)
 
     def check(self, state: State, timestep: float) -> None:
         """Refuse a time step at which contacts are unstable."""
@@ -130,16 +139,16 @@ class Dynamics:
                 f"timestep = {timestep:g} is longer than the persistence of {self.persistence:g}: "
                 "take a twentieth of it, or leave it out"
             )
-        if self.rubbing and timestep > self.rubbing._longest_step:
+        if self.rubbing and timestep > longest_rubbing_step(self.rubbing):
             raise ParameterError(
                 f"timestep = {timestep:g} is too long for springs and dashpots of contacts that "
-                f"rub: take at most {self.rubbing._longest_step:.2g}, or leave it out"
+                f"rub: take at most {longest_rubbing_step(self.rubbing):.2g}, or leave it out"
             )
         # without the drive: how hard it pushes is a guess
         longest = self._longest(state, 0.0, self._hot(state))
         if timestep <= longest:
             return
-        name, values = state._squeezed
+        name, values = squeeze_of(state)
         n, temperature = int(values.argmax()), self._hot(state)
         cause = f"particle {n}, whose {name} is {values[n]:.3g}, at temperature {temperature:.3g}"
         if longest < self._longest(state, 0.0, 0.0):
@@ -219,7 +228,7 @@ def moving(sim: Simulation, dynamics: Dynamics, seed: int) -> Iterator[None]:
         ParameterError: another motion has not ended; or contacts rub that should turn particles,
             but these move against a drag.
     """
-    lmp, begun, spins = sim.lmp, sim._begun, rub_and_spin(sim.lmp)
+    lmp, begun, spins = sim.lmp, sim.engine.begun, rub_and_spin(sim.lmp)
     if "deformable_move" in lmp.available_ids("fix"):
         raise ParameterError(
             "a motion of this simulation goes on, whose callback begins another one: let the "
@@ -240,7 +249,7 @@ def moving(sim: Simulation, dynamics: Dynamics, seed: int) -> Iterator[None]:
     try:
         yield
     finally:
-        if not sim.closed and sim._begun == begun:  # a callback may close it
+        if not sim.closed and sim.engine.begun == begun:  # a callback may close it
             names = [line.split()[1] for line in fixes.splitlines() if line.startswith("fix ")]
             run(lmp, "\n".join(f"unfix {name}" for name in names))
 
@@ -298,7 +307,7 @@ def refuse_restarted(sim: Simulation, begun: int) -> None:
     Raises:
         LammpsError: a callback has restarted or closed the simulation.
     """
-    if sim.closed or sim._begun != begun:
+    if sim.closed or sim.engine.begun != begun:
         raise LammpsError(
             "the simulation was reset while its particles move: end the motion by a callback "
             "that returns True, then reset it"
@@ -399,7 +408,7 @@ class Move(Protocol, name="run"):
         if sim.walls:
             raise ParameterError(
                 f"walls do not follow a box that settles, and there are {len(sim.walls)}, the "
-                f"first a {sim.walls[0]._kind}: run(drag=) comes to rest between walls"
+                f"first a {kind_of(sim.walls[0])}: run(drag=) comes to rest between walls"
             )
         if sim.dimension == 3 and sim.box[1, 0] and sim.box[2, 1]:  # LAMMPS does not change both
             raise ParameterError(
@@ -490,7 +499,7 @@ class Move(Protocol, name="run"):
         self, sim: Simulation, start: dict[str, Any], done: int, before: State | None
     ) -> Iterator[State]:
         assert isinstance(self.seed, int)
-        dynamics, begun = self.dynamics(sim), sim._begun
+        dynamics, begun = self.dynamics(sim), sim.engine.begun
         state = _with_directions(sim, dynamics) if before is None else before
         _, of_noise = seeds(self.seed, start["step"], *[done] * (done > 0))
         if self.pressure is not None:
@@ -530,7 +539,7 @@ class Move(Protocol, name="run"):
         self, sim: Simulation, dynamics: Dynamics, done: int, state: State
     ) -> Iterator[State]:
         """The states on the way to rest at a pressure, of which the last one rests."""
-        pressure, tolerance, begun = self.pressure, self.tolerance, sim._begun
+        pressure, tolerance, begun = self.pressure, self.tolerance, sim.engine.begun
         assert pressure is not None
         assert tolerance is not None
         assert self.inertial_number is not None
@@ -555,7 +564,8 @@ class Move(Protocol, name="run"):
                     longest = dynamics.longest_step(state)
                     if sim.friction:
                         longest = min(
-                            longest * sim.friction._overdamped, sim.friction._longest_step
+                            longest * overdamped_part(sim.friction),
+                            longest_rubbing_step(sim.friction),
                         )
                     dt = dynamics.timestep or _OF_LONGEST * longest
                     dynamics.check(state, dt)
@@ -582,7 +592,7 @@ class Move(Protocol, name="run"):
                     if rests:
                         return
             finally:
-                if not sim.closed and sim._begun == begun:
+                if not sim.closed and sim.engine.begun == begun:
                     names = ("deformable_rate", *tilts)
                     gone = "\n".join(f"variable {name} delete" for name in names)
                     run(sim.lmp, f"unfix deformable_box\n{gone}")

@@ -83,9 +83,10 @@ class Protocol:
     def begin(self, sim: Simulation) -> tuple[State, dict[str, Any]]:
         """The state before the first step, and what steps must know of the start.
 
-        The latter is what JSON can hold; `states` is the number of states to come at most.
+        The latter is what JSON can hold; `states` is the number of states to come at most, `steps`
+        if not given.
         """
-        return sim.state(), {"states": self.steps}
+        return sim.state(), {}
 
     def step(self, sim: Simulation, n: int) -> State:
         """Take a step.

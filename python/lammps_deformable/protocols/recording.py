@@ -9,7 +9,7 @@ follow each other instead, and the run cannot be resumed.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Generator, Iterator, Mapping
 from contextlib import ExitStack, closing
 from dataclasses import fields
 from functools import partial
@@ -26,6 +26,8 @@ from ..common.ranks import progress, together
 from ..engine.lammps import has_commands_of_a_user
 from ..formats import store
 from ..particles.laws import Droplet, Ring, Sector, SoftContact
+from ..state.recorded import motion_of, numbers_of, particle_values, write_state
+from ..state.state import State
 from .protocol import KNOWN, Protocol
 
 if TYPE_CHECKING:
@@ -33,10 +35,16 @@ if TYPE_CHECKING:
 
     from ..engine.simulation import Simulation
     from ..runs.run import Run
-    from ..state.state import State
 
 # Called with each state after a step; True ends the protocol there.
-Callback = Callable[[Any], object]
+Callback = Callable[[State], object]
+
+
+def _known() -> dict[str, type[Protocol]]:
+    """The classes of protocols by their names."""
+    from . import coarsening, compression, motion, proliferation, shearing  # noqa: F401, which know this module
+
+    return KNOWN
 
 
 def protocol_in(parameters: Mapping[str, Any]) -> Protocol:
@@ -45,17 +53,18 @@ def protocol_in(parameters: Mapping[str, Any]) -> Protocol:
     Raises:
         FileError: none of this name is known.
     """
-    from . import coarsening, compression, motion, proliferation, shearing  # noqa: F401, which know this module
-
     name = parameters["protocol"]
-    if name not in KNOWN:
+    if name not in _known():
         raise FileError(
             f"there is no protocol {name!r}: import the module that has its class, or go on with "
             "Run.simulation()"
         )
     kind = KNOWN[name]
-    names = {field.name for field in fields(kind)} & set(parameters)
-    return kind(**{each: parameters[each] for each in names})
+    told = dict(parameters)
+    if name == "run" and "look" in told:  # what `every` was called, which was limited by `steps`
+        told["every"] = told["look"]
+    names = {field.name for field in fields(kind)} & set(told)
+    return kind(**{each: told[each] for each in names})
 
 
 def check_callback(callback: Callback | None) -> None:
@@ -81,8 +90,13 @@ def play(
 
     expect("protocol", protocol, Protocol)
     expect("keep", keep, bool)
+    name, kind = protocol.name, type(protocol)
+    if record is not None and (other := _known().get(name, kind)) is not kind:
+        raise ParameterError(
+            f"{other.__module__}.{other.__qualname__} is a protocol of the name {name!r} too: give "
+            f"yours another one, class {kind.__name__}(Protocol, name=...)"
+        )
     protocol = protocol.check(sim, record is not None)
-    name = protocol.name
     check_callback(callback)
     check_parameters(parameters)
     as_json(f"the settings of {name}", protocol.settings)
@@ -90,10 +104,11 @@ def play(
     folder, first, before = _taken(sim, name, record, mode)
     state, start = protocol.begin(sim)
     start = {"frame": max(first, 1)} | start
+    start.setdefault("states", protocol.steps)
     told: dict[str, Any] = {**(parameters or {}), "protocol": name, **protocol.settings}
-    if folder is not None and not has_commands_of_a_user(sim.lmp, sim._setup):
+    if folder is not None and not has_commands_of_a_user(sim.lmp, sim.engine.setup):
         told["start"] = start
-    if sim.minimizer != sim._choose(None):
+    if sim.minimizer != sim.engine.chosen(None, sim.friction):
         told["minimizer"] = sim.minimizer
     told |= before
     states = [state]
@@ -101,13 +116,13 @@ def play(
         if folder is not None and record is not None:
             check = partial(_check_place, name, record, mode, first)
             lock.enter_context(alone_in(folder, sim.comm, check))
-        if folder is not None and state._root:
+        if folder is not None and sim.comm.rank == 0:
             if mode == "a":
                 store.keep_frames(folder, first)
             else:
                 store.drop_frames(folder)
             if first:
-                state._write(folder, told, frames=first)  # all of a run that goes on, but the frame
+                write_state(state, folder, told, frames=first)  # its frame is there already
             else:
                 write_frame(folder, 0, state, told)
         _steps(sim, protocol, told, start, 0, max(first, 1), state, folder, callback, states, keep)
@@ -147,7 +162,7 @@ def resume(run: Run, sim: Simulation, done: int, callback: Callback | None = Non
             sim.relax(np.finfo(float).max)  # relaxed already: this only finds whether it is rigid
             packing, *_ = store.read(run.folder)
             sim.reset(packing)
-            sim._engine.go_on(sim, store.read_motion(run.folder, packing))
+            sim.engine.go_on(sim, store.read_motion(run.folder, packing))
         first = start["frame"]
         _steps(sim, protocol, told, start, done, first, None, run.folder, callback, [], False)
 
@@ -243,12 +258,13 @@ def _steps(
         keep: whether all are.
     """
     taken_by = partial(_each_anew, sim, protocol) if "start" in told else partial(protocol.go, sim)
-    source: Any = taken_by(start, done, before)
+    source = _closing(taken_by(start, done, before))
     number, state = first + done - 1, None
     with closing(source), progress(protocol.name, "state", start["states"], initial=done) as bar:
         remaining = islice(source, start["states"] - done)
         for number, state in enumerate(remaining, start=first + done):
-            if folder is not None and state._root:
+            expect(f"the result of a step of {protocol.name}", state, State)
+            if folder is not None and sim.comm.rank == 0:
                 write_frame(folder, number, state, told)
             if not keep:
                 states.clear()
@@ -259,8 +275,13 @@ def _steps(
                 break
     if "start" in told and state is not None and (taken := number + 1 - first) < start["states"]:
         told["start"] = {**told["start"], "states": taken}  # complete: nothing is to be resumed
-        if folder is not None and state._root:
-            state._write(folder, told, frames=number + 1)
+        if folder is not None and sim.comm.rank == 0:
+            write_state(state, folder, told, frames=number + 1)
+
+
+def _closing(steps: Iterator[State]) -> Generator[State, None, None]:
+    """The same states; to close this closes the steps, if they are a generator too."""
+    yield from steps
 
 
 def _each_anew(
@@ -271,9 +292,8 @@ def _each_anew(
         if state is not None:
             so_far = steps_so_far(sim)
             sim.reset(state)
-            sim._steps_before = so_far  # a later call draws other noise
-        steps: Any = protocol.go(sim, start, n, None)
-        with closing(steps):
+            sim.engine.steps_before = so_far  # a later call draws other noise
+        with closing(_closing(protocol.go(sim, start, n, None))) as steps:
             state = next(steps, None)
         if state is None:
             return
@@ -282,7 +302,7 @@ def _each_anew(
 
 def steps_so_far(sim: Simulation) -> int:
     """Number of time steps and iterations of a simulation so far."""
-    return int(sim._steps_before + sim.lmp.extract_global("ntimestep"))
+    return int(sim.engine.steps_before + sim.lmp.extract_global("ntimestep"))
 
 
 def _ends(callback: Callback, state: State, comm: MPI.Comm) -> bool:
@@ -307,7 +327,7 @@ def _ends(callback: Callback, state: State, comm: MPI.Comm) -> bool:
 
 def recorded_numbers(state: State) -> dict[str, Any]:
     """The numbers of a state that are recorded, by name: a row of the series."""
-    numbers: dict[str, Any] = dict(state._numbers())
+    numbers: dict[str, Any] = dict(numbers_of(state))
     axes = "xyz"[: len(state.pressure_tensor)]
     for k, a in enumerate(axes):
         for n, b in enumerate(axes[k:], start=k):
@@ -320,11 +340,11 @@ def recorded_numbers(state: State) -> dict[str, Any]:
 def write_frame(folder: Path, number: int, state: State, parameters: Mapping[str, Any]) -> None:
     """Write a frame, and the state behind it. Only one rank calls this."""
     made_of = store.setup(state.packing, state.law, state.friction, state.gravity)
-    store.append_setup(folder, number, made_of | store.memory(state._motion))
+    store.append_setup(folder, number, made_of | store.memory(motion_of(state)))
     images = () if state.images is None else state.images.T
-    values = dict(zip(("ix", "iy", "iz"), images, strict=False)) | state._particle_values()
+    values = dict(zip(("ix", "iy", "iz"), images, strict=False)) | particle_values(state)
     store.append_frame(folder, number, state.packing, values, recorded_numbers(state))
-    state._write(folder, parameters, frames=number + 1)
+    write_state(state, folder, parameters, frames=number + 1)
 
 
 def at_rest(sim: Simulation, tolerance: float | None) -> State:

@@ -28,6 +28,7 @@ from ..engine.moduli import (
 from ..engine.relax import TOLERANCE, balanced_to
 from ..engine.simulation import Simulation
 from ..particles.laws import Droplet, Ring, Sector
+from ..particles.walls import kind_of
 from .motion import (
     Dynamics,
     advance,
@@ -169,7 +170,7 @@ def _flow(
         done: number of states before.
         before: the last state; None if it is not known.
     """
-    begun, state = sim._begun, sim.state() if before is None else before
+    begun, state = sim.engine.begun, sim.state() if before is None else before
     with (
         balanced_to(sim, state.packing, imbalance_under(rate * duration)),
         moving(sim, dynamics, of_noise),
@@ -323,7 +324,7 @@ def refuse_walls(sim: Simulation) -> None:
     if sim.walls:
         raise ParameterError(
             f"walls are not sheared, and this simulation has {len(sim.walls)}, the first a "
-            f"{sim.walls[0]._kind}: shear needs a periodic box without walls"
+            f"{kind_of(sim.walls[0])}: shear needs a periodic box without walls"
         )
 
 

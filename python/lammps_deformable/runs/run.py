@@ -62,7 +62,8 @@ from ..protocols.recording import recorded_numbers
 from ..protocols.shearing import DynamicModulus, harmonic
 from ..state.displacements import mean_squared_displacement, unwrapped
 from ..state.events import changes
-from ..state.state import COLUMNS, SAVED, State
+from ..state.recorded import COLUMNS, SAVED
+from ..state.state import State, writes
 
 if TYPE_CHECKING:
     from MDAnalysis import Universe
@@ -168,7 +169,7 @@ def _stress_in(row: Mapping[str, str], dimension: int) -> NDArray[np.float64]:
 def _evaluated(packing: Packing, made_of: Setup, motion: Motion) -> State:
     """The state of recorded particles, on this rank alone."""
     with _simulation_of(packing, made_of, alone()) as sim:
-        sim._engine.go_on(sim, motion)
+        sim.engine.go_on(sim, motion)
         return sim.state()
 
 
@@ -381,7 +382,7 @@ class Run(Sequence[State]):
         packing, made_of = read(folder)
         motion = read_motion(folder, packing)
         sim = _simulation_of(packing, made_of, comm, self.parameters.get("minimizer"))
-        sim._engine.go_on(sim, motion)
+        sim.engine.go_on(sim, motion)
         return sim
 
     def resume(
@@ -640,10 +641,10 @@ class Run(Sequence[State]):
             expect("a state that is exported", state, State)
             names.append(f"{path.stem}_{number:04d}.vtp")
             times.append(state.time)
-            if state._root and len(names) == 1:
+            if writes(state) and len(names) == 1:
                 refuse_present(path, replaces(mode))
             state.export(path.with_name(names[-1]), forces, mode)
-            if state._root:
+            if writes(state):
                 write_whole(path, collection(names, times))
         if not names:
             raise ParameterError("a series of shapes needs at least one state")
@@ -680,9 +681,9 @@ class Run(Sequence[State]):
             for number, state in enumerate(self):
                 expect("a state that is saved", state, State)
                 expect("the law of a state that is saved", state.law, *SAVED)
-                if state._root and number == 0:
+                if writes(state) and number == 0:
                     store.drop_frames(into)
-                if state._root:
+                if writes(state):
                     recording.write_frame(into, number, state, told)
         wait_for_all()
         return Run(into)

@@ -12,6 +12,7 @@ from ..common.checks import shown
 from ..common.errors import ParameterError
 from ..common.versions import optional
 from ..particles.containers import closed
+from .recorded import particle_values
 
 if TYPE_CHECKING:
     from MDAnalysis import Universe
@@ -58,7 +59,7 @@ def to_mdanalysis(state: State) -> Universe:
     universe = state.packing.to_mdanalysis()
     frame = universe.trajectory.ts
     frame.velocities = in_space(state.velocities)
-    frame.data.update(state._particle_values())
+    frame.data.update(particle_values(state))
     return universe
 
 
@@ -85,6 +86,6 @@ def to_pandas(state: State, table: str) -> Any:
 def values_of(state: State) -> dict[str, NDArray[Any]]:
     """Values of the particles by name: those of a trajectory, and what follows from them."""
     more = ("area_deficit", "shape_parameter") if state.packing.dimension == 2 else ()
-    return state._particle_values() | {
+    return particle_values(state) | {
         name: getattr(state, name) for name in more if hasattr(state, name)
     }

@@ -21,32 +21,25 @@ from ..common.errors import ParameterError, UndefinedError, UnsavedWarning, rena
 from ..common.files import check_parameters, replaces
 from ..common.versions import optional
 from ..formats.store import (
-    TEMPERATURE,
-    Motion,
-    as_columns,
     drop_frames,
     frames_in,
     refuse_run,
-    save,
 )
-from ..particles.commands import SOFT_STEP
 from ..particles.containers import free_room
-from ..particles.friction import Friction, Rubbing, inertia, spin_column
+from ..particles.friction import Friction, Rubbing, inertia
 from ..particles.gravity import gravity_energy
 from ..particles.laws import (
-    HOTTEST,
-    AnyLaw,
     Droplet,
     Ring,
     Sector,
     SoftContact,
-    accurate_step,
     filled_area,
     volumes,
 )
 from . import contacts, conversions, correlations, displacements, voronoi
 from .contacts import ContactTable
 from .hessian import at_rest, hessian_of
+from .recorded import MOVING, SAVED, write_state
 from .voronoi import Cells, cells_of, space_cells_of
 
 if TYPE_CHECKING:
@@ -65,14 +58,10 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
-# Laws with particles that deform and move; those of which states can be saved.
-_MOVING = (Ring, Sector, Droplet)
-SAVED = (*_MOVING, SoftContact)
-
 # The laws that have an attribute, and what the message calls them.
 _LAWS: dict[str, tuple[tuple[type, ...], str]] = {
     "rings": ((Ring, Sector), "Ring and Sector"),
-    "moving": (_MOVING, "Ring, Sector and Droplet"),
+    "moving": (MOVING, "Ring, Sector and Droplet"),
     "saved": (SAVED, "Ring, Sector, Droplet and SoftContact"),
     "droplets": ((Droplet,), "Droplet"),
     "bubbles": ((Ring, Droplet), "Ring and Droplet"),
@@ -91,17 +80,6 @@ _RESULTS = {
     "perimeters": "particles of the plane that deform",
     "arc_radii": "Ring and Sector",
     **dict.fromkeys(("surface_areas", "contact_areas", "loads"), "Droplet"),
-}
-
-# Columns of a trajectory by the names of results, where they differ.
-COLUMNS = {
-    "perimeters": "perimeter",
-    "pressures": "pressure",
-    "n_contacts": "contacts",
-    "arc_radii": "arc_radius",
-    "surface_areas": "surface_area",
-    "contact_areas": "contact_area",
-    "loads": "load",
 }
 
 
@@ -431,20 +409,6 @@ class State:
         return float(np.sum(relative**2) / (dimension * max(number - 1, 1)))
 
     @property
-    def _heat(self) -> float:
-        """Temperature at which particles collide as hard as in this motion [energy].
-
-        All may hit a wall together, so that their common motion counts where there are walls. The
-        fastest particle counts as the fastest one in a heat bath; and none can have more energy
-        than all together.
-        """
-        common = 0.0 if self.packing.walls else self.velocities.mean(axis=0)
-        energies = 0.5 * np.sum((self.velocities - common) ** 2, axis=1)
-        mean = max(self.temperature, 2.0 * float(energies.mean()) / self.packing.dimension)
-        largest, total = float(energies.max()) / HOTTEST, float(energies.sum()) / HOTTEST
-        return max(largest, min(mean, total))
-
-    @property
     def spins(self) -> Floats | None:
         """Angular velocities of the particles, shape (N,), in space (N, 3) [1/time].
 
@@ -461,24 +425,6 @@ class State:
     def gravity_energy(self) -> float:
         """The part -sum g.r of `energy`, of unwrapped positions r; 0 without gravity [energy]."""
         return gravity_energy(self.gravity, self.packing, self.images)
-
-    @property
-    def _motion(self) -> Motion:
-        """What goes on with a simulation from this state, beside the packing."""
-        history = self.velocities, self.time, self.shear_strain, self.films, self.directions
-        lost = self.lost_energy - sum(self.rubbing.lost if self.rubbing else ())
-        return Motion(*history, self.rubbing, self.images, lost, self.labels, self.clones)
-
-    @property
-    def _squeezed(self) -> tuple[str, Floats]:
-        """What limits time steps: its name, the pressure in each particle or the load."""
-        name = "load" if isinstance(self.law, Droplet) else "pressure"
-        return name, self.results["loads" if name == "load" else "pressures"]
-
-    @_only("moving")
-    def _step_limits(self) -> tuple[Packing, AnyLaw, float, float]:
-        """The arguments of `longest_step` and `accurate_step`."""
-        return self.packing, self.law, float(self._squeezed[1].max()), self._heat
 
     # particles
 
@@ -1237,51 +1183,6 @@ class State:
 
     # numbers, tables and files
 
-    def _numbers(self) -> dict[str, Any]:
-        """The state in numbers, by name; `shear_strain` is None without shear."""
-        box, axes = self.packing.box, "xyz"[: self.packing.dimension]
-        sides = {f"l{axis}": float(box[k, k]) for k, axis in enumerate(axes)}
-        tilts = {
-            a + b: float(box[k, n]) for n, a in enumerate(axes) for k, b in enumerate(axes) if n < k
-        }
-        found = {
-            "particles": len(self.packing),
-            **sides,
-            **tilts,
-            "shear_strain": self.shear_strain,
-            "phi": self.phi,
-            "pressure": self.pressure,
-            "shear_stress": self.shear_stress,
-            "energy": self.energy,
-            "coordination": self.coordination,
-            "rattlers": int(np.sum(self.rattlers)),
-            "residual": self.residual,
-            "stalled": not self.converged,
-            "minimizer": self.minimizer or "none",
-            "iterations": self.iterations,
-        }
-        if isinstance(self.law, SAVED):
-            found |= {"temperature": self.temperature, "time": self.time}
-        if isinstance(self.law, _MOVING):
-            name = "load" if isinstance(self.law, Droplet) else "shape_parameter"
-            mean = np.mean(self.loads if name == "load" else self.shape_parameter)
-            found |= {name: float(mean), "beyond": self.beyond}
-        return found
-
-    def _particle_values(self) -> dict[str, NDArray[Any]]:
-        """Values of the particles by their names in a trajectory, arrays of shape (N,)."""
-        found: dict[str, NDArray[Any]] = {"radius": self.packing.radii}
-        if isinstance(self.law, SoftContact):
-            found["area" if self.packing.dimension == 2 else "volume"] = self.volumes
-            found |= {"pressure": self.pressures, "contacts": self.n_contacts}
-        for name, values in self.results.items():
-            found[COLUMNS.get(name, name)] = values
-        found["rattler"] = self.rattlers.astype(int)
-        if isinstance(self.law, SAVED):
-            found |= dict(zip(("vx", "vy", "vz"), self.velocities.T, strict=False))
-            found |= {**as_columns(self._motion), **spin_column(self.rubbing)}
-        return found
-
     def to_freud(self, what: str = "points") -> Any:
         """Box and points as freud takes them, or the contacts as its list of neighbors.
 
@@ -1417,28 +1318,12 @@ class State:
                 "given to lmp",
                 UnsavedWarning,
             )
-        self._write(place, parameters)
+        write_state(self, place, parameters)
 
-    def _write(
-        self, folder: Path, parameters: Mapping[str, Any] | None, frames: int | None = None
-    ) -> None:
-        """Write the state behind so many recorded frames up to it, if any."""
-        steps = self._time_steps()
-        numbers = self._numbers()
-        packing, law = self.packing, self.law
-        forces = self.friction, self.gravity
-        save(folder, packing, law, steps, numbers, self._motion, parameters, frames, *forces)
 
-    def _time_steps(self) -> tuple[float, float]:
-        """For the script in the folder: of a minimization, and of a motion [time]."""
-        if isinstance(self.law, SoftContact):
-            return (SOFT_STEP / self.law.k**0.5,) * 2
-        packing, law, squeeze, now = self._step_limits()
-        longest = self.friction._accurate_step if self.friction else np.inf
-        return (
-            min(accurate_step(packing, law, squeeze, now), longest),
-            min(accurate_step(packing, law, squeeze, max(now, TEMPERATURE)), longest),
-        )
+def writes(state: State) -> bool:
+    """Whether this process writes files of a state: rank 0 of its simulation."""
+    return state._root
 
 
 def soft_state(packing: Packing, law: SoftContact, residual: float, converged: bool) -> State:

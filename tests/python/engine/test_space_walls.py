@@ -17,6 +17,7 @@ from lammps_deformable import (
     Sphere,
 )
 from lammps_deformable.state.contacts import forces_of
+from lammps_deformable.state.recorded import particle_values
 from polyhedra import FACES, FORCES, INDENTATIONS
 from programs import output
 
@@ -137,7 +138,7 @@ def test_soft_spheres_jam_between_walls() -> None:
     assert abs(state.network_contacts - state.isostatic_contacts) <= 3
     assert state.pressure_tensor.trace() / 3 == pytest.approx(state.pressure)
     contacts = np.bincount(touching["i"], minlength=24)
-    assert (state._particle_values()["contacts"] >= contacts).all()
+    assert (particle_values(state)["contacts"] >= contacts).all()
     energies, volumes = [], []
     for factor in (1 - 1e-8, 1 + 1e-8):
         with ld.Simulation(jammed.at(jammed.phi / factor**3), ld.SoftContact()) as soft:

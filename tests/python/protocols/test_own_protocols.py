@@ -1,6 +1,7 @@
 """Protocols of users are recorded, resumed and told like ours."""
 
 import json
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
@@ -13,6 +14,7 @@ from lammps_deformable.protocols.coarsening import Coarsen
 from lammps_deformable.protocols.compression import Compress, Grow
 from lammps_deformable.protocols.motion import Move
 from lammps_deformable.protocols.proliferation import Proliferate
+from lammps_deformable.protocols.protocol import KNOWN
 from lammps_deformable.protocols.recording import protocol_in
 from lammps_deformable.protocols.shearing import Creep, Oscillate, Shear
 
@@ -29,6 +31,9 @@ class Tap(ld.Protocol):
         sim.relax()
         sim.deform(box)
         return sim.relax()
+
+
+FirstTap = Tap
 
 
 @pytest.fixture(scope="module")
@@ -95,6 +100,43 @@ def test_what_is_no_protocol(packing: ld.Packing, tmp_path: Path) -> None:
     assert not (tmp_path / "none").exists()
 
 
+def test_a_name_of_two_classes(packing: ld.Packing, tmp_path: Path) -> None:
+    @dataclass(frozen=True, kw_only=True)
+    class Tap(ld.Protocol):
+        def step(self, sim: ld.Simulation, n: int) -> ld.State:
+            return sim.state()
+
+    with ld.Simulation(packing, ld.Ring()) as sim:
+        sim.play(Tap(), record=tmp_path / "one")
+        try:
+            with pytest.raises(ld.ParameterError, match=r"Tap is a protocol of the name 'tap' too"):
+                sim.play(FirstTap(amplitude=0.01), record=tmp_path / "other")
+        finally:
+            KNOWN["tap"] = FirstTap
+        assert not (tmp_path / "other").exists()
+        sim.play(FirstTap(amplitude=0.01), record=tmp_path / "other")
+
+
+def test_steps_by_go(packing: ld.Packing, tmp_path: Path) -> None:
+    """They may be any iterator; each is a state."""
+
+    @dataclass(frozen=True, kw_only=True)
+    class Still(ld.Protocol):
+        result: str = "state"
+
+        def go(
+            self, sim: ld.Simulation, start: dict[str, Any], done: int, before: ld.State | None
+        ) -> Iterator[ld.State]:
+            state = sim.state() if self.result == "state" else None
+            return iter([state] * (start["states"] - done))  # type: ignore[list-item]
+
+    with ld.Simulation(packing, ld.Ring()) as sim:
+        assert len(sim.play(Still(steps=2))) == 3
+        assert len(sim.play(Still(steps=2), record=tmp_path / "still")) == 3
+        with pytest.raises(ld.ParameterError, match=r"^the result of a step of still must be"):
+            sim.play(Still(result="none"))
+
+
 def test_a_generator_draws_a_seed_that_is_recorded(packing: ld.Packing, tmp_path: Path) -> None:
     hot: dict[str, Any] = {"temperature": 1e-6, "every": 5}
     with ld.Simulation(packing, ld.Ring()) as sim:
@@ -123,10 +165,50 @@ def test_settings_stand_in_json() -> None:
         assert {field.name for field in fields(each)} == set(told)
 
 
-def test_parameters_of_version_0_1_0_are_read() -> None:
+def test_older_parameters_are_read() -> None:
     """They lack settings that were not given, and have others."""
     assert protocol_in({"protocol": "compress", "strain": 0.1, "steps": 2, "tolerance": None}) == (
         Compress(strain=0.1, steps=2)
     )
     old = {"protocol": "run", "steps": 9, "every": 3, "look": 3, "inertia": True, "seed": 1}
     assert protocol_in(old | {"timestep": None, "drag": None}) == Move(steps=9, every=3, seed=1)
+    assert protocol_in(old | {"every": 9, "look": None}) == Move(steps=9, seed=1)
+
+
+@pytest.mark.parametrize(
+    ("call", "lacks", "has"),
+    [
+        (
+            lambda sim, **how: sim.compress(strain=0.03, steps=3, **how),
+            ("phi", "pressure"),
+            {},
+        ),
+        (
+            lambda sim, **how: sim.run(30, every=10, temperature=1e-6, seed=1, **how),
+            ("propulsion", "persistence", "pressure", "inertial_number", "tolerance"),
+            {"look": 10},
+        ),
+    ],
+    ids=["compress", "run"],
+)
+def test_an_older_folder_is_resumed(
+    packing: ld.Packing,
+    tmp_path: Path,
+    call: Callable[..., ld.Run],
+    lacks: tuple[str, ...],
+    has: dict[str, Any],
+) -> None:
+    whole, killed = tmp_path / "whole", tmp_path / "killed"
+    for folder, callback in ((whole, None), (killed, lambda _: 1 // 0)):
+        with ld.Simulation(packing, ld.Ring()) as sim, suppress(ZeroDivisionError):
+            call(sim, record=folder, callback=callback)
+    summary = json.loads((killed / "summary.json").read_text())
+    told = summary["parameters"]
+    for name in lacks:
+        assert told.pop(name) is None
+    summary["parameters"] = told | has
+    (killed / "summary.json").write_text(json.dumps(summary))
+    assert ld.Run(killed).steps_done == 1
+    assert len(ld.Run(killed).resume()) == 4
+    for name in ("series.csv", "trajectory.lammpstrj"):
+        assert (killed / name).read_text() == (whole / name).read_text()

@@ -8,6 +8,7 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 import shapely
+from lammps_deformable.state.recorded import particle_values
 
 MDAnalysis = pytest.importorskip("MDAnalysis")
 
@@ -42,7 +43,7 @@ def test_mdanalysis(moving: ld.State) -> None:
     assert (atoms.ids[0], atoms.ids[-1], set(atoms.masses)) == (1, 24, {1.0})
     frame = universe.trajectory[0]
     assert frame.triclinic_dimensions[:2, :2] == pytest.approx(packing.box, rel=1e-6)
-    for name, values in moving._particle_values().items():
+    for name, values in particle_values(moving).items():
         assert np.array_equal(frame.data[name], values)
 
 
