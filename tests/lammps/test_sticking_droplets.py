@@ -85,7 +85,7 @@ def test_films_form_at_touch_and_are_torn(angle, force, energy, pull, gap, torn,
     at(scene, 1.99)
     found = at(scene, low)
     assert found[1] == pytest.approx(pull, rel=1e-3)
-    assert found[0] == pytest.approx(2 * torn, abs=3e-4)
+    assert found[0] == pytest.approx(2 * torn, abs=1.2e-3)
     assert at(scene, high) == pytest.approx((0.0, 0.0), abs=1e-14)
     assert at(scene, 2 + 1e-6) == pytest.approx((0.0, 0.0), abs=1e-14)
 
@@ -127,7 +127,7 @@ def test_unlike_doublet(tmp_path):
 @pytest.mark.parametrize("radii", [1.0, (1.0, 1.3, 0.8, 1.0)])
 def test_forces_of_a_cluster(radii, tmp_path):
     """By the change of the energy: some films are pressed, others pulled."""
-    x = 6 + 1.82 * np.mean(radii) * TETRAHEDRON
+    x = 6 + 1.77 * np.mean(radii) * TETRAHEDRON
     x += np.random.default_rng(1).normal(0, 0.03, x.shape)
     scene = droplets(x, tmp_path, radii=radii)
     force = scene.force
@@ -319,21 +319,22 @@ def test_droplet_at_a_wall(angle, tmp_path):
 
 
 def test_droplet_between_plates(tmp_path):
-    """The exact answers of plates, at their indentation."""
-    plates = "region slit block EDGE EDGE EDGE EDGE {} {}\nfix walls all deformable/wall slit "
+    """Pressed and pulled, beside the exact answers."""
     for angle, force, indentation, energy in (
         (0.5, 0.2, 0.165395446208, -0.081499534906),
         (0.3, -0.1, -0.001163462740, -0.007557231686),
     ):
-        h = 1 - indentation
-        commands = plates.format(-h, h) + f"adhesion {1 - np.cos(angle):.17g}\n"
+        commands = (
+            "variable bottom equal -0.99\nvariable top equal 0.99\n"
+            "fix walls all deformable/wall zlo v_bottom zhi v_top "
+            f"adhesion {1 - np.cos(angle):.17g}\n"
+        )
         case = {"x": ORIGIN, "box": [SIDE] * 3, "low": -0.5 * SIDE}
         case |= {"radius": [1.0], "tension": [1.0]}
         scene = Droplets(case, tmp_path, commands=commands, boundary="f f f")
-        if force < 0:
-            scene.run("fix_modify deformable_films attached 1 -1 1 -257\nrun 0")
-        rows = scene.contacts()
-        assert rows[:, 4] == pytest.approx([force] * 2, abs=3e-4)
+        h = 1 - indentation
+        scene.run(f"variable bottom equal {-h:.17g}\nvariable top equal {h:.17g}\nrun 0")
+        assert scene.contacts()[:, 4] == pytest.approx([force] * 2, abs=3e-4)
         assert scene.energy == pytest.approx(energy, abs=5e-5)
 
 
