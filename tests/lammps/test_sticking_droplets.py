@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from droplet_walls import ORIGIN, SIDE
 from droplets import CASES, STRESS, Droplets
-from parallel import assert_atoms_change_ranks, assert_same, on_grids, report, reported
+from parallel import TWO, assert_atoms_change_ranks, assert_same, on_grids, report, reported
 
 W = 0.24
 TETRAHEDRON = np.array([(1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1)]) / np.sqrt(8)
@@ -354,7 +354,7 @@ neighbor 0.1 bin
 neigh_modify every 1 delay 0 check no
 {balance}
 velocity all create 0.03 4711 loop geom
-velocity all set 0.1 NULL NULL sum yes
+velocity all set 0.6 NULL NULL sum yes
 fix move all nve
 timestep 0.05
 compute pair all pair deformable/droplet
@@ -363,7 +363,7 @@ compute attached all reduce sum c_contacts[4] inputs local
 thermo_style custom step pe ke c_attached c_pair[*]
 thermo_modify norm no
 """
-STEPS = 40, 60
+STEPS = 24, 16
 
 
 def flight(folder, grids, length):
@@ -389,7 +389,7 @@ def flight(folder, grids, length):
 
 def test_ranks(tmp_path):
     """Films, energies and forces are those of one rank, while they come and go across borders."""
-    first, second = flight(tmp_path, ("1 1 1", "2 1 1", "2 2 1"), 10)
+    first, second = flight(tmp_path, TWO, 10)
     for found in (first, second):
         assert_same(found, 1e-7, atol=1e-7)
     assert_atoms_change_ranks(first, second)
