@@ -296,7 +296,7 @@ DEFORMABLE_LANE_FUNCTION void find_compliances(const RingBatches &b, const Dropl
 DEFORMABLE_LANE_FUNCTION Lanes load_films(const RingBatches &b, const DropletArrays &d,
                                           const FilmLoad<Lanes> &of, int batch, int w)
 {
-  constexpr double LEAST_STRETCH = 0.8, MOST_STRETCH = 1.5, CLOSE = 2e-5, VOLUME = 4.0 / 3.0 * PI;
+  constexpr double LEAST_STRETCH = 0.8, MOST_STRETCH = 1.5, CLOSE = 3e-6, VOLUME = 4.0 / 3.0 * PI;
   constexpr int MOST_STEPS = 20;
   const int first = b.first[batch], places = b.first[batch + 1] - first,
             droplet = batch * LANES + w;
