@@ -296,7 +296,7 @@ DEFORMABLE_LANE_FUNCTION void find_compliances(const RingBatches &b, const Dropl
 DEFORMABLE_LANE_FUNCTION Lanes load_films(const RingBatches &b, const DropletArrays &d,
                                           const FilmLoad<Lanes> &of, int batch, int w)
 {
-  constexpr double CLOSE = 2e-5, VOLUME = 4.0 / 3.0 * PI;
+  constexpr double LEAST_STRETCH = 0.8, MOST_STRETCH = 1.5, CLOSE = 3e-6, VOLUME = 4.0 / 3.0 * PI;
   constexpr int MOST_STEPS = 20;
   const int first = b.first[batch], places = b.first[batch + 1] - first,
             droplet = batch * LANES + w;
@@ -306,7 +306,7 @@ DEFORMABLE_LANE_FUNCTION Lanes load_films(const RingBatches &b, const DropletArr
   const RingArrays &r = b.rings;
   const Lanes X = of.x - of.squares * BY_SUM, radius = load<Lanes>(r.radius + droplet),
               tension = load<Lanes>(d.tension + droplet);
-  Lanes curved{};    // -dL^3 V0 of films that are caps, as of the last time
+  Lanes curved{};    // what films that are caps add to sum u_P, as of the last time
   for (int at = w; at < places; at += LANES) {
     const int c = first + at;
     if (d.is_cap) curved += load<Lanes>(d.curved_by_pressure + c);
@@ -338,12 +338,14 @@ DEFORMABLE_LANE_FUNCTION Lanes load_films(const RingBatches &b, const DropletArr
     slope = inside.slope;
     const Lanes off = L * L * L - 1.0 + (sum + curved) * (1.0 / VOLUME);
     const Lanes steep = 3.0 * L * L + rate * slope * (1.0 / VOLUME);
-    step = Lanes{} - off / larger(steep, all(1.0));
+    // forces that no droplet bears may have no L: it stays bounded
+    step = smaller(larger(Lanes{} - off / larger(steep, all(1.0)), LEAST_STRETCH - L),
+                   MOST_STRETCH - L);
     work +=
         work_of_stretch(L, X) - 0.5 * VOLUME * slope * steep * step * step - curved * slope * step;
     going &= magnitude(step) > CLOSE;
     if (!any(going) || n + 1 == MOST_STEPS) break;
-    L = select(going, larger(L + step, all(0.5)), L);
+    L = select(going, L + step, L);
   }
   L += step;
   const FilmPressure<Lanes> inside(L, X);

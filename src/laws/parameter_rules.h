@@ -113,7 +113,7 @@ inline std::string invalid_adhesion(double adhesion)
   return "adhesion must be 0 or positive and finite, not " + shown_number(adhesion);
 }
 
-// For a particle that gains w for each unit of length of a film, with a wall or with another particle, which meets the
+// For a particle that gains w for each unit of length of a film, or of its area in space, with a wall or with another particle, which meets the
 // same rule. A film has the tension T_i + T_j - w (wall: T_i - w) and meets the free outline at an angle of
 //   cos theta = 1 - w/2T (wall: 1 - w/T) between equals,   w < 2T of the weaker one
 inline std::string invalid_for_adhesion(double adhesion, const Stiffness &k, double skin)

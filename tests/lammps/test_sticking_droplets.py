@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from droplet_walls import ORIGIN, SIDE
 from droplets import CASES, STRESS, Droplets
-from parallel import assert_atoms_change_ranks, assert_same, on_grids, report, reported
+from parallel import TWO, assert_atoms_change_ranks, assert_same, on_grids, report, reported
 
 W = 0.24
 TETRAHEDRON = np.array([(1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1)]) / np.sqrt(8)
@@ -85,7 +85,7 @@ def test_films_form_at_touch_and_are_torn(angle, force, energy, pull, gap, torn,
     at(scene, 1.99)
     found = at(scene, low)
     assert found[1] == pytest.approx(pull, rel=1e-3)
-    assert found[0] == pytest.approx(2 * torn, abs=3e-4)
+    assert found[0] == pytest.approx(2 * torn, abs=1.2e-3)
     assert at(scene, high) == pytest.approx((0.0, 0.0), abs=1e-14)
     assert at(scene, 2 + 1e-6) == pytest.approx((0.0, 0.0), abs=1e-14)
 
@@ -127,7 +127,7 @@ def test_unlike_doublet(tmp_path):
 @pytest.mark.parametrize("radii", [1.0, (1.0, 1.3, 0.8, 1.0)])
 def test_forces_of_a_cluster(radii, tmp_path):
     """By the change of the energy: some films are pressed, others pulled."""
-    x = 6 + 1.82 * np.mean(radii) * TETRAHEDRON
+    x = 6 + 1.77 * np.mean(radii) * TETRAHEDRON
     x += np.random.default_rng(1).normal(0, 0.03, x.shape)
     scene = droplets(x, tmp_path, radii=radii)
     force = scene.force
@@ -319,21 +319,22 @@ def test_droplet_at_a_wall(angle, tmp_path):
 
 
 def test_droplet_between_plates(tmp_path):
-    """The exact answers of plates, at their indentation."""
-    plates = "region slit block EDGE EDGE EDGE EDGE {} {}\nfix walls all deformable/wall slit "
+    """Pressed and pulled, beside the exact answers."""
     for angle, force, indentation, energy in (
         (0.5, 0.2, 0.165395446208, -0.081499534906),
         (0.3, -0.1, -0.001163462740, -0.007557231686),
     ):
-        h = 1 - indentation
-        commands = plates.format(-h, h) + f"adhesion {1 - np.cos(angle):.17g}\n"
+        commands = (
+            "variable bottom equal -0.99\nvariable top equal 0.99\n"
+            "fix walls all deformable/wall zlo v_bottom zhi v_top "
+            f"adhesion {1 - np.cos(angle):.17g}\n"
+        )
         case = {"x": ORIGIN, "box": [SIDE] * 3, "low": -0.5 * SIDE}
         case |= {"radius": [1.0], "tension": [1.0]}
         scene = Droplets(case, tmp_path, commands=commands, boundary="f f f")
-        if force < 0:
-            scene.run("fix_modify deformable_films attached 1 -1 1 -257\nrun 0")
-        rows = scene.contacts()
-        assert rows[:, 4] == pytest.approx([force] * 2, abs=3e-4)
+        h = 1 - indentation
+        scene.run(f"variable bottom equal {-h:.17g}\nvariable top equal {h:.17g}\nrun 0")
+        assert scene.contacts()[:, 4] == pytest.approx([force] * 2, abs=3e-4)
         assert scene.energy == pytest.approx(energy, abs=5e-5)
 
 
@@ -353,7 +354,7 @@ neighbor 0.1 bin
 neigh_modify every 1 delay 0 check no
 {balance}
 velocity all create 0.03 4711 loop geom
-velocity all set 0.1 NULL NULL sum yes
+velocity all set 0.6 NULL NULL sum yes
 fix move all nve
 timestep 0.05
 compute pair all pair deformable/droplet
@@ -362,7 +363,7 @@ compute attached all reduce sum c_contacts[4] inputs local
 thermo_style custom step pe ke c_attached c_pair[*]
 thermo_modify norm no
 """
-STEPS = 40, 60
+STEPS = 24, 16
 
 
 def flight(folder, grids, length):
@@ -388,7 +389,7 @@ def flight(folder, grids, length):
 
 def test_ranks(tmp_path):
     """Films, energies and forces are those of one rank, while they come and go across borders."""
-    first, second = flight(tmp_path, ("1 1 1", "2 1 1", "2 2 1"), 10)
+    first, second = flight(tmp_path, TWO, 10)
     for found in (first, second):
         assert_same(found, 1e-7, atol=1e-7)
     assert_atoms_change_ranks(first, second)
