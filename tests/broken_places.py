@@ -115,7 +115,8 @@ def noticed(package: Path, number: int, said: Path) -> tuple[list[str], int]:
         except subprocess.TimeoutExpired:
             end(number)
             file.write("\n[gw0] FAILED and the rest, which does not end\n")
-    told = re.findall(r"^\[gw\d+\].* (PASSED|FAILED|ERROR) (.+)$", said.read_text(), re.MULTILINE)
+    each = r"^\[gw\d+\].* (PASSED|FAILED|ERROR) (.+?) *$"
+    told = re.findall(each, said.read_text(), re.MULTILINE)
     broken_ones = {test for result, test in told if result != "PASSED"}
     return sorted(broken_ones), len({test for _, test in told})
 
