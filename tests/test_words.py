@@ -27,12 +27,14 @@ BUDGETS = {
     "docs/theory/laws.md": 1480,
     "docs/theory/lines.md": 1400,
     "docs/pair_deformable_ring.md": 2450,
+    "docs/pair_deformable_droplet.md": 1700,
+    "docs/theory/droplets.md": 1700,
     "docs/theory/contacts.md": 1630,
-    "docs/fix_deformable_wall.md": 1900,
+    "docs/fix_deformable_wall.md": 1920,
     "docs/fix_deformable_friction.md": 1630,
     "docs/cookbook.md": 1160,
 }
-USUAL, GUIDE, ALL = 1600, 1000, 74_600
+USUAL, GUIDE, ALL = 1600, 1000, 75_000
 
 # How the code came to be is in the git log. What nobody has read is no source.
 BANNED = (

@@ -296,30 +296,36 @@ DEFORMABLE_LANE_FUNCTION void find_compliances(const RingBatches &b, const Dropl
 DEFORMABLE_LANE_FUNCTION Lanes load_films(const RingBatches &b, const DropletArrays &d,
                                           const FilmLoad<Lanes> &of, int batch, int w)
 {
-  constexpr double CLOSE = 3e-6, VOLUME = 4.0 / 3.0 * PI;
+  constexpr double LEAST_STRETCH = 0.8, MOST_STRETCH = 1.5, CLOSE = 3e-6, VOLUME = 4.0 / 3.0 * PI;
   constexpr int MOST_STEPS = 20;
   const int first = b.first[batch], places = b.first[batch + 1] - first,
             droplet = batch * LANES + w;
   double *const mixed = static_cast<double *>(b.contacts.scratch) + 4 * places,
-                *const by_force = mixed + places, *const compliance = by_force + places;
+                *const by_force = mixed + places, *const compliance = by_force + places,
+                *const logs = mixed - places;
   const RingArrays &r = b.rings;
   const Lanes X = of.x - of.squares * BY_SUM, radius = load<Lanes>(r.radius + droplet),
               tension = load<Lanes>(d.tension + droplet);
-  Lanes curved{};    // -dL^3 V0 of films that are caps, as of the last time
-  for (int c = first + w; c < first + places; c += LANES)
-    curved += load<Lanes>(d.curved_by_pressure + c);
+  Lanes curved{};    // what films that are caps add to sum u_P, as of the last time
+  for (int at = w; at < places; at += LANES) {
+    const int c = first + at;
+    if (d.is_cap) curved += load<Lanes>(d.curved_by_pressure + c);
+    store(logs + at, logarithm(some_force(load<Lanes>(d.force + c))).value);
+  }
 
   Lanes L = load<Lanes>(d.stretch + droplet), step{}, slope{}, work{}, cover{};
   Mask going = L > 0.0;
   for (int n = 0; n < MOST_STEPS; ++n) {
     const FilmPressure<Lanes> inside(L, X);
+    const Lanes log_P = logarithm(inside.P).value;
     Lanes sum{}, rate{};
     work = cover = Lanes{};
     for (int at = w; at < places; at += LANES) {
       const int c = first + at;
       const Lanes lean = load<Lanes>(d.lean + c);
-      const FilmTerm<Lanes> u(load<Lanes>(d.force + c), load<Lanes>(d.sine + c),
-                              load<Lanes>(d.rise + c), 2.0 / (inside.P * lean), LOG);
+      const FilmTerm<Lanes> u(load<Lanes>(d.force + c), load<Lanes>(logs + at), inside.P * lean,
+                              log_P + load<Lanes>(d.lean_log + c), load<Lanes>(d.sine + c),
+                              load<Lanes>(d.rise + c), LOG);
       work += u.u;
       sum += lean * u.P;
       rate += lean * lean * u.PP;
@@ -332,25 +338,26 @@ DEFORMABLE_LANE_FUNCTION Lanes load_films(const RingBatches &b, const DropletArr
     slope = inside.slope;
     const Lanes off = L * L * L - 1.0 + (sum + curved) * (1.0 / VOLUME);
     const Lanes steep = 3.0 * L * L + rate * slope * (1.0 / VOLUME);
-    step = Lanes{} - off / larger(steep, all(1.0));
+    // forces that no droplet bears may have no L: it stays bounded
+    step = smaller(larger(Lanes{} - off / larger(steep, all(1.0)), LEAST_STRETCH - L),
+                   MOST_STRETCH - L);
     work +=
         work_of_stretch(L, X) - 0.5 * VOLUME * slope * steep * step * step - curved * slope * step;
     going &= magnitude(step) > CLOSE;
     if (!any(going) || n + 1 == MOST_STEPS) break;
-    L = select(going, larger(L + step, all(0.5)), L);
+    L = select(going, L + step, L);
   }
   L += step;
   const FilmPressure<Lanes> inside(L, X);
-  const Lanes pressure = inside.P * tension / radius;
+  const Lanes pressure = inside.P * tension / radius, unit = radius * tension;
   Lanes pull{};
   for (int at = w; at < places; at += LANES) {
     const int c = first + at;
     const Lanes f = load<Lanes>(d.force + c), sine = load<Lanes>(d.sine + c);
     store(by_force + at, load<Lanes>(by_force + at) + (L - 1.0) * (f * (0.25 / PI) - 1.0) +
                              step * slope * load<Lanes>(mixed + at));
-    store(d.least + c,
-          radius * tension * least_of_film(sine, 2.0 / (inside.P * load<Lanes>(d.lean + c))));
-    store(d.pressure + c, pressure);
+    store(d.least + c, unit * least_of_film(sine, inside.P * load<Lanes>(d.lean + c)));
+    if (d.is_cap) store(d.pressure + c, pressure);
     pull += larger(Lanes{} - f, Lanes{});
   }
   store(d.stretch + droplet, L);
@@ -389,8 +396,9 @@ static void load_droplets(RingBatches b, DropletArrays d, PairDirections p)
                       moved = load_vectors(d.tx + c, d.ty + c, d.tz + c);
         const Lanes along = dot(moved, n);
         const Vectors t = {along * n.x - moved.x, along * n.y - moved.y, along * n.z - moved.z};
-        const Lanes t2 = dot(t, t), size = STICKS ? magnitude(f) : f,
-                    l = LOG_8_PI - logarithm(larger(size, all(NO_FORCE))).value;
+        const Lanes t2 = dot(t, t),
+                    l = LOG_8_PI - (STICKS ? load<Lanes>(logs + at)
+                                           : logarithm(larger(f, all(NO_FORCE))).value);
         store(logs + at, l);
         store(beside + at, t2);
         turned -= 0.5 * f * t2;
@@ -533,7 +541,8 @@ template <bool STICKS> static void turn_films(RingBatches b, DropletArrays d)
                                                       radius * load<Lanes>(back + c) - damped);
       store(r.work + droplet,
             tension * radius * (radius * load<Lanes>(d.still_work + droplet) + 0.25 * of_all));
-      if constexpr (STICKS) bend_films(b, d, batch, w);
+      if constexpr (STICKS)
+        if (d.is_cap) bend_films(b, d, batch, w);
     }
   }
 }

@@ -279,8 +279,9 @@ struct DropletArrays {
   float *taken;                              // by facets of others: sum f (dt/df)^2
   double *green, *green2, *d_green;          // G, G2 and G' of two contacts
 
-  // Of films that stick, droplet_film.h. By contact: s and 1 - C, 0 of a free one, lambda, and 1 where the film is a cap, else 0.
-  const double *sine, *rise, *lean, *is_cap;
+  // Of films that stick, droplet_film.h. By contact: s and 1 - C, 0 of a free one, lambda, its logarithm, and 1 where the film is a
+  // cap, else 0; null where none is.
+  const double *sine, *rise, *lean, *lean_log, *is_cap;
   double *stretch, *cover,
       *bulge;             // by droplet: L, the part of it under films, and how far it may bulge
   double *film_radius;    // [length]

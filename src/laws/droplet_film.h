@@ -30,8 +30,9 @@ namespace deformable {
 // The law was judged up to the first of these angles, and compared with exact shapes up to the second one. Films may cover this part of
 // a droplet.
 constexpr double LARGEST_FILM_ANGLE = 0.7, MOST_FILM_ANGLE = 1.0, LARGEST_COVER = 0.5;
-// A film is torn where the root of its force above the least one, y = q/s, is this: at 0.999 of the largest pull.
-constexpr double TORN = 0.03;
+// A film is torn where y = q/s, the root of its force above the least one, is this: at 0.9999 of the largest pull. At y = 0 it gives
+// way without a bound.
+constexpr double TORN = 0.01;
 
 // One side of the film of a pair, or of a wall: s, 1 - C and lambda.
 struct FilmSide {
@@ -68,24 +69,30 @@ constexpr int FILM_POWERS = 6;
 constexpr double FILM_SERIES[FILM_POWERS] = {1.0,        0.5,         0.36038727,
                                              0.49431753, -0.46349913, 1.321883};
 
-// q = sqrt(s^2 + k), and int ds/q from 0. log: of a T.
+// |f|, but not less than NO_FORCE, and its logarithm: those of f -> 0 in W_0 and in u cancel.
+template <class T> DEFORMABLE_INLINE T some_force(T f)
+{
+  const T least = T{} + NO_FORCE;
+  return larger(magnitude(f), least);
+}
+
+// k = f P/pi, q = sqrt(s^2 + k), and int ds/q = ln[(s + q)/sqrt|k|] from 0. log_f: ln |f|, log_P: ln P, log: of a T.
 template <class T> struct FilmRoot {
   T k, q, per_q, lambda;
 
   template <class Log>
-  DEFORMABLE_INLINE FilmRoot(T f, T sine, T rho, Log &&log)
+  DEFORMABLE_INLINE FilmRoot(T f, T log_f, T P, T log_P, T sine, Log &&log)
   {
-    const T least = T{} + NO_FORCE, some = magnitude(f) > NO_FORCE ? f : with_sign_of(least, f);
-    k = (2.0 / PI) * some / rho;
+    constexpr double LOG_PI = 1.1447298858494002;
+    k = (1.0 / PI) * with_sign_of(some_force(f), f) * P;
     const T square = sine * sine + k, zero = T{};
     q = root(larger(square, zero));
     per_q = 1.0 / larger(q, 1e-3 * sine + 1e-200);
-    const T sum = sine + q;
-    lambda = sine > 0.0 ? 0.5 * log(sum * sum / magnitude(k)) : zero;
+    lambda = sine > 0.0 ? log(sine + q) - 0.5 * (log_f + log_P - LOG_PI) : zero;
   }
 };
 
-// u and its derivatives by f and by P, at rho = 2/P:
+// u and its derivatives by f and by P, rho = 2/P:
 //   u   = (rho f/2) (1 - C) + (pi rho^2/2) [(1 - C)^2 (2 + C)/3 + I]     u_f = (rho/2) (1 - C + J)     u_ff = K/(2 pi)
 //   I   = sum b_i T_(2i+2),  J = sum b_i U_(2i+2),  K = sum b_i [s^(2i+1)/q - (2i + 1) U_(2i)]
 //   T_m = int s^m q ds = [s^(m-1) q^3 - (m - 1) k T_(m-2)]/(m + 2),   U_m = int s^m/q ds = [s^(m-1) q - (m - 1) k U_(m-2)]/m
@@ -94,11 +101,12 @@ template <class T> struct FilmTerm {
   T radius;    // of the film
 
   template <class Log>
-  DEFORMABLE_INLINE FilmTerm(T force, T sine, T rise, T rho, Log &&log)
+  DEFORMABLE_INLINE FilmTerm(T force, T log_f, T pressure, T log_P, T sine, T rise, Log &&log)
   {
-    const FilmRoot<T> at(force, sine, rho, log);
+    const FilmRoot<T> at(force, log_f, pressure, log_P, sine, log);
     const T k = at.k, q = at.q, s2 = sine * sine, cube = q * q * q;
     T power = sine, even = 0.5 * (sine * q + k * at.lambda), odd = at.lambda, I{}, J{}, K{};
+#pragma GCC unroll 6
     for (int i = 0; i < FILM_POWERS; ++i) {
       const double n = 2.0 * i + 1.0, b = FILM_SERIES[i];
       K += b * (power * at.per_q - n * odd);
@@ -108,8 +116,8 @@ template <class T> struct FilmTerm {
       J += b * odd;
       power *= s2;
     }
-    const T half = 0.5 * rho, cap = rise * rise * (3.0 - rise) * (1.0 / 3.0);
-    u = half * (force * rise + PI * rho * (cap + I));
+    const T half = 1.0 / pressure, cap = rise * rise * (3.0 - rise) * (1.0 / 3.0);    // rho/2
+    u = half * (force * rise + 2.0 * PI * half * (cap + I));
     f = half * (rise + J);
     ff = (0.5 / PI) * K;
     P = half * (force * f - 2.0 * u);
@@ -148,9 +156,9 @@ template <class T> struct FilmLoad : DropletLoad<T> {
 };
 
 // The least force that a film may bear.
-template <class T> DEFORMABLE_INLINE T least_of_film(T sine, T rho)
+template <class T> DEFORMABLE_INLINE T least_of_film(T sine, T pressure)
 {
-  return (-0.5 * PI * (1.0 - TORN * TORN)) * rho * sine * sine;
+  return (-PI * (1.0 - TORN * TORN)) * sine * sine / pressure;
 }
 
 // P and its derivative by L.
@@ -173,7 +181,7 @@ template <class T> DEFORMABLE_INLINE T work_of_stretch(T L, T X)
 }
 
 // What a film between droplets of one tension g and unlike radii has beside u of both sides, by F and the pressures p_i and p_j inside:
-//   2 pi g ((p_i - p_j)/(4 g))^2 Y,   rho = 4 g/(p_i + p_j),   k = 2 F/(pi g rho)
+//   2 pi g ((p_i - p_j)/(4 g))^2 Y,   rho = 4 g/(p_i + p_j),   k = 2 F/(pi g rho),   in units of g
 //   Y = int_0^theta r^4 (1/4 - s/q) s dpsi = (rho/2)^4 [k^2/4 I_1 - 2 k I_3 - 6 I_5 - sum b_i (6 U_(2i+6) + 5 k U_(2i+4))]
 // with I_n = int s^n dpsi, and d U_m/dk = -V_m/2, V_m = int s^m/q^3 ds = U_(m-2) - k V_(m-2).
 template <class T> struct CurvedFilm {
@@ -182,14 +190,16 @@ template <class T> struct CurvedFilm {
   template <class Log>
   DEFORMABLE_INLINE CurvedFilm(T force, T p_i, T p_j, T tension, T sine, T rise, Log &&log)
   {
-    const T mean = 0.5 * (p_i + p_j), per_g = 1.0 / tension, rho = 2.0 * tension / mean;
-    const FilmRoot<T> at(force * per_g, sine, rho, log);
+    const T mean = 0.5 * (p_i + p_j), per_g = 1.0 / tension, half = tension / mean;    // rho/2
+    const T f = force * per_g, P = mean * per_g;
+    const FilmRoot<T> at(f, log(some_force(f)), P, log(P), sine, log);
     const T k = at.k, q = at.q, s2 = sine * sine, C = 1.0 - rise;
     const T I1 = rise, I3 = rise * rise * (2.0 + C) * (1.0 / 3.0),
             I5 = rise - (2.0 / 3.0) * (1.0 - C * C * C) + 0.2 * (1.0 - C * C * C * C * C);
     // U_2, V_2 and then each next one
     T U = 0.5 * (sine * q - k * at.lambda), V = at.lambda - sine * at.per_q, power = sine * s2,
       sum{}, slope{};
+#pragma GCC unroll 6
     for (int i = 0; i < FILM_POWERS; ++i) {
       const double m = 2.0 * i + 4.0, b = FILM_SERIES[i];
       const T V4 = U - k * V, U4 = (power * q - (m - 1.0) * k * U) * (1.0 / m);
@@ -200,7 +210,7 @@ template <class T> struct CurvedFilm {
       U = U4;
       V = V4;
     }
-    const T half = 0.5 * rho, fourth = half * half * half * half;
+    const T fourth = half * half * half * half;
     const T Y = fourth * (0.25 * k * k * I1 - 2.0 * k * I3 - 6.0 * I5 - sum),
             Y_k = fourth * (0.5 * k * I1 - 2.0 * I3 - slope);
     const T turn = (p_i - p_j) * 0.25 * per_g, twice = 2.0 * PI * tension * turn * turn,

@@ -4,6 +4,7 @@
 #ifndef DEFORMABLE_PARAMETER_RULES_H
 #define DEFORMABLE_PARAMETER_RULES_H
 
+#include "laws/droplet_film.h"
 #include "laws/stiffness.h"
 #include "laws/trigonometry.h"
 
@@ -112,7 +113,7 @@ inline std::string invalid_adhesion(double adhesion)
   return "adhesion must be 0 or positive and finite, not " + shown_number(adhesion);
 }
 
-// For a particle that gains w for each unit of length of a film, with a wall or with another particle, which meets the
+// For a particle that gains w for each unit of length of a film, or of its area in space, with a wall or with another particle, which meets the
 // same rule. A film has the tension T_i + T_j - w (wall: T_i - w) and meets the free outline at an angle of
 //   cos theta = 1 - w/2T (wall: 1 - w/T) between equals,   w < 2T of the weaker one
 inline std::string invalid_for_adhesion(double adhesion, const Stiffness &k, double skin)
@@ -130,6 +131,16 @@ inline std::string invalid_for_adhesion(double adhesion, const Stiffness &k, dou
          shown_number(k.tension) +
          (k.tension == 0.0 ? ": without a tension there is no contact angle at rest"
                            : ": nothing would bound the film, which engulfs a particle");
+}
+
+// For droplets in space besides: the outline meets the film at an angle with this 1 - cos (droplet_film.h).
+inline std::string invalid_for_droplet_film(double adhesion, double rise)
+{
+  if (rise <= 1.0 - std::cos(MOST_FILM_ANGLE)) return "";
+  return "adhesion " + shown_number(adhesion) + " makes a contact angle of " +
+         shown_number(std::acos(1.0 - rise)) + " rad, but the law of droplets in space is for " +
+         shown_number(LARGEST_FILM_ANGLE) + ", and goes on to " + shown_number(MOST_FILM_ANGLE) +
+         ": use a smaller adhesion or a larger tension";
 }
 
 }    // namespace deformable

@@ -120,7 +120,7 @@ Droplet droplet(nb::handle given_normals, nb::handle given_forces, double radius
                       tx = room(), ty = room(), tz = room(), damping = room(), film = room(),
                       per_radii = room(), x_turn = room(), y_turn = room(), z_turn = room(),
                       each_green(greens), each_green2(greens), d_green(greens), scratch(7 * places),
-                      sine = room(), rise = room(), lean(places + 1, 1.0), none_is_cap = room(),
+                      sine = room(), rise = room(), lean(places + 1, 1.0), lean_log = room(),
                       film_radius = room(), curved = room(), pressure = room(), least = room();
   std::vector<double> radii(LANES, 1.0), tensions(LANES, 1.0), per_tension(LANES, 1.0), load(LANES),
       facet(LANES), work(LANES), still_work(LANES), total(LANES), stretch(LANES, 1.0), cover(LANES),
@@ -130,6 +130,7 @@ Droplet droplet(nb::handle given_normals, nb::handle given_forces, double radius
     sine[c * LANES] = std::sin(angles[c]);
     rise[c * LANES] = 2.0 * half * half;
     lean[c * LANES] = film_ratios[c];
+    lean_log[c * LANES] = std::log(film_ratios[c]);
     film[c * LANES] = std::log(facet_ratios[c]);
   }
   radii[0] = radius;
@@ -185,7 +186,7 @@ Droplet droplet(nb::handle given_normals, nb::handle given_forces, double radius
   arrays.sine = sine.data();
   arrays.rise = rise.data();
   arrays.lean = lean.data();
-  arrays.is_cap = none_is_cap.data();
+  arrays.lean_log = lean_log.data();
   arrays.stretch = stretch.data();
   arrays.cover = cover.data();
   arrays.bulge = bulge.data();
@@ -240,7 +241,8 @@ nb::tuple film_term(double force, double pressure, double angle)
 {
   require_positive("pressure", pressure);
   const double half = std::sin(0.5 * angle);
-  const FilmTerm<double> u(force, std::sin(angle), 2.0 * half * half, 2.0 / pressure, standard_log);
+  const FilmTerm<double> u(force, std::log(some_force(force)), pressure, std::log(pressure),
+                           std::sin(angle), 2.0 * half * half, standard_log);
   return nb::make_tuple(u.u, u.f, u.P, u.ff, u.fP, u.PP);
 }
 

@@ -20,9 +20,9 @@
 #define DEFORMABLE_CURVED_LINES_H
 
 #include "solver/contact_batches.h"
-#include "solver/films.h"
 #include "solver/near_pairs.h"
 #include "solver/remote_sides.h"
+#include "solver/ring_films.h"
 
 namespace deformable {
 
@@ -30,7 +30,7 @@ class CurvedLines {
  public:
   explicit CurvedLines(const ForceKernels &kernels) : kernels(kernels) {}
 
-  Films *films = nullptr;    // of adhesive contacts
+  RingFilms *films = nullptr;    // of adhesive contacts
 
   // Lines of the last solution that bear a force at a limit. A line that two ranks share counts half on each.
   double limited = 0.0;

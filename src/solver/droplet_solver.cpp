@@ -1,6 +1,6 @@
 #include "solver/droplet_solver.h"
 
-#include "laws/droplet.h"
+#include "laws/droplet_film.h"
 
 #include "atom.h"
 
@@ -21,12 +21,21 @@ static Tuning tuned_for_droplets()
   return t;
 }
 
-DropletSolver::DropletSolver(LAMMPS *lmp, const ForceKernels &kernels,
-                             const DropletKernels &droplets, double tolerance, int max_evaluations)
-    : DualSolver(lmp, kernels, true, false, BULGE_PER_OVERLAP, LARGEST_BULGE, tolerance,
+DropletSolver::DropletSolver(LAMMPS *lmp, const BatchKernels &kernels, double tolerance,
+                             int max_evaluations)
+    : DualSolver(lmp, kernels.forces, true, false, BULGE_PER_OVERLAP, LARGEST_BULGE, tolerance,
                  max_evaluations, tuned_for_droplets()),
-      droplets(droplets)
+      all_kernels(kernels),
+      droplets(&kernels.droplets)
 {
+}
+
+void DropletSolver::use_films()
+{
+  auto made = std::make_unique<DropletFilms>();
+  droplet_films = made.get();
+  films = std::move(made);
+  droplets = &all_kernels.sticking_droplets;
 }
 
 DropletArrays DropletSolver::arrays()
@@ -54,34 +63,36 @@ DropletArrays DropletSolver::arrays()
   d.green = green.data();
   d.green2 = green2.data();
   d.d_green = d_green.data();
+  if (droplet_films) droplet_films->add_to(d);
   return d;
 }
 
 bool DropletSolver::shape(const RingBatches &batch)
 {
-  droplets.shape(batch, arrays(), list.pairs.directions());
+  droplets->shape(batch, arrays(), list.pairs.directions());
   return true;
 }
 
 bool DropletSolver::adapt(const RingBatches &batch, const float *, double)
 {
-  droplets.adapt(batch, arrays(), list.pairs.directions());
+  droplets->adapt(batch, arrays(), list.pairs.directions());
   return true;
 }
 
 void DropletSolver::turn_facets(const RingBatches &batch)
 {
-  droplets.turn(batch, arrays());
+  droplets->turn(batch, arrays());
 }
 
 void DropletSolver::exchange_facets()
 {
   list.remote_sides.exchange(facets[0].data(), facets[1].data(), facets[2].data(), damping.data());
+  if (droplet_films) droplet_films->exchange(list.remote_sides);
 }
 
 void DropletSolver::find_slopes(const RingBatches &batch)
 {
-  droplets.derive(batch, arrays());
+  droplets->derive(batch, arrays());
 }
 
 // Pairs are in units of the largest tension and the smallest radius.
@@ -116,6 +127,9 @@ void DropletSolver::set_material(const ForceCall &call, bool arranged)
   list.pairs.set_units(largest > 0.0 ? std::ldexp(1.0, -std::ilogb(largest)) : 1.0,
                        std::ldexp(1.0, std::ilogb(call.smallest)));
   find_films(call);
+  if (!list.pairs.adhesive) return;
+  find_adhesions(call);
+  droplet_films->set_material(call, batches, list.pairs, arranged);
 }
 
 // Films between droplets of unlike pressure are curved, and all of them may turn. Walls do neither.
@@ -137,30 +151,49 @@ void DropletSolver::find_films(const ForceCall &call)
   }
 }
 
+double DropletSolver::bulge_of(std::size_t row, double radius) const
+{
+  if (!droplet_films) return droplet_bulge(radius, of_load[row]);
+  return radius * std::min(droplet_films->bulge(row), LARGEST_BULGE);
+}
+
 void DropletSolver::find_bulges(const ForceCall &call)
 {
   list.reset_growth();
-  beyond_model = 0;
   largest_bulge = 0.0;
   int too_far = -1;
   for (std::size_t row = 0; row < batches.particle.size(); ++row) {
     const int i = batches.particle[row];
     if (i < 0) continue;
-    const double bulge = droplet_bulge(call.radius[i], of_load[row]);
+    const double bulge = bulge_of(row, call.radius[i]);
     list.set_bulge(i, bulge);
-    beyond_model += of_load[row] > LARGEST_LOAD || of_facet[row] > LARGEST_FACET;
     largest_bulge = std::max(largest_bulge, bulge / call.radius[i]);
     if (bulge > call.reach * call.radius[i]) too_far = static_cast<int>(row);
   }
   if (too_far < 0) return;
   call.refusals->collect([&] {
-    const double x = of_load[too_far];
+    const double x =
+        droplet_films ? droplet_films->bulge(too_far) / BULGE_PER_LOAD : of_load[too_far];
     refuse("The load of atom {} is {:.4g}, but 'reach {}' covers loads to {:.4g}: separate "
            "droplets that overlap first, take smaller steps or a smaller timestep, or use a "
            "reach of {:.2g} or more",
            atom->tag[batches.particle[too_far]], x, call.reach, call.reach / BULGE_PER_LOAD,
            std::min(1.2 * BULGE_PER_LOAD * x, LARGEST_BULGE));
   });
+}
+
+int DropletSolver::beyond_model()
+{
+  const DropletArrays of = arrays();
+  int count = 0;
+  for (std::size_t row = 0; row < batches.particle.size(); ++row) {
+    const int i = batches.particle[row];
+    if (i < 0) continue;
+    count += of_load[row] > LARGEST_LOAD ||
+             (droplet_films ? droplet_films->are_beyond(row, batches.count[i], of)
+                            : of_facet[row] > LARGEST_FACET);
+  }
+  return count;
 }
 
 Vector3 DropletSolver::tilt(int k) const
@@ -173,9 +206,17 @@ Vector3 DropletSolver::tilt(int k) const
   return {way(0), way(1), way(2)};
 }
 
+// F.a - W
 double DropletSolver::energy() const
 {
-  double sum = 0.0;
+  const NearPairs &p = list.pairs;
+  double sum = p.sum([&](int begin, int end) {
+    double moment = 0.0;
+    for (int k = begin; k < end; ++k)
+      moment +=
+          p.force[k] * (batches.indentation[p.side[0][k]] + batches.indentation[p.side[1][k]]);
+    return moment;
+  });
   for (std::size_t row = 0; row < batches.particle.size(); ++row)
     if (batches.particle[row] >= 0) sum -= batches.work[row];
   return sum;

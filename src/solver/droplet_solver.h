@@ -3,16 +3,18 @@
 #ifndef DEFORMABLE_DROPLET_SOLVER_H
 #define DEFORMABLE_DROPLET_SOLVER_H
 
+#include "solver/droplet_films.h"
 #include "solver/dual_solver.h"
 
-#include "kernels/force_kernels.h"
+#include "kernels/batch_kernels.h"
 
 namespace deformable {
 
 class DropletSolver : public DualSolver {
  public:
-  DropletSolver(LAMMPS *lmp, const ForceKernels &kernels, const DropletKernels &droplets,
-                double tolerance, int max_evaluations);
+  DropletSolver(LAMMPS *lmp, const BatchKernels &kernels, double tolerance, int max_evaluations);
+
+  void use_films() override;
 
   // What a droplet bears, by its local index.
   double load(int i) const { return of_load[batches.place[i]]; }
@@ -25,6 +27,11 @@ class DropletSolver : public DualSolver {
   // 2 x the pair, + 1 for its second droplet
   int pair_side(int place) const { return batches.pair_side[place]; }
   double indentation(int place) const { return batches.indentation[place]; }
+  // Where there are films: the radius of that of a contact, or of its facet. And 1 - cos of the angle at which the outline meets it.
+  double film_radius(int place) const { return droplet_films->film_radius(place); }
+  double film_rise(int place) const { return droplet_films ? droplet_films->rise_of(place) : 0.0; }
+  bool bears(int k) const { return list.pairs.force[k] != 0.0 || is_attached(k); }
+  bool is_attached(int k) const { return films && list.pairs.attached[k]; }
   // The derivative of all works by the normal of a contact of a pair.
   Vector3 torque(int k, int side) const
   {
@@ -34,14 +41,16 @@ class DropletSolver : public DualSolver {
   // How the normal of a film turns against the line of centers, from the first droplet of a pair: -[(R t)_i - (R t)_j]/d.
   Vector3 tilt(int k) const;
 
-  // Droplets beyond the model in the last solution, and its largest bulge, over the radius.
-  int beyond_model = 0;
+  // The largest bulge of the last solution, over the radius; and its droplets beyond the model.
   double largest_bulge = 0.0;
+  int beyond_model();
 
   double memory_usage() const;
 
  private:
-  const DropletKernels &droplets;
+  const BatchKernels &all_kernels;
+  const DropletKernels *droplets;           // with films or without
+  DropletFilms *droplet_films = nullptr;    // null: no adhesion
   // see DropletArrays: by droplet, by contact, by two contacts
   LargeVector<double> tension, of_load, of_facet, still_work;
   LargeVector<double> film_log, per_radii, still, normals[3], force, facets[3], damping, torques[3];
@@ -60,6 +69,7 @@ class DropletSolver : public DualSolver {
   bool has_facets() const override { return true; }
   void turn_facets(const RingBatches &) override;
   void exchange_facets() override;
+  double bulge_of(std::size_t row, double radius) const;
   void find_slopes(const RingBatches &) override;
   void find_films(const ForceCall &);
   void find_bulges(const ForceCall &) override;

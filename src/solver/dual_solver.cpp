@@ -115,7 +115,10 @@ bool DualSolver::solve(const ForceCall &call, const Push &push)
         energy_before = total_energy();
         // In a run a pair that attaches or lets go in this step pushes with the mean of its forces before and after: energy plus
         // lost energy is then constant to second order in the time step.
-        if (moves) push(0, list.pairs.size, part = 0.5, false);
+        if (moves) {
+          if (!lines) find_slopes(batches.arrays());    // those have slopes
+          push(0, list.pairs.size, part = 0.5, false);
+        }
       }
       films->change(are_balanced);
       list.store_films(call);    // for lists that are made anew in this call, too
@@ -174,8 +177,20 @@ void DualSolver::arrange(const ForceCall &call, bool new_list)
   for (LargeVector<float> *v : {&residual, &weight, &before, &step})
     v->assign(pairs.size + 1, 0.0F);
   pairs_of_all = 1.0 + sum_over_pairs([](int begin, int end) { return end - begin; });
-  if (lines) lines->arrange(batches, pairs, list.remote_sides);
+  if (lines)
+    lines->arrange(batches, pairs, list.remote_sides);
+  else if (films)
+    films->arrange(batches, pairs, list.remote_sides);
   if (new_list) linear.invalidate_bounds();
+}
+
+void DualSolver::find_adhesions(const ForceCall &call)
+{
+  NearPairs &p = list.pairs;
+  for (int k = 0; k < p.size; ++k)
+    p.adhesion_if_attached[k] =
+        k < p.wall ? call.adhesions->between(atom->type[p.i[k]], atom->type[p.j[k]])
+                   : wall_of(p.j[k], *call.walls).adhesion();
 }
 
 double DualSolver::total_energy() const
@@ -294,7 +309,10 @@ bool DualSolver::balance(const ForceCall &call)
 {
   if (solutions++ > 0) take_past();
   average_over_ranks();
-  if (lines) lines->begin();
+  if (lines)
+    lines->begin();
+  else if (films)
+    films->begin();
   outcome = Outcome::NONE;
   const bool is_planned = may_plan();
   Evaluation now = is_planned ? evaluate_and_correct() : evaluate();
@@ -819,10 +837,11 @@ void DualSolver::work(const Step &now, int block, RingBatches &here)
     case Stage::TILT: turn_facets(here); break;
     case Stage::RESIDUAL:
       blocks.for_pairs(block, [&](int begin, int end, double part) {
+        if (films) of.line = std::max(of.line, films->find_bounds(begin, end));
         of.add(kernels.find_residuals(loop, begin, end), part);
         if (lines) of.line = std::max(of.line, lines->find(loop, begin, end));
       });
-      if (films) of.line = std::max(of.line, films->tension_imbalance(here));
+      if (films) of.line = std::max(of.line, films->lag(here));
       break;
     case Stage::WAIT: break;
     case Stage::RELAX:
@@ -856,7 +875,7 @@ void DualSolver::work(const Step &now, int block, RingBatches &here)
     case Stage::FOLLOW_STEP: kernels.follow(here, lines->arrays(), step.data()); break;
     case Stage::TURN:
       blocks.for_pairs(block, [&](int begin, int end, double) { lines->settle(loop, begin, end); });
-      if (films) films->follow_tensions(here);
+      if (films) films->follow(here);
   }
 }
 

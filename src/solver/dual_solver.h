@@ -35,6 +35,7 @@
 #include "solver/block_levels.h"
 #include "solver/contact_batches.h"
 #include "solver/curved_lines.h"
+#include "solver/films.h"
 #include "solver/linear_solver.h"
 #include "solver/pair_list.h"
 #include "solver/pair_relaxation.h"
@@ -100,6 +101,9 @@ class DualSolver : protected Pointers {
     return list.pairs.force[k] * residual_overlap(k) + (lines ? lines->energy_left(k) : 0.0);
   }
 
+  // Some contacts may have films.
+  virtual void use_films() = 0;
+
   // For calls after an error that the caller has caught: they must not start from forces without bound.
   void forget();
 
@@ -113,6 +117,7 @@ class DualSolver : protected Pointers {
   // The law. Radii and stiffnesses of all particles, and the units of pairs; `arranged`: contacts are new, and `batches` has
   // other places.
   virtual void set_material(const ForceCall &, bool arranged) = 0;
+  void find_adhesions(const ForceCall &);    // of all pairs, if they are attached
   virtual bool has_own_compliances() const { return false; }
   // Shapes of the particles of some batches from the forces of their pairs; the same after small changes; and slopes of
   // outlines. False: a particle has no shape.
@@ -140,7 +145,7 @@ class DualSolver : protected Pointers {
   PairList list;
   ContactBatches batches;
   std::unique_ptr<CurvedLines> lines;    // null: perpendicular to lines of centers
-  std::unique_ptr<Films> films;          // null: no adhesion; RingSolver::use_films makes them
+  std::unique_ptr<Films> films;          // null: no adhesion
   bool are_balanced = false;
   bool shapes_exist = true;
 

@@ -342,10 +342,10 @@ bool PairList::is_within_margin(const ForceCall &call) const
 bool PairList::is_attached(const ForceCall &call, int i, int j, const Vector3 &x) const
 {
   if (!(call.adhesions->between(atom->type[i], atom->type[j]) > 0.0)) return false;
-  if (call.films->is_attached(i, atom->tag[j], x.x, x.y)) return true;
+  if (call.films->is_attached(i, atom->tag[j], x)) return true;
   if (knows_films[i] != 0.0 && knows_films[j] != 0.0) return false;
   const double touch = call.radius[i] + call.radius[j];
-  return x.x * x.x + x.y * x.y < touch * touch;
+  return dot(x, x) < touch * touch;
 }
 
 // Where circles just touch, rounding of a ghost's position decides: Films::agree lets both ranks decide alike.
@@ -367,12 +367,12 @@ void PairList::store_films(const ForceCall &call) const
     if (!pairs.attached[k]) continue;
     const int i = pairs.i[k], j = pairs.j[k];
     if (k >= pairs.wall) {
-      call.films->attach(i, j, 0.0, 0.0);
+      call.films->attach(i, j, {});
       continue;
     }
     const Vector3 d = relative(atom->x[i], atom->x[j]);
-    call.films->attach(i, atom->tag[j], d.x, d.y);
-    if (k < pairs.remote) call.films->attach(pairs.second(k), atom->tag[i], -d.x, -d.y);
+    call.films->attach(i, atom->tag[j], d);
+    if (k < pairs.remote) call.films->attach(pairs.second(k), atom->tag[i], -d);
   }
 }
 

@@ -27,8 +27,9 @@ RingSolver::RingSolver(LAMMPS *lmp, const ForceKernels &kernels, bool curved, do
 
 void RingSolver::use_films()
 {
-  films = std::make_unique<Films>(kernels);
-  lines->films = films.get();
+  auto made = std::make_unique<RingFilms>(kernels);
+  lines->films = ring_films = made.get();
+  films = std::move(made);
 }
 
 bool RingSolver::shape(const RingBatches &rings)
@@ -117,11 +118,7 @@ void RingSolver::set_units(const ForceCall &call)
   const double unit = pairs.scale * pairs.length * pairs.length;
   for (int k = 0; k < pairs.size; ++k)
     pairs.stiffening[k] = static_cast<float>(stiffening(k) * unit);
-  if (!pairs.adhesive) return;
-  for (int k = 0; k < pairs.size; ++k)
-    pairs.adhesion_if_attached[k] =
-        k < pairs.wall ? call.adhesions->between(atom->type[pairs.i[k]], atom->type[pairs.j[k]])
-                       : wall_of(pairs.j[k], *call.walls).adhesion();
+  if (pairs.adhesive) find_adhesions(call);
 }
 
 void RingSolver::find_bulges(const ForceCall &)
@@ -160,7 +157,7 @@ double RingSolver::energy() const
   double sum = 0.0;
   for (std::size_t ring = 0; ring < batches.particle.size(); ++ring)
     if (batches.particle[ring] >= 0) sum += energy_of(ring, batches.loaded(ring));
-  if (films) sum += films->energy();
+  if (films) sum += ring_films->energy();
   return sum;
 }
 
@@ -181,11 +178,11 @@ RingSolver::Ring RingSolver::ring(int i) const
     }
     arc_radius = batches.free_radius(ring) - std::hypot(mx, my) * batches.per_pressure[ring] / PI;
   }
-  if (films) arc_radius = std::min(arc_radius, batches.free_radius(ring) * films->free_arc(i));
+  if (films) arc_radius = std::min(arc_radius, batches.free_radius(ring) * ring_films->free_arc(i));
   double energy = energy_of(ring, loaded);
   for (int m = 0; m < n && films; ++m) {
     const int pair_side = batches.pair_side[batches.contact(ring, m)];
-    energy += films->energy(pair_side >> 1, pair_side & 1);
+    energy += ring_films->energy(pair_side >> 1, pair_side & 1);
   }
   return {{energy, loaded.pressure}, loaded.expansion, arc_radius, n, batches.free_radius(ring)};
 }
@@ -236,7 +233,7 @@ double RingSolver::indentation(int k, int side) const
 double RingSolver::line_length(int i, int k, double length) const
 {
   if (!list.pairs.curved) return length;
-  if (films) return films->length(k, list.pairs.i[k] == i ? 0 : 1);
+  if (films) return ring_films->length(k, list.pairs.i[k] == i ? 0 : 1);
   const double bend = list.pairs.i[k] == i ? list.pairs.bend[k] : -list.pairs.bend[k];
   return arc_length(length, batches.free_radius(batches.place[i]), bend);
 }

@@ -20,7 +20,7 @@ class RingSolver : public DualSolver {
              int max_evaluations);
 
   // Some contacts may have films: with curved lines only.
-  void use_films();
+  void use_films() override;
 
   // A particle of infinite kA that cannot keep its area between its contacts, if the forces have grown without a limit
   // or do not exist for that reason; or -1.
@@ -75,6 +75,7 @@ class RingSolver : public DualSolver {
   std::vector<int> crowded;
   int crushed = -1;
   bool lacking = false;
+  RingFilms *ring_films = nullptr;    // null: no adhesion
   bool warned_limited = false, warned_films = false;
   std::vector<double> softness;            // by type; of particles and ghosts, if these vary
   std::vector<double> length_per_force;    // of particles and ghosts

@@ -27,7 +27,7 @@ std::vector<std::pair<std::string, double>> numbers_of(const Species &);
 
 struct Adhesion {
   std::string first, second;    // names of species
-  double energy;                // for each unit of length of a film
+  double energy;                // for each unit of length of a film, or of its area in space
   int line;                     // of the file
 
   bool is_of(const std::string &a, const std::string &b) const
@@ -101,7 +101,7 @@ struct Materials {
   }
 };
 
-// Adhesion of all pairs of atom types: the energy that two particles gain for each unit of length of their film.
+// Adhesion of all pairs of atom types: the energy that two particles gain for each unit of length of their film, or of its area.
 class Adhesions {
  public:
   // Those of a species file, for the species of each type. A type without a name belongs to another pair style.

@@ -1,7 +1,7 @@
 """Droplets in three dimensions in LAMMPS, and a dense solution of their forces to compare with."""
 
 import json
-from itertools import product
+from itertools import combinations_with_replacement, product
 from pathlib import Path
 
 import numpy as np
@@ -17,9 +17,13 @@ STRESS = ["pxx", "pyy", "pzz", "pxy", "pxz", "pyz"]
 
 
 def species(case, file):
-    """Write the species of a case; its types, and the words for pair_coeff."""
+    """Write the species of a case, whose pairs may all have one adhesion; its types, and the words
+    for pair_coeff."""
     kinds = sorted(set(zip(case["radius"], case["tension"], strict=True)))
     lines = [f"s{n} {r} inf 0 tension {g}\n" for n, (r, g) in enumerate(kinds)]
+    if w := case.get("adhesion"):
+        pairs = combinations_with_replacement(range(len(kinds)), 2)
+        lines += [f"adhesion s{a} s{b} {w}\n" for a, b in pairs]
     file.write_text("".join(lines))
     types = [kinds.index(k) + 1 for k in zip(case["radius"], case["tension"], strict=True)]
     return types, f"pair_coeff * * {file} " + " ".join(f"s{n}" for n in range(len(kinds)))

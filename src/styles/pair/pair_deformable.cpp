@@ -5,6 +5,7 @@
 #include "styles/all_ranks.h"
 #include "styles/friction/fix_deformable_friction.h"
 #include "styles/lammps_release.h"
+#include "styles/memory/fix_deformable_films.h"
 #include "styles/memory/fix_deformable_restart.h"
 #include "styles/motion/fix_deformable_proliferate.h"
 #include "styles/pair/compute_deformable_contact.h"
@@ -105,12 +106,14 @@ void PairDeformable::coeff(int narg, char **arg)
   }
   Adhesions of_pairs;
   of_pairs.assign(of_types, known.adhesions);
+  check_films(of_types, of_pairs);
   check_lines_bend("Species", of_pairs.any());
   map_element2type(narg - 3, arg + 3);
   species = of_types;
   radius.clear();
   for (const Species &s : species) radius.push_back(s.radius);
   adhesions.assign(species, known.adhesions);
+  ramps.fill(species);
   describe_species();
 }
 
@@ -118,12 +121,8 @@ void PairDeformable::check_lines_bend(const std::string &whose, bool sticks) con
 {
   if (sticks && !bends_lines())
     error->all(FLERR,
-               dimension == 3
-                   ? "{}: droplets in three dimensions do not stick, as their law has no contact "
-                     "angles: use adhesion 0"
-                   : "{}: adhesion needs contact lines that bend, to meet outlines at "
-                     "an angle. Use 'pair_style deformable/ring contact curved', or "
-                     "adhesion 0",
+               "{}: adhesion needs contact lines that bend, to meet outlines at an angle. Use "
+               "'pair_style deformable/ring contact curved', or adhesion 0",
                whose);
 }
 
@@ -396,6 +395,77 @@ void PairDeformable::check_ramped_species() const
     if (!problem.empty()) error->all(FLERR, "Species {} in a run: {}", s.name, problem);
     check_species(s);
   }
+}
+
+/* ----------------------------------------------------------------------
+   Values that fix adapt has set since the last call.
+------------------------------------------------------------------------- */
+
+bool PairDeformable::take_ramps()
+{
+  const std::string odd = ramps.of_two_types(species);
+  if (!odd.empty())
+    error->all(FLERR,
+               "A fix adapt sets {}, but stiffnesses and tensions belong to one type: give it the "
+               "same type twice",
+               odd);
+  const bool new_species = ramps.take(species), new_adhesion = adhesions.take();
+  unchecked |= new_species || new_adhesion;
+  if (!unchecked) return false;
+  ramps.fill(species);
+  check_ramped_species();
+  const std::string problem = adhesions.problem(species);
+  if (!problem.empty()) error->all(FLERR, "Adhesion in a run: {}", problem);
+  check_films(species, adhesions);
+  check_lines_bend("Species", adhesions.any());
+  if (bends_lines()) find_films();
+  unchecked = false;
+  number_definition();
+  return true;
+}
+
+/* ----------------------------------------------------------------------
+   A wall with adhesion touches the species of the atoms in its group.
+------------------------------------------------------------------------- */
+
+std::string PairDeformable::invalid_at_wall(double adhesion, int i) const
+{
+  return invalid_for_adhesion(adhesion, stiffness_of(i), species[atom->type[i]].skin);
+}
+
+void PairDeformable::check_adhesive_walls()
+{
+  for (const FixDeformableWall *wall : walls) {
+    if (wall->adhesion() == 0.0) continue;
+    for (int ii = 0; ii < list->inum; ++ii) {
+      const int i = list->ilist[ii];
+      if (!(atom->mask[i] & wall->groupbit)) continue;
+      const Species &s = species[atom->type[i]];
+      const std::string problem = invalid_at_wall(wall->adhesion(), i);
+      if (!problem.empty())
+        refuse("Fix {} deformable/wall: atom {} of species {}: {}", wall->id, atom->tag[i], s.name,
+               problem);
+    }
+  }
+}
+
+// The memory of attached pairs outlives this pair style: another one may continue the run.
+void PairDeformable::find_films()
+{
+  bool sticks = adhesions.any();
+  for (const FixDeformableWall *wall : walls) sticks |= wall->adhesion() > 0.0;
+  if (!sticks && !films) return;
+  const std::string name = FixDeformableFilms::ID;
+  Fix *fix = modify->get_fix_by_id(name);
+  if (!fix && films)
+    error->all(FLERR,
+               "Fix {} was deleted, which knew the attached pairs: define the pair_style again. "
+               "'fix_modify {} attached none' lets them go",
+               name, name);
+  if (!fix) fix = modify->add_fix(fmt::format("{} all deformable/films", name));
+  if (!films) use_films();
+  films = dynamic_cast<FixDeformableFilms *>(fix);
+  if (!films) error->all(FLERR, "A fix has the ID {}, which contacts that stick need", name);
 }
 
 /* ----------------------------------------------------------------------

@@ -196,6 +196,24 @@ class PairDeformable : public Pair {
   // Stops with an error if the style does not support this species.
   virtual void check_species(const deformable::Species &) const {}
 
+  // Films of contacts that stick. The law has them from `use_films` on.
+  class FixDeformableFilms *films = nullptr;    // null: no adhesion
+  virtual void use_films() {}
+  void find_films();
+  void forget_films() { films = nullptr; }    // the law is another one
+  void check_adhesive_walls();
+  // Stop if the law has no film of such an adhesion: of two types; the problem of particle i at a wall, or nothing.
+  virtual void check_films(const std::vector<deformable::Species> &,
+                           const deformable::Adhesions &) const
+  {
+  }
+  virtual std::string invalid_at_wall(double adhesion, int i) const;
+
+  // Values that fix adapt has set since the last call. Whether a species or an adhesion has changed.
+  deformable::SpeciesRamps ramps;
+  bool take_ramps();
+  bool unchecked = false;    // values of ramps, also after an error that the caller has caught
+
   // Whether contact lines bend, without which nothing can stick: stops if the owner of an adhesion does.
   virtual bool bends_lines() const { return false; }
   void check_lines_bend(const std::string &whose, bool sticks) const;

@@ -1,9 +1,10 @@
 #include "styles/pair/pair_deformable_droplet.h"
 
-#include "laws/droplet.h"
+#include "laws/droplet_film.h"
 #include "laws/parameter_rules.h"
 #include "styles/all_ranks.h"
 #include "styles/lammps_release.h"
+#include "styles/memory/fix_deformable_films.h"
 #include "styles/refusals.h"
 
 #include "comm.h"
@@ -59,8 +60,8 @@ void PairDeformableDroplet::settings(int narg, char **arg)
     }
     iarg += 1 + values;
   }
-  solver = std::make_unique<DropletSolver>(lmp, kernels->forces, kernels->droplets,
-                                           balance.tolerance, balance.evaluations);
+  solver = std::make_unique<DropletSolver>(lmp, *kernels, balance.tolerance, balance.evaluations);
+  forget_films();
   number_definition();
   reach = given_reach;
   radius_by_atom = by_atom;
@@ -76,7 +77,30 @@ void PairDeformableDroplet::check_species(const Species &s) const
 void PairDeformableDroplet::coeff(int narg, char **arg)
 {
   PairDeformable::coeff(narg, arg);
-  ramps.fill(species);
+  find_films();
+}
+
+void PairDeformableDroplet::check_films(const std::vector<Species> &of_types,
+                                        const Adhesions &of_pairs) const
+{
+  for (std::size_t i = 1; i < of_types.size(); ++i)
+    for (std::size_t j = 1; j < of_types.size(); ++j) {
+      const double w = of_pairs.between(static_cast<int>(i), static_cast<int>(j));
+      if (w == 0.0) continue;
+      const std::string problem = invalid_for_droplet_film(
+          w, film_rise(of_types[i].stiffness.tension, of_types[j].stiffness.tension, w));
+      if (!problem.empty())
+        error->all(FLERR, "Species {} at species {}: {}", of_types[i].name, of_types[j].name,
+                   problem);
+    }
+}
+
+std::string PairDeformableDroplet::invalid_at_wall(double adhesion, int i) const
+{
+  const std::string problem = PairDeformable::invalid_at_wall(adhesion, i);
+  if (!problem.empty()) return problem;
+  return invalid_for_droplet_film(adhesion,
+                                  film_side_of_wall(stiffness_of(i).tension, adhesion).rise);
 }
 
 void PairDeformableDroplet::init_style()
@@ -85,38 +109,30 @@ void PairDeformableDroplet::init_style()
   check_room();
   if (!atom->tag_enable)
     error->all(FLERR, "Pair style deformable/droplet needs atom IDs: use 'atom_modify id yes'");
+  find_films();
 }
 
 /* ----------------------------------------------------------------------
-   Of what fix adapt may change only the tension is not fixed by the theory.
+   Of what fix adapt may change only tension and adhesion are not fixed by the
+   theory.
 ------------------------------------------------------------------------- */
 
 void *PairDeformableDroplet::extract(const char *name, int &dim)
 {
-  if (std::strcmp(name, "tension") != 0) return PairDeformable::extract(name, dim);
+  const bool is_adhesion = std::strcmp(name, "adhesion") == 0;
+  if (!is_adhesion && std::strcmp(name, "tension") != 0) return PairDeformable::extract(name, dim);
   take_ramps();    // values that no force call has seen yet
+  double **const array = is_adhesion ? adhesions.array() : ramps.array_of(name, species);
+  if (!array) return PairDeformable::extract(name, dim);
   dim = 2;
-  return ramps.array_of(name, species);
-}
-
-bool PairDeformableDroplet::take_ramps()
-{
-  const std::string odd = ramps.of_two_types(species);
-  if (!odd.empty())
-    error->all(FLERR,
-               "A fix adapt sets {}, but tensions belong to one type: give it the same type twice",
-               odd);
-  if (!ramps.take(species)) return false;
-  ramps.fill(species);
-  check_ramped_species();
-  number_definition();
-  return true;
+  return array;
 }
 
 void PairDeformableDroplet::compute(int eflag, int vflag)
 {
   const bool new_material = take_ramps(), new_list = neighbor->ago == 0;
   begin_call(eflag, vflag);
+  if (films && (new_list || new_material)) refusals.check([this] { check_adhesive_walls(); });
   if (new_list) check_room();
   solve(new_material);
   if (eflag_atom || needs_shapes()) finish_droplets();
@@ -124,6 +140,7 @@ void PairDeformableDroplet::compute(int eflag, int vflag)
     pvector[2] = solver->summary.evaluations;
     pvector[3] = solver->summary.imbalance;
     pvector[4] = static_cast<int>(solver->summary.termination);
+    pvector[5] = films ? films->compute_scalar() : 0.0;
   }
   end_call();
 }
@@ -172,7 +189,12 @@ void PairDeformableDroplet::solve(bool new_material)
 {
   ForceCall call = force_call();
   call.new_material = new_material;
-  if (!solver->solve(call, [this](int begin, int end, double, bool) { push(begin, end); })) {
+  call.adhesions = &adhesions;
+  call.films = films;
+  const auto push_pairs = [this](int begin, int end, double part, bool is_final) {
+    push(begin, end, part, is_final);
+  };
+  if (!solver->solve(call, push_pairs)) {
     refusals.collect([&] {
       const int k = solver->refused_pair();
       if (k < 0) return;
@@ -182,15 +204,17 @@ void PairDeformableDroplet::solve(bool new_material)
     });
     refusals.stop();
   }
+  if (films && update->whichflag == 1 && !update->setupflag)
+    films->lose(solver->summary.lost_energy);
   if (rubbing) load_contacts();
-  beyond_model = solver->beyond_model;
+  if (eflag_global || neighbor->ago == 0) beyond_model = solver->beyond_model();
   if (neighbor->ago == 0)
     bulge_over_reach = std::max(bulge_over_reach, solver->largest_bulge / reach);
   impossible = 0.0;
   if (!eflag_global) return;
   const double of_overlaps = eng_vdwl;
   for (int ii = 0; ii < list->inum; ++ii) eng_vdwl -= solver->work(list->ilist[ii]);
-  if (update->whichflag == 1) check_energy(of_overlaps);
+  if (update->whichflag == 1 && !films) check_energy(of_overlaps);
   if (solver->is_meaningless()) eng_vdwl = HUGE_VAL;
 }
 
@@ -228,25 +252,25 @@ void PairDeformableDroplet::check_state() const
    its own droplet, and half of F.
 ------------------------------------------------------------------------- */
 
-void PairDeformableDroplet::push(int begin, int end)
+void PairDeformableDroplet::push(int begin, int end, double part, bool is_final)
 {
   const NearPairs &p = solver->pairs();
   double *const f = atom->f[0];
   double energy = 0.0;
   for (int k = begin; k < end; ++k) {
-    const double force = p.force[k];
+    const double whole = p.force[k], force = part * whole;
     if (force == 0.0) continue;
     const int i = p.i[k], j = p.j[k];
-    energy += p.part(k) * force * p.overlap[k];
+    if (is_final) energy += p.part(k) * whole * p.overlap[k];
     if (k >= p.wall) {    // which bears no energy of its own
-      wall(j).add_contact(i, wall_feature_of(j), force, torque(k, 0), p.surfaces[k - p.wall],
+      wall(j).add_contact(i, wall_feature_of(j), force, part * torque(k, 0), p.surfaces[k - p.wall],
                           (1.0 + reach) * radii[i]);
       continue;
     }
     const Vector3 n = p.normal(k);
     Vector3 turning = torque(k, 0);
     if (k < p.remote) turning = turning - torque(k, 1);
-    const Vector3 push = p.part(k) * force * n + p.per_distance[k] * turning;    // on j
+    const Vector3 push = p.part(k) * force * n + part * p.per_distance[k] * turning;    // on j
     double *const fi = f + 3 * i, *const fj = f + 3 * j;
     fi[0] -= push.x;
     fi[1] -= push.y;
@@ -305,18 +329,27 @@ void PairDeformableDroplet::store_droplet(int i, double energy)
   if (!results.requested) return;
   const NearPairs &p = solver->pairs();
   const double r = radii[i], tension = stiffness_of(i).tension;
-  double moment = 0.0, area = 0.0;
+  double moment = 0.0, area = 0.0, more = 0.0;
   int contacts = 0;
   for (int n = 0; n < solver->contacts_of(i); ++n) {
     const int c = solver->place_of_contact(i, n);
-    const double force = p.force[solver->pair_side(c) >> 1],
-                 facet = facet_radius(force, r, tension);
+    const int k = solver->pair_side(c) >> 1;
+    if (!solver->bears(k)) continue;
+    const double force = p.force[k], facet = facet_of(c, i, force), film = PI * facet * facet;
     moment += force * (r - solver->indentation(c));
-    area += PI * facet * facet;
-    contacts += force > 0.0;
+    area += film;
+    more += solver->film_rise(c) * film;
+    ++contacts;
   }
-  results.store_surface(i, {4.0 * PI * r * r + energy / tension, contacts,
+  // films count in the energy with the cosine of their contact angle
+  results.store_surface(i, {4.0 * PI * r * r + energy / tension + more, contacts,
                             droplet_pressure(r, tension, energy, moment), area, solver->load(i)});
+}
+
+double PairDeformableDroplet::facet_of(int place, int i, double force) const
+{
+  return films ? solver->film_radius(place)
+               : facet_radius(force, radii[i], stiffness_of(i).tension);
 }
 
 // The two facets of a film have unlike areas, F R/(2 g), if its droplets have unlike pressures.
@@ -327,13 +360,21 @@ void PairDeformableDroplet::load_contacts()
     const double facet = facet_radius(p.force[k], radii[i], stiffness_of(i).tension);
     return PI * facet * facet;
   };
+  const auto film_area = [&](int k) {
+    const double here = solver->film_radius(p.side[0][k]),
+                 there = k < p.remote ? solver->film_radius(p.side[1][k]) : here;
+    return 0.5 * PI * (here * here + there * there);
+  };
   for (int k = 0; k < p.size; ++k) {
-    if (p.force[k] == 0.0) continue;
+    if (!solver->bears(k)) continue;
     const int i = p.i[k], j = p.j[k];
     const bool is_wall = k >= p.wall;
     loaded.push_back({i, j, is_wall ? -1 : p.second(k), p.normal(k),
                       (radii[i] - solver->indentation(p.side[0][k])) * p.normal(k), p.force[k],
-                      is_wall ? area(k, i) : 0.5 * (area(k, i) + area(k, j)), false});
+                      films     ? film_area(k)
+                      : is_wall ? area(k, i)
+                                : 0.5 * (area(k, i) + area(k, j)),
+                      false});
   }
 }
 
@@ -375,18 +416,17 @@ void PairDeformableDroplet::list_contacts(int groupbit, std::vector<double> &row
       const int k = solver->pair_side(c) >> 1, side = solver->pair_side(c) & 1,
                 other = side ? p.i[k] : p.j[k];
       const double force = p.force[k], sign = side ? -1.0 : 1.0;
-      if (force == 0.0) continue;
+      if (!solver->bears(k)) continue;
       const Vector3 n = sign * p.normal(k), push = force_of_contact(k, side),
                     at = Vector3{atom->x[i][0], atom->x[i][1], atom->x[i][2]} +
                          (radii[i] - solver->indentation(c)) * n;
       const Vector3 tilt = sign * solver->tilt(k);
       const double distance = k >= p.wall ? p.surfaces[k - p.wall].height : 1.0 / p.per_distance[k];
       const tagint partner = k >= p.wall ? wall_code(wall_of(p.j[k]), 0) : atom->tag[other];
-      rows.insert(rows.end(),
-                  {static_cast<double>(atom->tag[i]), static_cast<double>(partner),
-                   solver->indentation(c), facet_radius(force, radii[i], stiffness_of(i).tension),
-                   force, at.x, at.y, at.z, n.x, n.y, n.z, distance, push.x, push.y, push.z, tilt.x,
-                   tilt.y, tilt.z, k >= p.wall ? 0.0 : film_curvature(i, other)});
+      rows.insert(rows.end(), {static_cast<double>(atom->tag[i]), static_cast<double>(partner),
+                               solver->indentation(c), facet_of(c, i, force), force, at.x, at.y,
+                               at.z, n.x, n.y, n.z, distance, push.x, push.y, push.z, tilt.x,
+                               tilt.y, tilt.z, k >= p.wall ? 0.0 : film_curvature(i, other)});
     }
   }
 }

@@ -20,7 +20,7 @@ namespace LAMMPS_NS {
 
 class PairDeformableDroplet : public PairDeformable {
  public:
-  PairDeformableDroplet(class LAMMPS *lmp) : PairDeformable(lmp, 5, 3) {}
+  PairDeformableDroplet(class LAMMPS *lmp) : PairDeformable(lmp, 6, 3) {}
   void settings(int, char **) override;
   std::string law() const override { return "deformable/droplet"; }
   void coeff(int, char **) override;
@@ -36,8 +36,17 @@ class PairDeformableDroplet : public PairDeformable {
 
  protected:
   void check_species(const deformable::Species &) const override;
+  bool bends_lines() const override { return true; }
+  void use_films() override { solver->use_films(); }
+  void check_films(const std::vector<deformable::Species> &,
+                   const deformable::Adhesions &) const override;
+  std::string invalid_at_wall(double adhesion, int i) const override;
   const char *what_is_beyond() const override
   {
+    if (films)
+      return "their contact angles are above 0.7 rad, their films cover more than half of their "
+             "surface or meet, or forces cover more than 0.4 of it. That is outside of the range "
+             "of the theory; their";
     return "forces cover more than 0.4 of their surface with facets, or, where contacts are few "
            "and strong, more than 0.05 with the mean facet. Such loads are outside of the range of "
            "the theory; their";
@@ -45,14 +54,13 @@ class PairDeformableDroplet : public PairDeformable {
 
  private:
   std::unique_ptr<deformable::DropletSolver> solver;
-  deformable::SpeciesRamps ramps;
-  bool take_ramps();
 
   void check_room();
   double impossible = 0.0;    // energy of the last call, if it was below that of spheres
   void check_energy(double of_overlaps);
   void solve(bool new_material);
-  void push(int begin, int end);
+  void push(int begin, int end, double part, bool is_final);
+  double facet_of(int place, int i, double force) const;
   void finish_droplets();
   void load_contacts();
   void store_droplet(int i, double energy);

@@ -92,7 +92,7 @@ void PairDeformableRing::settings(int narg, char **arg)
   tension_by_atom = of_atoms.tension;
   // a larger reach costs nothing where a list of near pairs filters
   reach = given_reach > 0.0 ? given_reach : radical ? 0.3 : 0.6;
-  films = nullptr;
+  forget_films();
   whole_list = radical;
 }
 
@@ -116,29 +116,9 @@ void PairDeformableRing::init_style()
   find_films();
 }
 
-// The memory of attached pairs outlives this pair style: another one may continue the run.
-void PairDeformableRing::find_films()
-{
-  bool sticks = adhesions.any();
-  for (const FixDeformableWall *wall : walls) sticks |= wall->adhesion() > 0.0;
-  if (!sticks && !films) return;
-  const std::string name = FixDeformableFilms::ID;
-  Fix *fix = modify->get_fix_by_id(name);
-  if (!fix && films)
-    error->all(FLERR,
-               "Fix {} was deleted, which knew the attached pairs: define pair_style "
-               "deformable/ring again. 'fix_modify {} attached none' lets them go",
-               name, name);
-  if (!fix) fix = modify->add_fix(fmt::format("{} all deformable/films", name));
-  if (!films) balanced->use_films();
-  films = dynamic_cast<FixDeformableFilms *>(fix);
-  if (!films) error->all(FLERR, "A fix has the ID {}, which contacts that stick need", name);
-}
-
 void PairDeformableRing::coeff(int narg, char **arg)
 {
   PairDeformable::coeff(narg, arg);
-  ramps.fill(species);
   if (bends_lines()) find_films();
 }
 
@@ -152,52 +132,6 @@ void *PairDeformableRing::extract(const char *name, int &dim)
   if (!array) return PairDeformable::extract(name, dim);
   dim = 2;
   return array;
-}
-
-/* ----------------------------------------------------------------------
-   Values that fix adapt has set since the last call.
-------------------------------------------------------------------------- */
-
-bool PairDeformableRing::take_ramps()
-{
-  const std::string odd = ramps.of_two_types(species);
-  if (!odd.empty())
-    error->all(FLERR,
-               "A fix adapt sets {}, but stiffnesses and tensions belong to one type: give it the "
-               "same type twice",
-               odd);
-  const bool new_species = ramps.take(species), new_adhesion = adhesions.take();
-  unchecked |= new_species || new_adhesion;
-  if (!unchecked) return false;
-  ramps.fill(species);
-  check_ramped_species();
-  const std::string problem = adhesions.problem(species);
-  if (!problem.empty()) error->all(FLERR, "Adhesion in a run: {}", problem);
-  check_lines_bend("Species", adhesions.any());
-  find_films();
-  unchecked = false;
-  number_definition();
-  return true;
-}
-
-/* ----------------------------------------------------------------------
-   A wall with adhesion touches the species of the atoms in its group.
-------------------------------------------------------------------------- */
-
-void PairDeformableRing::check_adhesive_walls()
-{
-  for (const FixDeformableWall *wall : walls) {
-    if (wall->adhesion() == 0.0) continue;
-    for (int ii = 0; ii < list->inum; ++ii) {
-      const int i = list->ilist[ii];
-      if (!(atom->mask[i] & wall->groupbit)) continue;
-      const Species &s = species[atom->type[i]];
-      const std::string problem = invalid_for_adhesion(wall->adhesion(), stiffness_of(i), s.skin);
-      if (!problem.empty())
-        refuse("Fix {} deformable/wall: atom {} of species {}: {}", wall->id, atom->tag[i], s.name,
-               problem);
-    }
-  }
 }
 
 void PairDeformableRing::compute(int eflag, int vflag)

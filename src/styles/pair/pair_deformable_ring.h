@@ -44,17 +44,13 @@ class PairDeformableRing : public PairDeformable {
 
  protected:
   bool bends_lines() const override { return balanced && balanced->pairs().curved; }
+  void use_films() override { balanced->use_films(); }
   void outline_of(int i, const std::vector<deformable::RecordedContact> &, int points,
                   deformable::Outline &) const override;
 
  private:
   deformable::BlockForces blocks{*this};               // of contacts on their radical axes
   std::unique_ptr<deformable::RingSolver> balanced;    // null: contacts stay there
-  class FixDeformableFilms *films = nullptr;           // null: no adhesion
-  deformable::SpeciesRamps ramps;
-  bool take_ramps();         // whether a species or an adhesion has changed
-  bool unchecked = false;    // values of ramps, also after an error that the caller has caught
-  void check_adhesive_walls();
   // Stiffness and tension of single particles, of fix property/atom
   bool kA_by_atom = false, tension_by_atom = false;
   int kA_of_atoms = -1, tension_of_atoms = -1;    // indices of custom properties
@@ -77,7 +73,6 @@ class PairDeformableRing : public PairDeformable {
   deformable::RingLCP lcp;
   std::vector<char> is_active;    // of one ring
 
-  void find_films();
   void evaluate_radical();
   deformable::Energy shape_ring(int i, const deformable::Contacts &, const deformable::Stiffness &);
 

@@ -113,11 +113,6 @@ int FixDeformableWall::read_keyword(int iarg, int narg, char **arg)
   if (keyword == "adhesion") {
     stickiness = utils::numeric(FLERR, first, false, lmp);
     require(invalid_adhesion(stickiness));
-    if (dimension == 3 && stickiness > 0.0)
-      error->all(FLERR_WORD(iarg + 1),
-                 "Fix {} deformable/wall: droplets in three dimensions do not stick to walls: use "
-                 "adhesion 0, not {}",
-                 id, first);
   } else if (keyword == "shear") {
     shear.axis = first[0] - 'x';
     if (std::strlen(first) != 1 || shear.axis < 0 || shear.axis >= dimension)
