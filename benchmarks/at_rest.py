@@ -106,7 +106,7 @@ def start(
         lmp.close()
         return
     with ld.Simulation(packing, LAWS[law]) as sim:
-        engine = sim._engine
+        engine = sim.engine
         force = engine.forces(sim).scale
         sim.deform(box)
         if law == "droplet":

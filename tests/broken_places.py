@@ -2,15 +2,21 @@
 
     .venv/bin/python tests/broken_places.py build/broken          # all places
     .venv/bin/python tests/broken_places.py build/broken 3 17     # some of them
+    .venv/bin/python tests/broken_places.py build/broken --cover times.txt
 
 The package is built once, into the folder given (some minutes). There the environment variable
 BROKEN_PLACE chooses the place that is broken. The tests are those of its subject: the whole suite
-notices more. What came out goes into data/broken_places.csv, and what pytest said into the folder,
-a file for each place.
+notices more. What came out goes into data/broken_places.csv, the names of the tests that notice a
+place into data/noticed_by.json, and what pytest said into the folder, a file for each place.
+
+With --cover nothing is run: it reads what `pytest --durations=0 -vv` has printed, and tells which
+tests together notice all places, in the least time that a greedy choice finds. Others of the same
+subjects may go, as far as places tell: each is one mistake, and a test may notice others.
 """
 
 import argparse
 import csv
+import json
 import os
 import re
 import shutil
@@ -24,6 +30,7 @@ from programs import BIN, PATIENT, program
 ROOT = Path(__file__).parents[1]
 TESTS = ROOT / "tests"
 RESULTS = TESTS / "data/broken_places.csv"
+NAMES = TESTS / "data/noticed_by.json"
 # of each place five lines: what is broken, the file, an expression (\n for a new line), what takes
 # its place, and patterns of test files
 TABLE = (TESTS / "data/broken_places.txt").read_text()
@@ -91,8 +98,8 @@ def end(number: int) -> None:
                 os.kill(int(process.name), signal.SIGKILL)
 
 
-def noticed(package: Path, number: int, said: Path) -> tuple[int, int]:
-    """How many tests notice the place, of how many. Tests that wait for ever are one."""
+def noticed(package: Path, number: int, said: Path) -> tuple[list[str], int]:
+    """Which tests notice the place, of how many. Tests that wait for ever are one."""
     words = ("-v", "-n", "1", "-m", "not slow", "--tb=line", *files_of(PLACES[number - 1][-1]))
     broken = {"PYTHONPATH": str(package), "BROKEN_PLACE": str(number)}
     with said.open("w") as file:
@@ -108,13 +115,17 @@ def noticed(package: Path, number: int, said: Path) -> tuple[int, int]:
         except subprocess.TimeoutExpired:
             end(number)
             file.write("\n[gw0] FAILED and the rest, which does not end\n")
-    told = re.findall(r"^\[gw\d+\].* (PASSED|FAILED|ERROR) (.+)$", said.read_text(), re.MULTILINE)
+    each = r"^\[gw\d+\].* (PASSED|FAILED|ERROR) (.+?) *$"
+    told = re.findall(each, said.read_text(), re.MULTILINE)
     broken_ones = {test for result, test in told if result != "PASSED"}
-    return len(broken_ones), len({test for _, test in told})
+    return sorted(broken_ones), len({test for _, test in told})
 
 
-def write_results(results: dict[int, tuple[int, int]]) -> None:
-    """Into the table, whose columns `before` and the other places stay as they are."""
+def write_results(results: dict[int, tuple[list[str], int]]) -> None:
+    """Into the tables, whose columns `before` and other places stay as they are."""
+    names = json.loads(NAMES.read_text()) if NAMES.exists() else {}
+    names |= {PLACES[number - 1][0]: tests for number, (tests, _) in results.items()}
+    NAMES.write_text(json.dumps(dict(sorted(names.items())), indent=0) + "\n")
     former = {}
     if RESULTS.exists():
         with RESULTS.open(newline="") as file:
@@ -126,8 +137,40 @@ def write_results(results: dict[int, tuple[int, int]]) -> None:
         for number, (what, name, *_) in enumerate(PLACES, 1):
             row = former.get(what, {}) | {"file": name, "what": what}
             if number in results:
-                row["now"], row["of now"] = map(str, results[number])
+                row["now"], row["of now"] = str(len(results[number][0])), str(results[number][1])
             rows.writerow(row)
+
+
+def cover(times: str) -> None:
+    """Print tests that notice all places together, and the others that notice some.
+
+    Args:
+        times: what `pytest --durations=0 -vv` has printed.
+    """
+    found = re.findall(
+        r"^([\d.]+)s (?:setup|call|teardown) +(?:tests/)?(\S.*)$", times, re.MULTILINE
+    )
+    seconds: dict[str, float] = {}
+    for time, test in found:
+        seconds[test] = seconds.get(test, 0.0) + float(time)
+    by_test: dict[str, set[str]] = {}
+    for place, tests in json.loads(NAMES.read_text()).items():
+        for test in tests:
+            by_test.setdefault(test, set()).add(place)
+    left, needed = set().union(*by_test.values()), []
+    while left:
+        best = max(
+            by_test, key=lambda test: len(by_test[test] & left) / (0.01 + seconds.get(test, 0.0))
+        )
+        needed.append(best)
+        left -= by_test[best]
+    for title, tests in (
+        ("These notice all places that are noticed:", needed),
+        ("These notice no further place:", sorted(set(by_test) - set(needed))),
+    ):
+        print(f"{title} {len(tests)}, {sum(seconds.get(test, 0.0) for test in tests):.0f} s")
+        for test in sorted(tests, key=lambda test: -seconds.get(test, 0.0)):
+            print(f"{seconds.get(test, 0.0):8.2f} s  {len(by_test[test]):3}  {test}")
 
 
 if __name__ == "__main__":
@@ -137,7 +180,11 @@ if __name__ == "__main__":
     )
     words.add_argument("folder", type=Path, help="where the package is built")
     words.add_argument("numbers", type=int, nargs="*", help="of places; all if there are none")
+    words.add_argument("--cover", type=Path, metavar="TIMES", help="print which tests suffice")
     given = words.parse_args()
+    if given.cover:
+        cover(given.cover.read_text())
+        raise SystemExit
     numbers = given.numbers or range(1, len(PLACES) + 1)
     if not 1 <= min(numbers) <= max(numbers) <= len(PLACES):
         words.error(f"places have the numbers 1 to {len(PLACES)}")
@@ -146,6 +193,9 @@ if __name__ == "__main__":
     package, results = build(into), {}
     for number in numbers:
         results[number] = noticed(package, number, into / f"{number}.txt")
+        write_results({number: results[number]})  # what is done stays, if it is interrupted
         what, name, *_ = PLACES[number - 1]
-        print(f"{number} {name}, {what}: {results[number][0]} of {results[number][1]}", flush=True)
-    write_results(results)
+        print(
+            f"{number} {name}, {what}: {len(results[number][0])} of {results[number][1]}",
+            flush=True,
+        )

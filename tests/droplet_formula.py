@@ -113,6 +113,6 @@ def crystal(vectors):
         turned = 0.5 * (f * (t * t).sum(axis=1)).sum() * np.exp(-KAPPA / 2 * load(f))
         return f @ overlap / 2 - work(f, n) - turned
 
-    start, least = np.full(len(n), 0.1), {name: 1e-15 for name in ("xtol", "ftol", "gtol")}
+    start, least = np.full(len(n), 0.1), dict.fromkeys(("xtol", "ftol", "gtol"), 1e-15)
     f = least_squares(lambda f: by_steps(dual, f), start, bounds=(1e-9, np.inf), **least).x
     return dual(f), f

@@ -200,6 +200,7 @@ def check_gel(printed: str, seeds: int, shears: int) -> None:
     assert (films < 6).all()
 
 
+@pytest.mark.slow
 def test_gel(tmp_path: Path) -> None:
     """Droplets that stick bear shear, where smooth ones flow; work is energy but for events."""
     pytest.importorskip("matplotlib")

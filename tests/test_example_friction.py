@@ -23,6 +23,7 @@ def rows(printed: str) -> np.ndarray:
     return np.array([re.findall(r"\d[.\d]*", row) for row in printed.splitlines()[1:]], float).T
 
 
+@pytest.mark.slow
 def test_restitution(tmp_path: Path) -> None:
     """Restitution and sliding in closed form; energies balance; the log is that of a run."""
     pytest.importorskip("matplotlib")

@@ -70,6 +70,7 @@ def check_clones(printed: str, death: float) -> None:
     assert len(sizes) <= 12
 
 
+@pytest.mark.slow
 def test_clones(tmp_path: Path) -> None:
     """Growth by the rate, then a steady state under pressure."""
     pytest.importorskip("matplotlib")
@@ -82,7 +83,7 @@ def test_clones(tmp_path: Path) -> None:
 
 def test_page_of_clones_has_the_numbers_of_its_log() -> None:
     page, log = ((EXAMPLES / "clones" / name).read_text() for name in ("README.md", "clones.log"))
-    late = [row for row in re.findall(r"^time (\S+)  cells (\S+) .* (\S+)$", log, re.M)][3:]
+    late = list(re.findall(r"^time (\S+)  cells (\S+) .* (\S+)$", log, re.M))[3:]
     numbers = [int(cells) for _, cells, _ in late]
     assert f"{min(numbers)} to {max(numbers)} of them" in page
     pressures = [float(pressure) for *_, pressure in late]
@@ -112,6 +113,7 @@ def check_tissue(printed: str) -> None:
         assert 0.85 < phi[-1] < 0.97
 
 
+@pytest.mark.slow
 def test_tissue(tmp_path: Path) -> None:
     """Crawling spreads cells, growth and division close the scratch."""
     pytest.importorskip("matplotlib")
@@ -147,6 +149,7 @@ def check_clogging(printed: str, trials: int) -> None:
     assert len(at) == len(set(weight))
 
 
+@pytest.mark.slow
 def test_clogging(tmp_path: Path) -> None:
     """Light droplets, which are stiff, clog slits that heavy ones pass."""
     pytest.importorskip("matplotlib")

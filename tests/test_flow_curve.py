@@ -22,6 +22,7 @@ def test_a_strain_without_blocks_is_refused(tmp_path: Path) -> None:
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.slow
 def test_script(tmp_path: Path) -> None:
     """A few droplets at a few rates: each flow bears more stress than relaxed steps do.
 
@@ -29,12 +30,12 @@ def test_script(tmp_path: Path) -> None:
     strain of 1 spread by 0.003 there, so those of 16 droplets by 0.008: the difference is three
     times that. Faster flows of so few may order, and then bear no more than slower ones.
     """
-    smaller = {"RATES": (1e-2, 2e-2, 4e-2, 8e-2), "STEP": 0.02, "BEGIN, BLOCK": (1.0, 0.5)}
+    smaller = {"RATES": (1e-2, 8e-2), "STEP": 0.02, "BEGIN, BLOCK": (1.0, 0.5)}
     part_of(EXAMPLE / "flow_curve.py", tmp_path, **smaller)
     text("python", "flow_curve.py", "--number", "16", "--strain", "2.1", cwd=tmp_path)
     data = json.loads((tmp_path / "flow_curve.json").read_text())
     still, *flows = [np.mean(row["blocks"]) for row in data["runs"]]
-    assert len(flows) == 12
+    assert len(flows) == 6
     assert min(flows) > still > 0.0
     assert (tmp_path / "flow_curve.png").stat().st_size > 10_000
 

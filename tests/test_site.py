@@ -141,6 +141,7 @@ def test_the_api_has_every_public_name_once():
         "Simulation.creep",
         "Simulation.grow",
         "Simulation.oscillate",
+        "Simulation.play",
         "Simulation.proliferate",
         "Simulation.run",
         "Simulation.shear",

@@ -39,7 +39,7 @@ def names(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
         exec(compile(smaller(FIRST), str(PAGE), "exec"), space)
-    space["jammed"].to_file(folder / "start.dump")
+    space["jammed"].export(folder / "start.dump")
     return space
 
 

@@ -19,9 +19,10 @@ def test_workflows_call_targets_of_the_makefile():
     targets = re.findall(r"^\.PHONY: (.*)$", (ROOT / "Makefile").read_text(), re.MULTILINE)
     files = sorted((ROOT / ".github" / "workflows").glob("*.yml"))
     calls = {name for file in files for name in re.findall(r"make (\S+)", file.read_text())}
-    assert len(files) == 3
-    assert {"docs", "lint", "test", "wheel"} == calls
-    assert calls <= set(targets[0].split())
+    assert len(files) == 4
+    assert calls == {"docs", "test-slow", ".venv/installed-test"}
+    assert calls - {".venv/installed-test"} <= set(targets[0].split())
+    assert ".ci/run" in (ROOT / ".github" / "workflows" / "tests.yml").read_text()
 
 
 def interpreters() -> dict[tuple[int, int], Path]:
@@ -67,7 +68,7 @@ def test_tags_of_the_wheel(dist, pythons):
 
 
 @pytest.mark.slow
-def test_the_source_has_what_is_compiled_and_installed(dist):
+def test_the_source_has_what_is_compiled_and_installed_and_tests(dist):
     (source,) = dist.glob("*.tar.gz")
     with tarfile.open(source) as archive:
         names = {name.partition("/")[2] for name in archive.getnames()}
@@ -78,7 +79,12 @@ def test_the_source_has_what_is_compiled_and_installed(dist):
     assert set(listed.stdout.split()) <= names
     documents = {"CHANGELOG.md", "CITATION.cff", "LICENSE", "README.md"}
     files = {"CMakeLists.txt", "PKG-INFO", "pyproject.toml"}
-    assert {name.partition("/")[0] for name in names if name} == {*folders, *documents, *files}
+    assert {name.partition("/")[0] for name in names if name} == {
+        *folders,
+        "tests",
+        *documents,
+        *files,
+    }
 
 
 @pytest.mark.slow

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from lammps_deformable.common._checks import expect, positive
 from lammps_deformable.common.box import refuse_space
+from lammps_deformable.common.checks import expect, positive
 from lammps_deformable.engine.moduli import following, tolerance_under, unbalanced_modulus
 from lammps_deformable.engine.simulation import Simulation
 from lammps_deformable.particles.laws import root

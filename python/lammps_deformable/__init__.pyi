@@ -15,8 +15,9 @@ from .common.errors import StalledWarning as StalledWarning
 from .common.errors import UndefinedError as UndefinedError
 from .common.errors import UnjammedWarning as UnjammedWarning
 from .common.errors import UnsavedWarning as UnsavedWarning
-from .common.parallel import jackknife as jackknife
+from .common.jackknife import jackknife as jackknife
 from .common.parallel import parallel_map as parallel_map
+from .common.ranks import show_progress as show_progress
 from .common.versions import show_versions as show_versions
 from .engine.jamming import jam as jam
 from .engine.moduli import ElasticModuli as ElasticModuli
@@ -40,18 +41,18 @@ from .particles.walls import Plane as Plane
 from .particles.walls import PolygonWall as PolygonWall
 from .particles.walls import Segment as Segment
 from .particles.walls import Sphere as Sphere
+from .protocols.protocol import Protocol as Protocol
 from .protocols.shearing import DynamicModulus as DynamicModulus
 from .reference.comparison import Comparison as Comparison
 from .reference.comparison import compare as compare
 from .runs.run import Run as Run
 from .runs.run import Table as Table
-from .state.analysis import Cells as Cells
-from .state.contacts import ContactForces as ContactForces
+from .state.displacements import LocalStrain as LocalStrain
 from .state.hessian import Hessian as Hessian
 from .state.modes import Modes as Modes
-from .state.secondary import SecondaryOutlines as SecondaryOutlines
+from .state.secondary_contacts import SecondaryOutlines as SecondaryOutlines
 from .state.state import State as State
-from .state.tracking import LocalStrain as LocalStrain
+from .state.voronoi import Cells as Cells
 
 __version__: str
 potentials: pathlib.Path

@@ -22,6 +22,7 @@ PROGRAM = """
   const BatchKernel sector_kernels[1] = {{}}, ring_kernels[1] = {{}};                \\
   const ForceKernels force_kernels = {{}};                                           \\
   const DropletKernels droplet_kernels = {{}};                                       \\
+  const DropletKernels sticking_droplet_kernels = {{}};                              \\
   const FrontKernels front_kernels = {{}};                                           \\
   }}
 DEFORMABLE_LEVELS

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from lammps_deformable.particles.polygons import Walls
-from lammps_deformable.protocols.compression import check_target
+from lammps_deformable.protocols.compression import Compress
 
 # Valid numbers, invalid ones, and other objects. Large counts would only take long.
 FLOATS = st.one_of(st.floats(), st.floats(0.1, 2.0), st.integers(-3, 30))
@@ -143,7 +143,7 @@ def test_protocols(sim, packing, examples):
         ):
             with pytest.raises(ld.ParameterError, match=r"\A[^\n]{10,1000}\Z"):
                 call(wrong)
-        refuses_or_works(lambda: check_target(sim, 1, strain=other))
+        refuses_or_works(lambda: Compress(strain=other).check(sim, False))
 
     answers()
     # Balanced anew; its error is of second order in what is left of that. Indentations of

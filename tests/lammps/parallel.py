@@ -79,6 +79,7 @@ def assert_same(found, tolerance=1e-12, atol=0.0, scale=None):
     """What is reported is that of one rank.
 
     Args:
+        found: what `reported` gives.
         tolerance: of each scalar, and of a column of atoms in units of `scale`.
         atol: of scalars that are sums of either sign, in units of the largest one.
         scale: of the columns behind ID and rank; by default their largest values.

@@ -11,7 +11,7 @@ def one_rank(tmp_path_factory):
     return told(lambda script: finished(1, script, folder), folder)
 
 
-@pytest.mark.parametrize("ranks", [2, 4])
+@pytest.mark.parametrize("ranks", [2, pytest.param(4, marks=pytest.mark.slow)])
 def test_as_on_one_rank(ranks, one_rank, tmp_path):
     """Balanced contacts are known to their tolerance, a minimum to the square of forces left."""
     found = told(lambda script: finished(ranks, script, tmp_path), tmp_path)

@@ -7,7 +7,7 @@ from typing import Any
 
 from contact_laws import simulate
 from lammps_deformable.formats import store
-from lammps_deformable.protocols.recording import _write
+from lammps_deformable.protocols.recording import write_frame
 
 
 class Stop(Exception):
@@ -33,7 +33,7 @@ def written(
     folder.mkdir(exist_ok=True, parents=True)
     store.drop_frames(folder)
     for number, state in enumerate(states):
-        _write(folder, number, state, parameters or {})
+        write_frame(folder, number, state, parameters or {})
 
 
 def dynamic_modulus(

@@ -65,6 +65,7 @@ def errors(name: str, state: ld.State, exact: ExactPacking) -> tuple[float, floa
     return abs(energy), abs(pressure), float(np.abs(off).max() / known.mean())
 
 
+@pytest.mark.slow
 def test_a_crystal(coarse: None) -> None:
     """Has the shapes of one droplet between planes, and a contact that is not told is found."""
     with ld.Simulation(ld.crystal("fcc", 1, phi=0.79), ld.Droplet(tension=2.0)) as sim:
@@ -180,3 +181,13 @@ def test_errors_in_space(coarse: None) -> None:
     ):
         with pytest.raises(ld.ParameterError, match=told):
             ld.compare(start, law=wrong)
+
+
+def test_a_loose_droplet_is_a_ball() -> None:
+    """As rattlers are: no film holds it."""
+    drop = exact_droplets._Drop(exact_droplets._Mesh.of(exact_droplets._spiral(300)), 0.5)
+    drop.settle(np.empty((0, 3, 3)), np.empty((0, 6)))
+    assert drop.area == pytest.approx(np.pi, rel=0.02)
+    assert drop.pressure == pytest.approx(4.0, rel=0.02)
+    assert np.ptp(np.exp(drop.rho)) < 0.01
+    assert drop.forces().size == drop.nodes_on_films().size == drop.stiffness().size == 0

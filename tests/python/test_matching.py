@@ -64,6 +64,6 @@ def test_matching_rings_have_the_same_effective_radii(smooth):
     packing = bidisperse(4, seed=1)
     for number in (40, 100):
         model = standard_polygons(number, smooth=smooth)
-        polygons = model.polygons(matching(packing, model)._species_radii)
+        polygons = model.polygons(matching(packing, model).species_radii)
         # ten steps leave the rounding of sums of a few terms
-        np.testing.assert_allclose(polygons.effective_radius, packing._species_radii, rtol=1e-14)
+        np.testing.assert_allclose(polygons.effective_radius, packing.species_radii, rtol=1e-14)

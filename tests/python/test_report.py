@@ -19,7 +19,7 @@ def start() -> ld.Packing:
 
 def test_files_of_a_report(tmp_path: Path) -> None:
     """From the shell, of a packing in a file."""
-    ld.jam(ld.bidisperse(6, seed=1)).packing.to_file(tmp_path / "a.xyz")
+    ld.jam(ld.bidisperse(6, seed=1)).packing.export(tmp_path / "a.xyz")
     words = ("--vertices", "19,38", "--steps", 1, "--strain", 0.01, "--workers", 1, "--out", "new")
     done = command("report", "--from", "a.xyz", *words, cwd=tmp_path)
     assert done.returncode == 0, done.stderr

@@ -388,7 +388,7 @@ def test_what_the_law_says_of_relaxations() -> None:
 
 def test_the_page_names_each_script_and_no_other() -> None:
     scripts = {path.name for path in FOLDER.glob("*.py")}
-    shared = {name for name in ("motion.py", "sections.py")}
+    shared = {"motion.py", "sections.py"}
     text = PAGE.read_text()
     rows = {
         line.split("`")[1]

@@ -207,8 +207,13 @@ def test_errors_are_those_against_the_limit() -> None:
     """The law is right to 2e-4, polygons of 80 and 160 vertices are too soft."""
     rows = [
         {
-            **{"law": "curved", "own": True, "seed": 1, "strain": 0.01, "n_v": count},
-            **{"residual": 0.0, "energy_ratio": 1.0002 / (1.0 - 20.0 / count**2)},
+            "law": "curved",
+            "own": True,
+            "seed": 1,
+            "strain": 0.01,
+            "n_v": count,
+            "residual": 0.0,
+            "energy_ratio": 1.0002 / (1.0 - 20.0 / count**2),
         }
         for count in (80, 160)
     ]

@@ -235,7 +235,7 @@ def of_beads(beads, seed):
 def of_rings(mu, beads, seed):
     """Particles of the ring law at rest, with the stiffness of those polygons."""
     begun, start = time.process_time(), loose(seed)
-    polygons = model(beads).polygons(matching(start, model(beads))._species_radii)
+    polygons = model(beads).polygons(matching(start, model(beads)).species_radii)
     law = matching_laws(model(beads), polygons)["balanced"]
     # about the stiffness k of contacts, and damping of sqrt(k m), at this pressure
     friction = ld.Friction(mu, kt=0.01, gt=0.05, damping=0.1)

@@ -36,8 +36,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from lammps_deformable.common._files import make_folder, write_whole
 from lammps_deformable.common.errors import FileError, ParameterError
+from lammps_deformable.common.files import make_folder, write_whole
 from lammps_deformable.common.ranks import print_once
 from lammps_deformable.common.versions import versions
 from lammps_deformable.particles.laws import ALL_LAWS

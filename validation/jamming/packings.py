@@ -10,13 +10,13 @@ from itertools import pairwise, zip_longest
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from lammps_deformable.common._checks import zero_or_more
+from lammps_deformable.common.checks import zero_or_more
 from lammps_deformable.common.errors import ParameterError, StalledWarning, UnjammedWarning
-from lammps_deformable.engine.jamming import jam, natural_pressure
+from lammps_deformable.engine.jamming import jam
 from lammps_deformable.engine.relax import TOLERANCE
 from lammps_deformable.engine.simulation import Simulation
 from lammps_deformable.particles.generators import bidisperse
-from lammps_deformable.particles.laws import ALL_LAWS, Droplet, Ring, SoftContact
+from lammps_deformable.particles.laws import ALL_LAWS, Droplet, Ring, SoftContact, natural_pressure
 from lammps_deformable.state.state import State
 from mpi4py import MPI
 from numpy.typing import NDArray

@@ -21,13 +21,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from lammps_deformable.common._files import make_folder, write_whole
-from lammps_deformable.common.parallel import jackknife
-from lammps_deformable.engine.jamming import jam, natural_pressure
+from lammps_deformable.common.files import make_folder, write_whole
+from lammps_deformable.common.jackknife import jackknife
+from lammps_deformable.engine.jamming import jam
 from lammps_deformable.engine.simulation import Simulation
 from lammps_deformable.engine.soft_disks import relax_at_pressure
 from lammps_deformable.particles.generators import bidisperse
-from lammps_deformable.particles.laws import SoftContact
+from lammps_deformable.particles.laws import SoftContact, natural_pressure
 from lammps_deformable.particles.packing import Packing
 from lammps_deformable.state.state import State
 from mpi4py import MPI
@@ -262,7 +262,8 @@ def exponent(summary: Sequence[Row], name: str, lowest: float, highest: float) -
     Args:
         summary: rows of one law and size.
         name: of the quantity.
-        lowest, highest: phi - phi_J.
+        lowest: phi - phi_J from which rows count.
+        highest: phi - phi_J up to which they do.
     """
     points = [
         (row["excess_phi"], row[name])

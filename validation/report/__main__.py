@@ -23,7 +23,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from lammps_deformable.common._files import make_folder
+from lammps_deformable.common.files import make_folder
 from lammps_deformable.common.ranks import print_once, progress
 from lammps_deformable.common.versions import machine, versions
 from lammps_deformable.particles.polygons import DeformablePolygon

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from lammps_deformable.common.box import cartesian, fractional
+from lammps_deformable.engine.engines import open_disks
 from lammps_deformable.engine.jamming import jam
 from lammps_deformable.engine.lammps import run
 from lammps_deformable.engine.simulation import Simulation
-from lammps_deformable.engine.soft_disks import open_disks
 from lammps_deformable.particles.commands import pair_style
 from lammps_deformable.particles.generators import bidisperse
 from lammps_deformable.particles.laws import Law, Ring, Sector

@@ -15,11 +15,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from lammps_deformable import core
+from lammps_deformable.engine.engines import open_disks
 from lammps_deformable.engine.jamming import jam
 from lammps_deformable.engine.lammps import run
 from lammps_deformable.engine.relax import TOLERANCE, minimize_command
 from lammps_deformable.engine.simulation import Simulation
-from lammps_deformable.engine.soft_disks import open_disks
 from lammps_deformable.particles.generators import bidisperse
 from lammps_deformable.particles.laws import Law, Ring, Sector, per_species
 from lammps_deformable.particles.packing import Packing
@@ -195,7 +195,7 @@ def packing_rows(
                 "law": name,
                 "kP_law": [
                     k if math.isfinite(k) else "inf"
-                    for k in per_species(law.kP, len(start._species_radii))
+                    for k in per_species(law.kP, len(start.species_radii))
                 ],
                 "I": float(comparison.shape_error.mean()),
                 "S_rms": _over(core.norm(there.area_deficit - exact), core.norm(exact)),

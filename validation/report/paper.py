@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from lammps_deformable import core
-from lammps_deformable.common._checks import expect, numbers, positive
+from lammps_deformable.common.checks import expect, numbers, positive
 from lammps_deformable.common.errors import ParameterError
 from lammps_deformable.engine.polygon_engine import steiner_point
 from lammps_deformable.engine.simulation import Simulation

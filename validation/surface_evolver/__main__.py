@@ -38,7 +38,7 @@ def program() -> str | None:
 def evolved(state: ld.State, folder: Path, finer: bool = True) -> list[ld.Evolved]:
     """What Surface Evolver finds on one mesh, and on a finer one."""
     file, commands, found = folder / "packing.fe", "", []
-    state.to_surface_evolver(file, mode="w")
+    state.export(file, mode="w")
     names = ["relax", "finer"][: 1 + finer]
     for name in names:
         commands += f'{name}; results >>> "{folder / name}";\n'

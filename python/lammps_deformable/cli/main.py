@@ -23,8 +23,8 @@ from tqdm import tqdm
 from typer import Argument, Option
 
 from .. import potentials
-from ..common._files import make_folder, written_whole
 from ..common.errors import DeformableError, ParameterError
+from ..common.files import make_folder, written_whole
 from ..common.ranks import print_once
 from ..common.versions import mpi_of_lammps, mpi_of_python, optional, versions
 from ..engine.jamming import jam
@@ -36,9 +36,8 @@ from ..particles.generators import bidisperse
 from ..particles.laws import ALL_LAWS
 from ..pictures.movies import of_dimension
 from ..pictures.plot import title_of
-from ..protocols.compression import check_target
-from ..protocols.recording import check_tolerance
 from ..runs.run import Run
+from ..state.recorded import numbers_of
 from ..state.state import State
 from .options import (
     CommandLineError,
@@ -153,14 +152,14 @@ def _tell(line: str) -> None:
 
 
 def _printing(columns: Sequence[str], done: int = 0) -> Callable[[State], None]:
-    """A callback that prints these of `State._numbers`, after so many steps before."""
+    """A callback that prints these of `numbers_of`, after so many steps before."""
     steps = itertools.count(done + 1)
 
     def show(state: State) -> None:
         step = next(steps)
         if step == done + 1:
             print_once("step " + " ".join(f"{name:>12}" for name in columns))
-        row = state._numbers()
+        row = numbers_of(state)
         print_once(f"{step:4d} " + " ".join(f"{row[name]:12.6g}" for name in columns))
 
     return show
@@ -168,7 +167,7 @@ def _printing(columns: Sequence[str], done: int = 0) -> Callable[[State], None]:
 
 def _finish(state: State, folder: Path, began: float) -> None:
     """Draw the last state."""
-    if state._root and importlib.util.find_spec("matplotlib"):
+    if MPI.COMM_WORLD.rank == 0 and importlib.util.find_spec("matplotlib"):
         _draw(state, folder / "packing.png")
     print_once(f"wrote {folder} ({time.perf_counter() - began:.1f} s)")
 
@@ -209,25 +208,24 @@ def compress_command(
     first, last = _WAYS_OUT
     ways = first, "compress it further with --append", last
     folder = refuse(out, "run" if resume or append or overwrite else None, ways)
-    protocol = {"steps": settings.steps, "tolerance": settings.tolerance, **settings.target}
+    protocol = settings.protocol
     done, sim = 0, None
     if resume:
         check_same(folder, given)
         done = Run(folder).steps_done or 0
         run = Run(folder).resume(callback=_printing(_COLUMNS, done))
     elif append:
-        target = ("strain", "phi", "pressure", "steps", "tolerance")
+        target = protocol.settings
         check_same(folder, {name: given[name] for name in given if name not in target})
         show = _printing(_COLUMNS, max(len(Run(folder)) - 1, 0))
         sim = Run(folder).simulation()
-        run = sim.compress(**protocol, record=folder, mode="a", callback=show)
+        run = sim.play(protocol, record=folder, mode="a", callback=show)
     else:
         settings.check(given, *(field.name for field in fields(RandomStart)))
         if settings.polydispersity is not None and given.keys() & {"radii", "fraction"}:
             raise ParameterError("give --polydispersity, or --radii and --fraction of two sizes")
         law = settings.contact_law()
-        check_target(law, settings.steps, **settings.target)
-        check_tolerance(settings.tolerance)
+        protocol.check_for(law, recorded=True)
         start = settings.start()
         if MPI.COMM_WORLD.rank == 0:
             make_folder(folder)
@@ -235,8 +233,8 @@ def compress_command(
         begun = "jammed" if settings.from_file is None else f"{len(packing)} particles"
         print_once(f"{begun} at phi = {packing.phi:.5f} ({time.perf_counter() - began:.1f} s)")
         sim = Simulation(packing, law)
-        run = sim.compress(
-            **protocol,
+        run = sim.play(
+            protocol,
             record=folder,
             mode="w" if overwrite else "x",
             callback=_printing(_COLUMNS),

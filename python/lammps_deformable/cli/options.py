@@ -21,13 +21,14 @@ import typer
 from mpi4py import MPI
 from typer import Option
 
-from ..common._checks import positive
+from ..common.checks import positive
 from ..common.errors import FileError, ParameterError
 from ..engine.relax import TOLERANCE
 from ..particles.generators import bidisperse, polydisperse
 from ..particles.laws import ALL_LAWS, AnyLaw, Droplet, Ring
 from ..particles.packing import Packing
-from ..protocols.recording import LARGEST_TOLERANCE
+from ..protocols.compression import Compress
+from ..protocols.protocol import LARGEST_TOLERANCE
 from ..runs.run import Run
 
 if sys.version_info >= (3, 11):
@@ -250,10 +251,14 @@ class Settings(RandomStart, Material):
     ] = TOLERANCE
 
     @property
-    def target(self) -> dict[str, Any]:
-        """What `compress` is asked for."""
-        given = {name: getattr(self, name) for name in ("strain", "phi", "pressure")}
-        return {"strain": _STRAIN} if set(given.values()) == {None} else given
+    def protocol(self) -> Compress:
+        """What is done."""
+        given: dict[str, Any] = {
+            field.name: getattr(self, field.name) for field in fields(Compress)
+        }
+        if self.strain is None and self.phi is None and self.pressure is None:
+            given["strain"] = _STRAIN
+        return Compress(**given)
 
     @property
     def parameters(self) -> dict[str, Any]:

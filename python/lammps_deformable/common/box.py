@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._checks import numbers, shown, whole
+from .checks import numbers, shown, whole
 from .errors import ParameterError, UndefinedError
 
 if TYPE_CHECKING:
@@ -151,3 +151,8 @@ def shown_box(box: Floats) -> str:
     tilts = [f"{tilt:.4g}" for tilt in box[np.tril_indices(len(box), -1)].tolist() if tilt]
     sides = " x ".join(f"{side:.4g}" for side in box.diagonal().tolist())
     return f"box {sides}" + (f" tilted by {', '.join(tilts)}" if tilts else "")
+
+
+def in_space(vectors: Floats) -> Floats:
+    """Vectors of the plane with z = 0, those of space as they are, shape (N, 3)."""
+    return np.column_stack([vectors, np.zeros((len(vectors), 3 - vectors.shape[1]))])

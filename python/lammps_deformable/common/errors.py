@@ -6,7 +6,7 @@ import sys
 import warnings
 from contextlib import contextmanager
 from contextvars import ContextVar
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -64,6 +64,16 @@ class LackingWarning(UserWarning):
 
 class UnsavedWarning(UserWarning):
     """A saved state lacks walls or excluded pairs that were given to LAMMPS."""
+
+
+def renamed(old: str, new: str) -> Any:
+    """An attribute that is not there any more, and tells its new name."""
+
+    def told(owner: object) -> None:
+        kind = type(owner).__name__
+        raise UndefinedError(f"{kind}.{old} is {kind}.{new} now")
+
+    return property(told)
 
 
 # Warnings that are kept from their user: their categories, and those that came. Of each thread, as

@@ -1,7 +1,4 @@
-"""Independent calls over the cores of one machine, or over MPI ranks on any number of machines.
-
-And the error of what follows from several packings: the jackknife.
-"""
+"""Independent calls over the cores of one machine, or over MPI ranks on any number of machines."""
 
 from __future__ import annotations
 
@@ -9,15 +6,16 @@ import pickle
 import re
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures.process import BrokenProcessPool
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
-from mpi4py import MPI
-from numpy.typing import ArrayLike, NDArray
 
-from ._checks import count, expect, shown
+from .checks import count, expect, expect_function, shown
 from .errors import ParameterError
-from .ranks import agree, independent, independently, progress, world
+from .ranks import LAUNCHERS, agree, independent, independently, progress, world
+
+if TYPE_CHECKING:
+    from mpi4py import MPI
 
 T = TypeVar("T")
 Item = TypeVar("Item")
@@ -25,10 +23,10 @@ Item = TypeVar("Item")
 # What a new process runs first. mpiexec and srun tell a process its rank by such variables, which
 # its children inherit: with them MPI would take each child for that rank. And a lock of tqdm's for
 # several processes outlives one that is killed.
-_ALONE = """
+_ALONE = f"""
 import os, threading, tqdm
 for name in [*os.environ]:
-    if name.startswith(("PMI", "HYDI_", "MPI_LOCAL", "OMPI_", "PALS_")):
+    if name.startswith({LAUNCHERS!r}):
         del os.environ[name]
 tqdm.tqdm.set_lock(threading.RLock())
 """
@@ -62,7 +60,7 @@ def parallel_map(
         BrokenProcessPool: a process died.
         Exception: the first one of a call, with a note that has its item. Other calls are given up.
     """
-    _expect_function(f, "of an item")
+    expect_function(f, "of an item")
     expect("items", items, Iterable)
     items, comm = list(items), world()
     workers = None if workers is None else count("workers", workers)
@@ -121,6 +119,8 @@ def _over_ranks(
 ) -> list[T]:
     """The same over ranks. Each takes the next item, which a counter on rank 0 names."""
     agree(comm, f"parallel_map of {len(items)} items")
+    from mpi4py import MPI
+
     counter = MPI.Win.Allocate(8 if comm.rank == 0 else 0, 8, comm=comm)
     if comm.rank == 0:
         counter.tomemory().cast("q")[0] = 0
@@ -150,42 +150,3 @@ def _over_ranks(
     if errors:
         raise errors[min(errors)]
     return [pickle.loads(results[n]) for n in range(len(items))]
-
-
-def jackknife(
-    values: Sequence[Any] | NDArray[Any], f: Callable[..., ArrayLike] = np.mean
-) -> tuple[Any, Any]:
-    """f of all values, and its standard error from leaving out one after another.
-
-        error^2 = (n - 1)/n sum (f_k - mean f)^2,    f_k without value k
-
-    It is right for fits too, whose points share their packings. For a mean it is the standard error
-    of the mean.
-
-        fit, error = ld.jackknife(packings, lambda some: np.polyfit(x, mean_of(some), 1))
-
-    Args:
-        values: independent of each other, such as packings; two or more.
-        f: of a list of values; a number or an array.
-
-    Returns:
-        f and its error, of the same shape; the error is nan where one of the f_k is.
-
-    Raises:
-        ParameterError: there are fewer than two values, or f is no function.
-
-    Source: Efron and Stein, Ann. Stat. 9, 586 (1981).
-    """
-    _expect_function(f, "of a list of values")
-    expect("values", values, Sequence, np.ndarray)
-    count = len(values) if np.ndim(values) or isinstance(values, Sequence) else 1
-    if count < 2:
-        raise ParameterError(f"values must be at least 2 for an error, not {count}")
-    without = np.array([f([*values[:n], *values[n + 1 :]]) for n in range(count)], float)
-    spread = np.sum((without - without.mean(axis=0)) ** 2, axis=0)
-    return np.asarray(f(values), float)[()], np.sqrt((count - 1) / count * spread)
-
-
-def _expect_function(f: object, of: str) -> None:
-    if not callable(f):
-        raise ParameterError(f"f must be a function {of}, not {shown(f)}")

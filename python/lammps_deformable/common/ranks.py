@@ -6,11 +6,12 @@ rank 0 alone: a bar on a terminal, elsewhere a line a minute.
 
 from __future__ import annotations
 
+import os
 import sys
 import time
 from contextlib import contextmanager
 from contextvars import ContextVar
-from dataclasses import is_dataclass
+from dataclasses import fields, is_dataclass
 from functools import cache, wraps
 from hashlib import blake2b
 from inspect import isfunction
@@ -21,13 +22,15 @@ from threading import RLock
 from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
 import numpy as np
-from mpi4py import MPI
 from tqdm import tqdm
 
+from .checks import expect
 from .errors import CallError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
+
+    from mpi4py import MPI
 
 
 P = ParamSpec("P")
@@ -51,9 +54,47 @@ _WAY_OUT = (
 _independent: ContextVar[bool] = ContextVar("independent", default=False)
 
 
+# Variables that mpiexec and srun give to the processes that they start begin with these.
+LAUNCHERS = ("PMI", "HYDI_", "MPI_LOCAL", "MV2_", "OMPI_", "PALS_")
+
+
+class OneRank:
+    """A process that has not started MPI, in the place of a communicator."""
+
+    rank, size = 0, 1
+
+    def barrier(self) -> None:
+        """Nobody is waited for."""
+
+    def bcast(self, value: T) -> T:
+        """The value itself."""
+        return value
+
+
 def world() -> MPI.Intracomm:
-    """The ranks that make the same calls: all, or this one alone in a call of `parallel_map`."""
-    return MPI.COMM_SELF if _independent.get() else MPI.COMM_WORLD
+    """The ranks that make the same calls: all, or this one alone in a call of `parallel_map`.
+
+    MPI starts with the first simulation, or where a launcher has started the process: to read a run
+    and to analyze it needs none.
+    """
+    launched = any(name.startswith(LAUNCHERS) for name in os.environ)
+    if "mpi4py.MPI" not in sys.modules and not launched:
+        return OneRank()  # type: ignore[return-value]
+    return alone() if _independent.get() else everyone()
+
+
+def everyone() -> MPI.Intracomm:
+    """All ranks, which share the work of a simulation; MPI starts."""
+    from mpi4py import MPI
+
+    return MPI.COMM_WORLD
+
+
+def alone() -> MPI.Intracomm:
+    """This rank, which computes by itself; MPI starts."""
+    from mpi4py import MPI
+
+    return MPI.COMM_SELF
 
 
 def _told(value: Any) -> object:
@@ -67,8 +108,10 @@ def _told(value: Any) -> object:
     if isinstance(value, (list, tuple)):
         return [_told(each) for each in value]
     plain = value.tolist() if isinstance(value, (np.ndarray, np.generic)) else value
-    settings = is_dataclass(plain) and not hasattr(plain, "positions")
-    alike = settings or isinstance(plain, (str, int, float, list, Path, type(None)))
+    if is_dataclass(plain) and not hasattr(plain, "positions"):
+        each = {field.name: getattr(plain, field.name) for field in fields(plain) if field.repr}
+        return type(plain).__name__, _told(each)
+    alike = isinstance(plain, (str, int, float, list, Path, type(None)))
     return plain if alike else type(plain).__name__
 
 
@@ -87,6 +130,8 @@ def agree(comm: MPI.Comm, call: str, arguments: object = None) -> None:
     """
     if comm.size == 1:
         return
+    from mpi4py import MPI
+
     digest = blake2b(repr(_told(arguments)).encode(), digest_size=_DIGEST).digest()
     mine = np.frombuffer(call.encode()[:_LETTERS].ljust(_LETTERS) + digest, np.uint8)
     calls = np.empty((comm.size, _LETTERS + _DIGEST), np.uint8)
@@ -107,6 +152,17 @@ def agree(comm: MPI.Comm, call: str, arguments: object = None) -> None:
             raise CallError(f"rank 0 calls {names[0]} and rank {rank} {other}: {_WAY_OUT}")
         if (calls[rank] != calls[0]).any():
             raise CallError(f"ranks 0 and {rank} give other arguments to {other}: {_WAY_OUT}")
+
+
+def wait_for_all() -> None:
+    """Wait until all ranks are here, as rank 0 may still be writing.
+
+    Raises:
+        CallError: a rank is elsewhere.
+    """
+    comm = world()
+    agree(comm, "a simulation or a Run")
+    comm.barrier()
 
 
 def together(call: Callable[[], bool], comm: MPI.Comm, name: str) -> bool:
@@ -142,6 +198,8 @@ def end() -> None:
     MPI may fail to end with messages that nobody has taken. So a rank that has told this one is not
     told, and those that end at the same time are heard.
     """
+    from mpi4py import MPI
+
     if not MPI.Is_initialized() or MPI.Is_finalized():
         return
     others = set(range(MPI.COMM_WORLD.size)) - {MPI.COMM_WORLD.rank}
@@ -288,8 +346,24 @@ def guarded_lammps() -> Any:
 # Seconds between lines of progress where there is no terminal.
 _LINES = 60.0
 
+# Whether progress is shown.
+_shown = True
 
-class _Lines(tqdm):  # type: ignore[type-arg]
+
+def show_progress(shown: bool = True) -> None:
+    """Show progress of protocols, `jam` and others from now on, or hide it.
+
+    An environment variable TQDM_DISABLE that is not empty hides it, too.
+
+    Raises:
+        ParameterError: `shown` is neither True nor False.
+    """
+    global _shown
+    expect("shown", shown, bool)
+    _shown = shown
+
+
+class _Lines(tqdm):  # type: ignore[misc]
     """Progress as lines of text, for logs."""
 
     def display(self, msg: str | None = None, pos: int | None = None) -> bool:
@@ -306,6 +380,7 @@ class _Lines(tqdm):  # type: ignore[type-arg]
 def progress(description: str, unit: str, total: int | None = None, initial: int = 0) -> tqdm[Any]:
     """Progress on stderr: a bar on a terminal, elsewhere a line a minute after the first minute."""
     hidden = world().rank > 0 or independent() or parent_process() is not None
+    hidden = hidden or not _shown or bool(os.environ.get("TQDM_DISABLE"))
     shared = {"desc": description, "unit": unit, "total": total, "initial": initial}
     if total is None:
         shared["bar_format"] = "{desc}: {n_fmt} {unit}s [{elapsed}{postfix}]"

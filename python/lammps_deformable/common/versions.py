@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from mpi4py import MPI
 
 from .. import core
 from .errors import LammpsError
@@ -82,11 +81,15 @@ def _processor() -> str:
 
 def mpi_of_python() -> str:
     """The MPI library of mpi4py."""
+    from mpi4py import MPI
+
     return _first_line(MPI.Get_library_version())
 
 
 def mpi_of_lammps(library: ctypes.CDLL) -> str:
     """The MPI library of liblammps; ranks can only communicate if it is that of mpi4py."""
+    from mpi4py import MPI
+
     text = ctypes.create_string_buffer(MPI.MAX_LIBRARY_VERSION_STRING)
     library.MPI_Get_library_version(text, ctypes.byref(ctypes.c_int()))
     return _first_line(text.value.decode())

@@ -9,11 +9,12 @@ from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from mpi4py import MPI
 from numpy.typing import NDArray
 
 from ..common.box import fractional
+from ..common.checks import shown
 from ..common.errors import LammpsError, ParameterError
+from ..common.ranks import alone
 from ..core import dot, unit_vectors
 from ..particles.commands import (
     SOFT_STEP,
@@ -24,14 +25,16 @@ from ..particles.commands import (
     memory_commands,
     pair_style,
     soft_commands,
-    species_file,
 )
+from ..particles.containers import Distances, check_centers, check_fit
 from ..particles.friction import (
     FRICTION,
     Friction,
     Rubbing,
     check_friction,
     friction_commands,
+    has_films,
+    rubbing_step,
     spring_commands,
 )
 from ..particles.gravity import gravity_commands, gravity_energy
@@ -51,12 +54,13 @@ from ..particles.laws import (
     sticks,
     undeformed,
 )
-from ..particles.packing import Packing
-from ..particles.room import Distances, check_centers, check_fit
+from ..particles.packing import Packing, packing_of_species, with_own_radii
+from ..particles.species_file import species_file
 from ..state.contacts import ROWS, ContactTable, attached, contact_table
 from ..state.rubbing import RUBBING_ROWS, rubbing_table
 from ..state.state import State
 from .lammps import (
+    Setup,
     gather,
     has_other_fixes,
     images_of,
@@ -77,6 +81,7 @@ from .lammps import (
 from .relax import (
     NO_FORCE,
     TOLERANCE,
+    USUAL,
     Fire,
     Forces,
     Minimizer,
@@ -94,6 +99,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from lammps import lammps
+    from mpi4py import MPI
 
     from ..formats.store import Motion
     from ..particles.walls import Wall
@@ -123,7 +129,7 @@ def packing_in(sim: Simulation, radii: Floats) -> Packing:
     Commands given to `lmp` may have changed the species and radii of particles.
     """
     own = sim.lmp.extract_setting("radius_flag")
-    return Packing._of_species(
+    return packing_of_species(
         gather(sim.lmp, "x", 3)[:, : sim.dimension],
         gather(sim.lmp, "type", 1).astype(np.int64) - 1,
         radii,
@@ -206,7 +212,7 @@ def contacts_of(
         return contact_table(rows, packing), None
     own = local_array(lmp, FRICTION, RUBBING_ROWS[packing.dimension], fix=True)
     rubbing = np.concatenate(comm.allgather(own))
-    table, springs, places = rubbing_table(rows, packing, rubbing, friction._films)
+    table, springs, places = rubbing_table(rows, packing, rubbing, has_films(friction))
     stored, *lost = (lmp.extract_fix(FRICTION, 0, 1, n) for n in (0, 1, 2, 3, 6))
     omega = gather(lmp, "omega", 3)
     spins = np.ascontiguousarray(omega[:, 2]) if packing.dimension == 2 else omega
@@ -243,12 +249,39 @@ class Engine:
         scale: of the forces, in words.
         indicator: what falls while a relaxation goes on; None: the patience is for all of it.
         loose: whether no contact bears a force; None: nobody asks.
+        law: of the particles.
+        setup: what LAMMPS had when it was filled.
+        begun: how often it has been filled.
+        steps_before: steps of LAMMPS before it began to count them.
+        lost: energy that films had lost before LAMMPS began to count it [energy].
+        labels, clones: of the particles, see `State`.
+        imbalance: of contacts, over the largest force.
+        fell_back: whether FIRE went on where L-BFGS failed, in the last relaxation.
     """
 
     minimizers: tuple[str, ...] = ("lbfgs", "fire")
     tolerance, patience, scale = TOLERANCE, 0, "the mean contact force"
     indicator: Callable[[Forces], float] | None = None
     loose: bool | None = None
+    law: Any
+    setup: Setup
+    begun, steps_before, lost = 0, 0, 0.0
+    labels: NDArray[np.int64] | None = None
+    clones: NDArray[np.int64] | None = None
+    imbalance, fell_back = USUAL, False
+
+    def chosen(self, minimizer: str | None, friction: Friction | None) -> str:
+        """The minimizer, or the first one that the law can have."""
+        choice = ("damped",) if friction else self.minimizers
+        if minimizer is None:
+            return choice[0]
+        if minimizer not in choice:
+            raise ParameterError(
+                f"minimizer must be {' or '.join(map(repr, choice))} for "
+                f"{'contacts that rub' if friction else type(self.law).__name__}, "
+                f"not {shown(minimizer)}"
+            )
+        return minimizer
 
     def opened(self, packing: Packing, friction: Friction | None) -> Packing:
         """The packing as LAMMPS gets it."""
@@ -281,21 +314,21 @@ class Deformables(Engine):
         """Refuse what the law cannot have."""
         check_dimension(self.law, packing.dimension)
         refuse_values_of_particles(self.law, packing)
-        species_file(self.law, packing._species_radii)
+        species_file(self.law, packing.species_radii)
         if friction:
             check_friction(friction, packing, self.law)
-        self._check_walls(packing.walls, packing.box, packing._species_radii)
+        self._check_walls(packing.walls, packing.box, packing.species_radii)
         if packing.walls:
             check_centers(packing.walls, packing.box, packing.positions)
             check_sticky_walls(packing, self.law)
 
     def opened(self, packing: Packing, friction: Friction | None) -> Packing:
         """The packing; with friction particles have radii of their own, which lets them turn."""
-        return packing._with_own_radii() if friction and not packing._own_radii else packing
+        return with_own_radii(packing) if friction and not packing.own_radii else packing
 
     def open(self, sim: Simulation, packing: Packing, former: lammps | None) -> lammps:
         """LAMMPS with the packing, the law, walls and friction, and the computes of states."""
-        self._radii = packing._species_radii
+        self._radii = packing.species_radii
         lmp, friction = open_lammps(packing, sim.comm, former), sim.friction
         with shared_file(sim.comm, species_file(self.law, self._radii)) as file:
             run(lmp, law_commands(packing, self.law, file))
@@ -303,7 +336,7 @@ class Deformables(Engine):
         run(lmp, film_commands(self.law, packing.walls))
         run(lmp, friction_commands(friction, len(self._radii)) + gravity_commands(sim.gravity))
         if friction:  # evaluations have a time step too
-            run(lmp, f"timestep {min(friction._accurate_step, _TIMESTEP)!r}")
+            run(lmp, f"timestep {min(rubbing_step(friction), _TIMESTEP)!r}")
         stress_of = virial_command("pair fix" if packing.walls or friction else "pair")
         run(lmp, stress_of + _COMPUTES.format(style=pair_style(self.law)) + THERMO)
         self._smallest_radius = float(packing.radii.min())
@@ -332,14 +365,14 @@ class Deformables(Engine):
         if motion.images is not None and motion.images.any():
             place_images(lmp, motion.images)
         sim.time, sim.shear_strain, sim.directions = motion.time, motion.strain, motion.directions
-        sim._lost, sim._labels, sim._clones = motion.lost, motion.labels, motion.clones
+        self.lost, self.labels, self.clones = motion.lost, motion.labels, motion.clones
 
     def unbalanced(self, sim: Simulation, tolerance: float) -> bool:
         return told(sim.lmp, IMBALANCE) > max(tolerance, UNBALANCED)
 
     def _particles(self, sim: Simulation) -> None:
         """Take species and radii from LAMMPS: commands given to `lmp` may have changed them."""
-        refuse_other(sim.lmp, sim._setup)
+        refuse_other(sim.lmp, self.setup)
         self._species = gather(sim.lmp, "type", 1).astype(np.int64) - 1
         by_particle = sim.lmp.extract_setting("radius_flag")
         self._particle_radii = gather(sim.lmp, "radius", 1) if by_particle else None
@@ -369,9 +402,9 @@ class Deformables(Engine):
             "wall_forces": wall_forces(sim.lmp, sim.walls),
             "time": sim.time,
             "shear_strain": sim.shear_strain,
-            "labels": _of_all(sim._labels, len(packing)),
-            "clones": _of_all(sim._clones, len(packing)),
-            "unsaved": unsaved(sim.lmp, sim._setup),
+            "labels": _of_all(self.labels, len(packing)),
+            "clones": _of_all(self.clones, len(packing)),
+            "unsaved": unsaved(sim.lmp, self.setup),
             "images": images,
         }
 
@@ -385,7 +418,7 @@ class Rings(Deformables):
         """As that of all, with the scales of forces and times of this packing."""
         lmp = super().open(sim, packing, former)
         self._largest_radius = float(packing.radii.max())
-        stiffness = self.law._single_contact_stiffness(self._smallest_radius)
+        stiffness = self.law.single_contact_stiffness(self._smallest_radius)
         self._single_contact_pressure = stiffness / STIFFNESS_PER_PRESSURE
         self._single_contact_force = stiffness * self._smallest_radius
         self._natural_pressure = natural_pressure(packing, self.law)
@@ -398,7 +431,7 @@ class Rings(Deformables):
             sim.lmp, pair_style(self.law), sim.walls, _OF_RINGS, len(ROWS[2])
         )
         area, perimeter, contacts, pressure, _, length = self._results.T
-        self._skin = self.law._species_parameters(self._radii).skin[self._species]
+        self._skin = self.law.species_parameters(self._radii).skin[self._species]
         self._largest_pressure = float(pressure.max())
         self.loose = are_round(area, perimeter, self._radius - self._skin)
         total, number = dot(pressure, length), float(max(contacts.sum(), 1.0))
@@ -456,7 +489,7 @@ class Rings(Deformables):
             },
             _table=table,
             films=attached(rows) if sticks(self.law, sim.walls) else None,
-            lost_energy=sim._lost + told(sim.lmp, LOST) + sum(rubbing.lost if rubbing else ()),
+            lost_energy=self.lost + told(sim.lmp, LOST) + sum(rubbing.lost if rubbing else ()),
             friction=sim.friction,
             rubbing=rubbing,
         )
@@ -478,7 +511,7 @@ class Droplets(Deformables):
     def open(self, sim: Simulation, packing: Packing, former: lammps | None) -> lammps:
         """As that of all, with the largest tension of this packing."""
         lmp = super().open(sim, packing, former)
-        tension = self.law._species_parameters(packing._species_radii).tension
+        tension = self.law.species_parameters(packing.species_radii).tension
         self._stiffness = float(tension.max())
         return lmp
 
@@ -538,7 +571,7 @@ class Droplets(Deformables):
                 "n_contacts": contacts.astype(np.int64),
             },
             _table=table,
-            lost_energy=sim._lost + sum(rubbing.lost if rubbing else ()),
+            lost_energy=self.lost + sum(rubbing.lost if rubbing else ()),
             friction=sim.friction,
             rubbing=rubbing,
         )
@@ -564,7 +597,7 @@ def others_push(sim: Simulation, largest: float, total: float) -> bool:
     """Whether gravity or a user's fix moves particles: all contacts together bear less than a
     force.
     """
-    moves = sim.gravity is not None or has_other_fixes(sim.lmp, sim._setup)
+    moves = sim.gravity is not None or has_other_fixes(sim.lmp, sim.engine.setup)
     return largest > total and moves
 
 
@@ -613,10 +646,10 @@ class SoftParticles(Engine):
 
     def open(self, sim: Simulation, packing: Packing, former: lammps | None) -> lammps:
         """LAMMPS with the packing and its walls."""
-        self._radii, self._radius = packing._species_radii, packing.radii
+        self._radii, self._radius = packing.species_radii, packing.radii
         self._dimension = packing.dimension
         self._distances = Distances(packing.walls, packing.box)
-        lmp = open_disks(packing, MPI.COMM_SELF, self.law.k, former)
+        lmp = open_disks(packing, alone(), self.law.k, former)
         if packing.walls:
             run(lmp, _WALLS)
             lmp.set_fix_external_callback("deformable_walls", self._repel, lmp)
@@ -654,13 +687,13 @@ class SoftParticles(Engine):
         """The forces before a relaxation: their scale is in the contacts, or given."""
         if least == 0.0:
             return self.forces(sim)
-        refuse_other(sim.lmp, sim._setup)
+        refuse_other(sim.lmp, self.setup)
         self._radius = packing_in(sim, self._radii).radii
         return Forces(np.inf, least, force_rounding(sim.box, self.law.k))
 
     def forces(self, sim: Simulation, least: float = 0.0) -> Forces:
         """The forces at the present positions."""
-        refuse_other(sim.lmp, sim._setup)
+        refuse_other(sim.lmp, self.setup)
         self._radius = packing_in(sim, self._radii).radii  # for the walls
         run(sim.lmp, "run 0 post no")
         return self.after(sim, least)
@@ -729,15 +762,15 @@ def separated(packing: Packing) -> Packing:
 
 def open_disks(
     packing: Packing,
-    comm: MPI.Comm = MPI.COMM_SELF,
+    comm: MPI.Comm | None = None,
     k: float = 1.0,
     former: lammps | None = None,
 ) -> lammps:
     """A LAMMPS with soft disks or spheres, U = k/2 overlap^2 of each pair, ready for FIRE."""
     smallest = float(packing.radii.min())
-    lmp = open_lammps(packing, comm, former)
+    lmp = open_lammps(packing, comm or alone(), former)
     run(lmp, soft_commands(packing, k))
-    cutoff = "radius" if packing._own_radii else "type"
+    cutoff = "radius" if packing.own_radii else "type"
     run(lmp, _CONTACTS.format(cutoff=cutoff, timestep=SOFT_STEP / k**0.5))
     run(
         lmp,

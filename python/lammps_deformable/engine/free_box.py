@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common._checks import positive, shown
+from ..common.checks import positive, shown
 from ..common.errors import LammpsError, ParameterError, UnjammedWarning, collected, warn
 from ..particles.laws import excess_phi, natural_pressure, root
 from ..particles.polygons import DeformablePolygon
+from ..particles.walls import kind_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -176,7 +177,7 @@ def check_free(
     if walls and free != "iso":
         raise ParameterError(
             f"free='{free}' is not for walls, and there are {len(walls)}, the first a "
-            f"{walls[0]._kind}: take free='iso', which scales them with the box"
+            f"{kind_of(walls[0])}: take free='iso', which scales them with the box"
         )
 
 

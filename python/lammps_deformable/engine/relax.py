@@ -15,10 +15,9 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from mpi4py import MPI
 from numpy.typing import NDArray
 
-from ..common._checks import shown
+from ..common.checks import shown
 from ..common.errors import (
     BeyondModelWarning,
     LammpsError,
@@ -27,15 +26,18 @@ from ..common.errors import (
     UnjammedWarning,
     warn,
 )
-from ..common.ranks import together
+from ..common.ranks import alone, together
 from ..particles.commands import LBFGS, LONGEST_STEP, balance_command, fire_commands
 from ..particles.friction import (
     FRICTION,
     Friction,
     damped_commands,
     inertia,
+    longest_rubbing_step,
+    overdamped_part,
     spring_commands,
     undamped_commands,
+    values_of_pairs,
 )
 from ..particles.gravity import forces_of
 from ..particles.laws import LARGEST_FACET, LARGEST_LOAD, Droplet, Ring, Sector, SoftContact
@@ -56,6 +58,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from lammps import lammps
+    from mpi4py import MPI
 
     from ..particles.packing import Packing
     from ..particles.walls import Wall
@@ -242,19 +245,19 @@ def lbfgs_or_fire(sim: Simulation, tolerance: float, fire: Minimizer, smallest: 
         if forces.largest < 0.5 * best:
             best, waited = forces.largest, 0
         failed = forces.largest > _FAILED * asked or waited >= _LBFGS_PATIENCE
-        sim._fell_back = sim._fell_back or failed
+        sim.engine.fell_back = sim.engine.fell_back or failed
         force = 0.5 * tolerance * forces.scale  # the scale falls a little further meanwhile
         number = min(left, most, _LBFGS_ITERATIONS)
         before = sim.lmp.extract_global("ntimestep")
-        if not sim._fell_back:
+        if not sim.engine.fell_back:
             places, images = gather(sim.lmp, "x", 3), images_of(sim.lmp)
             try:
                 run_forces(sim.lmp, LBFGS + minimize_command(force, number), sim.walls)
             except LammpsError:  # its steps are longer than those of FIRE
                 place_particles(sim.lmp, places)
                 place_images(sim.lmp, images)
-                sim._fell_back = True
-        if sim._fell_back:
+                sim.engine.fell_back = True
+        if sim.engine.fell_back:
             run(sim.lmp, choose_fire)
             return fire(forces, left, most)
         taken = sim.lmp.extract_global("ntimestep") - before
@@ -345,7 +348,7 @@ def tell(callback: Callback, seen: Iteration, comm: MPI.Comm | None) -> None:
         callback(seen)
         return False
 
-    together(told, comm or MPI.COMM_SELF, f"the callback of {seen.protocol}")
+    together(told, comm or alone(), f"the callback of {seen.protocol}")
 
 
 def warn_of(state: State, tolerance: float, unjammed: bool, scale: str) -> None:
@@ -357,8 +360,6 @@ def warn_of(state: State, tolerance: float, unjammed: bool, scale: str) -> None:
         unjammed: whether the packing was rigid before, and no longer is.
         scale: of the forces, in words.
     """
-    if not state._root:
-        return
     if unjammed:
         warn(
             f"the packing lost its rigidity at phi = {state.packing.phi:.5f}: it rearranged into a "
@@ -439,8 +440,8 @@ def damp(
         )
     collisions = _collision_pressure(lmp, natural, dimension)
     stiffest, pressure = max(stiffest, collisions), max(pressure, collisions)
-    of_contacts = _DAMPED_TIMESTEP * friction._overdamped / np.sqrt(stiffest)
-    timestep = min(of_contacts, _OF_SPRINGS * friction._longest_step)
+    of_contacts = _DAMPED_TIMESTEP * overdamped_part(friction) / np.sqrt(stiffest)
+    timestep = min(of_contacts, _OF_SPRINGS * longest_rubbing_step(friction))
     run(lmp, damped_commands(_RATE * float(np.sqrt(pressure)), dimension))
     try:
         run_forces(lmp, f"timestep {float(timestep)!r}\nrun {_STEPS} post no", walls)
@@ -498,12 +499,12 @@ def carry(lmp: lammps, state: State, change: NDArray[np.float64]) -> None:
 def _stiffness(state: State, springs: NDArray[np.float64]) -> NDArray[np.float64]:
     """kt of each spring, shape (M,): half of it for each side of a radical line."""
     assert state.friction is not None
-    kinds = len(state.packing._species_radii)
-    wall = (state.friction.walls or state.friction)._of_pairs(kinds)[0, 0, 1]
+    kinds = len(state.packing.species_radii)
+    wall = values_of_pairs(state.friction.walls or state.friction, kinds)[0, 0, 1]
     i, j = springs[:, :2].T.astype(np.int64)
     one, two = state.packing.species[i - 1], state.packing.species[np.maximum(j, 1) - 1]
     sides = 2.0 if isinstance(state.law, Ring) and state.law.contact == "radical" else 1.0
-    pairs = state.friction._of_pairs(kinds)[one, two, 1] / sides
+    pairs = values_of_pairs(state.friction, kinds)[one, two, 1] / sides
     return np.where(j > 0, pairs, wall)
 
 
@@ -526,36 +527,36 @@ _FURTHER = 1.1
 @contextmanager
 def balanced_to(sim: Simulation, packing: Packing, imbalance: float | None) -> Iterator[None]:
     """Leave this imbalance to the contacts of a simulation meanwhile; None: the present one."""
-    begun, before = sim._begun, sim._imbalance
+    begun, before = sim.engine.begun, sim.engine.imbalance
     other = imbalance not in (None, before) and isinstance(sim.law, Ring | Sector | Droplet)
     if imbalance is not None and other:
         balance(sim, packing, imbalance)
     try:
         yield
     finally:
-        if other and not sim.closed and sim._begun == begun:
+        if other and not sim.closed and sim.engine.begun == begun:
             balance(sim, packing, before)
 
 
 def balance(sim: Simulation, packing: Packing, imbalance: float) -> None:
     """Leave this imbalance to the contacts from now on."""
     run(sim.lmp, balance_command(packing, sim.law, imbalance))
-    sim._imbalance = imbalance
+    sim.engine.imbalance = imbalance
     # which knows the former command
-    sim._setup = replace(sim._setup, definition=setup(sim.lmp).definition)
+    sim.engine.setup = replace(sim.engine.setup, definition=setup(sim.lmp).definition)
 
 
 def minimizers_reach(sim: Simulation, tolerance: float) -> float:
     """The residual that minimizers are asked for at least, where Newton's method does the rest."""
     law = sim.law
-    lines = isinstance(law, Ring) and law.contact != "radical" and sim._imbalance >= USUAL
-    return _AIM if lines and not sim.friction and not law._sticks and tolerance < USUAL else 0.0
+    lines = isinstance(law, Ring) and law.contact != "radical" and sim.engine.imbalance >= USUAL
+    return _AIM if lines and not sim.friction and not law.sticks and tolerance < USUAL else 0.0
 
 
 def can_polish(sim: Simulation, state: State) -> bool:
     """Whether Newton's method may go on from a state: in the plane, with a Hessian, near rest."""
     plane = state.packing.dimension == 2 and isinstance(state.law, Ring | SoftContact)
-    if not plane or state.residual >= _STALLED or has_other_fixes(sim.lmp, sim._setup):
+    if not plane or state.residual >= _STALLED or has_other_fixes(sim.lmp, sim.engine.setup):
         return False
     try:
         hessian_of(state)
@@ -594,7 +595,7 @@ def polish(sim: Simulation, state: State, tolerance: float) -> State:
             place_particles(sim.lmp, now.packing.positions + step)
             now = sim.state()
             if sim.callback:
-                numbers = now.phi, now.pressure, now.residual, now._root
+                numbers = now.phi, now.pressure, now.residual, sim.comm.rank == 0
                 tell(sim.callback, Iteration("relax", number, *numbers), sim.comm)
             best = min(best, now, key=lambda each: each.residual)
         if best is not now:

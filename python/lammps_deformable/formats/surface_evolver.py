@@ -18,9 +18,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common._checks import expect
-from ..common._files import at_home, refuse_present, replaces, write_whole
+from ..common.checks import expect
 from ..common.errors import FileError, ParameterError
+from ..common.files import at_home
 from ..particles.laws import Droplet, Ring, pair_matrix, per_species, volumes
 from ..particles.walls import Plane
 
@@ -123,14 +123,6 @@ class Evolved(NamedTuple):
         return cls(float(energy[0]), sizes, pressures, np.array(films, dtype=float))
 
 
-def write_surface_evolver(state: State, path: str | Path, mode: str) -> None:
-    """See `State.to_surface_evolver`."""
-    expect("path", path, str, Path)
-    path = at_home(path)
-    refuse_present(path, replaces(mode))
-    write_whole(path, datafile(state))
-
-
 def datafile(state: State) -> str:
     """The text of a file of Surface Evolver.
 
@@ -139,7 +131,7 @@ def datafile(state: State) -> str:
             flat, or sticks.
     """
     packing, law = state.packing, state.law
-    kinds = len(packing._species_radii)
+    kinds = len(packing.species_radii)
     planes: list[Plane] = []
     for wall in packing.walls:
         if not isinstance(wall, Plane) or wall.adhesion:

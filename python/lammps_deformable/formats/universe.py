@@ -1,111 +1,85 @@
-"""A Universe of MDAnalysis for a recorded run: MDAnalysis takes seconds to load."""
+"""What MDAnalysis reads, mostly in single precision, and a Universe of particles.
+
+MDAnalysis takes seconds to load: it is imported where it is used.
+"""
 
 from __future__ import annotations
 
 import warnings
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
-from MDAnalysis.coordinates.LAMMPS import DumpReader
-from MDAnalysis.coordinates.timestep import Timestep
-from MDAnalysis.lib.util import store_init_arguments
+from numpy.typing import NDArray
 
+from ..common.box import in_space
 from ..common.errors import FileError
-from .files import box_in_space, in_space
-from .store import TRAJECTORY, check_frames, clock_of, frames_in, read, recorded, series_in
+from ..particles.columns import Floats, Particles, as_types, check_frame, step_of
 
 if TYPE_CHECKING:
     from MDAnalysis import Universe
 
 
-class FrameReader(DumpReader):  # type: ignore[misc]
-    """Frames as those of `State.to_mdanalysis`: MDAnalysis' own reads no vx without vz.
-
-    It is no transformation, because a trajectory takes transformations only once, and these are for
-    the user.
-
-    Args:
-        filename: of the trajectory.
-        dimension: of the packings, 2 or 3.
-        frames: numbers of those that count; a killed run may have half a frame beyond them.
-        kwargs: of MDAnalysis' reader.
-    """
-
-    @store_init_arguments  # type: ignore[untyped-decorator]
-    def __init__(self, filename: str, dimension: int, frames: range, **kwargs: Any) -> None:
-        self._plane = dimension == 2
-        self._chosen = frames
-        super().__init__(filename, **kwargs)
-
-    @property
-    def n_frames(self) -> int:
-        _ = super().n_frames  # finds the offsets of all frames
-        return len(self._chosen)
-
-    def _read_frame(self, frame: int) -> Timestep:
-        self.ts.frame = frame - 1
-        return self._read_next_timestep()
-
-    def _read_next_timestep(self) -> Timestep:
-        following = self.ts.frame + 1
-        if following >= len(self):
-            raise EOFError
-        self._file.seek(self._offsets[self._chosen[following]])
-        frame = super()._read_next_timestep()
-        if self._plane:
-            frame.dimensions = box_in_space(frame.triclinic_dimensions[:2, :2].astype(np.float64))
-            frame.positions[:, 2] = 0.0
-            frame.velocities = in_space(np.column_stack([frame.data["vx"], frame.data["vy"]]))
-        return frame
-
-
-def universe(folder: Path, frames: range | None = None) -> Universe:
-    """A Universe of MDAnalysis of a recorded run, see `Run.to_mdanalysis`.
-
-    Args:
-        folder: of the run.
-        frames: numbers of its frames; all if not given.
-    """
+def universe_of(
+    box: Floats, species: NDArray[np.int64], positions: Floats, radius: Floats
+) -> Universe:
+    """A Universe of one frame, with positions from the lower left corner of the box."""
     import MDAnalysis
 
-    packing, *_ = read(folder)
-    check_frames(folder)
-    trajectory = recorded(folder, TRAJECTORY)
-    times = [time for time, _ in clock_of(folder)]
-    counts = [int(row.get("particles") or 0) for row in series_in(folder)]
-    if len(set(counts)) > 1:
+    number = len(species)
+    universe = MDAnalysis.Universe.empty(number, trajectory=True, velocities=True)
+    universe.add_TopologyAttr("ids", np.arange(1, number + 1))
+    universe.add_TopologyAttr("types", (species + 1).astype(str))
+    universe.add_TopologyAttr("radii", radius)
+    universe.add_TopologyAttr("masses", np.ones(number))
+    frame = universe.trajectory.ts
+    frame.dimensions = box_in_space(box)
+    frame.positions = in_space(positions)
+    return universe
+
+
+def box_in_space(box: Floats) -> list[float]:
+    """Lengths and angles [degrees] of a box; that of a plane is as high as its longer side."""
+    if len(box) == 3:
+        from MDAnalysis.lib.mdamath import triclinic_box
+
+        return [float(number) for number in triclinic_box(*box)]
+    a, b = np.linalg.norm(box, axis=1).tolist()
+    return [a, b, max(a, b), 90.0, 90.0, float(np.degrees(np.arctan2(box[1, 1], box[1, 0])))]
+
+
+def open_universe(path: Path, topology: Path | int | None) -> Universe:
+    """The Universe of a file, with lengths as they are in it; a topology or a number of atoms."""
+    import MDAnalysis
+
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # masses that are guessed, and the like, are not used
+            if isinstance(topology, int):
+                empty = MDAnalysis.Universe.empty(topology)
+                return empty.load_new(str(path), convert_units=False)
+            files = [path] if topology is None else [topology, path]
+            return MDAnalysis.Universe(*map(str, files), convert_units=False)
+    except Exception as error:  # of many readers
+        reason = " ".join(str(error).split()) or type(error).__name__
         raise FileError(
-            f"the run in '{folder}' has {min(counts)} to {max(counts)} particles, but those of a "
-            "Universe of MDAnalysis are always the same: iterate over the Run"
-        )
-    start, step = _clock(times)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # masses are 1: that is no guess
-        found = MDAnalysis.Universe(
-            str(trajectory),
-            format=FrameReader,
-            topology_format="LAMMPSDUMP",
-            additional_columns=_columns(trajectory),
-            dt=step,
-            time_offset=start,
-            dimension=packing.dimension,
-            frames=range(frames_in(folder)) if frames is None else frames,
-        )
-    found.add_TopologyAttr("radii", packing.radii)
-    return found
+            f"'{path}' is no LAMMPS data file, dump, XYZ or GSD, and MDAnalysis cannot read it; "
+            "numbers of a table are for Packing(positions, radii, box) (MDAnalysis says: "
+            f"{reason[:200]})"
+        ) from None
 
 
-def _columns(trajectory: Path) -> list[str]:
-    """Names of the values in a trajectory, beside id, type and position."""
-    with trajectory.open() as file:
-        head = next(line for line in file if line.startswith("ITEM: ATOMS"))
-    return head.split()[7:]
-
-
-def _clock(times: list[float]) -> tuple[float, float]:
-    """Time of the first frame, and from one to the next: the frames' numbers if that varies."""
-    steps = np.diff(times)
-    if len(steps) and steps[0] > 0.0 and np.allclose(steps, steps[0], rtol=1e-6):
-        return times[0], float(np.mean(steps))
-    return 0.0, 1.0
+def read_universe(universe: Universe, number: int, wanted: Sequence[str]) -> Particles:
+    check_frame(number, len(universe.trajectory))
+    frame, atoms = universe.trajectory[number], universe.atoms
+    kind = np.asarray(atoms.types) if hasattr(atoms, "types") else None
+    box = None if frame.dimensions is None else frame.triclinic_dimensions.astype(np.float64)
+    return Particles(
+        frame.positions.astype(np.float64),
+        box,
+        atoms.indices + 1,
+        columns={name: np.asarray(getattr(atoms, name)) for name in wanted if hasattr(atoms, name)},
+        step=step_of(frame.positions),
+        **as_types(kind, len(atoms)),
+    )

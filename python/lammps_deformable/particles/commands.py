@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common._files import comment_lines, rows_in_comments
-from .laws import AnyLaw, Droplet, Ring, SpeciesParameters, pair_matrix, sticks
-from .room import closed
+from ..common.files import comment_lines, rows_in_comments
+from .containers import closed
+from .laws import AnyLaw, Droplet, Ring, sticks
 from .walls import PolygonWall, Wall
 
 if TYPE_CHECKING:
@@ -116,7 +116,7 @@ def wall_commands(walls: Sequence[Wall]) -> str:
 
 def atom_style(packing: Packing) -> str:
     """LAMMPS atom_style for this packing."""
-    return "sphere" if packing._own_radii else "atomic"
+    return "sphere" if packing.own_radii else "atomic"
 
 
 def pair_style(law: AnyLaw) -> str:
@@ -129,35 +129,6 @@ def pair_style(law: AnyLaw) -> str:
 def pair_style_arguments(law: AnyLaw) -> str:
     """Arguments of the pair style."""
     return f"contact {law.contact} reach {law.reach!r}" if isinstance(law, Ring) else ""
-
-
-def species_file(law: AnyLaw, radii: Sequence[float] | NDArray[np.float64]) -> str:
-    """Text of the species file for species of these radii [length], named s1, s2, ...
-
-    Raises:
-        ParameterError: see `Ring._species_parameters`.
-    """
-    columns = np.column_stack([radii, *law._species_parameters(radii)])
-    units = "kA[energy/length^4] kP[energy/length^2] skin[length]"
-    if isinstance(law, Droplet):
-        units = "kA kP skin (inf 0 0: constant volume) tension[energy/length^2]"
-    lines = [
-        "# UNITS: lj CONTRIBUTOR: written by lammps-deformable",
-        f"# name radius[length] {units}",
-    ]
-    for n, row in enumerate(columns.tolist(), start=1):
-        words = [f"s{n}", *map(repr, row[:4])]
-        for name, value in zip(SpeciesParameters._fields[3:], row[4:], strict=True):
-            words += [name, repr(value)] * (value != 0.0)
-        lines.append(" ".join(words))
-    if isinstance(law, Ring) and law._sticks:
-        matrix = pair_matrix("adhesion", law.adhesion, len(radii)).tolist()
-        lines += [
-            f"adhesion s{i + 1} s{j + 1} {matrix[i][j]!r}"
-            for i, j in zip(*np.triu_indices(len(radii)), strict=True)
-            if matrix[i][j] > 0.0
-        ]
-    return "\n".join(lines) + "\n"
 
 
 # Times count in contact periods sqrt(m/k): a step of 0.05 was fastest in FIRE, from 0.1 on it is at
@@ -175,9 +146,9 @@ pair_coeff * *
 
 def soft_commands(packing: Packing, k: float) -> str:
     """Commands that define soft contacts by LAMMPS' own styles, U = k/2 overlap^2 of each pair."""
-    if packing._own_radii:
+    if packing.own_radii:
         return _GRAINS.format(k=k)
-    pairs = combinations_with_replacement(enumerate(packing._species_radii, start=1), 2)
+    pairs = combinations_with_replacement(enumerate(packing.species_radii, start=1), 2)
     return "pair_style harmonic/cut\n" + "".join(
         f"pair_coeff {i} {j} {0.5 * k!r} {float(a + b)!r}\n"  # LAMMPS' energy has no 1/2
         for (i, a), (j, b) in pairs
@@ -195,9 +166,9 @@ def law_commands(packing: Packing, law: AnyLaw, file: str) -> str:
     smallest = float(packing.radii.min())
     commands = _LAW.format(
         style=f"{pair_style(law)} {pair_style_arguments(law)}".strip(),
-        whose="atom" if packing._own_radii else "type",
+        whose="atom" if packing.own_radii else "type",
         file=file,
-        names=" ".join(f"s{n}" for n in range(1, len(packing._species_radii) + 1)),
+        names=" ".join(f"s{n}" for n in range(1, len(packing.species_radii) + 1)),
     )
     energy_jumps = law.name == "sector"
     return (
@@ -211,7 +182,7 @@ def balance_command(packing: Packing, law: AnyLaw, tolerance: float) -> str:
     """Command for the imbalance that LAMMPS leaves to contacts; empty if the law has no balance."""
     if law.name in ("radical", "sector"):
         return ""
-    whose = "atom" if packing._own_radii else "type"
+    whose = "atom" if packing.own_radii else "type"
     arguments = f"{pair_style_arguments(law)} balance {tolerance!r} 1000 radius {whose}"
     return f"pair_style {pair_style(law)} {arguments}"
 
@@ -307,7 +278,7 @@ def film_commands(law: AnyLaw, walls: Sequence[Wall], films: Films | None = None
     if not sticks(law, walls):
         return ""
     # with a law that sticks, the pair style has it already
-    fix = [] if law._sticks else ["fix deformable_films all deformable/films"]
+    fix = [] if law.sticks else ["fix deformable_films all deformable/films"]
     return "\n".join([*fix, *memory_commands(films)]) + "\n"
 
 

@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import core
-from ..common._checks import expect, positive
-from ..common._files import comment_lines, rows_in_comments
+from ..common.checks import expect, positive
 from ..common.errors import ParameterError
+from ..common.files import comment_lines, rows_in_comments
 from .laws import AnyLaw, ByPair, Ring, Sector, by_pair, pair_matrix
 
 if TYPE_CHECKING:
@@ -108,49 +108,50 @@ class Friction:
         return any(np.ndim(getattr(self, name)) for name in _NAMES)
 
     @property
-    def _films(self) -> bool:
-        """Whether any contacts have films that drag."""
-        return bool(np.any(self.film)) or bool(self.walls and self.walls._films)
-
-    @property
     def _bounces(self) -> bool:
         """Whether any contacts have a restitution below 1."""
         own = np.any(np.asarray(self.restitution) < 1.0)
         return bool(own) or bool(self.walls and self.walls._bounces)
 
-    @property
-    def _overdamped(self) -> float:
-        """Part of the usual time step; less than 1 below e^-2, that of critical damping."""
-        least = float(np.min(self.restitution) * np.exp(2.0))
-        return min(1.0, least, self.walls._overdamped if self.walls else 1.0)
-
-    @property
-    def _longest_step(self) -> float:
-        """The longest time step that *fix deformable/friction* takes [time]."""
-        own = min(
-            core.friction_time_step(mu, kt, gt, damp, _MASS, _LEVER)
-            for mu, kt, gt, damp, *_ in self._rows()
-        )
-        return min(own, self.walls._longest_step) if self.walls else own
-
-    @property
-    def _accurate_step(self) -> float:
-        """The longest one that is accurate to a few percent [time]."""
-        return _ACCURATE * self._longest_step
-
-    def _of_pairs(self, species: int) -> NDArray[np.float64]:
-        """What `_NAMES` names, of each pair, shape (species, species, 6).
-
-        Raises:
-            ParameterError: there are more species.
-        """
-        return np.stack([pair_matrix(name, getattr(self, name), species) for name in _NAMES], 2)
-
     def _rows(self) -> list[list[float]]:
         """What `_NAMES` names, of each pair of as many species as matrices have."""
         species = max(len(np.atleast_1d(getattr(self, name))) for name in _NAMES)
-        rows: list[list[float]] = self._of_pairs(species).reshape(-1, len(_NAMES)).tolist()
+        rows: list[list[float]] = values_of_pairs(self, species).reshape(-1, len(_NAMES)).tolist()
         return rows
+
+
+def has_films(friction: Friction) -> bool:
+    """Whether any contacts have films that drag."""
+    return bool(np.any(friction.film)) or bool(friction.walls and has_films(friction.walls))
+
+
+def overdamped_part(friction: Friction) -> float:
+    """Part of the usual time step; less than 1 below e^-2, that of critical damping."""
+    least = float(np.min(friction.restitution) * np.exp(2.0))
+    return min(1.0, least, overdamped_part(friction.walls) if friction.walls else 1.0)
+
+
+def longest_rubbing_step(friction: Friction) -> float:
+    """The longest time step that *fix deformable/friction* takes [time]."""
+    own = min(
+        core.friction_time_step(mu, kt, gt, damp, _MASS, _LEVER)
+        for mu, kt, gt, damp, *_ in friction._rows()
+    )
+    return min(own, longest_rubbing_step(friction.walls)) if friction.walls else own
+
+
+def rubbing_step(friction: Friction) -> float:
+    """The longest one that is accurate to a few percent [time]."""
+    return _ACCURATE * longest_rubbing_step(friction)
+
+
+def values_of_pairs(friction: Friction, species: int) -> NDArray[np.float64]:
+    """What `_NAMES` names, of each pair, shape (species, species, 6).
+
+    Raises:
+        ParameterError: there are more species.
+    """
+    return np.stack([pair_matrix(name, getattr(friction, name), species) for name in _NAMES], 2)
 
 
 def check_friction(friction: Friction, packing: Packing, law: AnyLaw) -> None:
@@ -171,7 +172,7 @@ def check_friction(friction: Friction, packing: Packing, law: AnyLaw) -> None:
             "a restitution needs contacts with one force, and those of radical have two: take "
             "contact='balanced' or 'curved'"
         )
-    friction._of_pairs(len(packing._species_radii))
+    values_of_pairs(friction, len(packing.species_radii))
     if packing.walls and friction._by_species and friction.walls is None:
         raise ParameterError(
             "friction differs by species, and walls have none: give it walls=Friction(mu, kt=kt)"
@@ -228,7 +229,7 @@ def friction_commands(friction: Friction | None, species: int) -> str:
     """The fix for particles of so many species; none without friction."""
     if friction is None:
         return ""
-    pairs = friction._of_pairs(species)
+    pairs = values_of_pairs(friction, species)
     words = [_numbers(pairs[0, 0].tolist(), friction.power, " damp")]
     if friction._by_species:
         words += [
@@ -237,7 +238,7 @@ def friction_commands(friction: Friction | None, species: int) -> str:
             for j in range(i, species)
         ]
     if friction.walls:
-        of_walls = friction.walls._of_pairs(1)[0, 0].tolist()
+        of_walls = values_of_pairs(friction.walls, 1)[0, 0].tolist()
         words.append(f"types * wall{_numbers(of_walls, friction.walls.power)}")
     return f"fix {FRICTION} all deformable/friction{' '.join(words)}\n"
 
@@ -276,7 +277,7 @@ def spring_commands(friction: Friction | None, rubbing: Rubbing | None) -> str:
     lines = [f"lost {' '.join(map(repr, rubbing.lost))}", "springs none"]
     columns = _columns(rubbing.spins)
     springs, films = np.split(rubbing.springs, [columns], axis=1)
-    if friction._films:
+    if has_films(friction):
         more = 2 if rubbing.dimension == 2 else 4
         films = films if films.shape[1] else np.zeros((len(springs), more))
         springs = np.column_stack([springs, films])

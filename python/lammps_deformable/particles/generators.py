@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..common._checks import count, finite, numbers, positive, shown
 from ..common.box import cartesian, dimension_of
+from ..common.checks import count, finite, numbers, positive, shown
 from ..common.errors import ParameterError
 from .laws import root, undeformed
-from .packing import Packing, drawn_seed, fraction_of
+from .packing import Packing, drawn_seed, fraction_of, packing_of_species
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -27,7 +27,7 @@ def bidisperse(
     dimension: int = 2,
     aspect: float = 1.0,
     tilt: float = 0.0,
-    seed: int | None = None,
+    seed: int | np.random.Generator | None = None,
 ) -> Packing:
     """Disks of two sizes at random positions, which may overlap: the start of `jam`.
 
@@ -42,7 +42,8 @@ def bidisperse(
         aspect: height over width of the box, ly / lx; in three dimensions lz / lx, and ly = lx.
         tilt: shear of the box, xy / ly; 0 is a rectangle, at most 30 widths.
         seed: of numpy's default generator; the same seed gives the same packing anywhere. One is
-            drawn if not given, and `Packing.seed` tells it. Each rank of an MPI run draws its own.
+            drawn if not given, or if this is a generator, by it: `Packing.seed` tells which. Each
+            rank of an MPI run draws its own.
 
     Returns:
         The packing; large particles come last.
@@ -63,7 +64,7 @@ def bidisperse(
     species = (np.arange(number) >= number - round(fraction * number)).astype(np.int64)
     box = _box(np.where(species == 1, large, small), phi, aspect, tilt, dimension)
     places = cartesian(positions, box)
-    return Packing._of_species(places, species, (small, large), box, seed=seed)
+    return packing_of_species(places, species, (small, large), box, seed=seed)
 
 
 class Distribution(Protocol):
@@ -80,7 +81,7 @@ def polydisperse(
     dimension: int = 2,
     aspect: float = 1.0,
     tilt: float = 0.0,
-    seed: int | None = None,
+    seed: int | np.random.Generator | None = None,
 ) -> Packing:
     """Disks of any sizes at random positions, which may overlap: the start of `jam`.
 

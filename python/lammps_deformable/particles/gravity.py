@@ -14,10 +14,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..common._checks import numbers, shown
+from ..common.checks import numbers, shown
 from ..common.errors import ParameterError
+from .containers import closed
 from .laws import Droplet, Ring, Sector
-from .room import closed
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -63,7 +63,7 @@ def as_gravity(given: ArrayLike | None, packing: Packing, law: Any) -> Floats | 
     if not isinstance(law, Ring | Sector | Droplet):
         raise ParameterError(f"{type(law).__name__} has no gravity: take Ring or Droplet")
     found, d = numbers("gravity", given), packing.dimension
-    species = len(packing._species_radii)
+    species = len(packing.species_radii)
     if found.shape not in ((d,), (species, d)):
         axes = ", ".join(f"g{axis}" for axis in "xyz"[:d])
         rows = f", or {species} rows of that, one for each species" if species > 1 else ""

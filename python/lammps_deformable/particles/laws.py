@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import core
-from ..common._checks import (
+from ..common.box import refuse_space
+from ..common.checks import (
     as_array,
     as_call,
     count,
@@ -27,7 +28,6 @@ from ..common._checks import (
     shown,
     whole,
 )
-from ..common.box import refuse_space
 from ..common.errors import ParameterError
 
 if TYPE_CHECKING:
@@ -268,7 +268,7 @@ class Ring:
         return [getattr(self, name) for name in SpeciesParameters._fields]
 
     @property
-    def _sticks(self) -> bool:
+    def sticks(self) -> bool:
         """Whether any particles have an adhesion."""
         return bool(np.max(self.adhesion) > 0.0)
 
@@ -277,19 +277,19 @@ class Ring:
         """`balanced`, `curved` or `radical`, as in the shell and in files."""
         return self.contact
 
-    def _single_contact_stiffness(self, radius: float) -> float:
+    def single_contact_stiffness(self, radius: float) -> float:
         """Stiffness of a particle's only contact, if it is weak: 0 [energy/length^2]."""
+        positive("radius", radius)
         return 0.0
 
-    def _species_parameters(
-        self, radii: Sequence[float] | NDArray[np.float64]
-    ) -> SpeciesParameters:
+    def species_parameters(self, radii: Sequence[float] | NDArray[np.float64]) -> SpeciesParameters:
         """The parameters of species of these radii [length].
 
         Raises:
             ParameterError: there are more species, a skin is not thinner than the
                 radius, or a particle would collapse by its tension.
         """
+        radii = radii_of_species(radii)
         found = [per_species(values, len(radii)) for values in self._parameters]
         pair_matrix("adhesion", self.adhesion, len(radii))
         for radius, kA, kP, skin, *more in zip(radii, *found, strict=True):
@@ -371,7 +371,7 @@ class Sector:
     """
 
     dimension: ClassVar[int] = 2
-    _sticks: ClassVar[bool] = False
+    sticks: ClassVar[bool] = False
 
     kA: float = math.nan
     _: KW_ONLY
@@ -403,18 +403,17 @@ class Sector:
         """Name of the kernel in `ld.core`."""
         return "area_sector" if math.isinf(self.kA) else "sector"
 
-    def _single_contact_stiffness(self, radius: float) -> float:
+    def single_contact_stiffness(self, radius: float) -> float:
         """Stiffness of a particle's only contact: the particle is a soft disk [energy/length^2].
 
         In its energy k/2 (1 - d/(R_i + R_j))^2, k is the number of the finite stiffness.
         """
-        return min(self.kA, self.kP) / (2.0 * radius) ** 2
+        return min(self.kA, self.kP) / (2.0 * positive("radius", radius)) ** 2
 
-    def _species_parameters(
-        self, radii: Sequence[float] | NDArray[np.float64]
-    ) -> SpeciesParameters:
+    def species_parameters(self, radii: Sequence[float] | NDArray[np.float64]) -> SpeciesParameters:
         """As for `Ring`: the same for all species, without skin and tension."""
-        return SpeciesParameters.like(len(radii), kA=self.kA, kP=self.kP)
+        number = len(radii_of_species(radii))
+        return SpeciesParameters.like(number, kA=self.kA, kP=self.kP)
 
     def outline(
         self,
@@ -449,6 +448,20 @@ def one_or_each(name: str, given: object) -> float | tuple[float, ...]:
     return float(values) if values.ndim == 0 else tuple(float(value) for value in values)
 
 
+def radii_of_species(radii: ArrayLike) -> NDArray[np.float64]:
+    """The radii, shape (number of species,) [length].
+
+    Raises:
+        ParameterError: they are no such numbers, or one is not positive.
+    """
+    values = numbers("radii", radii)
+    if values.ndim != 1 or (values <= 0.0).any():
+        raise ParameterError(
+            f"radii must be positive numbers, one for each species, not {shown(radii)}"
+        )
+    return values
+
+
 def per_species(values: float | Sequence[float], species: int) -> list[float]:
     """A number for each species, from a result of `one_or_each`.
 
@@ -472,7 +485,7 @@ def refuse_values_of_particles(law: object, packing: Packing) -> None:
         ParameterError: it has as many numbers as there are particles, and these are many.
     """
     for name, value in vars(law).items():
-        each, species = np.ndim(value) == 1, len(packing._species_radii)
+        each, species = np.ndim(value) == 1, len(packing.species_radii)
         if each and len(value) == len(packing) > max(species, _MANY_SPECIES):
             raise ParameterError(
                 f"{name} has {len(value)} numbers, as there are particles, and a law has one for "
@@ -561,7 +574,7 @@ class Droplet:
     """
 
     dimension: ClassVar[int] = 3
-    _sticks: ClassVar[bool] = False
+    sticks: ClassVar[bool] = False
 
     tension: float | Sequence[float] = 1.0
 
@@ -587,14 +600,13 @@ class Droplet:
         """How far beyond its undeformed sphere a droplet may touch, in radii."""
         return core.largest_bulge
 
-    def _species_parameters(
-        self, radii: Sequence[float] | NDArray[np.float64]
-    ) -> SpeciesParameters:
+    def species_parameters(self, radii: Sequence[float] | NDArray[np.float64]) -> SpeciesParameters:
         """As for `Ring`: the volume is kept, kA = inf, and all else but the tension is 0.
 
         Raises:
             ParameterError: there are more species.
         """
+        radii = radii_of_species(radii)
         tension = per_species(self.tension, len(radii))
         return SpeciesParameters.like(len(radii), kA=np.inf, tension=tension)
 
@@ -617,7 +629,7 @@ class SoftContact:
     Source: C. S. O'Hern et al., Phys. Rev. E 68, 011306 (2003).
     """
 
-    _sticks: ClassVar[bool] = False
+    sticks: ClassVar[bool] = False
 
     k: float = 1.0
 
@@ -660,7 +672,7 @@ def check_dimension(law: AnyLaw, dimension: int) -> None:
 
 def sticks(law: AnyLaw, walls: Sequence[Wall]) -> bool:
     """Whether any particles have an adhesion, to each other or to a wall."""
-    return law._sticks or any(wall.adhesion > 0.0 for wall in walls)
+    return law.sticks or any(wall.adhesion > 0.0 for wall in walls)
 
 
 def refuse_adhesion(law: AnyLaw, walls: Sequence[Wall], why: str) -> None:
@@ -686,7 +698,7 @@ def check_sticky_walls(packing: Packing, law: AnyLaw) -> None:
             an infinite kP, or a skin.
     """
     kinds = sorted({*packing.species.tolist()})
-    parameters = law._species_parameters(packing._species_radii)
+    parameters = law.species_parameters(packing.species_radii)
     for n, wall in enumerate(packing.walls, start=1):
         if wall.adhesion == 0.0:
             continue
@@ -755,9 +767,9 @@ def longest_step(packing: Packing, law: AnyLaw, squeeze: float, temperature: flo
         temperature: of the motion [energy].
     """
     if isinstance(law, Droplet):
-        tension = law._species_parameters(packing._species_radii).of(packing.species).tension
+        tension = law.species_parameters(packing.species_radii).of(packing.species).tension
         return float(2.0 / np.sqrt(_STIFFEST * tension.max()))
-    kA, kP, skin, tension, *_ = law._species_parameters(packing._species_radii).of(packing.species)
+    kA, kP, skin, tension, *_ = law.species_parameters(packing.species_radii).of(packing.species)
     radius = packing.radii - skin
     by_tension = 2.0 * tension / radius**3
     stiffness = np.minimum(kA, kP / radius**2 + by_tension)
@@ -797,7 +809,7 @@ def squeeze_under(force: float, packing: Packing, law: AnyLaw) -> float:
     """
     if not force:
         return 0.0
-    kA, kP, skin, tension, *_ = law._species_parameters(packing._species_radii).of(packing.species)
+    kA, kP, skin, tension, *_ = law.species_parameters(packing.species_radii).of(packing.species)
     radius = packing.radii - skin
     if isinstance(law, Droplet):  # two contacts
         return float(np.max(2.0 * _TOGETHER * force / (8.0 * np.pi * tension * radius)))
@@ -826,7 +838,7 @@ def natural_pressure(packing: Packing, law: Jamming) -> float:
     r0 = float(packing.radii.mean())
     if isinstance(law, SoftContact):
         return law.k if packing.dimension == 2 else 0.5 * law.k / r0
-    kA, kP, _, tension, *_ = law._species_parameters(packing._species_radii).of(packing.species)
+    kA, kP, _, tension, *_ = law.species_parameters(packing.species_radii).of(packing.species)
     compliance = 1.0 / (kA * r0**2) + 1.0 / np.where(kP > 0.0, kP, np.inf)
     stiffness = np.where(kP > 0.0, 1.0 / np.where(compliance > 0.0, compliance, 1.0), 0.0)
     return float(np.mean(stiffness + tension / r0))
@@ -858,7 +870,7 @@ def pressure_above_onset(excess: float, packing: Packing, law: Jamming) -> float
 
 
 def _droplets(packing: Packing, law: Law) -> bool:
-    return bool(np.all(law._species_parameters(packing._species_radii).tension > 0.0))
+    return bool(np.all(law.species_parameters(packing.species_radii).tension > 0.0))
 
 
 def filled_area(area: Floats, perimeter: Floats, skin: Floats) -> Floats:

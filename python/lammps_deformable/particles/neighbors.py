@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.box import cartesian, fractional, lengths, widths
-from .room import closed
+from .containers import closed
 
 if TYPE_CHECKING:
     from .packing import Packing

@@ -12,8 +12,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..common._checks import count, expect, numbers, positive, shown, whole
-from ..common._files import at_home, reading, replaces, writing
 from ..common.box import (
     cartesian,
     dimension_of,
@@ -22,12 +20,14 @@ from ..common.box import (
     refuse_space,
     shown_box,
 )
-from ..common.errors import FileError, ParameterError, UnsavedWarning, warn
+from ..common.checks import count, expect, numbers, positive, shown, whole
+from ..common.errors import FileError, ParameterError, UnsavedWarning, renamed, warn
+from ..common.files import at_home, reading, replaces, writing
 from ..common.versions import optional
-from . import room
+from . import containers
+from .columns import RADII, Particles, check_radii
+from .containers import closed
 from .laws import root, undeformed
-from .room import closed
-from .text_files import RADII, Particles, check_radii
 from .walls import Plane, Wall, as_walls
 
 if TYPE_CHECKING:
@@ -76,6 +76,8 @@ class Packing:
             walls closes a direction, the box is not periodic and spans it, whatever is given.
             Obstacles repeat with the box.
         seed: from which positions were drawn, None if they were not.
+        species_radii: largest radius of each species, shape (number of species,) [length].
+        own_radii: whether particles have radii of their own in LAMMPS, by atom_style sphere.
 
     Raises:
         ParameterError: shapes disagree, walls have another dimension, a number is not finite, or a
@@ -90,9 +92,8 @@ class Packing:
     periodic: tuple[bool, ...] = True  # type: ignore[assignment]
     walls: tuple[Wall, ...] = ()
     seed: int | None = None
-    # Largest radius of each species, and whether particles have radii of their own in LAMMPS.
-    _species_radii: Floats = field(init=False)
-    _own_radii: bool = field(init=False)
+    species_radii: Floats = field(init=False)
+    own_radii: bool = field(init=False)
 
     def __post_init__(self) -> None:
         positions, radii = numbers("positions", self.positions), numbers("radii", self.radii)
@@ -125,7 +126,7 @@ class Packing:
                 "them from 0"
             )
         if self.seed is not None:
-            self._set("seed", drawn_seed(self.seed))
+            self._set("seed", checked_seed(self.seed))
         self._set("positions", positions)
         self._set("radii", np.array(np.broadcast_to(radii, number)))
         self._set("species", kinds.astype(np.int64))
@@ -136,7 +137,7 @@ class Packing:
                 f"sides, not {len(given)}"
             )
         self._set("walls", self._all_walls(given))
-        self._set("box", lattice_vectors(room.box_between(self.walls, given)))
+        self._set("box", lattice_vectors(containers.box_between(self.walls, given)))
         self._set("periodic", tuple(not shut for shut in closed(self.walls, self.dimension)))
         boxes = np.abs(fractional(self.positions, self.box)).max(axis=1)
         if boxes.max() > _FARTHEST:
@@ -145,7 +146,7 @@ class Packing:
                 f"positions of particle {far}, {self.positions[far].tolist()}, are "
                 f"{boxes[far]:.2g} boxes away: move it into the box"
             )
-        self._set_species_radii(0)
+        self._count_species(0)
 
     def _set(self, name: str, value: Any) -> None:
         if isinstance(value, np.ndarray):
@@ -169,7 +170,7 @@ class Packing:
                     sides.append(Plane(tuple(end * unit), tuple(inward)))
         return (*walls, *sides)
 
-    def _set_species_radii(self, least: int) -> None:
+    def _count_species(self, least: int) -> None:
         """Find the largest radius of each species; of one without particles it is that of all.
 
         Args:
@@ -177,44 +178,9 @@ class Packing:
         """
         largest = np.zeros(max(least, int(self.species.max()) + 1))
         np.maximum.at(largest, self.species, self.radii)
-        self._set("_own_radii", bool((self.radii != largest[self.species]).any()))
+        self._set("own_radii", bool((self.radii != largest[self.species]).any()))
         largest[largest == 0.0] = self.radii.max()
-        self._set("_species_radii", largest)
-
-    @classmethod
-    def _of_species(
-        cls,
-        positions: ArrayLike,
-        species: ArrayLike,
-        species_radii: ArrayLike,
-        box: ArrayLike,
-        own: ArrayLike | None = None,
-        walls: Sequence[Wall] = (),
-        seed: int | None = None,
-    ) -> Packing:
-        """A packing of species, some of which may have no particles.
-
-        Args:
-            positions: as of a packing.
-            species: as of a packing.
-            species_radii: of each species, at least those of its particles.
-            box: as of a packing.
-            own: radii of particles, where LAMMPS has such; those of the species if None.
-            walls: as of a packing.
-            seed: as of a packing.
-        """
-        largest, kinds = numbers("radii", species_radii), np.asarray(species)
-        radii = largest[kinds.astype(np.int64)] if own is None else numbers("radii", own)
-        made = cls(positions, radii, box, species=kinds, walls=walls, seed=seed)  # type: ignore[arg-type]
-        made._set("_species_radii", largest)
-        made._set("_own_radii", own is not None)
-        return made
-
-    def _with_own_radii(self) -> Packing:
-        """The packing whose particles have radii of their own in LAMMPS, which lets them turn."""
-        packing = self.replace()
-        packing._set("_own_radii", True)
-        return packing
+        self._set("species_radii", largest)
 
     @classmethod
     def from_file(
@@ -228,7 +194,7 @@ class Packing:
         topology: str | Path | None = None,
         dimension: int = 2,
     ) -> Packing:
-        """The packing in a file of another program, or in one that `to_file` has written.
+        """The packing in a file of another program, or in one that `export` has written.
 
             Packing.from_file("trajectory.lammpstrj", frame=0)
             Packing.from_file("conf.gro", radii={"A": 0.5, "B": 0.7})
@@ -268,45 +234,12 @@ class Packing:
         dimension_of(dimension)
         wanted = (radii,) if isinstance(radii, str) else RADII
         path, topology = at_home(path), topology and at_home(topology)
-        from ..formats.files import read_particles
+        from ..formats.particle_files import read_particles
 
         found = read_particles(path, frame, topology or None, wanted)
-        return cls._of_particles(found, path, radii, walls, box, dimension)
+        return packing_of_particles(found, path, radii, walls, box, dimension)
 
-    @classmethod
-    def _of_particles(
-        cls,
-        found: Particles,
-        path: str | Path,
-        radii: float | str | Mapping[Any, float] | None,
-        walls: Wall | Sequence[Wall],
-        box: ArrayLike | None,
-        dimension: int,
-    ) -> Packing:
-        """The packing of particles that were read; see `from_file`."""
-        plane = dimension == 2
-        walls, given = as_walls(walls, dimension), None if box is None else lattice_vectors(box)
-        with reading(f"'{path}'"):
-            places, radius = found.places(dimension), found.radius(radii)
-            shut = closed(walls, dimension)
-            if given is None:
-                given = found.lattice(dimension)
-                lengths = "(lx, ly)" if plane else "(lx, ly, lz)"
-                for axis, periodic, walled in zip("xyz", found.periodic, shut, strict=False):
-                    if not (periodic or walled):
-                        raise ValueError(
-                            f"its box is not periodic along {axis}: give "
-                            + f"the walls there, such as walls=BoxWall({lengths}), or "
-                            + f"a periodic box, as box={lengths}"
-                        )
-                if not walls:
-                    places = places - found.origin[:dimension]
-            species = found.species
-        packing = cls(places, radius, given, species=species, walls=walls)
-        packing._set_species_radii(found.count)
-        return packing
-
-    def to_file(self, path: str | Path, mode: str = "x") -> None:
+    def export(self, path: str | Path, mode: str = "x") -> None:
         """Write the packing for other programs; `from_file` reads it again.
 
         Positions, radii, species and box come back to the last bit, from GSD in single precision.
@@ -331,10 +264,10 @@ class Packing:
             there = path.exists()
         if there and not overwrite:
             raise FileError(
-                f"'{path}' is there already: replace it by to_file({str(path)!r}, mode='w'), or "
+                f"'{path}' is there already: replace it by export({str(path)!r}, mode='w'), or "
                 "give another name"
             )
-        from ..formats.files import write_particles
+        from ..formats.particle_files import write_particles
 
         write_particles(
             path,
@@ -342,7 +275,7 @@ class Packing:
             self.species,
             self.positions,
             self.radii,
-            len(self._species_radii),
+            len(self.species_radii),
             self.origin,
             closed(self.walls, self.dimension),
         )
@@ -352,6 +285,8 @@ class Packing:
                 UnsavedWarning,
             )
 
+    to_file = renamed("to_file", "export")
+
     def to_mdanalysis(self) -> Universe:
         """A Universe of MDAnalysis with one frame.
 
@@ -360,7 +295,7 @@ class Packing:
         searches for neighbors find none above. Positions are rounded to 32 bits there, and count
         from the lower left corner of the box, `Packing.origin`. Walls are left out.
         """
-        from ..formats.files import universe_of
+        from ..formats.universe import universe_of
 
         return universe_of(self.box, self.species, self.positions - self.origin, self.radii)
 
@@ -368,7 +303,7 @@ class Packing:
         return len(self.species)
 
     def __repr__(self) -> str:
-        kinds = len(self._species_radii)
+        kinds = len(self.species_radii)
         drawn = "" if self.seed is None else f", seed {self.seed}"
         return (
             f"<Packing: {len(self)} particles of {kinds} species, phi = {self.phi:.4f}, "
@@ -383,12 +318,12 @@ class Packing:
     @cached_property
     def volume(self) -> float:
         """Area, in space volume, that is free: of the box, or the container, without obstacles."""
-        return room.free_room(self.walls, self.box)
+        return containers.free_room(self.walls, self.box)
 
     @property
     def origin(self) -> Floats:
         """Lower left corner of the box, (0, 0) but for containers, shape (d,) [length]."""
-        return room.bounds(self.walls, self.box)[0]
+        return containers.bounds(self.walls, self.box)[0]
 
     @property
     def phi(self) -> float:
@@ -445,17 +380,19 @@ class Packing:
         columns = {"radius": self.radii, "species": self.species}
         found = columns.get(color) if isinstance(color, str) else color
         values = drawing.per_particle(color, found, len(self), columns)
-        expect("scale", scale, drawing.Scale, type(None))
-        expect("label", label, str, type(None))
-        expect("colorbar", colorbar, bool)
-        on = scale or drawing.scale([values], [], color)
-        if label is None:
-            label = color if isinstance(color, str) else ""
-        on = drawing.limited(on, vmin, vmax)
-        named: dict[str, Any] = {"cmap": cmap, "colorbar": colorbar}
+        look = drawing.Look(
+            color=color,
+            scale=scale,
+            cmap=cmap,
+            vmin=vmin,
+            vmax=vmax,
+            title=title,
+            label=label,
+            colorbar=colorbar,
+        )
         if self.dimension == 3:
-            return plot3d.draw(self, values, label, title or "", on, ax, **named)
-        return drawing.draw(self, self.outlines, values, label, title or "", on, ax, **named)
+            return plot3d.draw(self, values, look, ax)
+        return drawing.draw(self, self.outlines, values, look, ax)
 
     def replace(self, **changes: Any) -> Packing:
         """The packing with other values of some attributes.
@@ -483,10 +420,10 @@ class Packing:
                 )
         if "species" not in changes:
             if "radii" in changes:
-                packing._set_species_radii(len(self._species_radii))
+                packing._count_species(len(self.species_radii))
             else:
-                packing._set("_species_radii", self._species_radii)
-                packing._set("_own_radii", self._own_radii)
+                packing._set("species_radii", self.species_radii)
+                packing._set("own_radii", self.own_radii)
         return packing
 
     def replicate(self, nx: int, ny: int, nz: int = 1) -> Packing:
@@ -519,7 +456,7 @@ class Packing:
             species=np.tile(self.species, len(steps)),
             box=self.box * np.array(along)[:, None],
         )
-        packing._set_species_radii(len(self._species_radii))
+        packing._count_species(len(self.species_radii))
         return packing
 
     def at(self, phi: float, *, grow: bool = False) -> Packing:
@@ -538,14 +475,16 @@ class Packing:
         expect("grow", grow, bool)
         if grow:
             grown = self.replace(radii=self.radii / factor)
-            grown._set("_own_radii", self._own_radii)
-            grown._set("_species_radii", self._species_radii / factor)
+            grown._set("own_radii", self.own_radii)
+            grown._set("species_radii", self.species_radii / factor)
             return grown
         box = self.box * factor
-        walls = room.stretched(self.walls, self.box, box)
+        walls = containers.stretched(self.walls, self.box, box)
         return self.replace(positions=self.positions * factor, box=box, walls=walls)
 
-    def between(self, walls: Wall | Sequence[Wall], seed: int | None = None) -> Packing:
+    def between(
+        self, walls: Wall | Sequence[Wall], seed: int | np.random.Generator | None = None
+    ) -> Packing:
         """The same particles at random places between walls, where they may overlap.
 
             bidisperse(60).between([Sphere(7), Sphere(1, (2, 0), inside=False)])
@@ -556,8 +495,8 @@ class Packing:
 
         Args:
             walls: one wall or several, see `Packing`.
-            seed: of numpy's default generator. By default the former positions take its place:
-                packings from several seeds have several places between walls too.
+            seed: as for `bidisperse`. By default the former positions take its place: packings from
+                several seeds have several places between walls too.
 
         Raises:
             ParameterError: walls leave no room.
@@ -569,7 +508,7 @@ class Packing:
             )
         else:
             rng = np.random.default_rng(drawn_seed(seed))
-        centers = room.random_places(packing.walls, packing.box, len(self), rng)
+        centers = containers.random_places(packing.walls, packing.box, len(self), rng)
         return packing.replace(positions=centers)
 
     def push_off(self) -> Packing:
@@ -611,10 +550,89 @@ def refuse_crushed(packing: Packing) -> None:
         )
 
 
-def drawn_seed(seed: int | None) -> int:
-    """The seed, or one that is drawn."""
-    if seed is None:
-        return int(np.random.SeedSequence().generate_state(1)[0])
+def drawn_seed(seed: int | np.random.Generator | None) -> int:
+    """The seed, or one that is drawn, by the generator if that is given."""
+    if seed is None or isinstance(seed, np.random.Generator):
+        return int(np.random.default_rng(seed).integers(2**32))
+    return checked_seed(seed)
+
+
+def checked_seed(seed: int) -> int:
+    """The seed, if it is none below 0."""
     if (number := whole("seed", seed)) < 0:
         raise ParameterError(f"seed must not be negative, not {number}")
     return number
+
+
+def packing_of_species(
+    positions: ArrayLike,
+    species: ArrayLike,
+    species_radii: ArrayLike,
+    box: ArrayLike,
+    own: ArrayLike | None = None,
+    walls: Sequence[Wall] = (),
+    seed: int | None = None,
+) -> Packing:
+    """A packing of species, some of which may have no particles.
+
+    Args:
+        positions: as of a packing.
+        species: as of a packing.
+        species_radii: of each species, at least those of its particles.
+        box: as of a packing.
+        own: radii of particles, where LAMMPS has such; those of the species if None.
+        walls: as of a packing.
+        seed: as of a packing.
+    """
+    largest, kinds = numbers("radii", species_radii), np.asarray(species)
+    radii = largest[kinds.astype(np.int64)] if own is None else numbers("radii", own)
+    made = Packing(positions, radii, box, species=kinds, walls=walls, seed=seed)  # type: ignore[arg-type]
+    made._set("species_radii", largest)
+    made._set("own_radii", own is not None)
+    return made
+
+
+def with_own_radii(packing: Packing) -> Packing:
+    """The packing whose particles have radii of their own in LAMMPS, which lets them turn."""
+    packing = packing.replace()
+    packing._set("own_radii", True)
+    return packing
+
+
+def packing_of_particles(
+    found: Particles,
+    path: str | Path,
+    radii: float | str | Mapping[Any, float] | None,
+    walls: Wall | Sequence[Wall],
+    box: ArrayLike | None,
+    dimension: int,
+) -> Packing:
+    """The packing of particles that were read; see `from_file`."""
+    plane = dimension == 2
+    walls, given = as_walls(walls, dimension), None if box is None else lattice_vectors(box)
+    with reading(f"'{path}'"):
+        places, radius = found.places(dimension), found.radius(radii)
+        shut = closed(walls, dimension)
+        if given is None:
+            given = found.lattice(dimension)
+            lengths = "(lx, ly)" if plane else "(lx, ly, lz)"
+            for axis, periodic, walled in zip("xyz", found.periodic, shut, strict=False):
+                if not (periodic or walled):
+                    raise ValueError(
+                        f"its box is not periodic along {axis}: give "
+                        + f"the walls there, such as walls=BoxWall({lengths}), or "
+                        + f"a periodic box, as box={lengths}"
+                    )
+            if not walls:
+                places = places - found.origin[:dimension]
+        species = found.species
+    packing = Packing(places, radius, given, species=species, walls=walls)
+    packing._count_species(found.count)
+    return packing
+
+
+def with_species(packing: Packing, number: int, **changes: Any) -> Packing:
+    """The packing with other particles, whose species are so many: some may have none left."""
+    changed = packing.replace(**changes)
+    changed._count_species(number)
+    return changed

@@ -8,12 +8,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..common._checks import as_array, expect, numbers, positive, shown
-from ..common.box import cartesian, fractional, half_thickness
+from ..common.box import cartesian, fractional
+from ..common.checks import as_array, expect, numbers, positive, shown
 from ..common.errors import ParameterError
 from ..core import unit_vectors
 from .laws import one_or_each, per_species
-from .text_files import data_file
 from .walls import Plane
 
 if TYPE_CHECKING:
@@ -282,7 +281,7 @@ def refuse_packing(packing: Packing) -> None:
     """Refuse a packing that no polygons can have."""
     if packing.walls:
         raise ParameterError("polygons have no walls: replace the packing by one without walls")
-    if packing._own_radii:
+    if packing.own_radii:
         raise ParameterError(
             "polygons have the radii of their species: give each size a species of its own, as "
             "packing.replace(species=np.unique(packing.radii, return_inverse=True)[1])"
@@ -350,31 +349,3 @@ def _refuse_outside(packing: Packing, model: DeformablePolygon, walls: Walls) ->
             f"a wall at {walls.height.min():g} cuts through the particle of radius {radius:g}: "
             "start with walls around it, and move them in with confine"
         )
-
-
-def polygon_file(packing: Packing, polygons: list[NDArray[np.float64]], centered: bool) -> str:
-    """LAMMPS data file of bead polygons.
-
-    Args:
-        packing: gives the box and the species.
-        polygons: positions of the beads of each, arrays (N_v, 2) [length].
-        centered: the center of the box is the origin; otherwise its lower left corner is.
-    """
-    sizes = [len(polygon) for polygon in polygons]
-    types = np.repeat(packing.species + 1, sizes)
-    ids = np.arange(1, len(types) + 1)
-    following = np.concatenate(
-        [np.roll(polygon, -1) for polygon in np.split(ids, np.cumsum(sizes)[:-1])]
-    )
-    (lx, _), (_, ly) = packing.box.tolist()
-    return data_file(
-        "bead polygons",
-        "bond",
-        packing.box,
-        len(packing._species_radii),
-        [np.repeat(np.arange(1, len(polygons) + 1), sizes), types],
-        np.vstack(polygons),
-        np.column_stack([types, ids, following]),
-        (-0.5 * lx, -0.5 * ly) if centered else (0, 0),
-        half=half_thickness(float(packing._species_radii.max())),
-    )

@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import core
-from ..common._checks import as_call, expect, number_or_nan, numbers, positive, shown
 from ..common.box import lengths
+from ..common.checks import as_call, expect, number_or_nan, numbers, positive, shown
 from ..common.errors import ParameterError
 from .laws import wall_adhesion
 
@@ -609,6 +609,11 @@ def _axis_of(name: str, given: ArrayLike, letters: str) -> Floats:
 SHAPES: dict[str, type[Wall]] = {
     each.__name__: each for each in (Plane, Sphere, Cylinder, Cone, Segment, PolygonWall, BoxWall)
 }
+
+
+def kind_of(wall: Wall) -> str:
+    """LAMMPS' word for a wall."""
+    return wall._kind
 
 
 def as_walls(given: Wall | Iterable[Wall], dimension: int) -> tuple[Wall, ...]:

@@ -18,12 +18,12 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon
 from matplotlib.textpath import TextPath
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from ..common._checks import as_array, expect, finite, shown
 from ..common.box import fractional
+from ..common.checks import as_array, expect, finite, shown
 from ..common.errors import ParameterError
-from ..particles.room import closed, container, obstacles
+from ..particles.containers import closed, container, obstacles
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -32,6 +32,8 @@ if TYPE_CHECKING:
 
     from ..particles.walls import Wall
 
+
+Floats = NDArray[np.float64]
 
 # Color maps of values of one sign, and of both: no red, which is that of forces and contacts.
 _SEQUENTIAL, _DIVERGING = "YlGnBu", "BrBG"
@@ -103,6 +105,69 @@ def scale(
     whole &= bool(np.all(numbers[~np.isnan(numbers)] % 1.0 == 0.0))
     widest = min(_WIDEST, _WIDEST_OF_MANY / np.sqrt(len(values[0])))
     return Scale(low, high, float(force) or 1.0, float(widest), cyclic, whole)
+
+
+# Names at the bar of the colors.
+_LABELS = {
+    "pressures": "pressure in the particle",
+    "pressure": "pressure in the particle",
+    "area_deficit": "area deficit $A_0 - A$",
+    "arc_radii": "smallest radius of curvature",
+    "arc_radius": "smallest radius of curvature",
+    "spin": "spin [1/time]",
+    "direction": "direction of propulsion [rad]",
+    "shape_parameter": r"shape parameter $P^2 / 4 \pi A$",
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Look:
+    """How a picture looks: what a user may ask for, in the plane and in space.
+
+    Attributes:
+        color: name of the values that are shown as colors, or the values.
+        scale: of colors and forces; that of the values and forces that are drawn, if None.
+        cmap: name of one of matplotlib's color maps; if None one for angles, or for the signs.
+        vmin: value of the first color; that of the scale if None.
+        vmax: value of the last color.
+        title: of the picture, if any.
+        label: of the bar of the colors; that of the name if None.
+        colorbar: whether there is a bar.
+
+    Raises:
+        ParameterError: one is of another kind.
+    """
+
+    color: str | ArrayLike
+    scale: Scale | None = None
+    cmap: str | None = None
+    vmin: float | None = None
+    vmax: float | None = None
+    title: str | None = None
+    label: str | None = None
+    colorbar: bool = True
+
+    def __post_init__(self) -> None:
+        expect("scale", self.scale, Scale, type(None))
+        expect("title", self.title, str, type(None))
+        expect("label", self.label, str, type(None))
+        expect("colorbar", self.colorbar, bool)
+
+    def on(self, values: Sequence[Floats], forces: Sequence[Floats]) -> Scale:
+        """The scale of these values of particles and forces of contacts, of one or more pictures.
+
+        Raises:
+            ParameterError: the limits are no numbers, or the first is not below the second.
+        """
+        found = scale(values, forces, self.color) if self.scale is None else self.scale
+        return limited(found, self.vmin, self.vmax)
+
+    @property
+    def bar_label(self) -> str:
+        """The label of the bar."""
+        if self.label is not None:
+            return self.label
+        return _LABELS.get(self.color, self.color) if isinstance(self.color, str) else ""
 
 
 def check_axes(ax: object) -> None:
@@ -198,7 +263,6 @@ def draw_bar(ax: Axes, colors: Any, on: Scale, label: str, **place: Any) -> None
 
 def write_title(ax: Axes, title: str) -> None:
     """The title above the axes: a long one goes on in further lines, a long word is smaller."""
-    expect("title", title, str)
     figure: Any = ax.figure
     there = _PART * _POINTS_PER_INCH * float(figure.bbox.width / figure.dpi)
     lines: list[str] = []
@@ -240,8 +304,6 @@ class Mark(NamedTuple):
     widths: Sequence[Sequence[float]]
     color: str
 
-
-Floats = NDArray[np.float64]
 
 # Where the contacts of a particle are, shape (m, 2), and their forces, shape (m,).
 Halves = tuple[Floats, Floats]
@@ -304,40 +366,34 @@ def draw(
     packing: Packing,
     outlines: Sequence[Floats],
     values: Floats,
-    label: str,
-    title: str,
-    on: Scale,
+    look: Look,
     ax: Axes | None = None,
     flats: Sequence[Sequence[Floats]] | None = None,
     halves: Sequence[Halves] | None = None,
-    cmap: str | None = None,
-    colorbar: bool = True,
     marks: Sequence[Mark] = (),
 ) -> Axes:
     """Draw outlines and walls with all periodic images that reach into the box.
+
+    The bar of the colors is beside the axes, or below if the box is wide.
 
     Args:
         packing: centers, box and walls.
         outlines: of the particles.
         values: shown as colors, shape (N,); a particle whose value is nan is gray.
-        label: of the values.
-        title: of the picture.
-        on: scale of colors and forces.
+        look: of the picture.
         ax: axes to draw into; those of a new figure without.
         flats: contacts of each particle, lines of shape (m, 2), drawn on top [length].
         halves: contacts of each particle and their forces, for force chains on top; those that pull
             are magenta.
-        cmap: name of one of matplotlib's color maps; if not given, one for the signs of the values.
-        colorbar: draw a bar of the colors beside the axes, or below if the box is wide.
         marks: further lines of the particles, drawn on top of all.
 
     Raises:
-        ParameterError: there is no such color map.
+        ParameterError: there is no such color map, or see `Look`.
     """
-    expect("scale", on, Scale)
-    colors_of = color_map(cmap, on)
+    on = look.on([values], [force for _, force in halves or ()])
+    colors_of = color_map(look.cmap, on)
     if ax is None:
-        ax = new_figure(packing, colorbar).subplots()
+        ax = new_figure(packing, look.colorbar).subplots()
     check_axes(ax)
 
     box, shut = packing.box, closed(packing.walls)
@@ -391,12 +447,12 @@ def draw(
         ax.add_collection(collection)
         collection.set_clip_path(frame)
 
-    if colorbar:
+    if look.colorbar:
         place: dict[str, Any] = {"location": "bottom", "aspect": 40.0} if _is_wide(packing) else {}
-        draw_bar(ax, particles, on, label, **place)
+        draw_bar(ax, particles, on, look.bar_label, **place)
     if halves:
         draw_key(ax, on, PUSH)
-    write_title(ax, title)
+    write_title(ax, look.title or "")
     margin = 0.01 * np.ptp(corners, axis=0)
     ax.set(
         xlim=(corners[:, 0].min() - margin[0], corners[:, 0].max() + margin[0]),

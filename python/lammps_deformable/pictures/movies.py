@@ -9,13 +9,13 @@ from typing import Any
 
 from numpy.typing import ArrayLike
 
-from ..common._checks import expect, shown, whole
-from ..common._files import at_home, refuse_present, replaces, written_whole
+from ..common.checks import expect, shown, whole
 from ..common.errors import ParameterError
+from ..common.files import at_home, refuse_present, replaces, written_whole
 from ..common.ranks import progress
 from ..particles.packing import Packing
 from ..state.state import State
-from .drawing import limited, new_figure, scale
+from .drawing import Look, new_figure
 from .plot import title_of
 
 # Pictures of a square box have 461 x 403 dots, so that a few dozen take less than a megabyte.
@@ -70,8 +70,8 @@ def movie(
         expect("a state of a movie", state, State)
     own = of_dimension(frames[0].packing.dimension, spins=spins, view=view, slice=slice)
     values = [state._values(color) for state in frames]
-    shared = scale(values, [state.contacts["force"] for state in frames], color)
-    on = limited(shared, vmin, vmax)
+    look = Look(color=color, cmap=cmap, vmin=vmin, vmax=vmax, label=label)
+    on = look.on(values, [state.contacts["force"] for state in frames])
     if not frames[0]._root:
         return
     refuse_present(path, overwrite)

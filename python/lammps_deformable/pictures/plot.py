@@ -13,11 +13,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..common._checks import count, expect, numbers
+from ..common.checks import count, numbers
 from ..common.errors import ParameterError
 from ..core import unit_vectors
 from ..particles.laws import Ring, Sector, SoftContact, refuse_adhesion
-from ..state.contacts import ContactTable, chords, flats_of, halves
+from ..state.contacts import ContactTable, chords, flats_of, forces_of, halves
+from ..state.recorded import particle_values
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
 
     from ..particles.packing import Packing
     from ..state.state import State
-    from .drawing import Halves, Mark, Scale
+    from .drawing import Halves, Look, Mark
 
 
 Floats = NDArray[np.float64]
@@ -61,28 +62,7 @@ def parallels(state: State, inset: Floats | None, points: int, same_area: bool) 
     ]
 
 
-# Names at the bar of the colors.
-_LABELS = {
-    "pressures": "pressure in the particle",
-    "pressure": "pressure in the particle",
-    "area_deficit": "area deficit $A_0 - A$",
-    "arc_radii": "smallest radius of curvature",
-    "arc_radius": "smallest radius of curvature",
-    "spin": "spin [1/time]",
-    "direction": "direction of propulsion [rad]",
-    "shape_parameter": r"shape parameter $P^2 / 4 \pi A$",
-}
-
-
-def label_of(color_by: str | ArrayLike, label: str | None) -> str:
-    """The label of the bar of the colors; that of the name if none is given."""
-    expect("label", label, str, type(None))
-    if label is not None:
-        return label
-    return _LABELS.get(color_by, color_by) if isinstance(color_by, str) else ""
-
-
-# Names for colors that a message lists, beside those of `_particle_values`.
+# Names for colors that a message lists, beside those of `particle_values`.
 _NAMES = ("area_deficit", "volumes", "pressures", "rattlers", "shape_parameter")
 
 
@@ -90,24 +70,12 @@ def values_of(state: State, color_by: str | ArrayLike) -> Floats:
     """See `State._values`."""
     from .drawing import per_particle
 
-    columns = state._particle_values()
+    columns = particle_values(state)
     found: Any = color_by
     if isinstance(color_by, str):
         found = columns.get(color_by, getattr(state, color_by, None))
     names = {name for name in _NAMES if hasattr(state, name)}
     return per_particle(color_by, found, len(state.packing), {*columns, *names})
-
-
-def scale_of(
-    state: State, scale: Scale | None, forces: Sequence[Floats], color_by: str | ArrayLike
-) -> Scale:
-    """The scale that is given, or that of the values and forces."""
-    from . import drawing
-
-    if scale is None:
-        scale = drawing.scale([values_of(state, color_by)], forces, color_by)
-    expect("scale", scale, drawing.Scale)
-    return scale
 
 
 def title_of(state: State) -> str:
@@ -129,13 +97,13 @@ def halves_of(state: State) -> list[Halves]:
     """Where the contacts of each particle are, (m, 2), and their forces, (m,)."""
     if isinstance(state.law, Ring | Sector):
         return [(table["position"], table["force"]) for table in state._contacts_of_each]
-    return halves(state.packing, state._contact_forces)
+    return halves(state.packing, forces_of(state))
 
 
 def _flats(state: State) -> list[list[Floats]]:
     """Contacts of each particle as lines, arrays of shape (m, 2) [length]."""
     if isinstance(state.law, SoftContact):
-        return chords(state.packing, state._contact_forces)
+        return chords(state.packing, forces_of(state))
     if not isinstance(state.law, Ring | Sector):
         raise ParameterError("contacts of polygons have no lines to draw: draw their forces")
     return flats_of(state.outlines, state.packing.radii, state._contacts_of_each)
@@ -227,37 +195,18 @@ def _marks(state: State, contacts: bool, forces: bool, spins: bool) -> list[Mark
 
 
 def plot(
-    state: State,
-    ax: Axes | None,
-    color_by: str | ArrayLike,
-    contacts: bool,
-    forces: bool,
-    scale: Scale | None,
-    cmap: str | None,
-    vmin: float | None,
-    vmax: float | None,
-    title: str | None,
-    colorbar: bool,
-    label: str | None,
-    spins: bool,
+    state: State, ax: Axes | None, look: Look, contacts: bool, forces: bool, spins: bool
 ) -> Axes:
     """See `State.plot`, of a state in the plane."""
     from . import drawing
 
-    values, each = values_of(state, color_by), halves_of(state)
-    label = label_of(color_by, label)
-    scale = scale_of(state, scale, [force for _, force in each], color_by)
     return drawing.draw(
         state.packing,
         state.outlines,
-        values,
-        label,
-        title or "",
-        drawing.limited(scale, vmin, vmax),
+        values_of(state, look.color),
+        look,
         ax,
         _flats(state) if contacts else None,
-        each if forces else None,
-        cmap,
-        colorbar,
+        halves_of(state) if forces else None,
         _marks(state, contacts, forces, spins),
     )

@@ -6,6 +6,7 @@ horizontal plane cuts, a picture in the plane. The surfaces of the balls are pol
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -13,15 +14,17 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize, to_rgb
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from ..common._checks import expect, finite, numbers, shown
 from ..common.box import lengths
+from ..common.checks import finite, numbers, shown
 from ..common.errors import ParameterError
-from ..particles.room import bounds, closed, in_box, lines_around, section_between
+from ..particles.containers import bounds, closed, in_box, lines_around, section_between
 from ..particles.walls import Sphere, Wall
+from ..state.contacts import forces_of
 from .drawing import (
     PUSH,
+    Look,
     Picture,
     Scale,
     check_axes,
@@ -29,10 +32,9 @@ from .drawing import (
     color_map,
     draw_bar,
     draw_key,
-    limited,
     write_title,
 )
-from .plot import label_of, scale_of, values_of
+from .plot import values_of
 
 if TYPE_CHECKING:
     from ..particles.packing import Packing
@@ -318,14 +320,10 @@ def new_axes(colorbar: bool = True) -> Axes:
 def draw(
     packing: Packing,
     values: Floats,
-    label: str,
-    title: str,
-    on: Scale,
+    look: Look,
     ax: Axes | None = None,
     facets: Facets = WHOLE,
     chains: Chains | None = None,
-    cmap: str | None = None,
-    colorbar: bool = True,
     view: tuple[float, float] = (20.0, 30.0),
 ) -> Axes:
     """Draw all particles with their centers in the box, from far away.
@@ -333,24 +331,20 @@ def draw(
     Args:
         packing: centers, radii and box.
         values: shown as colors, shape (N,); a particle whose value is nan is gray.
-        label: of the values.
-        title: of the picture.
-        on: scale of colors and forces.
+        look: of the picture.
         ax: axes to draw into; those of a new figure without.
         facets: where bodies are cut; nowhere if not given.
         chains: drawn in place of bodies, if given.
-        cmap: name of one of matplotlib's color maps.
-        colorbar: draw a bar of the colors.
         view: elevation above the plane of x and y, and azimuth of the viewer in it [degree].
 
     Raises:
         ParameterError: there is no such color map, or the view is no two numbers.
     """
-    expect("scale", on, Scale)
-    colors_of = color_map(cmap, on)
+    on = look.on([values], [] if chains is None else [chains.force])
+    colors_of = color_map(look.cmap, on)
     turn = _turn(view)
     norm = Normalize(*color_limits(on))
-    ax = new_axes(colorbar) if ax is None else ax
+    ax = new_axes(look.colorbar) if ax is None else ax
     check_axes(ax)
     balls = [w for w in packing.walls if isinstance(w, Sphere) and not w.inside]
     middles = np.array([ball._middle for ball in balls]).reshape(-1, 3)
@@ -372,11 +366,11 @@ def draw(
         ax.imshow(picture, extent=extent, origin="lower", interpolation="antialiased", zorder=1)
     else:
         _draw_chains(ax, centers, colors, chains._replace(vector=chains.vector @ turn), on)
-    if colorbar:
-        draw_bar(ax, ScalarMappable(norm, colors_of), on, label)
+    if look.colorbar:
+        draw_bar(ax, ScalarMappable(norm, colors_of), on, look.bar_label)
     if chains is not None and len(chains.i):
         draw_key(ax, on, PUSH)
-    write_title(ax, title)
+    write_title(ax, look.title or "")
     ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
     ax.set_axis_off()
     return ax
@@ -386,9 +380,7 @@ def draw_arrows(
     packing: Packing,
     vectors: Floats,
     values: Floats,
-    label: str,
-    title: str,
-    on: Scale,
+    look: Look,
     ax: Axes | None = None,
     view: tuple[float, float] = (20.0, 30.0),
 ) -> Axes:
@@ -398,14 +390,12 @@ def draw_arrows(
         packing: centers and box.
         vectors: of the arrows, shape (N, 3) [length].
         values: shown as colors of the dots, shape (N,).
-        label: of the values.
-        title: of the picture.
-        on: scale of the colors.
+        look: of the picture.
         ax: axes to draw into; those of a new figure without.
         view: elevation and azimuth of the viewer [degree].
     """
     none = Chains(np.empty(0, np.int64), np.empty((0, 3)), np.empty(0))
-    ax = draw(packing, values, label, title, on, ax, chains=none, view=view)
+    ax = draw(packing, values, look, ax, chains=none, view=view)
     turn = _turn(view)
     centers = in_box(packing.walls, packing.box, packing.positions) @ turn
     heads = (centers + vectors @ turn)[:, :2]
@@ -515,16 +505,9 @@ def facets_of(state: State) -> Facets:
 def plot(
     state: State,
     ax: Axes | None,
-    color_by: str | ArrayLike,
+    look: Look,
     contacts: bool,
     forces: bool,
-    scale: Scale | None,
-    cmap: str | None,
-    vmin: float | None,
-    vmax: float | None,
-    title: str | None,
-    colorbar: bool,
-    label: str | None,
     view: tuple[float, float],
     slice: float | None,
 ) -> Axes:
@@ -535,34 +518,19 @@ def plot(
         raise ParameterError("contacts are drawn in a slice: give a slice, or leave it out")
     if forces and slice is not None:
         raise ParameterError("forces are those of the whole network: leave it out of a slice")
-    network = state._contact_forces
-    chains = Chains(network.i, network.vector, lengths(network.force))
-    on = limited(scale_of(state, scale, [chains.force], color_by), vmin, vmax)
-    values, label = values_of(state, color_by), label_of(color_by, label)
-    title = title or ""
-    named: dict[str, Any] = {"cmap": cmap, "colorbar": colorbar}
+    values = values_of(state, look.color)
     if slice is not None:
         cut = section_of(state.packing, facets_of(state), finite("slice", slice))
+        look = replace(look, scale=look.on([values], []))  # as of the whole state
         return drawing.draw(
             cut,
             cut.outlines,
             values[cut.particle],
-            label,
-            title,
-            on,
+            look,
             ax,
             cut.contacts if contacts else None,
-            **named,
         )
-    return draw(
-        state.packing,
-        values,
-        label,
-        title,
-        on,
-        ax,
-        facets_of(state),
-        chains if forces else None,
-        view=view,
-        **named,
-    )
+    network = forces_of(state)
+    chains = Chains(network.i, network.vector, lengths(network.force))
+    facets = facets_of(state)
+    return draw(state.packing, values, look, ax, facets, chains if forces else None, view)

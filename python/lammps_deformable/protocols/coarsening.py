@@ -19,18 +19,24 @@ with twice the line tension of an outline for g.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
-from dataclasses import replace
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common._checks import count, expect, positive, zero_or_more
+from ..common.checks import count, expect, positive, zero_or_more
 from ..common.errors import ParameterError
 from ..particles.laws import Droplet, Ring, volumes
-from ..state.population import at_rest, next_time, remaining
-from .recording import Protocol, check_tolerance
+from ..state.labels import remaining
+from .protocol import Protocol, check_tolerance
+from .recording import at_rest, next_time
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from ..engine.simulation import Simulation
+    from ..state.state import State
 
 Floats = NDArray[np.float64]
 
@@ -41,7 +47,7 @@ Floats = NDArray[np.float64]
 _CHANGE, _SMALLEST = 0.05, 0.04
 
 
-def gas_flow(state: Any, permeability: float, border: float = 0.0) -> Floats:
+def gas_flow(state: State, permeability: float, border: float = 0.0) -> Floats:
     """dV/dt of each bubble, shape (N,) [length^d/time]."""
     table, pressure = state.contacts, state.pressures
     pair = table["j"] >= 0
@@ -64,7 +70,7 @@ def films_in(table: NDArray[np.void]) -> Floats:
     return np.asarray(np.pi * table["facet_radius"] ** 2, np.float64)
 
 
-def free_surface(state: Any) -> Floats:
+def free_surface(state: State) -> Floats:
     """The part of each outline or surface that no contact covers, shape (N,) [length^(d-1)]."""
     if state.packing.dimension == 3:
         return np.maximum(state.surface_areas - state.contact_areas, 0.0)
@@ -73,43 +79,47 @@ def free_surface(state: Any) -> Floats:
     return np.maximum(state.perimeters - covered, 0.0)
 
 
-def _settings(sim: Any, given: Mapping[str, Any]) -> dict[str, Any]:
-    expect("the law of bubbles", sim.law, Ring, Droplet)
-    if sim.friction:
-        raise ParameterError("bubbles slip: leave friction out of a simulation that coarsens")
-    recorded = given["record"] is not None
-    return {
-        "permeability": float(positive("permeability", given["permeability"])),
-        "time": float(positive("time", given["time"])),
-        "border": float(zero_or_more("border", given["border"])),
-        "steps": count("steps", given["steps"]),
-        "tolerance": check_tolerance(given["tolerance"], recorded),
-    }
+@dataclass(frozen=True, kw_only=True)
+class Coarsen(Protocol):
+    """See `Simulation.coarsen`."""
+
+    permeability: float
+    time: float
+    border: float = 0.0
+    tolerance: float | None = None
+
+    def check(self, sim: Simulation, recorded: bool) -> Coarsen:
+        expect("the law of bubbles", sim.law, Ring, Droplet)
+        if sim.friction:
+            raise ParameterError("bubbles slip: leave friction out of a simulation that coarsens")
+        return Coarsen(
+            permeability=float(positive("permeability", self.permeability)),
+            time=float(positive("time", self.time)),
+            border=float(zero_or_more("border", self.border)),
+            steps=count("steps", self.steps),
+            tolerance=check_tolerance(self.tolerance, recorded),
+        )
+
+    def begin(self, sim: Simulation) -> tuple[State, dict[str, Any]]:
+        """The relaxed start."""
+        return at_rest(sim, self.tolerance), {"time": sim.time, "states": self.steps}
+
+    def go(
+        self, sim: Simulation, start: dict[str, Any], done: int, before: State | None
+    ) -> Iterator[State]:
+        state = at_rest(sim, self.tolerance) if before is None else before
+        for n in range(done + 1, self.steps + 1):
+            end = start["time"] + self.time * n / self.steps
+            while state.time < end:
+                flow = gas_flow(state, self.permeability, self.border)
+                change = _CHANGE * float(volumes(state.radii, sim.dimension).mean())
+                step, later = next_time(state.time, end, change, float(np.abs(flow).max()))
+                sim.reset(replace(after(state, flow * step), time=later))
+                state = at_rest(sim, self.tolerance)
+            yield state
 
 
-def _begin(sim: Any, settings: Mapping[str, Any]) -> tuple[Any, dict[str, Any]]:
-    """The relaxed start."""
-    state = at_rest(sim, settings)
-    return state, {"time": sim.time, "states": settings["steps"]}
-
-
-def _coarsened(
-    sim: Any, settings: Mapping[str, Any], start: Mapping[str, Any], done: int, before: Any
-) -> Iterator[Any]:
-    """The states that remain."""
-    state = at_rest(sim, settings) if before is None else before
-    for n in range(done + 1, settings["steps"] + 1):
-        end = start["time"] + settings["time"] * n / settings["steps"]
-        while state.time < end:
-            flow = gas_flow(state, settings["permeability"], settings["border"])
-            change = _CHANGE * float(volumes(state.radii, sim.dimension).mean())
-            step, later = next_time(state.time, end, change, float(np.abs(flow).max()))
-            sim.reset(replace(after(state, flow * step), time=later))
-            state = at_rest(sim, settings)
-        yield state
-
-
-def after(state: Any, change: Floats) -> Any:
+def after(state: State, change: Floats) -> State:
     """The state after these changes of volumes, not relaxed.
 
     A bubble vanishes that is smaller than a part of the mean, or of its largest neighbor: beside
@@ -139,6 +149,3 @@ def after(state: Any, change: Floats) -> Any:
     radii = np.cbrt(0.75 * volume / math.pi) if dimension == 3 else np.sqrt(volume / math.pi)
     state = replace(state, packing=state.packing.replace(radii=radii))
     return remaining(state, left)
-
-
-COARSEN = Protocol(_settings, _begin, _coarsened)

@@ -12,13 +12,20 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..common._checks import count, number_or_nan, positive, whole, zero_or_more
+from ..common.checks import count, expect, number_or_nan, positive, whole, zero_or_more
 from ..common.errors import LammpsError, ParameterError, StalledWarning, warn
 from ..core import unit_vectors
 from ..engine.lammps import gather, place, place_velocities, rub_and_spin, run
 from ..engine.relax import balanced_to
 from ..engine.simulation import Simulation
-from ..particles.friction import Friction, damped_commands, inertia
+from ..particles.friction import (
+    Friction,
+    damped_commands,
+    inertia,
+    longest_rubbing_step,
+    overdamped_part,
+    rubbing_step,
+)
 from ..particles.gravity import largest_weight
 from ..particles.laws import (
     ACCURATE,
@@ -29,8 +36,11 @@ from ..particles.laws import (
     longest_step,
     squeeze_under,
 )
+from ..particles.walls import kind_of
+from ..state.recorded import heat_of, squeeze_of, step_limits
 from ..state.state import State
-from .recording import Protocol, steps_so_far
+from .protocol import Protocol
+from .recording import steps_so_far
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
@@ -104,12 +114,12 @@ class Dynamics:
         if self.persistence is not None:
             steps.append(_PERSISTED * self.persistence)
         if self.rubbing:
-            steps[0] *= self.rubbing._overdamped
-            steps.append(self.rubbing._accurate_step)
+            steps[0] *= overdamped_part(self.rubbing)
+            steps.append(rubbing_step(self.rubbing))
         return min(steps)
 
     def _longest(self, state: State, drive: float, temperature: float) -> float:
-        packing, law, squeeze, _ = state._step_limits()
+        packing, law, squeeze, _ = step_limits(state)
         squeeze = max(squeeze, squeeze_under(drive, packing, law))
         if self.inertia:
             return longest_step(packing, law, squeeze, temperature)
@@ -120,7 +130,7 @@ class Dynamics:
         bath = self.temperature or 0.0
         if not self.inertia:
             return bath
-        return max(state._heat, bath if self.drag else 0.0)
+        return max(heat_of(state), bath if self.drag else 0.0)
 
     def check(self, state: State, timestep: float) -> None:
         """Refuse a time step at which contacts are unstable."""
@@ -129,16 +139,16 @@ class Dynamics:
                 f"timestep = {timestep:g} is longer than the persistence of {self.persistence:g}: "
                 "take a twentieth of it, or leave it out"
             )
-        if self.rubbing and timestep > self.rubbing._longest_step:
+        if self.rubbing and timestep > longest_rubbing_step(self.rubbing):
             raise ParameterError(
                 f"timestep = {timestep:g} is too long for springs and dashpots of contacts that "
-                f"rub: take at most {self.rubbing._longest_step:.2g}, or leave it out"
+                f"rub: take at most {longest_rubbing_step(self.rubbing):.2g}, or leave it out"
             )
         # without the drive: how hard it pushes is a guess
         longest = self._longest(state, 0.0, self._hot(state))
         if timestep <= longest:
             return
-        name, values = state._squeezed
+        name, values = squeeze_of(state)
         n, temperature = int(values.argmax()), self._hot(state)
         cause = f"particle {n}, whose {name} is {values[n]:.3g}, at temperature {temperature:.3g}"
         if longest < self._longest(state, 0.0, 0.0):
@@ -218,7 +228,7 @@ def moving(sim: Simulation, dynamics: Dynamics, seed: int) -> Iterator[None]:
         ParameterError: another motion has not ended; or contacts rub that should turn particles,
             but these move against a drag.
     """
-    lmp, begun, spins = sim.lmp, sim._begun, rub_and_spin(sim.lmp)
+    lmp, begun, spins = sim.lmp, sim.engine.begun, rub_and_spin(sim.lmp)
     if "deformable_move" in lmp.available_ids("fix"):
         raise ParameterError(
             "a motion of this simulation goes on, whose callback begins another one: let the "
@@ -239,22 +249,24 @@ def moving(sim: Simulation, dynamics: Dynamics, seed: int) -> Iterator[None]:
     try:
         yield
     finally:
-        if not sim.closed and sim._begun == begun:  # a callback may close it
+        if not sim.closed and sim.engine.begun == begun:  # a callback may close it
             names = [line.split()[1] for line in fixes.splitlines() if line.startswith("fix ")]
             run(lmp, "\n".join(f"unfix {name}" for name in names))
 
 
-def drawn_seed(sim: Any, seed: int | None) -> int:
-    """The seed of a motion, one that is drawn if none is given; `sim.seed` keeps it.
+def drawn_seed(sim: Simulation, seed: int | np.random.Generator | None) -> int:
+    """The seed of a motion, or one that is drawn, as for packings; `sim.seed` keeps it.
 
     Raises:
         ParameterError: LAMMPS takes no such seed.
     """
-    if seed is None:
-        seed = sim.comm.bcast(int(np.random.default_rng().integers(1, 2**31)))
-    if not 0 < whole("seed", seed) < 2**31:
+    if seed is None or isinstance(seed, np.random.Generator):
+        drawn = int(np.random.default_rng(seed).integers(1, 2**31))
+        sim.seed = int(sim.comm.bcast(drawn))
+    elif not 0 < (number := whole("seed", seed)) < 2**31:
         raise ParameterError(f"seed must lie between 1 and 2^31 - 1, not {seed}")
-    sim.seed = int(seed)
+    else:
+        sim.seed = number
     return sim.seed
 
 
@@ -295,7 +307,7 @@ def refuse_restarted(sim: Simulation, begun: int) -> None:
     Raises:
         LammpsError: a callback has restarted or closed the simulation.
     """
-    if sim.closed or sim._begun != begun:
+    if sim.closed or sim.engine.begun != begun:
         raise LammpsError(
             "the simulation was reset while its particles move: end the motion by a callback "
             "that returns True, then reset it"
@@ -336,95 +348,257 @@ _DRAG, _BORNE = 2.0, 0.02
 _OF_LONGEST, _LOOK_AT_REST = 0.5, 2000
 
 
-def _settings(sim: Any, given: Mapping[str, Any]) -> dict[str, Any]:
-    def checked(check: Callable[[str, Any], float], name: str) -> float | None:
-        """A value that is checked, if it is given."""
-        return None if given[name] is None else float(check(name, given[name]))
+@dataclass(frozen=True, kw_only=True)
+class Move(Protocol, name="run"):
+    """See `Simulation.run`; `steps` are time steps, of which `every` one gives a state."""
 
-    steps, every = count("steps", given["steps"]), given["every"]
-    settings: dict[str, Any] = {
-        "steps": steps,
-        "every": steps if every is None else min(count("every", every), steps),
-        "look": None if every is None else int(every),
-        "timestep": checked(positive, "timestep"),
-        "temperature": checked(zero_or_more, "temperature"),
-        "drag": checked(zero_or_more, "drag"),
-        "inertia": bool(given["inertia"]),
-        "balance": checked(positive, "balance"),
-    }
-    if settings["balance"] is not None and not settings["balance"] < 1.0:
-        raise ParameterError(f"balance must be below 1, not {given['balance']}")
-    if given["pressure"] is None:
-        for name in ("inertial_number", "tolerance"):
-            if given[name] is not None:
-                raise ParameterError(f"{name} has no meaning without a pressure: leave it out")
-        if given["propulsion"] is not None or given["persistence"] is not None:
-            endless = number_or_nan(given["persistence"]) == math.inf
-            settings["propulsion"] = checked(positive, "propulsion")
-            settings["persistence"] = math.inf if endless else checked(positive, "persistence")
-    else:
-        _refuse_at_pressure(sim, given)
-        settings["pressure"] = checked(positive, "pressure")
-        settings["inertial_number"] = checked(positive, "inertial_number") or 1e-3
-        settings["tolerance"] = checked(positive, "tolerance") or 1e-4
-    dynamics = _dynamics(sim, settings)
-    if settings["temperature"] and not dynamics.drag and sim.lmp.get_natoms() < 2:
-        raise ParameterError(
-            "a single particle has no temperature without a heat bath: give it a drag"
-        )
-    settings["seed"] = drawn_seed(sim, given["seed"])
-    return settings
+    every: int | None = None
+    timestep: float | None = None
+    temperature: float | None = None
+    drag: float | None = None
+    inertia: bool = True
+    propulsion: float | None = None
+    persistence: float | None = None
+    pressure: float | None = None
+    inertial_number: float | None = None
+    tolerance: float | None = None
+    balance: float | None = None
+    seed: int | np.random.Generator | None = None
+
+    def check(self, sim: Simulation, recorded: bool) -> Move:
+        def checked(check: Callable[[str, Any], float], name: str) -> float | None:
+            """A value that is checked, if it is given."""
+            value = getattr(self, name)
+            return None if value is None else float(check(name, value))
+
+        expect("inertia", self.inertia, bool)
+        settings: dict[str, Any] = {
+            "steps": count("steps", self.steps),
+            "every": None if self.every is None else count("every", self.every),
+            "timestep": checked(positive, "timestep"),
+            "temperature": checked(zero_or_more, "temperature"),
+            "drag": checked(zero_or_more, "drag"),
+            "balance": checked(positive, "balance"),
+        }
+        if settings["balance"] is not None and not settings["balance"] < 1.0:
+            raise ParameterError(f"balance must be below 1, not {self.balance}")
+        if self.pressure is None:
+            for name in ("inertial_number", "tolerance"):
+                if getattr(self, name) is not None:
+                    raise ParameterError(f"{name} has no meaning without a pressure: leave it out")
+            if self.propulsion is not None or self.persistence is not None:
+                endless = number_or_nan(self.persistence) == math.inf
+                settings["propulsion"] = checked(positive, "propulsion")
+                settings["persistence"] = math.inf if endless else checked(positive, "persistence")
+        else:
+            self._refuse_at_pressure(sim)
+            settings["pressure"] = checked(positive, "pressure")
+            settings["inertial_number"] = checked(positive, "inertial_number") or 1e-3
+            settings["tolerance"] = checked(positive, "tolerance") or 1e-4
+        motion = replace(self, **settings)
+        dynamics = motion.dynamics(sim)
+        if motion.temperature and not dynamics.drag and sim.lmp.get_natoms() < 2:
+            raise ParameterError(
+                "a single particle has no temperature without a heat bath: give it a drag"
+            )
+        return replace(motion, seed=drawn_seed(sim, self.seed))
+
+    def _refuse_at_pressure(self, sim: Simulation) -> None:
+        """Refuse what has no meaning where particles come to rest at a pressure."""
+        if sim.walls:
+            raise ParameterError(
+                f"walls do not follow a box that settles, and there are {len(sim.walls)}, the "
+                f"first a {kind_of(sim.walls[0])}: run(drag=) comes to rest between walls"
+            )
+        if sim.dimension == 3 and sim.box[1, 0] and sim.box[2, 1]:  # LAMMPS does not change both
+            raise ParameterError(
+                f"a box that leans along y, by yz = {sim.box[2, 1]:.4g}, and along x, by xy = "
+                f"{sim.box[1, 0]:.4g}, does not keep its shape: take one without yz, or "
+                "relax(pressure=)"
+            )
+        if sim.gravity is not None:
+            raise ParameterError(
+                "with a pressure particles come to rest in a periodic box, where they fall without "
+                "end by gravity: take gravity=(0, 0), or walls and run(drag=)"
+            )
+        propelled = self.propulsion is not None or self.persistence is not None
+        if self.temperature or not self.inertia or propelled:
+            raise ParameterError(
+                "with a pressure particles come to rest by inertia and drag: leave out "
+                "temperature, inertia=False, propulsion and persistence"
+            )
+
+    def dynamics(self, sim: Simulation) -> Dynamics:
+        """The dynamics of the particles.
+
+        Raises:
+            ParameterError: see `Simulation.run`.
+        """
+        drag, pressure = self.drag, self.pressure
+        if pressure is not None and drag is None:
+            assert self.inertial_number is not None
+            number = sim.lmp.get_natoms() ** (2.0 / sim.dimension)
+            bears = 8.0 * _BORNE / (self.inertial_number * number)
+            drag = _rate_under(sim, pressure) * min(_DRAG, bears)
+        dynamics = dynamics_of(sim, self.temperature, drag, self.inertia, self.timestep)
+        if pressure is not None:
+            # a loose packing does not tell how stiff contacts become
+            diameter = 2.0 * float(sim.state().packing.radii.max())
+            return replace(dynamics, drive=pressure * diameter ** (sim.dimension - 1))
+        return _propelled(dynamics, self.propulsion, self.persistence)
+
+    @property
+    def _every(self) -> int:
+        """Number of time steps from a state to the next one."""
+        return min(self.every or self.steps, self.steps)
+
+    @property
+    def _states(self) -> int:
+        """Number of states."""
+        return math.ceil(self.steps / self._every)
+
+    def begin(self, sim: Simulation) -> tuple[State, dict[str, Any]]:
+        """The state before: particles may get velocities, by Maxwell, and directions."""
+        assert isinstance(self.seed, int)
+        lmp, temperature, dynamics = sim.lmp, self.temperature, self.dynamics(sim)
+        step = steps_so_far(sim)
+        of_start, _ = seeds(self.seed, step)
+        # in a bath, particles keep the velocities that they have
+        velocities, directions = gather(lmp, "v", 3), sim.directions
+        drawn = not dynamics.drag or not velocities.any()
+        if dynamics.inertia and temperature is not None and drawn:
+            if lmp.get_natoms() > 1:
+                words = "loop all mom yes dist gaussian"
+                run(lmp, f"velocity all create {temperature!r} {of_start} {words}")
+            else:  # LAMMPS has no temperature of a single particle
+                drawn_one = np.random.default_rng(of_start).standard_normal((1, sim.dimension))
+                place_velocities(lmp, math.sqrt(temperature) * drawn_one)
+        if dynamics.persistence is not None:
+            number = lmp.get_natoms()
+            if sim.directions is None or len(sim.directions) != number:
+                random = np.random.default_rng(of_start)
+                angles = random.uniform(-np.pi, np.pi, number)
+                sim.directions = unit_vectors(angles)
+                if sim.dimension == 3:
+                    height = random.uniform(-1.0, 1.0, (number, 1))
+                    flat = np.sqrt(1.0 - height**2) * sim.directions
+                    sim.directions = np.hstack([flat, height])
+        start: dict[str, Any] = {"step": step, "states": self._states}
+        state = _with_directions(sim, dynamics)
+        if self.pressure is None:
+            start["timestep"] = dynamics.timestep or dynamics.default_step(state)
+            try:
+                dynamics.check(state, start["timestep"])
+            except ParameterError:  # a call that is refused leaves the simulation as it was
+                place(lmp, "v", velocities)
+                sim.directions = directions
+                raise
+        return state, start
+
+    def go(
+        self, sim: Simulation, start: dict[str, Any], done: int, before: State | None
+    ) -> Iterator[State]:
+        assert isinstance(self.seed, int)
+        dynamics, begun = self.dynamics(sim), sim.engine.begun
+        state = _with_directions(sim, dynamics) if before is None else before
+        _, of_noise = seeds(self.seed, start["step"], *[done] * (done > 0))
+        if self.pressure is not None:
+            yield from self._settled(sim, dynamics, done, state)
+            return
+        dt = start["timestep"]
+        with balanced_to(sim, state.packing, self.balance), moving(sim, dynamics, of_noise):
+            for taken, look in self._pieces(done, self.every or _LOOK):
+                if not dynamics.timestep and dt > _ENOUGH * dynamics.longest_step(state):
+                    dt = dynamics.default_step(state)
+                dynamics.check(state, dt)
+                advance(sim, dynamics, look, dt)
+                state = _with_directions(sim, dynamics)
+                if taken is not None:
+                    start["timestep"] = dt
+                    yield state
+                    refuse_restarted(sim, begun)
+
+    def _pieces(self, done: int, look: int) -> Iterator[tuple[int | None, int]]:
+        """Numbers of time steps from a look at the forces to the next one.
+
+        Args:
+            done: number of states before.
+            look: time steps from a look to the next one at most.
+
+        Yields:
+            The number of the state after these steps, None where there is none, and their number.
+        """
+        steps, every = self.steps, self._every
+        look = min(look, every)
+        for n in range(done, self._states):
+            begin, end = n * every, min((n + 1) * every, steps)
+            for at in range(begin, end, look):
+                yield (n + 1 if at + look >= end else None), min(look, end - at)
+
+    def _settled(
+        self, sim: Simulation, dynamics: Dynamics, done: int, state: State
+    ) -> Iterator[State]:
+        """The states on the way to rest at a pressure, of which the last one rests."""
+        pressure, tolerance, begun = self.pressure, self.tolerance, sim.engine.begun
+        assert pressure is not None
+        assert tolerance is not None
+        assert self.inertial_number is not None
+        if done and _error_at_rest(sim, state, pressure, dynamics.drag) <= tolerance:
+            return
+        gain = self.inertial_number * _rate_under(sim, pressure) / pressure
+        tilts = {
+            f"deformable_{'xyz'[axis]}{'xyz'[row]}": (row, axis)
+            for row, axis in zip(*np.nonzero(np.tril(sim.box, -1)), strict=True)
+        }
+        shape = sim.box / sim.box[0, 0]
+        words = "".join(f" {name[-2:]} variable v_{name} v_deformable_rate" for name in tilts)
+        usual = self.every or _LOOK_AT_REST
+        if tilts:  # `advance` begins anew after so many steps
+            usual = min(self.every or _FLATTEN, _FLATTEN)
+        with moving(sim, dynamics, seed=1):
+            run(sim.lmp, "variable deformable_rate equal 0.0")
+            _follow(sim, tilts, shape)
+            run(sim.lmp, _BOX.format(pressure=pressure, gain=gain, tilts=words).strip())
+            try:
+                for taken, look in self._pieces(done, usual):
+                    longest = dynamics.longest_step(state)
+                    if sim.friction:
+                        longest = min(
+                            longest * overdamped_part(sim.friction),
+                            longest_rubbing_step(sim.friction),
+                        )
+                    dt = dynamics.timestep or _OF_LONGEST * longest
+                    dynamics.check(state, dt)
+                    if dt > longest:
+                        raise ParameterError(
+                            f"timestep = {dt:g} is too long for contacts at the pressure "
+                            f"{pressure:g}: take at most {longest:.2g}, or leave it out"
+                        )
+                    _follow(sim, tilts, shape)
+                    advance(sim, dynamics, look, dt)
+                    state = sim.state()
+                    error = _error_at_rest(sim, state, pressure, dynamics.drag)
+                    rests, ends = error <= tolerance, taken == self._states
+                    if ends and not rests:
+                        warn(
+                            f"the particles did not come to rest at the pressure {pressure:g} in "
+                            f"{self.steps} steps: forces, torques or the pressure are off by "
+                            f"{error:.2g}, not {tolerance:g}; call again to go on",
+                            StalledWarning,
+                        )
+                    if taken is not None or rests:
+                        yield replace(state, converged=rests or not ends)
+                        refuse_restarted(sim, begun)
+                    if rests:
+                        return
+            finally:
+                if not sim.closed and sim.engine.begun == begun:
+                    names = ("deformable_rate", *tilts)
+                    gone = "\n".join(f"variable {name} delete" for name in names)
+                    run(sim.lmp, f"unfix deformable_box\n{gone}")
 
 
-def _refuse_at_pressure(sim: Any, given: Mapping[str, Any]) -> None:
-    """Refuse what has no meaning where particles come to rest at a pressure."""
-    if sim.walls:
-        raise ParameterError(
-            f"walls do not follow a box that settles, and there are {len(sim.walls)}, the first a "
-            f"{sim.walls[0]._kind}: run(drag=) comes to rest between walls"
-        )
-    if sim.dimension == 3 and sim.box[1, 0] and sim.box[2, 1]:  # LAMMPS does not change both
-        raise ParameterError(
-            f"a box that leans along y, by yz = {sim.box[2, 1]:.4g}, and along x, by xy = "
-            f"{sim.box[1, 0]:.4g}, does not keep its shape: take one without yz, or "
-            "relax(pressure=)"
-        )
-    if sim.gravity is not None:
-        raise ParameterError(
-            "with a pressure particles come to rest in a periodic box, where they fall without end "
-            "by gravity: take gravity=(0, 0), or walls and run(drag=)"
-        )
-    propelled = given["propulsion"] is not None or given["persistence"] is not None
-    if given["temperature"] or not given["inertia"] or propelled:
-        raise ParameterError(
-            "with a pressure particles come to rest by inertia and drag: leave out temperature, "
-            "inertia=False, propulsion and persistence"
-        )
-
-
-def _dynamics(sim: Any, settings: Mapping[str, Any]) -> Dynamics:
-    """The dynamics of a call of `run`.
-
-    Raises:
-        ParameterError: see `Simulation.run`.
-    """
-    drag, pressure = settings["drag"], settings.get("pressure")
-    if pressure is not None and drag is None:
-        number = sim.lmp.get_natoms() ** (2.0 / sim.dimension)
-        bears = 8.0 * _BORNE / (settings["inertial_number"] * number)
-        drag = _rate_under(sim, pressure) * min(_DRAG, bears)
-    temperature, inertia, timestep = (
-        settings[name] for name in ("temperature", "inertia", "timestep")
-    )
-    dynamics = dynamics_of(sim, temperature, drag, inertia, timestep)
-    if pressure is not None:
-        # a loose packing does not tell how stiff contacts become
-        diameter = 2.0 * float(sim.state().packing.radii.max())
-        return replace(dynamics, drive=pressure * diameter ** (sim.dimension - 1))
-    return _propelled(dynamics, settings.get("propulsion"), settings.get("persistence"))
-
-
-def _rate_under(sim: Any, pressure: float) -> float:
+def _rate_under(sim: Simulation, pressure: float) -> float:
     """Of particles of mass 1 that a pressure moves, sqrt(p D^(d-2)/m) with the mean diameter D."""
     if sim.dimension == 2:
         return math.sqrt(pressure)
@@ -447,154 +621,19 @@ def _propelled(dynamics: Dynamics, propulsion: float | None, persistence: float 
     return replace(dynamics, drive=drive, propulsion=propulsion, persistence=persistence)
 
 
-def _begin(sim: Any, settings: Mapping[str, Any]) -> tuple[Any, dict[str, Any]]:
-    """The state before the first step: particles may get velocities, by Maxwell, and directions."""
-    lmp, temperature, dynamics = sim.lmp, settings["temperature"], _dynamics(sim, settings)
-    step = steps_so_far(sim)
-    of_start, _ = seeds(settings["seed"], step)
-    # in a bath, particles keep the velocities that they have
-    velocities, directions = gather(lmp, "v", 3), sim.directions
-    drawn = not dynamics.drag or not velocities.any()
-    if dynamics.inertia and temperature is not None and drawn:
-        if lmp.get_natoms() > 1:
-            words = "loop all mom yes dist gaussian"
-            run(lmp, f"velocity all create {temperature!r} {of_start} {words}")
-        else:  # LAMMPS has no temperature of a single particle
-            drawn_one = np.random.default_rng(of_start).standard_normal((1, sim.dimension))
-            place_velocities(lmp, math.sqrt(temperature) * drawn_one)
-    if dynamics.persistence is not None:
-        number = lmp.get_natoms()
-        if sim.directions is None or len(sim.directions) != number:
-            random = np.random.default_rng(of_start)
-            angles = random.uniform(-np.pi, np.pi, number)
-            sim.directions = unit_vectors(angles)
-            if sim.dimension == 3:
-                height = random.uniform(-1.0, 1.0, (number, 1))
-                flat = np.sqrt(1.0 - height**2) * sim.directions
-                sim.directions = np.hstack([flat, height])
-    start = {"step": step, "states": math.ceil(settings["steps"] / settings["every"])}
-    state = _with_directions(sim, dynamics)
-    if settings.get("pressure") is None:
-        start["timestep"] = dynamics.timestep or dynamics.default_step(state)
-        try:
-            dynamics.check(state, start["timestep"])
-        except ParameterError:  # a call that is refused leaves the simulation as it was
-            place(lmp, "v", velocities)
-            sim.directions = directions
-            raise
-    return state, start
-
-
-def _with_directions(sim: Any, dynamics: Dynamics) -> Any:
+def _with_directions(sim: Simulation, dynamics: Dynamics) -> State:
     state = sim.state()
     return state if dynamics.persistence is None else replace(state, directions=sim.directions)
 
 
-def _moved(
-    sim: Any, settings: Mapping[str, Any], start: dict[str, Any], done: int, before: Any
-) -> Iterator[Any]:
-    """The states after the steps that remain."""
-    dynamics, begun = _dynamics(sim, settings), sim._begun
-    state = _with_directions(sim, dynamics) if before is None else before
-    _, of_noise = seeds(settings["seed"], start["step"], *[done] * (done > 0))
-    pressure = settings.get("pressure")
-    if pressure is not None:
-        yield from _settled(sim, dynamics, settings, done, state)
-        return
-    dt = start["timestep"]
-    with balanced_to(sim, state.packing, settings["balance"]), moving(sim, dynamics, of_noise):
-        for taken, look in _pieces(settings, done, _LOOK):
-            if not dynamics.timestep and dt > _ENOUGH * dynamics.longest_step(state):
-                dt = dynamics.default_step(state)
-            dynamics.check(state, dt)
-            advance(sim, dynamics, look, dt)
-            state = _with_directions(sim, dynamics)
-            if taken is not None:
-                start["timestep"] = dt
-                yield state
-                refuse_restarted(sim, begun)
-
-
-def _pieces(settings: Mapping[str, Any], done: int, usual: int) -> Iterator[tuple[int | None, int]]:
-    """Numbers of time steps from a look at the forces to the next one.
-
-    Yields:
-        The number of the state after these steps, None where there is none, and their number.
-    """
-    steps, every = settings["steps"], settings["every"]
-    look = min(usual if settings["look"] is None else settings["look"], every)
-    for n in range(done, math.ceil(steps / every)):
-        begin, end = n * every, min((n + 1) * every, steps)
-        for at in range(begin, end, look):
-            yield (n + 1 if at + look >= end else None), min(look, end - at)
-
-
-def _settled(
-    sim: Any, dynamics: Dynamics, settings: Mapping[str, Any], done: int, state: Any
-) -> Iterator[Any]:
-    """The states on the way to rest at a pressure, of which the last one rests."""
-    pressure, tolerance, begun = settings["pressure"], settings["tolerance"], sim._begun
-    if done and _error_at_rest(sim, state, pressure, dynamics.drag) <= tolerance:
-        return
-    gain = settings["inertial_number"] * _rate_under(sim, pressure) / pressure
-    states = math.ceil(settings["steps"] / settings["every"])
-    tilts = {
-        f"deformable_{'xyz'[axis]}{'xyz'[row]}": (row, axis)
-        for row, axis in zip(*np.nonzero(np.tril(sim.box, -1)), strict=True)
-    }
-    shape = sim.box / sim.box[0, 0]
-    words = "".join(f" {name[-2:]} variable v_{name} v_deformable_rate" for name in tilts)
-    usual = _LOOK_AT_REST
-    if tilts:  # `advance` begins anew after so many steps
-        usual = _FLATTEN
-        settings = {**settings, "look": min(settings["look"] or usual, usual)}
-    with moving(sim, dynamics, seed=1):
-        run(sim.lmp, "variable deformable_rate equal 0.0")
-        _follow(sim, tilts, shape)
-        run(sim.lmp, _BOX.format(pressure=pressure, gain=gain, tilts=words).strip())
-        try:
-            for taken, look in _pieces(settings, done, usual):
-                longest = dynamics.longest_step(state)
-                if sim.friction:
-                    longest = min(longest * sim.friction._overdamped, sim.friction._longest_step)
-                dt = dynamics.timestep or _OF_LONGEST * longest
-                dynamics.check(state, dt)
-                if dt > longest:
-                    raise ParameterError(
-                        f"timestep = {dt:g} is too long for contacts at the pressure {pressure:g}: "
-                        f"take at most {longest:.2g}, or leave it out"
-                    )
-                _follow(sim, tilts, shape)
-                advance(sim, dynamics, look, dt)
-                state = sim.state()
-                error = _error_at_rest(sim, state, pressure, dynamics.drag)
-                rests, ends = error <= tolerance, taken == states
-                if ends and not rests:
-                    warn(
-                        f"the particles did not come to rest at the pressure {pressure:g} in "
-                        f"{settings['steps']} steps: forces, torques or the pressure are off by "
-                        f"{error:.2g}, not {tolerance:g}; call again to go on",
-                        StalledWarning,
-                    )
-                if taken is not None or rests:
-                    yield replace(state, converged=rests or not ends)
-                    refuse_restarted(sim, begun)
-                if rests:
-                    return
-        finally:
-            if not sim.closed and sim._begun == begun:
-                gone = "\n".join(f"variable {name} delete" for name in ("deformable_rate", *tilts))
-                run(sim.lmp, f"unfix deformable_box\n{gone}")
-
-
-def _follow(sim: Any, tilts: Mapping[str, tuple[int, int]], shape: Any) -> None:
+def _follow(sim: Simulation, tilts: Mapping[str, tuple[int, int]], shape: Any) -> None:
     """Let tilts follow the box, of this shape over its first side, in the next run."""
     for name, at in tilts.items():
         ratio, tilt = float(shape[at]), float(sim.box[at])
         run(sim.lmp, f"variable {name} equal {ratio!r}*lx-({tilt!r})")
 
 
-def _error_at_rest(sim: Any, state: Any, pressure: float, drag: float) -> float:
+def _error_at_rest(sim: Simulation, state: State, pressure: float, drag: float) -> float:
     """Error of the pressure over it; or force, torque over the radius, over the mean contact force.
 
     The largest of them. The drag is left out: it holds up particles that creep.
@@ -610,6 +649,3 @@ def _error_at_rest(sim: Any, state: Any, pressure: float, drag: float) -> float:
     largest = max(np.linalg.norm(each, axis=1).max() for each in (force, torque))
     residual = float(largest / state.contacts["force"].mean())
     return max(abs(state.pressure / pressure - 1.0), residual)
-
-
-RUN = Protocol(_settings, _begin, _moved)

@@ -14,20 +14,26 @@ cell may die at any time. The tissue is at rest all the time.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
-from dataclasses import replace
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .. import core
-from ..common._checks import count, expect, positive, shown, zero_or_more
+from ..common.checks import count, expect, positive, shown, zero_or_more
 from ..common.errors import LammpsError, ParameterError
 from ..particles.laws import Droplet, Ring, one_or_each, per_species, volumes
-from ..state.population import at_rest, divided, labels_of, next_time, remaining
+from ..state.labels import divided, labels_of, remaining
 from .motion import drawn_seed
-from .recording import Protocol, check_tolerance, steps_so_far
+from .protocol import Protocol, check_tolerance
+from .recording import at_rest, next_time, steps_so_far
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from ..engine.simulation import Simulation
+    from ..state.state import State
 
 Floats = NDArray[np.float64]
 
@@ -40,87 +46,101 @@ _FULL = 0.9
 _AXES = ("random", "long", "stress")
 
 
-def _settings(sim: Any, given: Mapping[str, Any]) -> dict[str, Any]:
-    expect("the law of cells", sim.law, Ring, Droplet)
-    if sim.friction:
-        raise ParameterError("cells slip: leave friction out of a simulation that proliferates")
-    rate = one_or_each("rate", given["rate"])
-    for value in np.atleast_1d(rate).tolist():
-        zero_or_more("rate", value)
-    axis, dimension = given["axis"], sim.dimension
-    if axis not in _AXES:
-        raise ParameterError(f"axis must be {', '.join(_AXES[:-1])} or stress, not {shown(axis)}")
-    if axis == "long" and dimension == 3:
-        raise ParameterError("axis 'long' is for cells in the plane: take 'stress' or 'random'")
-    asymmetry = zero_or_more("asymmetry", given["asymmetry"])
-    if asymmetry >= 1.0:
-        raise ParameterError(f"asymmetry must be below 1, not {asymmetry}")
-    pressure = given["pressure"]
-    recorded = given["record"] is not None
-    return {
-        "rate": list(rate) if isinstance(rate, tuple) else rate,
-        "division": float(positive("division", given["division"])),
-        "time": float(positive("time", given["time"])),
-        "steps": count("steps", given["steps"]),
-        "axis": axis,
-        "asymmetry": float(asymmetry),
-        "pressure": math.inf if pressure is None else float(positive("pressure", pressure)),
-        "death": float(zero_or_more("death", given["death"])),
-        "tolerance": check_tolerance(given["tolerance"], recorded),
-        "seed": drawn_seed(sim, given["seed"]),
-    }
+@dataclass(frozen=True, kw_only=True)
+class Proliferate(Protocol):
+    """See `Simulation.proliferate`."""
+
+    rate: float | Sequence[float]
+    division: float
+    time: float
+    axis: str = "random"
+    asymmetry: float = 0.1
+    pressure: float | None = None
+    death: float = 0.0
+    tolerance: float | None = None
+    seed: int | np.random.Generator | None = None
+
+    def check(self, sim: Simulation, recorded: bool) -> Proliferate:
+        expect("the law of cells", sim.law, Ring, Droplet)
+        if sim.friction:
+            raise ParameterError("cells slip: leave friction out of a simulation that proliferates")
+        rate = one_or_each("rate", self.rate)
+        for value in np.atleast_1d(rate).tolist():
+            zero_or_more("rate", value)
+        axis, dimension = self.axis, sim.dimension
+        if axis not in _AXES:
+            raise ParameterError(
+                f"axis must be {', '.join(_AXES[:-1])} or stress, not {shown(axis)}"
+            )
+        if axis == "long" and dimension == 3:
+            raise ParameterError("axis 'long' is for cells in the plane: take 'stress' or 'random'")
+        asymmetry = zero_or_more("asymmetry", self.asymmetry)
+        if asymmetry >= 1.0:
+            raise ParameterError(f"asymmetry must be below 1, not {asymmetry}")
+        pressure = self.pressure
+        return Proliferate(
+            rate=list(rate) if isinstance(rate, tuple) else rate,
+            division=float(positive("division", self.division)),
+            time=float(positive("time", self.time)),
+            steps=count("steps", self.steps),
+            axis=axis,
+            asymmetry=float(asymmetry),
+            pressure=math.inf if pressure is None else float(positive("pressure", pressure)),
+            death=float(zero_or_more("death", self.death)),
+            tolerance=check_tolerance(self.tolerance, recorded),
+            seed=drawn_seed(sim, self.seed),
+        )
+
+    def begin(self, sim: Simulation) -> tuple[State, dict[str, Any]]:
+        """The relaxed start, and what its cells are called."""
+        per_species(self.rate, len(sim.packing.species_radii))
+        state = at_rest(sim, self.tolerance)
+        return state, {
+            "time": sim.time,
+            "step": steps_so_far(sim),
+            "label": int(labels_of(state).max()) + 1,
+            "states": self.steps,
+        }
+
+    def go(
+        self, sim: Simulation, start: dict[str, Any], done: int, before: State | None
+    ) -> Iterator[State]:
+        state = at_rest(sim, self.tolerance) if before is None else before
+        assert self.pressure is not None
+        assert isinstance(self.seed, int)
+        for n in range(done + 1, self.steps + 1):
+            rng = np.random.default_rng([self.seed, start["step"], n])
+            end = start["time"] + self.time * n / self.steps
+            while state.time < end:
+                rate = growth(state, self.rate, self.pressure)
+                fastest = max(float(rate.max()), self.death)
+                step, later = next_time(state.time, end, _GROWTH, fastest)
+                radii = state.radii * np.exp(rate * step / sim.dimension)
+                grown = divide(state, radii, self, start, rng)
+                sim.reset(replace(die(grown, self.death * step, rng), time=later))
+                try:
+                    state = at_rest(sim, self.tolerance)
+                except LammpsError:
+                    if state.packing.phi < _FULL:
+                        raise
+                    raise ParameterError(
+                        f"the cells have no room to grow at time {state.time:.3g}, where they fill "
+                        f"{state.phi:.3g} of the box: give a pressure at which growth ceases, or "
+                        "end sooner"
+                    ) from None
+            yield state
 
 
-def _begin(sim: Any, settings: Mapping[str, Any]) -> tuple[Any, dict[str, Any]]:
-    """The relaxed start, and what its cells are called."""
-    per_species(settings["rate"], len(sim.packing._species_radii))
-    state = at_rest(sim, settings)
-    return state, {
-        "time": sim.time,
-        "step": steps_so_far(sim),
-        "label": int(labels_of(state).max()) + 1,
-        "states": settings["steps"],
-    }
-
-
-def _proliferated(
-    sim: Any, settings: Mapping[str, Any], start: dict[str, Any], done: int, before: Any
-) -> Iterator[Any]:
-    """The states that remain."""
-    state = at_rest(sim, settings) if before is None else before
-    for n in range(done + 1, settings["steps"] + 1):
-        rng = np.random.default_rng([settings["seed"], start["step"], n])
-        end = start["time"] + settings["time"] * n / settings["steps"]
-        while state.time < end:
-            rate = growth(state, settings["rate"], settings["pressure"])
-            fastest = max(float(rate.max()), settings["death"])
-            step, later = next_time(state.time, end, _GROWTH, fastest)
-            radii = state.radii * np.exp(rate * step / sim.dimension)
-            grown = divide(state, radii, settings, start, rng)
-            sim.reset(replace(die(grown, settings["death"] * step, rng), time=later))
-            try:
-                state = at_rest(sim, settings)
-            except LammpsError:
-                if state.packing.phi < _FULL:
-                    raise
-                raise ParameterError(
-                    f"the cells have no room to grow at time {state.time:.3g}, where they fill "
-                    f"{state.phi:.3g} of the box: give a pressure at which growth ceases, or end "
-                    "sooner"
-                ) from None
-        yield state
-
-
-def growth(state: Any, rate: Any, pressure: float) -> Floats:
+def growth(state: State, rate: Any, pressure: float) -> Floats:
     """Rate of growth of each cell, shape (N,) [1/time]."""
-    species = np.array(per_species(rate, len(state.packing._species_radii)))
+    species = np.array(per_species(rate, len(state.packing.species_radii)))
     moments = np.trace(state.particle_stress, axis1=1, axis2=2) * state.volumes  # sum f h
     d = state.packing.dimension
     pressed = moments / (d * volumes(state.radii, d))
     return core.growth_rate(species[state.packing.species], pressed, pressure)
 
 
-def die(state: Any, chance: float, rng: np.random.Generator) -> Any:
+def die(state: State, chance: float, rng: np.random.Generator) -> State:
     """The state without the cells that die, each with a chance; one stays."""
     if chance == 0.0:
         return state
@@ -131,24 +151,24 @@ def die(state: Any, chance: float, rng: np.random.Generator) -> Any:
 
 
 def divide(
-    state: Any,
+    state: State,
     radii: Floats,
-    settings: Mapping[str, Any],
+    cells: Proliferate,
     start: dict[str, Any],
     rng: np.random.Generator,
-) -> Any:
+) -> State:
     """The state with these radii, in which cells of a size have divided, not relaxed.
 
     Axes are those of the shapes and stresses of the relaxed state.
     """
     grown = replace(state, packing=state.packing.replace(radii=radii))
-    mothers = np.flatnonzero(volumes(radii, state.packing.dimension) >= settings["division"])
+    mothers = np.flatnonzero(volumes(radii, state.packing.dimension) >= cells.division)
     if not mothers.size:
         return grown
-    share = core.first_share(settings["asymmetry"], rng.uniform(-1.0, 1.0, mothers.size))
+    share = core.first_share(cells.asymmetry, rng.uniform(-1.0, 1.0, mothers.size))
     axes = np.zeros((len(mothers), state.packing.dimension))
-    if settings["axis"] != "random":
-        axes = (long_axes if settings["axis"] == "long" else stretched_axes)(state, mothers)
+    if cells.axis != "random":
+        axes = (long_axes if cells.axis == "long" else stretched_axes)(state, mothers)
     free = (axes == 0.0).all(axis=1)  # no direction is different: any
     drawn = rng.normal(size=(free.sum(), state.packing.dimension))
     axes[free] = drawn / np.linalg.norm(drawn, axis=1)[:, None]
@@ -157,14 +177,11 @@ def divide(
     return divided(grown, mothers, axes, share, label)
 
 
-def stretched_axes(state: Any, cells: NDArray[np.int64]) -> Floats:
+def stretched_axes(state: State, cells: NDArray[np.int64]) -> Floats:
     """Along which a cell is pressed least, or pulled most, shape (M, d); 0 where nothing tells."""
     return core.stretched_axes(state.particle_stress[cells])
 
 
-def long_axes(state: Any, cells: NDArray[np.int64]) -> Floats:
+def long_axes(state: State, cells: NDArray[np.int64]) -> Floats:
     """The long axes of outlines (Hertwig's rule), shape (M, 2); 0 of those that are round."""
     return np.array([core.long_axis(state.outlines[i] - state.positions[i]) for i in cells])
-
-
-PROLIFERATE = Protocol(_settings, _begin, _proliferated)

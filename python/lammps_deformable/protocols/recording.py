@@ -9,151 +9,129 @@ follow each other instead, and the run cannot be resumed.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Generator, Iterator, Mapping
 from contextlib import ExitStack, closing
+from dataclasses import fields
 from functools import partial
 from itertools import islice
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from mpi4py import MPI
 
-from ..common._checks import expect, positive, shown
-from ..common._files import alone_in, check_parameters
-from ..common.errors import FileError, ParameterError
+from ..common.checks import expect, shown
+from ..common.errors import FileError, ParameterError, UnjammedWarning, collected
+from ..common.files import alone_in, as_json, check_parameters
 from ..common.ranks import progress, together
 from ..engine.lammps import has_commands_of_a_user
 from ..formats import store
 from ..particles.laws import Droplet, Ring, Sector, SoftContact
+from ..state.recorded import motion_of, numbers_of, particle_values, write_state
+from ..state.state import State
+from .protocol import KNOWN, Protocol
 
 if TYPE_CHECKING:
-    from ..runs.run import Run
+    from mpi4py import MPI
 
-# With a larger one the forces on a particle are far from balanced.
-LARGEST_TOLERANCE = 1e-2
+    from ..engine.simulation import Simulation
+    from ..runs.run import Run
 
 # Called with each state after a step; True ends the protocol there.
-Callback = Callable[[Any], object]
+Callback = Callable[[State], object]
 
 
-class Protocol(NamedTuple):
-    """What a protocol does.
+def _known() -> dict[str, type[Protocol]]:
+    """The classes of protocols by their names."""
+    from . import coarsening, compression, motion, proliferation, shearing  # noqa: F401, which know this module
 
-    Attributes:
-        check: from the simulation and the arguments of the call, the settings, what JSON can hold;
-            it raises what the method of `Simulation` says.
-        begin: from the simulation and the settings, the state before the first step,
-            and what its steps must know of the start, which JSON can hold: `states` is their
-            number at most.
-        go: the states after the steps that remain, from simulation, settings, start, the number of
-            steps done, and the state before, or None if that is not known. It may write into the
-            start what later steps must know.
-    """
-
-    check: Callable[[Any, Mapping[str, Any]], dict[str, Any]]
-    begin: Callable[[Any, Mapping[str, Any]], tuple[Any, dict[str, Any]]]
-    go: Callable[[Any, Mapping[str, Any], dict[str, Any], int, Any], Iterator[Any]]
+    return KNOWN
 
 
-def protocol_of(name: str) -> Protocol:
-    """The protocol of this name.
+def protocol_in(parameters: Mapping[str, Any]) -> Protocol:
+    """The protocol in the parameters of a run.
 
     Raises:
-        FileError: there is none.
+        FileError: none of this name is known.
     """
-    from . import coarsening, compression, motion, proliferation, shearing  # which know this module
-
-    protocols = {
-        "compress": compression.COMPRESS,
-        "grow": compression.GROW,
-        "shear": shearing.SHEAR,
-        "oscillate": shearing.OSCILLATE,
-        "creep": shearing.CREEP,
-        "coarsen": coarsening.COARSEN,
-        "proliferate": proliferation.PROLIFERATE,
-        "run": motion.RUN,
-    }
-    if name not in protocols:
-        raise FileError(f"there is no protocol {name!r}")
-    return protocols[name]
+    name = parameters["protocol"]
+    if name not in _known():
+        raise FileError(
+            f"there is no protocol {name!r}: import the module that has its class, or go on with "
+            "Run.simulation()"
+        )
+    kind = KNOWN[name]
+    told = dict(parameters)
+    if name == "run" and "look" in told:  # what `every` was called, which was limited by `steps`
+        told["every"] = told["look"]
+    names = {field.name for field in fields(kind)} & set(told)
+    return kind(**{each: told[each] for each in names})
 
 
-def check_tolerance(tolerance: float | None, recorded: bool = True) -> float | None:
-    """The tolerance of relaxations, if given.
-
-    Raises:
-        ParameterError: it is not positive; or it is larger than that of states worth keeping.
-    """
-    if tolerance is None:
-        return None
-    if positive("tolerance", tolerance) > LARGEST_TOLERANCE and recorded:
-        raise ParameterError(f"tolerance must be at most {LARGEST_TOLERANCE}, not {tolerance}")
-    return float(tolerance)
-
-
-def play(sim: Any, name: str, given: Mapping[str, Any]) -> Run:
-    """Take the steps of a protocol.
-
-    Args:
-        sim: a simulation; it ends in the last state.
-        name: of the protocol, a method of `Simulation`.
-        given: the arguments of the method by name. Those of all protocols are `record`, a folder or
-            None, `mode`, `callback`, `keep`, and `parameters` for the summary.
-
-    Returns:
-        The run, which begins with the state before the first step.
-
-    Raises:
-        ParameterError: an argument is out of range or of another kind.
-        TypeError: the callback returns something else than None and a bool.
-        FileError: the folder cannot be taken, see `mode`, or written.
-    """
-    from ..runs.run import Run
-
-    protocol = protocol_of(name)
-    for flag in ("keep", "inertia"):
-        expect(flag, given.get(flag, True), bool)
-    settings = protocol.check(sim, given)
-    record, mode, callback = given["record"], given["mode"], given["callback"]
-    keep, parameters = given["keep"], given["parameters"]
+def check_callback(callback: Callback | None) -> None:
+    """Refuse a callback that cannot be called."""
     if callback is not None and not callable(callback):
         raise ParameterError(
             "callback must be a function of a state, such as "
             f"lambda state: state.pressure > 1e-3, or None, not {shown(callback)}"
         )
+
+
+def play(
+    sim: Simulation,
+    protocol: Protocol,
+    record: str | Path | None,
+    mode: str,
+    callback: Callback | None,
+    keep: bool,
+    parameters: Mapping[str, Any] | None,
+) -> Run:
+    """See `Simulation.play`."""
+    from ..runs.run import Run
+
+    expect("protocol", protocol, Protocol)
+    expect("keep", keep, bool)
+    name, kind = protocol.name, type(protocol)
+    if record is not None and (other := _known().get(name, kind)) is not kind:
+        raise ParameterError(
+            f"{other.__module__}.{other.__qualname__} is a protocol of the name {name!r} too: give "
+            f"yours another one, class {kind.__name__}(Protocol, name=...)"
+        )
+    protocol = protocol.check(sim, record is not None)
+    check_callback(callback)
     check_parameters(parameters)
+    as_json(f"the settings of {name}", protocol.settings)
     _ = sim.lmp  # or say that it is closed
     folder, first, before = _taken(sim, name, record, mode)
-    state, start = protocol.begin(sim, settings)
+    state, start = protocol.begin(sim)
     start = {"frame": max(first, 1)} | start
-    told: dict[str, Any] = {**(parameters or {}), "protocol": name, **settings}
-    if folder is not None and not has_commands_of_a_user(sim.lmp, sim._setup):
+    start.setdefault("states", protocol.steps)
+    told: dict[str, Any] = {**(parameters or {}), "protocol": name, **protocol.settings}
+    if folder is not None and not has_commands_of_a_user(sim.lmp, sim.engine.setup):
         told["start"] = start
-    if sim.minimizer != sim._choose(None):
+    if sim.minimizer != sim.engine.chosen(None, sim.friction):
         told["minimizer"] = sim.minimizer
     told |= before
     states = [state]
     with ExitStack() as lock:
-        if folder is not None:
+        if folder is not None and record is not None:
             check = partial(_check_place, name, record, mode, first)
             lock.enter_context(alone_in(folder, sim.comm, check))
-        if folder is not None and state._root:
+        if folder is not None and sim.comm.rank == 0:
             if mode == "a":
                 store.keep_frames(folder, first)
             else:
                 store.drop_frames(folder)
             if first:
-                state._write(folder, told, frames=first)  # all of a run that goes on, but the frame
+                write_state(state, folder, told, frames=first)  # its frame is there already
             else:
-                _write(folder, 0, state, told)
-        _steps(sim, told, start, 0, max(first, 1), state, folder, callback, states, keep)
+                write_frame(folder, 0, state, told)
+        _steps(sim, protocol, told, start, 0, max(first, 1), state, folder, callback, states, keep)
     if folder is None:
         return Run(states, told)
     return Run(folder)[max(first, 1) - 1 :] if keep else Run(folder)[-1:]
 
 
-def resume(run: Run, sim: Any, done: int, callback: Callback | None = None) -> None:
+def resume(run: Run, sim: Simulation, done: int, callback: Callback | None = None) -> None:
     """Take the steps that a recorded run lacks, from a simulation of its last state.
 
     Args:
@@ -166,7 +144,7 @@ def resume(run: Run, sim: Any, done: int, callback: Callback | None = None) -> N
         FileError: frames are missing, or another process writes or has written the run.
     """
     told = run.parameters
-    start = told["start"]
+    protocol, start = protocol_in(told), told["start"]
     assert run.folder is not None
 
     def check() -> None:
@@ -184,12 +162,13 @@ def resume(run: Run, sim: Any, done: int, callback: Callback | None = None) -> N
             sim.relax(np.finfo(float).max)  # relaxed already: this only finds whether it is rigid
             packing, *_ = store.read(run.folder)
             sim.reset(packing)
-            sim._engine.go_on(sim, store.read_motion(run.folder, packing))
-        _steps(sim, told, start, done, start["frame"], None, run.folder, callback, [], False)
+            sim.engine.go_on(sim, store.read_motion(run.folder, packing))
+        first = start["frame"]
+        _steps(sim, protocol, told, start, done, first, None, run.folder, callback, [], False)
 
 
 def _taken(
-    sim: Any, name: str, record: str | Path | None, mode: str
+    sim: Simulation, name: str, record: str | Path | None, mode: str
 ) -> tuple[Path | None, int, dict[str, Any]]:
     """The folder, the number of frames in it that stay, and the parameters of the run before.
 
@@ -251,21 +230,23 @@ def _check_place(name: str, record: str | Path, mode: str, first: int) -> None:
 
 
 def _steps(
-    sim: Any,
+    sim: Simulation,
+    protocol: Protocol,
     told: dict[str, Any],
     start: dict[str, Any],
     done: int,
     first: int,
-    before: Any,
+    before: State | None,
     folder: Path | None,
     callback: Callback | None,
-    states: list[Any],
+    states: list[State],
     keep: bool,
 ) -> None:
     """Take the steps that remain.
 
     Args:
         sim: that goes on.
+        protocol: with the settings of the run.
         told: parameters of the run; with a `start` each step begins anew.
         start: what the steps know of the start.
         done: number of steps before.
@@ -276,16 +257,15 @@ def _steps(
         states: to which they are appended; they take its place if not all are kept.
         keep: whether all are.
     """
-    go = protocol_of(told["protocol"]).go
-    anew: Any = _each_anew(sim, go, told, start, done, before) if "start" in told else None
-    source: Any = anew or go(sim, told, start, done, before)
+    taken_by = partial(_each_anew, sim, protocol) if "start" in told else partial(protocol.go, sim)
+    source = _closing(taken_by(start, done, before))
     number, state = first + done - 1, None
-    title = told["protocol"]
-    with closing(source), progress(title, "state", start["states"], initial=done) as bar:
+    with closing(source), progress(protocol.name, "state", start["states"], initial=done) as bar:
         remaining = islice(source, start["states"] - done)
         for number, state in enumerate(remaining, start=first + done):
-            if folder is not None and state._root:
-                _write(folder, number, state, told)
+            expect(f"the result of a step of {protocol.name}", state, State)
+            if folder is not None and sim.comm.rank == 0:
+                write_frame(folder, number, state, told)
             if not keep:
                 states.clear()
             states.append(state)
@@ -295,38 +275,37 @@ def _steps(
                 break
     if "start" in told and state is not None and (taken := number + 1 - first) < start["states"]:
         told["start"] = {**told["start"], "states": taken}  # complete: nothing is to be resumed
-        if folder is not None and state._root:
-            state._write(folder, told, frames=number + 1)
+        if folder is not None and sim.comm.rank == 0:
+            write_state(state, folder, told, frames=number + 1)
+
+
+def _closing(steps: Iterator[State]) -> Generator[State, None, None]:
+    """The same states; to close this closes the steps, if they are a generator too."""
+    yield from steps
 
 
 def _each_anew(
-    sim: Any,
-    go: Callable[..., Iterator[Any]],
-    told: Mapping[str, Any],
-    start: dict[str, Any],
-    done: int,
-    state: Any,
-) -> Iterator[Any]:
+    sim: Simulation, protocol: Protocol, start: dict[str, Any], done: int, state: State | None
+) -> Iterator[State]:
     """The states after the steps that remain, each as if the one before were read from a file."""
     for n in range(done, start["states"]):
         if state is not None:
             so_far = steps_so_far(sim)
             sim.reset(state)
-            sim._steps_before = so_far  # a later call draws other noise
-        steps: Any = go(sim, told, start, n, None)
-        with closing(steps):
+            sim.engine.steps_before = so_far  # a later call draws other noise
+        with closing(_closing(protocol.go(sim, start, n, None))) as steps:
             state = next(steps, None)
         if state is None:
             return
         yield state
 
 
-def steps_so_far(sim: Any) -> int:
+def steps_so_far(sim: Simulation) -> int:
     """Number of time steps and iterations of a simulation so far."""
-    return int(sim._steps_before + sim.lmp.extract_global("ntimestep"))
+    return int(sim.engine.steps_before + sim.lmp.extract_global("ntimestep"))
 
 
-def _ends(callback: Callback, state: Any, comm: MPI.Comm) -> bool:
+def _ends(callback: Callback, state: State, comm: MPI.Comm) -> bool:
     """Whether the callback ends the protocol; its exception is raised here, on all ranks.
 
     Raises:
@@ -346,9 +325,9 @@ def _ends(callback: Callback, state: Any, comm: MPI.Comm) -> bool:
     return together(ends, comm, "the callback")
 
 
-def recorded_numbers(state: Any) -> dict[str, Any]:
+def recorded_numbers(state: State) -> dict[str, Any]:
     """The numbers of a state that are recorded, by name: a row of the series."""
-    numbers: dict[str, Any] = dict(state._numbers())
+    numbers: dict[str, Any] = dict(numbers_of(state))
     axes = "xyz"[: len(state.pressure_tensor)]
     for k, a in enumerate(axes):
         for n, b in enumerate(axes[k:], start=k):
@@ -358,11 +337,23 @@ def recorded_numbers(state: Any) -> dict[str, Any]:
     return numbers
 
 
-def _write(folder: Path, number: int, state: Any, parameters: Mapping[str, Any]) -> None:
+def write_frame(folder: Path, number: int, state: State, parameters: Mapping[str, Any]) -> None:
     """Write a frame, and the state behind it. Only one rank calls this."""
     made_of = store.setup(state.packing, state.law, state.friction, state.gravity)
-    store.append_setup(folder, number, made_of | store.memory(state._motion))
+    store.append_setup(folder, number, made_of | store.memory(motion_of(state)))
     images = () if state.images is None else state.images.T
-    values = dict(zip(("ix", "iy", "iz"), images, strict=False)) | state._particle_values()
+    values = dict(zip(("ix", "iy", "iz"), images, strict=False)) | particle_values(state)
     store.append_frame(folder, number, state.packing, values, recorded_numbers(state))
-    state._write(folder, parameters, frames=number + 1)
+    write_state(state, folder, parameters, frames=number + 1)
+
+
+def at_rest(sim: Simulation, tolerance: float | None) -> State:
+    """The relaxed state. Particles that become loose are no news where they vanish and divide."""
+    with collected(UnjammedWarning):
+        return sim.relax(tolerance)
+
+
+def next_time(now: float, end: float, change: float, rate: float) -> tuple[float, float]:
+    """A step in which what changes at this rate changes by so much at most, and the time after."""
+    step = end - now if rate == 0.0 else min(end - now, change / rate)
+    return step, end if step == end - now else now + step

@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common._checks import count, finite, number_or_nan, positive, whole
 from ..common.box import fractional
+from ..common.checks import count, expect, finite, number_or_nan, positive, whole
 from ..common.errors import ParameterError
 from ..engine.lammps import images_of, named_tilts, place_images, place_velocities, run
 from ..engine.moduli import (
@@ -28,6 +28,7 @@ from ..engine.moduli import (
 from ..engine.relax import TOLERANCE, balanced_to
 from ..engine.simulation import Simulation
 from ..particles.laws import Droplet, Ring, Sector
+from ..particles.walls import kind_of
 from .motion import (
     Dynamics,
     advance,
@@ -37,10 +38,13 @@ from .motion import (
     refuse_restarted,
     seeds,
 )
-from .recording import Protocol, check_tolerance, steps_so_far
+from .protocol import Protocol, check_tolerance
+from .recording import steps_so_far
 
 if TYPE_CHECKING:
+    from ..particles.packing import Packing
     from ..runs.run import Run
+    from ..state.state import State
 
 
 def sheared(points: NDArray[np.float64], strain: float) -> NDArray[np.float64]:
@@ -50,7 +54,7 @@ def sheared(points: NDArray[np.float64], strain: float) -> NDArray[np.float64]:
     return moved
 
 
-def straighten(sim: Any) -> None:
+def straighten(sim: Simulation) -> None:
     """Replace the box by the equivalent one with the smallest tilts; the particles stay."""
     box = sim.box
     straight = straightened(box)
@@ -79,62 +83,70 @@ def straightened(box: NDArray[np.float64]) -> NDArray[np.float64]:
 _OF_A_STEP, _OF_A_PIECE = 5e-4, 0.02
 
 
-def _flowing(sim: Simulation, settings: Mapping[str, Any]) -> Dynamics:
-    """Overdamped motion relative to the mean flow, or one with inertia, by these settings.
+@dataclass(frozen=True, kw_only=True)
+class Flow(Protocol, name=""):
+    """Settings of a flow of particles that are held to the mean flow, or have inertia."""
 
-    Raises:
-        ParameterError: a value is out of range, the drag is missing, or given with inertia, a
-            tolerance is given, or these of a law without motion.
-    """
-    if not isinstance(sim.law, Ring | Sector | Droplet):
-        raise ParameterError(
-            f"a simulation of {sim.law!r} is sheared without a rate only: take Ring or Droplet"
-        )
-    if settings.get("tolerance") is not None:
-        raise ParameterError("states of a flow are not relaxed: leave tolerance out")
-    if settings.get("inertia"):
-        for name in ("drag", "temperature"):
-            if settings[name] is not None:
+    drag: float | None = None
+    temperature: float | None = None
+    timestep: float | None = None
+    seed: int | np.random.Generator | None = None
+
+    def dynamics(self, sim: Simulation) -> Dynamics:
+        """Overdamped motion relative to the mean flow, or one with inertia, by these settings.
+
+        Raises:
+            ParameterError: a value is out of range, the drag is missing, or given with inertia, a
+                tolerance is given, or these of a law without motion.
+        """
+        if not isinstance(sim.law, Ring | Sector | Droplet):
+            raise ParameterError(
+                f"a simulation of {sim.law!r} is sheared without a rate only: take Ring or Droplet"
+            )
+        if getattr(self, "tolerance", None) is not None:
+            raise ParameterError("states of a flow are not relaxed: leave tolerance out")
+        if getattr(self, "inertia", False):
+            for name in ("drag", "temperature"):
+                if getattr(self, name) is not None:
+                    raise ParameterError(
+                        f"a flow with inertia has contacts alone, and no {name}: leave it out"
+                    )
+            return dynamics_of(sim, None, None, True, self.timestep)
+        if self.drag is None:
+            raise ParameterError("a flow needs the drag of particles against it: give drag")
+        return dynamics_of(sim, self.temperature, self.drag, False, self.timestep)
+
+    def flow_settings(self, sim: Simulation) -> dict[str, Any]:
+        """The settings of the flow as numbers of Python, with a seed."""
+        self.dynamics(sim)
+        values = {name: getattr(self, name) for name in _OF_FLOW}
+        numbers = {name: None if each is None else float(each) for name, each in values.items()}
+        return numbers | {"seed": drawn_seed(sim, self.seed)}
+
+    def refuse_without(self, name: str) -> None:
+        """Refuse what belongs to a flow, where the value of this name that makes one is missing.
+
+        Raises:
+            ParameterError: some of it is given.
+        """
+        for other in (*_OF_FLOW, "seed", "inertia"):
+            if getattr(self, other, None) not in (None, False):
                 raise ParameterError(
-                    f"a flow with inertia has contacts alone, and no {name}: leave it out"
+                    f"{other} has no meaning without a {name}, where each state is relaxed: give "
+                    f"a {name}, or leave it out"
                 )
-        return dynamics_of(sim, None, None, True, settings["timestep"])
-    if settings.get("drag") is None:
-        raise ParameterError("a flow needs the drag of particles against it: give drag")
-    return dynamics_of(sim, settings["temperature"], settings["drag"], False, settings["timestep"])
+
+    def noise(self, start: Mapping[str, Any], done: int) -> int:
+        """The seed of the noise from a state on: another one where a record goes on from it."""
+        assert isinstance(self.seed, int)
+        return seeds(self.seed, start["step"], *[done] * (done > 0))[1]
 
 
 _OF_FLOW = ("drag", "temperature", "timestep")
 
 
-def _flow_settings(sim: Any, given: Mapping[str, Any]) -> dict[str, Any]:
-    """The settings of a flow as numbers of Python, with its seed."""
-    values = {name: given[name] for name in _OF_FLOW}
-    inertia = {"inertia": True} if given.get("inertia") else {}
-    _flowing(sim, values | inertia | {"tolerance": given.get("tolerance")})
-    return {
-        **{name: None if value is None else float(value) for name, value in values.items()},
-        **inertia,
-        "seed": drawn_seed(sim, given["seed"]),
-    }
-
-
-def refuse_without_flow(name: str, given: Mapping[str, Any]) -> None:
-    """Refuse what belongs to a flow, where the value of this name that makes one is missing.
-
-    Raises:
-        ParameterError: some of it is given.
-    """
-    for other in (*_OF_FLOW, "seed", "inertia"):
-        if given.get(other) not in (None, False):
-            raise ParameterError(
-                f"{other} has no meaning without a {name}, where each state is relaxed: give a "
-                f"{name}, or leave it out"
-            )
-
-
 def _flow(
-    sim: Any,
+    sim: Simulation,
     dynamics: Dynamics,
     rate: float,
     duration: float,
@@ -142,8 +154,8 @@ def _flow(
     course: Callable[[float, float], str],
     of_noise: int,
     done: int,
-    before: Any,
-) -> Iterator[Any]:
+    before: State | None,
+) -> Iterator[State]:
     """Shear the box, and yield the states after equal times that remain.
 
     Args:
@@ -158,7 +170,7 @@ def _flow(
         done: number of states before.
         before: the last state; None if it is not known.
     """
-    begun, state = sim._begun, sim.state() if before is None else before
+    begun, state = sim.engine.begun, sim.state() if before is None else before
     with (
         balanced_to(sim, state.packing, imbalance_under(rate * duration)),
         moving(sim, dynamics, of_noise),
@@ -180,11 +192,6 @@ def _flow(
             refuse_restarted(sim, begun)
 
 
-def _noise(settings: Mapping[str, Any], start: Mapping[str, Any], done: int) -> int:
-    """The seed of the noise from a state on: another one where a record goes on from it."""
-    return seeds(settings["seed"], start["step"], *[done] * (done > 0))[1]
-
-
 def flow_command(xy: str, xz: str = "", remap: str = "x") -> str:
     """*fix deform*, which shears the box with the particles in it.
 
@@ -197,14 +204,14 @@ def flow_command(xy: str, xz: str = "", remap: str = "x") -> str:
     return f"fix deformable_flow all deform 1 xy {xy} {xz and f'xz {xz} '}remap {remap}"
 
 
-def _flow_begins(sim: Any, rate: float) -> None:
+def _flow_begins(sim: Simulation, rate: float) -> None:
     """Give particles the mean velocity u = rate y along x, in place of the one that they have."""
     state = sim.state()
     velocities = state.velocities + _mean_flow(state, rate) - _mean_flow(state)
     place_velocities(sim.lmp, velocities)
 
 
-def _mean_flow(state: Any, rate: float | None = None) -> NDArray[np.float64]:
+def _mean_flow(state: State, rate: float | None = None) -> NDArray[np.float64]:
     """The part of the velocities that grows along y, or that of a rate; 0 in the middle."""
     y = state.packing.positions[:, 1] - state.packing.positions[:, 1].mean()
     if rate is None:
@@ -214,12 +221,14 @@ def _mean_flow(state: Any, rate: float | None = None) -> NDArray[np.float64]:
     return flow
 
 
-def leans(sim: Any) -> float:
+def leans(sim: Simulation) -> float:
     """Tilt yz of the straightened box, which a shear along x leaves as it is; 0 in the plane."""
     return float(straightened(sim.box)[2, 1]) if sim.dimension == 3 else 0.0
 
 
-def _piece(sim: Any, dynamics: Dynamics, duration: float, course: str, state: Any) -> Any:
+def _piece(
+    sim: Simulation, dynamics: Dynamics, duration: float, course: str, state: State
+) -> State:
     """The state after a flow with one time step, from the state before."""
     if dynamics.inertia:  # collisions are those of velocities beside the flow
         state = replace(state, velocities=state.velocities - _mean_flow(state))
@@ -238,60 +247,67 @@ def _piece(sim: Any, dynamics: Dynamics, duration: float, course: str, state: An
         sim.shear_strain = (sim.shear_strain or 0.0) + _strain_since(sim, tilt)
 
 
-def _strain_since(sim: Any, tilt: float) -> float:
+def _strain_since(sim: Simulation, tilt: float) -> float:
     """The smallest strain from a tilt of the box to that of now, as LAMMPS may have flipped it."""
     lx, xy, ly = sim.box[[0, 1, 1], [0, 0, 1]].tolist()
     widths = (xy - tilt) / lx
     return float(widths - round(widths)) * lx / ly
 
 
-def _shear_settings(sim: Any, given: Mapping[str, Any]) -> dict[str, Any]:
-    check_shear(sim, given["strain"], given["steps"])
-    settings: dict[str, Any] = {"strain": float(given["strain"]), "steps": int(given["steps"])}
-    if given["rate"] is None:
-        refuse_without_flow("rate", given)
-        recorded = given["record"] is not None
-        return settings | {"tolerance": check_tolerance(given["tolerance"], recorded)}
-    rate = float(positive("rate", given["rate"]))
-    return settings | {"rate": rate} | _flow_settings(sim, given)
-
-
-def _begin(sim: Any, states: int) -> tuple[Any, dict[str, Any]]:
+def _begun(sim: Simulation, states: int) -> tuple[State, dict[str, Any]]:
     """The present state, whose strain is counted from now on."""
     sim.shear_strain = sim.shear_strain or 0.0
     return sim.state(), {"strain": sim.shear_strain, "step": steps_so_far(sim), "states": states}
 
 
-def _sheared_states(
-    sim: Any, settings: Mapping[str, Any], start: Mapping[str, Any], done: int, before: Any
-) -> Iterator[Any]:
-    """The states that remain of a shear."""
-    strain, steps, rate = settings["strain"], settings["steps"], settings.get("rate")
-    strains = [start["strain"] + strain * n / steps for n in range(1, steps + 1)]
-    if rate is None:
-        for each in strains[done:]:
-            yield sheared_state(sim, strain / steps, each, settings["tolerance"])
-        return
-    along, yz = math.copysign(rate, strain), leans(sim)
-    dynamics = _flowing(sim, settings)
-    course = flow_command(
-        f"erate {along!r}", f"vel {along * yz!r}" if yz else "", "v" if dynamics.inertia else "x"
-    )
-    of_noise, duration = _noise(settings, start, done), abs(strain) / rate / steps
-    if dynamics.inertia and not done:
-        _flow_begins(sim, along)
-        before = None
-    yield from _flow(
-        sim, dynamics, rate, duration, strains, lambda *_: course, of_noise, done, before
-    )
+@dataclass(frozen=True, kw_only=True)
+class Shear(Flow):
+    """See `Simulation.shear`."""
+
+    strain: float
+    rate: float | None = None
+    inertia: bool = False
+    tolerance: float | None = None
+
+    def check(self, sim: Simulation, recorded: bool) -> Shear:
+        check_shear(sim, self.strain, self.steps)
+        expect("inertia", self.inertia, bool)
+        whole: dict[str, Any] = {"strain": float(self.strain), "steps": int(self.steps)}
+        if self.rate is None:
+            self.refuse_without("rate")
+            return replace(self, **whole, tolerance=check_tolerance(self.tolerance, recorded))
+        rate = float(positive("rate", self.rate))
+        return replace(self, **whole, rate=rate, **self.flow_settings(sim))
+
+    def begin(self, sim: Simulation) -> tuple[State, dict[str, Any]]:
+        return _begun(sim, self.steps)
+
+    def go(
+        self, sim: Simulation, start: dict[str, Any], done: int, before: State | None
+    ) -> Iterator[State]:
+        strain, steps, rate = self.strain, self.steps, self.rate
+        strains = [start["strain"] + strain * n / steps for n in range(1, steps + 1)]
+        if rate is None:
+            for each in strains[done:]:
+                yield sheared_state(sim, strain / steps, each, self.tolerance)
+            return
+        along, yz = math.copysign(rate, strain), leans(sim)
+        dynamics = self.dynamics(sim)
+        course = flow_command(
+            f"erate {along!r}",
+            f"vel {along * yz!r}" if yz else "",
+            "v" if dynamics.inertia else "x",
+        )
+        of_noise, duration = self.noise(start, done), abs(strain) / rate / steps
+        if dynamics.inertia and not done:
+            _flow_begins(sim, along)
+            before = None
+        yield from _flow(
+            sim, dynamics, rate, duration, strains, lambda *_: course, of_noise, done, before
+        )
 
 
-SHEAR = Protocol(
-    _shear_settings, lambda sim, settings: _begin(sim, settings["steps"]), _sheared_states
-)
-
-
-def check_shear(sim: Any, strain: float, steps: int) -> None:
+def check_shear(sim: Simulation, strain: float, steps: int) -> None:
     """Refuse what `shear` cannot do."""
     count("steps", steps)
     if finite("strain", strain) == 0.0:
@@ -299,7 +315,7 @@ def check_shear(sim: Any, strain: float, steps: int) -> None:
     refuse_walls(sim)
 
 
-def refuse_walls(sim: Any) -> None:
+def refuse_walls(sim: Simulation) -> None:
     """Refuse walls, which do not follow a shear.
 
     Raises:
@@ -308,11 +324,11 @@ def refuse_walls(sim: Any) -> None:
     if sim.walls:
         raise ParameterError(
             f"walls are not sheared, and this simulation has {len(sim.walls)}, the first a "
-            f"{sim.walls[0]._kind}: shear needs a periodic box without walls"
+            f"{kind_of(sim.walls[0])}: shear needs a periodic box without walls"
         )
 
 
-def sheared_state(sim: Any, by: float, strain: float, tolerance: float | None) -> Any:
+def sheared_state(sim: Simulation, by: float, strain: float, tolerance: float | None) -> State:
     """The relaxed state after a further strain, which leads to this one in all."""
     straighten(sim)
     sim.deform(sheared(sim.box, by))
@@ -340,50 +356,52 @@ variable deformable_rate_z equal {part!r}*v_deformable_rate
 """
 
 
-def _oscillate_settings(sim: Any, given: Mapping[str, Any]) -> dict[str, Any]:
-    amplitude = float(positive("amplitude", given["amplitude"]))
-    steps, period = count("steps", given["steps"]), given["period"]
-    check_shear(sim, amplitude, steps)
-    if steps < _FEWEST:
-        raise ParameterError(f"steps must be at least {_FEWEST} in a cycle, not {steps}")
-    settings: dict[str, Any] = {"amplitude": amplitude, "steps": steps}
-    settings["cycles"] = count("cycles", given["cycles"])
-    if number_or_nan(period) == math.inf:
-        refuse_without_flow("period", given)
-        tolerance, recorded = given["tolerance"], given["record"] is not None
-        tolerance = tolerance_under(amplitude, TOLERANCE) if tolerance is None else tolerance
-        return settings | {"period": math.inf, "tolerance": check_tolerance(tolerance, recorded)}
-    return settings | {"period": float(positive("period", period))} | _flow_settings(sim, given)
+@dataclass(frozen=True, kw_only=True)
+class Oscillate(Flow):
+    """See `Simulation.oscillate`."""
 
+    amplitude: float
+    period: float
+    cycles: int = 1
+    steps: int = 40
+    tolerance: float | None = None
 
-def _oscillated(
-    sim: Any, settings: Mapping[str, Any], start: Mapping[str, Any], done: int, before: Any
-) -> Iterator[Any]:
-    """The states that remain of an oscillation."""
-    amplitude, steps, period = settings["amplitude"], settings["steps"], settings["period"]
-    part = np.arange(1, start["states"] + 1) / steps
-    begin = start["strain"]
-    strains = (begin + amplitude * np.sin(2.0 * np.pi * (part % 1.0))).tolist()
-    if period == math.inf:
-        with following(sim, sim.state().packing, _step(amplitude, steps)):
-            for n in range(done, len(strains)):
-                by = strains[n] - (strains[n - 1] if n else begin)
-                yield sheared_state(sim, by, strains[n], settings["tolerance"])
-        return
-    dynamics = replace(_flowing(sim, settings), limit=period / _STEPS)
-    omega, height = 2.0 * math.pi / period, float(sim.box[1, 1])
-    course = _course(omega, amplitude * height, leans(sim) / height)
-    of_noise = _noise(settings, start, done)
-    yield from _flow(
-        sim, dynamics, amplitude * omega, period / steps, strains, course, of_noise, done, before
-    )
+    def check(self, sim: Simulation, recorded: bool) -> Oscillate:
+        amplitude = float(positive("amplitude", self.amplitude))
+        steps, period = count("steps", self.steps), self.period
+        check_shear(sim, amplitude, steps)
+        if steps < _FEWEST:
+            raise ParameterError(f"steps must be at least {_FEWEST} in a cycle, not {steps}")
+        cycles = count("cycles", self.cycles)
+        checked = replace(self, amplitude=amplitude, steps=steps, cycles=cycles)
+        if number_or_nan(period) == math.inf:
+            self.refuse_without("period")
+            usual = tolerance_under(amplitude, TOLERANCE)
+            tolerance = usual if self.tolerance is None else self.tolerance
+            return replace(checked, period=math.inf, tolerance=check_tolerance(tolerance, recorded))
+        return replace(checked, period=float(positive("period", period)), **self.flow_settings(sim))
 
+    def begin(self, sim: Simulation) -> tuple[State, dict[str, Any]]:
+        return _begun(sim, self.steps * self.cycles)
 
-OSCILLATE = Protocol(
-    _oscillate_settings,
-    lambda sim, settings: _begin(sim, settings["steps"] * settings["cycles"]),
-    _oscillated,
-)
+    def go(
+        self, sim: Simulation, start: dict[str, Any], done: int, before: State | None
+    ) -> Iterator[State]:
+        amplitude, steps, period = self.amplitude, self.steps, self.period
+        part = np.arange(1, start["states"] + 1) / steps
+        begin = start["strain"]
+        strains = (begin + amplitude * np.sin(2.0 * np.pi * (part % 1.0))).tolist()
+        if period == math.inf:
+            with following(sim, sim.state().packing, _step(amplitude, steps)):
+                for n in range(done, len(strains)):
+                    by = strains[n] - (strains[n - 1] if n else begin)
+                    yield sheared_state(sim, by, strains[n], self.tolerance)
+            return
+        dynamics = replace(self.dynamics(sim), limit=period / _STEPS)
+        omega, height = 2.0 * math.pi / period, float(sim.box[1, 1])
+        course = _course(omega, amplitude * height, leans(sim) / height)
+        rate, duration, of_noise = amplitude * omega, period / steps, self.noise(start, done)
+        yield from _flow(sim, dynamics, rate, duration, strains, course, of_noise, done, before)
 
 
 def _step(strain: float, steps: int) -> float:
@@ -494,60 +512,54 @@ fix_modify deformable_flow press deformable_virial
 """
 
 
-def _creep_settings(sim: Any, given: Mapping[str, Any]) -> dict[str, Any]:
-    refuse_walls(sim)
-    if leans(sim):
-        raise ParameterError(
-            f"a box that leans along y, by yz = {leans(sim):.4g}, does not creep: take one without "
-            "that tilt, or shear it at a rate"
-        )
-    viscosity = given["viscosity"]
-    return {
-        "shear_stress": float(finite("shear_stress", given["shear_stress"])),
-        "time": float(positive("time", given["time"])),
-        "steps": count("steps", given["steps"]),
-        "viscosity": None if viscosity is None else float(positive("viscosity", viscosity)),
-    } | _flow_settings(sim, given)
-
-
-def _begin_creep(sim: Any, settings: Mapping[str, Any]) -> tuple[Any, dict[str, Any]]:
-    """The present state, and the largest rate of the flow under the stress."""
-    state, start = _begin(sim, settings["steps"])
-    usual = _usual_viscosity(settings["drag"], state.packing)
-    viscosity = settings["viscosity"] or usual
-    fastest = 2.0 * (abs(settings["shear_stress"]) + abs(state.shear_stress)) / viscosity
-    if fastest == 0.0:
-        raise ParameterError("shear_stress must not be 0 in a packing that has none")
-    return state, start | {"viscosity": viscosity, "usual": usual, "fastest": fastest}
-
-
-def _usual_viscosity(drag: float, packing: Any) -> float:
+def _usual_viscosity(drag: float, packing: Packing) -> float:
     """The drag, in space over the mean diameter."""
     return drag / (1.0 if packing.dimension == 2 else 2.0 * float(packing.radii.mean()))
 
 
-def _crept(
-    sim: Any, settings: Mapping[str, Any], start: Mapping[str, Any], done: int, before: Any
-) -> Iterator[Any]:
-    """The states that remain of a creep."""
-    viscosity, fastest, steps = start["viscosity"], start["fastest"], settings["steps"]
-    most = fastest * float(sim.box[1, 1])  # velocity of the upper side of the box
-    course = _CREEP.format(
-        target=-settings["shear_stress"], gain=1.0 / viscosity, most=most
-    ).strip()
-    damped = replace(_flowing(sim, settings), part=min(1.0, viscosity / start["usual"]))
-    of_noise, unknown = _noise(settings, start, done), [None] * steps
-    yield from _flow(
-        sim,
-        damped,
-        fastest,
-        settings["time"] / steps,
-        unknown,
-        lambda *_: course,
-        of_noise,
-        done,
-        before,
-    )
+@dataclass(frozen=True, kw_only=True)
+class Creep(Flow):
+    """See `Simulation.creep`."""
 
+    shear_stress: float
+    time: float
+    viscosity: float | None = None
 
-CREEP = Protocol(_creep_settings, _begin_creep, _crept)
+    def check(self, sim: Simulation, recorded: bool) -> Creep:
+        refuse_walls(sim)
+        if leans(sim):
+            raise ParameterError(
+                f"a box that leans along y, by yz = {leans(sim):.4g}, does not creep: take one "
+                "without that tilt, or shear it at a rate"
+            )
+        viscosity = self.viscosity
+        return Creep(
+            shear_stress=float(finite("shear_stress", self.shear_stress)),
+            time=float(positive("time", self.time)),
+            steps=count("steps", self.steps),
+            viscosity=None if viscosity is None else float(positive("viscosity", viscosity)),
+            **self.flow_settings(sim),
+        )
+
+    def begin(self, sim: Simulation) -> tuple[State, dict[str, Any]]:
+        """The present state, and the largest rate of the flow under the stress."""
+        assert self.drag is not None
+        state, start = _begun(sim, self.steps)
+        usual = _usual_viscosity(self.drag, state.packing)
+        viscosity = self.viscosity or usual
+        fastest = 2.0 * (abs(self.shear_stress) + abs(state.shear_stress)) / viscosity
+        if fastest == 0.0:
+            raise ParameterError("shear_stress must not be 0 in a packing that has none")
+        return state, start | {"viscosity": viscosity, "usual": usual, "fastest": fastest}
+
+    def go(
+        self, sim: Simulation, start: dict[str, Any], done: int, before: State | None
+    ) -> Iterator[State]:
+        viscosity, fastest, steps = start["viscosity"], start["fastest"], self.steps
+        most = fastest * float(sim.box[1, 1])  # velocity of the upper side of the box
+        course = _CREEP.format(target=-self.shear_stress, gain=1.0 / viscosity, most=most).strip()
+        damped = replace(self.dynamics(sim), part=min(1.0, viscosity / start["usual"]))
+        duration, unknown, of_noise = self.time / steps, [None] * steps, self.noise(start, done)
+        yield from _flow(
+            sim, damped, fastest, duration, unknown, lambda *_: course, of_noise, done, before
+        )

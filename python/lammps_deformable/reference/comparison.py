@@ -21,10 +21,10 @@ from mpi4py import MPI
 from numpy.typing import ArrayLike, NDArray
 
 from .. import core
-from ..common._checks import count, expect, finite, shown
-from ..common._files import make_folder
 from ..common.box import cartesian, fractional
+from ..common.checks import count, expect, finite, shown
 from ..common.errors import ParameterError, StalledWarning, UnjammedWarning, collected, warn
+from ..common.files import make_folder
 from ..common.parallel import parallel_map
 from ..common.versions import optional
 from ..core import angles, norm, unit_vectors
@@ -336,9 +336,9 @@ def _polygons(
         return replace(polygon, vertices=of_each, kL=springs, smooth=smooth)
     if law is None:
         return standard_polygons(vertices, smooth=smooth)
-    kinds = len(packing._species_radii)
+    kinds = len(packing.species_radii)
     kA, kP = (per_species(value, kinds) for value in (law.kA, law.kP))
-    return stiff_polygons(packing._species_radii, vertices, kA, kP, smooth)
+    return stiff_polygons(packing.species_radii, vertices, kA, kP, smooth)
 
 
 def standard_polygons(count: int, smooth: bool = True) -> DeformablePolygon:
@@ -373,7 +373,7 @@ def _matched(law: Law, model: DeformablePolygon, packing: Packing) -> Law:
     """The law for particles like these polygons: with their kP, and their vertices as a skin."""
     if isinstance(law, Sector):
         return law
-    polygons = model.polygons(packing._species_radii)
+    polygons = model.polygons(packing.species_radii)
     return replace(law, kP=polygons.kP.tolist(), skin=polygons.skin.tolist())
 
 
@@ -503,7 +503,8 @@ def compression_rows(
         rivals: other smooth or bead polygons to compare with the reference. All stand for the same
             particles: bead polygons have the laws' radii as effective ones, see `matching`.
         laws: by name; `matching_laws` if not given.
-        workers, keep: as for `compare`.
+        workers: as for `compare`.
+        keep: as for `compare`.
 
     Returns:
         Rows for each step, in the order of the steps. Their keys:
@@ -526,7 +527,7 @@ def compression_rows(
         seconds_polygons: that of the reference's relaxation.
     """
     if laws is None:
-        laws = matching_laws(model, model.polygons(start._species_radii))
+        laws = matching_laws(model, model.polygons(start.species_radii))
     own = [name for name in laws if name not in _RESTLESS]
     others = [matching(start, rival) for rival in rivals]
     calls: list[tuple[Any, ...]] = [(start, model, strain, steps)]
@@ -732,9 +733,9 @@ def matching_laws(
 
 def matching(packing: Packing, model: DeformablePolygon) -> Packing:
     """The packing with other radii, such that the polygons have its own radii as effective ones."""
-    radii = packing._species_radii
+    radii = packing.species_radii
     for _ in range(10):  # the roughness hardly depends on the radius: each step gains two digits
-        radii = radii + packing._species_radii - model.polygons(radii).effective_radius
+        radii = radii + packing.species_radii - model.polygons(radii).effective_radius
     return packing.replace(radii=radii[packing.species])
 
 

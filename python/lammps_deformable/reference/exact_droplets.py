@@ -470,11 +470,12 @@ class _Drop:
     def settle(self, axes: Floats, numbers: Floats) -> None:
         """Find the shape behind films that are given."""
         mesh = self.mesh
-        bounds = _bounds(mesh.u, axes, numbers)
+        bounds = np.full((len(mesh.u), max(len(axes), 1)), np.inf)  # of a loose droplet: nothing
+        bounds[:, : len(axes)] = _bounds(mesh.u, axes, numbers)
         film, bound = bounds.argmin(axis=1), bounds.min(axis=1)
         held = (self.held & np.isfinite(bound)) | (self.rho > bound)
         rho, pressure = np.where(held, bound, self.rho), self.pressure
-        loose = np.linalg.matrix_rank(axes[:, 0]) < 3
+        loose = len(axes) < 3 or np.linalg.matrix_rank(axes[:, 0]) < 3
         for _ in range(_ITERATIONS):
             _, slope, curvature = mesh.area(rho)
             volume, growth, each = mesh.volume(rho)

@@ -24,16 +24,22 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
-from mpi4py import MPI
 from numpy.typing import NDArray
 
-from ..common._checks import expect, shown
-from ..common._files import at_home, from_json, reading, refuse_present, replaces, write_whole
+from ..common.checks import expect, shown
 from ..common.errors import FileError, ParameterError, StalledWarning, warn
-from ..common.ranks import world
+from ..common.files import (
+    alone_in,
+    at_home,
+    from_json,
+    reading,
+    refuse_present,
+    replaces,
+    write_whole,
+)
+from ..common.ranks import alone, wait_for_all, world
 from ..common.versions import optional
 from ..engine.lammps import communicator
-from ..engine.relax import check_callback
 from ..engine.simulation import Simulation
 from ..formats import store
 from ..formats.store import (
@@ -50,20 +56,23 @@ from ..formats.store import (
 )
 from ..particles.laws import AnyLaw, Droplet, SoftContact
 from ..particles.packing import Packing
-from ..pictures.shapes import collection
+from ..pictures.vtk import collection
 from ..protocols import recording
 from ..protocols.recording import recorded_numbers
 from ..protocols.shearing import DynamicModulus, harmonic
-from ..state.state import COLUMNS, State
-from ..state.tracking import changes, mean_squared_displacement, unwrapped
+from ..state.displacements import mean_squared_displacement, unwrapped
+from ..state.events import changes
+from ..state.recorded import COLUMNS, SAVED
+from ..state.state import State, writes
 
 if TYPE_CHECKING:
     from MDAnalysis import Universe
+    from mpi4py import MPI
 
     from ..formats.store import Motion, Setup
 
 
-Column = Callable[[Any], Any]
+Column = Callable[[State], Any]
 
 
 class Table(dict[str, NDArray[Any]]):
@@ -159,8 +168,8 @@ def _stress_in(row: Mapping[str, str], dimension: int) -> NDArray[np.float64]:
 
 def _evaluated(packing: Packing, made_of: Setup, motion: Motion) -> State:
     """The state of recorded particles, on this rank alone."""
-    with _simulation_of(packing, made_of, MPI.COMM_SELF) as sim:
-        sim._engine.go_on(sim, motion)
+    with _simulation_of(packing, made_of, alone()) as sim:
+        sim.engine.go_on(sim, motion)
         return sim.state()
 
 
@@ -187,7 +196,7 @@ def _same(one: Any, other: Any) -> bool:
     return numbers[0] == numbers[1] and np.array_equal(mine, others)
 
 
-class Run(Sequence[Any]):
+class Run(Sequence[State]):
     """States one after the other, in memory or in a folder: what every protocol returns.
 
         run = sim.compress(strain=0.01, steps=10, record="run")
@@ -217,7 +226,7 @@ class Run(Sequence[Any]):
 
     def __init__(
         self,
-        source: str | Path | Iterable[Any],
+        source: str | Path | Iterable[State],
         parameters: Mapping[str, Any] | None = None,
     ) -> None:
         expect("source", source, str, Path, Iterable)
@@ -280,17 +289,17 @@ class Run(Sequence[Any]):
         if self._range is not None:
             return self._range
         if self.folder is not None:
-            communicator(None).barrier()  # rank 0 may still be writing
+            wait_for_all()  # rank 0 may still be writing
         return range(len(self))
 
-    def __iter__(self) -> Iterator[Any]:
+    def __iter__(self) -> Iterator[State]:
         return (self._state(number) for number in self._numbers())
 
     @overload
-    def __getitem__(self, index: int) -> Any: ...
+    def __getitem__(self, index: int) -> State: ...
     @overload
     def __getitem__(self, index: slice) -> Run: ...
-    def __getitem__(self, index: int | slice) -> Any:
+    def __getitem__(self, index: int | slice) -> State | Run:
         numbers = self._numbers()
         if isinstance(index, slice):
             part = copy(self)
@@ -309,7 +318,7 @@ class Run(Sequence[Any]):
             )
         return self._state(numbers[index])
 
-    def _state(self, number: int) -> Any:
+    def _state(self, number: int) -> State:
         """The state of a frame, from 0."""
         if self.folder is None:
             return self._states[number]
@@ -344,7 +353,7 @@ class Run(Sequence[Any]):
             return None
         return store.frames_in(self.folder) - int(parameters["start"]["frame"])
 
-    def simulation(self, comm: MPI.Comm | None = None) -> Any:
+    def simulation(self, comm: MPI.Comm | None = None) -> Simulation:
         """A simulation of the last state: the same particles, box and law.
 
         Velocities, spins, films, springs of contacts, directions, time and shear strain go on from
@@ -369,15 +378,15 @@ class Run(Sequence[Any]):
             )
         return self._simulation(self.folder, comm)
 
-    def _simulation(self, folder: Path, comm: MPI.Comm | None) -> Any:
+    def _simulation(self, folder: Path, comm: MPI.Comm | None) -> Simulation:
         packing, made_of = read(folder)
         motion = read_motion(folder, packing)
         sim = _simulation_of(packing, made_of, comm, self.parameters.get("minimizer"))
-        sim._engine.go_on(sim, motion)
+        sim.engine.go_on(sim, motion)
         return sim
 
     def resume(
-        self, *, callback: Callable[[Any], object] | None = None, comm: MPI.Comm | None = None
+        self, *, callback: Callable[[State], object] | None = None, comm: MPI.Comm | None = None
     ) -> Run:
         """Finish an interrupted protocol in the folder, with the numbers of a whole one.
 
@@ -396,7 +405,7 @@ class Run(Sequence[Any]):
             FileError: the protocol cannot be resumed, as commands of a user were given to its
                 `lmp`; its files cannot be read; or another process is writing the run.
         """
-        check_callback(callback)
+        recording.check_callback(callback)
         if self.folder is None:
             return self
         communicator(comm).barrier()  # rank 0 may still be writing
@@ -561,7 +570,7 @@ class Run(Sequence[Any]):
         return self._mean(lambda state: state.structure_factor(bins, k_max))
 
     def _mean(
-        self, function: Callable[[Any], tuple[NDArray[np.float64], NDArray[np.float64]]]
+        self, function: Callable[[State], tuple[NDArray[np.float64], NDArray[np.float64]]]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Abscissae, and the mean of the values that are no nan."""
         found = [function(state) for state in self]
@@ -632,13 +641,52 @@ class Run(Sequence[Any]):
             expect("a state that is exported", state, State)
             names.append(f"{path.stem}_{number:04d}.vtp")
             times.append(state.time)
-            if state._root and len(names) == 1:
+            if writes(state) and len(names) == 1:
                 refuse_present(path, replaces(mode))
             state.export(path.with_name(names[-1]), forces, mode)
-            if state._root:
+            if writes(state):
                 write_whole(path, collection(names, times))
         if not names:
             raise ParameterError("a series of shapes needs at least one state")
+
+    def save(self, folder: str | Path, mode: str = "x") -> Run:
+        """Write the states as a recorded run: those in memory, of a dump, or a part of a run.
+
+            run[10:20].save("part")
+            frames = (ld.State.from_file("dump", "cells", frame=n) for n in range(100))
+            ld.Run(frames).save("run")
+
+        Args:
+            folder: made if missing.
+            mode: `w` replaces a state or a run that is there, `x` refuses to.
+
+        Returns:
+            The run in the folder, which has nothing to resume.
+
+        Raises:
+            ParameterError: there are no states, or one cannot be saved, as those of polygons.
+            FileError: the folder has a state or a run, see `mode`, or cannot be written.
+        """
+        ways = (f"replace it with save({str(folder)!r}, mode='w')",)
+
+        def place() -> Path:
+            return store.refuse_run(folder, replaces(mode), ways).absolute()
+
+        if (into := place()) == self.folder:
+            raise ParameterError(f"the run in '{into}' cannot be written over itself: name another")
+        if not len(self):
+            raise ParameterError("there are no states to save")
+        told = {name: value for name, value in self.parameters.items() if name != "start"}
+        with alone_in(into, world(), place):
+            for number, state in enumerate(self):
+                expect("a state that is saved", state, State)
+                expect("the law of a state that is saved", state.law, *SAVED)
+                if writes(state) and number == 0:
+                    store.drop_frames(into)
+                if writes(state):
+                    recording.write_frame(into, number, state, told)
+        wait_for_all()
+        return Run(into)
 
     def to_mdanalysis(self) -> Universe:
         """A Universe of MDAnalysis of a run in a folder.
@@ -655,6 +703,6 @@ class Run(Sequence[Any]):
         """
         if self.folder is None:
             raise ParameterError("a run in memory has no trajectory: give record= to the protocol")
-        from ..formats.universe import universe
+        from ..formats.run_universe import universe
 
         return universe(self.folder, self._range)

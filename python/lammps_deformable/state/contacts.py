@@ -14,19 +14,21 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common._checks import zero_or_more
 from ..common.box import fractional, lengths
+from ..common.checks import zero_or_more
 from ..common.errors import ParameterError
 from ..common.versions import optional
 from ..core import unit_vectors
+from ..particles.containers import Distances, closed
+from ..particles.laws import SoftContact
 from ..particles.neighbors import forward, near_pairs
-from ..particles.room import Distances, closed
 from ..particles.walls import Cone, Cylinder, Plane, Sphere, Wall
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from ..particles.packing import Packing
+    from .state import State
 
 Floats = NDArray[np.float64]
 
@@ -527,6 +529,15 @@ class ContactForces(NamedTuple):
     def push(self) -> Floats:
         """Force along the line of centers, positive where it pushes, (M,) [energy/length]."""
         return -np.sum(self.force * self.vector, axis=1) / self.distance
+
+
+def forces_of(state: State) -> ContactForces:
+    """The forces of all active contacts of a state."""
+    if isinstance(state.law, SoftContact):
+        return soft_forces(state.packing, state.law.k)
+    if state.polygons is not None:
+        return polygon_forces(state.packing, state.contacts)
+    return forces_of_table(state.packing, state.contacts)
 
 
 def soft_forces(packing: Packing, k: float) -> ContactForces:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import core
-from ..common._checks import numbers
+from ..common.checks import numbers
 from ..common.errors import ParameterError, UndefinedError
 from ..core import (
     EnergyBlocks,
@@ -26,8 +26,8 @@ from ..core import (
     droplet_facets,
     ring_blocks,
 )
+from ..particles.containers import free_room
 from ..particles.laws import Droplet, Law, Ring, Sector, SoftContact, refuse_adhesion
-from ..particles.room import free_room
 from .contacts import (
     ContactTable,
     Sides,
@@ -332,7 +332,7 @@ class Lines:
         """Energy and derivatives by the local variables of the sides."""
         packing, radius = self.packing, self.packing.radii
         number = np.bincount(self.sides.i, minlength=len(packing))
-        material = self.law._species_parameters(packing._species_radii).of(packing.species)
+        material = self.law.species_parameters(packing.species_radii).of(packing.species)
         particles = np.column_stack([number, radius, *material])
         partner = np.where(self.sides.j < 0, 0.0, radius[np.maximum(self.sides.j, 0)])
         sides = [self.sides.vector, self.sides.turn, partner]
@@ -660,7 +660,7 @@ def _of_droplets(state: State, law: Droplet, rattlers: bool) -> Hessian:
         at_walls(packing, table["i"][wall], -1 - table["j"][wall]),
     ).part(np.argsort(np.append(pair, wall)))
     force, part = 0.5 * (table["force"] + table["force"][other]), np.where(is_wall, 1.0, 0.5)
-    tension = law._species_parameters(packing._species_radii).of(packing.species).tension
+    tension = law.species_parameters(packing.species_radii).of(packing.species).tension
     radius, gamma = packing.radii[sides.i], tension[sides.i]
     radii = radius + radius[other]
     overlap = np.where(is_wall, radius, radii) - sides.distance

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common._checks import count, shown, whole
+from ..common.checks import count, shown, whole
 from ..common.errors import ParameterError
 from ..common.versions import optional
-from ..particles.room import in_box
+from ..particles.containers import in_box
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -149,12 +149,12 @@ class Modes:
         part = size / size.max()
         title = f"$\\omega$ = {self.frequencies[number]:.3g},  "
         title += f"participation {self.participation[number]:.2g}"
-        on, packing = drawing.scale([part], [np.zeros(1)], _LABEL), self.packing
+        look, packing = drawing.Look(color=_LABEL, title=title), self.packing
         arrows = length / size.max() * vector
         if packing.dimension == 3:
             seen = (20.0, 30.0) if view is None else view
-            return plot3d.draw_arrows(packing, arrows, part, _LABEL, title, on, ax, seen)
-        ax = drawing.draw(packing, self.outlines, part, _LABEL, title, on, ax)
+            return plot3d.draw_arrows(packing, arrows, part, look, ax, seen)
+        ax = drawing.draw(packing, self.outlines, part, look, ax)
         places = in_box(packing.walls, packing.box, packing.positions)
         ax.quiver(*places.T, *arrows.T, angles="xy", scale_units="xy", scale=1.0, color="tab:red")
         return ax

@@ -16,38 +16,31 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..common._checks import count, expect, numbers, positive, shown
-from ..common._files import check_parameters, replaces
-from ..common.errors import ParameterError, UndefinedError, UnsavedWarning, warn
+from ..common.checks import count, expect, numbers, positive, shown
+from ..common.errors import ParameterError, UndefinedError, UnsavedWarning, renamed, warn
+from ..common.files import check_parameters, replaces
 from ..common.versions import optional
 from ..formats.store import (
-    TEMPERATURE,
-    Motion,
-    as_columns,
     drop_frames,
     frames_in,
     refuse_run,
-    save,
 )
-from ..particles.commands import SOFT_STEP
-from ..particles.friction import Friction, Rubbing, inertia, spin_column
+from ..particles.containers import free_room
+from ..particles.friction import Friction, Rubbing, inertia
 from ..particles.gravity import gravity_energy
 from ..particles.laws import (
-    HOTTEST,
-    AnyLaw,
     Droplet,
     Ring,
     Sector,
     SoftContact,
-    accurate_step,
     filled_area,
     volumes,
 )
-from ..particles.room import free_room
-from . import analysis, contacts, tracking
-from .analysis import Cells, cells_of, space_cells_of
-from .contacts import ContactForces, ContactTable
+from . import contacts, conversions, correlations, displacements, voronoi
+from .contacts import ContactTable
 from .hessian import at_rest, hessian_of
+from .recorded import MOVING, SAVED, write_state
+from .voronoi import Cells, cells_of, space_cells_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -58,22 +51,18 @@ if TYPE_CHECKING:
     from ..particles.packing import Packing
     from ..particles.walls import Wall
     from ..pictures.drawing import Scale
+    from .displacements import LocalStrain
     from .hessian import Hessian
     from .modes import Modes
-    from .secondary import SecondaryOutlines
-    from .tracking import LocalStrain
+    from .secondary_contacts import SecondaryOutlines
 
 Floats = NDArray[np.float64]
-
-# Laws with particles that deform and move; those of which states can be saved.
-_MOVING = (Ring, Sector, Droplet)
-_SAVED = (*_MOVING, SoftContact)
 
 # The laws that have an attribute, and what the message calls them.
 _LAWS: dict[str, tuple[tuple[type, ...], str]] = {
     "rings": ((Ring, Sector), "Ring and Sector"),
-    "moving": (_MOVING, "Ring, Sector and Droplet"),
-    "saved": (_SAVED, "Ring, Sector, Droplet and SoftContact"),
+    "moving": (MOVING, "Ring, Sector and Droplet"),
+    "saved": (SAVED, "Ring, Sector, Droplet and SoftContact"),
     "droplets": ((Droplet,), "Droplet"),
     "bubbles": ((Ring, Droplet), "Ring and Droplet"),
 }
@@ -91,17 +80,6 @@ _RESULTS = {
     "perimeters": "particles of the plane that deform",
     "arc_radii": "Ring and Sector",
     **dict.fromkeys(("surface_areas", "contact_areas", "loads"), "Droplet"),
-}
-
-# Columns of a trajectory by the names of results, where they differ.
-COLUMNS = {
-    "perimeters": "perimeter",
-    "pressures": "pressure",
-    "n_contacts": "contacts",
-    "arc_radii": "arc_radius",
-    "surface_areas": "surface_area",
-    "contact_areas": "contact_area",
-    "loads": "load",
 }
 
 
@@ -289,7 +267,7 @@ class State:
             LackingWarning: rounding of positions changes overlaps by more than 1 % of their mean;
                 or particles are left out, by their IDs.
         """
-        from ..runs.dumps import state_in_file
+        from ..runs.from_file import state_in_file
 
         return state_in_file(path, species, law, types, frame, radii, walls, box)
 
@@ -374,6 +352,11 @@ class State:
         """2, or 3 in space."""
         return self.packing.dimension
 
+    @property
+    def volume(self) -> float:
+        """What walls leave free of the box, in the plane its area, that of `packing` [length^d]."""
+        return self.packing.volume
+
     def __len__(self) -> int:
         """Number of particles."""
         return len(self.packing)
@@ -426,20 +409,6 @@ class State:
         return float(np.sum(relative**2) / (dimension * max(number - 1, 1)))
 
     @property
-    def _heat(self) -> float:
-        """Temperature at which particles collide as hard as in this motion [energy].
-
-        All may hit a wall together, so that their common motion counts where there are walls. The
-        fastest particle counts as the fastest one in a heat bath; and none can have more energy
-        than all together.
-        """
-        common = 0.0 if self.packing.walls else self.velocities.mean(axis=0)
-        energies = 0.5 * np.sum((self.velocities - common) ** 2, axis=1)
-        mean = max(self.temperature, 2.0 * float(energies.mean()) / self.packing.dimension)
-        largest, total = float(energies.max()) / HOTTEST, float(energies.sum()) / HOTTEST
-        return max(largest, min(mean, total))
-
-    @property
     def spins(self) -> Floats | None:
         """Angular velocities of the particles, shape (N,), in space (N, 3) [1/time].
 
@@ -456,24 +425,6 @@ class State:
     def gravity_energy(self) -> float:
         """The part -sum g.r of `energy`, of unwrapped positions r; 0 without gravity [energy]."""
         return gravity_energy(self.gravity, self.packing, self.images)
-
-    @property
-    def _motion(self) -> Motion:
-        """What goes on with a simulation from this state, beside the packing."""
-        history = self.velocities, self.time, self.shear_strain, self.films, self.directions
-        lost = self.lost_energy - sum(self.rubbing.lost if self.rubbing else ())
-        return Motion(*history, self.rubbing, self.images, lost, self.labels, self.clones)
-
-    @property
-    def _squeezed(self) -> tuple[str, Floats]:
-        """What limits time steps: its name, the pressure in each particle or the load."""
-        name = "load" if isinstance(self.law, Droplet) else "pressure"
-        return name, self.results["loads" if name == "load" else "pressures"]
-
-    @_only("moving")
-    def _step_limits(self) -> tuple[Packing, AnyLaw, float, float]:
-        """The arguments of `longest_step` and `accurate_step`."""
-        return self.packing, self.law, float(self._squeezed[1].max()), self._heat
 
     # particles
 
@@ -523,7 +474,7 @@ class State:
         """Thickness of the rigid skin of each particle, shape (N,) [length]."""
         if self.polygons is not None:
             return self.polygons.skin[self.packing.species]
-        skin: Floats = self.law._species_parameters(self.packing._species_radii).skin
+        skin: Floats = self.law.species_parameters(self.packing.species_radii).skin
         return skin[self.packing.species]
 
     @property
@@ -607,7 +558,7 @@ class State:
 
         Source: R. Maharana, "Efficient Simulation of Deformable Particles"; docs/theory.md.
         """
-        from .secondary import resolve_secondary
+        from .secondary_contacts import resolve_secondary
 
         return resolve_secondary(self, iterations)
 
@@ -672,15 +623,6 @@ class State:
         """The rows of `contacts` of each particle."""
         first = np.searchsorted(self.contacts["i"], np.arange(1, len(self.packing)))
         return np.split(self.contacts, first)
-
-    @property
-    def _contact_forces(self) -> ContactForces:
-        """All active contacts, each once."""
-        if isinstance(self.law, SoftContact):
-            return contacts.soft_forces(self.packing, self.law.k)
-        if self.polygons is not None:
-            return contacts.polygon_forces(self.packing, self.contacts)
-        return contacts.forces_of_table(self.packing, self.contacts)
 
     @property
     def _rubs(self) -> bool:
@@ -761,7 +703,7 @@ class State:
             ParameterError: the threshold is negative or no number.
         """
         return contacts.excess_coordination(
-            self.packing, self._contact_forces, self._of_rattlers, self._rubs, threshold
+            self.packing, contacts.forces_of(self), self._of_rattlers, self._rubs, threshold
         )
 
     @cached_property
@@ -780,7 +722,7 @@ class State:
 
         Source: mean stress by Love and Weber; Bagi, Mech. Mater. 22, 165 (1996).
         """
-        return contacts.particle_stress(self._contact_forces, self.volumes)
+        return contacts.particle_stress(contacts.forces_of(self), self.volumes)
 
     @_only("bubbles")
     def gas_flow(self, permeability: float, *, border: float = 0.0) -> Floats:
@@ -810,7 +752,7 @@ class State:
         Raises:
             ImportError: networkx is missing (`pip install 'lammps-deformable[networkx]'`).
         """
-        return contacts.graph(self.packing, self._contact_forces, self.rattlers)
+        return contacts.graph(self.packing, contacts.forces_of(self), self.rattlers)
 
     # order
 
@@ -870,7 +812,7 @@ class State:
 
         Source: Mickel et al., J. Chem. Phys. 138, 044501 (2013).
         """
-        return analysis.hexatic(self._cells, len(self.packing), k)
+        return voronoi.hexatic(self._cells, len(self.packing), k)
 
     @_only("plane")
     def hexatic_correlation(self, bins: int, r_max: float, *, k: int = 6) -> tuple[Floats, Floats]:
@@ -898,7 +840,7 @@ class State:
         Source: Nelson and Halperin, Phys. Rev. B 19, 2457 (1979).
         """
         r_max, bins = positive("r_max", r_max), count("bins", bins)
-        return analysis.correlation(self.to_freud(), self.hexatic(k), r_max, bins)
+        return correlations.correlation(self.to_freud(), self.hexatic(k), r_max, bins)
 
     @_only("space")
     def steinhardt(self, l: int = 6) -> Floats:  # noqa: E741
@@ -920,7 +862,7 @@ class State:
         Source: Steinhardt, Nelson and Ronchetti, Phys. Rev. B 28, 784 (1983); weights: Mickel et
         al., J. Chem. Phys. 138, 044501 (2013).
         """
-        return analysis.steinhardt(self._cells, len(self.packing), l)
+        return voronoi.steinhardt(self._cells, len(self.packing), l)
 
     def radial_distribution(self, bins: int, r_max: float) -> tuple[Floats, Floats]:
         """The radial distribution function g(r) of the centers, by freud.
@@ -941,7 +883,7 @@ class State:
             ImportError: freud is missing (`pip install 'lammps-deformable[freud]'`).
         """
         r_max, bins = positive("r_max", r_max), count("bins", bins)
-        return analysis.radial_distribution(self.packing, self.to_freud(), r_max, bins)
+        return correlations.radial_distribution(self.packing, self.to_freud(), r_max, bins)
 
     def structure_factor(self, bins: int, k_max: float) -> tuple[Floats, Floats]:
         """The static structure factor S(k) of the centers.
@@ -961,7 +903,7 @@ class State:
         Raises:
             ParameterError: a value is out of range, or walls close a direction.
         """
-        return analysis.structure_factor(
+        return correlations.structure_factor(
             self.packing, positive("k_max", k_max), count("bins", bins)
         )
 
@@ -980,7 +922,7 @@ class State:
             ParameterError: wrong shape, or a wave that does not fit into the box, or walls close a
                 direction.
         """
-        return analysis.density_waves(self.packing, numbers("k", k))
+        return correlations.density_waves(self.packing, numbers("k", k))
 
     # motion since an earlier state
 
@@ -1000,14 +942,14 @@ class State:
             ParameterError: `before` has another number of particles, or walls that close other
                 directions.
         """
-        return tracking.displacements(before, self)
+        return displacements.displacements(before, self)
 
     def nonaffine(self, before: State | Packing) -> Floats:
         """`displacements` without the strain of the box, shape (N, d) [length].
 
         Without them the centers would keep their places in units of the lattice vectors.
         """
-        return tracking.nonaffine(before, self)
+        return displacements.nonaffine(before, self)
 
     def local_strain(self, before: State | Packing, r_max: float | None = None) -> LocalStrain:
         """Strain around each particle since an earlier state, and D^2_min.
@@ -1032,9 +974,9 @@ class State:
 
         Source: Falk and Langer, Phys. Rev. E 57, 7192 (1998).
         """
-        start = tracking.packing_of("before", before)
-        r_max = tracking.usual_distance(start) if r_max is None else positive("r_max", r_max)
-        return tracking.local_strain(before, self, r_max)
+        start = displacements.packing_of("before", before)
+        r_max = displacements.usual_distance(start) if r_max is None else positive("r_max", r_max)
+        return displacements.local_strain(before, self, r_max)
 
     # linear response
 
@@ -1206,22 +1148,32 @@ class State:
             ImportError: matplotlib is missing (`pip install lammps-deformable[plot]`).
         """
         optional("matplotlib", "plot")
-        flags = {"contacts": contacts, "forces": forces, "colorbar": colorbar, "spins": spins}
-        for name, flag in flags.items():
+        from ..pictures.drawing import Look
+
+        look = Look(
+            color=color,
+            scale=scale,
+            cmap=cmap,
+            vmin=vmin,
+            vmax=vmax,
+            title=title,
+            label=label,
+            colorbar=colorbar,
+        )
+        for name, flag in {"contacts": contacts, "forces": forces, "spins": spins}.items():
             expect(name, flag, bool)
-        common = contacts, forces, scale, cmap, vmin, vmax, title, colorbar, label
         if self.packing.dimension == 2:
             if view is not None or slice is not None:
                 raise ParameterError("view and slice are for packings in three dimensions")
             from ..pictures.plot import plot
 
-            return plot(self, ax, color, *common, spins)
+            return plot(self, ax, look, contacts, forces, spins)
         if spins:
             raise ParameterError("spins are for packings in the plane")
         from ..pictures.plot3d import plot as plot_in_space
 
         seen = (20.0, 30.0) if view is None else view
-        return plot_in_space(self, ax, color, *common, seen, slice)
+        return plot_in_space(self, ax, look, contacts, forces, seen, slice)
 
     def _repr_html_(self) -> str | None:
         """The picture and the line of `repr`, for notebooks; None without matplotlib."""
@@ -1230,51 +1182,6 @@ class State:
         return in_notebook(self)
 
     # numbers, tables and files
-
-    def _numbers(self) -> dict[str, Any]:
-        """The state in numbers, by name; `shear_strain` is None without shear."""
-        box, axes = self.packing.box, "xyz"[: self.packing.dimension]
-        sides = {f"l{axis}": float(box[k, k]) for k, axis in enumerate(axes)}
-        tilts = {
-            a + b: float(box[k, n]) for n, a in enumerate(axes) for k, b in enumerate(axes) if n < k
-        }
-        found = {
-            "particles": len(self.packing),
-            **sides,
-            **tilts,
-            "shear_strain": self.shear_strain,
-            "phi": self.phi,
-            "pressure": self.pressure,
-            "shear_stress": self.shear_stress,
-            "energy": self.energy,
-            "coordination": self.coordination,
-            "rattlers": int(np.sum(self.rattlers)),
-            "residual": self.residual,
-            "stalled": not self.converged,
-            "minimizer": self.minimizer or "none",
-            "iterations": self.iterations,
-        }
-        if isinstance(self.law, _SAVED):
-            found |= {"temperature": self.temperature, "time": self.time}
-        if isinstance(self.law, _MOVING):
-            name = "load" if isinstance(self.law, Droplet) else "shape_parameter"
-            mean = np.mean(self.loads if name == "load" else self.shape_parameter)
-            found |= {name: float(mean), "beyond": self.beyond}
-        return found
-
-    def _particle_values(self) -> dict[str, NDArray[Any]]:
-        """Values of the particles by their names in a trajectory, arrays of shape (N,)."""
-        found: dict[str, NDArray[Any]] = {"radius": self.packing.radii}
-        if isinstance(self.law, SoftContact):
-            found["area" if self.packing.dimension == 2 else "volume"] = self.volumes
-            found |= {"pressure": self.pressures, "contacts": self.n_contacts}
-        for name, values in self.results.items():
-            found[COLUMNS.get(name, name)] = values
-        found["rattler"] = self.rattlers.astype(int)
-        if isinstance(self.law, _SAVED):
-            found |= dict(zip(("vx", "vy", "vz"), self.velocities.T, strict=False))
-            found |= {**as_columns(self._motion), **spin_column(self.rubbing)}
-        return found
 
     def to_freud(self, what: str = "points") -> Any:
         """Box and points as freud takes them, or the contacts as its list of neighbors.
@@ -1303,8 +1210,8 @@ class State:
             raise ParameterError(f"what must be points or contacts, not {shown(what)}")
         freud = optional("freud", "freud")
         if what == "points":
-            return analysis.system(freud, self.packing)
-        return analysis.neighbors(freud, len(self.packing), self._contact_forces)
+            return conversions.system(freud, self.packing)
+        return conversions.neighbors(freud, len(self.packing), contacts.forces_of(self))
 
     def to_mdanalysis(self) -> Universe:
         """A Universe of MDAnalysis with one frame.
@@ -1316,9 +1223,7 @@ class State:
         there, and count from the lower left corner of the box, `Packing.origin`. Walls are left
         out.
         """
-        from ..pictures import shapes
-
-        return shapes.to_mdanalysis(self)
+        return conversions.to_mdanalysis(self)
 
     def to_pandas(self, table: str = "particles") -> Any:
         """A DataFrame of pandas.
@@ -1332,15 +1237,14 @@ class State:
             ParameterError: there is no such table.
             ImportError: pandas is missing (`pip install 'lammps-deformable[pandas]'`).
         """
-        from ..pictures import shapes
-
-        return shapes.to_pandas(self, table)
+        return conversions.to_pandas(self, table)
 
     def export(self, path: str | Path, forces: bool = False, mode: str = "x") -> None:
         """Write the shapes of the particles, with their values, or the network of forces.
 
             state.export("outlines.vtp")
             state.export("network.vtp", forces=True)
+            state.export("packing.fe")
 
         Particles have an `id` and a `type` from 1, as in LAMMPS. In the plane shapes are the
         outlines, a polygon each. In three dimensions they are the spheres of `plot` that facets
@@ -1348,49 +1252,36 @@ class State:
         the triangles between facets; a neighbor of -1 is a wall. Shapes are whole: those of
         particles at the boundary reach beyond the box.
 
+        Droplets go to Surface Evolver too, which finds their exact shapes. There `relax` minimizes
+        the energy of all outlines, tension times perimeter, in space times surface, at constant
+        areas or volumes in the box; `finer` does it again with edges half as long; and `results >>
+        "packing.txt"` writes what `Evolved.from_file` reads. Films are those of the contacts of
+        this state, in the order of its rows with i < j or with a wall: no new ones form. Those at
+        walls stay on them.
+
         Args:
             path: `.vtp` for ParaView, OVITO and other programs that read VTK's files, with the
                 values as cell data; in the plane also `.geojson` for programs of plane geometry,
-                with the values as properties.
+                with the values as properties; `.fe` for Surface Evolver.
             forces: write lines between centers in the place of shapes: the contacts, with their
                 `force` along the line, positive where it pushes, the `distance`, the ids `i` and
                 `j`, of which -1 is a wall, and with friction `friction` and `sliding`.
             mode: `w` replaces a file that is there, `x` refuses to.
 
         Raises:
-            ParameterError: the suffix is another.
-            FileError: there is a file, see `mode`, or it cannot be written.
-        """
-        from ..pictures import shapes
-
-        shapes.export(self, path, forces, mode)
-
-    def to_surface_evolver(self, path: str | Path, mode: str = "x") -> None:
-        """Write droplets for Surface Evolver, which finds their exact shapes.
-
-            state.to_surface_evolver("packing.fe")
-
-        In Surface Evolver `relax` minimizes the energy of all outlines, tension times perimeter, in
-        space times surface, at constant areas or volumes in the box; `finer` does it again with
-        edges half as long; and `results >> "packing.txt"` writes what `Evolved.from_file` reads.
-        Films are those of the contacts of this state, in the order of its rows with i < j or with a
-        wall: no new ones form. Those at walls stay on them.
-
-        Args:
-            path: of the file, `.fe` by custom.
-            mode: `w` replaces a file that is there, `x` refuses to.
-
-        Raises:
-            ParameterError: the law is neither `Droplet` nor `Ring(kA=inf, kP=0, tension=...)`;
-                a wall is not flat, or sticks; a particle touches its own image; or droplets are
-                squeezed so much that films overlap at the start.
+            ParameterError: the suffix is another. For Surface Evolver, the law is neither `Droplet`
+                nor `Ring(kA=inf, kP=0, tension=...)`; a wall is not flat, or sticks; a particle
+                touches its own image; or droplets are squeezed so much that films overlap at the
+                start.
             FileError: there is a file, see `mode`, or it cannot be written.
 
         Source: K. A. Brakke, Experimental Mathematics 1, 141 (1992).
         """
-        from ..formats.surface_evolver import write_surface_evolver
+        from ..pictures import vtk
 
-        write_surface_evolver(self, path, mode)
+        vtk.export(self, path, forces, mode)
+
+    to_surface_evolver = renamed("to_surface_evolver", "export")
 
     @_only("saved")
     def save(
@@ -1427,28 +1318,12 @@ class State:
                 "given to lmp",
                 UnsavedWarning,
             )
-        self._write(place, parameters)
+        write_state(self, place, parameters)
 
-    def _write(
-        self, folder: Path, parameters: Mapping[str, Any] | None, frames: int | None = None
-    ) -> None:
-        """Write the state behind so many recorded frames up to it, if any."""
-        steps = self._time_steps()
-        numbers = self._numbers()
-        packing, law = self.packing, self.law
-        forces = self.friction, self.gravity
-        save(folder, packing, law, steps, numbers, self._motion, parameters, frames, *forces)
 
-    def _time_steps(self) -> tuple[float, float]:
-        """For the script in the folder: of a minimization, and of a motion [time]."""
-        if isinstance(self.law, SoftContact):
-            return (SOFT_STEP / self.law.k**0.5,) * 2
-        packing, law, squeeze, now = self._step_limits()
-        longest = self.friction._accurate_step if self.friction else np.inf
-        return (
-            min(accurate_step(packing, law, squeeze, now), longest),
-            min(accurate_step(packing, law, squeeze, max(now, TEMPERATURE)), longest),
-        )
+def writes(state: State) -> bool:
+    """Whether this process writes files of a state: rank 0 of its simulation."""
+    return state._root
 
 
 def soft_state(packing: Packing, law: SoftContact, residual: float, converged: bool) -> State:

@@ -14,7 +14,7 @@ from refusals import refused
 @pytest.fixture
 def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, jammed: ld.Packing) -> Path:
     """A folder with a packing in it."""
-    jammed.to_file(tmp_path / "a.xyz")
+    jammed.export(tmp_path / "a.xyz")
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
@@ -35,7 +35,7 @@ def test_it_begins_with_the_packing_as_it_is(here: Path, jammed: ld.Packing) -> 
 
 def test_nonsense_is_told(here: Path) -> None:
     with pytest.warns(ld.UnsavedWarning):
-        ld.bidisperse(4, seed=1).between(ld.BoxWall((9, 9))).to_file("shut.dump")
+        ld.bidisperse(4, seed=1).between(ld.BoxWall((9, 9))).export("shut.dump")
     for options, message in (
         ("--from a.xyz --seed 3", "the packing is that in 'a.xyz', and --seed is about a random"),
         ("--from-radii 0.5", "--from-radii is about the file of a packing: give --from too"),
@@ -58,11 +58,11 @@ def test_radii(word: str, radii: list[float], here: Path, monkeypatch: pytest.Mo
     """They reach the compression, which does not begin here."""
     begun = []
 
-    def compress(sim: ld.Simulation, **_: object) -> list[ld.State]:
+    def play(sim: ld.Simulation, *_: object, **__: object) -> list[ld.State]:
         begun.append(sorted({*sim.state().packing.radii.tolist()}))
         return [sim.state()]
 
-    monkeypatch.setattr(ld.Simulation, "compress", compress)
+    monkeypatch.setattr(ld.Simulation, "play", play)
     monkeypatch.setattr("lammps_deformable.cli.main._finish", lambda *_: None)
     app(["compress", "--from", "a.xyz", "--from-radii", word], standalone_mode=False)
     assert begun == [sorted({*radii})]

@@ -62,6 +62,7 @@ REFUSED = {
         (["--law", "sector", "--kP", "1"], ["sector", "kP = 1"]),
         (["--law", "sector", "--reach", "0.2"], ["--reach", "sector"]),
         (["--law", "sector", "--adhesion", "1"], ["--adhesion", "curved"]),
+        (["--law", "sector", "--tension", "1"], ["--tension", "ring laws"]),
         (["--polydispersity", "0.1", "--fraction", "0.2"], ["--polydispersity", "--fraction"]),
         (["--resume", "--out", "nowhere"], ["'nowhere'"]),
         (["--resume", "--append"], ["--resume", "--append", "--overwrite"]),

@@ -16,8 +16,8 @@ def shell(line: str) -> None:
 @pytest.fixture
 def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A folder with a packing of spheres and one of disks in it."""
-    ld.crystal("fcc", 2, phi=0.78).to_file(tmp_path / "space.xyz")
-    ld.bidisperse(8, dimension=2, seed=1).to_file(tmp_path / "plane.xyz")
+    ld.crystal("fcc", 2, phi=0.78).export(tmp_path / "space.xyz")
+    ld.bidisperse(8, dimension=2, seed=1).export(tmp_path / "plane.xyz")
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
@@ -38,7 +38,7 @@ def test_droplets_in_a_dump_are_drawn(here: Path) -> None:
     law = ld.Droplet([1.0, 1.5])
     with ld.Simulation(packing, law) as sim:
         expected = sim.state()
-    packing.to_file("lammps.dump")
+    packing.export("lammps.dump")
     (here / "oil.deformable").write_text(
         "small 0.5 inf 0 0 tension 1.0\nlarge 0.6 inf 0 0 tension 1.5\n"
     )

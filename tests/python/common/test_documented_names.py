@@ -11,7 +11,7 @@ from typing import Any
 
 import lammps_deformable as ld
 import pytest
-from lammps_deformable.state.state import COLUMNS
+from lammps_deformable.state.recorded import COLUMNS
 
 MODULES = [
     importlib.import_module(module.name)

@@ -36,6 +36,18 @@ def test_simulating_imports_neither_matplotlib_nor_mdanalysis() -> None:
     assert loaded.isdisjoint({"matplotlib", "MDAnalysis"})
 
 
+def test_a_run_is_read_without_mpi(tmp_path: Path) -> None:
+    """It starts with the first simulation, or where mpiexec has started the process."""
+    with ld.Simulation(ld.bidisperse(16, seed=1).push_off(), ld.Ring()) as sim:
+        sim.compress(strain=1e-3, record=tmp_path / "run")
+    code = (
+        f"import lammps_deformable as ld\nrun = ld.Run({str(tmp_path / 'run')!r})\n"
+        "run.table(), run[-1].pressure, run[-1].hexatic(), run.msd(), run[-1].displacements(run[0])"
+    )
+    assert imported(code).isdisjoint({"mpi4py.MPI", "MDAnalysis", "lammps"})
+    assert "mpi4py.MPI" in imported(f"import os\nos.environ['PMI_RANK'] = '0'\n{code}")
+
+
 def test_plugin_is_found_and_loaded() -> None:
     assert (Path(plugin.directory()) / "deformableplugin.so").is_file()
     lmp = lammps(cmdargs=["-log", "none", "-screen", "none"])

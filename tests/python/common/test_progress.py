@@ -54,3 +54,24 @@ def test_calls_side_by_side_have_no_bars_of_their_own(
     monkeypatch.setattr(ranks, "_LINES", 1e-9)
     ld.parallel_map(ld.jam, [ld.bidisperse(16, seed=1)], workers=1)
     assert [line.split(":")[0] for line in capfd.readouterr().err.splitlines()] == ["jam"]
+
+
+def test_progress_is_hidden(
+    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(ranks, "_LINES", 1e-9)
+    lines = []
+    for hide in (
+        lambda: ld.show_progress(False),
+        lambda: monkeypatch.setenv("TQDM_DISABLE", "1"),
+        lambda: monkeypatch.setenv("TQDM_DISABLE", ""),
+    ):
+        hide()
+        with ranks.progress("jamming", unit="step") as bar:
+            bar.update()
+        lines.append(capfd.readouterr().err)
+        ld.show_progress()
+    assert lines[:2] == ["", ""]
+    assert "jamming" in lines[2]
+    with pytest.raises(ld.ParameterError, match=r"^shown must be of the kind bool"):
+        ld.show_progress("no")  # type: ignore[arg-type]

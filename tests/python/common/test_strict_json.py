@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
-from lammps_deformable.common._files import as_json, from_json
+from lammps_deformable.common.files import as_json, from_json
 
 WORDS = st.text() | st.sampled_from(["inf", "-inf", "nan", "Infinity", "word", "3", "True"])
 LEAVES = st.none() | st.booleans() | st.integers() | st.floats() | WORDS

@@ -10,6 +10,7 @@ import lammps_deformable as ld
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+from lammps_deformable.protocols.compression import Compress
 
 WRONG: dict[str, Any] = {
     "None": None,
@@ -22,7 +23,6 @@ WRONG: dict[str, Any] = {
 # What means something: a text, a folder, any objects, a strain the other way round, a coordinate.
 MEANT = {
     "a word": {
-        "State.to_surface_evolver.path",
         "folder",
         "items",
         "keep",
@@ -46,6 +46,7 @@ MEANT = {
 # Results, which a user does not make, and methods that are those of a list.
 LEFT_OUT = {
     *("Run.count", "Run.index", "Simulation.close", "State"),
+    *(f"Protocol.{of_users}" for of_users in ("begin", "check", "go", "step")),
     *(
         f"Hessian.{of_solvers}"
         for of_solvers in ("factored", "line_response", "project", "response")
@@ -53,7 +54,7 @@ LEFT_OUT = {
 }
 RESULTS = {"Hessian", "Modes", "Table"}
 RESULTS_WITHOUT_ARGUMENTS = {
-    *("Cells", "Comparison", "ContactForces", "DynamicModulus", "ElasticModuli", "Evolved"),
+    *("Cells", "Comparison", "DynamicModulus", "ElasticModuli", "Evolved"),
     *("Iteration", "LocalStrain", "SecondaryOutlines"),
 }
 
@@ -89,11 +90,11 @@ class Calls:
         sim = ld.Simulation(PACKING, ld.Ring())
         sim.relax().save(folder / "state")
         run = sim.compress(strain=1e-3, steps=2, record=folder / "run")
-        PACKING.to_file(folder / "packing.xyz")
+        PACKING.export(folder / "packing.xyz")
         self.folder, self.written = folder, 0
-        bubbles = ld.Simulation(PACKING, ld.Ring(kA=math.inf, kP=0.0, tension=1.0))
         self.objects = {
             "DeformablePolygon": ld.DeformablePolygon(),
+            "Droplet": ld.Droplet(),
             "Hessian": run[0].hessian(),
             "Modes": run[0].modes(),
             "Packing": PACKING,
@@ -103,7 +104,6 @@ class Calls:
             "Sector": ld.Sector(),
             "Simulation": sim,
             "State": run[0],
-            "State.to_surface_evolver": bubbles.relax(),
             "Table": run.table(),
         }
         self.valid: dict[str, Any] = {
@@ -115,6 +115,7 @@ class Calls:
             "k_max": 5.0, "kt": 1.0, "lattice": "hex", "law": ld.Ring(), "lengths": [3, 3],
             "mu": 0.1, "normal": [1, 0], "number": 4, "nx": 1, "ny": 1, "origin": [0, 0],
             "packing": PACKING, "period": 0.1, "permeability": 1e-6, "phi": 0.95,
+            "protocol": Compress(strain=1e-3),
             "positions": [[1, 1]], "r_max": 0.9, "radii": [0.5], "radius": 0.5, "rate": 1e-3,
             "shear_stress": 1e-4, "source": folder / "run", "start": PACKING, "steps": 1,
             "strain": 1e-3, "time": 0.01, "tip": [0, 0, 0], "values": [1.0, 2.0],
@@ -139,10 +140,9 @@ class Calls:
                 "path": "run/trajectory.lammpstrj",
                 "species": "run/species.deformable",
             },
-            "State.to_surface_evolver": {"path": ".fe"},
             "Hessian.solve": {"forces": np.zeros(PACKING.positions.size)},
             "Packing.from_file": {"path": "packing.xyz"},
-            "Packing.to_file": {"path": ".xyz"},
+            "Packing.export": {"path": ".xyz"},
             "compare": {"vertices": [20], "workers": 1},
             "jackknife": {"f": len},
             "jam": {"packing": LOOSE},
@@ -169,6 +169,9 @@ class Calls:
         if special.get("path", "").startswith("."):
             self.written += 1
             special["path"] = f"{self.written}{special['path']}"
+        if "folder" in needed and name != "Run.exists":
+            self.written += 1
+            special["folder"] = f"saved{self.written}"
         return {each: self.valid[each] for each in needed if each not in special} | special
 
     def __call__(self, name: str, given: dict[str, Any]) -> None:

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from contact_laws import simulate
 from lammps_deformable.engine.soft_disks import Enthalpy, relax_at_pressure
+from lammps_deformable.particles.containers import closed
 from lammps_deformable.particles.neighbors import near_pairs
-from lammps_deformable.particles.room import closed
 
 SCENE = (ld.Sphere(4, (0, 0)), ld.Sphere(0.6, (1, 0.5), inside=False))
 BELOW = (ld.Plane((0, -9), (0, 1)), ld.Plane((0, -4), (0, -1)))

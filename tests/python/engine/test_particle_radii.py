@@ -6,6 +6,7 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 from lammps_deformable import core
+from lammps_deformable.particles.packing import with_own_radii
 from scipy import stats
 
 RADICAL = ld.Ring(kA=2.0, contact="radical")
@@ -32,7 +33,7 @@ def test_two_sizes_are_two_species() -> None:
     """Energy, stress, shapes and contacts of the same packing, defined in both ways."""
     two = ld.jam(ld.bidisperse(24, seed=2)).packing
     two = two.at(1.02 * two.phi)
-    many = two._with_own_radii()
+    many = with_own_radii(two)
     for law in (RADICAL, ld.Ring(kP=5.0, skin=0.02), ld.Sector()):
         states = []
         for packing in (two, many):

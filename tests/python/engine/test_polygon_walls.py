@@ -42,10 +42,10 @@ def test_beads_keep_their_place_on_walls_that_stick() -> None:
                 sim._confine(Walls(angle, np.full(3, height), stick))
                 before = sim.state().outlines[0]
                 state = sim.relax(0.01)
-                assert sim._engine.walls is not None
-                assert sim._engine.walls.height == pytest.approx(np.full(3, height))
+                assert sim.engine.walls is not None
+                assert sim.engine.walls.height == pytest.approx(np.full(3, height))
         after = state.outlines[0]
-        touching = before @ sim._engine.walls.normal[0] > 0.48 - LONE_BEADS.radius
+        touching = before @ sim.engine.walls.normal[0] > 0.48 - LONE_BEADS.radius
         assert touching.any()
         slides[stick] = np.abs(after - before)[touching, 1].max()
     assert slides[True] < 0.2 * slides[False]
@@ -57,8 +57,8 @@ def test_walls_do_not_jump_over_beads() -> None:
             ld.ParameterError, match=r"a step of 0\.04 puts beads .* wall .* a bead, 0\.03"
         ):
             sim._confine(square(0.46))
-        assert sim._engine.walls is not None
-        assert sim._engine.walls.height[0] == 0.5
+        assert sim.engine.walls is not None
+        assert sim.engine.walls.height[0] == 0.5
         sim._confine(square(0.48))
         assert sim.state().energy > 0.0
 

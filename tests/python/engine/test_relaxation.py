@@ -43,7 +43,7 @@ def test_contacts_that_do_not_balance_are_not_relaxed(monkeypatch: pytest.Monkey
     with ld.Simulation(packing, ld.Ring()) as sim:
         module = sys.modules["lammps_deformable.engine.simulation"]
         monkeypatch.setattr(module, "minimize_until_relaxed", lambda *_, **__: Forces(0.0, 1))
-        monkeypatch.setattr(sim._engine, "unbalanced", lambda *_: True)
+        monkeypatch.setattr(sim.engine, "unbalanced", lambda *_: True)
         with pytest.warns(ld.StalledWarning, match="the contacts do not balance"):
             assert not sim.relax(1e-6).converged
 

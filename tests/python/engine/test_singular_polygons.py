@@ -13,7 +13,7 @@ def test_a_singular_hessian(failures: int, monkeypatch: pytest.MonkeyPatch) -> N
     model = ld.DeformablePolygon(20)
     packing = ld.Packing([[0, 0], [0.9, 0]], 0.5, 4.0 * np.eye(2))
     polygons = SmoothPolygons(
-        model, model.polygons(packing._species_radii), packing.species, packing.box
+        model, model.polygons(packing.species_radii), packing.species, packing.box
     )
     angle = 2.0 * np.pi * np.arange(20) / 20
     circle = 0.48 * np.column_stack([np.cos(angle), np.sin(angle)])

@@ -10,6 +10,7 @@ import pytest
 from droplet_formula import crystal as crystal_of
 from lammps_deformable import Droplet, Packing, Simulation, State
 from lammps_deformable.engine import engines
+from lammps_deformable.state.recorded import numbers_of, particle_values
 from numpy.typing import NDArray
 from polyhedra import FACES
 from refusals import refused
@@ -127,8 +128,8 @@ def test_a_state_at_rest(emulsion: State) -> None:
     assert np.sum(tension * grown) == pytest.approx(emulsion.energy, rel=1e-6)
     assert (emulsion.pressures > 2.0 * tension / packing.radii).all()
     assert emulsion.graph().number_of_edges() == len(table) // 2
-    assert {"load", "lz"} <= set(emulsion._numbers())
-    assert all(values.shape == (32,) for values in emulsion._particle_values().values())
+    assert {"load", "lz"} <= set(numbers_of(emulsion))
+    assert all(values.shape == (32,) for values in particle_values(emulsion).values())
 
 
 def test_stress_is_the_derivative_of_the_energy(emulsion: State) -> None:

@@ -16,6 +16,8 @@ from lammps_deformable import (
     Plane,
     Sphere,
 )
+from lammps_deformable.state.contacts import forces_of
+from lammps_deformable.state.recorded import particle_values
 from polyhedra import FACES, FORCES, INDENTATIONS
 from programs import output
 
@@ -97,7 +99,7 @@ def test_walls_bear_what_droplets_carry(name: str) -> None:
     scale = table["force"].max()
     assert state.wall_forces.sum(axis=0) == pytest.approx(-on_droplets, abs=1e-10 * scale)
     assert forces.sum(axis=0) == pytest.approx(on_droplets, abs=1e-10 * scale)
-    moment = np.einsum("ma,ma->", state._contact_forces.vector, state._contact_forces.force)
+    moment = np.einsum("ma,ma->", forces_of(state).vector, forces_of(state).force)
     assert state.pressure == pytest.approx(-moment / 3 / packing.volume, rel=1e-8)
     energies, volumes = [], []
     for factor in (1 - 1e-5, 1 + 1e-5):
@@ -136,7 +138,7 @@ def test_soft_spheres_jam_between_walls() -> None:
     assert abs(state.network_contacts - state.isostatic_contacts) <= 3
     assert state.pressure_tensor.trace() / 3 == pytest.approx(state.pressure)
     contacts = np.bincount(touching["i"], minlength=24)
-    assert (state._particle_values()["contacts"] >= contacts).all()
+    assert (particle_values(state)["contacts"] >= contacts).all()
     energies, volumes = [], []
     for factor in (1 - 1e-8, 1 + 1e-8):
         with ld.Simulation(jammed.at(jammed.phi / factor**3), ld.SoftContact()) as soft:

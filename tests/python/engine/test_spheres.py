@@ -3,6 +3,7 @@
 import lammps_deformable as ld
 import numpy as np
 import pytest
+from lammps_deformable.state.recorded import numbers_of, particle_values
 
 from validation.finite_strain import bulk_modulus, shear_modulus
 
@@ -56,8 +57,8 @@ def test_states_have_stress_contacts_and_motion(squeezed: ld.State) -> None:
     energy = sum(edge["force"] ** 2 / 2.0 for *_, edge in graph.edges(data=True))
     assert energy == pytest.approx(squeezed.energy, rel=1e-12)
     assert {"x", "y", "z"} <= set(graph.nodes[0])
-    assert squeezed._numbers()["lz"] == squeezed.packing.box[2, 2]
-    for values in squeezed._particle_values().values():
+    assert numbers_of(squeezed)["lz"] == squeezed.packing.box[2, 2]
+    for values in particle_values(squeezed).values():
         assert values.shape == (64,)
 
 

@@ -149,7 +149,7 @@ def test_files_that_are_none(tmp_path: Path) -> None:
 
 def test_half_a_gsd(tmp_path: Path, jammed: Packing) -> None:
     pytest.importorskip("gsd")
-    jammed.to_file(tmp_path / "a.gsd")
+    jammed.export(tmp_path / "a.gsd")
     whole = (tmp_path / "a.gsd").read_bytes()
     (tmp_path / "half.gsd").write_bytes(whole[: len(whole) // 2])
     with pytest.raises(ld.FileError, match=r"half.gsd' cannot be read") as e:
@@ -160,7 +160,7 @@ def test_half_a_gsd(tmp_path: Path, jammed: Packing) -> None:
 def test_without_gsd(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, jammed: Packing) -> None:
     monkeypatch.setitem(__import__("sys").modules, "gsd.hoomd", None)
     with pytest.raises(ImportError, match=r"pip install 'lammps-deformable\[gsd\]'"):
-        jammed.to_file(tmp_path / "a.gsd")
+        jammed.export(tmp_path / "a.gsd")
 
 
 def test_particles_outside_are_images(tmp_path: Path) -> None:

@@ -64,8 +64,8 @@ def test_a_data_file_of_lammps(tilted: Packing, tmp_path: Path) -> None:
 
 def test_lammps_reads_what_goes_out(tilted: Packing, tmp_path: Path) -> None:
     """The data file, and the positions of the dump after the particles have moved away."""
-    tilted.to_file(tmp_path / "out.data")
-    tilted.to_file(tmp_path / "out.lammpstrj")
+    tilted.export(tmp_path / "out.data")
+    tilted.export(tmp_path / "out.lammpstrj")
     lmp = silent_lammps(MPI.COMM_SELF, PLANE.replace("atomic", "sphere"))
     lmp.command(f"read_data {tmp_path / 'out.data'}")
     for _ in range(2):
@@ -186,7 +186,7 @@ def test_diameters_of_gsd(tmp_path: Path) -> None:
         found = Packing.from_file(tmp_path / "a.gsd", frame=number)
         assert found.radii == pytest.approx(radii, rel=1e-7)
     alike = Packing([[1.0, 1.0], [3.0, 1.0]], 0.5, (4.0, 4.0))
-    alike.to_file(tmp_path / "b.gsd")
+    alike.export(tmp_path / "b.gsd")
     with hoomd.open(tmp_path / "b.gsd") as file:
         assert not file.file.chunk_exists(0, "particles/diameter")
     assert Packing.from_file(tmp_path / "b.gsd").radii.tolist() == [0.5, 0.5]
@@ -214,7 +214,7 @@ run 2
 def moved(tilted: Packing, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with trajectories of a motion."""
     folder = tmp_path_factory.mktemp("moved")
-    tilted.to_file(folder / "packing.data")
+    tilted.export(folder / "packing.data")
     (folder / "in.run").write_text(TRAJECTORY)
     output("lmp", "-in", "in.run", "-log", "none", cwd=folder)
     return folder
@@ -231,7 +231,7 @@ def test_a_trajectory_of_lammps(
     if suffix == ".gsd":
         pytest.importorskip("gsd")
     topology = tmp_path / f"packing{suffix}"
-    tilted.to_file(topology)
+    tilted.export(topology)
     for frame, distance in ((0, 0.0), (2, 0.5)):
         found = Packing.from_file(moved / f"run.{kind}", frame=frame, topology=topology)
         assert found.species.tolist() == tilted.species.tolist()
@@ -247,7 +247,7 @@ def test_types_that_no_file_tells(kind: str, tmp_path: Path) -> None:
     """Radii by type, or several species, need types: all particles would be of the first one."""
     data, species = tmp_path / "packing.data", tmp_path / "two.deformable"
     packing = ld.bidisperse(8, phi=0.1, seed=1)
-    packing.to_file(data)
+    packing.export(data)
     path = tmp_path / f"run.{kind}"
     if kind == "xtc":
         (tmp_path / "in.run").write_text(TRAJECTORY)
@@ -255,7 +255,7 @@ def test_types_that_no_file_tells(kind: str, tmp_path: Path) -> None:
         typed = Packing.from_file(path, radii={1: 0.5, 2: 0.4}, topology=data)
         assert sorted(set(typed.radii)) == [0.4, 0.5]
     else:
-        packing.to_file(path)
+        packing.export(path)
         path.write_text(path.read_text().replace(" type ", " kind "))
     species.write_text("first 0.01 1.0 inf\nsecond 0.02 1.0 inf\n")
     told = "no types of particles: give a file that has them, "
@@ -271,7 +271,7 @@ def test_a_topology_of_other_particles(tilted: Packing, tmp_path: Path) -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         tilted.to_mdanalysis().atoms.write(str(tmp_path / "a.dcd"))
-    ld.bidisperse(7, seed=1).to_file(tmp_path / "b.data")
+    ld.bidisperse(7, seed=1).export(tmp_path / "b.data")
     for name, told in (
         ("b.data", "number of atoms"),
         ("c.data", "c.data' cannot be read: No such"),

@@ -44,7 +44,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @given(packing=packings())
 def test_texts_keep_every_bit(suffix: str, folder: Path, packing: Packing) -> None:
     path = folder / f"any{suffix}"
-    packing.to_file(path, mode="w")
+    packing.export(path, mode="w")
     found = Packing.from_file(path)
     check_equal(found, packing)
 
@@ -54,7 +54,7 @@ def test_texts_keep_every_bit(suffix: str, folder: Path, packing: Packing) -> No
 def test_gsd_keeps_single_precision(folder: Path, packing: Packing) -> None:
     """Of the numbers in the file: lengths, tilt over height, and positions about the center."""
     pytest.importorskip("gsd")
-    packing.to_file(folder / "any.gsd", mode="w")
+    packing.export(folder / "any.gsd", mode="w")
     found = Packing.from_file(folder / "any.gsd")
     sizes = np.abs(packing.box).sum(axis=0)
     np.testing.assert_array_equal(found.species, packing.species)
@@ -70,7 +70,7 @@ def test_walls_are_told_and_given_again(suffix: str, tmp_path: Path) -> None:
     for walls in ([ld.Sphere(7.0, (1.0, -2.0))], channel):
         walled, path = ld.bidisperse(20, seed=1).between(walls), tmp_path / f"walled{suffix}"
         with pytest.warns(ld.UnsavedWarning, match="lacks the walls"):
-            walled.to_file(path, mode="w")
+            walled.export(path, mode="w")
         found = Packing.from_file(path, walls=walls)
         assert found.walls == walled.walls
         np.testing.assert_allclose(found.box, walled.box, rtol=2.0 * SINGLE)
@@ -82,7 +82,7 @@ def test_a_box_that_ends_needs_walls(tmp_path: Path) -> None:
     walled = ld.bidisperse(9, seed=1).between(ld.BoxWall((8, 9)))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        walled.to_file(tmp_path / "walled.xyz")
+        walled.export(tmp_path / "walled.xyz")
     with pytest.raises(ld.FileError, match=r"not periodic along x: give the walls"):
         Packing.from_file(tmp_path / "walled.xyz")
     assert Packing.from_file(tmp_path / "walled.xyz", box=(8, 9)).walls == ()
@@ -105,8 +105,8 @@ def test_a_box_is_two_lengths_wherever_it_is_asked_for(jammed: Packing) -> None:
 
 def test_suffixes(jammed: Packing, tmp_path: Path) -> None:
     with pytest.raises(ld.ParameterError, match=r"suffix of '.*pdb' must be one of \.data"):
-        jammed.to_file(tmp_path / "packing.pdb")
+        jammed.export(tmp_path / "packing.pdb")
     with pytest.raises(ld.FileError, match=r"nowhere/packing\.data' cannot be written"):
-        jammed.to_file(tmp_path / "nowhere" / "packing.data")
+        jammed.export(tmp_path / "nowhere" / "packing.data")
     with pytest.raises(ld.FileError, match=r"nowhere/packing\.gsd' cannot be written"):
-        jammed.to_file(tmp_path / "nowhere" / "packing.gsd")
+        jammed.export(tmp_path / "nowhere" / "packing.gsd")

@@ -37,7 +37,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @given(packing=packings())
 def test_texts_keep_every_bit(suffix: str, folder: Path, packing: Packing) -> None:
     path = folder / f"any{suffix}"
-    packing.to_file(path, mode="w")
+    packing.export(path, mode="w")
     check_equal(Packing.from_file(path, dimension=3), packing)
 
 
@@ -46,7 +46,7 @@ def test_texts_keep_every_bit(suffix: str, folder: Path, packing: Packing) -> No
 def test_gsd_keeps_single_precision(folder: Path, packing: Packing) -> None:
     """Of lengths, of tilts over heights, and of positions, up to three boxes away."""
     pytest.importorskip("gsd")
-    packing.to_file(folder / "any.gsd", mode="w")
+    packing.export(folder / "any.gsd", mode="w")
     found = Packing.from_file(folder / "any.gsd", dimension=3)
     sizes = np.abs(packing.box).sum(axis=0)
     assert (np.abs(found.box - packing.box) <= 4.0 * SINGLE * sizes).all()
@@ -59,7 +59,7 @@ def test_a_plane_is_not_taken_from_space(suffix: str, tmp_path: Path) -> None:
     if suffix == ".gsd":
         pytest.importorskip("gsd")
     path = tmp_path / f"spheres{suffix}"
-    ld.crystal("fcc", 2).to_file(path)
+    ld.crystal("fcc", 2).export(path)
     with pytest.raises(ld.FileError, match=r"atoms fill space, z goes .* dimension=3"):
         Packing.from_file(path)
 
@@ -108,7 +108,7 @@ def test_bad_boxes(tmp_path: Path) -> None:
         (("0.0 2.8", "0.0 -2.8"), "its box is"),
     ):
         path = tmp_path / "spheres.dump"
-        ld.crystal("fcc", 2, phi=np.pi / np.sqrt(18.0)).to_file(path, mode="w")
+        ld.crystal("fcc", 2, phi=np.pi / np.sqrt(18.0)).export(path, mode="w")
         text = path.read_text()
         assert change[0] in text
         path.write_text(text.replace(*change))

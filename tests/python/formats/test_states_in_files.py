@@ -65,7 +65,7 @@ def test_files_of_lammps(file: str, style: str, tight: State, folder: Path) -> N
     path, start = folder / "any", folder / "start.data"
     for old in folder.glob("any*"):
         old.unlink()
-    tight.packing.to_file(start, mode="w")
+    tight.packing.export(start, mode="w")
     lmp = silent_lammps(MPI.COMM_SELF, f"units lj\ndimension 2\natom_style {style}")
     side = "units box block 0 {} 0 {} -0.5 0.5".format(*map(repr, np.diag(tight.box).tolist()))
     lmp.commands_string(f"region b {side.removeprefix('units box ')}\ncreate_box 2 b")
@@ -155,7 +155,7 @@ def test_compressed(module: object, suffix: str, tight: State, tmp_path: Path) -
     if suffix == ".gsd":
         pytest.importorskip("gsd")
     plain, packed = tmp_path / f"a{suffix}", tmp_path / f"b{suffix}.any"
-    tight.packing.to_file(plain)
+    tight.packing.export(plain)
     packed.write_bytes(module.compress(plain.read_bytes()))  # type: ignore[attr-defined]
     if suffix == ".xyz":  # which is known by its suffix
         packed = packed.rename(tmp_path / "b.xyz.gz")
@@ -171,7 +171,7 @@ def test_extended_xyz_for_ase(tmp_path: Path) -> None:
     """Species are chemical elements in its order, also those without particles."""
     io = pytest.importorskip("ase.io")
     packing = ld.bidisperse(4, phi=0.3, seed=1).replace(species=[0, 2, 0, 2])
-    packing.to_file(tmp_path / "a.extxyz")
+    packing.export(tmp_path / "a.extxyz")
     atoms = io.read(tmp_path / "a.extxyz")
     assert atoms.get_atomic_numbers().tolist() == [1, 3, 1, 3]
     np.testing.assert_array_equal(atoms.positions[:, :2], packing.positions)
@@ -183,7 +183,7 @@ def test_extended_xyz_of_ase(tmp_path: Path) -> None:
     """What ASE writes again keeps the order of species."""
     io = pytest.importorskip("ase.io")
     packing = ld.bidisperse(4, phi=0.3, seed=1).replace(species=[3, 0, 3, 0])
-    packing.to_file(tmp_path / "a.extxyz")
+    packing.export(tmp_path / "a.extxyz")
     io.write(tmp_path / "b.extxyz", io.read(tmp_path / "a.extxyz"))
     assert Packing.from_file(tmp_path / "b.extxyz").species.tolist() == [3, 0, 3, 0]
 

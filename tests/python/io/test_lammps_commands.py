@@ -4,7 +4,8 @@ import math
 
 import lammps_deformable as ld
 import numpy as np
-from lammps_deformable.particles.commands import pair_style, pair_style_arguments, species_file
+from lammps_deformable.particles.commands import pair_style, pair_style_arguments
+from lammps_deformable.particles.species_file import species_file
 
 
 def test_species_file_has_a_line_for_each_species() -> None:

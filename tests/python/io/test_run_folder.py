@@ -5,7 +5,7 @@ from pathlib import Path
 
 import lammps_deformable as ld
 import pytest
-from lammps_deformable.formats.store import _last_line, holds, refuse
+from lammps_deformable.formats.store import FORMAT, _last_line, holds, refuse
 from programs import command
 
 
@@ -79,3 +79,15 @@ def test_the_last_whole_line(tmp_path: Path) -> None:
         (tmp_path / "lines").write_bytes(text)
         assert _last_line(tmp_path / "lines") == last
     assert _last_line(tmp_path / "none") == b""
+
+
+def test_a_folder_of_a_newer_format_is_refused(state: ld.State, tmp_path: Path) -> None:
+    """One without a version is of 0.1.0."""
+    state.save(tmp_path)
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    assert summary.pop("format") == FORMAT
+    (tmp_path / "summary.json").write_text(json.dumps(summary))
+    assert ld.Run(tmp_path).simulation().packing.phi == state.packing.phi
+    (tmp_path / "summary.json").write_text(json.dumps(summary | {"format": FORMAT + 1}))
+    with pytest.raises(ld.FileError, match=f"has the format {FORMAT + 1}, .* reads up to {FORMAT}"):
+        ld.Run(tmp_path)

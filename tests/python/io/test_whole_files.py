@@ -6,7 +6,7 @@ from pathlib import Path
 import lammps_deformable as ld
 import pytest
 from lammps_deformable.cli.main import app
-from lammps_deformable.common import _files
+from lammps_deformable.common import files
 from matplotlib.animation import PillowWriter
 from refusals import refused
 
@@ -20,7 +20,7 @@ def full(*_: object, **__: object) -> None:
 def test_a_file(tmp_path: Path) -> None:
     (tmp_path / "file").mkdir()
     with refused("file' cannot be written: Is a directory", ld.FileError):
-        _files.write_whole(tmp_path / "file", "text")
+        files.write_whole(tmp_path / "file", "text")
     assert os.listdir(tmp_path) == ["file"]
 
 

@@ -7,8 +7,9 @@ from typing import Any
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable.particles.commands import species_file, wall_commands
+from lammps_deformable.particles.commands import wall_commands
 from lammps_deformable.particles.laws import pair_matrix
+from lammps_deformable.particles.species_file import species_file
 from refusals import refused
 
 DROPLET: dict[str, Any] = {"kA": math.inf, "kP": 0.0, "tension": 1.0, "contact": "curved"}
@@ -17,11 +18,11 @@ MATRIX = [[0.3, 0.1], [0.1, 0.0]]
 
 def test_a_number_and_a_matrix() -> None:
     assert ld.Ring(**DROPLET).adhesion == 0.0
-    assert not ld.Ring(**DROPLET)._sticks
-    assert not ld.Sector()._sticks
+    assert not ld.Ring(**DROPLET).sticks
+    assert not ld.Sector().sticks
     for given in (0.2, np.float32(0.2), MATRIX, np.array(MATRIX)):
         law = ld.Ring(**DROPLET, adhesion=given)
-        assert law._sticks
+        assert law.sticks
         assert pair_matrix("adhesion", law.adhesion, 2).shape == (2, 2)
         assert eval(repr(law), {"Ring": ld.Ring, "inf": math.inf}) == law
     law = ld.Ring(**DROPLET, adhesion=MATRIX)

@@ -10,7 +10,7 @@ from refusals import refused
 
 def rows(law: ld.Ring | ld.Sector, radii: list[float]) -> list[list[float]]:
     """kA, kP and skin of each species."""
-    return np.column_stack(law._species_parameters(radii)[:3]).tolist()
+    return np.column_stack(law.species_parameters(radii)[:3]).tolist()
 
 
 def test_species_with_stiffnesses_of_their_own() -> None:
@@ -18,7 +18,7 @@ def test_species_with_stiffnesses_of_their_own() -> None:
     assert ring == ld.Ring(kA=(1, math.inf), kP=(math.inf, 2), skin=0.1)
     assert rows(ring, [0.5, 0.7]) == [[1.0, math.inf, 0.1], [math.inf, 2.0, 0.1]]
     with pytest.raises(ld.ParameterError, match="there are 3 species"):
-        ring._species_parameters([0.5, 0.6, 0.7])
+        ring.species_parameters([0.5, 0.6, 0.7])
     with pytest.raises(ld.ParameterError, match="not 2, 3, 1 and 1 numbers"):
         ld.Ring(kA=[1.0, 2.0], kP=[1.0, 2.0, 3.0])
 
@@ -66,14 +66,14 @@ def test_a_skin_is_thinner_than_its_particle() -> None:
     skins = ld.Ring(skin=[0.1, 0.7])
     assert rows(skins, [0.5, 0.71])[1] == [1.0, math.inf, 0.7]
     with pytest.raises(ld.ParameterError, match=r"skin .* radius 0\.7, not 0\.7"):
-        skins._species_parameters([0.5, 0.7])
+        skins.species_parameters([0.5, 0.7])
 
 
 def test_droplets_and_bubbles() -> None:
     droplets = ld.Ring(kA=[math.inf, 1.0], kP=0.0, tension=[1.0, 0.1])
-    assert droplets._species_parameters([0.5, 0.7]).tension.tolist() == [1.0, 0.1]
+    assert droplets.species_parameters([0.5, 0.7]).tension.tolist() == [1.0, 0.1]
     with pytest.raises(ld.ParameterError, match=r"radius 0\.2 collapse"):
-        droplets._species_parameters([0.5, 0.2])
+        droplets.species_parameters([0.5, 0.2])
     assert ld.Ring(tension=0.0) == ld.Ring()
 
 

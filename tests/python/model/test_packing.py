@@ -52,6 +52,18 @@ def test_a_drawn_seed_is_kept() -> None:
         assert np.array_equal(build(6, seed=first.seed).positions, first.positions)
 
 
+def test_a_generator_draws_the_seed() -> None:
+    one, other = np.random.default_rng(5), np.random.default_rng(5)
+    first, second = ld.bidisperse(6, seed=one), ld.polydisperse(6, [0.5] * 6, seed=one)
+    assert first.seed == ld.bidisperse(6, seed=other).seed != second.seed
+    assert np.array_equal(ld.bidisperse(6, seed=first.seed).positions, first.positions)
+    walls = ld.BoxWall((8, 8))
+    places = [first.between(walls, seed=each).positions for each in (one, one, first.seed)]
+    assert not np.array_equal(places[0], places[1])
+    with pytest.raises(ld.ParameterError, match="seed must be a whole number, not Generator"):
+        first.replace(seed=one)
+
+
 def test_at_scales_box_and_centers_by_one_factor() -> None:
     packing = ld.bidisperse(20, phi=0.3, tilt=0.4, seed=1)
     denser = packing.at(0.6)
@@ -130,7 +142,7 @@ def test_lengths_may_have_any_unit(unit: float, tmp_path: Path) -> None:
         assert polygons.state().phi == pytest.approx(0.7, rel=0.02)
     state.save(tmp_path / "state")
     for suffix in (".data", ".dump"):
-        state.packing.to_file(tmp_path / f"packing{suffix}")
+        state.packing.export(tmp_path / f"packing{suffix}")
         again = ld.Packing.from_file(tmp_path / f"packing{suffix}")
         assert np.array_equal(again.positions, state.packing.positions)
     output("lmp", "-in", "in.lammps", cwd=tmp_path / "state")

@@ -121,6 +121,6 @@ def test_lammps_lists_the_neighbors_of_the_closest_beads() -> None:
     jammed = ld.jam(ld.bidisperse(8, seed=1)).packing
     model = ld.DeformablePolygon(244, radius=0.15, smooth=False)
     with ld.Simulation(jammed, model) as polygons:
-        assert polygons._engine.polygons.spacing == pytest.approx(0.06 * 0.15, rel=1e-2)
+        assert polygons.engine.polygons.spacing == pytest.approx(0.06 * 0.15, rel=1e-2)
         polygons.deform(polygons.box * 0.97)
         assert polygons.state().energy > 0.0

@@ -7,7 +7,7 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 from lammps_deformable.protocols.coarsening import after, gas_flow
-from lammps_deformable.state.population import labels_of, remaining
+from lammps_deformable.state.labels import labels_of, remaining
 from refusals import refused
 from scipy.integrate import solve_ivp
 

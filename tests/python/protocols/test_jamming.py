@@ -12,6 +12,7 @@ import pytest
 from contact_laws import simulate
 from lammps_deformable.engine import jamming, soft_disks
 from lammps_deformable.engine.jamming import natural_pressure
+from lammps_deformable.engine.simulation import relax_above
 from lammps_deformable.engine.soft_disks import (
     RelaxedDisks,
     Report,
@@ -90,7 +91,7 @@ def test_rings_jam_where_disks_do() -> None:
     disks = ld.jam(ld.bidisperse(16, seed=1), pressure=1e-7, tolerance=1e-6).packing
     with ld.Simulation(disks.at(disks.phi - 1e-3), RADICAL) as sim:
         sim.deform(disks.at(disks.phi + 2.7e-6).box)
-        rings = sim._relax(1e-6, 1e-16).packing
+        rings = relax_above(sim, 1e-6, 1e-16).packing
     assert pairs(onset(rings, RADICAL)) == pairs(onset(disks, None))
 
 

@@ -3,6 +3,7 @@
 import lammps_deformable as ld
 import numpy as np
 import pytest
+from lammps_deformable.particles.friction import longest_rubbing_step
 from refusals import refused
 
 RUB = "fix rub all deformable/friction 0.5 1e-3 1e-4 damp 1e-3"
@@ -76,4 +77,4 @@ def test_a_time_step_too_long_for_the_springs() -> None:
         with pytest.raises(ld.ParameterError, match=r"\A[^\n]*at most 0.38,"):
             sim.run(10, timestep=0.5)
         (state,) = sim.run(10)[1:]
-        assert state.time / 10 < 0.5 * hard._longest_step
+        assert state.time / 10 < 0.5 * longest_rubbing_step(hard)

@@ -6,8 +6,14 @@ from pathlib import Path
 import lammps_deformable as ld
 import numpy as np
 import pytest
-from lammps_deformable.protocols.proliferation import divide, growth, long_axes, stretched_axes
-from lammps_deformable.state.population import divided
+from lammps_deformable.protocols.proliferation import (
+    Proliferate,
+    divide,
+    growth,
+    long_axes,
+    stretched_axes,
+)
+from lammps_deformable.state.labels import divided
 from refusals import refused
 
 CELL = ld.Ring(kA=20.0, kP=2.0, tension=1.0)
@@ -124,7 +130,7 @@ def test_deaths_by_chance() -> None:
 
 def test_the_last_cell_stays() -> None:
     with ld.Simulation(loose(4), CELL) as sim:
-        last = sim.proliferate(0.0, division=NEVER, time=1.0, death=100.0)[-1]
+        last = sim.proliferate(0.0, division=NEVER, time=0.1, death=100.0)[-1]
     assert len(last.packing) == 1
 
 
@@ -144,8 +150,8 @@ def test_axes_across_the_pressure(squeezed: ld.State, axes) -> None:
 
 @pytest.mark.parametrize("axis", ["long", "stress"])
 def test_daughters_lie_on_the_axis(squeezed: ld.State, axis: str) -> None:
-    settings = {"division": 0.5, "axis": axis, "asymmetry": 0.0}
-    two = divide(squeezed, squeezed.radii, settings, {"label": 3}, np.random.default_rng(1))
+    cells = Proliferate(rate=1.0, time=1.0, division=0.5, axis=axis, asymmetry=0.0)
+    two = divide(squeezed, squeezed.radii, cells, {"label": 3}, np.random.default_rng(1))
     assert two.clones.tolist() == [0, 1, 2, 0, 1, 2]
     apart = two.positions[:3] - two.positions[3:]
     assert np.abs(apart) == pytest.approx(np.tile([0.0, 0.5 / math.sqrt(2.0)], (3, 1)), abs=1e-6)
@@ -155,8 +161,8 @@ def test_daughters_lie_on_the_axis(squeezed: ld.State, axis: str) -> None:
 def test_free_cells_divide_in_all_directions(axis: str) -> None:
     with ld.Simulation(loose(196), CELL) as sim:
         state = sim.state()
-    settings = {"division": 0.5, "axis": axis, "asymmetry": 0.0}
-    two = divide(state, state.radii, settings, {"label": 196}, np.random.default_rng(1))
+    cells = Proliferate(rate=1.0, time=1.0, division=0.5, axis=axis, asymmetry=0.0)
+    two = divide(state, state.radii, cells, {"label": 196}, np.random.default_rng(1))
     apart = two.positions[:196] - two.positions[196:]
     angle = np.arctan2(apart[:, 1], apart[:, 0])
     for k in (1, 2, 4):

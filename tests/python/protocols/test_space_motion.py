@@ -6,6 +6,7 @@ import pytest
 from lammps_deformable import Droplet, Packing, State
 from lammps_deformable.engine.lammps import gather, place_particles, run
 from lammps_deformable.particles.laws import longest_overdamped_step, longest_step
+from lammps_deformable.state.recorded import numbers_of, step_limits
 from refusals import refused
 
 
@@ -42,8 +43,8 @@ def test_longest_steps_are_stable_and_not_by_far(jammed: Packing, kind: str, phi
     with ld.Simulation(packing.at(phi), Droplet(2.0)) as sim:
         state = sim.relax(1e-4)
         largest = stiffest(sim, state)
-    assert 0.5 < longest_step(*state._step_limits()) / (2.0 / np.sqrt(largest)) < 1.0
-    euler = longest_overdamped_step(*state._step_limits(), 3.0)
+    assert 0.5 < longest_step(*step_limits(state)) / (2.0 / np.sqrt(largest)) < 1.0
+    euler = longest_overdamped_step(*step_limits(state), 3.0)
     assert 0.1 < euler / (2.0 * 3.0 / largest) < 0.5
 
 
@@ -65,7 +66,7 @@ def test_energy_error_falls_with_the_square_of_the_time_step(jammed: Packing) ->
         assert states[-1].time == pytest.approx(8.0)
     assert np.polyfit(np.log(steps), np.log(errors), 1)[0] == pytest.approx(2.0, abs=0.3)
     assert errors[-1] < 1e-3 * states[-1].kinetic_energy
-    assert states[-1]._numbers()["temperature"] == states[-1].temperature > 0.0
+    assert numbers_of(states[-1])["temperature"] == states[-1].temperature > 0.0
 
 
 def test_a_heat_bath_has_its_temperature(loose: Packing) -> None:

@@ -7,6 +7,7 @@ from xml.etree import ElementTree
 import lammps_deformable as ld
 import numpy as np
 import pytest
+from lammps_deformable.state.recorded import numbers_of, particle_values
 from protocol_helpers import written
 
 pytest.importorskip("MDAnalysis")
@@ -32,7 +33,7 @@ def test_universe_of_a_run(run: tuple[Path, list[ld.State]]) -> None:
         assert frame.dimensions == pytest.approx(one.dimensions, rel=1e-6)
         assert frame.positions == pytest.approx(one.atoms.positions, abs=1e-5)
         assert frame.velocities == pytest.approx(one.atoms.velocities, rel=1e-6)
-        for name, values in state._particle_values().items():
+        for name, values in particle_values(state).items():
             assert frame.data[name] == pytest.approx(values, rel=1e-12)
     assert np.array_equal(universe.atoms.types, one.atoms.types)
     assert np.array_equal(universe.atoms.ids, one.atoms.ids)
@@ -71,7 +72,7 @@ def test_table(run: tuple[Path, list[ld.State]]) -> None:
     assert memory.keys() == table.keys()
     for name, values in table.items():
         np.testing.assert_array_equal(memory[name], values)
-    for name, value in run[1][-1]._numbers().items():
+    for name, value in numbers_of(run[1][-1]).items():
         if isinstance(value, str):
             assert table[name][-1] == value
             continue

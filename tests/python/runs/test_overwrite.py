@@ -20,8 +20,8 @@ RUNS: dict[str, Callable[[S, Path], Writer]] = {
 FILES: dict[str, Callable[[S, Path], Writer]] = {
     "a.vtp": lambda state, path: lambda mode="x": state.export(path, mode=mode),
     "a.pvd": lambda state, path: lambda mode="x": ld.Run([state]).export(path, False, mode),
-    "a.gsd": lambda state, path: lambda **how: state.packing.to_file(path, **how),
-    "a.data": lambda state, path: lambda **how: state.packing.to_file(path, **how),
+    "a.gsd": lambda state, path: lambda **how: state.packing.export(path, **how),
+    "a.data": lambda state, path: lambda **how: state.packing.export(path, **how),
 }
 
 

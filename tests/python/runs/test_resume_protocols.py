@@ -25,14 +25,18 @@ PROTOCOLS: dict[str, Callable[..., Any]] = {
     "creep": lambda sim, **how: sim.creep(1e-3, time=30.0, steps=3, **FLOW, **how),
     "coarsen": lambda sim, **how: sim.coarsen(1e5, time=5e-3, steps=3, border=1.0, **how),
     "proliferate": lambda sim, **how: sim.proliferate(
-        1.0, **{"division": 1.3, "time": 0.3, "steps": 3, "death": 0.3, "seed": 2}, **how
+        1.0, division=1.3, time=0.3, steps=3, death=0.3, seed=2, **how
     ),
     "nve": lambda sim, **how: sim.run(700, every=200, temperature=1e-4, seed=2, **how),
     "bath": lambda sim, **how: sim.run(700, every=200, temperature=1e-4, drag=0.1, seed=2, **how),
     "active": lambda sim, **how: sim.run(
         300,
-        **{"every": 100, "inertia": False, "drag": 1.0, "seed": 2},
-        **{"propulsion": 1e-3, "persistence": 10.0},
+        every=100,
+        inertia=False,
+        drag=1.0,
+        seed=2,
+        propulsion=1e-3,
+        persistence=10.0,
         **how,
     ),
     "soft contacts": lambda sim, **how: sim.shear(0.8, steps=5, **how),

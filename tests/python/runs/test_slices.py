@@ -112,7 +112,7 @@ def test_a_folder_stays_where_it_was(tmp_path: Path, monkeypatch: pytest.MonkeyP
     assert ld.Run.exists("~/run")
     assert ld.Run("~/run")[-1] in run
     run[-1].save("~/state")
-    run[-1].packing.to_file("~/packing.data")
+    run[-1].packing.export("~/packing.data")
     assert len(ld.Packing.from_file("~/packing.data")) == 8
     read = ld.State.from_file("~/run/trajectory.lammpstrj", "~/run/species.deformable")
     assert (len(read), read.dimension, read.walls) == (8, 2, ())
@@ -128,3 +128,27 @@ def test_a_movie_replaces_no_file(run: ld.Run, tmp_path: Path) -> None:
     assert path.read_text() == "precious"
     run[:1].movie(path, mode="w")
     assert path.stat().st_size > 1000
+
+
+def test_a_part_is_saved_as_a_run(either: ld.Run, tmp_path: Path) -> None:
+    part = either[4:1:-1]
+    saved = part.save(tmp_path / "part")
+    assert len(saved) == 3
+    assert [state in part for state in saved] == [True] * 3
+    for name, column in saved.table().items():
+        if name != "frame":
+            np.testing.assert_array_equal(column, part.table()[name])
+    told = part.parameters
+    told.pop("start", None)
+    assert saved.parameters == told
+    assert saved.steps_done is None
+    with saved.simulation() as sim:  # it goes on from the last state
+        assert sim.packing.positions == pytest.approx(either[2].positions, rel=1e-12)
+    with pytest.raises(ld.FileError, match=r"replace it with save\('.*part', mode='w'\)"):
+        part.save(tmp_path / "part")
+    assert len(part[:1].save(tmp_path / "part", mode="w")) == 1
+    with pytest.raises(ld.ParameterError, match="over itself"):
+        ld.Run(tmp_path / "part").save(tmp_path / "part", mode="w")
+    with pytest.raises(ld.ParameterError, match="no states to save"):
+        part[:0].save(tmp_path / "none")
+    assert not (tmp_path / "none").exists()

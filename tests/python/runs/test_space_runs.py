@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from lammps_deformable import Droplet, Packing, State
 from lammps_deformable.cli.main import app
+from lammps_deformable.state.recorded import numbers_of
 from protocol_helpers import Stop, stop_after
 
 LAW = Droplet([1.0, 1.5])
@@ -109,7 +110,7 @@ def test_tables_and_shapes(moved: tuple[Path, list], tmp_path: Path) -> None:
     run = ld.Run(folder)
     table = run.table(largest=lambda state: state.loads.max())
     for name in ("lz", "yz", "phi", "pressure", "shear_stress", "load", "temperature", "time"):
-        numbers = [state._numbers()[name] for state in states]
+        numbers = [numbers_of(state)[name] for state in states]
         assert table[name].tolist() == pytest.approx(numbers, rel=1e-6)
     assert table["largest"].tolist() == pytest.approx([state.loads.max() for state in states], 1e-6)
     run.export(tmp_path / "run.pvd")

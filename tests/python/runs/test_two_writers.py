@@ -5,7 +5,7 @@ from typing import Any
 
 import lammps_deformable as ld
 import pytest
-from lammps_deformable.common import _files
+from lammps_deformable.common import files
 from protocol_helpers import Stop, stop_after
 from refusals import refused
 
@@ -57,7 +57,7 @@ def test_what_came_between_is_noticed(
     mode: str, state: ld.State, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Another process ends its run between the look at the folder and the lock."""
-    run, whole = tmp_path / "run", _files.make_folder
+    run, whole = tmp_path / "run", files.make_folder
     if mode == "a":
         compress(state, run)
 
@@ -66,7 +66,7 @@ def test_what_came_between_is_noticed(
         compress(state, run, mode=mode)
         return whole(folder)
 
-    monkeypatch.setattr(_files, "make_folder", late)
+    monkeypatch.setattr(files, "make_folder", late)
     told = {"x": "' holds a run: ", "a": "another process has gone on with the run in '.*run' "}
     with refused(told[mode], ld.FileError):
         compress(state, run, mode=mode)

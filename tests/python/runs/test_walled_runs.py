@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from exact_balance import exactly_balanced
 from lammps_deformable import ParameterError, Plane, PolygonWall, Ring, Segment, Sphere
+from lammps_deformable.state.recorded import write_state
 from programs import output
 
 from validation.finite_strain import bulk_modulus, shear_modulus
@@ -103,7 +104,7 @@ def test_interrupted_runs_are_resumed(run, tmp_path: Path) -> None:
         (tmp_path / file.name).write_bytes(file.read_bytes())
     middle = states[0]
     summary = json.loads((folder / "summary.json").read_text())
-    middle._write(tmp_path, summary["parameters"], frames=2)
+    write_state(middle, tmp_path, summary["parameters"], frames=2)
     rest = ld.Run(tmp_path).resume()[2:]
     assert [state.energy for state in rest] == [state.energy for state in states[1:]]
     for name in ("packing.data", "summary.json", "in.lammps", "trajectory.lammpstrj"):

@@ -7,7 +7,7 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 from crystal import crystal
-from lammps_deformable.particles.room import closed
+from lammps_deformable.particles.containers import closed
 from programs import output
 from scipy.spatial import ConvexHull, Voronoi
 

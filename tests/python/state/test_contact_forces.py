@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from crystal import crystal
 from lammps_deformable import Ring, Sector
+from lammps_deformable.state.contacts import forces_of
 
 DROPLET = {"kA": math.inf, "kP": 0.0, "tension": 1.0}
 LAWS = {
@@ -82,7 +83,7 @@ def test_particles_that_touch_their_own_images() -> None:
     row = crystal(0.02, 1, 2)
     with ld.Simulation(row, ld.SoftContact()) as disks, ld.Simulation(row, Ring()) as sim:
         for state in (disks.state(), sim.state()):
-            assert state._contact_forces.i.tolist().count(0) == 5
+            assert forces_of(state).i.tolist().count(0) == 5
             assert total(state) == pytest.approx(state.pressure_tensor, rel=1e-10, abs=1e-15)
 
 

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from crystal import crystal
 from lammps_deformable import Ring
+from lammps_deformable.state.contacts import forces_of, isostatic
 
 DROPLETS = Ring(kA=np.inf, kP=0.0, tension=1.0, contact="curved")
 
@@ -34,7 +35,7 @@ def states() -> list[ld.State]:
 
 def by_loops(state: ld.State, threshold: float) -> tuple[int, np.ndarray]:
     """Contacts and the degree of each particle, once rattlers are gone."""
-    contacts = state._contact_forces
+    contacts = forces_of(state)
     all_of_them = [
         (int(i), int(j), float(np.hypot(*force)))
         for i, j, force in zip(contacts.i, contacts.j, contacts.force, strict=True)
@@ -86,3 +87,15 @@ def test_thresholds_are_parts_of_a_force(states: list) -> None:
     for threshold in (-0.1, "much"):
         with pytest.raises(ld.ParameterError, match="threshold must"):
             states[0].excess_coordination(threshold)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize("walls", [(), ld.BoxWall((8, 7)).parts])
+def test_isostatic_numbers_where_contacts_rub(dimension: int, walls: tuple[ld.Plane, ...]) -> None:
+    """Contacts with `dimension` forces each, at least as many as motions; no half ones."""
+    motions = 3 if dimension == 2 else 6
+    assert isostatic(0, walls, dimension, True) == 0
+    for rigid in range(1, 9):
+        needed = motions * rigid - (0 if walls else dimension) + dimension
+        found = isostatic(rigid, walls, dimension, True)
+        assert found * dimension <= needed < (found + 1) * dimension

@@ -8,6 +8,7 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 import shapely
+from lammps_deformable.state.recorded import particle_values
 
 MDAnalysis = pytest.importorskip("MDAnalysis")
 
@@ -42,7 +43,7 @@ def test_mdanalysis(moving: ld.State) -> None:
     assert (atoms.ids[0], atoms.ids[-1], set(atoms.masses)) == (1, 24, {1.0})
     frame = universe.trajectory[0]
     assert frame.triclinic_dimensions[:2, :2] == pytest.approx(packing.box, rel=1e-6)
-    for name, values in moving._particle_values().items():
+    for name, values in particle_values(moving).items():
         assert np.array_equal(frame.data[name], values)
 
 
@@ -169,7 +170,7 @@ def test_geojson(moving: ld.State, tmp_path: Path) -> None:
 
 
 def test_other_suffixes_are_refused(state: ld.State, tmp_path: Path) -> None:
-    with pytest.raises(ld.ParameterError, match=r"\.vtp or \.geojson, not .*a\.obj.*\.to_file"):
+    with pytest.raises(ld.ParameterError, match=r"\.vtp or \.geojson, not .*a\.obj.*\.export"):
         state.export(tmp_path / "a.obj")
     assert not list(tmp_path.iterdir())
 
@@ -198,3 +199,17 @@ def test_notebooks_show_the_picture(state: ld.State, monkeypatch: pytest.MonkeyP
     monkeypatch.setattr("lammps_deformable.pictures.plot.find_spec", lambda name: None)
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     assert state._repr_html_() is None
+
+
+def test_old_names_tell_the_new_ones() -> None:
+    packing = ld.bidisperse(4, phi=0.1, seed=1).push_off()
+    with ld.Simulation(packing, ld.Ring()) as sim:
+        state = sim.state()
+    for owner, old, new in (
+        (packing, "to_file", "export"),
+        (state, "to_surface_evolver", "export"),
+    ):
+        name = type(owner).__name__
+        with pytest.raises(AttributeError, match=rf"^{name}\.{old} is {name}\.{new} now$"):
+            getattr(owner, old)
+        assert not hasattr(owner, old)

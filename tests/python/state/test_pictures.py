@@ -3,6 +3,7 @@
 import lammps_deformable as ld
 import numpy as np
 import pytest
+from lammps_deformable.state.contacts import forces_of
 from refusals import refused
 
 matplotlib = pytest.importorskip("matplotlib")
@@ -65,7 +66,7 @@ def test_disks_have_the_words_of_states(disks: ld.State) -> None:
             assert on.sum() >= 2
     middle = [segment[1] - segment[0] for segment in chains.get_segments()]
     assert np.hypot(*np.transpose(middle)).max() < radius.max()
-    forces = disks._contact_forces
+    forces = forces_of(disks)
     largest = np.hypot(*forces.force.T)
     widths = np.array(chains.get_linewidths())
     assert set((widths / widths.max()).round(9)) == set((largest / largest.max()).round(9))

@@ -4,6 +4,7 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 from lammps_deformable.particles.laws import LAWS
+from lammps_deformable.state.recorded import particle_values
 
 MU, MU_WALL = 0.4, 0.2
 ROUGH = ld.Friction(
@@ -90,7 +91,7 @@ def test_contacts_that_slip_have_no_such_columns() -> None:
     assert state.spins is state.rubbing is state.friction is None
     assert state.spring_energy == 0.0
     assert "friction" not in (state.contacts.dtype.names or ())
-    assert "spin" not in state._particle_values()
+    assert "spin" not in particle_values(state)
 
 
 def test_no_contacts() -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import shapely
 from lammps_deformable import core
-from lammps_deformable.state.secondary import SecondaryOutlines, _divided, _overlaps
+from lammps_deformable.state.secondary_contacts import SecondaryOutlines, _divided, _overlaps
 from numpy.typing import NDArray
 from refusals import refused
 

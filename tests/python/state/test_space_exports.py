@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from lammps_deformable import State
 from lammps_deformable.pictures.plot3d import WHOLE, Facets, Surfaces, facets_of, surfaces_of
+from lammps_deformable.state.recorded import particle_values
 
 
 @pytest.fixture(scope="module")
@@ -127,7 +128,7 @@ def test_vtk_has_droplets_with_facets(state: State, tmp_path: Path) -> None:
     data, values = read_vtp(tmp_path / "droplets.vtp")
     owner = values["id"] - 1
     for name in ("load", "pressure", "contacts", "radius"):
-        assert np.array_equal(values[name], state._particle_values()[name][owner])
+        assert np.array_equal(values[name], particle_values(state)[name][owner])
     assert np.array_equal(values["type"], state.packing.species[owner] + 1)
     table = state.contacts[state.contacts["indentation"] > 1e-3]
     on = values["neighbor"] > 0

@@ -46,7 +46,7 @@ def test_outlines_have_the_areas(law: Law, name: str, request: pytest.FixtureReq
     packing = request.getfixturevalue(name)
     with ld.Simulation(packing.at(packing.phi * 1.05), law) as sim:
         state = sim.relax(1e-4) if isinstance(law, ld.Ring) else sim.state()
-    skin = law._species_parameters(state.packing._species_radii).skin[state.packing.species]
+    skin = law.species_parameters(state.packing.species_radii).skin[state.packing.species]
     whole = state.results["area"] + skin * state.perimeters + np.pi * skin**2
     for outline, area in zip(state.outlines, whole, strict=True):
         x, y = (outline - outline.mean(axis=0)).T

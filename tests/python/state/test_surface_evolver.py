@@ -85,7 +85,7 @@ def films_have_two_sides(users: list[list[int]], words: list[list[str]]) -> None
 
 def test_outlines_close(foam: ld.State, tmp_path: Path) -> None:
     """Each particle has a loop of nearly its area, counterclockwise, and each film two sides."""
-    foam.to_surface_evolver(tmp_path / "foam.fe")
+    foam.export(tmp_path / "foam.fe")
     file = File(tmp_path / "foam.fe")
     assert file.films == len(foam.contacts) / 2
     for body, size in enumerate(file.sizes):
@@ -102,7 +102,7 @@ def test_outlines_close(foam: ld.State, tmp_path: Path) -> None:
 
 def test_surfaces_close(droplets: ld.State, tmp_path: Path) -> None:
     """Each droplet has a surface like a sphere, of nearly its volume, outwards."""
-    droplets.to_surface_evolver(tmp_path / "droplets.fe")
+    droplets.export(tmp_path / "droplets.fe")
     file = File(tmp_path / "droplets.fe")
     assert file.films == len(droplets.contacts) / 2
     for body, size in enumerate(file.sizes):
@@ -124,7 +124,7 @@ def test_particles_alone(tmp_path: Path) -> None:
         (ld.Packing([(1.0, 1.0, 1.0)], 0.5, (3.0, 3.0, 3.0)), ld.Droplet()),
     ):
         with ld.Simulation(packing, law) as sim:
-            sim.state().to_surface_evolver(tmp_path / "alone.fe", mode="w")
+            sim.state().export(tmp_path / "alone.fe", mode="w")
         file = File(tmp_path / "alone.fe")
         points = np.array(list(file.places(0).values()))
         radii = np.linalg.norm(points - packing.positions[0], axis=1)
@@ -134,22 +134,22 @@ def test_particles_alone(tmp_path: Path) -> None:
 
 def test_refusals(foam: ld.State, tmp_path: Path) -> None:
     path = tmp_path / "foam.fe"
-    foam.to_surface_evolver(path)
+    foam.export(path)
     with pytest.raises(ld.FileError, match="is there already"):
-        foam.to_surface_evolver(path)
-    foam.to_surface_evolver(path, mode="w")
+        foam.export(path)
+    foam.export(path, mode="w")
     packing = foam.packing
     for law in (ld.Ring(), ld.SoftContact(), ld.Ring(kA=2.0, kP=0.0, tension=1.0)):
         with ld.Simulation(packing, law) as sim:
             state = sim.state()
         with pytest.raises(ld.ParameterError, match="Surface Evolver gets"):
-            state.to_surface_evolver(tmp_path / "other.fe")
+            state.export(tmp_path / "other.fe")
     walled = ld.Packing([(0.0, 0.0)], 0.5, (3.0, 3.0)).between(ld.Sphere(0.6, (0.0, 0.0)))
     with ld.Simulation(walled, FOAM) as sim, pytest.raises(ld.ParameterError, match="flat walls"):
-        sim.state().to_surface_evolver(tmp_path / "other.fe")
+        sim.state().export(tmp_path / "other.fe")
     image = ld.Packing([(0.5, 0.5)], 0.5, (0.99, 3.0))
     with ld.Simulation(image, FOAM) as sim, pytest.raises(ld.ParameterError, match="own image"):
-        sim.state().to_surface_evolver(tmp_path / "other.fe")
+        sim.state().export(tmp_path / "other.fe")
 
 
 def test_results(tmp_path: Path) -> None:
@@ -175,7 +175,7 @@ def test_results(tmp_path: Path) -> None:
 def test_films_at_walls(case: str, tmp_path: Path) -> None:
     """Vertices and edges of a film, and its faces in space, are held on its wall, and no others."""
     state = CASES[case]()
-    state.to_surface_evolver(tmp_path / "plates.fe")
+    state.export(tmp_path / "plates.fe")
     file, d = File(tmp_path / "plates.fe"), state.packing.dimension
     text = (tmp_path / "plates.fe").read_text()
     found = re.findall(r"^constraint (\d)\nformula: .*1\.0\*\w = (\S+)", text, re.MULTILINE)

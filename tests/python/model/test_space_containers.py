@@ -6,8 +6,8 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 from lammps_deformable import BoxWall, Cylinder, ParameterError, Plane, Sphere
-from lammps_deformable.particles import room
-from lammps_deformable.particles.room import free_room, section_between
+from lammps_deformable.particles import containers
+from lammps_deformable.particles.containers import free_room, section_between
 from lammps_deformable.state.contacts import free_motions, motions
 from refusals import refused
 
@@ -108,7 +108,9 @@ def test_volume_that_is_found_by_chance() -> None:
     ):
         packing = ld.Packing(np.full((1, 3), 5.0), 0.1, box, walls=walls)
         tried = packing.origin + rng.random((50_000, 3)) @ packing.box
-        inside = (room.Distances(packing.walls, packing.box)(tried)[1] > 0.0).all(axis=0).mean()
+        inside = (
+            (containers.Distances(packing.walls, packing.box)(tried)[1] > 0.0).all(axis=0).mean()
+        )
         part = packing.volume / np.prod(packing.box.diagonal())
         assert part == pytest.approx(inside, abs=5 * np.sqrt(part * (1 - part) / len(tried)))
 
@@ -134,7 +136,7 @@ def test_stretched_walls() -> None:
     """A piston in a tube; other walls stay round, and nothing is sheared."""
     tube = (Cylinder(2, "z", (1, 2, 3)), *PLATES)
     short = BOX * [1, 1, 0.5]
-    assert room.stretched(tube, BOX, short) == (
+    assert containers.stretched(tube, BOX, short) == (
         Cylinder(2, "z", (1, 2, 1.5)),
         Plane((0, 0, 0.5), (0, 0, 1)),
         Plane((5, 9, 2), (0, 0, -2)),
@@ -148,7 +150,7 @@ def test_stretched_walls() -> None:
         (PLATES, np.diag([12.0, 10.0, 9.0]) + np.eye(3, k=-1), "cannot be sheared"),
     ):
         with pytest.raises(ParameterError, match=told):
-            room.stretched(walls, BOX, new)
+            containers.stretched(walls, BOX, new)
 
 
 def test_free_motions() -> None:
@@ -180,7 +182,7 @@ def test_free_motions() -> None:
         found = motions(walls, x)
         assert found.shape == (count, 2, 3)
         if walls and count:
-            out, _ = room.Distances(walls, BOX)(x)
+            out, _ = containers.Distances(walls, BOX)(x)
             assert np.abs(np.einsum("mna,wna->mwn", found, out)).max() < 1e-12
 
 
@@ -194,8 +196,8 @@ def test_sections() -> None:
     flat = section_between(walls, BOX, 4.5)
     assert flat is not None
     x = np.column_stack([1 + 8 * np.random.default_rng(1).random((200, 2)), np.full(200, 4.5)])
-    free = (room.Distances(walls, BOX)(x)[1] > 0).all(axis=0)
-    in_plane = (room.Distances(flat, BOX[:2, :2])(x[:, :2])[1] > 0).all(axis=0)
+    free = (containers.Distances(walls, BOX)(x)[1] > 0).all(axis=0)
+    in_plane = (containers.Distances(flat, BOX[:2, :2])(x[:, :2])[1] > 0).all(axis=0)
     assert 20 < free.sum() < 180
     assert (free == in_plane).all()
     assert section_between(walls, BOX, 9.5) is None
@@ -219,11 +221,13 @@ WRONG: dict[str, tuple[Callable[[], object], str]] = {
     ),
     "tilted": (lambda: some(PLATES, TILTED), "must be rectangular, not tilted by 3"),
     "fit": (
-        lambda: room.check_fit([*PLATES, Sphere(3, (5, 5, 3), inside=False)], BOX, 2.1),
+        lambda: containers.check_fit([*PLATES, Sphere(3, (5, 5, 3), inside=False)], BOX, 2.1),
         "ball 3 does not fit .* a sphere around it .* along y",
     ),
     "outside": (
-        lambda: room.check_centers([Cylinder(3, "z", (0, 0, 0))], BOX, np.array([[5.0, 5.0, 5.0]])),
+        lambda: containers.check_centers(
+            [Cylinder(3, "z", (0, 0, 0))], BOX, np.array([[5.0, 5.0, 5.0]])
+        ),
         "particle 0, .* is outside of cylinder 1",
     ),
 }

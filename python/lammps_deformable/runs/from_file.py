@@ -8,16 +8,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from mpi4py import MPI
 from numpy.typing import ArrayLike, NDArray
 
 from .. import potentials
-from ..common._checks import expect, shown, whole
-from ..common._files import at_home, reading
+from ..common.checks import expect, shown, whole
 from ..common.errors import FileError, LackingWarning, ParameterError, warn
+from ..common.files import at_home, reading
+from ..common.ranks import alone
 from ..engine.lammps import close_lammps, run, silent_lammps
 from ..engine.simulation import Simulation
-from ..formats.files import read_particles
+from ..formats.particle_files import read_particles
 from ..formats.store import (
     SUMMARY,
     TRAJECTORY,
@@ -28,9 +28,9 @@ from ..formats.store import (
     setups_in,
     summary_in,
 )
+from ..particles.columns import UNTYPED, Particles
 from ..particles.laws import ALL_LAWS, AnyLaw, Droplet, Ring, Sector, SoftContact, SpeciesParameters
-from ..particles.packing import Packing
-from ..particles.text_files import UNTYPED, Particles
+from ..particles.packing import packing_of_particles, packing_of_species
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -79,8 +79,8 @@ def state_in_file(
     own, dimension = 1.0 if radii is None else radii, ALL_LAWS[law].dimension
     found = read_particles(path, frame, None, () if radii is None else (radii,))
     found, names = with_species(found, path, file, types)
-    packing = Packing._of_particles(found, path, own, walls, box, dimension)
-    number = len(packing._species_radii)
+    packing = packing_of_particles(found, path, own, walls, box, dimension)
+    number = len(packing.species_radii)
     if number > len(names):
         raise ParameterError(
             f"'{path}' has particles of type {number}, but the species of {len(names)} types are "
@@ -92,7 +92,7 @@ def state_in_file(
     if isinstance(told, Ring) and isinstance(chosen, Ring):  # no species file has the reach
         chosen = replace(chosen, reach=told.reach)
     if radii is None:
-        packing = Packing._of_species(
+        packing = packing_of_species(
             packing.positions, packing.species, sizes, packing.box, walls=packing.walls
         )
     missing = int(found.ids.max()) - len(found.ids)
@@ -102,7 +102,7 @@ def state_in_file(
             "contacts with those that are left out, as in a dump of a group, are not in the state",
             LackingWarning,
         )
-    with Simulation(packing, chosen, comm=MPI.COMM_SELF) as sim:
+    with Simulation(packing, chosen, comm=alone()) as sim:
         state = sim.state()
     warn_of_digits(state, path, found.step)
     return state
@@ -243,7 +243,7 @@ def read_species(path: Path, names: Sequence[str], law: str) -> tuple[NDArray[np
     """
     kind = ALL_LAWS[law]
     style = f"ring contact {law}" if isinstance(kind, Ring) else law
-    lmp = silent_lammps(MPI.COMM_SELF)
+    lmp = silent_lammps(alone())
     try:
         run(lmp, _COMMANDS.format(types=len(names), style=style, dimension=kind.dimension))
         run(lmp, f'pair_coeff * * "{path}" {" ".join(names)}')

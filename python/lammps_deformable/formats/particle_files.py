@@ -1,8 +1,4 @@
-"""Particles in files: GSD, what MDAnalysis reads, and any format by what is in the file.
-
-`text_files` has LAMMPS' formats and extended XYZ. GSD has single precision, and what MDAnalysis
-reads mostly too.
-"""
+"""Particles in a file of any format, known by what is in it."""
 
 from __future__ import annotations
 
@@ -10,7 +6,6 @@ import bz2
 import gzip
 import lzma
 import re
-import warnings
 import zlib
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -18,185 +13,21 @@ from dataclasses import replace
 from pathlib import Path
 from shutil import copyfileobj
 from tempfile import TemporaryDirectory
-from typing import IO, TYPE_CHECKING
+from typing import IO
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common._checks import LARGEST_COUNT, whole
-from ..common._files import reading, write_whole, writing
-from ..common.box import cartesian, fractional, half_thickness
+from ..common.box import half_thickness
+from ..common.checks import LARGEST_COUNT, whole
 from ..common.errors import FileError, ParameterError
-from ..common.versions import optional
-from ..particles.text_files import (
-    Particles,
-    as_types,
-    box_of,
-    check_frame,
-    data_file,
-    dump_frame,
-    read_data_file,
-    read_dump,
-    read_xyz,
-    sphere_columns,
-    step_of,
-    tilts_of,
-    xyz_frame,
-)
-
-if TYPE_CHECKING:
-    from MDAnalysis import Universe
-
-Floats = NDArray[np.float64]
-
-# GSD, by its own package. A file without diameters has the diameter 1 by its schema, and gsd writes
-# none if all of them are 1. So radii stand in the log of particles too, and what is read has
-# diameters only if the file does.
-
-
-# Name of the radii in the log.
-_RADII = "particles/radius"
-
-
-def _write_gsd(
-    path: Path,
-    box: Floats,
-    species: NDArray[np.int64],
-    positions: Floats,
-    radius: Floats,
-    types: int,
-) -> None:
-    """Write a frame, with positions from the corner of the box; types are A, B, ..."""
-    hoomd = optional("gsd.hoomd", "gsd")
-    dimension = len(box)
-    space = np.eye(3)
-    space[:dimension, :dimension] = box
-    fractions = fractional(in_space(positions), space)
-    fractions[:, dimension:] = 0.5  # in the middle
-    image = np.floor(fractions)
-    (lx, ly, lz), (xy, xz, yz) = space.diagonal().tolist(), tilts_of(box)
-    frame = hoomd.Frame()
-    frame.configuration.dimensions = dimension
-    frame.configuration.box = [lx, ly, lz * (dimension == 3), xy / ly, xz / lz, yz / lz]
-    particles = frame.particles
-    particles.N = len(species)
-    particles.position = cartesian(fractions - image - 0.5, space)  # the box is about the origin
-    particles.image = image.astype(np.int32)
-    particles.types = [_letters(n) for n in range(types)]
-    particles.typeid = species
-    particles.diameter = 2.0 * radius
-    frame.log[_RADII] = radius
-    with hoomd.open(path, "w") as file:
-        file.append(frame)
-
-
-def _read_gsd(path: Path, number: int) -> Particles:
-    hoomd = optional("gsd.hoomd", "gsd")
-    with hoomd.open(path, "r") as file:
-        check_frame(number, len(file))
-        frame, places = file[number], {number % len(file), 0}  # defaults are those of the first
-        sized = any(file.file.chunk_exists(n, "particles/diameter") for n in places)
-    lx, ly, lz, xy, xz, yz = frame.configuration.box.astype(np.float64).tolist()
-    box = box_of([lx, ly, lz], xy * ly, xz * lz, yz * lz)
-    particles, count = frame.particles, frame.particles.N
-    columns = {
-        name: getattr(particles, name) for name in ("diameter",) * sized + ("mass", "charge")
-    }
-    if _RADII in frame.log:
-        columns["radius"] = frame.log[_RADII]
-    image = particles.image * [1.0, 1.0, float(frame.configuration.dimensions == 3)]
-    return Particles(
-        particles.position + cartesian(image, box),
-        box,
-        np.arange(1, count + 1),
-        np.array(particles.types)[particles.typeid],
-        columns,
-        -0.5 * box.sum(axis=0),
-        names=particles.types,
-        count=len(particles.types),
-        step=step_of(particles.position),
-    )
-
-
-def _letters(n: int) -> str:
-    """A, B, ..., Z, AA, AB, ..."""
-    return ("" if n < 26 else _letters(n // 26 - 1)) + chr(ord("A") + n % 26)
-
-
-# MDAnalysis, which reads the files of most other programs
-
-
-def universe_of(
-    box: Floats, species: NDArray[np.int64], positions: Floats, radius: Floats
-) -> Universe:
-    """A Universe of one frame, with positions from the lower left corner of the box."""
-    import MDAnalysis
-
-    number = len(species)
-    universe = MDAnalysis.Universe.empty(number, trajectory=True, velocities=True)
-    universe.add_TopologyAttr("ids", np.arange(1, number + 1))
-    universe.add_TopologyAttr("types", (species + 1).astype(str))
-    universe.add_TopologyAttr("radii", radius)
-    universe.add_TopologyAttr("masses", np.ones(number))
-    frame = universe.trajectory.ts
-    frame.dimensions = box_in_space(box)
-    frame.positions = in_space(positions)
-    return universe
-
-
-def in_space(vectors: Floats) -> Floats:
-    """Vectors of the plane with z = 0, those of space as they are, shape (N, 3)."""
-    return np.column_stack([vectors, np.zeros((len(vectors), 3 - vectors.shape[1]))])
-
-
-def box_in_space(box: Floats) -> list[float]:
-    """Lengths and angles [degrees] of a box; that of a plane is as high as its longer side."""
-    if len(box) == 3:
-        from MDAnalysis.lib.mdamath import triclinic_box
-
-        return [float(number) for number in triclinic_box(*box)]
-    a, b = np.linalg.norm(box, axis=1).tolist()
-    return [a, b, max(a, b), 90.0, 90.0, float(np.degrees(np.arctan2(box[1, 1], box[1, 0])))]
-
-
-def _open_universe(path: Path, topology: Path | int | None) -> Universe:
-    """The Universe of a file, with lengths as they are in it; a topology or a number of atoms."""
-    import MDAnalysis
-
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # masses that are guessed, and the like, are not used
-            if isinstance(topology, int):
-                empty = MDAnalysis.Universe.empty(topology)
-                return empty.load_new(str(path), convert_units=False)
-            files = [path] if topology is None else [topology, path]
-            return MDAnalysis.Universe(*map(str, files), convert_units=False)
-    except Exception as error:  # of many readers
-        reason = " ".join(str(error).split()) or type(error).__name__
-        raise FileError(
-            f"'{path}' is no LAMMPS data file, dump, XYZ or GSD, and MDAnalysis cannot read it; "
-            "numbers of a table are for Packing(positions, radii, box) (MDAnalysis says: "
-            f"{reason[:200]})"
-        ) from None
-
-
-def _read_universe(universe: Universe, number: int, wanted: Sequence[str]) -> Particles:
-    check_frame(number, len(universe.trajectory))
-    frame, atoms = universe.trajectory[number], universe.atoms
-    kind = np.asarray(atoms.types) if hasattr(atoms, "types") else None
-    box = None if frame.dimensions is None else frame.triclinic_dimensions.astype(np.float64)
-    return Particles(
-        frame.positions.astype(np.float64),
-        box,
-        atoms.indices + 1,
-        columns={name: np.asarray(getattr(atoms, name)) for name in wanted if hasattr(atoms, name)},
-        step=step_of(frame.positions),
-        **as_types(kind, len(atoms)),
-    )
-
-
-# Any of these formats
-
+from ..common.files import reading, write_whole, writing
+from ..particles.columns import Floats, Particles, check_frame
+from .data_files import data_file, read_data_file, sphere_columns
+from .dump_files import dump_frame, read_dump
+from .gsd_files import read_gsd, write_gsd
+from .universe import open_universe, read_universe
+from .xyz_files import read_xyz, xyz_frame
 
 # Bytes from which a format is told, and those with which GSD begins.
 _HEAD, _GSD_HEAD = 65536, bytes.fromhex("df65df65df65df65")
@@ -257,9 +88,9 @@ def read_particles(
                 check_frame(number, 1)
                 return read_data_file(plain.read_text())
             if kind != _OTHER:
-                return {_DUMP: read_dump, _XYZ: read_xyz, _GSD: _read_gsd}[kind](plain, number)
-            universe = _open_universe(path, len(known.ids) if known else topology)
-            found = _read_universe(universe, number, wanted)
+                return {_DUMP: read_dump, _XYZ: read_xyz, _GSD: read_gsd}[kind](plain, number)
+            universe = open_universe(path, len(known.ids) if known else topology)
+            found = read_universe(universe, number, wanted)
             if known is None:
                 return found
             return replace(
@@ -310,7 +141,7 @@ def write_particles(
         )
     if kind == _GSD:
         with writing(path):
-            _write_gsd(path, box, species, positions - origin, radius, types)
+            write_gsd(path, box, species, positions - origin, radius, types)
         return
     if kind == _DATA:
         columns = [species + 1, *sphere_columns(radius)]

@@ -110,6 +110,12 @@ def expect(name: str, value: object, *kinds: type) -> None:
     raise ParameterError(f"{name} must be of the kind {wanted}, not {found}")
 
 
+def expect_function(f: object, of: str) -> None:
+    """Raise a ParameterError if `f` is no function."""
+    if not callable(f):
+        raise ParameterError(f"f must be a function {of}, not {shown(f)}")
+
+
 def shown(value: object) -> str:
     """A value for a message: its `repr` in one short line."""
     plain = value.tolist() if isinstance(value, (np.ndarray, np.generic)) else value

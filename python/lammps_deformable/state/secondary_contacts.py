@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import core
-from ..common._checks import whole
+from ..common.checks import whole
 from ..common.errors import ParameterError
 from ..particles.laws import Sector
 

@@ -13,14 +13,16 @@ import re
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from mpi4py import MPI
 from numpy.typing import NDArray
 
-from ._checks import expect, shown
+from .checks import expect, shown
 from .errors import FileError, ParameterError
+
+if TYPE_CHECKING:
+    from mpi4py import MPI
 
 
 def write_whole(path: Path, content: str | bytes) -> None:

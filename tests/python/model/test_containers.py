@@ -4,7 +4,7 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 from lammps_deformable import BoxWall, ParameterError, Plane, PolygonWall, Segment, Sphere
-from lammps_deformable.particles import room
+from lammps_deformable.particles import containers
 from lammps_deformable.state.contacts import free_motions
 from refusals import refused
 
@@ -112,10 +112,10 @@ def test_containers_need_a_rectangular_box() -> None:
 
 
 def test_obstacles_fit_into_the_periodic_box() -> None:
-    room.check_fit([Sphere(3, (0, 0), inside=False)], BOX, 2.0)
+    containers.check_fit([Sphere(3, (0, 0), inside=False)], BOX, 2.0)
     with pytest.raises(ParameterError, match=r"segment 2 does not fit .* along y"):
-        room.check_fit([Sphere(3, (0, 0), inside=False), Segment((0, 0), (0, 8))], BOX, 2.0)
-    room.check_fit([*BoxWall((3, 3)).parts, Segment((0, 0), (0, 8))], BOX, 2.0)
+        containers.check_fit([Sphere(3, (0, 0), inside=False), Segment((0, 0), (0, 8))], BOX, 2.0)
+    containers.check_fit([*BoxWall((3, 3)).parts, Segment((0, 0), (0, 8))], BOX, 2.0)
 
 
 def test_centers_on_the_wrong_side() -> None:
@@ -131,10 +131,10 @@ def test_centers_on_the_wrong_side() -> None:
         ([Sphere(2, (1, 1))], "particle 1, .* outside of circle 1"),
     ):
         with pytest.raises(ParameterError, match=message):
-            room.check_centers(walls, BOX, x)
+            containers.check_centers(walls, BOX, x)
     # the image of a disk
     with pytest.raises(ParameterError, match="particle 0"):
-        room.check_centers([Sphere(1, (12.5, 10.5), inside=False)], BOX, x)
+        containers.check_centers([Sphere(1, (12.5, 10.5), inside=False)], BOX, x)
 
 
 def test_free_motions() -> None:

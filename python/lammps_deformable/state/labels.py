@@ -8,31 +8,17 @@ ancestor.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .. import core
-from ..common.errors import UnjammedWarning, collected
+from ..particles.packing import with_species
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from ..particles.commands import Films
     from .state import State
-
-
-def at_rest(sim: Any, settings: Mapping[str, Any]) -> State:
-    """The relaxed state. Particles that become loose are no news where they vanish and divide."""
-    with collected(UnjammedWarning):
-        return sim.relax(settings["tolerance"])  # type: ignore[no-any-return]
-
-
-def next_time(now: float, end: float, change: float, rate: float) -> tuple[float, float]:
-    """A step in which what changes at this rate changes by so much at most, and the time after."""
-    step = end - now if rate == 0.0 else min(end - now, change / rate)
-    return step, end if step == end - now else now + step
 
 
 def labels_of(state: State) -> NDArray[np.int64]:
@@ -55,12 +41,13 @@ def remaining(state: State, left: NDArray[np.bool_]) -> State:
     if left.all():
         return state
     packing = state.packing
-    part = packing.replace(
+    part = with_species(
+        packing,
+        len(packing.species_radii),
         positions=packing.positions[left],
         radii=packing.radii[left],
         species=packing.species[left],
     )
-    part._set_species_radii(len(packing._species_radii))  # of which some may have none left
     images, directions = state.images, state.directions
     return replace(
         state,
@@ -100,12 +87,13 @@ def divided(
     images, directions = state.images, state.directions
     # each particle, and for each that divides a second one at the end
     from_mothers = np.append(np.arange(len(packing)), mothers)
-    both = packing.replace(
+    both = with_species(
+        packing,
+        len(packing.species_radii),
         positions=np.concatenate([positions, center - (share * apart)[:, None] * axes]),
         radii=np.append(radii, second),
         species=packing.species[from_mothers],
     )
-    both._set_species_radii(len(packing._species_radii))
     return replace(
         state,
         packing=both,

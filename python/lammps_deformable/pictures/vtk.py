@@ -1,4 +1,4 @@
-"""Outlines and contacts with their values, for other programs: VTK and GeoJSON, pandas, MDAnalysis.
+"""Outlines and contacts with their values in files of VTK and GeoJSON, for other programs.
 
 Source: VTK's XML formats, docs.vtk.org; binary data inline, which ParaView and OVITO read.
 """
@@ -16,19 +16,18 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common._checks import expect, shown
-from ..common._files import at_home, refuse_present, replaces, write_whole
+from ..common.box import in_space
+from ..common.checks import expect
 from ..common.errors import ParameterError
-from ..common.versions import optional
-from ..formats.files import in_space
+from ..common.files import at_home, refuse_present, replaces, write_whole
+from ..state.contacts import forces_of
 
 if TYPE_CHECKING:
-    from MDAnalysis import Universe
-
     from ..particles.packing import Packing
     from ..state.contacts import ContactForces
     from ..state.state import State
-
+from ..formats.surface_evolver import datafile
+from ..state.conversions import values_of
 
 # VTK's names of the numbers in its files, by numpy's kinds of numbers; OVITO reads no others.
 _TYPES = {"i": ("Int64", "<i8"), "f": ("Float64", "<f8")}
@@ -132,7 +131,7 @@ def write_shapes(
     if path.suffix not in texts:
         kinds = "shapes in the plane are written as" if plane else "shapes in space are written as"
         raise ParameterError(
-            f"{kinds} {' or '.join(texts)}, not as '{path}': packing.to_file writes the centers"
+            f"{kinds} {' or '.join(texts)}, not as '{path}': packing.export writes the centers"
         )
     write_whole(path, texts[path.suffix](shapes, values, numbers))
 
@@ -171,47 +170,6 @@ def _geometry(part: list[list[float]], line: bool) -> dict[str, Any]:
     return {"type": "Polygon", "coordinates": [[*part, part[0]]]}
 
 
-# Columns of vectors in tables: those of the axes, or of the sides of the box.
-_VECTORS = {"image": "image_{}", "position": "{}", "normal": "n{}", "force_vector": "f{}"}
-
-
-def to_mdanalysis(state: State) -> Universe:
-    """See `State.to_mdanalysis`."""
-    universe = state.packing.to_mdanalysis()
-    frame = universe.trajectory.ts
-    frame.velocities = in_space(state.velocities)
-    frame.data.update(state._particle_values())
-    return universe
-
-
-def to_pandas(state: State, table: str) -> Any:
-    """See `State.to_pandas`."""
-    if table not in ("particles", "contacts"):
-        raise ParameterError(f"table must be particles or contacts, not {shown(table)}")
-    pandas = optional("pandas", "pandas")
-    axes = "xyz"[: state.packing.dimension]
-    if table == "particles":
-        places = dict(zip(axes, state.packing.positions.T, strict=True))
-        index = pandas.RangeIndex(len(state.packing), name="particle")
-        columns = places | {"species": state.packing.species} | _values(state)
-        return pandas.DataFrame(columns, index=index)
-    columns, contacts = {}, state.contacts
-    for name in contacts.dtype.names or ():
-        column = contacts[name]
-        each = _VECTORS.get(name, name + "_{}" * (column.ndim == 2))
-        names = [each.format(word) for word in ("abc" if name == "image" else axes)]
-        columns |= zip(names, np.atleast_2d(column.T), strict=False)
-    return pandas.DataFrame(columns)
-
-
-def _values(state: State) -> dict[str, NDArray[Any]]:
-    """Values of the particles by name: those of a trajectory, and what follows from them."""
-    more = ("area_deficit", "shape_parameter") if state.packing.dimension == 2 else ()
-    return state._particle_values() | {
-        name: getattr(state, name) for name in more if hasattr(state, name)
-    }
-
-
 def export(state: State, path: str | Path, forces: bool, mode: str) -> None:
     """See `State.export`."""
     expect("path", path, str, Path)
@@ -220,14 +178,19 @@ def export(state: State, path: str | Path, forces: bool, mode: str) -> None:
         return
     path = at_home(path)
     refuse_present(path, replaces(mode))
+    if path.suffix == ".fe":
+        if forces:
+            raise ParameterError("Surface Evolver takes no network of forces: leave out forces")
+        write_whole(path, datafile(state))
+        return
     packing = state.packing
     numbers = {"box": packing.box, "phi": state.phi, "pressure": state.pressure}
     if forces:
-        shapes, values = _network(packing, state._contact_forces)
+        shapes, values = _network(packing, forces_of(state))
     else:
         names = {"id": np.arange(1, len(packing) + 1), "type": packing.species + 1}
         shapes, particle, further = _bodies(state)
-        every = names | _values(state)
+        every = names | values_of(state)
         values = {name: each[particle] for name, each in every.items()} | further
     write_shapes(path, shapes, values, numbers)
 
