@@ -61,7 +61,7 @@ ARRAYS = (
     ("plane", "f_array_rub", "local", 13),
     ("space", "f_array_rub", "local", 22),
     ("plane", "c_array_contacts", "local", 15),
-    ("space", "c_array_contacts", "local", 19),
+    ("space", "c_array_contacts", "local", 21),
     ("plane", "c_array_lines", "local", 8),
 )
 

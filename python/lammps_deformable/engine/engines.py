@@ -382,6 +382,10 @@ class Deformables(Engine):
         own = self._particle_radii
         return self._radii[self._species] if own is None else own
 
+    def _all_lost(self, sim: Simulation, rubbing: Rubbing | None) -> float:
+        """Energy lost so far, before LAMMPS counted it too: by films and by friction."""
+        return self.lost + told(sim.lmp, LOST) + sum(rubbing.lost if rubbing else ())
+
     def _common(self, sim: Simulation, forces: Forces, converged: bool) -> dict[str, Any]:
         """What states of all these laws have."""
         dimension = sim.dimension
@@ -489,7 +493,7 @@ class Rings(Deformables):
             },
             _table=table,
             films=attached(rows, 2) if sticks(self.law, sim.walls) else None,
-            lost_energy=self.lost + told(sim.lmp, LOST) + sum(rubbing.lost if rubbing else ()),
+            lost_energy=self._all_lost(sim, rubbing),
             friction=sim.friction,
             rubbing=rubbing,
         )
@@ -572,7 +576,7 @@ class Droplets(Deformables):
             },
             _table=table,
             films=attached(self._rows, 3) if sticks(self.law, sim.walls) else None,
-            lost_energy=self.lost + told(sim.lmp, LOST) + sum(rubbing.lost if rubbing else ()),
+            lost_energy=self._all_lost(sim, rubbing),
             friction=sim.friction,
             rubbing=rubbing,
         )
