@@ -21,8 +21,9 @@ struct PairDirections {
   const double *force;
   const double *angle;           // in the plane
   const double *nx, *ny, *nz;    // nz: in space
-  const double *bend;     // tan(beta/2), see contact_curve.h; null where contact lines are straight
-  const double *least;    // -2 T sin(theta) of films, see contact_curve.h; null: no film sticks
+  const double *bend;    // tan(beta/2), see contact_curve.h; null where contact lines are straight
+  const double *
+      least;    // of films: in the plane -2 T sin(theta), see contact_curve.h; null: no film sticks
 };
 
 // Rings: batch x LANES + lane.

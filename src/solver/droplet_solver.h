@@ -1,4 +1,4 @@
-// Droplets in space: the law of DualSolver with W of droplet.h.
+// Droplets in space: the law of DualSolver with W of droplet.h and, where droplets stick, of droplet_film.h.
 
 #ifndef DEFORMABLE_DROPLET_SOLVER_H
 #define DEFORMABLE_DROPLET_SOLVER_H
@@ -31,7 +31,7 @@ class DropletSolver : public DualSolver {
   double film_radius(int place) const { return droplet_films->film_radius(place); }
   double film_rise(int place) const { return droplet_films ? droplet_films->rise_of(place) : 0.0; }
   bool bears(int k) const { return list.pairs.force[k] != 0.0 || is_attached(k); }
-  bool is_attached(int k) const { return films && list.pairs.attached[k]; }
+  bool is_attached(int k) const { return films && list.pairs.adhesion[k] > 0.0; }
   // The derivative of all works by the normal of a contact of a pair.
   Vector3 torque(int k, int side) const
   {
