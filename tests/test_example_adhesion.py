@@ -222,3 +222,29 @@ def test_page_of_gel_has_the_numbers_of_its_log() -> None:
     steps, off = (sorted((row[n] for row in rows), key=float) for n in (5, 7))
     assert f"the {steps[0]} to {steps[-1]} steps" in page
     assert f"differ by {off[0]} to {off[-1]} of it" in page
+
+
+def check_doublet(printed: str) -> None:
+    """Closed forms at rest and on a wall; the work of a cycle is what its two jumps lose."""
+    rest, cycle, wall = (
+        np.array([line.split() for line in part.splitlines()[1:]], float)
+        for part in printed.strip().split("\n\n")
+    )
+    assert rest[:, 2] == pytest.approx(rest[:, 3], abs=2e-5)
+    assert rest[:, 4] == pytest.approx(rest[:, 5], abs=2e-5)
+    _, pull, distance, touch, torn, work = cycle.T
+    assert (pull > 0.1).all()
+    assert (distance > 2.0).all()
+    assert (touch < torn).all()
+    assert work == pytest.approx(torn - touch, abs=5e-4 + 2e-3 * pull.max())
+    assert wall[:, 2] == pytest.approx(wall[:, 3], abs=2e-5)
+    assert wall[:, 4] == pytest.approx(wall[:, 5], abs=2e-4)
+
+
+def test_doublet(tmp_path: Path) -> None:
+    pytest.importorskip("matplotlib")
+    folder = EXAMPLES / "doublet"
+    check_doublet((folder / "doublet.log").read_text())
+    part_of(folder / "doublet.py", tmp_path, STEP=0.002)
+    check_doublet(text("python", "doublet.py", cwd=tmp_path))
+    assert (tmp_path / "doublet.png").stat().st_size > 10_000

@@ -34,7 +34,7 @@ BUDGETS = {
     "docs/fix_deformable_friction.md": 1630,
     "docs/cookbook.md": 1160,
 }
-USUAL, GUIDE, ALL = 1600, 1000, 75_500
+USUAL, GUIDE, ALL = 1600, 1000, 75_800
 
 # How the code came to be is in the git log. What nobody has read is no source.
 BANNED = (

@@ -383,6 +383,13 @@ def warn_of(state: State, tolerance: float, unjammed: bool, scale: str) -> None:
 
 def _beyond(state: State) -> str:
     """What is beyond the model, and what that means."""
+    if isinstance(state.law, Droplet) and state.films is not None:
+        return (
+            f"droplets are beyond the model at phi = {state.phi:.5f}: contact angles are above "
+            f"0.7, the largest {state.contacts['contact_angle'].max():.2g}, or films cover more "
+            f"than half of a surface or meet, or a load is above {LARGEST_LOAD:g}, the largest "
+            f"{state.loads.max():.2g}"
+        )
     if isinstance(state.law, Droplet):
         return (
             f"droplets are beyond the model at phi = {state.phi:.5f}: their load is above "
