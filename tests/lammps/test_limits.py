@@ -149,6 +149,13 @@ ROWS: dict[str, dict[str, Input | Callable[..., None]]] = {
     },
     "Adhesion is for contact curved": {
         "error": Input("adhesion", species=f"{DROPS}adhesion a a 0.1\n"),
+        "warning": Input(
+            "contact angles are above 0.7",
+            [(2, 2, 2), (2.95, 2, 2)],
+            style="droplet",
+            species=f"{DROPS}adhesion a a 0.6\n",
+            dimension=3,
+        ),
     },
     "Above w = 0.82 tensions": {
         "warning": Input("but without a film", [(2, 2), (2.99, 2)], **wide_films(0.9)),

@@ -117,7 +117,7 @@ def results(lmp, units, dimension, fixes):
     rows = np.array(lmp.numpy.extract_compute("rows", 2, 2))
     F = E / L
     of_plane = [1, 1, L, L, F, L, L, 1, L, 1, 1, F, F, 1, 1]
-    of_space = [1, 1, L, L, F, L, L, L, 1, 1, 1, L, F, F, F, 1, 1, 1, 1 / L]
+    of_space = [1, 1, L, L, F, L, L, L, 1, 1, 1, L, F, F, F, 1, 1, 1, 1 / L, 1, 1]
     rows = rows / (of_plane if dimension == 2 else of_space)
     found["rows"] = rows[np.lexsort(rows[:, :2].T)]
     for fix, ones in fixes.items():

@@ -23,7 +23,6 @@ WRONG = {
     "ragged": (lambda: Sphere(1, (0.0, [1])), "origin of a Sphere must be finite numbers"),
     "inside": (lambda: Sphere(1, inside="no"), "inside of a Sphere must be of the kind bool"),
     "adhesion": (lambda: Sphere(1, (0, 0), adhesion=-1), "adhesion"),
-    "in space": (lambda: Plane(0, (0, 0, 1), adhesion=0.1), "adhesion of a Plane is for the plane"),
     "length": (lambda: Segment((1, 2), (1, 2)), "a Segment has no length"),
     "few": (lambda: PolygonWall([(0, 0), (1, 0)]), "corners of a PolygonWall must be three"),
     "convex": (
