@@ -31,7 +31,7 @@ export PYTHONDONTWRITEBYTECODE :=
 .PRECIOUS: $(VENV)/requirements-%
 
 demo: $(VENV)/installed
-	@$(BIN)/deformable compress --number 128 --strain 0.01 --steps 10 --seed 1 --out demo --overwrite
+	@$(BIN)/deformable compress --number 128 --strain 0.06 --steps 10 --seed 1 --out demo --overwrite
 	@$(BIN)/deformable report --number 16 --out demo/report --overwrite
 
 test: $(VENV)/installed-test
