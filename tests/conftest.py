@@ -12,3 +12,13 @@ settings.load_profile("repeatable")
 
 type(pytest.approx(1.0)).DEFAULT_ABSOLUTE_TOLERANCE = 0.0
 assert pytest.approx(1e-13) != 1.1e-13
+
+# Files that take longest begin first: no process is left alone with one of them at the end.
+FIRST = (
+    *("test_examples.py", "test_force_lanes.py", "test_main.py", "test_mpi.py", "test_digits.py"),
+    *("test_example_scripts.py", "test_processes.py", "test_lammps_recipes.py", "test_site.py"),
+)
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    items.sort(key=lambda item: item.path.name not in FIRST)
