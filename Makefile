@@ -35,7 +35,7 @@ demo: $(VENV)/installed
 	@$(BIN)/deformable report --number 16 --out demo/report --overwrite
 
 test: $(VENV)/installed-test
-	@$(BIN)/python -m pytest -q -n $(JOBS) --dist loadfile -m "not slow" tests
+	@$(BIN)/python -m pytest -q -n $(JOBS) --dist loadfile --no-loadscope-reorder -m "not slow" tests
 
 test-slow: $(VENV)/installed-test
 	@$(BIN)/python -m pytest -q -n $(JOBS) -m slow tests
