@@ -90,10 +90,9 @@ from .relax import (
     largest_force,
     lbfgs_or_fire,
     minimize_command,
-    stress,
     thermo_commands,
-    virial_command,
 )
+from .stress import stress, virial_command
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

@@ -45,6 +45,9 @@ from .soft_disks import (
     settle_at_pressure,
 )
 
+if TYPE_CHECKING:
+    from mpi4py import MPI
+
 
 class Watch:
     """Tells a bar and a callback how jamming goes on.
@@ -73,9 +76,6 @@ class Watch:
             seen = Iteration("jam", self._iterations, phi, pressure, residual, self._root)
             tell(self._callback, seen, self._comm)
 
-
-if TYPE_CHECKING:
-    from mpi4py import MPI
 
 # Pressure of soft disks up to which a packing counts as loose while it is compressed, and step of
 # packing fraction at which that ends. From there on the pressure falls.
@@ -386,28 +386,6 @@ def _relaxed(
             if state.pressure <= pressure or not state.converged:
                 break
     return state
-
-
-# Pressure of soft disks for `push_off`. It ends at forces of 1e-3 of this pressure times the
-# smallest radius, far below those of disks at random positions.
-_PUSHED_OFF = 1e-3
-
-
-def push_off(packing: Packing) -> Packing:
-    """See `Packing.push_off`."""
-    sim = Simulation(packing, SoftContact(), comm=alone())
-    with sim, collected(StalledWarning):  # with another text
-        facet = float(packing.radii.min()) ** (packing.dimension - 1)  # about that of a contact
-        pushed = relax_above(
-            sim, 1e-3, _PUSHED_OFF * natural_pressure(packing, SoftContact()) * facet
-        )
-    if not pushed.converged:
-        warn(
-            f"separating the particles stalled: the largest force is {pushed.residual:.2g} of the "
-            "mean contact force",
-            StalledWarning,
-        )
-    return pushed.packing
 
 
 # The shape is found at this phi - phi_J first, where hardly any contacts change, and then at ever

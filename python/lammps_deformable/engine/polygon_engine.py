@@ -65,10 +65,9 @@ from .relax import (
     force_rounding,
     largest_force,
     minimize_command,
-    stress,
     thermo_commands,
-    virial_command,
 )
+from .stress import stress, virial_command
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -63,13 +63,10 @@ if TYPE_CHECKING:
     from ..particles.packing import Packing
     from ..particles.walls import Wall
     from .simulation import Simulation
-
+from .stress import VIRIAL
 
 # A packing is relaxed once its largest force on a particle is this part of its mean contact force.
 TOLERANCE = 1e-6
-
-# Computes of this package have IDs that a user would not take.
-_VIRIAL = "deformable_virial"
 
 # At the end of each run, LAMMPS evaluates all quantities of the thermo output.
 _THERMO = """
@@ -163,14 +160,9 @@ def minimize_command(force: float, iterations: int) -> str:
     return f"minimize 0 {force!r} {iterations} {2 * iterations}"
 
 
-def virial_command(parts: str = "virial") -> str:
-    """Command that defines the stress: of all forces, or of some parts of them as LAMMPS names."""
-    return f"compute {_VIRIAL} all pressure NULL {parts}\n"
-
-
 def thermo_commands(columns: str) -> str:
     """Commands that let LAMMPS evaluate these columns, and the stress, with each run."""
-    return _THERMO.format(columns=columns, virial=_VIRIAL)
+    return _THERMO.format(columns=columns, virial=VIRIAL)
 
 
 def largest_force(lmp: lammps, turning: NDArray[np.float64] | None = None) -> float:
@@ -185,24 +177,6 @@ def largest_force(lmp: lammps, turning: NDArray[np.float64] | None = None) -> fl
         return largest
     torque = np.linalg.norm(gather(lmp, "torque", 3), axis=1)
     return max(largest, float((torque / turning).max()))
-
-
-def stress(lmp: lammps, room: float | None = None) -> NDArray[np.float64]:
-    """Pressure tensor of the last run, without motion, shape (d, d) [energy/length^d].
-
-    Args:
-        lmp: with `virial_command`.
-        room: area or volume that is free to the particles, if it is not that of LAMMPS' box
-            [length^d].
-    """
-    xx, yy, zz, xy, xz, yz = lmp.numpy.extract_compute(_VIRIAL, 0, 1)
-    dimension = lmp.extract_setting("dimension")
-    tensor = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])[:dimension, :dimension]
-    if room is None:
-        return tensor
-    low, high, *_ = lmp.extract_box()
-    sides = np.subtract(high, low)[:dimension]
-    return tensor * (float(np.prod(sides)) / room)
 
 
 def force_rounding(box: NDArray[np.float64], stiffness: float) -> float:

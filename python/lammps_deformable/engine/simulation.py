@@ -52,11 +52,11 @@ from .relax import (
     minimizers_reach,
     polish,
     rest,
-    stress,
     tell,
     warn_of,
 )
 from .soft_disks import relax_in_box
+from .stress import stress
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

@@ -23,7 +23,8 @@ from ..particles.neighbors import near_pairs
 from ..particles.packing import Packing
 from .engines import open_disks
 from .lammps import gather, run
-from .relax import force_rounding, largest_force, minimize_command, stress
+from .relax import force_rounding, largest_force, minimize_command
+from .stress import stress
 
 if TYPE_CHECKING:
     from mpi4py import MPI

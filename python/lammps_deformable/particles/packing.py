@@ -524,7 +524,7 @@ class Packing:
         Warns:
             StalledWarning: the forces are not balanced.
         """
-        from ..engine.jamming import push_off
+        from ..engine.push_off import push_off
 
         return push_off(self)
 

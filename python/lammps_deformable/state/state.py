@@ -36,7 +36,7 @@ from ..particles.laws import (
     filled_area,
     volumes,
 )
-from . import contacts, conversions, correlations, displacements, voronoi
+from . import bond_order, contacts, conversions, correlations, displacements
 from .contacts import ContactTable
 from .hessian import at_rest, hessian_of
 from .recorded import MOVING, SAVED, write_state
@@ -529,7 +529,7 @@ class State:
         Raises:
             ParameterError: a value is out of range, or there is an inset where particles stick.
         """
-        from ..pictures.plot import parallels
+        from .outlines import parallels
 
         return parallels(self, inset, points, same_area)
 
@@ -812,7 +812,7 @@ class State:
 
         Source: Mickel et al., J. Chem. Phys. 138, 044501 (2013).
         """
-        return voronoi.hexatic(self._cells, len(self.packing), k)
+        return bond_order.hexatic(self._cells, len(self.packing), k)
 
     @_only("plane")
     def hexatic_correlation(self, bins: int, r_max: float, *, k: int = 6) -> tuple[Floats, Floats]:
@@ -862,7 +862,7 @@ class State:
         Source: Steinhardt, Nelson and Ronchetti, Phys. Rev. B 28, 784 (1983); weights: Mickel et
         al., J. Chem. Phys. 138, 044501 (2013).
         """
-        return voronoi.steinhardt(self._cells, len(self.packing), l)
+        return bond_order.steinhardt(self._cells, len(self.packing), l)
 
     def radial_distribution(self, bins: int, r_max: float) -> tuple[Floats, Floats]:
         """The radial distribution function g(r) of the centers, by freud.

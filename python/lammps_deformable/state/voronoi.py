@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.box import cartesian, fractional
-from ..common.checks import count
 from ..common.errors import ParameterError
 from ..core import contact_line, polygon_edges
 from ..particles.containers import bounds, closed, container, obstacles
@@ -27,31 +26,6 @@ Floats = NDArray[np.float64]
 
 # Faces below this part of the largest face of their cell are corners that rounding has cut.
 _NO_FACE = 1e-9
-
-
-def hexatic(cells: Cells, number: int, k: int) -> NDArray[np.complex128]:
-    """See `State.hexatic`, of so many particles."""
-    x, y = cells.direction.T
-    order = np.zeros(number, dtype=np.complex128)
-    np.add.at(order, cells.i, cells.side * (x + 1j * y) ** count("k", k))
-    total = np.bincount(cells.i, cells.side, minlength=number)
-    return np.divide(order, total, out=np.full(number, np.nan + 0j), where=total > 0.0)
-
-
-def steinhardt(cells: Cells, number: int, degree: int) -> Floats:
-    """See `State.steinhardt`, of so many particles."""
-    from scipy.special import eval_legendre
-
-    count("l", degree)
-    ends = np.searchsorted(cells.i, np.arange(1, number))
-    order = np.full(number, np.nan)
-    for n, (direction, side) in enumerate(
-        zip(np.split(cells.direction, ends), np.split(cells.side, ends), strict=True)
-    ):
-        if len(side):
-            cosine = np.clip(direction @ direction.T, -1.0, 1.0)
-            order[n] = np.sqrt(max(side @ eval_legendre(degree, cosine) @ side, 0.0)) / side.sum()
-    return order
 
 
 Integers = NDArray[np.int64]
