@@ -146,6 +146,10 @@ def datafile(state: State) -> str:
             )
     elif not isinstance(law, Droplet):
         raise ParameterError(f"Surface Evolver gets a Droplet or a Ring, not {law!r}")
+    elif law.sticks:
+        raise ParameterError(
+            f"Surface Evolver gets droplets in space without adhesion, not {law!r}"
+        )
     tension = np.array(per_species(law.tension, kinds))
     mesh = Mesh(packing.box, tension[packing.species], planes)
     contacts = np.asarray(state.contacts)

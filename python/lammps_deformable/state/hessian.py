@@ -538,6 +538,8 @@ def hessian_of(state: State, rattlers: bool = True) -> Hessian:
     if state.friction:
         raise ParameterError("friction has no energy, and so no second derivatives of one")
     if isinstance(state.law, Droplet):
+        why = ", and second derivatives of films are not known"
+        refuse_adhesion(state.law, state.packing.walls, why)
         return _of_droplets(state, state.law, rattlers)
     return balanced(lines_of(state.packing, state.law, state.contacts, rattlers)).hessian()
 

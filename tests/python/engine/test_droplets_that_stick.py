@@ -105,3 +105,15 @@ def test_what_is_refused() -> None:
         ld.jam(packing, STICKY)
     assert repr(STICKY) == "Droplet(adhesion=0.2)"
     assert repr(ld.Droplet()) == "Droplet()"
+
+
+def test_what_does_not_know_films(tmp_path: Path) -> None:
+    with ld.Simulation(doublet(1.95), STICKY) as sim:
+        state = sim.relax()
+    for call in (state.hessian, state.modes, state.moduli):
+        with pytest.raises(ld.ParameterError, match="second derivatives of films are not known"):
+            call()
+    with pytest.raises(ld.ParameterError, match="droplets in space without adhesion"):
+        state.export(tmp_path / "a.fe")
+    with pytest.raises(ld.ParameterError, match="exact shapes in space have no films that pull"):
+        ld.compare(ld.crystal("fcc", 1, phi=0.75), law=STICKY)
