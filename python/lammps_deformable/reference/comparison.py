@@ -230,7 +230,7 @@ def compare(
         droplets = given or own or Droplet()
         expect("law", droplets, Droplet)
         refuse_adhesion(
-            droplets, start.walls, ", and exact shapes in space have no films that pull"
+            droplets, packing.walls, ", and exact shapes in space have no films that pull"
         )
         return _in_space(packing, droplets, strain, steps, workers, keep)
     for each in (given, own):
