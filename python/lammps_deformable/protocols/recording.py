@@ -332,7 +332,7 @@ def recorded_numbers(state: State) -> dict[str, Any]:
     for k, a in enumerate(axes):
         for n, b in enumerate(axes[k:], start=k):
             numbers[f"p{a}{b}"] = float(state.pressure_tensor[k, n])
-    if isinstance(state.law, Ring | Sector) or state.friction:
+    if isinstance(state.law, Ring | Sector) or state.friction or state.films is not None:
         numbers["lost_energy"] = state.lost_energy
     return numbers
 

@@ -91,6 +91,18 @@ def test_files_and_runs_keep_films(tmp_path: Path) -> None:
     assert ledger[-1] == pytest.approx(ledger[0], abs=1e-6)
 
 
+def test_a_recorded_run_has_what_films_have_lost(tmp_path: Path) -> None:
+    """Two droplets attach in motion: frames, table and what goes on have the energy lost."""
+    with ld.Simulation(doublet(2.01), STICKY) as sim:
+        sim.lmp.command("set atom 2 vx -0.02")
+        run = sim.run(400, every=200, timestep=0.01, record=tmp_path / "run")
+        lost = sim.state().lost_energy
+    assert lost > 0.01
+    assert run[-1].lost_energy == run.table()["lost_energy"][-1] == pytest.approx(lost)
+    with run.simulation() as sim:
+        assert sim.state().lost_energy == pytest.approx(lost)
+
+
 def test_what_is_refused() -> None:
     for given, told in (
         ({"adhesion": 2.0}, "adhesion 2 "),
