@@ -28,6 +28,7 @@ from ..common.files import make_folder
 from ..common.parallel import parallel_map
 from ..common.versions import optional
 from ..core import angles, norm, unit_vectors
+from ..engine.lammps import gather, images_of
 from ..engine.simulation import Simulation
 from ..particles.laws import Droplet, Law, Ring, Sector, SoftContact, per_species, refuse_adhesion
 from ..particles.packing import Packing
@@ -49,6 +50,11 @@ _RESTLESS = {"sector"}
 
 # A packing with less than this part of the polygons' pressure has lost its rigidity.
 _UNJAMMED = 1e-6
+
+# Distance of the centers over the radius, in root mean square, beyond which a method has gone to
+# another minimum than the reference. Within one laws and polygons are 0.001 to 0.005 apart, two
+# minima 0.05 and more.
+_ONE_MINIMUM = 0.02
 
 # Largest residual of polygons whose energies are those at rest, and the largest relative difference
 # of two estimates of the limit of very many vertices that is nothing to warn of.
@@ -79,6 +85,7 @@ COLUMNS = {
     "pressure_error": "pressure",
     "area_error": "areas",
     "shape_error": "outline",
+    "distance": "centers",
     "seconds": "seconds",
     "residual": "residual",
 }
@@ -104,6 +111,9 @@ class Comparison:
             area_error: rms difference of the area deficits over their rms; 1 for disks. In space of
                 what surfaces have gained; of soft spheres their energies.
             shape_error: mean distance of the outlines over the radius.
+            distance: root mean square distance of the centers from those of the reference, over the
+                mean radius. A law or smooth polygons that stay farther than 0.02 are in another
+                minimum, and have no errors.
             seconds: processor time of all steps.
             residual: largest of the forces that are left over the mean contact force.
             limit_error: of the reference, how far the limit of very many vertices changes if it is
@@ -137,9 +147,18 @@ class Comparison:
         lines = [
             f"{'method':{width}} " + " ".join(f"{head:>9}" for head in [*COLUMNS.values()][1:])
         ]
+        uncertain = self.rows[-1].get("limit_error")
         for row in self.rows:
             cells = ["-" if row[key] is None else f"{row[key]:.3g}" for key in [*COLUMNS][1:]]
+            error = row["energy_error"]
+            if uncertain is not None and error is not None and error < uncertain:
+                cells[[*COLUMNS].index("energy_error") - 1] = f"<{uncertain:.2g}"
             lines.append(f"{row['method']:{width}} " + " ".join(f"{cell:>9}" for cell in cells))
+        away = [_name(row) for row in self.rows if _is_away(row)]
+        if away:
+            lines.append(f"In another minimum, and so without errors: {'; '.join(away)}.")
+        if uncertain is not None:
+            lines.append(f"The reference's energy is known to {100.0 * uncertain:.2g} %.")
         return "\n".join(lines)
 
     def __repr__(self) -> str:
@@ -178,8 +197,10 @@ def compare(
 ) -> Comparison:
     """Measure errors of contact laws and of polygons against their processor times.
 
-    Each method compresses the same packing in the same steps and relaxes on its own. Errors are
-    those against the finest smooth polygons, at the last strain. In space they are those of
+    Each method compresses the same packing in the same steps and relaxes on its own. One that
+    comes to another minimum relaxes again from where the reference is. Errors are those against the
+    finest smooth polygons, at the last strain; of energies those against the limit of very many
+    vertices. In space they are those of
     droplets against their exact shapes by finite elements, which begin where the law is at rest;
     soft spheres have the stiffness with which their energies come nearest to the exact ones. That
     takes some seconds of each droplet and step.
@@ -496,7 +517,9 @@ def compression_rows(
 ) -> list[Row]:
     """A packing compressed from jamming: every law against smooth polygons.
 
-    Polygons and laws start from the same packing and relax on their own after each step.
+    Polygons and laws start from the same packing and relax on their own after each step. One that
+    comes to another minimum than the reference relaxes again, from the reference's centers, smooth
+    polygons from its outlines: an error is one within a minimum.
 
     Args:
         start: a jammed packing.
@@ -517,7 +540,8 @@ def compression_rows(
         vertices: N_v of a rival, else None.
         own: true if the law relaxed on its own, false if its particles have the centers of the
             reference. Rivals, and no row of the sector law, are on their own.
-        energy_ratio, pressure_ratio: over those of the reference; None where one is unjammed.
+        energy_ratio, pressure_ratio: over those of the reference; None where one is unjammed, or a
+            law or smooth polygons stay in another minimum, of centers farther than 0.02.
         S_rms: root mean square difference of the area deficits over their root mean square.
         I: mean distance of the outlines over the radius, each about its own center; None if an
             outline of a law folds.
@@ -539,6 +563,12 @@ def compression_rows(
     follow = _kept(compressed, keep)
     found = parallel_map(lambda call: follow(*call), calls, workers=workers)
     reference, *found = found
+    follow = _kept(in_its_minimum, keep)
+    found = parallel_map(
+        lambda call: follow(*call),
+        [(call[0], reference, path) for call, path in zip(calls[1:], found, strict=True)],
+        workers=workers,
+    )
     paths = dict(zip(own, found[len(rivals) :], strict=True))
     rows: list[Row] = []
     for n, (exact, seconds) in enumerate(reference):
@@ -614,6 +644,18 @@ def method_rows(steps: Sequence[Row], seconds_of_disks: float) -> list[Row]:
     return rows
 
 
+def _is_away(row: Row) -> bool:
+    """Whether a method is in another minimum than the reference."""
+    distance = row.get("distance")
+    return row["method"] != "bead" and distance is not None and distance > _ONE_MINIMUM
+
+
+def _name(row: Row) -> str:
+    """A method in words."""
+    method, vertices = row["method"], row["vertices"]
+    return method if vertices is None else f"{method} polygons of {vertices} vertices"
+
+
 def _with_errors(row: Row) -> Row:
     """The keys of `Comparison.rows`."""
     ratios = {name: row[f"{name}_ratio"] for name in ("energy", "pressure")}
@@ -626,6 +668,7 @@ def _with_errors(row: Row) -> Row:
         },
         "area_error": row["S_rms"],
         "shape_error": row["I"],
+        "distance": row.get("distance"),
         "seconds": row["seconds"],
         "residual": row["law_residual"],
     }
@@ -648,6 +691,64 @@ def compressed(start: Packing, law: Method, strain: float, steps: int) -> Steps:
         return timed(sim, strain, steps)
 
 
+def in_its_minimum(start: Packing, reference: Steps, path: Steps) -> Steps:
+    """States in the minima of the reference, where there are such.
+
+    Args:
+        start: of the path, at jamming.
+        reference: states of smooth polygons.
+        path: those of a law or of other polygons, which may have gone to other minima.
+
+    Returns:
+        The path. Where its centers are far from those of the reference, the state to which the
+        method comes from there, with the seconds of the path. Bead polygons interlock: they stay.
+    """
+    found = []
+    for (exact, _), (state, seconds) in zip(reference, path, strict=True):
+        smooth = not isinstance(state.law, DeformablePolygon) or state.law.smooth
+        if smooth and _in_another_minimum(exact, state):
+            state = _from_reference(start, exact, state)
+        found.append((state, seconds))
+    return found
+
+
+def _in_another_minimum(exact: State, state: State) -> bool:
+    distance = centers_rms(exact, state)
+    return distance is not None and distance > _ONE_MINIMUM
+
+
+def _from_reference(start: Packing, exact: State, state: State) -> State:
+    """Where a method comes to rest from the reference's centers, polygons from its outlines."""
+    if not isinstance(state.law, DeformablePolygon):
+        start = state.packing.replace(positions=exact.packing.positions)
+    with Simulation(start, state.law, comm=MPI.COMM_SELF) as sim, collected():
+        if isinstance(state.law, DeformablePolygon):
+            sim.deform(exact.packing.box)
+            place_outlines(sim, resampled(exact, state.polygons))
+        return sim.relax()
+
+
+def resampled(exact: State, polygons: Polygons) -> list[NDArray[np.float64]]:
+    """Vertices of other polygons on the outlines of a state, equally far apart, arrays (N_v, 2)."""
+    found = []
+    for outline, kind in zip(exact.outlines, exact.packing.species, strict=True):
+        closed = np.vstack([outline, outline[:1]])
+        length = np.append(0.0, np.cumsum(np.hypot(*np.diff(closed, axis=0).T)))
+        number = int(polygons.number[kind])
+        at = np.arange(number) / number * length[-1]
+        line = np.column_stack([np.interp(at, length, values) for values in closed.T])
+        center = outline.mean(axis=0)
+        found.append(center + (line - center) * polygons.radius[kind] / exact.polygons.radius[kind])
+    return found
+
+
+def place_outlines(sim: Simulation, outlines: Sequence[NDArray[np.float64]]) -> None:
+    """Put the vertices of the polygons of a simulation on one rank at given places."""
+    x = gather(sim.lmp, "x", 3)
+    x[:, :2] = np.vstack(outlines) - cartesian(images_of(sim.lmp).astype(float), sim.box)
+    sim.lmp.scatter("x", 1, 3, np.ctypeslib.as_ctypes(x.ravel()))
+
+
 def timed(sim: Simulation, strain: float, steps: int) -> Steps:
     """The states of a compression, with the seconds of processor time of each step.
 
@@ -664,6 +765,13 @@ def timed(sim: Simulation, strain: float, steps: int) -> Steps:
 def _against(exact: State, other: State, seconds: float | None) -> dict[str, Any]:
     """The errors of a law, or of other polygons, see `compression_rows`."""
     loose = is_unjammed(other, exact) or is_unjammed(exact, other)
+    bead = isinstance(other.law, DeformablePolygon) and not other.law.smooth
+    if not bead and seconds is not None and _in_another_minimum(exact, other):
+        return dict.fromkeys(("energy_ratio", "pressure_ratio", "S_rms", "I")) | {
+            "distance": centers_rms(exact, other),
+            "law_residual": other.residual,
+            "seconds": seconds,
+        }
     wrong = norm(other.area_deficit - exact.area_deficit)
     return {
         "energy_ratio": None if loose else _over(other.energy, exact.energy),
