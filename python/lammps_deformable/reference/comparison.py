@@ -115,8 +115,8 @@ class Comparison:
                 minimum, and have no errors.
             seconds: processor time of all steps.
             residual: largest of the forces that are left over the mean contact force.
-            limit_error: of the reference, what its energy is uncertain by: how far the limit of very
-                many vertices is from the finest polygons; in space that of the extrapolation.
+            limit_error: of the reference, what its energy is uncertain by: how far the limit of
+                very many vertices is from the finest polygons; in space that of the extrapolation.
 
             A value that is not known is None: the stiffness of disks is free, and a packing may be
             loose.
