@@ -285,11 +285,19 @@ def test_python_snippets(page, tmp_path):
         assert f"`{output.strip()}`" in (ROOT / page).read_text()
 
 
+def test_the_first_script_runs_twice(tmp_path):
+    (script,) = snippets("docs/start.md", "python")
+    (tmp_path / "script.py").write_text(script)
+    first, second = (run(tmp_path, "python", "script.py") for _ in range(2))
+    assert first == second
+    assert "Warning" not in first
+
+
 def test_lammps_snippet(tmp_path):
     """In an empty folder, as after `pip install`."""
     (script,) = snippets("docs/start.md", "lammps")
-    (tmp_path / "in.bubbles").write_text(script)
-    log = run(tmp_path, "mpiexec", "-n", "2", "lmp", "-in", "in.bubbles")
+    (tmp_path / "in.soft").write_text(script)
+    log = run(tmp_path, "mpiexec", "-n", "2", "lmp", "-in", "in.soft")
     _, potential, kinetic, total, _ = table(log, ["Step", "PotEng", "KinEng"])
     assert len(total) == 11
     assert np.abs(total / total[0] - 1.0).max() < 1e-4
@@ -306,9 +314,9 @@ def test_contacts_snippet(tmp_path):
         snippets(page, "lammps") for page in ("docs/start.md", "docs/compute_deformable_contact.md")
     )
     script = re.sub(r"thermo_style.*\n", lambda _: lines, script)
-    (tmp_path / "in.bubbles").write_text(script)
+    (tmp_path / "in.soft").write_text(script)
     _, _, largest, length = table(
-        run(tmp_path, "lmp", "-in", "in.bubbles"), ["Step", "PotEng", "c_largest"]
+        run(tmp_path, "lmp", "-in", "in.soft"), ["Step", "PotEng", "c_largest"]
     )
     assert len(length) == 11
     assert 0.0 < length.min() < length.max() < 1.0

@@ -201,8 +201,8 @@ class Ring:
             where the forces of both sides are equal. `curved`: arcs between particles of unequal
             pressure, whose torques are balanced too; at rest this is the exact shape of slipping
             particles, and for droplets that of a foam. `radical`: on the radical axis of the
-            undeformed circles. Compared with smooth polygons, `balanced` is right to 1.4 % up to
-            3 % strain, `curved` to less than the polygons' own error, and `radical` wrong by
+            undeformed circles. Compared with smooth polygons, `balanced` is right to 1.3 % from
+            1 to 3 % strain, `curved` to less than the polygons' own error, and `radical` wrong by
             factors. A relaxation takes about 1.2 times as long with `balanced` as with `radical`;
             with `curved` it takes 1.2 to 1.4 times, and a step of motion two to three and a half
             times as long as with `balanced`.
