@@ -20,7 +20,7 @@ PAGES = sorted(path for folder in FOLDERS for path in ROOT.glob(f"{folder}/*.md"
 
 # Words of a page at most; of those without a number, of the guide, and of all together.
 BUDGETS = {
-    "README.md": 550,
+    "README.md": 690,
     "ARCHITECTURE.md": 2500,
     "CHANGELOG.md": 2200,
     "benchmarks/README.md": 2010,
