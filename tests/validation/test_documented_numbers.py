@@ -94,9 +94,9 @@ def of_radical():
 
 
 SAID = {
-    "radical": ("`radical`", "comparison: the paper's lines"),
-    "balanced": ("`balanced`", "default: lines where forces agree"),
-    "curved": ("`curved`", "exact if contacts slip; foam, mixtures, adhesion"),
+    "radical": ('`Ring(contact="radical")`', "comparison: the paper's lines"),
+    "balanced": ("`Ring()`", "the default: lines where forces agree"),
+    "curved": ('`Ring(contact="curved")`', "exact if contacts slip; foam, mixtures, adhesion"),
 }
 
 
@@ -346,6 +346,20 @@ def speed_up():
     return f"{polygons['vertices']} vertices and take {longer:.0f} times as long"
 
 
+def speed_in_readme():
+    """The same, in full."""
+    number, times = speed_up().split(" vertices and take ")
+    return (
+        f"Our own deformable polygons need {number} vertices to be as accurate as the default law, "
+        f"and {times.removesuffix(' as long')} its run time."
+    )
+
+
+def limit_in_readme():
+    (reference,) = (row for row in REPORT["pareto"] if row["method"] == "reference")
+    return f"very many vertices, whose energy is known to {part(reference['limit_error'])}."
+
+
 def uncertainty():
     """What is known of the error of the reference itself."""
     (reference,) = (row for row in REPORT["pareto"] if row["method"] == "reference")
@@ -353,7 +367,7 @@ def uncertainty():
 
 
 SENTENCES = {
-    "README.md": (speed_up,),
+    "README.md": (speed_in_readme, limit_in_readme),
     "docs/accuracy.md": (
         *(speed_up, uncertainty, of_balanced, of_curved, of_radical),
         exact_in_mixtures,

@@ -29,7 +29,16 @@ from ..common.versions import optional
 from ..core import angles, norm, unit_vectors
 from ..engine.lammps import gather, images_of
 from ..engine.simulation import Simulation
-from ..particles.laws import Droplet, Law, Ring, Sector, SoftContact, per_species, refuse_adhesion
+from ..particles.laws import (
+    Droplet,
+    Law,
+    Ring,
+    Sector,
+    SoftContact,
+    pair_matrix,
+    per_species,
+    refuse_adhesion,
+)
 from ..particles.packing import Packing
 from ..particles.polygons import DeformablePolygon, Polygons, refuse_overlap, refuse_packing
 from ..state.state import State
@@ -201,8 +210,8 @@ def compare(
     finest smooth polygons, at the last strain; of energies those against the limit of very many
     vertices. In space they are those of
     droplets against their exact shapes by finite elements, which begin where the law is at rest;
-    soft spheres have the stiffness with which their energies come nearest to the exact ones. That
-    takes some seconds of each droplet and step.
+    soft spheres have the stiffness with which their energies come nearest to the exact ones, and
+    are left out where droplets stick. That takes some seconds of each droplet and step.
 
     Args:
         start: a packing at the onset of jamming, or a state there: circles must not overlap, as
@@ -210,7 +219,7 @@ def compare(
             with its strain and steps. Of a state of polygons the laws are evaluated at its centers
             at once, and have no times.
         law: only this one, a `Ring` or `Sector`; all laws if not given. In space a `Droplet` of one
-            tension.
+            tension, with an adhesion for all pairs or none.
         polygon: the stiffness of the polygons at its number of vertices; others have the same kP.
             By default that of the law, or of the state's law; kP = 10 kA R^2 stands for an
             infinite one, also in the laws. Of a packing alone kA = 1 and kP = 6.
@@ -249,9 +258,6 @@ def compare(
     if packing.dimension == 3:
         droplets = given or own or Droplet()
         expect("law", droplets, Droplet)
-        refuse_adhesion(
-            droplets, packing.walls, ", and exact shapes in space have no films that pull"
-        )
         return _in_space(packing, droplets, strain, steps, workers, keep)
     for each in (given, own):
         if each is not None:
@@ -408,26 +414,36 @@ def _in_space(
     workers: int | None,
     keep: str | Path | None,
 ) -> Comparison:
-    """Droplets and soft spheres against exact shapes."""
+    """Droplets, and soft spheres if nothing sticks, against exact shapes."""
     if start.walls or len(set(np.atleast_1d(law.tension).tolist())) > 1:
         raise ParameterError(
             "droplets must have one tension, and no walls, to be compared in space"
         )
+    if law.sticks and np.min(law.adhesion) == 0.0:
+        raise ParameterError(
+            "exact shapes in space are known where all droplets stick to all, or none to any: give "
+            "each pair an adhesion, or none"
+        )
     calls: list[tuple[Callable[..., Any], Any]]
-    calls = [(compressed, law), (compressed, SoftContact()), (exact_path, law)]
-    droplets, spheres, exact = parallel_map(
+    calls = [(compressed, law), (exact_path, law)]
+    calls += [] if law.sticks else [(compressed, SoftContact())]
+    droplets, exact, *others = parallel_map(
         lambda call: _kept(call[0], keep)(start, call[1], strain, steps), calls, workers=workers
     )
-    soft = [_stored(state) for state, _ in spheres]
     known = [shapes.found.energies for _, shapes, _ in exact]
-    k = math.fsum(map(np.dot, soft, known)) / math.fsum(map(np.dot, soft, soft))
+    spheres = [(_stored(state), state, seconds) for path in others for state, seconds in path]
+    k = 1.0
+    if spheres:
+        soft = [stored for stored, _, _ in spheres]
+        k = math.fsum(map(np.dot, soft, known)) / math.fsum(map(np.dot, soft, soft))
     rows: list[Row] = []
     for n, (state, shapes, seconds) in enumerate(exact):
-        (own, own_seconds), (sphere, soft_seconds) = droplets[n], spheres[n]
+        own, own_seconds = droplets[n]
         methods = [
-            ("sphere", None, k * soft[n], k * sphere.pressure, sphere.residual, soft_seconds),
-            ("droplet", None, _stored(own), own.pressure, own.residual, own_seconds),
+            ("sphere", None, k * stored, k * sphere.pressure, sphere.residual, took)
+            for stored, sphere, took in spheres[n : n + 1]
         ]
+        methods.append(("droplet", None, _stored(own), own.pressure, own.residual, own_seconds))
         for level in [*shapes.levels, shapes.found]:
             nodes, took = level.nodes // len(start), seconds + level.seconds
             found = level.energies, osmotic(state, level), None, took
@@ -448,7 +464,7 @@ def _in_space(
                     "seconds": took,
                 }
             )
-        rows[-1]["limit_error"] = shapes.found.energy_error / float(known[n].sum())
+        rows[-1]["limit_error"] = shapes.found.energy_error / abs(float(known[n].sum()))
     each = len(rows) // steps
     last = [
         _with_errors(
@@ -472,10 +488,20 @@ def _stored(state: State) -> NDArray[np.float64]:
     """Energy of each droplet, or of each soft sphere, which has half of that of its contacts."""
     if isinstance(state.law, Droplet):
         surface = state.results["surface_areas"] - 4.0 * np.pi * state.packing.radii**2
-        return np.asarray(surface * np.max(state.law.tension))
+        stored = np.asarray(surface * np.max(state.law.tension))
+        return stored - _gained(state) if state.law.sticks else stored
     contacts = state.contacts
     energies = 0.25 * contacts["force"] ** 2 / state.law.k
     return np.asarray(np.bincount(contacts["i"], energies, len(state.packing)), float)
+
+
+def _gained(state: State) -> NDArray[np.float64]:
+    """By films that stick: a droplet has half of the energy of each."""
+    packing, films = state.packing, state.contacts[state.contacts["attached"]]
+    adhesion = pair_matrix("adhesion", state.law.adhesion, len(packing.species_radii))
+    pair = (packing.species[films[end]] for end in "ij")
+    energies = 0.5 * adhesion[tuple(pair)] * np.pi * films["facet_radius"] ** 2
+    return np.asarray(np.bincount(films["i"], energies, len(packing)), float)
 
 
 def _kept(function: Callable[..., T], keep: str | Path | None) -> Callable[..., T]:
