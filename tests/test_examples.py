@@ -120,6 +120,14 @@ def test_logs_are_up_to_date(name):
         assert line.rstrip(" &") in log
 
 
+def test_pages_name_the_warnings_of_their_logs():
+    """Those of the styles; others are LAMMPS' own, of its commands."""
+    for log in ROOT.glob("examples/*/log.*"):
+        warned = "are beyond the model" in log.read_text()
+        page = (log.parent / "README.md").read_text()
+        assert not warned or "beyond the model" in " ".join(page.split()), log
+
+
 def test_pages_have_the_numbers_of_their_logs():
     page, log = committed("hexagon")
     rows = [line.split() for line in log.splitlines() if re.match(r"\s+\d+\s+0\.0[15] ", line)]
