@@ -21,20 +21,16 @@ PAGES = sorted(path for folder in FOLDERS for path in ROOT.glob(f"{folder}/*.md"
 # Words of a page at most; of those without a number, of the guide, and of all together.
 BUDGETS = {
     "README.md": 690,
-    "ARCHITECTURE.md": 2500,
+    "ARCHITECTURE.md": 2180,
     "CHANGELOG.md": 2200,
-    "benchmarks/README.md": 2010,
-    "docs/theory/laws.md": 1480,
-    "docs/theory/lines.md": 1400,
-    "docs/pair_deformable_ring.md": 2450,
-    "docs/pair_deformable_droplet.md": 1700,
-    "docs/theory/droplets.md": 1700,
-    "docs/theory/contacts.md": 1630,
-    "docs/fix_deformable_wall.md": 1920,
-    "docs/fix_deformable_friction.md": 1630,
-    "docs/cookbook.md": 1190,
+    "benchmarks/README.md": 1800,
+    "docs/theory/droplets.md": 1540,
+    "docs/pair_deformable_ring.md": 2130,
+    "docs/pair_deformable_droplet.md": 1530,
+    "docs/fix_deformable_wall.md": 1690,
+    "docs/fix_deformable_friction.md": 1480,
 }
-USUAL, GUIDE, ALL = 1600, 1000, 76_900
+USUAL, GUIDE, ALL = 1400, 920, 69_400
 
 # How the code came to be is in the git log. What nobody has read is no source.
 BANNED = (
