@@ -130,3 +130,18 @@ def test_what_does_not_know_films(tmp_path: Path) -> None:
         state.export(tmp_path / "a.fe")
     with pytest.raises(ld.ParameterError, match="exact shapes in space have no films that pull"):
         ld.compare(ld.crystal("fcc", 1, phi=0.75), law=STICKY)
+
+
+def test_a_floppy_gel_comes_to_rest() -> None:
+    """Its films bear nothing, so that its forces are small beside their largest pull only."""
+    start = ld.bidisperse(60, sizes=(0.9, 1.1), phi=0.25, dimension=3, seed=1).push_off()
+    with ld.Simulation(start, ld.Droplet(adhesion=0.05)) as sim:
+        sim.run(500, temperature=0.005, drag=0.3, seed=1)
+        state = sim.relax(1e-4)
+        assert state.converged
+        assert state.minimizer == "lbfgs"
+        assert len(state.films) > 20
+        assert np.abs(state.contacts["force"]).max() < 1e-3 * 0.05
+        state = sim.compress(phi=0.35, tolerance=1e-4)[-1]
+    assert state.converged
+    assert state.iterations < 1000
