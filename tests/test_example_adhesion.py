@@ -127,15 +127,17 @@ def check_sorting(printed: str, seeds: int) -> None:
     assert abs(np.mean(cohesive - weak)) < 0.8 * np.mean(unequal[4] - unequal[3])
 
 
-def sort(folder: Path, rounds: int, steps: int) -> str:
-    """What the script prints that sorts cells of two seeds for a time."""
+def sort(folder: Path, seeds: tuple[int, ...], rounds: int, steps: int, dimension: int) -> str:
+    """What the script prints that sorts cells for a time."""
+    lengths = {2: steps, 3: steps}
     part_of(
         EXAMPLES / "sorting" / "sorting.py",
         folder,
-        **{"SEEDS": (1, 2), "ROUNDS, STEPS": (rounds, steps)},
+        **{"SEEDS": seeds, "ROUNDS, STEPS": (rounds, lengths)},
     )
-    printed = text("python", "sorting.py", cwd=folder)
-    assert (folder / "sorting.png").stat().st_size > 10_000
+    printed = text("python", "sorting.py", "--dimension", str(dimension), cwd=folder)
+    picture = {2: "sorting.png", 3: "sorting_3d.png"}[dimension]
+    assert (folder / picture).stat().st_size > 10_000
     return printed
 
 
@@ -143,15 +145,23 @@ def sort(folder: Path, rounds: int, steps: int) -> str:
 def test_sorting(tmp_path: Path) -> None:
     """Cells of larger adhesion end inside; with equal adhesions neither kind does."""
     pytest.importorskip("matplotlib")
-    check_sorting(sort(tmp_path, 20, 1000), 2)
+    check_sorting(sort(tmp_path, (1, 2), 20, 1000, 2), 2)
 
 
-def test_sorting_begins(tmp_path: Path) -> None:
+@pytest.mark.slow
+def test_sorting_in_space(tmp_path: Path) -> None:
+    pytest.importorskip("matplotlib")
+    check_sorting(sort(tmp_path, (1,), 20, 300, 3), 1)
+
+
+@pytest.mark.parametrize(("dimension", "log"), [(2, "sorting.log"), (3, "sorting_3d.log")])
+def test_sorting_begins(dimension: int, log: str, tmp_path: Path) -> None:
     """The committed run has sorted the cells; a short one begins with mixed ones, as that did."""
     pytest.importorskip("matplotlib")
-    log = (EXAMPLES / "sorting" / "sorting.log").read_text()
-    check_sorting(log, 3)
-    rows = re.findall(SORTED, sort(tmp_path, 2, 100), re.M)
+    check_sorting((EXAMPLES / "sorting" / log).read_text(), 3)
+    rows = re.findall(
+        SORTED, sort(tmp_path, (1, 2), 2, {2: 100, 3: 25}[dimension], dimension), re.M
+    )
     assert [row[:2] for row in rows] == [
         (name, seed) for name in ("unequal", "equal") for seed in "12"
     ]
@@ -159,11 +169,12 @@ def test_sorting_begins(tmp_path: Path) -> None:
     assert np.array(rows)[:, 2:4].astype(float) == pytest.approx(0.5, abs=0.2)
 
 
-def test_page_of_sorting_has_the_numbers_of_its_log() -> None:
+def test_page_of_sorting_has_the_numbers_of_its_logs() -> None:
     folder = EXAMPLES / "sorting"
-    log, page = ((folder / name).read_text() for name in ("sorting.log", "README.md"))
+    page = (folder / "README.md").read_text()
+    logs = "".join((folder / log).read_text() for log in ("sorting.log", "sorting_3d.log"))
     found = re.findall(r"^\| (\w+) \| (\d) \| (\S+) \| (\S+) \| (\S+) \| (\S+) \|$", page, re.M)
-    assert found == re.findall(SORTED, log, re.M)
+    assert found == re.findall(SORTED, logs, re.M)
 
 
 WORK = (
@@ -321,3 +332,59 @@ def test_page_of_wetting_has_the_numbers_of_its_log() -> None:
         blocks((folder / "wetting.log").read_text()),
     )
     assert (of_page(page) == falls[:, :5]).all()
+
+
+def emulsion_rows(printed: str) -> dict[str, dict[str, np.ndarray]]:
+    """Of each adhesion: packing fraction, contacts, pressure, modulus, beyond, by state."""
+    rows: dict[str, dict[str, list[list[float]]]] = {}
+    for line in printed.splitlines()[1:]:
+        w = line.split()[0]
+        state, values = re.findall(r"^\S+  (\D+?) +(\S.*)$", line)[0]
+        rows.setdefault(w, {}).setdefault(state, []).append([float(v) for v in values.split()])
+    return {w: {name: np.array(v) for name, v in of.items()} for w, of in rows.items()}
+
+
+def check_adhesive_emulsion(printed: str) -> None:
+    rows = emulsion_rows(printed)
+    strong = sorted(w for w in rows if float(w) > 0)
+    assert strong
+    assert min(rows) == "0.00"
+    dense = [rows[w]["jammed"][0] for w in sorted(rows)]
+    # films pull droplets together: density, contacts and modulus at rest rise with the adhesion
+    for column in (0, 1, 3):
+        assert (np.diff([row[column] for row in dense]) > 0).all()
+    for w in strong:
+        for state in ("jammed", "let go"):
+            assert rows[w][state][0, 2] == pytest.approx(0.0, abs=5e-5)
+        gel, compacted = rows[w]["gel"][0], rows[w]["compacted"]
+        assert gel[0] == pytest.approx(0.25, abs=1e-3)
+        assert abs(gel[2]) < 1e-3
+        assert (np.diff(compacted[:, 1]) > 0).all()
+        assert compacted[-1, 2] > 10 * abs(gel[2])
+        # what was compacted stays denser than it was as a gel, and stiffer
+        assert 0.6 < rows[w]["let go"][0, 0] < compacted[-1, 0] + 0.05
+        # films take a part of the pressure that droplets without films have
+        assert compacted[-1, 2] < rows["0.00"]["compacted"][-1, 2]
+
+
+def test_adhesive_emulsion(tmp_path: Path) -> None:
+    """Packings at no pressure are denser with more adhesion, and gels bear a load."""
+    pytest.importorskip("matplotlib")
+    folder = EXAMPLES / "adhesive_emulsion"
+    check_adhesive_emulsion((folder / "adhesive_emulsion.log").read_text())
+    smaller = {"ADHESIONS": (0.0, 0.1), "PHI": (0.4, 0.6, 0.7, 0.8)}
+    part_of(folder / "adhesive_emulsion.py", tmp_path, **smaller)
+    command = ("python", "adhesive_emulsion.py", "--number", "40")
+    check_adhesive_emulsion(text(*command, cwd=tmp_path))
+    assert (tmp_path / "adhesive_emulsion.png").stat().st_size > 10_000
+
+
+def test_page_of_adhesive_emulsion_has_the_numbers_of_its_log() -> None:
+    folder = EXAMPLES / "adhesive_emulsion"
+    page = (folder / "README.md").read_text()
+    rows = emulsion_rows((folder / "adhesive_emulsion.log").read_text())
+    at_rest = [
+        [float(w), *of["jammed"][0, [0, 1, 3]], *of["let go"][0, [0, 1, 3]]]
+        for w, of in rows.items()
+    ]
+    assert of_page(page).tolist() == at_rest

@@ -1,31 +1,54 @@
-"""Cells of two kinds sort themselves: those that stick more gather, the others surround them."""
+"""Cells of two kinds sort themselves: those that stick more gather, the others surround them.
+
+python sorting.py                  in the plane
+python sorting.py --dimension 3    in space
+"""
+
+import argparse
+from typing import NamedTuple
 
 import lammps_deformable as ld
 import matplotlib.pyplot as plt
 import numpy as np
 
 COHESIVE, WEAK = 0, 1  # the two kinds, half of the cells each
-CASES = {  # adhesions over the tension
-    "unequal": [[0.2, 0.05], [0.05, 0.02]],
-    "equal": [[0.1, 0.1], [0.1, 0.1]],
+
+
+class Scene(NamedTuple):
+    """Cells of radius 0.5 and tension 1 in a round container, in a heat bath."""
+
+    unequal: float  # adhesion of two cohesive cells; of equal cells all have 0.1
+    number: int
+    phi: float  # of the container
+    temperature: float
+    timestep: float
+
+    def law(self, name):
+        strong = self.unequal
+        adhesion = 0.1 if name == "equal" else [[strong, 0.05], [0.05, 0.02]]
+        if self is SCENES[3]:
+            return ld.Droplet(1.0, adhesion=adhesion)
+        return ld.Ring(kA=20.0, kP=0.0, tension=1.0, contact="curved", adhesion=adhesion)
+
+
+SCENES = {
+    2: Scene(unequal=0.2, number=60, phi=0.6, temperature=0.015, timestep=0.02),
+    3: Scene(unequal=0.15, number=100, phi=0.45, temperature=0.003, timestep=0.1),
 }
-NUMBER = 60
-PHI = 0.6  # of the round container
 SEEDS = (1, 2, 3)
-ROUNDS, STEPS = 30, 1000
-TIMESTEP = 0.02
-TEMPERATURE, FRICTION = 0.015, 0.3
+ROUNDS, STEPS = 30, {2: 1000, 3: 300}
+FRICTION = 0.3
 
 
-def mixture(seed):
-    """Cells of radius 0.5 at random positions, where they do not overlap, in a round container."""
+def mixture(scene, dimension, seed):
+    """Cells at random positions, where they do not overlap."""
     rng = np.random.default_rng(seed)
-    container = ld.Sphere(np.sqrt(0.25 * NUMBER / PHI), (0, 0))
-    distance = (container.radius - 0.5) * np.sqrt(rng.uniform(size=NUMBER))
-    angle = rng.uniform(0, 2 * np.pi, NUMBER)
-    place = np.column_stack([distance * np.cos(angle), distance * np.sin(angle)])
-    kinds = np.arange(NUMBER) % 2
-    cells = ld.Packing(place, 0.5, np.eye(2), species=kinds, walls=[container])
+    container = ld.Sphere(0.5 * (scene.number / scene.phi) ** (1 / dimension), (0,) * dimension)
+    distance = (container.radius - 0.5) * rng.uniform(size=scene.number) ** (1 / dimension)
+    place = rng.normal(size=(scene.number, dimension))
+    place *= (distance / np.linalg.norm(place, axis=1))[:, None]
+    kinds = np.arange(scene.number) % 2
+    cells = ld.Packing(place, 0.5, np.eye(dimension), species=kinds, walls=[container])
     return cells.push_off()
 
 
@@ -38,36 +61,40 @@ def unlike(state):
 
 def distance(state, kind):
     """Mean distance of the cells of a kind from the center of the container."""
-    return np.hypot(*state.packing.positions[state.packing.species == kind].T).mean()
+    return np.linalg.norm(state.packing.positions[state.packing.species == kind], axis=1).mean()
 
 
-def sort(adhesion, seed):
+def sort(name, dimension, seed):
     """The first state, and those of its motion in a heat bath."""
-    law = ld.Ring(kA=20.0, kP=0.0, tension=1.0, contact="curved", adhesion=adhesion)
-    with ld.Simulation(mixture(seed), law) as sim:
+    scene = SCENES[dimension]
+    with ld.Simulation(mixture(scene, dimension, seed), scene.law(name)) as sim:
         yield sim.state()
         yield from sim.run(
-            ROUNDS * STEPS,
-            timestep=TIMESTEP,
-            temperature=TEMPERATURE,
+            ROUNDS * STEPS[dimension],
+            timestep=scene.timestep,
+            temperature=scene.temperature,
             drag=FRICTION,
-            every=STEPS,
+            every=STEPS[dimension],
             seed=seed,
+            balance=1e-6,
         )[1:]
 
 
 def draw(state, axes, name):
-    """A picture colored by kind: the cohesive cells are dark."""
-    state.plot(axes, title=f"{name}, t = {state.time:.0f}", colorbar=False)
-    axes.collections[0].set(array=state.packing.species, cmap="Blues_r", clim=(-0.6, 1.4))
+    """A picture colored by kind: cohesive cells are dark. In space it is a cut in the middle."""
+    cut = 0.0 if state.packing.dimension == 3 else None
+    title = f"{name}, t = {state.time:.0f}"
+    kinds = state.packing.species + 0.01  # no whole numbers, which have other colors
+    look = {"cmap": "Blues_r", "vmin": -0.6, "vmax": 1.4, "colorbar": False}
+    state.plot(axes, color=kinds, title=title, slice=cut, **look)
 
 
-def main():
+def main(dimension, stem):
     figure = plt.figure(figsize=(8.4, 5.8), layout="constrained")
     top, bottom = figure.subfigures(2, 1)
     pictures, (films, places) = top.subplots(1, 3), bottom.subplots(1, 2)
-    for row, (name, adhesion) in enumerate(CASES.items()):
-        runs = [list(sort(adhesion, seed)) for seed in SEEDS]
+    for row, name in enumerate(("unequal", "equal")):
+        runs = [list(sort(name, dimension, seed)) for seed in SEEDS]
         times = [state.time for state in runs[0]]
         parts = np.array([[unlike(state) for state in run] for run in runs])
         inside, outside = (
@@ -79,7 +106,8 @@ def main():
             print(
                 f"{name:7}  seed {seed}  "
                 f"unlike films {parts[n, 1]:.2f} to {parts[n, late].mean():.2f}  "
-                f"distances {inside[n, late].mean():.2f} and {outside[n, late].mean():.2f}"
+                f"distances {inside[n, late].mean():.2f} and {outside[n, late].mean():.2f}",
+                flush=True,
             )
         films.plot(times, parts.mean(axis=0), label=name)
         for values, style in ((inside, "-"), (outside, "--")):
@@ -89,11 +117,17 @@ def main():
         if row == 0:
             draw(runs[0][0], pictures[0], name)
     films.set(xlabel="time", ylabel="unlike films", ylim=(0, 0.7))
-    places.set(xlabel="time", ylabel="distance from the center", ylim=(2.2, None))
+    low, high = places.get_ylim()
+    places.set(
+        xlabel="time", ylabel="distance from the center", ylim=(low - 0.4 * (high - low), high)
+    )
     films.legend(frameon=False)
     places.legend(fontsize=7, loc="lower left", ncols=2, frameon=False)
-    figure.savefig("sorting.png", dpi=72, pil_kwargs={"optimize": True})
+    figure.savefig(f"{stem}.png", dpi=72, pil_kwargs={"optimize": True})
 
 
 if __name__ == "__main__":
-    main()
+    options = argparse.ArgumentParser()
+    options.add_argument("--dimension", type=int, default=2, choices=SCENES)
+    dimension = options.parse_args().dimension
+    main(dimension, {2: "sorting", 3: "sorting_3d"}[dimension])

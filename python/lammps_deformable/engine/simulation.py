@@ -17,7 +17,7 @@ from ..formats.store import Motion
 from ..particles import containers
 from ..particles.friction import Friction
 from ..particles.gravity import as_gravity, check_held
-from ..particles.laws import AnyLaw, Droplet, Ring, Sector, SoftContact
+from ..particles.laws import AnyLaw, Droplet, Ring, Sector, SoftContact, sticks
 from ..particles.packing import Packing, refuse_crushed
 from ..particles.polygons import DeformablePolygon, Walls
 from ..particles.walls import Wall
@@ -77,6 +77,9 @@ _ENGINES: dict[type, type] = {
     SoftContact: SoftParticles,
     DeformablePolygon: PolygonBeads,
 }
+
+# Films bear a pull of about w R^(d - 2). This part of it replaces a smaller mean contact force.
+_PULL = 0.01
 
 
 class Simulation(OneCall):
@@ -1147,6 +1150,15 @@ class Simulation(OneCall):
             return sim.state().residual <= BALANCED and not sim.engine.loose
 
 
+def _least_pull(sim: Simulation) -> float:
+    """What the mean force of films counts as at least: a part of w R^(d - 2) [energy/length].
+
+    The films of a floppy gel bear nothing at rest, and no force is small beside that.
+    """
+    adhesion = max(float(np.max(sim.law.adhesion)), *(wall.adhesion for wall in sim._walls), 0.0)
+    return _PULL * adhesion * float(sim._facet ** ((sim.dimension - 2) / (sim.dimension - 1)))
+
+
 def relax_above(
     sim: Simulation,
     tolerance: float | None = None,
@@ -1165,6 +1177,8 @@ def relax_above(
     if sim.gravity is not None and not has_other_fixes(sim.lmp, sim.engine.setup):
         species = gather(sim.lmp, "type", 1).astype(np.int64) - 1
         check_held(sim.gravity, species, sim._walls)
+    if isinstance(sim.law, Ring | Droplet) and sticks(sim.law, sim._walls):
+        least = max(least, _least_pull(sim))
     if pressure is not None:
         least = max(least, pressure * sim._facet)
         return relax_free_box(

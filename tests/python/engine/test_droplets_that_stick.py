@@ -128,3 +128,18 @@ def test_what_does_not_know_films(tmp_path: Path) -> None:
     some = ld.Droplet((1.0, 1.0), adhesion=((0.0, 0.1), (0.1, 0.0)))
     with pytest.raises(ld.ParameterError, match="give each pair an adhesion, or none"):
         ld.compare(ld.crystal("fcc", 1, phi=0.75), law=some)
+
+
+def test_a_floppy_gel_comes_to_rest() -> None:
+    """Its films bear nothing, so that its forces are small beside their largest pull only."""
+    start = ld.bidisperse(60, sizes=(0.9, 1.1), phi=0.25, dimension=3, seed=1).push_off()
+    with ld.Simulation(start, ld.Droplet(adhesion=0.05)) as sim:
+        sim.run(500, temperature=0.005, drag=0.3, seed=1)
+        state = sim.relax(1e-4)
+        assert state.converged
+        assert state.minimizer == "lbfgs"
+        assert len(state.films) > 20
+        assert np.abs(state.contacts["force"]).max() < 1e-3 * 0.05
+        state = sim.compress(phi=0.35, tolerance=1e-4)[-1]
+    assert state.converged
+    assert state.iterations < 1000
