@@ -143,6 +143,7 @@ def changed(node: ast.expr) -> list[ast.expr]:
 def in_python(file: Path) -> list[tuple[int, str, list[str]]]:
     """Nodes of functions, not of annotations and texts."""
     source = file.read_text()
+    assert source.isascii(), "columns count bytes"
     starts = [0]
     for line in source.splitlines(keepends=True):
         starts.append(starts[-1] + len(line))
@@ -158,9 +159,8 @@ def in_python(file: Path) -> list[tuple[int, str, list[str]]]:
                 if name in ("annotation", "returns", "decorator_list"):
                     continue
                 if isinstance(each, ast.expr) and changed(each):
-                    old = ast.get_source_segment(source, each)
                     at = starts[each.lineno - 1] + each.col_offset
-                    assert source[at : at + len(old)] == old, "columns count bytes"
+                    old = source[at : starts[each.end_lineno - 1] + each.end_col_offset]
                     found.append((at, old, [ast.unparse(other) for other in changed(each)]))
                 walk(each)
 
