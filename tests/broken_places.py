@@ -127,7 +127,10 @@ def results_of(
             end("=".join(chosen))
             file.write("\n[gw0] FAILED and the rest, which does not end\n")
     each = r"^\[gw\d+\].* (PASSED|FAILED|ERROR) (.+?) *$"
-    told = re.findall(each, said.read_text(), re.MULTILINE)
+    whole_file = r"^(ERROR) (\S+\.py)(?: - .*)?$"  # which cannot be imported
+    told = [
+        found for line in (each, whole_file) for found in re.findall(line, said.read_text(), re.M)
+    ]
     failed = {test for result, test in told if result != "PASSED"}
     return sorted(failed), len({test for _, test in told})
 
