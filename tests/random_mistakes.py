@@ -20,7 +20,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from broken_places import ROOT, TESTS, build, results_of
+from broken_places import PLACES, ROOT, TESTS, build, files_of, results_of
 
 SWITCH = """#pragma once
 #include <cstdlib>
@@ -213,22 +213,24 @@ def with_choices(source: Path, mistakes: dict[int, Mistake]) -> None:
         file.write_text('#include "mistake.h"\n' + file.read_text())
 
 
-def folders_of(mistake: Mistake) -> list[str]:
-    """Tests of its folder."""
+def tests_of(mistake: Mistake) -> list[list[str]]:
+    """Those of the broken places of its file first, then those of its folder."""
+    patterns = [place[-1] for place in PLACES if mistake.file.endswith(f"/{place[1]}")]
     room = re.match(r"python/lammps_deformable/(\w+)/", mistake.file)
     own = [f"python/{room[1]}"] if room and (TESTS / "python" / room[1]).is_dir() else []
     folder = next(folder for folder in FOLDERS if mistake.file.startswith(folder))
-    return [*own, *FOLDERS[folder]]
+    groups = [files_of(" ".join(patterns)), own, *([each] for each in FOLDERS[folder])]
+    return [group for group in groups if group]
 
 
-def first_that_fails(package: Path, number: int, folders: list[str], into: Path) -> str:
+def first_that_fails(package: Path, number: int, groups: list[list[str]], into: Path) -> str:
     """The first test that notices the mistake, and passes without it; empty if none does."""
     said, without = into / f"{number}.txt", ("MISTAKE", "0")
     words = ["-n", "2", "--maxfail", "1", "--dist", "loadfile", "--no-loadscope-reorder"]
-    for folder in folders:
+    for group in groups:
         while True:
             chosen = ("MISTAKE", str(number))
-            failed, _ = results_of(package, chosen, (*words, folder), said, LIMIT)
+            failed, _ = results_of(package, chosen, (*words, *group), said, LIMIT)
             if not failed:
                 break
             file = failed[0].partition("::")[0]
@@ -287,6 +289,6 @@ if __name__ == "__main__":
     rows = read_rows(mistakes)
     for number, each in mistakes.items():
         if not rows[number]["noticed by"]:
-            rows[number]["noticed by"] = first_that_fails(package, number, folders_of(each), into)
+            rows[number]["noticed by"] = first_that_fails(package, number, tests_of(each), into)
             write(rows)
             print(number, each.file, rows[number]["noticed by"] or "noticed by none", flush=True)
