@@ -238,7 +238,7 @@ def first_that_fails(package: Path, number: int, groups: list[list[str]], into: 
                 return failed[0]
             if not results_of(package, without, ("-n", "1", failed[0]), into / "0.txt", LIMIT)[0]:
                 return failed[0]
-            words += ["--deselect", failed[0]]
+            words += ["--deselect", f"tests/{failed[0]}"]
     return ""
 
 
