@@ -1,6 +1,6 @@
 """How many mistakes that nobody chose the fast tests notice: drawn in the C++ and in the Python.
 
-    .venv/bin/python tests/random_mistakes.py build/mistakes --seed 1 --without 4 9
+    .venv/bin/python tests/random_mistakes.py build/mistakes --without 2 10 13
 
 An expression is drawn first, each as likely as any other, and then a mistake in it: another sign,
 operator or comparison, min for max, a constant 1 % or an index one larger, a term less, arguments

@@ -77,7 +77,7 @@ def test_emulsion(tmp_path: Path) -> None:
 
     Contacts may be left that bear no more than the tolerance, 5e-14 N: some 1e-5 Pa.
     """
-    log = run("An emulsion in SI units", tmp_path, ranks=2)
+    log = run("An emulsion in SI units", tmp_path)
     found = dict(re.findall(r"^phi = (\S+): (\S+) Pa", log, re.MULTILINE))
     pressure = [float(value) for value in found.values()]
     assert max(pressure[:2]) < 1e-3
