@@ -97,7 +97,10 @@ def of_a_step() -> str:
     for law in ("balanced", "curved"):
         ratios = [row["ratio_to_disks"] for row in select(rows, law=law)]
         told.append(f"{min(ratios):.0f} to {max(ratios):.0f}")
-    return f"A time step costs {told[0]} steps of soft disks, with the exact law {told[1]}."
+    return (
+        f"A time step of the default law takes {told[0]} times as long as one of soft disks in "
+        f"LAMMPS, of the exact law {told[1]} times."
+    )
 
 
 def memory() -> str:

@@ -106,11 +106,31 @@ def test_hexagon(tree):
     assert relaxed == exact == pytest.approx(k**2 * 0.05**4 / 2, rel=1e-11)
 
 
-def test_hexagon_log_is_up_to_date():
-    """The committed log has all commands of the input script."""
-    log = (ROOT / "examples" / "hexagon" / "log.hexagon").read_text()
-    for line in (ROOT / "examples" / "hexagon" / "in.hexagon").read_text().splitlines():
+def committed(name):
+    """The page of an example, and its log."""
+    folder = ROOT / "examples" / name
+    return (folder / "README.md").read_text(), (folder / f"log.{name}").read_text()
+
+
+@pytest.mark.parametrize("name", ["hexagon", "hopper"])
+def test_logs_are_up_to_date(name):
+    """They have all commands of the input scripts."""
+    _, log = committed(name)
+    for line in (ROOT / "examples" / name / f"in.{name}").read_text().splitlines():
         assert line.rstrip(" &") in log
+
+
+def test_pages_have_the_numbers_of_their_logs():
+    page, log = committed("hexagon")
+    rows = [line.split() for line in log.splitlines() if re.match(r"\s+\d+\s+0\.0[15] ", line)]
+    for _, a, *found in rows:
+        assert f"| {a} | {' | '.join(found[:4])} |" in page
+    page, log = committed("hopper")
+    steps = {int(row[0]): row for row in numbers(log, r"\s+\d+0000 ") if len(row) == 6}
+    shown = re.findall(r"^\| (\d+) \| (\d+) \| ([\d.]+) \|", page, re.MULTILINE)
+    assert [
+        (n, f"{steps[int(n)][4]:.0f}", f"{-steps[int(n)][5] / 0.021 + 0:.3f}") for n, *_ in shown
+    ] == shown
 
 
 def test_pillar(tree):

@@ -1,91 +1,114 @@
-"""Two droplets that stick: at rest, pushed together and pulled apart; and a drop on a wall."""
+"""Droplets that stick: doublets and chains at rest, pushed together and pulled apart."""
 
 import lammps_deformable as ld
 import matplotlib.pyplot as plt
 import numpy as np
 
 RADIUS = TENSION = 1.0
-BOX = (8.0, 8.0, 8.0)
-ADHESIONS = (0.05, 0.1, 0.2, 0.3, 0.4)
+ANGLES = (0.1, 0.3, 0.5, 0.7)  # between a film and the free surface
+NUMBERS = (2, 3, 6)  # droplets of a chain
 STEP = 0.001  # of the distance [R]
-CLOSEST, FARTHEST = 1.7, 2.2
+SHALLOW, FARTHEST = 0.1, 2.3  # of distances, from so much below that at rest [R]
+COLORS = plt.get_cmap("viridis")(np.linspace(0.0, 0.8, len(ANGLES)))
 
 
-def two(distance: float) -> ld.Packing:
-    """Droplets with their centers at this distance."""
-    return ld.Packing([[3.0, 4.0, 4.0], [3.0 + distance, 4.0, 4.0]], RADIUS, BOX)
+def adhesion(angle: float) -> float:
+    """Of droplets that meet at this angle with their film, of the tension 2 T cos(angle)."""
+    return float(2.0 * TENSION * (1.0 - np.cos(angle)))
 
 
-def truncated(cosine: float) -> float:
-    """Radius over R of a ball that has the volume of a droplet after a cap is cut off."""
-    cap = (1.0 - cosine) ** 2 * (2.0 + cosine) / 4.0
-    return float((1.0 - cap) ** (-1.0 / 3.0))
+def row(number: int, distance: float) -> ld.Packing:
+    """Droplets in a row along x, with their centers at this distance."""
+    x = 2.0 + distance * np.arange(number)
+    positions = np.column_stack([x, np.full((number, 2), 4.0)])
+    return ld.Packing(positions, RADIUS, (2.0 * number + 4.0, 8.0, 8.0))
 
 
-print("   w  angle   distance  closed form     energy  closed form")
-for w in ADHESIONS:
-    with ld.Simulation(two(1.95), ld.Droplet(TENSION, adhesion=w)) as sim:
-        rest = sim.relax()
-    cosine = 1.0 - w / (2.0 * TENSION)
-    ball = truncated(cosine)
-    row, energy = rest.contacts[0], 8.0 * np.pi * (1.0 / ball - 1.0)
-    print(
-        f"{w:.2f} {row['contact_angle']:6.3f} {row['distance']:10.5f} {2.0 * ball * cosine:12.5f}"
-        f" {rest.energy:10.5f} {energy:12.5f}"
+def truncated(angle: float, films: int) -> float:
+    """Radius over R of a ball that has the volume of a droplet after its caps are cut off."""
+    cap = (1.0 - np.cos(angle)) ** 2 * (2.0 + np.cos(angle)) / 4.0
+    return float((1.0 - films * cap) ** (-1.0 / 3.0))
+
+
+def rest(number: int, angle: float) -> tuple[float, float]:
+    """Length and energy of a row whose droplets are balls without caps: 1 at the ends, 2 inside."""
+    balls = np.array(
+        [truncated(angle, 1), *[truncated(angle, 2)] * (number - 2), truncated(angle, 1)]
     )
+    length = np.cos(angle) * np.sum(balls[1:] + balls[:-1])
+    return float(length), float(4.0 * np.pi * np.sum(1.0 / balls - 1.0))
 
-together = np.arange(FARTHEST, CLOSEST, -STEP)
-path = np.append(together, together[::-1])
-print("\n   w  largest pull  at distance  energy at touch  where torn  work of a cycle")
-curves = {}
-for w in ADHESIONS[1::2]:
-    with ld.Simulation(two(path[0]), ld.Droplet(TENSION, adhesion=w)) as sim:
+
+def show_rest() -> None:
+    print("angle      w  droplets    length  closed form     energy  closed form")
+    for angle in ANGLES:
+        for number in NUMBERS:
+            law = ld.Droplet(TENSION, adhesion=adhesion(angle))
+            with ld.Simulation(row(number, 1.95), law) as sim:
+                state = sim.relax()
+            x = state.packing.positions[:, 0]
+            length, energy = rest(number, angle)
+            print(
+                f"{angle:5.1f} {adhesion(angle):6.4f} {number:9d} {np.ptp(x):9.5f} {length:12.5f}"
+                f" {state.energy:10.5f} {energy:12.5f}"
+            )
+
+
+def cycle(films: int, angle: float) -> np.ndarray:
+    """Distance of neighbors, force and energy of a droplet, pushed together and pulled apart.
+
+    Of a doublet, where each droplet has 1 film, or of a row without ends, where it has 2.
+    """
+    number = 2 * films
+    nearest = 2.0 * truncated(angle, films) * np.cos(angle) - SHALLOW
+    steps = round((FARTHEST - nearest) / STEP)
+    start = row(number, FARTHEST)
+    if films == 2:
+        start = start.replace(box=(number * FARTHEST, 8.0, 8.0))
+    found = []
+    with ld.Simulation(start, ld.Droplet(TENSION, adhesion=adhesion(angle))) as sim:
         sim.lmp.command("group second id 2")
-        force, energy = [], []
-        for step in np.append(0.0, np.diff(path)):
-            sim.lmp.command(f"displace_atoms second move {step:.9f} 0 0 units box")
+        for distance, move in zip(
+            FARTHEST - STEP * np.append(np.arange(steps), np.arange(steps, -1, -1)),
+            np.repeat([0.0, -STEP, STEP], [1, steps, steps]),
+            strict=True,
+        ):
+            if films == 1:
+                sim.lmp.command(f"displace_atoms second move {move:.9f} 0 0 units box")
+            else:
+                sim.deform(np.diag([number * distance, 8.0, 8.0]))
             state = sim.state()
-            force.append(float(state.contacts["force"][0]) if len(state.contacts) else 0.0)
-            energy.append(state.energy)
-    curves[w] = force
-    at = int(np.argmin(force))
-    touch = int(np.flatnonzero(force)[0])
-    work = -float(np.sum(0.5 * np.diff(path) * (np.array(force[1:]) + np.array(force[:-1]))))
-    print(
-        f"{w:.2f} {-force[at]:13.4f} {path[at]:12.3f} {energy[touch]:16.4f} {energy[at]:11.4f}"
-        f" {work:16.4f}"
-    )
+            forces = state.contacts["force"]
+            force = float(forces[0]) if len(forces) else 0.0
+            found.append((distance, force, state.energy / number))
+    return np.transpose(found)
 
-print("\n   w  angle   height  closed form   film  closed form")
-films = []
-for w in (0.05, 0.1, 0.15, 0.2):
-    floor = ld.Plane((0, 0, 1), (0, 0, 1), adhesion=w)
-    lid = ld.Plane((0, 0, 7), (0, 0, -1))
-    drop = ld.Packing([[4.0, 4.0, 1.97]], RADIUS, BOX, walls=(floor, lid))
-    with ld.Simulation(drop, ld.Droplet(TENSION)) as sim:
-        row = sim.relax().contacts[0]
-    cosine = 1.0 - w / TENSION
-    ball, sine = truncated(cosine), np.sqrt(1.0 - cosine**2)
-    films.append((row["contact_angle"], row["facet_radius"]))
-    print(
-        f"{w:.2f} {row['contact_angle']:6.3f} {row['distance']:8.5f} {ball * cosine:12.5f}"
-        f" {row['facet_radius']:6.4f} {ball * sine:12.4f}"
-    )
 
-figure, (left, right) = plt.subplots(1, 2, figsize=(9.0, 3.6), layout="constrained")
-for n, (w, force) in enumerate(curves.items()):
-    for part, style in ((slice(0, len(together)), ":"), (slice(len(together), None), "-")):
-        left.plot(
-            path[part], force[part], style, color=f"C{n}", label=f"w = {w}"[: 9 * (style == "-")]
-        )
-left.axhline(0.0, color="0.6", linewidth=0.8)
-left.set(
-    xlabel="distance of centers [R]", ylabel="force [γR]", title="pushed (dotted), pulled apart"
-)
-left.legend()
-angle = np.linspace(0.0, 0.9, 100)
-right.plot(angle, [truncated(np.cos(each)) * np.sin(each) for each in angle], label="cut sphere")
-right.plot(*zip(*films, strict=True), "o", label="droplet on a wall")
-right.set(xlabel="contact angle", ylabel="radius of the film [R]", title="a drop on a wall")
-right.legend()
-figure.savefig("doublet.png", dpi=120)
+def main() -> None:
+    show_rest()
+    figure, panels = plt.subplots(1, 2, figsize=(9.0, 3.6), sharey=True, layout="constrained")
+    print("\nfilms  angle     touch    energy    least  distance    energy    jumps      work")
+    for films, axes in zip((1, 2), panels, strict=True):
+        for angle, color in zip(ANGLES, COLORS, strict=True):
+            distance, force, energy = cycle(films, angle)
+            middle = len(force) // 2
+            touch, torn = int(np.flatnonzero(force)[0]), int(np.flatnonzero(force)[-1])
+            # of a droplet: half of each of its films
+            work = -0.5 * films * np.trapezoid(force, distance)
+            print(
+                f"{films:5d} {angle:6.1f} {force[touch]:9.4f} {energy[touch]:9.5f}"
+                f" {force[torn]:8.4f} {distance[torn]:9.4f} {energy[torn]:9.5f}"
+                f" {energy[torn] - energy[touch]:8.5f} {work:9.5f}"
+            )
+            for part, style in ((slice(0, middle), ":"), (slice(middle, None), "-")):
+                label = f"θ = {angle}" if style == "-" else None
+                axes.plot(distance[part], force[part], style, color=color, label=label)
+        axes.axhline(0.0, color="0.6", linewidth=0.8, zorder=0)
+        axes.set(xlabel="distance of centers [R]", title=("doublet", "row without ends")[films - 1])
+    panels[0].set(ylabel="force [γR]")
+    panels[1].legend(frameon=False)
+    figure.savefig("doublet.png", dpi=100)
+
+
+if __name__ == "__main__":
+    main()

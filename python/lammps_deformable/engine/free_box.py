@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..common.checks import positive, shown
 from ..common.errors import LammpsError, ParameterError, UnjammedWarning, collected, warn
-from ..particles.laws import excess_phi, natural_pressure, root
+from ..particles.laws import excess_phi, natural_pressure, root, sticks
 from ..particles.polygons import DeformablePolygon
 from ..particles.walls import kind_of
 
@@ -21,7 +21,8 @@ if TYPE_CHECKING:
     from ..state.state import State
     from .simulation import Simulation
 
-# A target is reached when the value differs by at most this part.
+# A target is reached when the value differs by at most this part, the pressure 0 when it is this
+# part of the natural one.
 REACHED = {"phi": 1e-9, "pressure": 1e-6}
 
 # Relaxations of one search, of which some four to eight are needed; those near the target that may
@@ -47,29 +48,31 @@ def reach(sim: Simulation, name: str, target: float, relax: Callable[[], State])
     phi itself, or for a pressure phi - phi_J as `excess_phi` has it: dy/dc is near 1 from the
     start. A step is at most 0.02 long, and a step back half as long as the one before, so that a
     packing that rearranges does not lead to and fro. Nothing but the packing counts: a search that
-    begins at the same one gives the same.
+    begins at the same one gives the same. Particles that stick have pressures of either sign and no
+    onset: there y is the pressure over the natural one.
 
     Args:
         sim: ends in the state that is returned.
         name: `phi` or `pressure`.
-        target: of the state, above 0.
+        target: of the state, above 0; the pressure of particles that stick may be 0.
         relax: relaxes `sim` in its box.
 
     Raises:
         ParameterError: it cannot be reached; the message has what was.
     """
     state = relax()
+    scale = _scale(target, state)
     y, slope, last, stalls = _ordinate(name, getattr(state, name), state), 1.0, 0.0, 0
     goal = _ordinate(name, target, state)
     for _ in range(_RELAXATIONS):
         found = getattr(state, name)
-        if abs(found - target) <= REACHED[name] * target:
+        if abs(found - target) <= REACHED[name] * scale:
             return state
         stalls = stalls + 1 if not state.converged and abs(last) < _LONGEST else 0
         if stalls == STALLS:
             raise _unreached(name, target, state, STALLED)
         change = (goal - y) / slope
-        if name == "pressure" and found <= 0.0:
+        if name == "pressure" and found <= 0.0 and not _stick(state):
             change = max(goal, 2.0 * last)  # nothing tells how far the onset is
         longest = min(_LONGEST, abs(last) / 2.0 if change * last < 0.0 else np.inf)
         change = float(np.clip(change, -longest, longest))
@@ -80,7 +83,7 @@ def reach(sim: Simulation, name: str, target: float, relax: Callable[[], State])
         except LammpsError as error:
             raise _unreached(name, target, state, str(error)) from None
         before, y, last = y, _ordinate(name, getattr(state, name), state), change
-        if before > 0.0 and (y - before) * change > 0.0:
+        if (before > 0.0 or _stick(state)) and (y - before) * change > 0.0:
             slope = float(np.clip((y - before) / change, _FLATTEST, _STEEPEST))
     raise _unreached(name, target, state, f"{_RELAXATIONS} relaxations were not enough")
 
@@ -90,7 +93,18 @@ def _ordinate(name: str, value: float, state: State) -> float:
     if name == "phi":
         return value
     packing, law = state.packing, state.law
-    return excess_phi(value / natural_pressure(packing, law), packing, law)
+    natural = value / natural_pressure(packing, law)
+    return natural if _stick(state) else excess_phi(natural, packing, law)
+
+
+def _scale(target: float, state: State) -> float:
+    """Beside which a difference from a target counts: the target, or of 0 the natural pressure."""
+    return target or natural_pressure(state.packing, state.law)
+
+
+def _stick(state: State) -> bool:
+    """Whether particles stick, so that films may pull the box together."""
+    return sticks(state.law, state.packing.walls)
 
 
 def _unreached(name: str, target: float, state: State, why: str) -> UnreachedError:
@@ -153,18 +167,19 @@ def check_free(
     free: str,
     walls: tuple[Wall, ...],
     pressure: float | None,
-    law: object,
+    law: Any,
     friction: Friction | None = None,
 ) -> None:
     """Refuse what cannot be free, and a pressure that cannot be.
 
     Raises:
         ParameterError: there is no such word, or walls cannot follow; or the pressure is missing or
-            not above 0.
+            not above 0, or 0 of particles that do not stick.
     """
     if pressure is not None:
-        positive("pressure", pressure)
         refuse_polygons(law)
+        if pressure != 0.0 or not sticks(law, walls):
+            positive("pressure", pressure)
         if friction:
             raise ParameterError(
                 "with friction a packing depends on its way to a pressure, and relax goes to and "
@@ -193,7 +208,7 @@ def relax_free_box(
 
     Args:
         sim: ends in the state that is returned.
-        pressure: p, above 0 [energy/length^d].
+        pressure: p, 0 or above [energy/length^d].
         free: what is free, see `FREE`.
         relax: relaxes `sim` in its box.
 
@@ -244,7 +259,7 @@ def _stress_free(
         state, part = _downhill(strained, slopes_of, step, float(np.sum(slopes * step)))
         longest = (2.0 if part == 1.0 else part) * _length(step)
         inverse = _updated(inverse, part * step, slopes_of(state) - slopes)
-        if state.pressure < _LOST * pressure:
+        if pressure and state.pressure < _LOST * pressure:
             state = reach(sim, "pressure", pressure, relax)
         slopes = slopes_of(state)
     return state
@@ -275,9 +290,9 @@ def _downhill(
 
 
 def _slopes(state: State, pressure: float, free: int) -> Floats:
-    """Derivatives of the enthalpy by the free strains, over p A, shape (free,)."""
-    dimension = len(state.pressure_tensor)
-    excess = state.pressure_tensor / pressure - np.eye(dimension)
+    """Derivatives of the enthalpy by the free strains, over `_scale` p and A, shape (free,)."""
+    dimension, scale = len(state.pressure_tensor), _scale(pressure, state)
+    excess = state.pressure_tensor / scale - pressure / scale * np.eye(dimension)
     return -excess[_components(dimension)][:free]
 
 
@@ -304,7 +319,7 @@ def _first_inverse(state: State, pressure: float, free: int) -> tuple[Floats, fl
     Source: O'Hern, Silbert, Liu, Nagel, Phys. Rev. E 68, 011306 (2003).
     """
     packing, law = state.packing, state.law
-    x = excess_phi(pressure / natural_pressure(packing, law), packing, law)
+    x = excess_phi(_scale(pressure, state) / natural_pressure(packing, law), packing, law)
     bulk = state.phi / x
     shear = bulk * float(np.sqrt(x))
     dimension = packing.dimension

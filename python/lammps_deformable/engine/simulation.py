@@ -1060,7 +1060,8 @@ class Simulation(OneCall):
                 1e-6 if not given, 1e-3 for polygons of beads. In a loose packing the mean contact
                 force only falls.
             pressure: of the state, of droplets the osmotic one; the box is free to reach it, to
-                1e-6 [energy/length^d].
+                1e-6 of it [energy/length^d]. It may be 0 where particles stick, to 1e-6
+                tension/radius.
             free: what is free at a pressure: `iso` the size of the box alone, `aniso` its sides,
                 or `tri` the shape, which ends without shear stress.
             max_steps: of the minimizer at most, as a patience; without it ends by itself where

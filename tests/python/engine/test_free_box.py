@@ -159,6 +159,27 @@ def test_particles_that_stick() -> None:
     assert np.abs(excess(state, 0.03)).max() <= 1e-6
 
 
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_particles_that_stick_rest_without_pressure(dimension: int) -> None:
+    """Films pull the box together until its stress is 0, from pressures of either sign."""
+    law: ld.Ring | ld.Droplet = ld.Droplet(adhesion=0.1)
+    if dimension == 2:
+        law = ld.Ring(kA=math.inf, kP=0.0, tension=1.0, contact="curved", adhesion=0.1)
+    start = ld.jam(ld.bidisperse(24, dimension=dimension, seed=1), ld.SoftContact()).packing
+    unit = 1e-6 / start.radii.mean()
+    found = []
+    for phi in (start.phi + 0.01, start.phi + 0.1):
+        with ld.Simulation(start.at(phi), law) as sim:
+            begin = sim.relax(1e-5)
+            found.append(begin.pressure)
+            state = sim.relax(1e-5, pressure=0.0)
+            assert abs(state.pressure) <= 2.0 * unit
+            assert state.energy < begin.energy
+            state = sim.relax(1e-5, pressure=0.0, free="tri")
+            assert np.abs(state.pressure_tensor).max() <= 2.0 * unit
+    assert min(found) < -100.0 * unit
+
+
 def test_nonsense_is_refused(jammed: ld.Packing) -> None:
     with ld.Simulation(jammed, ld.Ring()) as sim:
         for given, message in (
