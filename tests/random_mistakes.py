@@ -5,9 +5,10 @@
 An expression is drawn first, each as likely as any other, and then a mistake in it: another sign,
 operator or comparison, min for max, a constant 1 % or an index one larger, a term less, arguments
 that are swapped. The package is built once with all of them; the environment variable MISTAKE
-chooses. The tests of its folder run until one fails. Results go into data/random_mistakes.csv; its
-column `judged` is written by hand, and what is noticed does not run again. Draws that do not
-compile are left out by number.
+chooses. The tests of the broken places of its file, then those of its folder run until one fails.
+Results go into data/random_mistakes.csv; its column `judged` is written by hand, and what is
+noticed does not run again. Draws that do not compile are left out by number. They follow from the
+seed and the sources: those of the table are of commit f09dc453.
 """
 
 import argparse

@@ -293,7 +293,7 @@ def test_python_snippets_of_the_guide(tmp_path):
         script = tmp_path / page.stem / "script.py"
         script.parent.mkdir()
         script.write_text("\n".join(snippets(page, "python")))
-    run(tmp_path, "python", "-c", GUIDE)
+    output("python", "-c", GUIDE, cwd=tmp_path, timeout=900, **ENVIRONMENT)
 
 
 def test_lammps_snippet(tmp_path):

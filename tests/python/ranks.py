@@ -28,4 +28,4 @@ def launch(
     """A python script under mpiexec, if a number of ranks is given, in the care of a module."""
     (cwd / "script.py").write_text(script)
     care = ("-m", module) if ranks else ()
-    return program("python", *care, "script.py", cwd=cwd, ranks=ranks or 0)
+    return program("python", *care, "script.py", cwd=cwd, ranks=ranks or 0, timeout=120)

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from ranks import here, python
+from ranks import python
 
 # what a script has seen is the same on all ranks
 SEEN = """
@@ -135,41 +135,28 @@ SCENES = {
 }
 
 
-ALL = """
-import os
-for name, script in {}.items():
-    os.makedirs(name, exist_ok=True)
-    os.chdir(name)
-    exec(script, {{}})
-    os.chdir("..")
-"""
-
-
-@pytest.fixture(scope="module")
-def shared(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, Any]]:
-    """A folder with one of each scene, and what two ranks have seen there, one after the other."""
-    folder = tmp_path_factory.mktemp("shared")
-    scripts = {name: SEEN.format(script) for name, (script, *_) in SCENES.items()}
-    said = python(ALL.format(scripts), folder, ranks=2).splitlines()
-    return folder, dict(zip(SCENES, map(json.loads, said), strict=True))
+def here(script: str) -> dict[str, Any]:
+    """What a script has found in this process, which is one rank."""
+    found: dict[str, Any] = {}
+    exec(script, found)
+    return found
 
 
 @pytest.mark.parametrize("name", SCENES)
 def test_two_ranks_give_the_serial_answer(
-    name: str,
-    shared: tuple[Path, dict[str, Any]],
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     script, rel, rounding = SCENES[name]
-    others, seen = shared
-    monkeypatch.chdir(tmp_path)
-    serial = json.loads(here(SEEN.format(script)))
+    for folder in ("1", "2"):
+        (tmp_path / folder).mkdir()
+    monkeypatch.chdir(tmp_path / "1")
+    serial = here(SEEN.format(script))["seen"]
+    shared = json.loads(python(SEEN.format(script), tmp_path / "2", ranks=2))
     if "record" in script:
-        for folder in (tmp_path, others / name):
-            text = (folder / "run" / "trajectory.lammpstrj").read_text()
+        for folder in ("1", "2"):
+            text = (tmp_path / folder / "run" / "trajectory.lammpstrj").read_text()
             assert text.count("ITEM: TIMESTEP") == 3
-    assert seen[name] == pytest.approx(serial, rel=rel, abs=rounding)
+    assert shared == pytest.approx(serial, rel=rel, abs=rounding)
 
 
 FARM = """
