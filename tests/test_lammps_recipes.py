@@ -91,13 +91,12 @@ def test_oscillation(tmp_path: Path) -> None:
     assert 0 < loss[-1] < 0.3 * storage[-1]
 
 
-@pytest.mark.parametrize("ranks", [0, 2])
-def test_emulsion(tmp_path: Path, ranks: int) -> None:
+def test_emulsion(tmp_path: Path) -> None:
     """No pressure below random close packing; then that of the study, in the units of the page.
 
     Contacts may be left that bear no more than the tolerance, 5e-14 N: some 1e-5 Pa.
     """
-    log = run("An emulsion in SI units", tmp_path, ranks)
+    log = run("An emulsion in SI units", tmp_path)
     found = dict(re.findall(r"^phi = (\S+): (\S+) Pa", log, re.MULTILINE))
     pressure = [float(value) for value in found.values()]
     assert max(pressure[:2]) < 1e-3
