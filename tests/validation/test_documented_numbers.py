@@ -1,6 +1,8 @@
 """Tables of README.md and of docs have the numbers of validation/report/report.json."""
 
-from validation.report.documented import REPORT, ROOT
+import re
+
+from validation.report.documented import REPORT, ROOT, of_balanced
 
 
 def test_errors_fall_with_the_stiffness_and_grow_with_the_indentation():
@@ -13,6 +15,14 @@ def test_errors_fall_with_the_stiffness_and_grow_with_the_indentation():
         found = {row["a_over_R"]: row["I_sector"] for row in rows if row["kL"] == kL}
         rising = [found[a] for a in sorted(found) if a < 0.0455]
         assert rising == sorted(rising), kL
+
+
+def test_other_places_say_the_same_of_balanced():
+    """The law's docstring, and the page of its lines."""
+    at_most = re.search(r"is right to ([\d.]+ %) in energy", of_balanced())[1]
+    for place in ("python/lammps_deformable/particles/laws.py", "docs/theory/lines.md"):
+        text = " ".join((ROOT / place).read_text().split())
+        assert f"right to {at_most} from 1 to 3 % strain" in text
 
 
 def test_readme_is_read_in_a_minute():
