@@ -30,7 +30,7 @@ BUDGETS = {
     "docs/fix_deformable_wall.md": 1690,
     "docs/fix_deformable_friction.md": 1480,
 }
-USUAL, GUIDE, ALL = 1400, 920, 69_000
+USUAL, GUIDE, ALL = 1400, 920, 69_100
 
 # How the code came to be is in the git log. What nobody has read is no source.
 BANNED = (
