@@ -172,9 +172,15 @@ def test_sorting_begins(dimension: int, log: str, tmp_path: Path) -> None:
 def test_page_of_sorting_has_the_numbers_of_its_logs() -> None:
     folder = EXAMPLES / "sorting"
     page = (folder / "README.md").read_text()
-    logs = "".join((folder / log).read_text() for log in ("sorting.log", "sorting_3d.log"))
+    log, space = ((folder / name).read_text() for name in ("sorting.log", "sorting_3d.log"))
     found = re.findall(r"^\| (\w+) \| (\d) \| (\S+) \| (\S+) \| (\S+) \| (\S+) \|$", page, re.M)
-    assert found == re.findall(SORTED, logs, re.M)
+    assert found == re.findall(SORTED, log, re.M)
+    rows = re.findall(SORTED, space, re.M)
+    later = {
+        name: sorted(row[3] for row in rows if row[0] == name) for name in ("unequal", "equal")
+    }
+    for values in later.values():
+        assert f"{values[0]} to {values[-1]}" in " ".join(page.split())
 
 
 WORK = (
