@@ -7,7 +7,8 @@ variable DEFORMABLE_TUNING, src/solver/tuning.h). All versions have the same pos
 and take turns of ten steps in one process, so that a machine whose speed drifts does not favor one.
 A row has the median of the ratios of their processor times, without a device over with it, half of
 the distance between the quartiles, and the mean evaluations of a force call in both. Rings are
-those of loop_time.py (phi = 0.90, reach 0.1), droplets those of droplet.py (phi = 0.75).
+those of loop_time.py (phi = 0.90, reach 0.1, at rest by their law), droplets those of droplet.py
+(phi = 0.75).
 """
 
 from __future__ import annotations
@@ -55,7 +56,9 @@ def cells(folder: Path, laws: Iterable[str]) -> None:
         (folder / space).mkdir()
     if set(laws) - IN_SPACE:
         (folder / "plane" / "species").write_text(loop_time.SPECIES)
-        loop_time.relaxed_cell(folder / "plane")
+        data = loop_time.relaxed_cell(folder / "plane")
+        for law in set(laws) - IN_SPACE:
+            loop_time.at_rest(data, law)
     if set(laws) & IN_SPACE:
         droplet.relax_cell(folder / "space")
 
@@ -66,10 +69,10 @@ def start(folder: Path, law: str, motion: str, n: int, tuning: str = "") -> lamm
     space = "space" if law in IN_SPACE else "plane"
     temperature, dt = MOTIONS[space][motion]
     if space == "space":
-        lmp, data = droplet.start(), "cell"
+        lmp, data = droplet.start(), f"{law}s"
         style = droplet.droplets(folder / space) if law == "droplet" else droplet.SPHERES
     else:
-        lmp, data = loop_time.start(), "cell.data"
+        lmp, data = loop_time.start(), "cell.data" if law == "disk" else f"{law}.data"
         style = loop_time.styles(folder / space / "species")[law] + "\nneighbor 0.2 bin\n"
     replicate = " ".join(map(str, TIMES[space][n]))
     lmp.commands_string(

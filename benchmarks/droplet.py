@@ -2,12 +2,12 @@
 
     python benchmarks/droplet.py [--out benchmarks/results/droplet.json] [--sizes 1000 8000 100000]
 
-A cell of 1000 droplets of two sizes (1 : 1.2) at phi = 0.75 is relaxed and replicated. Droplets
-(`deformable/droplet`) and soft spheres (`harmonic/cut`) have a process each with the same
-positions, and run a few steps in turn, so that a machine whose speed drifts does not favor one. A
-row has nanoseconds per particle and step, the median of the ratios of processor times, and the mean
-number of iterations of a force call. Runs of 8000 droplets on one and two ranks follow each other:
-their rows have the time that passes.
+A cell of 1000 droplets of two sizes (1 : 1.2) at phi = 0.75 is relaxed, as droplets and as spheres
+from these places, and replicated. Droplets (`deformable/droplet`) and soft spheres (`harmonic/cut`)
+have a process each, and run a few steps in turn, so that a machine whose speed drifts does not
+favor one. A row has nanoseconds per particle and step, the median of the ratios of processor times,
+and the mean number of iterations of a force call. Runs of 8000 droplets on one and two ranks follow
+each other: their rows have the time that passes.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ def start() -> Any:
 
 
 def relax_cell(folder: Path) -> None:
-    """Soft spheres from random positions, then droplets; no droplets are harder than these."""
+    """Files `droplets` and `spheres`, each at rest by its own law. No droplets are harder."""
     (folder / "species").write_text(SPECIES)
     lmp = start()
     lmp.commands_string(
@@ -60,7 +60,8 @@ def relax_cell(folder: Path) -> None:
         f"create_atoms 1 random {CELL // 2} 1 box\ncreate_atoms 2 random {CELL // 2} 2 box\n"
         f"{SPHERES}min_style cg\nminimize 0 1e-6 1000 5000\n{droplets(folder)}"
         "timestep 0.1\nmin_style fire\nmin_modify dmax 0.02\nminimize 0 1e-5 3000 10000\n"
-        f"write_data {folder}/cell nocoeff"
+        f"write_data {folder}/droplets nocoeff\n{SPHERES}min_modify dmax 0.1\n"
+        f"minimize 0 1e-8 20000 40000\nwrite_data {folder}/spheres nocoeff"
     )
 
 
@@ -69,7 +70,7 @@ def move(folder: Path, style: str, n: int, motion: str) -> None:
     lmp = start()
     commands = droplets(folder) if style == "droplets" else SPHERES
     lmp.commands_string(
-        f"read_data {folder}/cell\nreplicate {' '.join(map(str, TIMES[n]))}\n{commands}"
+        f"read_data {folder}/{style}\nreplicate {' '.join(map(str, TIMES[n]))}\n{commands}"
         f"velocity all create {MOTIONS[motion]!r} 1 loop geom\nfix nve all nve\n"
         f"timestep {TIMESTEP!r}\nthermo 0\nrun {FIRST} post no"
     )

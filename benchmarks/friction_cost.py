@@ -2,12 +2,12 @@
 
     python benchmarks/friction_cost.py [--out benchmarks/results/friction_cost.json]
 
-A packing at phi = 0.90 (bidisperse, 1:1.4, relaxed as soft disks) moves from random velocities,
-with spins and with each style in turn: LAMMPS' `granular` (hooke, linear_history) and
-`gran/hooke/history`, and the ring laws without and with the fix, in slow motion (temperature 1e-7)
-and in a fast one (1e-5). `instructions` of a particle and step are Valgrind's, with AVX2: they do
-not depend on how busy the machine is. `over_granular` are those over `granular`. The plugin must
-have been compiled for all processors.
+A packing at phi = 0.90 (bidisperse, 1:1.4, relaxed as soft disks, and by the ring laws where these
+move it) moves from random velocities, with spins and with each style in turn: LAMMPS' `granular`
+(hooke, linear_history) and `gran/hooke/history`, and the ring laws without and with the fix, in
+slow motion (temperature 1e-7) and in a fast one (1e-5). `instructions` of a particle and step are
+Valgrind's, with AVX2: they do not depend on how busy the machine is. `over_granular` are those over
+`granular`. The plugin must have been compiled for all processors.
 """
 
 from __future__ import annotations
@@ -60,6 +60,7 @@ thermo 100000
 run {steps}
 """
 HOOKE = "hooke 1.0 0.1 tangential linear_history 0.5 0.1 0.5 damping velocity"
+AT_REST = "min_style deformable/lbfgs\nminimize 0 1e-10 2000 4000\nreset_timestep 0"
 FRICTION = "fix rub all deformable/friction 0.5 0.5 0.1 damp 0.1"
 
 
@@ -72,7 +73,7 @@ def styles(folder: str) -> dict[str, str]:
     }
     for law in ("radical", "balanced", "curved"):
         ring = f"pair_style deformable/ring contact {law}\npair_coeff * * {folder}/species small "
-        own[law] = ring + "large"
+        own[law] = f"{ring}large\n{AT_REST}"
         own[f"{law}, friction"] = f"{own[law]}\n{FRICTION}"
     return own
 

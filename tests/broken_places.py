@@ -22,6 +22,7 @@ import re
 import shutil
 import signal
 import subprocess
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
 
@@ -60,8 +61,8 @@ def with_switches(source: Path) -> None:
         file.write_text(text)
 
 
-def build(folder: Path) -> Path:
-    """The folder with the package."""
+def build(folder: Path, change: Callable[[Path], None], *options: str) -> Path:
+    """The folder with the package, built from a copy of the source that is changed first."""
     package, source = folder / "package", folder / "source"
     if package.exists():
         return package
@@ -70,11 +71,13 @@ def build(folder: Path) -> Path:
     for file in listed.splitlines():
         (source / file).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy2(ROOT / file, source / file)
-    with_switches(source)
+    change(source)
+    words = ("-q", "--no-build-isolation", "--no-deps", "-w", folder, source, *options)
     for_tests = ("-C", "cmake.define.DEFORMABLE_FOR_TESTS=ON")
-    options = ("-q", "--no-build-isolation", "--no-deps", *for_tests, "-w", folder, source)
     path = f"{BIN}:{os.environ['PATH']}"
-    done = program("python", "-m", "pip", "wheel", *options, cwd=folder, PATH=path, timeout=3600)
+    done = program(
+        *("python", "-m", "pip", "wheel", *words, *for_tests), cwd=folder, PATH=path, timeout=3600
+    )
     assert done.returncode == 0, done.stderr
     shutil.unpack_archive(next(folder.glob("*.whl")), package, "zip")
     return package
@@ -90,35 +93,52 @@ def files_of(patterns: str) -> list[str]:
     return list(found)
 
 
-def end(number: int) -> None:
-    """The tests of this place, and what they have started, which may have left their session."""
+def end(variable: str) -> None:
+    """Tests with this variable, and what they have started, which may have left their session."""
     for process in Path("/proc").glob("[0-9]*"):
         with suppress(OSError):  # it has ended, or is another user's
-            if f"BROKEN_PLACE={number}\0".encode() in (process / "environ").read_bytes():
+            if f"{variable}\0".encode() in (process / "environ").read_bytes():
                 os.kill(int(process.name), signal.SIGKILL)
 
 
-def noticed(package: Path, number: int, said: Path) -> tuple[list[str], int]:
-    """Which tests notice the place, of how many. Tests that wait for ever are one."""
-    words = ("-v", "-n", "1", "-m", "not slow", "--tb=line", *files_of(PLACES[number - 1][-1]))
-    broken = {"PYTHONPATH": str(package), "BROKEN_PLACE": str(number)}
+def results_of(
+    package: Path, chosen: tuple[str, str], words: Sequence[str], said: Path, limit: float
+) -> tuple[list[str], int]:
+    """Which fast tests fail, of how many, with a variable that chooses what is broken.
+
+    Args:
+        package: where it was built.
+        chosen: the variable and its value.
+        words: for pytest.
+        said: a file for what pytest prints.
+        limit: seconds; tests that wait for ever are one.
+    """
     with said.open("w") as file:
         run = subprocess.Popen(
-            [str(BIN / "python"), "-m", "pytest", *words],
+            [str(BIN / "python"), "-m", "pytest", "-v", "-m", "not slow", "--tb=line", *words],
             cwd=TESTS,
-            env=os.environ | PATIENT | broken,
+            env=os.environ | PATIENT | {"PYTHONPATH": str(package), chosen[0]: chosen[1]},
             stdout=file,
             stderr=subprocess.STDOUT,
         )
         try:
-            run.wait(LIMIT)
+            run.wait(limit)
         except subprocess.TimeoutExpired:
-            end(number)
+            end("=".join(chosen))
             file.write("\n[gw0] FAILED and the rest, which does not end\n")
     each = r"^\[gw\d+\].* (PASSED|FAILED|ERROR) (.+?) *$"
-    told = re.findall(each, said.read_text(), re.MULTILINE)
-    broken_ones = {test for result, test in told if result != "PASSED"}
-    return sorted(broken_ones), len({test for _, test in told})
+    whole_file = r"^(ERROR) (\S+\.py)(?: - .*)?$"  # which cannot be imported
+    told = [
+        found for line in (each, whole_file) for found in re.findall(line, said.read_text(), re.M)
+    ]
+    failed = {test for result, test in told if result != "PASSED"}
+    return sorted(failed), len({test for _, test in told})
+
+
+def noticed(package: Path, number: int, said: Path) -> tuple[list[str], int]:
+    """Which tests of its subject notice the place, of how many."""
+    words = ("-n", "1", *files_of(PLACES[number - 1][-1]))
+    return results_of(package, ("BROKEN_PLACE", str(number)), words, said, LIMIT)
 
 
 def write_results(results: dict[int, tuple[list[str], int]]) -> None:
@@ -190,7 +210,7 @@ if __name__ == "__main__":
         words.error(f"places have the numbers 1 to {len(PLACES)}")
     into = given.folder.resolve()
     into.mkdir(parents=True, exist_ok=True)
-    package, results = build(into), {}
+    package, results = build(into, with_switches), {}
     for number in numbers:
         results[number] = noticed(package, number, into / f"{number}.txt")
         write_results({number: results[number]})  # what is done stays, if it is interrupted

@@ -6,7 +6,10 @@ from math import pi, sqrt
 from pathlib import Path
 
 import lammps_deformable as ld
+import numpy as np
 import pytest
+from lammps_deformable.engine.relax import balance
+from lammps_deformable.particles import laws
 
 ROOT = Path(__file__).parents[1]
 
@@ -31,7 +34,7 @@ def test_defaults() -> None:
     droplet = f"{droplets:.0e}".replace("e-0", "e-")
     assert f"balance = {droplet} 1000" in page("docs/pair_deformable_droplet.md")
     assert f"of droplets in space {droplet}" in page("docs/units.md")
-    assert f"in space to {droplet}" in page("docs/guide/motion.md")
+    assert f"in space (3D) to {droplet}" in page("docs/guide/motion.md")
     assert f"is *contact {ld.Ring().contact}* with *reach* {reach}" in page("CHANGELOG.md")
 
 
@@ -92,13 +95,13 @@ def test_each_style_has_a_page_and_is_in_the_lists() -> None:
 
 
 def test_the_readme_has_lines_of_the_whole_input() -> None:
-    text = (ROOT / "README.md").read_text().partition("## From LAMMPS")[2].partition("##")[0]
+    text = (ROOT / "README.md").read_text().partition("## In LAMMPS")[2].partition("\n## ")[0]
     lines = [" ".join(line.split()) for line in text.splitlines() if line.startswith("    ")]
     whole = [
         " ".join(line.split()) for line in (ROOT / "docs" / "start.md").read_text().splitlines()
     ]
     assert len(lines) > 6
-    assert [line for line in lines[1:] if line not in whole] == []
+    assert [line for line in lines if line not in whole and line[0] != "#"] == []
 
 
 def test_calls_that_lbfgs_saves() -> None:
@@ -136,3 +139,49 @@ def test_examples_name_species_of_their_file() -> None:
                 assert set(words.split()) <= {*known, "NULL"}, path
                 found += 1
     assert found > 5
+
+
+def test_the_default_time_step() -> None:
+    """Of a state, and the longest one that Python accepts."""
+    said = page("docs/units.md")
+    plane, space = map(
+        float,
+        re.search(r"takes ([\d.]+) sqrt\(m/p\) in the plane and ([\d.]+) sqrt", said).groups(),
+    )
+    unstable = float(re.search(r"Ring without tension .*? \| ([\d.]+) sqrt\(m/p\) \| the", said)[1])
+    assert "above five times these: in the plane a quarter of what is unstable" in said
+    assert steps(laws.ACCURATE) == pytest.approx((plane, space), rel=0.02)
+    longest = steps(1.0)
+    assert longest == pytest.approx((5 * plane, 5 * space), rel=0.02)
+    assert longest[0] == pytest.approx(unstable / 4, rel=0.2)
+
+
+def steps(part: float) -> tuple[float, float]:
+    """A part of the longest steps, in the plane at p = 1, in space at a tension of 1."""
+    flat, round_ = ld.Packing([[1, 1]], 0.5, (4, 4)), ld.Packing([[1, 1, 1]], 0.5, (4, 4, 4))
+    return (
+        part * laws.longest_step(flat, ld.Ring(), 1.0, 0.0),
+        part * laws.longest_step(round_, ld.Droplet(), 0.0, 0.0),
+    )
+
+
+def test_errors_of_forces() -> None:
+    """By the default imbalance, beside one at rounding."""
+    assert "Relative errors of forces are up to ten times *tol*" in page("docs/limits.md")
+    jammed = ld.jam(ld.bidisperse(64, seed=1)).packing
+    dense = jammed.at(jammed.phi + 0.1)
+    forces = []
+    for tolerance in (1e-8, 1e-13):
+        with ld.Simulation(dense, ld.Ring(kA=np.inf, kP=0, tension=1)) as sim:
+            balance(sim, dense, tolerance)
+            forces.append(sim.state().contacts["force"])
+    found, exact = forces
+    assert 1e-8 < abs(found - exact).max() / exact.max() < 1e-7
+
+
+def test_public_attributes_of_a_state_have_a_place() -> None:
+    """In the guide, or among the attributes of its docstring."""
+    guide = " ".join(path.read_text() for path in (ROOT / "docs" / "guide").glob("*.md"))
+    said = set(re.findall(r"\w+", guide + ld.State.__doc__))
+    former = {"to_surface_evolver"}  # of 0.1.0: now `export`
+    assert {name for name in dir(ld.State) if name[0] != "_"} - said == former

@@ -106,11 +106,31 @@ def test_hexagon(tree):
     assert relaxed == exact == pytest.approx(k**2 * 0.05**4 / 2, rel=1e-11)
 
 
-def test_hexagon_log_is_up_to_date():
-    """The committed log has all commands of the input script."""
-    log = (ROOT / "examples" / "hexagon" / "log.hexagon").read_text()
-    for line in (ROOT / "examples" / "hexagon" / "in.hexagon").read_text().splitlines():
+def committed(name):
+    """The page of an example, and its log."""
+    folder = ROOT / "examples" / name
+    return (folder / "README.md").read_text(), (folder / f"log.{name}").read_text()
+
+
+@pytest.mark.parametrize("name", ["hexagon", "hopper"])
+def test_logs_are_up_to_date(name):
+    """They have all commands of the input scripts."""
+    _, log = committed(name)
+    for line in (ROOT / "examples" / name / f"in.{name}").read_text().splitlines():
         assert line.rstrip(" &") in log
+
+
+def test_pages_have_the_numbers_of_their_logs():
+    page, log = committed("hexagon")
+    rows = [line.split() for line in log.splitlines() if re.match(r"\s+\d+\s+0\.0[15] ", line)]
+    for _, a, *found in rows:
+        assert f"| {a} | {' | '.join(found[:4])} |" in page
+    page, log = committed("hopper")
+    steps = {int(row[0]): row for row in numbers(log, r"\s+\d+0000 ") if len(row) == 6}
+    shown = re.findall(r"^\| (\d+) \| (\d+) \| ([\d.]+) \|", page, re.MULTILINE)
+    assert [
+        (n, f"{steps[int(n)][4]:.0f}", f"{-steps[int(n)][5] / 0.021 + 0:.3f}") for n, *_ in shown
+    ] == shown
 
 
 def test_pillar(tree):
@@ -252,24 +272,43 @@ def snippets(page, language):
     return re.findall(rf"```{language}\n(.*?)```", text, re.DOTALL)
 
 
-GUIDE = sorted(path.relative_to(ROOT).as_posix() for path in ROOT.glob("docs/guide/*.md"))
-
-
-@pytest.mark.parametrize("page", ["README.md", *GUIDE])
-def test_python_snippets(page, tmp_path):
-    """All snippets of a page, one after the other."""
-    (tmp_path / "script.py").write_text("\n".join(snippets(page, "python")))
+def test_python_snippets_of_the_readme(tmp_path):
+    (tmp_path / "script.py").write_text("\n".join(snippets("README.md", "python")))
     output = run(tmp_path, "python", "script.py")
-    if page == "README.md":
-        assert (tmp_path / "packing.png").stat().st_size > 10_000
-        assert f"`{output.strip()}`" in (ROOT / page).read_text()
+    assert (tmp_path / "packing.png").stat().st_size > 10_000
+    assert f"`{output.strip()}`" in (ROOT / "README.md").read_text()
+
+
+GUIDE = """
+import os, pathlib, runpy
+for script in sorted(pathlib.Path.cwd().glob("*/script.py")):
+    os.chdir(script.parent)
+    runpy.run_path(str(script), run_name="__main__")
+"""
+
+
+def test_python_snippets_of_the_guide(tmp_path):
+    """All snippets of a page, one after the other; pages by one process, which imports once."""
+    for page in ROOT.glob("docs/guide/*.md"):
+        script = tmp_path / page.stem / "script.py"
+        script.parent.mkdir()
+        script.write_text("\n".join(snippets(page, "python")))
+    output("python", "-c", GUIDE, cwd=tmp_path, timeout=900, **ENVIRONMENT)
+
+
+def test_the_first_script_runs_twice(tmp_path):
+    (script,) = snippets("docs/start.md", "python")
+    (tmp_path / "script.py").write_text(script)
+    first, second = (run(tmp_path, "python", "script.py") for _ in range(2))
+    assert first == second
+    assert "Warning" not in first
 
 
 def test_lammps_snippet(tmp_path):
     """In an empty folder, as after `pip install`."""
     (script,) = snippets("docs/start.md", "lammps")
-    (tmp_path / "in.bubbles").write_text(script)
-    log = run(tmp_path, "mpiexec", "-n", "2", "lmp", "-in", "in.bubbles")
+    (tmp_path / "in.soft").write_text(script)
+    log = run(tmp_path, "mpiexec", "-n", "2", "lmp", "-in", "in.soft")
     _, potential, kinetic, total, _ = table(log, ["Step", "PotEng", "KinEng"])
     assert len(total) == 11
     assert np.abs(total / total[0] - 1.0).max() < 1e-4
@@ -286,9 +325,9 @@ def test_contacts_snippet(tmp_path):
         snippets(page, "lammps") for page in ("docs/start.md", "docs/compute_deformable_contact.md")
     )
     script = re.sub(r"thermo_style.*\n", lambda _: lines, script)
-    (tmp_path / "in.bubbles").write_text(script)
+    (tmp_path / "in.soft").write_text(script)
     _, _, largest, length = table(
-        run(tmp_path, "lmp", "-in", "in.bubbles"), ["Step", "PotEng", "c_largest"]
+        run(tmp_path, "lmp", "-in", "in.soft"), ["Step", "PotEng", "c_largest"]
     )
     assert len(length) == 11
     assert 0.0 < length.min() < length.max() < 1.0

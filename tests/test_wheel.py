@@ -126,8 +126,8 @@ def test_the_wheel_in_a_new_environment_without_a_compiler(dist, pythons, tmp_pa
 
     page = (ROOT / "docs" / "start.md").read_text()
     (script,) = re.findall(r"```lammps\n(.*?)```", page, re.DOTALL)
-    (tmp_path / "in.bubbles").write_text(script)
-    assert "Loop time" in run("lmp", "-in", "in.bubbles")
+    (tmp_path / "in.soft").write_text(script)
+    assert "Loop time" in run("lmp", "-in", "in.soft")
     run("deformable", "info")
     run("deformable", "jam", "--number", "16", "--seed", "1", "--out", "jam")
     assert (tmp_path / "jam" / "summary.json").is_file()

@@ -20,7 +20,7 @@ PAGES = sorted(path for folder in FOLDERS for path in ROOT.glob(f"{folder}/*.md"
 
 # Words of a page at most; of those without a number, of the guide, and of all together.
 BUDGETS = {
-    "README.md": 550,
+    "README.md": 690,
     "ARCHITECTURE.md": 2500,
     "CHANGELOG.md": 2200,
     "benchmarks/README.md": 2010,
@@ -32,9 +32,9 @@ BUDGETS = {
     "docs/theory/contacts.md": 1630,
     "docs/fix_deformable_wall.md": 1920,
     "docs/fix_deformable_friction.md": 1630,
-    "docs/cookbook.md": 1170,
+    "docs/cookbook.md": 1190,
 }
-USUAL, GUIDE, ALL = 1600, 1000, 75_800
+USUAL, GUIDE, ALL = 1600, 1000, 71_000
 
 # How the code came to be is in the git log. What nobody has read is no source.
 BANNED = (

@@ -116,7 +116,7 @@ struct PastArrays {
 struct PairArrays {
   const double *overlap;
   const float *stiffening;      // k
-  const int *first, *second;    // contacts of the pairs
+  const int *side[2];           // contacts of the pairs
   const double *indentation;    // by contact
   const float *compliance;
   const float *correction;    // of the force, by contact
@@ -183,7 +183,7 @@ struct LineArrays {
 // Films that stick, of pairs that may: contact_curve.h. The second contact of a wall does not exist.
 struct FilmArrays {
   const double *bend, *adhesion;           // w, 0 where a pair is free
-  const int *first, *second;               // contacts of the pairs
+  const int *side[2];                      // contacts of the pairs
   const int *ring[2];                      // rings of the pairs
   const double *pressure, *free_radius;    // by ring
   double *angle[2], *next_angle[2];        // tan(theta/2) of both sides

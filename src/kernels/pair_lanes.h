@@ -63,8 +63,8 @@ static bool locate_pairs(PairPlaces p, int begin, int end)
 template <class T, class Number, class Arrays>
 DEFORMABLE_LANE_FUNCTION T of_both(const Number *x, const Arrays &p, int k)
 {
-  return gather<T>(x, [&](int w) DEFORMABLE_LANE_LAMBDA { return p.first[k + w]; }) +
-         gather<T>(x, [&](int w) DEFORMABLE_LANE_LAMBDA { return p.second[k + w]; });
+  return gather<T>(x, [&](int w) DEFORMABLE_LANE_LAMBDA { return p.side[0][k + w]; }) +
+         gather<T>(x, [&](int w) DEFORMABLE_LANE_LAMBDA { return p.side[1][k + w]; });
 }
 
 // The imbalance of a pair, see DualSolver: r, 1/(C_i + C_j), k, and f beyond the least force.
@@ -176,7 +176,7 @@ static double take_step(PairArrays p, bool alone, int begin, int end)
     T change = ALONE * error;
     if (!alone) {
       const T correction =
-          gather<T>(p.correction, [&](int w) DEFORMABLE_LANE_LAMBDA { return p.first[k + w]; });
+          gather<T>(p.correction, [&](int w) DEFORMABLE_LANE_LAMBDA { return p.side[0][k + w]; });
       change = select(load<T>(p.weight + k) > 0.0, correction, error);
     }
     const T repulsion = select(r > 0.0, load<T>(p.stiffening + k) * r * r * r, T{});
@@ -491,8 +491,8 @@ static void take_films(FilmArrays p, int begin, int end)
         }
     };
     const T bend = load<T>(p.bend + k);
-    take(0, p.first, bend);
-    take(1, p.second, -bend);
+    take(0, p.side[0], bend);
+    take(1, p.side[1], -bend);
   });
 }
 

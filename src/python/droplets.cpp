@@ -42,7 +42,8 @@ struct Droplet {
     for (std::size_t c = 0; c < contacts; ++c) n[c] = {nx[c], ny[c], nz[c]};
     std::vector<Dual> forces(contacts);
     for (std::size_t c = 0; c < contacts; ++c) forces[c] = Dual::variable(f[c], c, contacts);
-    const LoadedDroplet<Dual> loaded(forces, n, std::vector<double>(contacts),
+    const std::vector<double> none(contacts);
+    const LoadedDroplet<Dual> loaded(forces, n, none, none,
                                      std::vector<std::array<Dual, 3>>(contacts));
     std::vector<double> matrix;
     for (const Dual &a : loaded.indentation)

@@ -58,9 +58,17 @@ enum DropletSideColumn {
   DROPLET_PART,
   DROPLET_FILM,
   DROPLET_FORCE,
+  DROPLET_ANGLE,
   DROPLET_WEIGHT,
   DROPLET_SIDE_COLUMNS = DROPLET_WEIGHT + 3
 };
+
+void require_angle(std::size_t side, double angle)
+{
+  if (!(angle >= 0.0 && angle <= MOST_FILM_ANGLE))
+    refuse("contact angle of side " + std::to_string(side) + " is " + std::to_string(angle) +
+           ", not between 0 and " + std::to_string(MOST_FILM_ANGLE));
+}
 
 // use(sides, radius, tension) of each droplet.
 template <class Use>
@@ -83,12 +91,15 @@ void for_droplets(nb::handle given_droplets, nb::handle given_sides, Use &&use)
             refuse("vector " + std::to_string(n) + " has no direction, which a contact needs");
           if (!std::all_of(s, s + DROPLET_SIDE_COLUMNS, [](double x) { return std::isfinite(x); }))
             refuse("side " + std::to_string(n) + " is not finite");
-          require_positive("force of side " + std::to_string(n), s[DROPLET_FORCE]);
+          require_angle(n, s[DROPLET_ANGLE]);
+          if (s[DROPLET_ANGLE] == 0.0)
+            require_positive("force of side " + std::to_string(n), s[DROPLET_FORCE]);
           of_droplet.push_back({{{s[0], s[1], s[2]}, s[DROPLET_TURN], {axis[0], axis[1], axis[2]}},
                                 s[DROPLET_OVERLAP],
                                 s[DROPLET_PART],
                                 s[DROPLET_FILM],
                                 s[DROPLET_FORCE],
+                                std::sin(s[DROPLET_ANGLE]),
                                 {w[0], w[1], w[2]}});
         }
         use(of_droplet, of[DROPLET_RADIUS], of[DROPLET_TENSION]);
@@ -103,6 +114,65 @@ nb::tuple droplet_blocks(nb::handle droplets, nb::handle sides)
                  add_droplet(of, radius, tension, blocks, facets);
                });
   return nb::make_tuple(blocks, entries_of(facets));
+}
+
+enum StretchedColumn { STRETCH = DROPLET_COLUMNS, PRESSURE, STRETCHED_COLUMNS };
+enum StretchSideColumn { STRETCH_FORCE, STRETCH_ANGLE, STRETCH_LEAN, STRETCH_SIDE_COLUMNS };
+
+EnergyBlocks stretch_blocks(nb::handle given_droplets, nb::handle given_sides)
+{
+  const Table droplets = table_of("droplets", given_droplets, STRETCHED_COLUMNS),
+              sides = table_of("sides", given_sides, STRETCH_SIDE_COLUMNS);
+  EnergyBlocks blocks;
+  std::vector<StretchSide> of_droplet;
+  for_particles(droplets, sides,
+                [&](std::size_t i, const double *of, std::size_t begin, std::size_t end) {
+                  const std::string name = " of droplet " + std::to_string(i);
+                  require_positive("radius" + name, of[DROPLET_RADIUS]);
+                  require_positive("tension" + name, of[DROPLET_TENSION]);
+                  require_positive("stretch" + name, of[STRETCH]);
+                  require_positive("pressure" + name, of[PRESSURE]);
+                  of_droplet.clear();
+                  for (std::size_t n = begin; n < end; ++n) {
+                    const double *const s = sides.data() + STRETCH_SIDE_COLUMNS * n;
+                    if (!std::isfinite(s[STRETCH_FORCE]))
+                      refuse("force of side " + std::to_string(n) + " is not finite");
+                    require_angle(n, s[STRETCH_ANGLE]);
+                    require_positive("lambda of side " + std::to_string(n), s[STRETCH_LEAN]);
+                    of_droplet.push_back({s[STRETCH_FORCE], s[STRETCH_ANGLE], s[STRETCH_LEAN]});
+                  }
+                  add_stretch(of_droplet, of[DROPLET_RADIUS], of[DROPLET_TENSION], of[STRETCH],
+                              of[PRESSURE], blocks);
+                });
+  return blocks;
+}
+
+enum CapColumn {
+  CAP_FORCE,
+  CAP_P_I,
+  CAP_P_J,
+  CAP_R_I,
+  CAP_R_J,
+  CAP_TENSION,
+  CAP_ANGLE,
+  CAP_COLUMNS
+};
+
+EnergyBlocks cap_blocks(nb::handle given)
+{
+  const Table films = table_of("films", given, CAP_COLUMNS);
+  EnergyBlocks blocks;
+  for (std::size_t n = 0; n < films.size() / CAP_COLUMNS; ++n) {
+    const double *const s = films.data() + CAP_COLUMNS * n;
+    for (int c = CAP_P_I; c <= CAP_TENSION; ++c)
+      require_positive("column " + std::to_string(c) + " of film " + std::to_string(n), s[c]);
+    if (!std::isfinite(s[CAP_FORCE]))
+      refuse("force of film " + std::to_string(n) + " is not finite");
+    require_angle(n, s[CAP_ANGLE]);
+    add_cap(s[CAP_FORCE], {s[CAP_P_I], s[CAP_P_J]}, {s[CAP_R_I], s[CAP_R_J]}, s[CAP_TENSION],
+            s[CAP_ANGLE], blocks);
+  }
+  return blocks;
 }
 
 auto facets_of_droplets(nb::handle droplets, nb::handle sides)
@@ -171,11 +241,12 @@ Parameters
 ----------
 droplets : array, shape (N, 3)
     Number of sides, radius [length] and tension [energy/length^2] of each droplet.
-sides : array, shape (S, 14)
+sides : array, shape (S, 15)
     Of each side v_x, v_y, v_z [length], turn [1/length] and axis (three numbers) of `disk_blocks`, the overlap o = R_i + R_j - |v|,
-    of a wall R_i - |v| [length], its part of it (1/2, of a wall 1), the logarithm ln(lambda) of its film, its force F > 0
-    [energy/length], and three numbers w: the second derivatives have the further term -g R^2 w.t, with the place R t of the facet
-    beside the line of centers. The sides of the first droplet come first.
+    of a wall R_i - |v| [length], its part of it (1/2, of a wall 1), the logarithm ln(lambda) of its facet without adhesion, its force
+    F [energy/length], which is positive where the angle is 0, the contact angle of a film that sticks [rad], and three numbers w: the
+    second derivatives have the further term -g R^2 w.t, with the place R t of the facet beside the line of centers. The sides of the
+    first droplet come first. Of droplets with films W is the part W_0 of the law; `stretch_blocks` has the other one.
 
 Returns
 -------
@@ -189,6 +260,55 @@ ValueError
     Tables that do not fit each other, values that are not positive or not finite.
 
 Source: docs/theory/response.md.)");
+
+  m.def("stretch_blocks", &stretch_blocks, "droplets"_a, "sides"_a,
+        R"(What films that stick add to the dual energy of droplets, and its derivatives.
+
+In units of R and g R, with the volume V0 = 4 pi/3, the contact angle theta and lambda of each film, minus
+
+    sum u(f, P lambda; theta) + P V0 (L^3 - 1) - (L - 1) sum (f - f^2/(8 pi)) - 4 pi (L^2 - 1)
+
+It is stationary in the pressure P and in the stretch L, the radius of the outline that goes on behind the films.
+
+Parameters
+----------
+droplets : array, shape (N, 5)
+    Number of sides, radius [length], tension [energy/length^2], L and P of each droplet.
+sides : array, shape (S, 3)
+    Of each side the force F [energy/length], the contact angle [rad], 0 without a film, and lambda of `film_angles`.
+
+Returns
+-------
+EnergyBlocks
+    The local variables are F of the sides of a droplet, then its L and P.
+
+Raises
+------
+ValueError
+    Tables that do not fit each other, values that are not positive or not finite, an angle above 1 rad.
+
+Source: src/laws/droplet_film.h.)");
+
+  m.def("cap_blocks", &cap_blocks, "films"_a,
+        R"(Minus the energy of `curved_film`, and its derivatives.
+
+Parameters
+----------
+films : array, shape (M, 7)
+    Of each film F [energy/length], P_i and P_j in units of g/R, R_i and R_j [length], the tension g [energy/length^2] and the contact
+    angle [rad].
+
+Returns
+-------
+EnergyBlocks
+    The local variables are F, P_i and P_j of each film.
+
+Raises
+------
+ValueError
+    Values that are not positive or not finite, an angle above 1 rad.
+
+Source: src/laws/droplet_film.h.)");
 
   m.def("droplet_facets", &facets_of_droplets, "droplets"_a, "sides"_a,
         R"(Where the facets of droplets are, and how much less films turn at large loads.

@@ -3,7 +3,7 @@
 #ifndef DEFORMABLE_DROPLET_BLOCKS_H
 #define DEFORMABLE_DROPLET_BLOCKS_H
 
-#include "laws/droplet.h"
+#include "laws/droplet_film.h"
 #include "response/dual.h"
 #include "response/energy_blocks.h"
 
@@ -16,7 +16,8 @@ namespace deformable {
 
 // A droplet between contacts, in units of R and g R: W(f, n) of droplet.h with a further term,
 //   W + sum f^2/(8 pi) film + sum_c weight_c.t_c,
-// its derivatives a by the forces, and by the normals, of which only the parts across them count.
+// its derivatives a by the forces, and by the normals, of which only the parts across them count. Where films have a sine, W is the W_0
+// of droplet_film.h.
 template <class T> struct LoadedDroplet {
   using Vector = std::array<T, 3>;
   T work, load, damping;
@@ -29,7 +30,8 @@ template <class T> struct LoadedDroplet {
   }
 
   LoadedDroplet(const std::vector<T> &f, const std::vector<Vector> &n,
-                const std::vector<double> &film, const std::vector<Vector> &weight)
+                const std::vector<double> &film, const std::vector<double> &sine,
+                const std::vector<Vector> &weight)
       : work(0.0),
         load(0.0),
         damping(0.0),
@@ -38,10 +40,15 @@ template <class T> struct LoadedDroplet {
         by_normal(f.size(), Vector{})
   {
     const std::size_t z = f.size();
-    T sum(0.0), squares(0.0), cubes(0.0);
+    T sum(0.0), squares(0.0), cubes(0.0), sum_of_e(0.0), squares_of_e(0.0);
+    bool sticks = false;
     Vector balance{};
     std::array<Vector, 3> Q{};
     for (std::size_t c = 0; c < z; ++c) {
+      const T e = f[c] + PI * (sine[c] * sine[c]);
+      sum_of_e += e;
+      squares_of_e += e * e;
+      sticks |= sine[c] > 0.0;
       sum += f[c];
       squares += f[c] * f[c];
       cubes += f[c] * f[c] * f[c];
@@ -52,8 +59,15 @@ template <class T> struct LoadedDroplet {
     }
     const T mean = (Q[0][0] + Q[1][1] + Q[2][2]) * (1.0 / 3.0);
     for (int a = 0; a < 3; ++a) Q[a][a] -= mean;
-    const DropletLoad<T> of(
-        sum, squares, [](const T &x) { return log(x); }, [](const T &x) { return exp(x); });
+    const auto of_log = [](const T &x) { return log(x); };
+    const auto of_exp = [](const T &x) { return exp(x); };
+    T tilt(0.0);
+    const DropletLoad<T> of = [&]() -> DropletLoad<T> {
+      if (!sticks) return {sum, squares, of_log, of_exp};
+      const FilmLoad<T> with_films(sum, squares, sum_of_e, squares_of_e, of_log, of_exp);
+      tilt = with_films.tilt;
+      return with_films;
+    }();
     load = of.x;
     damping = of.damping;
 
@@ -112,7 +126,7 @@ template <class T> struct LoadedDroplet {
     work += shared.work;
 
     for (std::size_t c = 0; c < z; ++c) {
-      const T l = LOG_8_PI - log(f[c] > NO_FORCE ? f[c] : T(NO_FORCE));
+      const T l = LOG_8_PI - log(some_force(f[c]));
       work += own_work(f[c], l, T(film[c]), of.psi) + first[c] * f[c] * (0.5 - f[c] * (0.25 / PI));
       Vector Qn{}, QQn{};
       for (int a = 0; a < 3; ++a)
@@ -138,24 +152,24 @@ template <class T> struct LoadedDroplet {
       }
       for (int a = 0; a < 3; ++a)
         by_normal[c][a] +=
-            f[c] * (4.0 * CUBE_TRACE * of.third * QQn[a] + BALANCE * of.x * balance[a]);
+            f[c] * (4.0 * CUBE_TRACE * of.third * QQn[a] + BALANCE * of.held * balance[a]);
       const T of_cube = 2.0 * CUBE_TRACE * (product(Qn, Qn) - trace2 * (1.0 / 3.0)) +
                         2.0 * CUBE_FORCES * f[c] * f[c] +
                         (2.0 / 3.0 * CUBE_GREEN2) * (2.0 * f[c] * second[c] + squared2[c]);
       indentation[c] = own_indentation(f[c], l, T(film[c]), of.stretch) +
                        first[c] * (1.0 - f[c] * (0.5 / PI)) - squared[c] * (0.25 / PI) +
                        of.first * (4.0 * of.x * second[c] - 0.5 * product(facet[c], facet[c])) +
-                       of.third * of_cube + BALANCE * of.x * product(n[c], balance) +
-                       shared.by_force - back;
+                       of.third * of_cube + BALANCE * of.held * product(n[c], balance) +
+                       shared.by_force - back + tilt * (sine[c] * sine[c]);
     }
   }
 };
 
 // A contact of a droplet: its vector, the overlap, of which the droplet has this part (half of a pair, all of a wall), ln(lambda) of
-// the film, the force, and what multiplies t in the second derivatives, over R^2 and the tension.
+// the film, the force, the sine of the contact angle, and what multiplies t in the second derivatives, over R^2 and the tension.
 struct DropletSide {
   SpaceVector vector;
-  double overlap, part, film, force;
+  double overlap, part, film, force, sine;
   std::array<double, 3> weight;
 };
 
@@ -169,13 +183,14 @@ inline DropletFacets droplet_facets(const std::vector<DropletSide> &sides, doubl
                                     double tension)
 {
   const std::size_t z = sides.size();
-  std::vector<double> f(z);
+  std::vector<double> f(z), sine(z);
   std::vector<std::array<double, 3>> n(z), none(z, std::array<double, 3>{});
   for (std::size_t c = 0; c < z; ++c) {
     f[c] = sides[c].force / (radius * tension);
+    sine[c] = sides[c].sine;
     n[c] = sides[c].vector.direction();
   }
-  const LoadedDroplet<double> loaded(f, n, std::vector<double>(z), none);
+  const LoadedDroplet<double> loaded(f, n, std::vector<double>(z), sine, none);
   DropletFacets found = {loaded.facet, loaded.damping};
   for (auto &place : found.place)
     for (double &t : place) t *= radius;
@@ -259,19 +274,20 @@ inline void add_droplet(const std::vector<DropletSide> &sides, double radius, do
   const int first = static_cast<int>(blocks.gradient.size()),
             first_row = static_cast<int>(facets.gradient.size());
   using Vector = LoadedDroplet<Dual>::Vector;
-  std::vector<double> film(z), local(size * size);
+  std::vector<double> film(z), sine(z), local(size * size);
   std::vector<Vector> n(z), weight(z);
   std::vector<Dual> f(z);
   std::vector<TurningNormal> normal;
   for (std::size_t c = 0; c < z; ++c) {
     film[c] = sides[c].film;
+    sine[c] = sides[c].sine;
     for (std::size_t a = 0; a < 3; ++a) weight[c][a] = sides[c].weight[a];
     f[c] = Dual::variable(sides[c].force, V * c + 3, size) / unit;
     normal.emplace_back(sides[c].vector, V * c, size);
     n[c] = normal[c].n;
   }
-  const LoadedDroplet<Dual> loaded(f, n, film, weight);
-  const LoadedDroplet<Dual> alone(f, n, film, std::vector<Vector>(z, Vector{}));
+  const LoadedDroplet<Dual> loaded(f, n, film, sine, weight);
+  const LoadedDroplet<Dual> alone(f, n, film, sine, std::vector<Vector>(z, Vector{}));
   blocks.energy -= energy * alone.work.value;
   for (std::size_t c = 0; c < z; ++c) {
     const double part = sides[c].part;
@@ -299,6 +315,75 @@ inline void add_droplet(const std::vector<DropletSide> &sides, double radius, do
       local[r * size + c] = local[c * size + r] = 0.5 * (local[r * size + c] + local[c * size + r]);
   blocks.add_block(first, size, local.data());
   facets.gradient.resize(first_row + 3 * z);
+}
+
+// A contact of a droplet that has films: its force, and of a film the angle and lambda.
+struct StretchSide {
+  double force, angle, lean;
+};
+
+// What films add to the energy of a droplet, with the stretch L and the pressure P as variables; W is stationary in both.
+// In units of R and g R,
+//   -{sum u(f, P lambda) + P V0 (L^3 - 1) - (L - 1) sum (f - f^2/(8 pi)) - 4 pi (L^2 - 1)}
+// The local variables are F of each side, then L and P.
+inline void add_stretch(const std::vector<StretchSide> &sides, double radius, double tension,
+                        double L, double P, EnergyBlocks &blocks)
+{
+  constexpr double VOLUME = 4.0 / 3.0 * PI;
+  const std::size_t z = sides.size(), size = z + 2, first = blocks.gradient.size();
+  const double unit = radius * tension, energy = unit * radius;
+  std::vector<double> by(size), block(size * size);
+  const auto second = [&](std::size_t r, std::size_t c, double value) {
+    block[r * size + c] = block[c * size + r] = value;
+  };
+  double work = P * VOLUME * (L * L * L - 1.0) - 4.0 * PI * (L * L - 1.0), of_PP = 0.0;
+  by[z] = 3.0 * P * VOLUME * L * L - 8.0 * PI * L;
+  by[z + 1] = VOLUME * (L * L * L - 1.0);
+  for (std::size_t c = 0; c < z; ++c) {
+    const double f = sides[c].force / unit, lean = sides[c].lean, at = P * lean,
+                 half = std::sin(0.5 * sides[c].angle), free = f - f * f * BY_SUM;
+    const FilmTerm<double> u(f, std::log(some_force(f)), at, std::log(at), std::sin(sides[c].angle),
+                             2.0 * half * half, [](double x) { return std::log(x); });
+    work += u.u - (L - 1.0) * free;
+    by[c] = u.f + (L - 1.0) * (f * (0.25 / PI) - 1.0);
+    by[z] -= free;
+    by[z + 1] += lean * u.P;
+    second(c, c, u.ff + (L - 1.0) * (0.25 / PI));
+    second(c, z, f * (0.25 / PI) - 1.0);
+    second(c, z + 1, lean * u.fP);
+    of_PP += lean * lean * u.PP;
+  }
+  second(z, z, 6.0 * P * VOLUME * L - 8.0 * PI);
+  second(z, z + 1, 3.0 * VOLUME * L * L);
+  second(z + 1, z + 1, of_PP);
+  const auto scale = [&](std::size_t a) { return a < z ? 1.0 / unit : 1.0; };
+  blocks.energy -= energy * work;
+  for (std::size_t r = 0; r < size; ++r) {
+    blocks.gradient.push_back(-energy * scale(r) * by[r]);
+    for (std::size_t c = 0; c < size; ++c) block[r * size + c] *= -energy * scale(r) * scale(c);
+  }
+  blocks.add_block(first, size, block.data());
+}
+
+// Minus the further term of a film between droplets of one tension and unlike radii, see CurvedFilm. The local variables are F, and P
+// of both droplets in units of g/R.
+inline void add_cap(double force, const double (&P)[2], const double (&radius)[2], double tension,
+                    double angle, EnergyBlocks &blocks)
+{
+  const auto variable = [](double x, std::size_t n) { return Dual::variable(x, n, 3); };
+  const double half = std::sin(0.5 * angle), of_P[2] = {tension / radius[0], tension / radius[1]};
+  const CurvedFilm<Dual> film(variable(force, 0), of_P[0] * variable(P[0], 1),
+                              of_P[1] * variable(P[1], 2), Dual(tension), Dual(std::sin(angle)),
+                              Dual(2.0 * half * half), [](const Dual &x) { return log(x); });
+  const Dual by[3] = {film.by_force, of_P[0] * film.by_p_i, of_P[1] * film.by_p_j};
+  double block[9];
+  const std::size_t first = blocks.gradient.size();
+  blocks.energy -= film.energy.value;
+  for (int r = 0; r < 3; ++r) {
+    blocks.gradient.push_back(-by[r].value);
+    for (int c = 0; c < 3; ++c) block[3 * r + c] = -0.5 * (by[r].by[c] + by[c].by[r]);
+  }
+  blocks.add_block(first, 3, block);
 }
 
 }    // namespace deformable

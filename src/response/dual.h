@@ -35,6 +35,7 @@ struct Dual {
 
   Dual &operator+=(const Dual &y) { return *this = *this + y; }
   Dual &operator-=(const Dual &y) { return *this = *this - y; }
+  Dual &operator*=(const Dual &y) { return *this = *this * y; }
   Dual operator-() const { return chained(-value, -1.0); }
   friend Dual operator+(const Dual &x, const Dual &y)
   {
@@ -109,6 +110,26 @@ inline Dual sqrt(const Dual &x)
 {
   const double root = std::sqrt(x.value);
   return x.chained(root, 0.5 / root);
+}
+
+inline Dual root(const Dual &x)
+{
+  return sqrt(x);
+}
+
+inline Dual magnitude(const Dual &x)
+{
+  return x.value < 0.0 ? -x : x;
+}
+
+inline Dual with_sign_of(const Dual &x, const Dual &sign)
+{
+  return std::signbit(x.value) == std::signbit(sign.value) ? x : -x;
+}
+
+inline Dual larger(const Dual &a, const Dual &b)
+{
+  return a.value < b.value ? b : a;
 }
 
 inline bool operator>(const Dual &x, double y)

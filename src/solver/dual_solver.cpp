@@ -751,8 +751,7 @@ PairArrays DualSolver::arrays()
   PairArrays a;
   a.overlap = p.overlap.data();
   a.stiffening = p.stiffening.data();
-  a.first = p.side[0].data();
-  a.second = p.side[1].data();
+  for (int end = 0; end < 2; ++end) a.side[end] = p.side[end].data();
   a.indentation = batches.indentation.data();
   a.compliance = batches.compliance.data();
   a.correction = batches.step.data();

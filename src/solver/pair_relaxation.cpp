@@ -2,6 +2,7 @@
 
 #include "laws/green.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace deformable {
@@ -14,6 +15,23 @@ void PairRelaxation::arrange(const ContactBatches &b, const NearPairs &p)
   is_free.assign(b.batches, 1);
   for (int k = p.remote; k < p.wall; ++k) is_free[b.place[p.i[k]] / LANES] = 0;
   near_block.assign(b.batches * LANES / ContactBatches::BLOCK + 1, -1);
+}
+
+bool PairRelaxation::begin(const Tuning &tuning, double tolerance, double largest_force)
+{
+  constexpr double LEAST = 3.0, MOST = 1e4, STEP = 1.25;
+  if (tolerances == 0.0 || tuning.relaxed_part == 0.0)
+    tolerances = tuning.relaxed;
+  else if (relaxed > tuning.relaxed_part * pairs)
+    tolerances = std::min(tolerances * STEP, MOST);
+  else
+    tolerances = std::max(tolerances / STEP, LEAST);
+  relaxed = 0;
+  crowd = tuning.crowd;
+  of_ring = tuning.of_ring;
+  limit = tolerances * tolerance * largest_force;
+  most = tuning.relaxed_to * largest_force;
+  return tuning.relaxed * tolerance * largest_force < most;
 }
 
 // The change of the force of a pair that balances it if all others stay.
@@ -88,6 +106,7 @@ void PairRelaxation::relax(int block, const ForceKernels &kernels, const BlockLe
     if (next >= last || !(size > limit && size < most)) continue;
     const int i = b.place[p.i[k]], j = k < p.wall ? b.place[p.second(k)] : i;
     if (!may_change(i, size) || !may_change(j, size)) continue;
+    ++relaxed;
     a.force[k] += change;
     const float by = static_cast<float>(change / a.unit);
     a.step[k] += by;

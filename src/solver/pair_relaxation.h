@@ -21,16 +21,10 @@ class PairRelaxation {
  public:
   void arrange(const ContactBatches &, const NearPairs &);    // contacts are new
 
-  // Before a sweep. Pairs are relaxed whose imbalance is above a limit. Those that are far off, where the first order is not enough,
-  // are left to Newton's method, which knows when it goes astray. Returns whether there is anything between these limits.
-  bool begin(const Tuning &tuning, double tolerance, double largest_force)
-  {
-    crowd = tuning.crowd;
-    of_ring = tuning.of_ring;
-    limit = tuning.relaxed * tolerance * largest_force;
-    most = tuning.relaxed_to * largest_force;
-    return limit < most;
-  }
+  // Before a sweep. Pairs are relaxed whose imbalance is above a limit, which is such that they are about the same part of all pairs
+  // in each call. Those that are far off, where the first order is not enough, are left to Newton's method, which knows when it goes
+  // astray. Returns whether there may be anything between these limits, the same on all ranks.
+  bool begin(const Tuning &, double tolerance, double largest_force);
 
   // Relaxes the pairs whose first ring is in the block, then those that this brings out of balance, in this block and its
   // neighbors. Rings of a batch do not change if one of them touches a ring of another rank, which would not learn of it.
@@ -60,6 +54,8 @@ class PairRelaxation {
  private:
   double limit = 0.0, most = 0.0;       // smaller and larger imbalances stay
   double crowd = 0.0, of_ring = 0.0;    // see Tuning
+  double tolerances = 0.0;              // limit, 0: at first
+  std::size_t relaxed = 0;              // pairs in the last sweep
   int pairs = 0;
 
   std::vector<int> waiting;                 // pairs

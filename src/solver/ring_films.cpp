@@ -22,8 +22,7 @@ FilmArrays RingFilms::arrays()
   FilmArrays a;
   a.bend = p.bend.data();
   a.adhesion = p.adhesion.data();
-  a.first = p.side[0].data();
-  a.second = p.side[1].data();
+  for (int end = 0; end < 2; ++end) a.side[end] = p.side[end].data();
   for (int n = 0; n < 2; ++n) a.ring[n] = p.ring[n].data();
   a.pressure = batches->pressure.data();
   a.free_radius = batches->free_radius_of.data();

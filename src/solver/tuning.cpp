@@ -18,6 +18,7 @@ Tuning Tuning::changed_by(const std::string &given) const
                                                    {"smooth", &t.smooth},
                                                    {"planned", &t.planned},
                                                    {"relaxed", &t.relaxed},
+                                                   {"relaxed_part", &t.relaxed_part},
                                                    {"relaxed_to", &t.relaxed_to},
                                                    {"crowd", &t.crowd},
                                                    {"of_ring", &t.of_ring},

@@ -23,14 +23,16 @@ struct Tuning {
   double planned = 1.0;     // 0: evaluate before it is known how far to correct
 
   // Pairs that are relaxed one by one before all are corrected (PairRelaxation)
-  double relaxed = 1e3;        // of the tolerance: imbalances from here on [10, infinity]
+  double relaxed = 1e3;    // of the tolerance: imbalances from here on at first [10, infinity]
+  double relaxed_part =
+      0.03;    // of the pairs: later from where so many are relaxed in a call [0, 0.1]
   double relaxed_to = 0.01;    // of the largest force: and up to here [0.001, 0.1]
   double crowd = 0.1;          // of the pairs: none, where so many are off
   double of_ring = 0.3;        // of what a particle bears: larger steps are left to the correction
 
   // The accuracy of a correction, over its length
   double coarse = 0.1;          // at most [0.01, 0.3]
-  double of_tolerance = 0.1;    // not closer to the tolerance than that
+  double of_tolerance = 0.3;    // not closer to the tolerance than that [0.1, 0.3]
   double of_square = 10.0;      // nor than so many squares, which Newton's method leaves [0.1, 10]
   double of_lines = 0.01;       // nor than what lines and films bring back of it [0.003, 0.1]
   double of_answers = 0.1;      // the largest part that lines undo of a solution, twice [0, 0.25]

@@ -168,7 +168,7 @@ def test_errors_of_the_outline():
     for change, message in (
         ({"length": [-0.1, 0.1]}, "length"),
         ({"length": [0.1]}, "same length"),
-        ({"half_angle": [0.1, 1.6]}, "half_angle"),
+        ({"half_angle": [0.1, 0.5 * np.pi]}, "half_angle"),
         ({"points": 3}, "points"),
     ):
         given = {"radius": 1.0, "angle": [0.0, 3.0], "length": [0.1, 0.1], "half_angle": [0.0, 0.0]}

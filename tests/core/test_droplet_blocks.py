@@ -12,13 +12,13 @@ RADIUS, TENSION = 1.3, 0.7
 
 # Columns of `droplet_blocks`.
 V, TURN, AXIS, OVERLAP, PART, FILM, FORCE = slice(0, 3), 3, slice(4, 7), 7, 8, 9, 10
-WEIGHT = slice(11, 14)
+ANGLE, WEIGHT = 11, slice(12, 15)
 
 
 def scene(z, seed, load=0.1, walls=()):
     """Sides of one droplet with these forces: rows of `droplet_blocks`. The last ones are walls."""
     rng = np.random.default_rng(seed)
-    sides = np.zeros((z, 14))
+    sides = np.zeros((z, 15))
     sides[:, V] = rng.uniform(1.8, 3.0, z)[:, None] * random_normals(z, seed)
     sides[:, TURN] = 1.0 / np.linalg.norm(sides[:, V], axis=1)
     sides[:, [OVERLAP, FILM]] = rng.uniform(-0.1, 0.3, (z, 2))
@@ -119,6 +119,55 @@ def test_derivatives(z, load, walls):
     assert matrix == pytest.approx(second, abs=1e-8 * np.abs(second).max())
 
 
+def test_films() -> None:
+    """Films that push and pull: energy and indentations of `core.droplet`, and differences."""
+    sides = scene(5, 5, 0.05)
+    sides[:, ANGLE] = 0.5, 0.3, 0.0, 0.6, 0.4
+    sides[:2, FORCE] *= -0.5
+    sides[:, FILM] = 0.0
+    second = changes(lambda x: blocks(moved(sides, x))[0].gradient, np.zeros(20), 1e-4)
+    assert dense(blocks(sides)[0]) == pytest.approx(second, abs=1e-8 * np.abs(second).max())
+
+    forces, lean = sides[:, FORCE], np.array([1.1, 0.9, 1.0, 1.0, 1.2])
+    normals = loaded(sides)[1]
+    droplet = core.droplet(
+        normals, forces, RADIUS, TENSION, angles=sides[:, ANGLE], film_ratios=lean
+    )
+    stretch = droplet.stretch
+    x = np.array([*forces, stretch, 2.0])
+
+    def stretched(x):
+        rows = np.column_stack([x[:5], sides[:, ANGLE], lean])
+        return core.stretch_blocks([[5, RADIUS, TENSION, x[5], x[6]]], rows)
+
+    x[6] -= stretched(x).gradient[5] / dense(stretched(x))[6, 5]  # linear in P
+    found = stretched(x)
+    assert found.gradient[5:] == pytest.approx(0.0, abs=1e-10)
+    overlaps = (sides[:, PART] * forces * sides[:, OVERLAP]).sum()
+    assert overlaps - blocks(sides)[0].energy - found.energy == pytest.approx(
+        (forces * droplet.indentation).sum() - droplet.energy, abs=1e-12
+    )
+    gradient = found.gradient[:5] + blocks(sides)[0].gradient.reshape(5, 4)[:, 3]
+    assert gradient == pytest.approx(sides[:, PART] * sides[:, OVERLAP] - droplet.indentation)
+    second = changes(lambda step: stretched(x + step).gradient, np.zeros(7), 1e-5)
+    assert dense(found) == pytest.approx(second, abs=1e-8 * np.abs(second).max())
+
+
+@pytest.mark.parametrize("force", [0.1, -0.05])
+def test_films_that_are_caps(force: float) -> None:
+    def cap(x):
+        return core.cap_blocks([[*x, 1.0, 1.7, TENSION, 0.5]])
+
+    x = np.array([force, 2.05, 2.1])
+    energy, *by = core.curved_film(force, TENSION * 2.05, TENSION * 2.1 / 1.7, TENSION, 0.5)
+    assert cap(x).energy == pytest.approx(-energy)
+    assert cap(x).gradient == pytest.approx(
+        -TENSION * np.array([by[0] / TENSION, by[1], by[2] / 1.7])
+    )
+    second = changes(lambda step: cap(x + step).gradient, np.zeros(3), 1e-5)
+    assert dense(cap(x)) == pytest.approx(second, abs=1e-8 * np.abs(second).max())
+
+
 def test_places_of_facets():
     """And what they add to the second derivatives, by weights."""
     sides = scene(7, 3)
@@ -168,5 +217,5 @@ def test_errors():
         for function in (core.droplet_blocks, core.droplet_facets):
             with pytest.raises(ValueError, match=message):
                 function([droplet], sides)
-            with pytest.raises(ValueError, match="14 numbers"):
+            with pytest.raises(ValueError, match="15 numbers"):
                 function([droplet], sides[:, :5])

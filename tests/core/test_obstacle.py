@@ -81,6 +81,7 @@ def test_square():
         ((0.3, -3), (0, 1, 2, 0)),
         ((4, 5), (-0.6, -0.8, 5, 0.2)),
         ((4, 1), (-1, 0, 3, 1 / 3)),  # where the face ends, the corner
+        ((4, -1), (-1, 0, 3, 1 / 3)),  # and at its other end
         ((0.3, 0.9), None),
         ((1, 0), None),  # on the surface
     ):

@@ -136,7 +136,7 @@ ROWS: dict[str, dict[str, Input | Callable[..., None]]] = {
         "warning": Input(BEYOND, 1.12),
         "counted": lambda: counted(ld.crystal("hex", 2, phi=1.12), ld.Ring()),
     },
-    "Droplets in space are right up to loads": {
+    "Droplets in space (3D) are right up to loads": {
         "warning": Input(BEYOND, 0.97, style="droplet", species=DROPS, dimension=3),
         "counted": lambda: counted(ld.crystal("fcc", 2, phi=0.97), ld.Droplet()),
     },

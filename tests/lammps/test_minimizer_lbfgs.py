@@ -90,6 +90,14 @@ def test_droplets(number, words, tmp_path):
     compare(scene, LBFGS + (f"min_modify {words}" if words else "") + "\n")
 
 
+def test_most_steps_are_taken_at_once(tmp_path):
+    """As far as the two-loop recursion knows: trials beyond the first are few."""
+    scene = packing(tmp_path)
+    scene.run(f"{LBFGS}min_modify precondition none\n{UNTIL}")
+    iterations, calls, _ = scene.log.last
+    assert calls < 1.25 * iterations
+
+
 OTHERS = {
     "soft disks": (
         "pair_style harmonic/cut\npair_coeff 1 1 1.0 1.0\npair_coeff 1 2 1.0 1.2\n"

@@ -398,6 +398,6 @@ def test_ranks(tmp_path):
 
 
 def test_an_empty_rank(tmp_path):
-    """Two of four ranks have no droplets, at first."""
-    for found in flight(tmp_path, ("1 1 1", "4 1 1"), 24):
+    """One of two ranks has no droplets, at first."""
+    for found in flight(tmp_path, TWO, 24):
         assert_same(found, 1e-7, atol=1e-7)

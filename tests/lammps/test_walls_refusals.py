@@ -37,6 +37,10 @@ NO_REGIONS = {
         "region walls prism -1 1 -1 1 -1 1 0 0.5 0 side out",
         "'walls'.*xz = yz = 0",
     ),
+    "prism above": (
+        "region walls prism -1 1 -1 1 1 2 0 0 0 side out",
+        "'walls'.*not cross the plane",
+    ),
     "open box": ("region walls block -1 8 -1 8 -1 1 open 4", "'walls' has open faces.*segment"),
     "rotates out": (
         "variable t equal 0\nregion walls block -1 1 -1 1 -1 1 side out rotate v_t 0 0 0 1 0 0",

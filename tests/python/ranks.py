@@ -1,5 +1,7 @@
 """Python scripts under MPI."""
 
+import contextlib
+import io
 import subprocess
 from pathlib import Path
 
@@ -11,6 +13,13 @@ def python(script: str, cwd: Path, ranks: int) -> str:
     result = launch(script, cwd, ranks if ranks > 1 else None)
     assert result.returncode == 0, result.stderr
     return result.stdout
+
+
+def here(script: str) -> str:
+    """Output of a script in this process, which is one rank and has imported the package."""
+    with contextlib.redirect_stdout(io.StringIO()) as out:
+        exec(script, {"__name__": "__main__"})
+    return out.getvalue()
 
 
 def launch(

@@ -20,6 +20,7 @@ from lammps_deformable.reference.comparison import (
     predict,
     shape_error,
     shape_errors,
+    standard_polygons,
 )
 from refusals import refused
 
@@ -266,7 +267,7 @@ def test_a_comparison_is_of_own_relaxations(jammed: ld.Packing, compared: ld.Com
     # energies differ from the limit by a part of 1/N_v^2
     by_4 = (coarse["energy_ratio"] - 1.0) / (reference["energy_ratio"] - 1.0)
     assert by_4 == pytest.approx(4.0, rel=1e-9)
-    assert "limit_error" not in reference  # needs three
+    assert reference["limit_error"] == pytest.approx(reference["energy_error"])
 
 
 def test_table_and_picture_of_a_comparison(compared: ld.Comparison) -> None:
@@ -277,7 +278,7 @@ def test_table_and_picture_of_a_comparison(compared: ld.Comparison) -> None:
     assert table["seconds"][-1] == compared.rows[-1]["seconds"] > 0.0
     assert compared.to_pandas()["area_error"].tolist()[0] == 1.0
     lines = str(compared).splitlines()
-    assert len(lines) == 1 + len(compared.rows)
+    assert len(lines) >= 1 + len(compared.rows)
     assert lines[1].split()[:3] == ["disk", "-", "-"]
     pytest.importorskip("matplotlib")
     ax = compared.plot()
@@ -286,6 +287,49 @@ def test_table_and_picture_of_a_comparison(compared: ld.Comparison) -> None:
     assert set(labels) >= {"smooth polygons", "bead polygons", "balanced", "curved"}
     with pytest.raises(ld.ParameterError, match=r"quantity must be one of energy_error, .*, not I"):
         compared.plot(quantity="I")
+
+
+def test_methods_are_compared_in_one_minimum(jammed: ld.Packing) -> None:
+    """A law and polygons that went to another one come back, from centers and outlines."""
+    box, coarse = jammed.box * 0.985, standard_polygons(19)
+    away = jammed.replace(positions=jammed.positions[[1, 0, 2, 3, 4, 5]], box=box)
+    with ld.Simulation(jammed, standard_polygons(38)) as sim:
+        sim.deform(box)
+        exact = sim.relax()
+    for law in (ld.Ring(kP=6.0), coarse):
+        start = jammed if law is coarse else jammed.replace(box=box)
+        with ld.Simulation(start, law) as sim:
+            sim.deform(box)
+            own = sim.relax()
+        lost = replace(own, packing=own.packing.replace(positions=away.positions))
+        assert comparison._against(exact, lost, 1.0)["energy_ratio"] is None
+        ((found, seconds),) = comparison.in_its_minimum(jammed, [(exact, 2.0)], [(lost, 1.0)])
+        assert seconds == 1.0
+        assert centers_rms(exact, found) < 0.02
+        # the energy of polygons of 19 vertices depends on how they have turned
+        assert found.energy == pytest.approx(own.energy, rel=0.15 if law is coarse else 1e-6)
+
+
+def test_outlines_with_other_vertices(jammed: ld.Packing) -> None:
+    with ld.Simulation(jammed, standard_polygons(38)) as sim:
+        state = sim.state()
+    other = standard_polygons(152).polygons(jammed.species_radii)
+    for outline, kind in zip(comparison.resampled(state, other), jammed.species, strict=True):
+        assert len(outline) == other.number[kind]
+        away = np.hypot(*(outline - outline.mean(axis=0)).T)
+        assert away == pytest.approx(other.radius[kind], rel=4e-3)
+
+
+def test_an_error_below_the_uncertainty_is_not_told() -> None:
+    rows = comparison.method_rows(smooth_rows((38, 1.04, 0), (57, 1.02, 0), (76, 1.01, 0)), 1.0)
+    rows[1]["energy_error"] = 0.5 * rows[-1]["limit_error"]
+    rows[2]["distance"] = 0.1
+    told = str(ld.Comparison(rows, [])).splitlines()
+    assert f" <{rows[-1]['limit_error']:.2g} " in told[2]
+    assert told[-2] == (
+        "In another minimum, and so without errors: smooth polygons of 57 vertices."
+    )
+    assert told[-1].startswith("The reference's energy is known to ")
 
 
 def test_laws_at_given_centers_have_no_time(small: ld.State) -> None:

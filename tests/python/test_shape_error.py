@@ -50,6 +50,7 @@ def test_corners_that_coincide() -> None:
         [[1.0, -1.0], [-1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]],  # clockwise
         [[2.0, -1.0], [4.0, -1.0], [4.0, 1.0], [2.0, 1.0]],  # not around the center
         [[2.0, 0.0], [0.5, 0.4], [1.5, 0.2], [0.0, 2.0], [-2.0, 0.0], [0.0, -2.0]],  # folded
+        [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0]],  # the center on a side, half a turn long
     ],
 )
 def test_rays_cross_an_outline_once(corners: list[list[float]]) -> None:

@@ -96,8 +96,7 @@ struct Rings {
     PairArrays a = {};
     a.overlap = pairs.overlap.data();
     a.stiffening = pairs.stiffening.data();
-    a.first = pairs.side[0].data();
-    a.second = pairs.side[1].data();
+    for (int end = 0; end < 2; ++end) a.side[end] = pairs.side[end].data();
     a.indentation = batches.indentation.data();
     a.compliance = batches.compliance.data();
     a.correction = batches.step.data();

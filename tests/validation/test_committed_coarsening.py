@@ -5,7 +5,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from committed_page import check
 
 pytest.importorskip("matplotlib")
 
@@ -19,12 +18,6 @@ STICKING = json.loads((FOLDER / "angles.json").read_text())
 
 def of(dimension: int, phi: float) -> list[dict]:
     return [foam for foam in FOAMS if (foam["dimension"], foam["phi"]) == (dimension, phi)]
-
-
-def test_the_page_follows_from_the_measurements() -> None:
-    lines = list(coarsening.lines(FOAMS))
-    check(FOLDER / "README.md", [lines, angles.lines(STICKING)], ())
-    assert (FOLDER / "coarsening_256.log").read_text().splitlines() == lines
 
 
 def test_foams_are_those_of_the_program() -> None:

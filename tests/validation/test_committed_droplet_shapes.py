@@ -1,36 +1,7 @@
-"""What validation/droplet_shapes/README.md says follows from the committed measurements.
+"""What validation/droplet_shapes/README.md says follows from the committed measurements."""
 
-Run as a script, this writes the tables into the page.
-"""
-
-import json
-from pathlib import Path
-
-from committed_page import check, write
-
-from validation.droplet_shapes import __main__ as crystals
 from validation.droplet_shapes import packings
-
-FOLDER = Path(__file__).parents[2] / "validation" / "droplet_shapes"
-PAGE = FOLDER / "README.md"
-FOUND, PACKED = (
-    json.loads((FOLDER / f"{name}.json").read_text()) for name in ("crystals", "packings")
-)
-CRYSTALS, PACKINGS = FOUND["rows"], PACKED["rows"]
-STRAINED = crystals.strained_markdown(FOUND["unstrained"], FOUND["strained"])
-
-
-def tables() -> list[list[str]]:
-    return [
-        crystals.markdown(CRYSTALS).splitlines(),
-        STRAINED.splitlines(),
-        packings.markdown(PACKINGS).splitlines(),
-    ]
-
-
-def test_the_page_follows_from_the_measurements() -> None:
-    check(PAGE, tables(), ())
-
+from validation.droplet_shapes.documented import PACKINGS
 
 # Largest errors of energy, pressure and a force over the mean one: below a load of 0.1, beyond, and
 # of two that the page names.
@@ -56,7 +27,3 @@ def test_errors_of_packings_are_those_of_the_page() -> None:
             assert off < bounds[2], row["case"]
         else:
             assert row["softest mode"] < 1e-6
-
-
-if __name__ == "__main__":
-    write(PAGE, tables(), {})

@@ -507,8 +507,8 @@ def pareto_section(rows: Sequence[Row]) -> Section:
             f"{show(first['seeds'])}) from jamming to {percent(first['strain'])} strain, and "
             "relaxes on its own. "
             f"Errors are against smooth polygons of {first['reference']} vertices, energies "
-            "extrapolated from there to very many; errors and times are means. That limit changes "
-            f"by {show(rows[-1]['limit_error'])} if it is taken from coarser polygons. Polygons of "
+            "extrapolated from there to very many; errors and times are means. That limit is "
+            f"uncertain by {show(rows[-1]['limit_error'])}. Polygons of "
             "different numbers of vertices stand for the same particles: radii and kP agree.",
             "Bead polygons catch on each other: more vertices do not make them as right as smooth "
             "polygons. With few vertices both are wrong: a contact then has hardly more than one.",

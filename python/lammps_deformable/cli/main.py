@@ -384,7 +384,7 @@ def report_command(
             metavar="N,N,...",
             help="Vertices of the smallest smooth polygons; the most are the reference.",
         ),
-    ] = "38,57,76",
+    ] = "38,76,152",
     beads: Annotated[
         str, Option(metavar="N,N,...", help="Beads of bead polygons, which interlock.")
     ] = "",

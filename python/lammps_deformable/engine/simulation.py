@@ -897,12 +897,12 @@ class Simulation(OneCall):
             steps: number of time steps, where other protocols count states; with a pressure at
                 most.
             every: number of steps between states; if not given, there is one at the end.
-            timestep: length of a step [time]; if not given, a fifth of the longest stable one,
-                which depends on the pressure in particles, or the load of droplets, on the
-                temperature, of the motion or its bath, and on the fastest particle; where these
-                grow, steps become shorter. Give one if other forces than those of contacts, by
-                fixes of `lmp`, move particles that are at rest. With a pressure half of the longest
-                stable one of contacts that bear it.
+            timestep: length of a step [time]; if not given, a fifth of the longest one that is
+                accepted, see docs/units.md. This one depends on the pressure in particles, or the
+                load of droplets, on the temperature, of the motion or its bath, and on the fastest
+                particle; where these grow, steps become shorter. Give one if other forces than
+                those of contacts, by fixes of `lmp`, move particles that are at rest. With a
+                pressure half of the longest one that is accepted for contacts that bear it.
             temperature: of the heat bath if there is a drag, and of initial velocities [energy].
                 These are Maxwell's, with zero total momentum. A bath draws them where all particles
                 are at rest, as after `relax`; others go on with the velocities that they have. If

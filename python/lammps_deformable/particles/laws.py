@@ -201,8 +201,8 @@ class Ring:
             where the forces of both sides are equal. `curved`: arcs between particles of unequal
             pressure, whose torques are balanced too; at rest this is the exact shape of slipping
             particles, and for droplets that of a foam. `radical`: on the radical axis of the
-            undeformed circles. Compared with smooth polygons, `balanced` is right to 1.4 % up to
-            3 % strain, `curved` to less than the polygons' own error, and `radical` wrong by
+            undeformed circles. Compared with smooth polygons, `balanced` is right to 1.3 % from
+            1 to 3 % strain, `curved` to less than the polygons' own error, and `radical` wrong by
             factors. A relaxation takes about 1.2 times as long with `balanced` as with `radical`;
             with `curved` it takes 1.2 to 1.4 times, and a step of motion two to three and a half
             times as long as with `balanced`.
@@ -745,11 +745,11 @@ def check_sticky_walls(packing: Packing, law: AnyLaw) -> None:
 STIFFNESS_PER_PRESSURE = 50.0
 
 # Verlet is stable up to dt = 2/omega. Contacts of stiffness k give omega^2 = 6 k at most, where all
-# neighbors of a triangular lattice move against the particle (mass 1).
+# neighbors of a triangular lattice move against the particle (mass 1). Packings are softer.
 _STABLE = 2.0 / np.sqrt(6.0 * STIFFNESS_PER_PRESSURE)
 
-# The default is this part of the longest stable step. The kinetic energy of an oscillator is then
-# wrong by (omega dt)^2/8, which is 2 % for the stiffest one.
+# The default is this part of the longest step that is accepted. The kinetic energy of an oscillator
+# is then wrong by (omega dt)^2/8, which is 2 % for the stiffest one.
 ACCURATE = 0.2
 
 # Energy of one particle over the temperature that collisions exceed with a probability of e^-10.
@@ -777,12 +777,15 @@ def accurate_step(packing: Packing, law: AnyLaw, squeeze: float, temperature: fl
 
 
 def longest_step(packing: Packing, law: AnyLaw, squeeze: float, temperature: float) -> float:
-    """The longest stable time step [time].
+    """The longest time step that is accepted [time]: stable, with room for pressures that rise.
+
+    Packings of rings at rest are stable up to about 3.5 times this step (docs/units.md), droplets
+    in space up to this one.
 
     The stiffness of contacts is proportional to the pressure p of their particles. The largest p is
-    the present one, or that of a particle with much thermal energy U: U >= p^2 / (2 kA) and
-    U >= (p R)^2 / (2 kP). With a tension p = tension/R + p', where U >= p'^2 R^3 / (4 tension) too:
-    six contacts have U = 34 tension a^2/R and p' = 11 tension a/R^2 at the indentation a.
+    the present one, or that of a particle with much thermal energy U: U >= p^2 / (2 kA) and U >= (p
+    R)^2 / (2 kP). With a tension p = tension/R + p', where U >= p'^2 R^3 / (4 tension) too: six
+    contacts have U = 34 tension a^2/R and p' = 11 tension a/R^2 at the indentation a.
 
     In three dimensions it follows from the tension alone.
 

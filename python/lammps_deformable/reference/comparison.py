@@ -12,7 +12,6 @@ import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -28,8 +27,18 @@ from ..common.files import make_folder
 from ..common.parallel import parallel_map
 from ..common.versions import optional
 from ..core import angles, norm, unit_vectors
+from ..engine.lammps import gather, images_of
 from ..engine.simulation import Simulation
-from ..particles.laws import Droplet, Law, Ring, Sector, SoftContact, per_species, refuse_adhesion
+from ..particles.laws import (
+    Droplet,
+    Law,
+    Ring,
+    Sector,
+    SoftContact,
+    pair_matrix,
+    per_species,
+    refuse_adhesion,
+)
 from ..particles.packing import Packing
 from ..particles.polygons import DeformablePolygon, Polygons, refuse_overlap, refuse_packing
 from ..state.state import State
@@ -49,6 +58,11 @@ _RESTLESS = {"sector"}
 
 # A packing with less than this part of the polygons' pressure has lost its rigidity.
 _UNJAMMED = 1e-6
+
+# Distance of the centers over the radius, in root mean square, beyond which a method has gone to
+# another minimum than the reference. Within one laws and polygons are 0.001 to 0.005 apart, two
+# minima 0.05 and more.
+_ONE_MINIMUM = 0.02
 
 # Largest residual of polygons whose energies are those at rest, and the largest relative difference
 # of two estimates of the limit of very many vertices that is nothing to warn of.
@@ -79,6 +93,7 @@ COLUMNS = {
     "pressure_error": "pressure",
     "area_error": "areas",
     "shape_error": "outline",
+    "distance": "centers",
     "seconds": "seconds",
     "residual": "residual",
 }
@@ -104,10 +119,13 @@ class Comparison:
             area_error: rms difference of the area deficits over their rms; 1 for disks. In space of
                 what surfaces have gained; of soft spheres their energies.
             shape_error: mean distance of the outlines over the radius.
+            distance: root mean square distance of the centers from those of the reference, over the
+                mean radius. A law or smooth polygons that stay farther than 0.02 are in another
+                minimum, and have no errors.
             seconds: processor time of all steps.
             residual: largest of the forces that are left over the mean contact force.
-            limit_error: of the reference, how far the limit of very many vertices changes if it is
-                taken from coarser polygons; in space what the extrapolation is uncertain by.
+            limit_error: of the reference, what its energy is uncertain by: how far the limit of
+                very many vertices is from the finest polygons; in space that of the extrapolation.
 
             A value that is not known is None: the stiffness of disks is free, and a packing may be
             loose.
@@ -137,9 +155,18 @@ class Comparison:
         lines = [
             f"{'method':{width}} " + " ".join(f"{head:>9}" for head in [*COLUMNS.values()][1:])
         ]
+        uncertain = self.rows[-1].get("limit_error")
         for row in self.rows:
             cells = ["-" if row[key] is None else f"{row[key]:.3g}" for key in [*COLUMNS][1:]]
+            error = row["energy_error"]
+            if uncertain is not None and error is not None and error < uncertain:
+                cells[[*COLUMNS].index("energy_error") - 1] = f"<{uncertain:.2g}"
             lines.append(f"{row['method']:{width}} " + " ".join(f"{cell:>9}" for cell in cells))
+        away = [_name(row) for row in self.rows if _is_away(row)]
+        if away:
+            lines.append(f"In another minimum, and so without errors: {'; '.join(away)}.")
+        if uncertain is not None:
+            lines.append(f"The reference's energy is known to {100.0 * uncertain:.2g} %.")
         return "\n".join(lines)
 
     def __repr__(self) -> str:
@@ -169,7 +196,7 @@ def compare(
     *,
     law: Law | Droplet | None = None,
     polygon: DeformablePolygon | None = None,
-    vertices: Iterable[int] = (38, 57, 76),
+    vertices: Iterable[int] = (38, 76, 152),
     beads: Iterable[int] = (),
     strain: float = 0.02,
     steps: int = 2,
@@ -178,11 +205,13 @@ def compare(
 ) -> Comparison:
     """Measure errors of contact laws and of polygons against their processor times.
 
-    Each method compresses the same packing in the same steps and relaxes on its own. Errors are
-    those against the finest smooth polygons, at the last strain. In space they are those of
+    Each method compresses the same packing in the same steps and relaxes on its own. One that
+    comes to another minimum relaxes again from where the reference is. Errors are those against the
+    finest smooth polygons, at the last strain; of energies those against the limit of very many
+    vertices. In space they are those of
     droplets against their exact shapes by finite elements, which begin where the law is at rest;
-    soft spheres have the stiffness with which their energies come nearest to the exact ones. That
-    takes some seconds of each droplet and step.
+    soft spheres have the stiffness with which their energies come nearest to the exact ones, and
+    are left out where droplets stick. That takes some seconds of each droplet and step.
 
     Args:
         start: a packing at the onset of jamming, or a state there: circles must not overlap, as
@@ -190,7 +219,7 @@ def compare(
             with its strain and steps. Of a state of polygons the laws are evaluated at its centers
             at once, and have no times.
         law: only this one, a `Ring` or `Sector`; all laws if not given. In space a `Droplet` of one
-            tension.
+            tension, with an adhesion for all pairs or none.
         polygon: the stiffness of the polygons at its number of vertices; others have the same kP.
             By default that of the law, or of the state's law; kP = 10 kA R^2 stands for an
             infinite one, also in the laws. Of a packing alone kA = 1 and kP = 6.
@@ -229,9 +258,6 @@ def compare(
     if packing.dimension == 3:
         droplets = given or own or Droplet()
         expect("law", droplets, Droplet)
-        refuse_adhesion(
-            droplets, packing.walls, ", and exact shapes in space have no films that pull"
-        )
         return _in_space(packing, droplets, strain, steps, workers, keep)
     for each in (given, own):
         if each is not None:
@@ -388,26 +414,36 @@ def _in_space(
     workers: int | None,
     keep: str | Path | None,
 ) -> Comparison:
-    """Droplets and soft spheres against exact shapes."""
+    """Droplets, and soft spheres if nothing sticks, against exact shapes."""
     if start.walls or len(set(np.atleast_1d(law.tension).tolist())) > 1:
         raise ParameterError(
             "droplets must have one tension, and no walls, to be compared in space"
         )
+    if law.sticks and np.min(law.adhesion) == 0.0:
+        raise ParameterError(
+            "exact shapes in space are known where all droplets stick to all, or none to any: give "
+            "each pair an adhesion, or none"
+        )
     calls: list[tuple[Callable[..., Any], Any]]
-    calls = [(compressed, law), (compressed, SoftContact()), (exact_path, law)]
-    droplets, spheres, exact = parallel_map(
+    calls = [(compressed, law), (exact_path, law)]
+    calls += [] if law.sticks else [(compressed, SoftContact())]
+    droplets, exact, *others = parallel_map(
         lambda call: _kept(call[0], keep)(start, call[1], strain, steps), calls, workers=workers
     )
-    soft = [_stored(state) for state, _ in spheres]
     known = [shapes.found.energies for _, shapes, _ in exact]
-    k = math.fsum(map(np.dot, soft, known)) / math.fsum(map(np.dot, soft, soft))
+    spheres = [(_stored(state), state, seconds) for path in others for state, seconds in path]
+    k = 1.0
+    if spheres:
+        soft = [stored for stored, _, _ in spheres]
+        k = math.fsum(map(np.dot, soft, known)) / math.fsum(map(np.dot, soft, soft))
     rows: list[Row] = []
     for n, (state, shapes, seconds) in enumerate(exact):
-        (own, own_seconds), (sphere, soft_seconds) = droplets[n], spheres[n]
+        own, own_seconds = droplets[n]
         methods = [
-            ("sphere", None, k * soft[n], k * sphere.pressure, sphere.residual, soft_seconds),
-            ("droplet", None, _stored(own), own.pressure, own.residual, own_seconds),
+            ("sphere", None, k * stored, k * sphere.pressure, sphere.residual, took)
+            for stored, sphere, took in spheres[n : n + 1]
         ]
+        methods.append(("droplet", None, _stored(own), own.pressure, own.residual, own_seconds))
         for level in [*shapes.levels, shapes.found]:
             nodes, took = level.nodes // len(start), seconds + level.seconds
             found = level.energies, osmotic(state, level), None, took
@@ -428,7 +464,7 @@ def _in_space(
                     "seconds": took,
                 }
             )
-        rows[-1]["limit_error"] = shapes.found.energy_error / float(known[n].sum())
+        rows[-1]["limit_error"] = shapes.found.energy_error / abs(float(known[n].sum()))
     each = len(rows) // steps
     last = [
         _with_errors(
@@ -452,10 +488,20 @@ def _stored(state: State) -> NDArray[np.float64]:
     """Energy of each droplet, or of each soft sphere, which has half of that of its contacts."""
     if isinstance(state.law, Droplet):
         surface = state.results["surface_areas"] - 4.0 * np.pi * state.packing.radii**2
-        return np.asarray(surface * np.max(state.law.tension))
+        stored = np.asarray(surface * np.max(state.law.tension))
+        return stored - _gained(state) if state.law.sticks else stored
     contacts = state.contacts
     energies = 0.25 * contacts["force"] ** 2 / state.law.k
     return np.asarray(np.bincount(contacts["i"], energies, len(state.packing)), float)
+
+
+def _gained(state: State) -> NDArray[np.float64]:
+    """By films that stick: a droplet has half of the energy of each."""
+    packing, films = state.packing, state.contacts[state.contacts["attached"]]
+    adhesion = pair_matrix("adhesion", state.law.adhesion, len(packing.species_radii))
+    pair = (packing.species[films[end]] for end in "ij")
+    energies = 0.5 * adhesion[tuple(pair)] * np.pi * films["facet_radius"] ** 2
+    return np.asarray(np.bincount(films["i"], energies, len(packing)), float)
 
 
 def _kept(function: Callable[..., T], keep: str | Path | None) -> Callable[..., T]:
@@ -496,7 +542,9 @@ def compression_rows(
 ) -> list[Row]:
     """A packing compressed from jamming: every law against smooth polygons.
 
-    Polygons and laws start from the same packing and relax on their own after each step.
+    Polygons and laws start from the same packing and relax on their own after each step. One that
+    comes to another minimum than the reference relaxes again, from the reference's centers, smooth
+    polygons from its outlines: an error is one within a minimum.
 
     Args:
         start: a jammed packing.
@@ -517,7 +565,8 @@ def compression_rows(
         vertices: N_v of a rival, else None.
         own: true if the law relaxed on its own, false if its particles have the centers of the
             reference. Rivals, and no row of the sector law, are on their own.
-        energy_ratio, pressure_ratio: over those of the reference; None where one is unjammed.
+        energy_ratio, pressure_ratio: over those of the reference; None where one is unjammed, or a
+            law or smooth polygons stay in another minimum, of centers farther than 0.02.
         S_rms: root mean square difference of the area deficits over their root mean square.
         I: mean distance of the outlines over the radius, each about its own center; None if an
             outline of a law folds.
@@ -539,6 +588,12 @@ def compression_rows(
     follow = _kept(compressed, keep)
     found = parallel_map(lambda call: follow(*call), calls, workers=workers)
     reference, *found = found
+    follow = _kept(in_its_minimum, keep)
+    found = parallel_map(
+        lambda call: follow(*call),
+        [(call[0], reference, path) for call, path in zip(calls[1:], found, strict=True)],
+        workers=workers,
+    )
     paths = dict(zip(own, found[len(rivals) :], strict=True))
     rows: list[Row] = []
     for n, (exact, seconds) in enumerate(reference):
@@ -598,20 +653,34 @@ def method_rows(steps: Sequence[Row], seconds_of_disks: float) -> list[Row]:
     smooth = [
         row
         for row in rows
-        if row["method"] in ("smooth", "reference") and _at_rest(row["law_residual"])
+        if row["method"] in ("smooth", "reference")
+        and _at_rest(row["law_residual"])
+        and row["energy_ratio"] is not None
     ]
-    finest = sorted(smooth, key=lambda row: int(row["vertices"]))[-3:]
-    limits = [
-        of_many_vertices(a["energy_ratio"], b["energy_ratio"], b["vertices"] / a["vertices"])
-        for a, b in pairwise(row for row in finest if row["energy_ratio"] is not None)
-    ]
-    for row in rows:
-        if row["energy_ratio"] is not None and limits:
-            row["energy_ratio"] /= limits[-1]
+    *_, coarse, fine = [None, None, *sorted(smooth, key=lambda row: int(row["vertices"]))]
+    if coarse and fine:
+        limit = of_many_vertices(
+            coarse["energy_ratio"], fine["energy_ratio"], fine["vertices"] / coarse["vertices"]
+        )
+        for row in rows:
+            if row["energy_ratio"] is not None:
+                row["energy_ratio"] /= limit
     rows = [_with_errors(row) for row in rows]
-    if len(limits) == 2:
-        rows[-1]["limit_error"] = abs(limits[0] / limits[1] - 1.0)
+    if coarse and fine:
+        rows[-1]["limit_error"] = abs(fine["energy_ratio"] - 1.0)
     return rows
+
+
+def _is_away(row: Row) -> bool:
+    """Whether a method is in another minimum than the reference."""
+    distance = row.get("distance")
+    return row["method"] != "bead" and distance is not None and distance > _ONE_MINIMUM
+
+
+def _name(row: Row) -> str:
+    """A method in words."""
+    method, vertices = row["method"], row["vertices"]
+    return method if vertices is None else f"{method} polygons of {vertices} vertices"
 
 
 def _with_errors(row: Row) -> Row:
@@ -626,13 +695,17 @@ def _with_errors(row: Row) -> Row:
         },
         "area_error": row["S_rms"],
         "shape_error": row["I"],
+        "distance": row.get("distance"),
         "seconds": row["seconds"],
         "residual": row["law_residual"],
     }
 
 
 def of_many_vertices(coarse: float, fine: float, times: float) -> float:
-    """The limit of an energy of polygons, which differs from it by a part of 1/N_v^2.
+    """The limit of an energy of polygons, which differs from it by a part of 1/N_v^2 at most.
+
+    From 38 to 152 vertices the difference falls faster, about as 1/N_v^3: the limit is uncertain by
+    its distance from the finest polygons.
 
     Args:
         coarse: energy of polygons of N_v vertices.
@@ -646,6 +719,64 @@ def compressed(start: Packing, law: Method, strain: float, steps: int) -> Steps:
     """Particles compressed from jamming: states, and seconds of processor time, of the steps."""
     with Simulation(start, law, comm=MPI.COMM_SELF) as sim, collected():  # rows have the residuals
         return timed(sim, strain, steps)
+
+
+def in_its_minimum(start: Packing, reference: Steps, path: Steps) -> Steps:
+    """States in the minima of the reference, where there are such.
+
+    Args:
+        start: of the path, at jamming.
+        reference: states of smooth polygons.
+        path: those of a law or of other polygons, which may have gone to other minima.
+
+    Returns:
+        The path. Where its centers are far from those of the reference, the state to which the
+        method comes from there, with the seconds of the path. Bead polygons interlock: they stay.
+    """
+    found = []
+    for (exact, _), (state, seconds) in zip(reference, path, strict=True):
+        smooth = not isinstance(state.law, DeformablePolygon) or state.law.smooth
+        if smooth and _in_another_minimum(exact, state):
+            state = _from_reference(start, exact, state)
+        found.append((state, seconds))
+    return found
+
+
+def _in_another_minimum(exact: State, state: State) -> bool:
+    distance = centers_rms(exact, state)
+    return distance is not None and distance > _ONE_MINIMUM
+
+
+def _from_reference(start: Packing, exact: State, state: State) -> State:
+    """Where a method comes to rest from the reference's centers, polygons from its outlines."""
+    if not isinstance(state.law, DeformablePolygon):
+        start = state.packing.replace(positions=exact.packing.positions)
+    with Simulation(start, state.law, comm=MPI.COMM_SELF) as sim, collected():
+        if isinstance(state.law, DeformablePolygon):
+            sim.deform(exact.packing.box)
+            place_outlines(sim, resampled(exact, state.polygons))
+        return sim.relax()
+
+
+def resampled(exact: State, polygons: Polygons) -> list[NDArray[np.float64]]:
+    """Vertices of other polygons on the outlines of a state, equally far apart, arrays (N_v, 2)."""
+    found = []
+    for outline, kind in zip(exact.outlines, exact.packing.species, strict=True):
+        closed = np.vstack([outline, outline[:1]])
+        length = np.append(0.0, np.cumsum(np.hypot(*np.diff(closed, axis=0).T)))
+        number = int(polygons.number[kind])
+        at = np.arange(number) / number * length[-1]
+        line = np.column_stack([np.interp(at, length, values) for values in closed.T])
+        center = outline.mean(axis=0)
+        found.append(center + (line - center) * polygons.radius[kind] / exact.polygons.radius[kind])
+    return found
+
+
+def place_outlines(sim: Simulation, outlines: Sequence[NDArray[np.float64]]) -> None:
+    """Put the vertices of the polygons of a simulation on one rank at given places."""
+    x = gather(sim.lmp, "x", 3)
+    x[:, :2] = np.vstack(outlines) - cartesian(images_of(sim.lmp).astype(float), sim.box)
+    sim.lmp.scatter("x", 1, 3, np.ctypeslib.as_ctypes(x.ravel()))
 
 
 def timed(sim: Simulation, strain: float, steps: int) -> Steps:
@@ -664,6 +795,13 @@ def timed(sim: Simulation, strain: float, steps: int) -> Steps:
 def _against(exact: State, other: State, seconds: float | None) -> dict[str, Any]:
     """The errors of a law, or of other polygons, see `compression_rows`."""
     loose = is_unjammed(other, exact) or is_unjammed(exact, other)
+    bead = isinstance(other.law, DeformablePolygon) and not other.law.smooth
+    if not bead and seconds is not None and _in_another_minimum(exact, other):
+        return dict.fromkeys(("energy_ratio", "pressure_ratio", "S_rms", "I")) | {
+            "distance": centers_rms(exact, other),
+            "law_residual": other.residual,
+            "seconds": seconds,
+        }
     wrong = norm(other.area_deficit - exact.area_deficit)
     return {
         "energy_ratio": None if loose else _over(other.energy, exact.energy),

@@ -96,6 +96,9 @@ def plot_errors(rows: Sequence[Mapping[str, Any]], ax: Axes, quantity: str) -> N
                 linestyle="none",
                 label=kind,
             )
+    uncertain = rows[-1].get("limit_error")
+    if quantity == "energy_error" and uncertain:
+        ax.axhspan(0.0, uncertain, color="0.9", zorder=0, label="uncertainty of the reference")
     ax.set(xlabel="processor time [s]", ylabel=_QUANTITIES[quantity])
     ax.margins(0.12)
     ax.grid(which="major", alpha=0.3)

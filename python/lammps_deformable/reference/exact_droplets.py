@@ -37,12 +37,12 @@ from ..common.box import fractional, lengths
 from ..particles.laws import Droplet
 from ..particles.neighbors import near_pairs
 from ..state.state import State
+from . import exact_films
+from .exact_films import VOLUME, extrapolated, spiral
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 Flags = NDArray[np.bool_]
-
-VOLUME = 4.0 * math.pi / 3.0
 
 # Nodes of the first mesh of a droplet, and how often it is refined at the rims of facets: of one
 # alone, and of each in a packing; then at small facets. After that all edges are halved twice.
@@ -50,7 +50,7 @@ ALONE, PACKED, SMALL, HALVED = (1500, 2), (400, 1), 4, 2
 
 # What is left of an energy after the square falls with the third power of the edges at rims and the
 # fourth elsewhere: of what the last level changes, between 1/7 and 1/15.
-_LEFT, _LEFT_ERROR = (1.0 / 7.0 + 1.0 / 15.0) / 2.0, (1.0 / 7.0 - 1.0 / 15.0) / 2.0
+LEFT, LEFT_ERROR = (1.0 / 7.0 + 1.0 / 15.0) / 2.0, (1.0 / 7.0 - 1.0 / 15.0) / 2.0
 
 # Stiffness against shifts of a droplet that its films allow, and of films that nothing touches: in
 # steps alone, not in what is solved.
@@ -168,16 +168,20 @@ def exact_packing(state: State) -> ExactPacking:
 
     Args:
         state: of the law `Droplet` at rest, with one tension, without walls. Shapes are seen from
-            its centers, and begin behind its films; droplets and films move as they must.
+            its centers, and begin behind its films; droplets and films move as they must. If
+            droplets stick, films are those of the state.
 
     Raises:
-        ValueError: there are walls, or tensions differ.
+        ValueError: there are walls, tensions differ, or some droplets stick and others press each
+            other without a film.
         ArithmeticError: Newton's method fails, as for packings that nothing holds.
     """
     packing = state.packing
     tensions = np.unique(state.law.tension if isinstance(state.law, Droplet) else [])
     if len(tensions) != 1 or packing.walls:
         raise ValueError("a packing must have droplets of one tension, and no walls")
+    if state.law.sticks:
+        return _sticking(state)
     i, j, lattice = near_pairs(packing, 2.0 * _NEAR * float(packing.radii.max()))
     apart = packing.positions[j] + lattice - packing.positions[i]
     distance, part = lengths(apart), packing.radii[i] / (packing.radii[i] + packing.radii[j])
@@ -192,6 +196,25 @@ def exact_packing(state: State) -> ExactPacking:
             films.numbers[k] = (at_a + distance[k] - at_b) / 2.0, *-tilt, -bend, 0.0, -bend
             films.awake[k] = True
     levels = [_times(level, float(tensions[0])) for level in _solve(packing.radii, films, *PACKED)]
+    return ExactPacking(i, j, image, _extrapolated(levels), levels)
+
+
+def _sticking(state: State) -> ExactPacking:
+    """Of droplets that stick."""
+    cluster = exact_films.cluster_of(state)
+    (i, j), axes = cluster.ends(), cluster.axes()
+    lattice = np.array([film.lattice for film in cluster.films]).reshape(-1, 3)
+    levels = [
+        Level(
+            each.energies,
+            each.pressures,
+            np.einsum("mj,mj->m", each.forces, axes),
+            each.nodes,
+            each.seconds,
+        )
+        for each in exact_films.solve(cluster)
+    ]
+    image = np.rint(fractional(lattice, state.packing.box)).astype(np.int64)
     return ExactPacking(i, j, image, _extrapolated(levels), levels)
 
 
@@ -211,7 +234,7 @@ def _times(level: Level, tension: float) -> Level:
 def _solve(radii: Floats, films: _Films, nodes: int, graded: int) -> list[Level]:
     """The shapes on meshes whose edges are halved from one to the next."""
     began = time.process_time()
-    first = _Mesh.of(_spiral(nodes))
+    first = _Mesh.of(spiral(nodes))
     drops = [_Drop(first, radius) for radius in radii]
     levels = []
     _relax(drops, films, free=False)
@@ -233,23 +256,18 @@ def _solve(radii: Floats, films: _Films, nodes: int, graded: int) -> list[Level]
 
 
 def _extrapolated(levels: list[Level]) -> Level:
-    coarse, middle, fine = levels[-3:]
-
-    def both(name: str) -> tuple[Floats, Floats]:
-        a, b, c = (getattr(level, name) for level in (coarse, middle, fine))
-        last = c + (c - b) / 3.0
-        return last, last - (b + (b - a) / 3.0)
-
-    energies, change = both("energies")
-    pressures, of_pressure = both("pressures")
-    forces, of_force = both("forces")
+    names = ("energies", "pressures", "forces")
+    (energies, change), (pressures, of_pressure), (forces, of_force) = (
+        extrapolated(*(getattr(level, name) for level in levels[-3:])) for name in names
+    )
+    fine = levels[-1]
     return Level(
-        energies + _LEFT * change,
+        energies + LEFT * change,
         pressures,
         forces,
         fine.nodes,
         fine.seconds,
-        _LEFT_ERROR * abs(float(change.sum())),
+        LEFT_ERROR * abs(float(change.sum())),
         float(np.abs(of_pressure).max()),
         float(np.abs(of_force).max(initial=0.0)),
     )
@@ -551,14 +569,6 @@ class _Drop:
 
 
 # Meshes
-
-
-def _spiral(number: int) -> Floats:
-    """Points on the unit sphere, evenly."""
-    k = np.arange(number) + 0.5
-    z = 1.0 - 2.0 * k / number
-    angle, r = math.pi * (1.0 + math.sqrt(5.0)) * k, np.sqrt(1.0 - z * z)
-    return np.column_stack([r * np.cos(angle), r * np.sin(angle), z])
 
 
 class _Mesh:

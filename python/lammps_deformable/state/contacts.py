@@ -205,8 +205,9 @@ def bearing(
         number: of particles.
         of_rattlers: contacts of a rattler at most.
     """
-    mean = float(force[force > 0.0].mean()) if (force > 0.0).any() else 0.0
-    return without_rattlers(i, j, number, of_rattlers) | (force > _OPEN * mean)
+    size = np.abs(force)  # films may pull
+    mean = float(size[size > 0.0].mean()) if size.any() else 0.0
+    return without_rattlers(i, j, number, of_rattlers) | (size > _OPEN * mean)
 
 
 def other_side(pairs: NDArray[np.void]) -> Integers:

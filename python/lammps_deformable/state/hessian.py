@@ -20,14 +20,25 @@ from ..common.errors import ParameterError, UndefinedError
 from ..core import (
     EnergyBlocks,
     RingBlocks,
+    cap_blocks,
     curved_blocks,
     disk_blocks,
     droplet_blocks,
     droplet_facets,
+    film_angles,
     ring_blocks,
+    stretch_blocks,
 )
 from ..particles.containers import free_room
-from ..particles.laws import Droplet, Law, Ring, Sector, SoftContact, refuse_adhesion
+from ..particles.laws import (
+    Droplet,
+    Law,
+    Ring,
+    Sector,
+    SoftContact,
+    pair_matrix,
+    refuse_adhesion,
+)
 from .contacts import (
     ContactTable,
     Sides,
@@ -108,8 +119,9 @@ class Hessian:
         matrix: M, sparse and symmetric, shape (dN + lines, dN + lines) [energy/length^2]. Rows
             are x_0, y_0, x_1, y_1, ... of the centers, with z in three dimensions, then the shift
             of each line [length], of droplets the force of each contact [energy/length], then for
-            `curved` the direction [rad] and the curvature [1/length] of each line. Soft disks,
-            spheres and `radical` have no such lines: M is H.
+            `curved` the direction [rad] and the curvature [1/length] of each line, and for each
+            droplet with films that stick the stretch L and the pressure P of
+            `core.stretch_blocks`. Soft disks, spheres and `radical` have no such lines: M is H.
         energy: [energy].
         gradient: of the energy, shape (dN + lines,); minus the forces, and what is left of the
             balance of lines.
@@ -389,7 +401,7 @@ def lines_of(packing: Packing, law: Law, table: ContactTable, rattlers: bool = T
         ParameterError: the law is `Sector`, particles stick, or a line is held at the largest tilt
             or curvature.
     """
-    refuse_adhesion(law, packing.walls, ", and second derivatives of films are not known")
+    refuse_adhesion(law, packing.walls, ", and second derivatives of curved films are not known")
     if not isinstance(law, Ring):
         raise ParameterError(
             "second derivatives need a ring law: the energy of the law sector jumps where contacts "
@@ -538,8 +550,6 @@ def hessian_of(state: State, rattlers: bool = True) -> Hessian:
     if state.friction:
         raise ParameterError("friction has no energy, and so no second derivatives of one")
     if isinstance(state.law, Droplet):
-        why = ", and second derivatives of films are not known"
-        refuse_adhesion(state.law, state.packing.walls, why)
         return _of_droplets(state, state.law, rattlers)
     return balanced(lines_of(state.packing, state.law, state.contacts, rattlers)).hessian()
 
@@ -595,8 +605,9 @@ def _of_soft_contacts(packing: Packing, law: SoftContact, rattlers: bool) -> Hes
 
 
 # Local variables of a side of a droplet, the vector and the force, which is the same from both
-# sides; of a film, its force, the way w = (R t)_i - (R t)_j, and the logarithm of D_i D_j.
-_SIDE_VARIABLES, _FILM_VARIABLES = 4, 5
+# sides; of a facet that turns, its force, the way w = (R t)_i - (R t)_j, and the logarithm of
+# D_i D_j; of a film that is a cap, its force, and the pressures of both sides.
+_SIDE_VARIABLES, _TURN_VARIABLES, _CAP_VARIABLES = 4, 5, 3
 
 
 class _Sum:
@@ -617,8 +628,8 @@ class _Sum:
         return row, column, value
 
 
-class _Films:
-    """Minus the energy of films that turn, F |w|^2 D_i D_j/(2 (R_i + R_j)), by their variables."""
+class _Turns:
+    """Minus the energy of facets that turn, F |w|^2 D_i D_j/(2 (R_i + R_j)), by their variables."""
 
     def __init__(self, force: Floats, way: Floats, damping: Floats, radii: Floats) -> None:
         part, square = damping / radii, (way**2).sum(axis=1)
@@ -627,7 +638,7 @@ class _Films:
         of_way = (part * force)[:, None] * way
         columns = [turned[:, None], of_way, (force * turned)[:, None]]
         self.gradient = -np.concatenate(columns, axis=1).ravel()
-        block = np.zeros((len(force), _FILM_VARIABLES, _FILM_VARIABLES))
+        block = np.zeros((len(force), _TURN_VARIABLES, _TURN_VARIABLES))
         block[:, 0, 1:4] = part[:, None] * way
         block[:, 0, 4] = turned
         block[:, 1:4, 4] = of_way
@@ -637,9 +648,116 @@ class _Films:
         self._block = -block
 
     def hessian(self) -> tuple[NDArray[np.int32], NDArray[np.int32], Floats]:
-        count = np.arange(len(self.gradient), dtype=np.int32).reshape(-1, _FILM_VARIABLES)
+        count = np.arange(len(self.gradient), dtype=np.int32).reshape(-1, _TURN_VARIABLES)
         row, column = np.broadcast_arrays(count[:, :, None], count[:, None, :])
         return row.ravel(), column.ravel(), self._block.ravel()
+
+
+class _Stretches:
+    """What films that stick add to the energy, by the forces, and by L and P of their droplets.
+
+    The energy is stationary in L and P, as it is in the forces.
+
+    Attributes:
+        chain: derivatives of the local variables of the blocks by the forces of C contacts, and by
+            L and P of n droplets, sparse, shape (V, C + 2n).
+    """
+
+    def __init__(
+        self,
+        sides: Sides,
+        droplets: Floats,
+        other: Integers,
+        forces: Floats,
+        films: Floats,
+        contact: Integers,
+    ) -> None:
+        """Of all contacts of droplets that have films.
+
+        Args:
+            sides: all of them, S.
+            droplets: number of sides, radius and tension, shape (N, 3).
+            other: the other side of each, a wall's own, shape (S,).
+            forces: of each side, shape (S,) [energy/length].
+            films: contact angle of each side [rad], 0 without a film, and lambda, shape (S, 2).
+            contact: of each side, 0 to C - 1, shape (S,).
+        """
+        from scipy.sparse import csr_matrix
+
+        films_of = np.bincount(sides.i, films[:, 0] > 0.0, len(droplets))
+        wet = np.flatnonzero(films_of)
+        place = np.cumsum(films_of > 0) - 1
+        kept = np.flatnonzero(films_of[sides.i])
+        of_droplet, size = place[sides.i[kept]], int(contact.max(initial=-1)) + 1
+        self._first = size
+        radius, tension = droplets[:, 1:].T[:, sides.i]
+        self._cap = np.flatnonzero(
+            (films[:, 0] > 0.0)
+            & (other > np.arange(len(other)))
+            & (radius != radius[other])
+            & (tension == tension[other])
+        )
+        there = other[self._cap]
+        self._ends = place[np.stack([sides.i[self._cap], sides.i[there]], axis=1)]
+        self._droplets = np.column_stack([droplets[wet], np.tile((1.0, 2.0), (len(wet), 1))])
+        self._sides = np.column_stack([forces[kept], films[kept]])
+        at = self._cap
+        pair = np.column_stack([radius[at], radius[there], tension[at], films[at, 0]])
+        self._caps = np.column_stack([forces[at], np.zeros_like(self._ends, float), pair])
+
+        # local variables: of each droplet the forces, L and P, then of each cap the force, P and P
+        row = np.arange(len(kept)) + 2 * of_droplet
+        own = np.cumsum(droplets[wet, 0].astype(int) + 2)
+        end, columns = int(own.max(initial=0)), size + 2 * np.arange(len(wet))
+        cap = end + _CAP_VARIABLES * np.arange(len(at))
+        rows = [row, own - 2, own - 1, cap, cap + 1, cap + 2]
+        pressures = size + 2 * self._ends.T + 1
+        of = [contact[kept], columns, columns + 1, contact[at], *pressures]
+        entries = np.concatenate(rows), np.concatenate(of)
+        self.chain = csr_matrix(
+            (np.ones(len(entries[0])), entries),
+            shape=(end + _CAP_VARIABLES * len(at), size + 2 * len(wet)),
+        )
+        self._settle()
+
+    def blocks(self) -> _Sum:
+        """At the present L and P."""
+        self._caps[:, 1:3] = self._droplets[:, 4][self._ends]
+        return _Sum(stretch_blocks(self._droplets, self._sides), cap_blocks(self._caps))
+
+    def _settle(self) -> None:
+        """Newton's method for L and P, from those of a sphere."""
+        from scipy.sparse import csr_matrix
+
+        chain = self.chain[:, self._first :]
+        for _ in range(_STEPS):
+            blocks = self.blocks()
+            row, column, value = blocks.hessian()
+            local = csr_matrix((value, (row, column)), shape=(chain.shape[0], chain.shape[0]))
+            step = factored(chain.T @ local @ chain)(chain.T @ blocks.gradient).reshape(-1, 2)
+            self._droplets[:, 3:] -= step
+            if not np.abs(step).max() > _SETTLED:
+                return
+        raise ParameterError("the films of this state do not come to rest: relax it first")
+
+
+# Step of L and P after which their error, about its square, is that of rounding.
+_SETTLED = 1e-8
+
+
+def _films_of(
+    state: State, law: Droplet, table: ContactTable, other: Integers, droplets: Floats
+) -> Floats:
+    """Contact angle and lambda of each side, 0 and 1 without a film, shape (S, 2)."""
+    films = np.column_stack([table["contact_angle"], np.ones(len(table))])
+    species = state.packing.species
+    adhesion = pair_matrix("adhesion", law.adhesion, int(species.max(initial=0)) + 1)
+    for n in np.flatnonzero((films[:, 0] > 0.0) & (other != np.arange(len(table)))):
+        i, j = table["i"][[n, other[n]]]
+        (_, radius, tension), (_, its_radius, its_tension) = droplets[[i, j]]
+        w = adhesion[species[i], species[j]]
+        films[n, 1] = film_angles(radius, tension, its_radius, its_tension, w)[2]
+    return films
 
 
 def _of_droplets(state: State, law: Droplet, rattlers: bool) -> Hessian:
@@ -652,7 +770,7 @@ def _of_droplets(state: State, law: Droplet, rattlers: bool) -> Hessian:
 
     packing, table = state.packing, state.contacts
     if not rattlers:
-        table = table[_bearing(packing, table)]
+        table = table[_bearing(packing, table) | table["attached"]]
     count, is_wall = len(table), table["j"] < 0
     pair, wall, other = np.flatnonzero(~is_wall), np.flatnonzero(is_wall), np.arange(count)
     met = table[pair]
@@ -670,14 +788,15 @@ def _of_droplets(state: State, law: Droplet, rattlers: bool) -> Hessian:
     number = np.bincount(sides.i, minlength=len(packing))
     droplets = np.column_stack([number, packing.radii, tension])
     columns = [sides.vector, sides.turn, sides.axis, overlap, part, film, force]
-    rows = np.column_stack([*columns, np.zeros((count, 3))])
+    stuck = _films_of(state, law, table, other, droplets)
+    rows = np.column_stack([*columns, stuck[:, 0], np.zeros((count, 3))])
     facets = droplet_facets(droplets, rows)
     way, damping = facets[:, :3] - facets[other, :3], facets[:, 3] * facets[other, 3]
     rows[:, -3:] = (force / (gamma * radius) * damping / radii)[:, None] * way
     blocks, (row, column, value) = droplet_blocks(droplets, rows)
 
     first = np.flatnonzero(other > np.arange(count))
-    films = _Films(force[first], way[first], damping[first], radii[first])
+    turns = _Turns(force[first], way[first], damping[first], radii[first])
     size, variable = _SIDE_VARIABLES * count, _SIDE_VARIABLES * np.arange(count)
     places = csr_matrix((value, (row, column)), shape=(3 * count, size))
     on = [places[3 * first + axis] - places[3 * other[first] + axis] for axis in range(3)]
@@ -688,13 +807,22 @@ def _of_droplets(state: State, law: Droplet, rattlers: bool) -> Hessian:
         shape=(len(packing), size),
     )
     local = vstack([one[first], *on, damped[first] + damped[other[first]]], format="csr")
-    order = np.arange(_FILM_VARIABLES * len(first)).reshape(_FILM_VARIABLES, -1).T.ravel()
-    of_films = local[order]
+    order = np.arange(_TURN_VARIABLES * len(first)).reshape(_TURN_VARIABLES, -1).T.ravel()
+    of_turns = local[order]
 
     _, contact = np.unique(np.minimum(other, np.arange(count)), return_inverse=True)
     forces = csr_matrix((np.ones(count), (variable + 3, contact)), shape=(size, count - len(first)))
     chain = hstack([by_centers(sides, len(packing), _SIDE_VARIABLES), forces], format="csr")
     strains = by_strains(sides, _SIDE_VARIABLES)
-    both = vstack([chain, of_films @ chain], format="csr")
-    energies: Any = _Sum(blocks, films)
-    return Hessian(packing, energies, both, np.vstack([strains, of_films @ strains]))
+    chain, strains = vstack([chain, of_turns @ chain]), np.vstack([strains, of_turns @ strains])
+    parts: list[Any] = [blocks, turns]
+    if stuck[:, 0].any():
+        stretches = _Stretches(sides, droplets, other, force, stuck, contact)
+        further = stretches.chain
+        before = csr_matrix((further.shape[0], 3 * len(packing)))
+        none = csr_matrix((chain.shape[0], further.shape[1] - (count - len(first))))
+        chain = vstack([hstack([chain, none]), hstack([before, further])])
+        strains = np.vstack([strains, np.zeros((further.shape[0], strains.shape[1]))])
+        parts.append(stretches.blocks())
+    energies: Any = _Sum(*parts)
+    return Hessian(packing, energies, chain.tocsr(), strains)

@@ -7,7 +7,7 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 from programs import output
-from ranks import python
+from ranks import here, python
 
 G = 1e-3
 RING = ld.Ring(kA=10.0, kP=0.0, tension=0.05)
@@ -189,9 +189,8 @@ if MPI.COMM_WORLD.rank == 0:
 """
 
 
-@pytest.mark.parametrize("ranks", [2, 4])
-def test_on_ranks(ranks: int, tmp_path: Path) -> None:
-    alone, shared = (json.loads(python(RANKS, tmp_path, n)) for n in (1, ranks))
+def test_on_ranks(tmp_path: Path) -> None:
+    alone, shared = map(json.loads, (here(RANKS), python(RANKS, tmp_path, 2)))
     assert shared == pytest.approx(alone, rel=1e-9)
 
 

@@ -44,11 +44,13 @@ def agrees(packing: Packing, law: Droplet | None) -> None:
     """Compare energy, gradient, stress and Hessian with those of LAMMPS."""
     state, gradient = evaluated(packing, law)
     hessian, scale = state.hessian(), np.abs(state.pressure_tensor).max()
-    force = scale * packing.radii.max() ** 2
+    largest = np.abs(state.contacts["force"]).max() if law else 0.0
+    force = max(scale * packing.radii.max() ** 2, largest)
     assert hessian.energy == pytest.approx(state.energy, rel=1e-11)
     assert hessian.gradient[: hessian.size] == pytest.approx(gradient, abs=1e-11 * force)
     assert hessian.gradient[hessian.size :] == pytest.approx(0.0, abs=1e-11 * force)
-    assert hessian.stress == pytest.approx(state.pressure_tensor, abs=1e-11 * scale)
+    if not packing.walls:  # it is that of the contacts between particles
+        assert hessian.stress == pytest.approx(state.pressure_tensor, abs=1e-11 * scale)
     matrix = hessian.matrix
     assert abs(matrix - matrix.T).max() <= 2e-15 * abs(matrix).max()
     direction = np.random.default_rng(1).standard_normal(hessian.size)
@@ -71,6 +73,51 @@ def test_a_dense_emulsion() -> None:
 
 def test_any_sizes() -> None:
     agrees(SIZES.at(0.7).push_off(), Droplet(0.7))
+
+
+FILMS = {
+    "like": Droplet(0.7, adhesion=0.14),
+    "unlike tensions": Droplet([1.0, 1.3], adhesion=[[0.2, 0.0], [0.0, 0.1]]),
+}
+
+
+@pytest.mark.parametrize("law", FILMS)
+@pytest.mark.parametrize("phi", [0.6, 0.7])
+def test_films_that_stick(law: str, phi: float) -> None:
+    """Between sizes films are caps; at the lower fraction they pull."""
+    with ld.Simulation(EMULSION.at(phi).push_off(), FILMS[law]) as sim:
+        packing = sim.relax(1e-2).packing
+    packing = packing.at(0.98 * packing.phi)
+    agrees(packing, FILMS[law])
+    state, _ = evaluated(packing, FILMS[law])
+    assert state.contacts["attached"].any()
+    assert phi > 0.6 or (state.contacts["force"] < 0.0).any()
+
+
+def test_films_of_walls_and_of_a_cluster_that_hangs_together() -> None:
+    """A droplet on a sticky floor, and two that hang at it: three contacts bear against motions."""
+    floor = ld.Plane((0, 0, 1), (0, 0, 1), adhesion=0.1)
+    lid = ld.Plane((0, 0, 11), (0, 0, -1))
+    centers = [[6.0, 6.0, 1.98], [6.0, 7.2, 3.4], [7.8, 6.0, 2.1]]
+    packing = Packing(centers, 1.0, (12.0,) * 3, walls=(floor, lid))
+    law = Droplet(adhesion=0.15)
+    with ld.Simulation(packing, law) as sim:
+        state = sim.relax()
+    stiffness = state.modes().stiffness
+    assert stiffness[:4] == pytest.approx(0.0, abs=1e-6)  # and two motions along the floor
+    assert (stiffness[4:] > 1.0).all()
+    closer = packing.replace(positions=state.positions + np.array([0.0, 0.0, -0.02]))
+    agrees(closer, law)
+
+
+def test_moduli_with_films() -> None:
+    """Those of finite strains, of an emulsion that sticks."""
+    with ld.Simulation(EMULSION.at(0.7).push_off(), FILMS["like"]) as sim:
+        state = sim.relax(1e-10)
+    moduli = state.moduli()
+    finite = shear_modulus(state, 1e-5, tolerance=1e-10)
+    assert moduli.shear_modulus == pytest.approx(finite.value, rel=1e-4)
+    assert (state.modes(3).stiffness > 0.0).all()
 
 
 def test_a_particle_and_its_own_images() -> None:
