@@ -1,7 +1,7 @@
 """An emulsion of droplets that stick, in space: a loose gel that is compacted, and let go again.
 
 python adhesive_emulsion.py                     100 droplets
-python adhesive_emulsion.py --number 400        the figures of the README
+python adhesive_emulsion.py --number 250        the figures of the README
 """
 
 import argparse
@@ -18,7 +18,7 @@ DILUTE, TEMPERATURE, DRAG, STEPS = 0.25, 0.005, 0.3, 2000  # of a gel that gathe
 PHI = (0.30, 0.40, 0.50, 0.56, 0.60, 0.64, 0.68, 0.72, 0.76, 0.80)
 ABOVE_ONSET = 0.66  # of packings that are jammed without films
 LOOSE = 1e-3  # pressure at rest without films, which would part at 0
-STRAIN = 1e-3  # of shear, to either side
+STRAIN = 1e-4  # of shear, to either side
 TOLERANCE = 1e-4  # of forces
 SHOWN = 0.1  # adhesion of the gel that is drawn
 
@@ -38,11 +38,16 @@ def modulus(state):
     return (stresses[0] - stresses[1]) / (2.0 * STRAIN)
 
 
+def contacts_of(state):
+    """Number of contacts of each droplet, with a force or a film."""
+    return np.bincount(state.contacts["i"], minlength=len(state.packing))
+
+
 def measure(state):
     number = len(state.packing)
     return {
         "phi": state.phi,
-        "contacts": len(state.contacts) / number,
+        "contacts": float(contacts_of(state).mean()),
         "pressure": state.pressure,
         "modulus": modulus(state),
         "beyond": state.beyond / number,
@@ -56,14 +61,23 @@ def let_go(sim, w):
     return sim.relax(TOLERANCE, pressure=LOOSE)
 
 
-def history(w, number, seed):
+def dilute(number, seed):
+    return ld.bidisperse(number, sizes=RADII, phi=DILUTE, dimension=3, seed=seed)
+
+
+def jam(number, seed):
+    """A packing that is jammed without films."""
+    return ld.jam(dilute(number, seed), ld.SoftContact(), tolerance=TOLERANCE).packing.at(
+        ABOVE_ONSET
+    )
+
+
+def history(w, jammed, seed):
     """What is measured of an emulsion, and two states: the gel, and what was jammed at first."""
-    loose = ld.bidisperse(number, sizes=RADII, phi=DILUTE, dimension=3, seed=seed)
-    jammed = ld.jam(loose, ld.SoftContact(), tolerance=TOLERANCE).packing.at(ABOVE_ONSET)
     with ld.Simulation(jammed, droplet(w)) as sim:
         dense = let_go(sim, w)
     rows = [("jammed", dense)]
-    with ld.Simulation(loose.push_off() if w else jammed, droplet(w)) as sim:
+    with ld.Simulation(dilute(len(jammed), seed).push_off() if w else jammed, droplet(w)) as sim:
         if w:
             sim.run(STEPS, temperature=TEMPERATURE, drag=DRAG, seed=seed)
             rows.append(("gel", sim.relax(TOLERANCE)))
@@ -88,14 +102,24 @@ def show(found):
         names = [row["state"] for row in found[ADHESIONS.index(w) * len(SEEDS)]["rows"]]
         values = np.transpose([mean(found, w, head) for head in heads])
         for name, row in zip(names, values, strict=True):
-            print(f"{w:.2f}  {name:<10}" + "".join(f"{value:10.4f}" for value in row))
+            print(
+                f"{w:.2f}  {name:<10}" + "".join(f"{round(value, 4) + 0.0:10.4f}" for value in row)
+            )
 
 
 def draw(found, states):
     figure = plt.figure(figsize=(11.0, 7.0), layout="constrained")
     for n, (state, name) in enumerate(zip(states, ("gel", "jammed, then let go"), strict=True)):
-        axes = figure.add_subplot(2, 3, n + 1, projection="3d")
-        state.plot(axes, color="load", vmin=0.0, vmax=0.06, colorbar=n == 1, view=(15, 30))
+        axes = figure.add_subplot(2, 3, n + 1)
+        state.plot(
+            axes,
+            color=contacts_of(state).astype(float),
+            vmin=0.0,
+            vmax=12.0,
+            label="contacts",
+            colorbar=n == 1,
+            view=(15, 30),
+        )
         axes.set_title(f"{name}, w = {SHOWN}, φ = {state.phi:.2f}")
     zero, contacts, pressure, modulus = (figure.add_subplot(2, 3, n) for n in (3, 4, 5, 6))
     colors = plt.get_cmap("viridis")(np.linspace(0.0, 0.85, len(ADHESIONS)))
@@ -116,16 +140,18 @@ def draw(found, states):
         axes.set_xlabel("packing fraction φ")
     zero.legend(frameon=False)
     contacts.legend(frameon=False)
-    figure.savefig("adhesive_emulsion.png", dpi=90)
+    figure.savefig("adhesive_emulsion.png", dpi=80, pil_kwargs={"optimize": True})
 
 
 if __name__ == "__main__":
     options = argparse.ArgumentParser()
     options.add_argument("--number", type=int, default=100, help="droplets")
     number = options.parse_args().number
-    calls = [(w, number, seed) for w in ADHESIONS for seed in SEEDS]
+    jammed = ld.parallel_map(lambda seed: jam(number, seed), SEEDS)
+    begins = list(zip(jammed, SEEDS, strict=True))
+    calls = [(w, *begin) for w in ADHESIONS for begin in begins]
     found, states = zip(*ld.parallel_map(lambda call: history(*call), calls), strict=True)
     with open("adhesive_emulsion.json", "w") as file:
         json.dump(found, file, separators=(",", ":"))
     show(found)
-    draw(found, states[calls.index((SHOWN, number, SEEDS[0]))])
+    draw(found, states[ADHESIONS.index(SHOWN) * len(SEEDS)])

@@ -22,6 +22,7 @@ class Scene(NamedTuple):
     phi: float  # of the container
     temperature: float
     timestep: float
+    balance: float  # of contacts, over the largest force
 
     def law(self, name):
         strong = self.unequal
@@ -32,8 +33,8 @@ class Scene(NamedTuple):
 
 
 SCENES = {
-    2: Scene(unequal=0.2, number=60, phi=0.6, temperature=0.015, timestep=0.02),
-    3: Scene(unequal=0.15, number=100, phi=0.45, temperature=0.003, timestep=0.1),
+    2: Scene(unequal=0.2, number=60, phi=0.6, temperature=0.015, timestep=0.02, balance=1e-8),
+    3: Scene(unequal=0.15, number=100, phi=0.45, temperature=0.003, timestep=0.1, balance=1e-6),
 }
 SEEDS = (1, 2, 3)
 ROUNDS, STEPS = 30, {2: 1000, 3: 300}
@@ -45,8 +46,12 @@ def mixture(scene, dimension, seed):
     rng = np.random.default_rng(seed)
     container = ld.Sphere(0.5 * (scene.number / scene.phi) ** (1 / dimension), (0,) * dimension)
     distance = (container.radius - 0.5) * rng.uniform(size=scene.number) ** (1 / dimension)
-    place = rng.normal(size=(scene.number, dimension))
-    place *= (distance / np.linalg.norm(place, axis=1))[:, None]
+    angle = rng.uniform(0, 2 * np.pi, scene.number)
+    place = np.column_stack([np.cos(angle), np.sin(angle)])
+    if dimension == 3:
+        height = rng.uniform(-1, 1, scene.number)[:, None]
+        place = np.hstack([np.sqrt(1 - height**2) * place, height])
+    place *= distance[:, None]
     kinds = np.arange(scene.number) % 2
     cells = ld.Packing(place, 0.5, np.eye(dimension), species=kinds, walls=[container])
     return cells.push_off()
@@ -76,7 +81,7 @@ def sort(name, dimension, seed):
             drag=FRICTION,
             every=STEPS[dimension],
             seed=seed,
-            balance=1e-6,
+            balance=scene.balance,
         )[1:]
 
 
