@@ -9,14 +9,15 @@ from pathlib import Path
 from committed_page import check, write
 
 from validation.droplet_shapes import __main__ as crystals
-from validation.droplet_shapes import packings
+from validation.droplet_shapes import clusters, packings
 
 FOLDER = Path(__file__).parents[2] / "validation" / "droplet_shapes"
-PAGE = FOLDER / "README.md"
-FOUND, PACKED = (
-    json.loads((FOLDER / f"{name}.json").read_text()) for name in ("crystals", "packings")
+PAGE, THEORY = FOLDER / "README.md", FOLDER.parents[1] / "docs" / "theory" / "droplets.md"
+FOUND, PACKED, STUCK = (
+    json.loads((FOLDER / f"{name}.json").read_text())
+    for name in ("crystals", "packings", "clusters")
 )
-CRYSTALS, PACKINGS = FOUND["rows"], PACKED["rows"]
+CRYSTALS, PACKINGS, CLUSTERS = FOUND["rows"], PACKED["rows"], STUCK["rows"]
 STRAINED = crystals.strained_markdown(FOUND["unstrained"], FOUND["strained"])
 
 
@@ -25,11 +26,30 @@ def tables() -> list[list[str]]:
         crystals.markdown(CRYSTALS).splitlines(),
         STRAINED.splitlines(),
         packings.markdown(PACKINGS).splitlines(),
+        clusters.markdown(CLUSTERS).splitlines(),
     ]
 
 
-def test_the_page_follows_from_the_measurements() -> None:
+def worst(key: str, weight: bool = False) -> float:
+    """Of clusters, per cent."""
+    rows = [row for row in CLUSTERS if row["case"].endswith(clusters.VOLUMES) == weight]
+    return 100.0 * max(clusters.error(row, key) for row in rows)
+
+
+def of_clusters() -> str:
+    return (
+        f"energies are off by {worst('energy'):.2f} % at most, positions by "
+        f"{worst('position'):.2f} % of R."
+    )
+
+
+def of_weights() -> str:
+    return f"changes energies of such clusters by up to {worst('energy', True):.1f} % at θ = 0.5."
+
+
+def test_the_pages_follow_from_the_measurements() -> None:
     check(PAGE, tables(), ())
+    check(THEORY, (), (of_clusters, of_weights))
 
 
 # Largest errors of energy, pressure and a force over the mean one: below a load of 0.1, beyond, and
@@ -58,5 +78,29 @@ def test_errors_of_packings_are_those_of_the_page() -> None:
             assert row["softest mode"] < 1e-6
 
 
+# Of energies, and of positions over R. A pulled octahedron has the largest.
+MOST = {
+    clusters.REST: (0.001, 0.01),
+    clusters.CENTERS: (0.01, 0.01),
+    clusters.VOLUMES: (0.036, 0.02),
+}
+
+
+def test_errors_of_clusters_are_those_of_the_pages() -> None:
+    """At rest, where forces act on the centers of spheres, and where they act on volumes."""
+    names = [row["case"] for row in CLUSTERS]
+    assert names == [name for name in map(str, clusters.CASES) if name in names]
+    for row in CLUSTERS:
+        assert row["cover"] < 0.5
+        most = MOST[row["case"].split(", ")[-1]]
+        for key, bound in zip(("energy", "position"), most, strict=True):
+            assert clusters.error(row, key) < bound, row["case"]
+        assert clusters.error(row, "force") < 0.01
+        assert row["error of the exact energy"] < 0.005 * abs(row["exact energy"])
+        pulled = not row["case"].endswith(clusters.REST)
+        assert row["pull over the largest"] > (0.45 if pulled else -0.1)
+
+
 if __name__ == "__main__":
-    write(PAGE, tables(), {})
+    write(PAGE, tables(), ())
+    write(THEORY, (), (of_clusters, of_weights))
