@@ -1,7 +1,7 @@
 """What validation/droplet_shapes/README.md says follows from the committed measurements."""
 
-from validation.droplet_shapes import packings
-from validation.droplet_shapes.documented import PACKINGS
+from validation.droplet_shapes import clusters, packings
+from validation.droplet_shapes.documented import CLUSTERS, PACKINGS
 
 # Largest errors of energy, pressure and a force over the mean one: below a load of 0.1, beyond, and
 # of two that the page names.
@@ -27,3 +27,26 @@ def test_errors_of_packings_are_those_of_the_page() -> None:
             assert off < bounds[2], row["case"]
         else:
             assert row["softest mode"] < 1e-6
+
+
+# Of energies, and of positions over R. A pulled octahedron has the largest.
+MOST = {
+    clusters.REST: (0.001, 0.01),
+    clusters.CENTERS: (0.01, 0.01),
+    clusters.VOLUMES: (0.036, 0.02),
+}
+
+
+def test_errors_of_clusters_are_those_of_the_pages() -> None:
+    """At rest, where forces act on the centers of spheres, and where they act on volumes."""
+    names = [row["case"] for row in CLUSTERS]
+    assert names == [name for name in map(str, clusters.CASES) if name in names]
+    for row in CLUSTERS:
+        assert row["cover"] < 0.5
+        most = MOST[row["case"].split(", ")[-1]]
+        for key, bound in zip(("energy", "position"), most, strict=True):
+            assert clusters.error(row, key) < bound, row["case"]
+        assert clusters.error(row, "force") < 0.01
+        assert row["error of the exact energy"] < 0.005 * abs(row["exact energy"])
+        pulled = not row["case"].endswith(clusters.REST)
+        assert row["pull over the largest"] > (0.45 if pulled else -0.1)

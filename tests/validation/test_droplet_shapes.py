@@ -4,6 +4,7 @@ import lammps_deformable as ld
 import pytest
 
 from validation.droplet_shapes.__main__ import exact, strained
+from validation.droplet_shapes.clusters import CASES, error, measure
 
 
 @pytest.mark.slow
@@ -28,3 +29,13 @@ def test_a_strained_crystal() -> None:
         gained = 0.5 * (less[kind] + more[kind]) - rest[kind]
         volume = fcc.volume / len(fcc)
         assert gained == pytest.approx(0.75 * volume * modulus * 0.05**2, rel=0.04)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["4 of radii 1 : 1.4, angle 0.5, centers pulled"])
+def test_a_cluster(name: str) -> None:
+    """Of droplets that stick, as the page of the study has it."""
+    row = measure(next(case for case in CASES if str(case) == name))
+    assert error(row, "energy") < 0.005
+    assert error(row, "position") < 0.01
+    assert error(row, "force") < 0.01

@@ -37,8 +37,10 @@ REST, CENTERS, VOLUMES = "at rest", "centers pulled", "volumes pulled"
 # Of the first one in unlike clusters.
 UNLIKE = 1.4
 
-# Films of small angles have small energies, which need finer meshes. 13 droplets have many.
-_SMALL_ANGLE, _FINER, _USUAL = 0.3, 600, 300
+# Nodes of the first mesh of a droplet, and of a rim: the fewer the more droplets, and more for a
+# single film with a small angle, which has little energy.
+_NODES = {2: (300, 24), 4: (300, 24), 6: (200, 24), 13: (120, 16)}
+_SINGLE, _SMALL_ANGLE = (600, 24), 0.3
 
 # Distances of neighbors at the start, over the sum of radii, and steps in which centers are moved.
 _START, _STEP = 0.985, 0.002
@@ -128,8 +130,8 @@ def measure(case: Case) -> dict[str, Any]:
     if case.way != REST:
         np.add.at(outer, table["i"], -table["force_vector"])
     cluster = cluster_of(state, outer)._replace(spheres=case.way == CENTERS)
-    fine = case.angle < _SMALL_ANGLE and len(cluster.radii) < 13
-    levels = solve(cluster, _FINER if fine else _USUAL)
+    single = len(cluster.films) == 1 and case.angle < _SMALL_ANGLE
+    levels = solve(cluster, *(_SINGLE if single else _NODES[len(cluster.radii)]))
 
     def limit(name: str) -> tuple[np.ndarray, np.ndarray]:
         return extrapolated(*(np.array(getattr(level, name)) for level in levels))
@@ -190,25 +192,34 @@ def _apart(one: np.ndarray, other: np.ndarray) -> float:
     return float(np.linalg.norm(turn.apply(one) - other, axis=1).max())
 
 
+def line(row: dict[str, Any]) -> list[str]:
+    """Errors of energy, positions and forces, and what exact ones are uncertain by, per cent."""
+    exact = abs(row["exact energy"])
+    off = (row["energy"] - row["exact energy"]) / exact
+    found = [f"{100.0 * off:+.2f}±{100.0 * row['error of the exact energy'] / exact:.2f}"]
+    for name in ("position", "force"):
+        largest, error = row[f"largest error of a {name}"], row[f"error of the exact {name}s"]
+        found.append(f"{100.0 * largest:.2f}±{100.0 * error:.2f}")
+    return found
+
+
 def markdown(rows: list[dict[str, Any]]) -> str:
-    """The table of the page, per cent."""
-    lines = [
-        "| droplets, angle | energy | position | force | cover |",
-        "|---|---|---|---|---|",
-    ]
-    for row in rows:
-        exact = abs(row["exact energy"])
-        off = (row["energy"] - row["exact energy"]) / exact
-        cells = [
-            f"{100.0 * off:+.2f} ± {100.0 * row['error of the exact energy'] / exact:.2f}",
-            *(
-                f"{100.0 * row[f'largest error of a {name}']:.2f}"
-                f" ± {100.0 * row[f'error of the exact {name}s']:.2f}"
-                for name in ("position", "force")
-            ),
-        ]
-        lines.append(f"| {row['case']} | {' | '.join(cells)} | {row['cover']:.2f} |")
+    """The table of the page: the largest errors of each way to hold clusters."""
+    lines = ["| | clusters | energy | position | force |", "|---|---|---|---|---|"]
+    for way in (REST, CENTERS, VOLUMES):
+        these = [row for row in rows if row["case"].endswith(way)]
+        cells = [str(len(these))]
+        for n, key in enumerate(("energy", "position", "force")):
+            cells.append(line(max(these, key=lambda row, key=key: error(row, key)))[n])
+        lines.append(f"| {way} | {' | '.join(cells)} |")
     return "\n".join(lines)
+
+
+def error(row: dict[str, Any], key: str) -> float:
+    """Of the law: of the energy over the exact one, or of a position or a force."""
+    if key == "energy":
+        return abs(float(row["energy"] / row["exact energy"]) - 1.0)
+    return float(row[f"largest error of a {key}"])
 
 
 def main() -> None:
@@ -224,7 +235,7 @@ def main() -> None:
     for case in CASES:
         if str(case) in options.cases and str(case) not in found:
             found[str(case)] = row = measure(case)
-            print(markdown([row]).splitlines()[-1], f"{row['seconds']:.0f} s", flush=True)
+            print(case, *line(row), f"{row['seconds']:.0f} s", sep=" | ", flush=True)
             rows = [found[name] for name in names if name in found]
             file.write_text(json.dumps({"rows": rows}, indent=1) + "\n")
 

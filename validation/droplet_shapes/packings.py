@@ -121,7 +121,7 @@ def markdown(rows: list[dict[str, Any]]) -> str:
         for name in ("energy", "pressure"):
             exact = row[f"exact {name}"]
             error = row[f"error of the exact {name}"] / exact
-            cells.append(f"{100.0 * (row[name] / exact - 1.0):+.2f} ± {100.0 * error:.2f}")
+            cells.append(f"{100.0 * (row[name] / exact - 1.0):+.2f}±{100.0 * error:.2f}")
         rms, largest, error = (
             100.0 * row[f"{name} over the mean"]
             for name in (
@@ -130,7 +130,7 @@ def markdown(rows: list[dict[str, Any]]) -> str:
                 "error of the exact forces",
             )
         )
-        cells += [f"{rms:.2f}", f"{largest:.2f} ± {error:.2f}"]
+        cells += [f"{rms:.2f}", f"{largest:.2f}±{error:.2f}"]
         lines.append(f"| {' | '.join(cells)} |")
     return "\n".join(lines)
 

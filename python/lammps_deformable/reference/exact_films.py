@@ -211,18 +211,19 @@ def extrapolated(coarse: Floats, middle: Floats, fine: Floats) -> tuple[Floats, 
     return last, last - (middle + (middle - coarse) / 3.0)
 
 
-def solve(cluster: Cluster, nodes: int = NODES) -> list[Found]:
+def solve(cluster: Cluster, nodes: int = NODES, rim: int = RIM) -> list[Found]:
     """The shapes on meshes whose edges are halved from one to the next.
 
     Args:
         cluster: where the law has droplets and films.
         nodes: of the first mesh of a droplet.
+        rim: those of a rim at least.
 
     Raises:
         ArithmeticError: Newton's method fails, as for films that cannot bear the outer forces.
     """
     began = time.process_time()
-    rims = [_circle(cluster, film, nodes) for film in range(len(cluster.films))]
+    rims = [_circle(cluster, film, nodes, rim) for film in range(len(cluster.films))]
     for _ in range(_REMADE):
         mesh = _Mesh.of(cluster, rims, nodes)
         mesh.settle(pinned=True)
@@ -273,11 +274,11 @@ def _width(nodes: int) -> float:
     return math.sqrt(4.0 * math.pi / nodes)
 
 
-def _circle(cluster: Cluster, number: int, nodes: int) -> Floats:
+def _circle(cluster: Cluster, number: int, nodes: int, least: int) -> Floats:
     """The first nodes of a rim."""
     film, normal = cluster.films[number], cluster.axes()[number]
     width = _width(nodes) * min(cluster.radii[[film.i, film.j]])
-    count = max(RIM, math.ceil(2.0 * math.pi * film.radius / width))
+    count = max(least, math.ceil(2.0 * math.pi * film.radius / width))
     first = _unit(np.cross(normal, np.eye(3)[np.abs(normal).argmin()]))
     turn = 2.0 * math.pi * np.arange(count)[:, None] / count
     across = np.cos(turn) * first + np.sin(turn) * np.cross(normal, first)
