@@ -24,13 +24,13 @@ BUDGETS = {
     "ARCHITECTURE.md": 2180,
     "CHANGELOG.md": 2200,
     "benchmarks/README.md": 1800,
-    "docs/theory/droplets.md": 1540,
+    "docs/theory/droplets.md": 1580,
     "docs/pair_deformable_ring.md": 2130,
     "docs/pair_deformable_droplet.md": 1530,
     "docs/fix_deformable_wall.md": 1690,
     "docs/fix_deformable_friction.md": 1480,
 }
-USUAL, GUIDE, ALL = 1400, 920, 69_100
+USUAL, GUIDE, ALL = 1400, 920, 69_400
 
 # How the code came to be is in the git log. What nobody has read is no source.
 BANNED = (

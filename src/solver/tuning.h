@@ -24,7 +24,7 @@ struct Tuning {
 
   // Pairs that are relaxed one by one before all are corrected (PairRelaxation)
   double relaxed = 1e3;    // of the tolerance: imbalances from here on at first [10, infinity]
-  double relaxed_part = 0.03;    // of the pairs: later those that are relaxed in a call [0, 0.1]
+  double relaxed_part = 0.04;    // of the pairs: later so many in a call [0.015, 0.15]
   double relaxed_to = 0.01;      // of the largest force: and up to here [0.001, 0.1]
   double crowd = 0.1;            // of the pairs: none, where so many are off
   double of_ring = 0.3;    // of what a particle bears: larger steps are left to the correction

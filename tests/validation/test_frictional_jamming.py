@@ -63,7 +63,8 @@ def test_limits_of_frictional_jamming() -> None:
         f"{fall['z'][0]} to {fall['z'][1]}"
     ) in page
     most = max(row["mobilized"][0] for row in rows)
-    assert f"at most {most:.3f} of them for each particle are fully mobilized" in page
+    told = "At rest few contacts are fully mobilized, with 99.9 % of their friction: at the lowest"
+    assert f"{told} pressure at most {most:.3f} for each particle." in page
     for row, equations, constant in ((first, 4.0, 2.0), (last, 3.0, 1.0)):
         rigid = 64.0 - row["rattlers"][0]
         assert row["z"][0] == pytest.approx(equations - constant / rigid, abs=0.03)

@@ -178,6 +178,11 @@ def check_axes(ax: object) -> None:
             f"plot(...).figure.savefig({str(ax)!r})"
         )
     expect("ax", ax, Axes)
+    if getattr(ax, "name", "") == "3d":
+        raise ParameterError(
+            "ax must be axes of the plane, not 3D ones: droplets are drawn as they are seen from "
+            "`view`"
+        )
 
 
 def per_particle(

@@ -226,10 +226,17 @@ void PairDeformableDroplet::solve(bool new_material)
 
 void PairDeformableDroplet::check_energy(double of_overlaps)
 {
-  constexpr double ROUNDING = 1e-9;
+  // of the energy of the overlaps, and of that of the surfaces, which is the larger one where droplets hardly touch
+  constexpr double ROUNDING = 1e-9, OF_SURFACES = 1e-20;
   const double energy = sum_of_ranks(world, eng_vdwl);
   if (!(energy < 0.0)) return;
   if (energy > -ROUNDING * std::fabs(sum_of_ranks(world, of_overlaps))) return;
+  double surfaces = 0.0;
+  for (int ii = 0; ii < list->inum; ++ii) {
+    const int i = list->ilist[ii];
+    surfaces += stiffness_of(i).tension * radii[i] * radii[i];
+  }
+  if (energy > -OF_SURFACES * sum_of_ranks(world, surfaces)) return;
   impossible = energy;
   eng_vdwl = HUGE_VAL;
 }

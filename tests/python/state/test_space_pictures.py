@@ -164,6 +164,7 @@ def test_refusals(states: tuple[ld.State, ld.State]) -> None:
         ({"view": (np.nan, 0)}, "view must be finite numbers"),
         ({"color": "hue"}, "color must name a value of each particle"),
         ({"ax": 3}, "ax must be of the kind Axes"),
+        ({"ax": plt.figure().add_subplot(projection="3d")}, "ax must be axes of the plane"),
     ):
         draw: Callable[..., object] = states[1].plot
         with refused(told):
