@@ -98,8 +98,8 @@ def of_a_step() -> str:
         ratios = [row["ratio_to_disks"] for row in select(rows, law=law)]
         told.append(f"{min(ratios):.0f} to {max(ratios):.0f}")
     return (
-        f"A time step of the default law takes {told[0]} times as long as one of soft disks in "
-        f"LAMMPS, of the exact law {told[1]} times."
+        f"A time step takes {told[0]} times as long as one of soft disks in LAMMPS with the "
+        f"default law, {told[1]} times with the exact one."
     )
 
 

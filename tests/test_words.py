@@ -20,7 +20,7 @@ PAGES = sorted(path for folder in FOLDERS for path in ROOT.glob(f"{folder}/*.md"
 
 # Words of a page at most; of those without a number, of the guide, and of all together.
 BUDGETS = {
-    "README.md": 690,
+    "README.md": 800,
     "ARCHITECTURE.md": 2180,
     "CHANGELOG.md": 2200,
     "benchmarks/README.md": 1800,
@@ -30,7 +30,7 @@ BUDGETS = {
     "docs/fix_deformable_wall.md": 1690,
     "docs/fix_deformable_friction.md": 1480,
 }
-USUAL, GUIDE, ALL = 1400, 920, 69_400
+USUAL, GUIDE, ALL = 1400, 920, 69_600
 
 # How the code came to be is in the git log. What nobody has read is no source.
 BANNED = (

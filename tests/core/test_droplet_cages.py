@@ -103,7 +103,9 @@ def test_the_integral_of_the_cube():
             of_energy.append(2 / 3 * np.exp(-4 * KAPPA * load(f)) * wrong / cage["energy"])
     rms, most = np.sqrt(np.mean(np.square(off))), np.abs(of_energy).max()
     text = " ".join(PAGE.read_text().split())
-    told = f"I3 is off the integral by {100 * most:.2f} % of the energy at most, in cages of random "
+    told = (
+        f"I3 is off the integral by {100 * most:.2f} % of the energy at most, in cages of random "
+    )
     assert f"{told}packings below x = 0.1." in text
     assert rms < 0.25
 

@@ -320,6 +320,25 @@ def test_outlines_with_other_vertices(jammed: ld.Packing) -> None:
         assert away == pytest.approx(other.radius[kind], rel=4e-3)
 
 
+def test_half_of_the_strain_where_minima_differ(
+    jammed: ld.Packing, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    taken = []
+
+    def found(start: ld.Packing, model: object, strain: float, *more: object, **named: object):
+        taken.append(strain)
+        rows = smooth_rows((38, 1.04, 0), (76, 1.01, 0))
+        away = {"distance": 0.1, "energy_ratio": None, "pressure_ratio": None}
+        return [row | {"strain": strain} | (away if strain > 0.01 else {}) for row in rows]
+
+    monkeypatch.setattr(comparison, "compression_rows", found)
+    with pytest.warns(UserWarning, match=r"different minima at a strain of 0\.012, .* at 0\.006"):
+        compared = ld.compare(jammed, strain=0.012, steps=1)
+    assert taken == [0.012, 0.006]
+    assert compared.rows[-1]["strain"] == 0.006
+    assert compared.rows[-1]["limit_error"] > 0.0
+
+
 def test_an_error_below_the_uncertainty_is_not_told() -> None:
     rows = comparison.method_rows(smooth_rows((38, 1.04, 0), (57, 1.02, 0), (76, 1.01, 0)), 1.0)
     rows[1]["energy_error"] = 0.5 * rows[-1]["limit_error"]
