@@ -314,6 +314,7 @@ DEFORMABLE_LANE_FUNCTION Lanes load_films(const RingBatches &b, const DropletArr
   }
 
   Lanes L = load<Lanes>(d.stretch + droplet), step{}, slope{}, work{}, cover{};
+  L = select(L > LEAST_STRETCH, L, all(1.0));    // forces without bound have left none
   Mask going = L > 0.0;
   for (int n = 0; n < MOST_STEPS; ++n) {
     const FilmPressure<Lanes> inside(L, X);

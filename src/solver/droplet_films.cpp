@@ -64,6 +64,7 @@ void DropletFilms::begin()
       const int place = p.side[side][k];
       sine[place] = sticks ? sine_if[place] : 0.0;
       rise[place] = sticks ? rise_if[place] : 0.0;
+      if (!sticks) curved_by_pressure[place] = 0.0;    // what a film that is gone has told
     }
   }
 }

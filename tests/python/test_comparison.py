@@ -320,7 +320,7 @@ def test_outlines_with_other_vertices(jammed: ld.Packing) -> None:
         assert away == pytest.approx(other.radius[kind], rel=4e-3)
 
 
-def test_half_of_the_strain_where_minima_differ(
+def test_another_strain_where_the_limit_is_not_known(
     jammed: ld.Packing, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     taken = []
@@ -329,14 +329,24 @@ def test_half_of_the_strain_where_minima_differ(
         taken.append(strain)
         rows = smooth_rows((38, 1.04, 0), (76, 1.01, 0))
         away = {"distance": 0.1, "energy_ratio": None, "pressure_ratio": None}
+        law = rows[0] | {"law": "curved", "vertices": None, "distance": None}
+        loose = {"energy_ratio": None} if strain == 0.003 else {}
+        rows = [law | loose, *rows]
         return [row | {"strain": strain} | (away if strain > 0.01 else {}) for row in rows]
 
     monkeypatch.setattr(comparison, "compression_rows", found)
-    with pytest.warns(UserWarning, match=r"different minima at a strain of 0\.012, .* at 0\.006"):
+    with pytest.warns(
+        UserWarning, match=r"different minima at a strain of 0\.012: compared at 0\.006"
+    ):
         compared = ld.compare(jammed, strain=0.012, steps=1)
     assert taken == [0.012, 0.006]
     assert compared.rows[-1]["strain"] == 0.006
     assert compared.rows[-1]["limit_error"] > 0.0
+    with pytest.warns(
+        UserWarning, match=r"hardly bears a load at a strain of 0\.003: compared at 0\.006"
+    ):
+        compared = ld.compare(jammed, strain=0.003, steps=1)
+    assert taken[2:] == [0.003, 0.006]
 
 
 def test_an_error_below_the_uncertainty_is_not_told() -> None:

@@ -64,10 +64,6 @@ _UNJAMMED = 1e-6
 # minima 0.05 and more.
 _ONE_MINIMUM = 0.02
 
-# Parts of the strain that are taken one after the other, until two kinds of smooth polygons are in
-# one minimum.
-_STRAINS = (1.0, 0.5)
-
 # Largest residual of polygons whose energies are those at rest, and the largest relative difference
 # of two estimates of the limit of very many vertices that is nothing to warn of.
 _RESTING, _UNCERTAIN = 1e-2, 0.1
@@ -244,8 +240,9 @@ def compare(
     Warns:
         UnjammedWarning: the packing is loose.
         StalledWarning: smooth polygons did not come to rest. They do not count for the limit.
-        UserWarning: the energy of very many vertices is known to some 10 % only; or smooth polygons
-            came to different minima, and are compared at half of the strain.
+        UserWarning: smooth polygons came to different minima, and are compared at half of the
+            strain; or the packing is loose, and they are compared at twice the strain; or the
+            energy of very many vertices is known to some 10 % only.
     """
     given: Any = law
     strain, steps = finite("strain", strain), count("steps", steps)
@@ -278,22 +275,20 @@ def compare(
     refuse_packing(packing)
     refuse_overlap(packing, reference)
     laws = None if given is None else {given.name: _matched(given, reference, packing)}
-    for part in _STRAINS:
-        if part < 1.0:
-            warn(
-                f"smooth polygons came to different minima at a strain of {strain:.3g}, so that "
-                f"their limit is not known: they are compared at {part * strain:.3g}",
-                UserWarning,
-            )
-        rows = compression_rows(
-            packing, reference, part * strain, steps, rivals, laws=laws, workers=workers, keep=keep
+
+    def at(strain: float) -> tuple[list[Row], list[Row]]:
+        steps_of = compression_rows(
+            packing, reference, strain, steps, rivals, laws=laws, workers=workers, keep=keep
         )
         soft = Simulation(packing, SoftContact(), comm=MPI.COMM_SELF)
-        disks = math.fsum(seconds for _, seconds in timed(soft, part * strain, steps))
-        found = method_rows(rows, disks)
-        away = any(_is_away(row) for row in found if row["method"] == "smooth")
-        if not away or "limit_error" in found[-1]:
-            break
+        disks = math.fsum(seconds for _, seconds in timed(soft, strain, steps))
+        return steps_of, method_rows(steps_of, disks)
+
+    rows, found = at(strain)
+    why, part = _another_strain(found)
+    if why:
+        warn(f"{why} at a strain of {strain:.3g}: compared at {part * strain:.3g}", UserWarning)
+        rows, found = at(part * strain)
     _warn_of_reference(found)
     return Comparison(found, rows)
 
@@ -313,6 +308,21 @@ def _refuse_law(law: Any) -> None:
             "particles have a tension, and polygons have none: compare without; the exact law with "
             "a tension, to compare states of others with, is Ring(..., contact='curved')"
         )
+
+
+def _another_strain(rows: Sequence[Row]) -> tuple[str, float]:
+    """Why a limit of smooth polygons is not known, or nothing; and the part of the strain to take.
+
+    Args:
+        rows: of `method_rows`.
+    """
+    smooth = [row for row in rows if row["method"] == "smooth"]
+    if "limit_error" not in rows[-1] and any(map(_is_away, smooth)):
+        return "smooth polygons came to different minima", 0.5
+    laws = [row for row in rows if row["vertices"] is None and row["seconds"] is not None][1:]
+    if laws and all(row["energy_ratio"] is None and not _is_away(row) for row in laws):
+        return "the packing hardly bears a load", 2.0
+    return "", 1.0
 
 
 def _warn_of_reference(rows: Sequence[Row]) -> None:

@@ -130,6 +130,38 @@ def test_what_does_not_know_films(tmp_path: Path) -> None:
         ld.compare(ld.crystal("fcc", 1, phi=0.75), law=some)
 
 
+@pytest.mark.parametrize(
+    ("radii", "tensions", "adhesion"),
+    [
+        ((1.0, 2.0), (1.0, 0.5), 0.01),
+        ((1.0, 1.0), (1.0, 0.3), 0.006),
+        ((1.0, 3.0), (1.0, 1.0), 0.2),
+    ],
+)
+def test_a_torn_film_leaves_nothing(
+    radii: tuple[float, float], tensions: tuple[float, float], adhesion: float
+) -> None:
+    """Apart, droplets of unlike radii and tensions have no energy, from the step of the tear on."""
+    law = ld.Droplet(tensions, adhesion=((0.0, adhesion), (adhesion, 0.0)))
+    apart = [[3.0, 8.0, 8.0], [2.97 + sum(radii), 8.0, 8.0]]
+    packing = ld.Packing(apart, radii, (16.0,) * 3, species=[0, 1])
+    with ld.Simulation(packing, law) as sim:
+        assert sim.state().films.tolist() == [[1, 2]]
+        sim.lmp.command("group second id 2")
+        sim.lmp.commands_string("timestep 0.05\nthermo_style custom step pe\nthermo 1")
+        sim.lmp.command("fix pull second move linear 0.01 0 0")
+        energies = []
+        for _ in range(600):
+            sim.lmp.command("run 1 post no")
+            energies.append(sim.lmp.get_thermo("pe"))
+        assert sim.state().films.size == 0
+    size = np.abs(energies)
+    torn = int(np.argmax(size < 1e-12))
+    assert size[torn - 1] > 1e-6
+    assert (size[torn:] < 1e-12).all()
+    assert energies[-1] == 0.0
+
+
 def test_droplets_that_hardly_touch() -> None:
     """Their energy is below 0 by rounding, -6e-32, which is no impossible shape."""
     start = ld.bidisperse(120, sizes=(0.9, 1.1), phi=0.25, dimension=3, seed=8).push_off()
