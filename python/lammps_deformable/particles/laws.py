@@ -128,7 +128,7 @@ def wall_adhesion(kind: str, given: object) -> float:
     """
     value = number_or_nan(given)
     if problem := core.invalid_adhesion(value):
-        raise ParameterError(f"{problem} (of a {kind})")
+        raise ParameterError(f"{problem.replace('nan', shown(given))} (of a {kind})")
     return value
 
 
