@@ -48,21 +48,12 @@ def independent() -> ld.State:
         **{name: REFERENCE[name] for name in ("kL", "kA", "kr")},
     )
     with ld.Simulation(packing, model) as sim:
-        place(sim, outlines)
+        comparison.place_outlines(sim, outlines)
         state = sim.state()
         force = np.linalg.norm(gather(sim.lmp, "f", 3), axis=1)
     # stiffness of a bead against its two springs and the beads that it touches
     assert force.max() < 3e-8 + 4.0 * (model.kL + model.kr) * ROUNDING
     return state
-
-
-def place(sim: ld.Simulation, outlines: list[np.ndarray]) -> None:
-    """Put beads at given positions, in whole polygons."""
-    x = gather(sim.lmp, "x", 3)
-    image = np.array(sim.lmp.gather("image", 0, 3)).reshape(-1, 3)
-    x[:, :2] = np.vstack(outlines) - image[:, :2] @ sim.box
-    values = np.ctypeslib.as_ctypes(x.ravel())
-    sim.lmp.scatter("x", 1, 3, values)
 
 
 def test_the_independent_packing_is_at_rest_here(independent: ld.State) -> None:
