@@ -14,7 +14,8 @@ void BlockLevels::arrange(const ContactBatches &b, const NearPairs &pairs)
   for (int k = 0; k < blocks; ++k) end[k] = b.first[std::min((k + 1) * BATCHES, batches)];
   first.assign(1, 0);
   neighbors.clear();
-  borders.clear();
+  is_remote.clear();
+  of_thread.clear();
   level.assign(blocks, 0);
   std::vector<int> seen_by(blocks, -1);
   for (int k = 0, c = 0; k < blocks; ++k) {
@@ -31,7 +32,7 @@ void BlockLevels::arrange(const ContactBatches &b, const NearPairs &pairs)
       seen_by[other] = k;
       neighbors.push_back(other);
     }
-    if (is_border) borders.push_back(k);
+    is_remote.push_back(is_border);
     first.push_back(static_cast<int>(neighbors.size()));
   }
 
@@ -45,6 +46,23 @@ void BlockLevels::arrange(const ContactBatches &b, const NearPairs &pairs)
         ++k;
       of.push_back(k);
     }
+  }
+}
+
+void BlockLevels::divide(int parts)
+{
+  of_thread.resize(parts);
+  has_remote = std::find(is_remote.begin(), is_remote.end(), 1) != is_remote.end();
+  waits = has_remote;
+  for (int n = 0; n < parts; ++n) {
+    Part &part = of_thread[n];
+    part = {count() * n / parts, count() * (n + 1) / parts, {}};
+    for (int k = part.begin; k < part.end; ++k) {
+      bool is_border = is_remote[k];
+      for_neighbors(k, [&](int other) { is_border |= other < part.begin || other >= part.end; });
+      if (is_border) part.borders.push_back(k);
+    }
+    waits |= !part.borders.empty();
   }
 }
 

@@ -76,7 +76,8 @@ void ContactBatches::make_room(const NearPairs &pairs, bool has_own)
   }
   green.resize(two);
   const std::size_t longest = size.empty() ? 0 : *std::max_element(size.begin(), size.end());
-  scratch.resize((7 * longest + 1) * LANES * sizeof(double));
+  scratch_of_thread = (7 * longest + 1) * LANES * sizeof(double);
+  scratch.resize(threads * scratch_of_thread);
   pair_side.assign(contacts, 2 * pairs.size);
   for (LargeVector<double> *v : {&indentation, &slope}) v->assign(contacts + remote + 1, 0.0);
   compliance.assign(contacts + remote + 1, 0.0F);
@@ -163,12 +164,13 @@ StiffnessArrays ContactBatches::stiffnesses() const
   return arrays;
 }
 
-RingBatches ContactBatches::arrays()
+RingBatches ContactBatches::arrays(int thread)
 {
   // the scratch memory of vectors begins at a multiple of their size
   constexpr std::size_t SIZE = LANES * sizeof(double);
-  const std::size_t address = reinterpret_cast<std::uintptr_t>(scratch.data());
-  void *const aligned = scratch.data() + (SIZE - address % SIZE) % SIZE;
+  unsigned char *const own_scratch = scratch.data() + thread * scratch_of_thread;
+  const std::size_t address = reinterpret_cast<std::uintptr_t>(own_scratch);
+  void *const aligned = own_scratch + (SIZE - address % SIZE) % SIZE;
   const auto unless_empty = [](auto &v) { return v.empty() ? nullptr : v.data(); };
   RingBatches b = {};
   b.end = batches;
@@ -228,6 +230,13 @@ RingBatches ContactBatches::arrays()
   o.turn = turn.data();
   o.length = length;
   return b;
+}
+
+std::vector<RingBatches> ContactBatches::of_threads()
+{
+  std::vector<RingBatches> all;
+  for (int thread = 0; thread < threads; ++thread) all.push_back(arrays(thread));
+  return all;
 }
 
 double ContactBatches::bytes() const

@@ -13,6 +13,7 @@
 
 #include <array>
 #include <cstddef>
+#include <vector>
 
 namespace deformable {
 
@@ -21,6 +22,7 @@ struct ContactBatches {
   static constexpr int BLOCK = 512;
 
   int batches = 0;
+  int threads = 1;    // that may have a block each
   // places for contacts; remote ones follow, then one for walls, which yield nothing
   int contacts = 0;
   bool soft = false;    // some ring does not conserve its perimeter; see set_kind
@@ -60,7 +62,8 @@ struct ContactBatches {
   LargeVector<float> weight, left, direction, step, product;
 
   LargeVector<float> green;
-  LargeVector<unsigned char> scratch;    // see arrays()
+  LargeVector<unsigned char> scratch;    // of each thread, see arrays()
+  std::size_t scratch_of_thread = 0;
 
   LargeVector<int> place;    // of each particle, in arrays of rings
   LargeVector<int> count;    // contacts of each particle
@@ -98,7 +101,8 @@ struct ContactBatches {
 
   int none() const { return static_cast<int>(slope.size()) - 1; }    // see CorrectionArrays
 
-  RingBatches arrays();
+  RingBatches arrays(int thread = 0);
+  std::vector<RingBatches> of_threads();
 
   double bytes() const;
 

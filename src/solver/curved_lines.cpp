@@ -28,11 +28,11 @@ void CurvedLines::arrange(ContactBatches &b, NearPairs &p, RemoteSides &r)
 }
 
 // A pair without a past has no tilt either.
-void CurvedLines::predict(const Extrapolation &by)
+void CurvedLines::predict(const Extrapolation &by, int begin, int end)
 {
   NearPairs &p = *pairs;
-  kernels.extrapolate(p.past[TILT].arrays(), by, nullptr, next_sine.data(), 0, p.wall);
-  kernels.extrapolate(p.past[BEND].arrays(), by, nullptr, p.bend.data(), 0, p.wall);
+  kernels.extrapolate(p.past[TILT].arrays(), by, nullptr, next_sine.data(), begin, end);
+  kernels.extrapolate(p.past[BEND].arrays(), by, nullptr, p.bend.data(), begin, end);
 }
 
 void CurvedLines::take_past()

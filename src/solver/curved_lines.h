@@ -42,8 +42,8 @@ class CurvedLines {
 
   void arrange(ContactBatches &, NearPairs &, RemoteSides &);    // contacts are new
 
-  // The first tilts and bends of a call, from those of the last ones; of another solution of this call.
-  void predict(const Extrapolation &);
+  // The first tilts and bends of a call, of some pairs, from those of the last ones; all, of another solution of this call.
+  void predict(const Extrapolation &, int begin, int end);
   void take_past();
 
   // Lines of pairs that are straight yet take them.

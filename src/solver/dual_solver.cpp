@@ -5,12 +5,15 @@
 #include "atom.h"
 #include "comm.h"
 #include "error.h"
+#include "modify.h"
 #include "update.h"
 #include "utils.h"
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
+#include <numeric>
 #include <stdexcept>
 
 namespace deformable {
@@ -106,7 +109,7 @@ bool DualSolver::solve(const ForceCall &call, const Push &push)
       remember();
       list.build(call, false);
       arrange(call, false);
-      list.locate(call);    // of the same positions: none is refused
+      list.locate(call, threads);    // of the same positions: none is refused
       continue;
     }
     // Only balanced forces let pairs attach. Others may be those of films that should have gone.
@@ -115,10 +118,7 @@ bool DualSolver::solve(const ForceCall &call, const Push &push)
         energy_before = total_energy();
         // In a run a pair that attaches or lets go in this step pushes with the mean of its forces before and after: energy plus
         // lost energy is then constant to second order in the time step.
-        if (moves) {
-          if (!lines) find_slopes(batches.arrays());    // those have slopes
-          push(0, list.pairs.size, part = 0.5, false);
-        }
+        if (moves) push_all(call, push, part = 0.5, false);
       }
       films->change(are_balanced);
       list.store_films(call);    // for lists that are made anew in this call, too
@@ -130,7 +130,7 @@ bool DualSolver::solve(const ForceCall &call, const Push &push)
   warn(call, changes > 0);
   summary.lost_energy = changes > 0 ? energy_before - total_energy() : 0.0;
   if (films && (call.new_list || adhesion_begins)) list.store_films(call);
-  finish(push, part);
+  finish(call, push, part);
   if (is_meaningless()) forget();
   return true;
 }
@@ -146,7 +146,7 @@ bool DualSolver::find_pairs(const ForceCall &call)
   bool refused = locate(call);
   if (call.new_list) {
     refused = list.remote_sides.largest(refused) > 0.0;
-  } else if (!list.is_sufficient(call, refused) && !refused) {
+  } else if (!list.is_sufficient(call, threads, refused) && !refused) {
     list.build(call, false);
     arrange(call, false);
     refused = list.remote_sides.largest(locate(call)) > 0.0;
@@ -157,14 +157,39 @@ bool DualSolver::find_pairs(const ForceCall &call)
 // Whether this rank goes no further.
 bool DualSolver::locate(const ForceCall &call)
 {
-  refused = list.locate(call);
+  refused = list.locate(call, threads);
   return refused >= 0 || call.refusals->any_here();
+}
+
+void DualSolver::choose_threads()
+{
+  const int wanted = tuning.threads > 0.0 ? static_cast<int>(tuning.threads)
+                     : wanted_threads > 0 ? wanted_threads
+                                          : comm->nthreads;
+  if (wanted == last_wanted) return;
+  last_wanted = wanted;
+  int number = wanted;
+  if (number > 1 && tuning.threads == 0.0)
+    number = std::clamp(Threads::usable_cores() / ranks_of_machine(world), 1, wanted);
+  threads.set_count(number);
+  if (comm->me != 0 || wanted == 1) return;
+  utils::logmesg(lmp, "  {} thread(s) share the balance of contacts\n", number);
+  // those of OpenMP spin between its loops, and do not leave the cores to others
+  const char *const waits = std::getenv("OMP_WAIT_POLICY");
+  if (number > 1 && modify->get_fix_by_id("package_omp") &&
+      (!waits || utils::lowercase(waits) != "passive"))
+    error->warning(FLERR,
+                   "Threads of 'package omp' spin while those of pair_style deformable/* work: "
+                   "set the environment variable OMP_WAIT_POLICY=passive, or use the "
+                   "keyword 'threads' in place of the package");
 }
 
 // Contacts are new.
 void DualSolver::arrange(const ForceCall &call, bool new_list)
 {
+  choose_threads();
   NearPairs &pairs = list.pairs;
+  batches.threads = threads.count();
   batches.arrange(list.order(*call.list), call.list->inum, atom->nlocal, pairs, atom->tag,
                   has_own_compliances());
   list.remote_sides.arrange(pairs.side[0].data() + pairs.remote, batches.contacts);
@@ -176,6 +201,7 @@ void DualSolver::arrange(const ForceCall &call, bool new_list)
   // nothing happens in the last one, which stays zero
   for (LargeVector<float> *v : {&residual, &weight, &before, &step})
     v->assign(pairs.size + 1, 0.0F);
+  find_images();
   pairs_of_all = 1.0 + sum_over_pairs([](int begin, int end) { return end - begin; });
   if (lines)
     lines->arrange(batches, pairs, list.remote_sides);
@@ -244,13 +270,15 @@ void DualSolver::predict()
                       is_cubic ? smooth : std::numeric_limits<double>::infinity(),
                       p.unit(),
                       0.0};
-  kernels.extrapolate(p.past[FORCE].arrays(), by, p.least.empty() ? nullptr : p.least.data(),
-                      p.force.data(), 0, p.size);
+  threads.share(p.size, [&](int begin, int end) {
+    kernels.extrapolate(p.past[FORCE].arrays(), by, p.least.empty() ? nullptr : p.least.data(),
+                        p.force.data(), begin, end);
+  });
   if (lines) {
     by.unit = 1.0;
     by.least = -1.0;
     if (is_cubic) by.smooth = tuning.smooth * tolerance;
-    lines->predict(by);
+    threads.share(p.wall, [&](int begin, int end) { lines->predict(by, begin, end); });
   }
   summary.evaluations = 0;
   solutions = 0;
@@ -469,11 +497,13 @@ bool DualSolver::lines_answer(const Evaluation &from) const
 Evaluation DualSolver::evaluate_and_correct()
 {
   is_corrected = true;
+  found_before.assign(blocks.count(), {});
   Steps steps;
   add_shape(steps, Stage::SHAPE, true);
   if (!lines && relaxation.begin(tuning, tolerance, planned_from.force)) {
-    std::fill(step.begin(), step.end(), 0.0F);
-    steps.insert(steps.end(), {Stage::WAIT, Stage::RELAX});
+    sweep(steps);
+    relax_pairs();
+    steps.clear();
     add_shape(steps, Stage::RESHAPE, true);
   }
   if (lines) {
@@ -724,21 +754,69 @@ void DualSolver::forget()
 }
 
 // The forces are past ones, outlines have slopes, and pairs push.
-void DualSolver::finish(const Push &push, double part)
+void DualSolver::finish(const ForceCall &call, const Push &push, double part)
 {
-  RingBatches here = batches.arrays();
-  const auto work = [&](int block, int stage) {
-    blocks.choose(here, block);
-    if (stage == 1 && !lines) find_slopes(here);    // those have slopes
-    blocks.for_pairs(block, [&](int begin, int end, double) {
-      if (stage == 2)
-        push(begin, end, part, true);
-      else
-        kernels.remember(arrays(), begin, end);
-    });
-  };
-  blocks.run(2, work, [](int) {});
+  push_all(call, push, part, true);
   remember_lines();
+}
+
+void DualSolver::push_all(const ForceCall &call, const Push &push, double part, bool is_final)
+{
+  const NearPairs &p = list.pairs;
+  std::vector<RingBatches> here = batches.of_threads();
+  std::vector<double> energy(blocks.count(), 0.0);
+  const auto work = [&](int block, int stage, int thread) {
+    blocks.choose(here[thread], block);
+    if (stage == 1 && !lines) find_slopes(here[thread]);    // those have slopes
+    blocks.for_pairs(block, [&](int begin, int end, double) {
+      if (stage == 1 && is_final) kernels.remember(arrays(), begin, end);
+      if (stage == 2 && begin < p.wall) energy[block] += push(begin, end, part, is_final);
+    });
+    if (stage == 3) p.in_space ? add_pushes<3>(here[thread]) : add_pushes<2>(here[thread]);
+  };
+  const int together = call.tallies ? 1 : 3;    // stages
+  blocks.run(threads, together, work, [](int) {});
+  for (int stage = together + 1; stage <= 3; ++stage)
+    for (int block = 0; block < blocks.count(); ++block) work(block, stage, 0);
+  pushed_energy = std::accumulate(energy.begin(), energy.end(), 0.0);
+  if (p.wall < p.size) pushed_energy += push(p.wall, p.size, part, is_final);
+  const int axes = p.in_space ? 3 : 2;
+  for (const int k : images)
+    for (int axis = 0; axis < axes; ++axis)
+      atom->f[p.j[k]][axis] -= pushes[axes * static_cast<std::size_t>(k) + axis];
+}
+
+// The force on a particle is the sum over its contacts. Ghosts have forces of their own: LAMMPS finds the virial from them.
+template <int AXES> void DualSolver::add_pushes(const RingBatches &rings)
+{
+  for (int batch = rings.begin; batch < rings.end; ++batch) {
+    double sum[LANES][AXES] = {};
+    for (int c = batches.first[batch]; c < batches.first[batch + 1]; c += LANES)
+      for (int lane = 0; lane < LANES; ++lane) {
+        const std::size_t k = batches.pair_side[c + lane] >> 1;
+        for (int axis = 0; axis < AXES; ++axis)
+          sum[lane][axis] += sign[c + lane] * pushes[AXES * k + axis];
+      }
+    for (int lane = 0; lane < LANES; ++lane) {
+      const int i = batches.particle[batch * LANES + lane];
+      for (int axis = 0; axis < AXES && i >= 0; ++axis) atom->f[i][axis] += sum[lane][axis];
+    }
+  }
+}
+
+void DualSolver::find_images()
+{
+  const NearPairs &p = list.pairs;
+  pushes.assign((p.in_space ? 3 : 2) * (p.size + std::size_t{1}), 0.0);
+  sign.assign(batches.contacts, 0.0F);
+  images.clear();
+  for (int k = 0; k < p.wall; ++k) {
+    sign[p.side[0][k]] = 1.0F;
+    if (p.j[k] < atom->nlocal)
+      sign[p.side[1][k]] = -1.0F;
+    else
+      images.push_back(k);
+  }
 }
 
 /* ----------------------------------------------------------------------
@@ -802,18 +880,8 @@ Evaluation DualSolver::evaluate()
 // has.
 Evaluation DualSolver::run(const Steps &steps, Evaluation *of_planned)
 {
-  const RingBatches rings = batches.arrays();
-  RingBatches here = rings;    // of the block that has its turn
   found.assign(blocks.count(), {});
-  if (of_planned) found_before.assign(blocks.count(), {});
-  const auto step_of = [&](int number) -> const Step & { return steps[number - 1]; };
-  blocks.run(
-      static_cast<int>(steps.size()),
-      [&](int block, int number) {
-        blocks.choose(here, block);
-        work(step_of(number), block, here);
-      },
-      [&](int number) { exchange_after(step_of(number)); });
+  sweep(steps);
   if (steps.back().stage == Stage::RESIDUAL) ++summary.evaluations;
   if (of_planned) {
     ++summary.evaluations;
@@ -824,6 +892,29 @@ Evaluation DualSolver::run(const Steps &steps, Evaluation *of_planned)
   Evaluation now = sum_up(found, has_step ? &step_slope : nullptr);
   if (of_planned) now.exists &= of_planned->exists;
   return now;
+}
+
+void DualSolver::sweep(const Steps &steps)
+{
+  const auto step_of = [&](int number) -> const Step & { return steps[number - 1]; };
+  std::vector<RingBatches> here = batches.of_threads();    // the block that has its turn
+  blocks.run(
+      threads, static_cast<int>(steps.size()),
+      [&](int block, int number, int thread) {
+        blocks.choose(here[thread], block);
+        work(step_of(number), block, here[thread]);
+      },
+      [&](int number) { exchange_after(step_of(number)); });
+}
+
+// A few pairs that are far from balance, one after the other. Those of a block are found together.
+void DualSolver::relax_pairs()
+{
+  std::fill(step.begin(), step.end(), 0.0F);
+  for (int block = 0; block < blocks.count(); ++block) {
+    static_cast<Residuals &>(found_before[block]) = {};    // they are found again
+    relaxation.relax(block, kernels, blocks, list.pairs, batches, arrays());
+  }
 }
 
 void DualSolver::work(const Step &now, int block, RingBatches &here)
@@ -841,11 +932,6 @@ void DualSolver::work(const Step &now, int block, RingBatches &here)
         if (lines) of.line = std::max(of.line, lines->find(loop, begin, end));
       });
       if (films) of.line = std::max(of.line, films->lag(here));
-      break;
-    case Stage::WAIT: break;
-    case Stage::RELAX:
-      static_cast<Residuals &>(found_before[block]) = {};    // they are found again
-      relaxation.relax(block, kernels, blocks, list.pairs, batches, loop);
       break;
     case Stage::RESHAPE:
       relaxation.for_changed(here, [&](const RingBatches &changed) {
@@ -901,8 +987,6 @@ void DualSolver::exchange_after(const Step &done)
     case Stage::FOLLOW:
     case Stage::FOLLOW_STEP: lines->exchange_answers(); break;
     case Stage::RESIDUAL:
-    case Stage::WAIT:
-    case Stage::RELAX:
     case Stage::RESHAPE:    // particles beside those of other ranks keep their shapes
     case Stage::STEP:
     case Stage::ANSWER:
@@ -953,8 +1037,8 @@ Evaluation DualSolver::sum_up(const std::vector<OfBlock> &of_blocks, double *slo
 double DualSolver::memory_usage() const
 {
   return list.memory_usage() + batches.bytes() + blocks.bytes() + relaxation.bytes() +
-         bytes_of(residual, weight, before, step, found, found_before, changes[0], changes[1],
-                  changes[2]) +
+         bytes_of(residual, weight, before, step, pushes, sign, images, found, found_before,
+                  changes[0], changes[1], changes[2]) +
          (lines ? lines->bytes() : 0.0) + (films ? films->bytes() : 0.0);
 }
 

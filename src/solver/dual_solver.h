@@ -25,6 +25,7 @@
 //                it becomes positive when the contact forms.
 //
 // A sweep goes through its stages block by block, and near blocks run ahead of far ones, so that memory is read once (BlockLevels).
+// Threads share the blocks. What follows from a sweep does not depend on the order of blocks, so neither on the number of threads.
 // All ranks take the same steps, and both ranks of a pair compute the same bits for it. Forces and overlaps are in double precision,
 // what only corrects them in single precision and in units of PairArrays. RingSolver and DropletSolver say what W is; lines that
 // tilt and bend (CurvedLines) turn with each correction once forces are close to balance.
@@ -39,6 +40,7 @@
 #include "solver/linear_solver.h"
 #include "solver/pair_list.h"
 #include "solver/pair_relaxation.h"
+#include "solver/threads.h"
 #include "solver/tuning.h"
 #include "styles/lammps_names.h"
 
@@ -74,13 +76,21 @@ class DualSolver : protected Pointers {
  public:
   virtual ~DualSolver() = default;
 
+  // Threads that share a call: as many as this, or 0: as LAMMPS has, but not more than there are cores.
+  static constexpr int ALL_CORES = std::numeric_limits<int>::max();
+  int wanted_threads = 0;
+
   const double tolerance;    // of the imbalance over the largest force
   double accepted = 0.0;     // an imbalance up to this force is small enough, too
   Summary summary;           // of the last call
 
-  // push(begin, end, part, is_final) adds this part of the forces of pairs to those of their particles. Not final: films come or
-  // go afterwards, and other forces follow; then they are all pairs, else pairs of one part, as of one block.
-  using Push = std::function<void(int begin, int end, double part, bool is_final)>;
+  // push(begin, end, part, is_final) finds `pushes`, this part of the forces of some pairs, and returns what their energy adds to that
+  // of particles. Not final: films come or go afterwards, and other forces follow. Pairs of two ranks have a turn of their own, and so
+  // have those with walls, which these push. Threads push at the same time, unless ForceCall::tallies.
+  using Push = std::function<double(int begin, int end, double part, bool is_final)>;
+  LargeVector<double>
+      pushes;    // 2 or 3 numbers of each pair: the force on its first particle; 0 of walls
+  double pushed_energy = 0.0;    // of the last call
 
   // A force call. Returns false on all ranks if any must stop with an error: a wall has refused a center, this pair has a contact
   // line that cannot lie between the centers, or particles have no room (RingSolver). Else all forces have been pushed.
@@ -154,13 +164,11 @@ class DualSolver : protected Pointers {
   enum class Stage {
     SHAPE,       // of particles, for the forces of their pairs
     ADAPT,       // the same after a small step
+    RESHAPE,     // of particles whose pairs were relaxed
     TILT,        // what neighbors add to that, as films of droplets turn
     RESIDUAL,    // overlaps of all pairs
-    WAIT,    // nothing, as a barrier: blocks that are two away have their residuals, which RELAX may change
-    RELAX,      // a few pairs that are far from balance
-    RESHAPE,    // of particles whose pairs were relaxed
-    CORRECT,    // an iteration for C x = r
-    STEP,       // all forces take their corrections
+    CORRECT,     // an iteration for C x = r
+    STEP,        // all forces take their corrections
     // curved lines: see CurvedLines
     FOLLOW,         // outlines follow the last answer of lines, and the correction so far
     ANSWER,         // of lines to that
@@ -196,6 +204,8 @@ class DualSolver : protected Pointers {
   // Before the correction of the last call, and then of this one, which is planned from it.
   Evaluation planned_from;
 
+  Threads threads;
+  int last_wanted = 1;
   LinearSolver linear;
   PairRelaxation relaxation;
   BlockLevels blocks;
@@ -206,13 +216,17 @@ class DualSolver : protected Pointers {
     bool exists = true;    // every particle has a shape
     void add(const Residuals &, double part);
   };
+  LargeVector<float> sign;              // of pushes at contacts; 0 at ghosts
+  std::vector<int> images;              // pairs whose second particle is a ghost
   std::vector<OfBlock> found;           // by the last stages RESIDUAL and STEP
   std::vector<OfBlock> found_before;    // the same, before a correction that was planned
   double pairs_of_all = 1.0;            // the number of pairs of all ranks, plus 1
 
   bool minimizing() const;
   bool searches_lines() const;
+  void choose_threads();
   void arrange(const ForceCall &, bool new_list);
+  void find_images();
   bool locate(const ForceCall &);
   bool find_pairs(const ForceCall &);
   double total_energy() const;
@@ -271,6 +285,8 @@ class DualSolver : protected Pointers {
 
   PairArrays arrays();
   Evaluation run(const Steps &, Evaluation *of_planned = nullptr);
+  void sweep(const Steps &);
+  void relax_pairs();
   Evaluation evaluate();
   void work(const Step &, int block, RingBatches &);
   void exchange_after(const Step &);
@@ -282,7 +298,9 @@ class DualSolver : protected Pointers {
   double slope_at_end();
   double step_alone();
   double unit_of_energy() const { return list.pairs.length * list.pairs.unit(); }
-  void finish(const Push &, double part);
+  void finish(const ForceCall &, const Push &, double part);
+  void push_all(const ForceCall &, const Push &, double part, bool is_final);
+  template <int AXES> void add_pushes(const RingBatches &);
 
   template <class Sum> double sum_over_pairs(Sum &&sum) const    // of all ranks
   {

@@ -3,6 +3,7 @@
 #include "laws/contact.h"
 #include "laws/trigonometry.h"
 
+#include <atomic>
 #include <cmath>
 
 namespace deformable {
@@ -54,9 +55,9 @@ void NearPairs::make_room()
     v->assign(adhesive ? one_more : 0, 0.0);
 }
 
-int NearPairs::locate(const ForceKernels &kernels, const double *x, const double *radius)
+int NearPairs::locate(const ForceKernels &kernels, Threads &threads, const double *x,
+                      const double *radius)
 {
-  int wrong = -1;
   if (!in_space) {
     PairPlaces places = {};
     places.i = i.data();
@@ -68,7 +69,11 @@ int NearPairs::locate(const ForceKernels &kernels, const double *x, const double
     places.angle = angle.data();
     places.nx = nx.data();
     places.ny = ny.data();
-    if (wall == 0 || kernels.locate(places, 0, wall)) return -1;
+    std::atomic<bool> are_right = true;
+    threads.share(wall, [&](int begin, int end) {
+      if (!kernels.locate(places, begin, end)) are_right = false;
+    });
+    if (are_right) return -1;
     int nearest = -1;    // line, as part of the smaller radius
     double most = 0.0;
     for (int k = 0; k < wall; ++k) {
@@ -82,7 +87,19 @@ int NearPairs::locate(const ForceKernels &kernels, const double *x, const double
     }
     return nearest;
   }
-  for (int k = 0; k < wall; ++k) {
+  std::atomic<int> wrong = -1;
+  threads.share(wall, [&](int begin, int end) {
+    const int found = locate_in_space(x, radius, begin, end);
+    for (int last = wrong; found > last && !wrong.compare_exchange_weak(last, found);) {
+    }
+  });
+  return wrong;
+}
+
+int NearPairs::locate_in_space(const double *x, const double *radius, int begin, int end)
+{
+  int wrong = -1;
+  for (int k = begin; k < end; ++k) {
     const double *const xi = x + 3 * i[k], *const xj = x + 3 * j[k];
     const double dx = xj[0] - xi[0], dy = xj[1] - xi[1], dz = xj[2] - xi[2];
     const double d = std::sqrt(dx * dx + dy * dy + dz * dz), over = 1.0 / d;

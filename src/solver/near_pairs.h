@@ -7,6 +7,7 @@
 #include "geometry/surface.h"
 #include "kernels/force_kernels.h"
 #include "kernels/large_vector.h"
+#include "solver/threads.h"
 
 #include <cmath>
 #include <vector>
@@ -129,7 +130,8 @@ struct NearPairs : KnownPairs {
 
   // Distances, normals and overlaps of pairs of particles: of positions x and radii. Returns a pair whose contact line cannot
   // lie between the centers, in space one without a direction; or -1.
-  int locate(const ForceKernels &, const double *x, const double *radius);
+  int locate(const ForceKernels &, Threads &, const double *x, const double *radius);
+  int locate_in_space(const double *x, const double *radius, int begin, int end);
   // The point of a wall that is nearest to the center of a pair.
   void locate_wall(int k, double radius, const SurfacePoint &);
 

@@ -229,10 +229,11 @@ void PairList::add_walls(const ForceCall &call, bool new_list, const KnownPairs 
   }
 }
 
-int PairList::locate(const ForceCall &call)
+int PairList::locate(const ForceCall &call, Threads &threads)
 {
   std::fill(pairs.tilt.begin(), pairs.tilt.end(), 0.0);
-  const int wrong = pairs.locate(kernels, atom->nmax > 0 ? atom->x[0] : nullptr, call.radius);
+  const int wrong =
+      pairs.locate(kernels, threads, atom->nmax > 0 ? atom->x[0] : nullptr, call.radius);
   if (wrong >= 0 || call.walls->empty()) return wrong;
   call.refusals->collect([&] { locate_walls(call); });
   return -1;
@@ -297,18 +298,20 @@ double PairList::move_of(int i, const double *x) const
   return dx * dx + dy * dy + dz * dz;
 }
 
-bool PairList::is_sufficient(const ForceCall &call, bool &refused)
+bool PairList::is_sufficient(const ForceCall &call, Threads &threads, bool &refused)
 {
   const double *const x = atom->nlocal > 0 ? atom->x[0] : nullptr;
   constexpr double INFINITE = std::numeric_limits<double>::infinity();
-  double farthest2 = 0.0;
-  bool are_finite = true;
-  for (int ii = 0; ii < call.list->inum; ++ii) {    // others may be fast
-    const double d2 = move_of(call.list->ilist[ii], x);
-    are_finite &= d2 < INFINITE;
-    farthest2 = std::max(farthest2, d2);
-  }
-  farthest = are_finite ? std::sqrt(farthest2) : INFINITE;
+  std::vector<double> most(threads.count(), 0.0);    // squares; NaN is infinite
+  threads.share(call.list->inum, [&](int begin, int end, int thread) {
+    double here = 0.0;
+    for (int ii = begin; ii < end; ++ii) {    // others may be fast
+      const double d2 = move_of(call.list->ilist[ii], x);
+      here = std::max(here, d2 < INFINITE ? d2 : INFINITE);
+    }
+    most[thread] = here;
+  });
+  farthest = std::sqrt(*std::max_element(most.begin(), most.end()));
   return is_sufficient_after(call, refused);
 }
 

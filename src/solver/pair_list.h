@@ -10,6 +10,7 @@
 
 #include "solver/near_pairs.h"
 #include "solver/remote_sides.h"
+#include "solver/threads.h"
 #include "solver/tuning.h"
 #include "styles/lammps_names.h"
 #include "styles/memory/fix_deformable_films.h"
@@ -37,6 +38,8 @@ struct ForceCall {
   double smallest = 0.0;        // radius of all
   bool new_list = false;        // the neighbor list is new: particles have other indices
   bool new_material = false;    // a species has changed since the last call
+  bool tallies =
+      false;    // pushes also add to virials or to energies of particles, one after the other
   Refusals *refusals = nullptr;
   const Adhesions *adhesions = nullptr;
   FixDeformableFilms *films = nullptr;    // null: no adhesion
@@ -93,11 +96,11 @@ class PairList : protected Pointers {
   void build(const ForceCall &, bool new_list);
 
   // Overlaps and normals of all pairs. Returns -1, or a pair whose contact line cannot lie between the centers.
-  int locate(const ForceCall &);
+  int locate(const ForceCall &, Threads &);
 
   // Whether the list is sufficient, on all ranks, for the present positions and bulges. `refused`: whether this rank goes no
   // further; then whether any does.
-  bool is_sufficient(const ForceCall &, bool &refused);
+  bool is_sufficient(const ForceCall &, Threads &, bool &refused);
   // The same after bulges have changed, of particles that have not moved.
   bool is_sufficient_after(const ForceCall &, bool &refused);
 

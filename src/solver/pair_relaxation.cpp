@@ -14,7 +14,6 @@ void PairRelaxation::arrange(const ContactBatches &b, const NearPairs &p)
   is_changed.assign(b.batches, 0);
   is_free.assign(b.batches, 1);
   for (int k = p.remote; k < p.wall; ++k) is_free[b.place[p.i[k]] / LANES] = 0;
-  near_block.assign(b.batches * LANES / ContactBatches::BLOCK + 1, -1);
 }
 
 bool PairRelaxation::begin(const Tuning &tuning, double tolerance, double largest_force)
@@ -93,11 +92,8 @@ void PairRelaxation::relax(int block, const ForceKernels &kernels, const BlockLe
   const bool is_crowded = first_ones > crowd * of_block + 10;
   const std::size_t last = is_crowded ? 0 : OFTEN * first_ones + ANY;
 
-  near_block[block] = block;
-  blocks.for_neighbors(block, [&](int other) { near_block[other] = block; });
   const auto may_change = [&](int ring, double by) {
-    return is_free[ring / LANES] && near_block[BlockLevels::of_ring(ring)] == block &&
-           by < of_ring * b.total[ring];
+    return is_free[ring / LANES] && by < of_ring * b.total[ring];
   };
   for (std::size_t next = 0; next < waiting.size(); ++next) {
     const int k = waiting[next];

@@ -26,8 +26,7 @@ class PairRelaxation {
   // astray. Returns whether there may be anything between these limits, the same on all ranks.
   bool begin(const Tuning &, double tolerance, double largest_force);
 
-  // Relaxes the pairs whose first ring is in the block, then those that this brings out of balance, in this block and its
-  // neighbors. Rings of a batch do not change if one of them touches a ring of another rank, which would not learn of it.
+  // Relaxes the pairs whose first ring is in the block, then those that this brings out of balance. Rings of a batch do not change if one of them touches a ring of another rank, which would not learn of it.
   // Forces and residuals are those after that, to first order in the changes of forces, which are added to steps.
   void relax(int block, const ForceKernels &, const BlockLevels &, const NearPairs &,
              const ContactBatches &, const PairArrays &);
@@ -47,8 +46,7 @@ class PairRelaxation {
 
   double bytes() const
   {
-    return bytes_of(waiting, is_free, is_changed, near_block) +
-           static_cast<double>(waits.size() / 8);
+    return bytes_of(waiting, is_free, is_changed) + static_cast<double>(waits.size() / 8);
   }
 
  private:
@@ -61,7 +59,6 @@ class PairRelaxation {
   std::vector<int> waiting;                 // pairs
   std::vector<bool> waits;                  // by pair
   std::vector<char> is_free, is_changed;    // by batch
-  std::vector<int> near_block;              // of each block, the last one that it was beside
 
   void change_particle(const ContactBatches &, const PairArrays &, int ring, int contact, float by);
   void wait_for(const PairArrays &, int pair);

@@ -32,6 +32,7 @@ Tuning Tuning::changed_by(const std::string &given) const
                                                    {"chebyshev", &t.chebyshev},
                                                    {"spectrum", &t.spectrum},
                                                    {"close", &t.close},
+                                                   {"threads", &t.threads},
                                                    {"astray", &t.astray},
                                                    {"stuck", &t.stuck}};
   std::istringstream words(given);

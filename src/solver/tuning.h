@@ -47,6 +47,9 @@ struct Tuning {
   // Curved lines move with forces from this imbalance on
   double close = 0.02;    // of the largest force
 
+  // 0: as many as LAMMPS has, but not more than cores (Threads); else so many
+  double threads = 0.0;
+
   // Evaluations that do not halve the imbalance, after which steps are careful (DualSolver), and after which there may be no balance
   double astray = 10.0;    // [5, 50]
   double stuck = 200.0;

@@ -20,6 +20,20 @@ std::vector<double> of_all_ranks(LAMMPS *lmp, std::vector<double> here)
   return all;
 }
 
+int ranks_of_machine(MPI_Comm world)
+{
+  int ranks;
+#if defined(MPI_VERSION) && MPI_VERSION >= 3
+  MPI_Comm machine;
+  MPI_Comm_split_type(world, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine);
+  MPI_Comm_size(machine, &ranks);
+  MPI_Comm_free(&machine);
+#else
+  MPI_Comm_size(world, &ranks);
+#endif
+  return ranks;
+}
+
 std::string environment(LAMMPS *lmp, const char *name)
 {
   const char *const given = std::getenv(name);

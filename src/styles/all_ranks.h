@@ -36,6 +36,9 @@ template <class Number> Number smallest_of_ranks(MPI_Comm world, Number here)
   return reduced(world, here, MPI_MIN);
 }
 
+// How many ranks share this machine.
+int ranks_of_machine(MPI_Comm world);
+
 // The numbers of one rank after the other.
 std::vector<double> of_all_ranks(LAMMPS *, std::vector<double> here);
 

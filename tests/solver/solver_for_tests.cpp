@@ -232,12 +232,23 @@ void bind_blocks(nb::module_ &m)
            })
       .def(
           "run",
-          [](Blocks &b, int last, const nb::callable &work, const nb::callable &exchange) {
+          [](Blocks &b, int last, const nb::callable &work, const nb::callable &exchange,
+             int number) {
+            Threads threads;
+            threads.set_count(number);
+            const nb::gil_scoped_release let_others;
             b.levels.run(
-                last, [&](int block, int iteration) { work(block, iteration); },
-                [&](int iteration) { exchange(iteration); });
+                threads, last,
+                [&](int block, int iteration, int /*thread*/) {
+                  const nb::gil_scoped_acquire alone;
+                  work(block, iteration);
+                },
+                [&](int iteration) {
+                  const nb::gil_scoped_acquire alone;
+                  exchange(iteration);
+                });
           },
-          "last"_a, "work"_a, "exchange"_a);
+          "last"_a, "work"_a, "exchange"_a, "threads"_a = 1);
 }
 
 struct Relaxation {
@@ -334,6 +345,7 @@ struct List {
   std::vector<FixDeformableWall *> walls;
   Refusals refusals;
   PairList list;
+  Threads threads;
 
   List(nb::handle given, bool curved, double smallest, double reach,
        const std::vector<std::vector<std::string>> &walls_by_words, const std::string &tuned)
@@ -372,12 +384,12 @@ struct List {
     const ForceCall c = call(new_list);
     if (!new_list) lmp->comm->forward_comm();
     list.build(c, new_list);
-    return list.locate(c);
+    return list.locate(c, threads);
   }
   bool is_sufficient()
   {
     bool refused = false;
-    return list.is_sufficient(call(false), refused);
+    return list.is_sufficient(call(false), threads, refused);
   }
 };
 

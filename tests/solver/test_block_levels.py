@@ -67,24 +67,26 @@ class Task:
         return self.numbers
 
 
+@pytest.mark.parametrize("threads", [1, 2, 5, 20])
 @pytest.mark.parametrize("last", [1, 2, 4, 5, 13])
-def test_the_order_of_work_changes_nothing(network, last):
+def test_the_order_of_work_changes_nothing(network, last, threads):
     task, blocks = Task(network), range(network.blocks)
-    parts.BlockLevels(network.rings).run(last, task.work, task.exchange)
+    parts.BlockLevels(network.rings).run(last, task.work, task.exchange, threads)
     assert task.numbers == Task(network).sweep(last)
     done = [entry for entry in task.log if entry[0] != "exchange"]
     assert sorted(done) == [(k, n) for k in blocks for n in range(1, last + 1)]
     assert [n for what, n in task.log if what == "exchange"] == list(range(1, last))
 
 
-def test_neighbors_are_one_iteration_apart(network):
+@pytest.mark.parametrize("threads", [1, 3])
+def test_neighbors_are_one_iteration_apart(network, threads):
     levels, level = parts.BlockLevels(network.rings), [0] * network.blocks
 
     def work(block, iteration):
         level[block] = iteration
         assert all(abs(level[k] - iteration) <= 1 for k in network.neighbors[block])
 
-    levels.run(9, work, lambda _: None)
+    levels.run(9, work, lambda _: None, threads)
 
 
 def test_a_block_runs_ahead_of_those_far_away():

@@ -75,6 +75,7 @@ from .lammps import (
     run,
     run_forces,
     shared_file,
+    threads_of,
     unsaved,
     wall_forces,
 )
@@ -330,7 +331,7 @@ class Deformables(Engine):
         self._radii = packing.species_radii
         lmp, friction = open_lammps(packing, sim.comm, former), sim.friction
         with shared_file(sim.comm, species_file(self.law, self._radii)) as file:
-            run(lmp, law_commands(packing, self.law, file))
+            run(lmp, law_commands(packing, self.law, file, threads_of(lmp, sim.threads)))
         place_walls(lmp, packing.walls)
         run(lmp, film_commands(self.law, packing.walls))
         run(lmp, friction_commands(friction, len(self._radii)) + gravity_commands(sim.gravity))

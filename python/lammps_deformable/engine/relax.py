@@ -52,6 +52,7 @@ from .lammps import (
     run,
     run_forces,
     setup,
+    threads_of,
 )
 
 if TYPE_CHECKING:
@@ -521,7 +522,7 @@ def balanced_to(sim: Simulation, packing: Packing, imbalance: float | None) -> I
 
 def balance(sim: Simulation, packing: Packing, imbalance: float) -> None:
     """Leave this imbalance to the contacts from now on."""
-    run(sim.lmp, balance_command(packing, sim.law, imbalance))
+    run(sim.lmp, balance_command(packing, sim.law, imbalance, threads_of(sim.lmp, sim.threads)))
     sim.engine.imbalance = imbalance
     # which knows the former command
     sim.engine.setup = replace(sim.engine.setup, definition=setup(sim.lmp).definition)

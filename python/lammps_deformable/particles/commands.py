@@ -126,9 +126,11 @@ def pair_style(law: AnyLaw) -> str:
     return "deformable/ring" if isinstance(law, Ring) else "deformable/sector"
 
 
-def pair_style_arguments(law: AnyLaw) -> str:
-    """Arguments of the pair style."""
-    return f"contact {law.contact} reach {law.reach!r}" if isinstance(law, Ring) else ""
+def pair_style_arguments(law: AnyLaw, threads: int | str | None = None) -> str:
+    """Arguments of the pair style; threads: that share the balance of contacts, None: as LAMMPS."""
+    arguments = f"contact {law.contact} reach {law.reach!r}" if isinstance(law, Ring) else ""
+    has_balance = law.name not in ("radical", "sector")
+    return arguments + f" threads {threads}" * (threads is not None and has_balance)
 
 
 # Times count in contact periods sqrt(m/k): a step of 0.05 was fastest in FIRE, from 0.1 on it is at
@@ -155,17 +157,18 @@ def soft_commands(packing: Packing, k: float) -> str:
     )
 
 
-def law_commands(packing: Packing, law: AnyLaw, file: str) -> str:
+def law_commands(packing: Packing, law: AnyLaw, file: str, threads: int | str | None = None) -> str:
     """Commands for the contact law and its minimizer, to run once LAMMPS has the particles.
 
     Args:
         packing: gives the particles' sizes.
         law: the contact law.
         file: its species file.
+        threads: see `pair_style_arguments`.
     """
     smallest = float(packing.radii.min())
     commands = _LAW.format(
-        style=f"{pair_style(law)} {pair_style_arguments(law)}".strip(),
+        style=f"{pair_style(law)} {pair_style_arguments(law, threads)}".strip(),
         whose="atom" if packing.own_radii else "type",
         file=file,
         names=" ".join(f"s{n}" for n in range(1, len(packing.species_radii) + 1)),
@@ -178,12 +181,15 @@ def law_commands(packing: Packing, law: AnyLaw, file: str) -> str:
     )
 
 
-def balance_command(packing: Packing, law: AnyLaw, tolerance: float) -> str:
+def balance_command(
+    packing: Packing, law: AnyLaw, tolerance: float, threads: int | str | None = None
+) -> str:
     """Command for the imbalance that LAMMPS leaves to contacts; empty if the law has no balance."""
     if law.name in ("radical", "sector"):
         return ""
     whose = "atom" if packing.own_radii else "type"
-    arguments = f"{pair_style_arguments(law)} balance {tolerance!r} 1000 radius {whose}"
+    given = pair_style_arguments(law, threads)
+    arguments = f"{given} balance {tolerance!r} 1000 radius {whose}"
     return f"pair_style {pair_style(law)} {arguments}"
 
 

@@ -1,5 +1,7 @@
 #include "styles/pair/pair_deformable.h"
 
+#include "solver/dual_solver.h"
+
 #include "laws/parameter_rules.h"
 #include "laws/trigonometry.h"
 #include "styles/all_ranks.h"
@@ -246,6 +248,7 @@ ForceCall PairDeformable::force_call()
   call.reach = reach;
   call.smallest = smallest;
   call.new_list = neighbor->ago == 0;
+  call.tallies = vflag_either || eflag_atom;
   call.refusals = &refusals;
   return call;
 }
@@ -385,6 +388,15 @@ PairDeformable::Balance PairDeformable::read_balance(const std::string &style, i
                "pair_style {} balance: {} evaluations are too few, give 2 or more", style,
                arg[iarg + 2]);
   return given;
+}
+
+int PairDeformable::read_threads(const std::string &style, const char *value) const
+{
+  if (!strcmp(value, "auto")) return DualSolver::ALL_CORES;
+  if (!utils::is_integer(value) || utils::inumeric(FLERR, value, false, lmp) < 1)
+    error->all(FLERR, "pair_style {} threads {} must be 'auto', or a number from 1 on", style,
+               value);
+  return utils::inumeric(FLERR, value, false, lmp);
 }
 
 void PairDeformable::check_ramped_species() const

@@ -224,6 +224,7 @@ class PairDeformable : public Pair {
     int evaluations = 1000;    // at most
   };
   Balance read_balance(const std::string &style, int iarg, char **arg) const;
+  int read_threads(const std::string &style, const char *value) const;    // see DualSolver
 
   // Stops if values that fix adapt has set are invalid.
   void check_ramped_species() const;

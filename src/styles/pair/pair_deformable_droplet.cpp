@@ -34,20 +34,23 @@ void PairDeformableDroplet::settings(int narg, char **arg)
 {
   double given_reach = LARGEST_BULGE;
   bool by_atom = false;
+  int threads = 0;
   Balance balance;
   balance.tolerance = TOLERANCE;
   for (int iarg = 0; iarg < narg;) {
     const std::string keyword = arg[iarg];
     const int values = keyword == "balance" ? 2 : 1;
-    if (keyword != "balance" && keyword != "reach" && keyword != "radius")
+    if (keyword != "balance" && keyword != "reach" && keyword != "radius" && keyword != "threads")
       error->all(FLERR_WORD(iarg),
                  "Unknown pair_style deformable/droplet keyword '{}': it must be 'balance', "
-                 "'reach' or 'radius'",
+                 "'reach', 'radius' or 'threads'",
                  keyword);
     if (iarg + values >= narg)
       utils::missing_cmd_args(FLERR, "pair_style deformable/droplet " + keyword, error);
     if (keyword == "radius") {
       by_atom = is_by_atom(iarg + 1, arg);
+    } else if (keyword == "threads") {
+      threads = read_threads("deformable/droplet", arg[iarg + 1]);
     } else if (keyword == "reach") {
       given_reach = utils::numeric(FLERR, arg[iarg + 1], false, lmp);
       if (!(given_reach > 0.0 && given_reach <= LARGEST_BULGE))
@@ -61,6 +64,7 @@ void PairDeformableDroplet::settings(int narg, char **arg)
     iarg += 1 + values;
   }
   solver = std::make_unique<DropletSolver>(lmp, *kernels, balance.tolerance, balance.evaluations);
+  solver->wanted_threads = threads;
   forget_films();
   number_definition();
   reach = given_reach;
@@ -192,7 +196,7 @@ void PairDeformableDroplet::solve(bool new_material)
   call.adhesions = &adhesions;
   call.films = films;
   const auto push_pairs = [this](int begin, int end, double part, bool is_final) {
-    push(begin, end, part, is_final);
+    return push(begin, end, part, is_final);
   };
   if (!solver->solve(call, push_pairs)) {
     refusals.collect([&] {
@@ -212,7 +216,8 @@ void PairDeformableDroplet::solve(bool new_material)
     bulge_over_reach = std::max(bulge_over_reach, solver->largest_bulge / reach);
   impossible = 0.0;
   if (!eflag_global) return;
-  const double of_overlaps = eng_vdwl;
+  const double of_overlaps = solver->pushed_energy;
+  eng_vdwl += of_overlaps;
   for (int ii = 0; ii < list->inum; ++ii) eng_vdwl -= solver->work(list->ilist[ii]);
   if (update->whichflag == 1 && !films) check_energy(of_overlaps);
   if (solver->is_meaningless()) eng_vdwl = HUGE_VAL;
@@ -259,13 +264,14 @@ void PairDeformableDroplet::check_state() const
    its own droplet, and half of F.
 ------------------------------------------------------------------------- */
 
-void PairDeformableDroplet::push(int begin, int end, double part, bool is_final)
+double PairDeformableDroplet::push(int begin, int end, double part, bool is_final)
 {
   const NearPairs &p = solver->pairs();
-  double *const f = atom->f[0];
+  double *const pushes = solver->pushes.data();
   double energy = 0.0;
   for (int k = begin; k < end; ++k) {
     const double whole = p.force[k], force = part * whole;
+    if (k < p.wall) std::fill_n(pushes + 3 * k, 3, 0.0);
     if (force == 0.0) continue;
     const int i = p.i[k], j = p.j[k];
     if (is_final) energy += p.part(k) * whole * p.overlap[k];
@@ -277,20 +283,16 @@ void PairDeformableDroplet::push(int begin, int end, double part, bool is_final)
     const Vector3 n = p.normal(k);
     Vector3 turning = torque(k, 0);
     if (k < p.remote) turning = turning - torque(k, 1);
-    const Vector3 push = p.part(k) * force * n + part * p.per_distance[k] * turning;    // on j
-    double *const fi = f + 3 * i, *const fj = f + 3 * j;
-    fi[0] -= push.x;
-    fi[1] -= push.y;
-    fi[2] -= push.z;
-    fj[0] += push.x;
-    fj[1] += push.y;
-    fj[2] += push.z;
+    const Vector3 push = -(p.part(k) * force * n + part * p.per_distance[k] * turning);    // on i
+    pushes[3 * k] = push.x;
+    pushes[3 * k + 1] = push.y;
+    pushes[3 * k + 2] = push.z;
     if (vflag_either) {
       const Vector3 d = (1.0 / p.per_distance[k]) * n;
-      ev_tally_xyz(i, j, atom->nlocal, 1, 0.0, 0.0, -push.x, -push.y, -push.z, -d.x, -d.y, -d.z);
+      ev_tally_xyz(i, j, atom->nlocal, 1, 0.0, 0.0, push.x, push.y, push.z, -d.x, -d.y, -d.z);
     }
   }
-  if (eflag_global) eng_vdwl += energy;
+  return energy;
 }
 
 double PairDeformableDroplet::memory_usage()

@@ -59,7 +59,7 @@ class PairDeformableDroplet : public PairDeformable {
   double impossible = 0.0;    // energy of the last call, if it was below that of spheres
   void check_energy(double of_overlaps);
   void solve(bool new_material);
-  void push(int begin, int end, double part, bool is_final);
+  double push(int begin, int end, double part, bool is_final);    // see DualSolver::Push
   double facet_of(int place, int i, double force) const;
   void finish_droplets();
   void load_contacts();

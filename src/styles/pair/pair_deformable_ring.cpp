@@ -38,7 +38,7 @@ void PairDeformableRing::settings(int narg, char **arg)
   } of_atoms;
   double given_reach = 0.0;
   std::string law = "balanced";
-  int balance_keyword = -1;
+  int balance_keyword = -1, threads = 0;
   Balance balance;
   for (int iarg = 0; iarg < narg;) {
     const std::string keyword = arg[iarg];
@@ -47,10 +47,11 @@ void PairDeformableRing::settings(int narg, char **arg)
                           : keyword == "kA"      ? &of_atoms.kA
                           : keyword == "tension" ? &of_atoms.tension
                                                  : nullptr;
-    if (keyword != "contact" && keyword != "balance" && keyword != "reach" && !by_atom)
+    if (keyword != "contact" && keyword != "balance" && keyword != "reach" &&
+        keyword != "threads" && !by_atom)
       error->all(FLERR_WORD(iarg),
                  "Unknown pair_style deformable/ring keyword '{}': it must be 'contact', "
-                 "'balance', 'reach', 'radius', 'kA' or 'tension'",
+                 "'balance', 'reach', 'radius', 'kA', 'tension' or 'threads'",
                  keyword);
     if (iarg + values >= narg)
       utils::missing_cmd_args(FLERR, "pair_style deformable/ring " + keyword, error);
@@ -64,6 +65,8 @@ void PairDeformableRing::settings(int narg, char **arg)
     } else if (keyword == "balance") {
       balance_keyword = iarg;
       balance = read_balance("deformable/ring", iarg, arg);
+    } else if (keyword == "threads") {
+      threads = read_threads("deformable/ring", arg[iarg + 1]);
     } else if (by_atom) {
       *by_atom = is_by_atom(iarg + 1, arg);
     } else {
@@ -86,6 +89,7 @@ void PairDeformableRing::settings(int narg, char **arg)
   balanced.reset(radical ? nullptr
                          : new RingSolver(lmp, kernels->forces, law == "curved", balance.tolerance,
                                           balance.evaluations));
+  if (balanced) balanced->wanted_threads = threads;
   number_definition();
   radius_by_atom = of_atoms.radius;
   kA_by_atom = of_atoms.kA;
@@ -264,8 +268,7 @@ void PairDeformableRing::evaluate_balanced(bool new_material)
   call.adhesions = &adhesions;
   call.films = films;
   const auto push = [this](int begin, int end, double part, bool is_final) {
-    push_part = part;
-    push_pairs(begin, end, is_final);
+    return push_pairs(begin, end, part, is_final);
   };
   bool goes_on = balanced->solve(call, push);
   if (balanced->lacks_room() && materials.yield == 0.0 && may_give_way()) {
@@ -290,12 +293,13 @@ void PairDeformableRing::evaluate_balanced(bool new_material)
   }
   if (films && update->whichflag == 1 && !update->setupflag)
     films->lose(balanced->summary.lost_energy);
-  push_part = 1.0;
   if (rubbing) load_contacts_of_pairs();
   pvector[4] = balanced->limited_lines();
   giving_way = materials.yield > 0.0 ? balanced->giving_way() : 0;
   // a Monte Carlo move to such a place has no chance
-  if (eflag_global) eng_vdwl += balanced->is_meaningless() ? HUGE_VAL : balanced->energy();
+  if (eflag_global)
+    eng_vdwl +=
+        balanced->is_meaningless() ? HUGE_VAL : balanced->pushed_energy + balanced->energy();
   refusals.collect([this] {
     if (balanced->is_meaningless()) return;    // check_state tells
     if (eflag_atom || needs_shapes() || neighbor->ago == 0)
@@ -325,12 +329,11 @@ void PairDeformableRing::refuse_pair(int k)
    line of centers, and the one across it from these slopes.
 ------------------------------------------------------------------------- */
 
-Vector2 PairDeformableRing::push_of(int k, const NearPairs::Centers &centers, double share,
-                                    double slope) const
+Vector2 PairDeformableRing::push_of(int k, double force, const NearPairs::Centers &centers,
+                                    double share, double slope) const
 {
-  const NearPairs &p = balanced->pairs();
-  const double force = push_part * p.force[k];
-  const double along = -share * force * centers.cosine, across = -force * slope * p.per_distance[k];
+  const double along = -share * force * centers.cosine,
+               across = -force * slope * balanced->pairs().per_distance[k];
   return {along * centers.nx - across * centers.ny, along * centers.ny + across * centers.nx};
 }
 
@@ -342,63 +345,48 @@ Vector2 PairDeformableRing::push_of(int k, const NearPairs::Centers &centers, do
    is the dual energy, whose error is O(r^2).
 ------------------------------------------------------------------------- */
 
-void PairDeformableRing::push_pairs(int begin, int end, bool is_final)
+double PairDeformableRing::push_pairs(int begin, int end, double part, bool is_final)
 {
   const NearPairs &p = balanced->pairs();
-  double *const f = atom->f[0];
-  const bool plain = end <= p.remote && !p.curved && !eflag_atom && !vflag_either;
-  const bool sums_energy = is_final && eflag_either;
-  const int usual = plain ? end : begin;
-  double rest_of_usual = 0.0;
-  for (int k = begin; k < usual && sums_energy && eflag_global; ++k)
-    rest_of_usual += p.force[k] * balanced->residual_overlap(k);
-  eng_vdwl += rest_of_usual;
-  // usual pairs of which only forces count: the same sums as below
-  for (int k = begin; k < usual; ++k) {
-    const double force = p.force[k], nx = p.nx[k], ny = p.ny[k];
-    const double slope = balanced->outline_slope(k, 0) + balanced->outline_slope(k, 1);
-    const double across = force * slope * p.per_distance[k];
-    const double px = -force * nx + across * ny, py = -force * ny - across * nx;
-    double *const of_i = f + 3 * p.i[k], *const of_j = f + 3 * p.j[k];
-    of_i[0] += px;
-    of_i[1] += py;
-    of_j[0] -= px;
-    of_j[1] -= py;
-  }
-  for (int k = usual; k < end; ++k) {
-    const double force = p.force[k];
-    const int i = p.i[k], j = p.j[k];
-    const bool is_wall = k >= p.wall, is_remote = !is_wall && k >= p.remote;
+  const bool is_wall = begin >= p.wall, is_remote = !is_wall && begin >= p.remote;
+  const bool sums_energy = is_final && eflag_either, tallies = eflag_atom || vflag_either;
+  const double share = is_remote ? 0.5 : 1.0;
+  double *const pushes = balanced->pushes.data();
+  double rest_of_all = 0.0;
+  for (int k = begin; k < end; ++k) {
     double slope = balanced->outline_slope(k, 0);
     if (!is_wall && !is_remote) slope += balanced->outline_slope(k, 1);
     const NearPairs::Centers centers = p.centers(k);
-    const double nx = centers.nx, ny = centers.ny;
-    const auto [px, py] = push_of(k, centers, is_remote ? 0.5 : 1.0, slope);
-    if (sums_energy) {
-      const double rest = balanced->energy_left(k);
-      if (eflag_global) eng_vdwl += is_remote ? 0.5 * rest : rest;
-      if (eflag_atom) {
-        eatom[i] += is_wall ? rest : 0.5 * rest;
-        if (!is_wall && !is_remote) eatom[p.second(k)] += 0.5 * rest;
-      }
-    }
-    if (is_wall) {
-      if (force == 0.0) continue;
+    const auto [px, py] = push_of(k, part * p.force[k], centers, share, slope);
+    const double rest = sums_energy ? balanced->energy_left(k) : 0.0;
+    rest_of_all += share * rest;
+    if (tallies) tally(k, px, py, centers, rest);
+    if (!is_wall) {
+      pushes[2 * k] = px;
+      pushes[2 * k + 1] = py;
+    } else if (p.force[k] != 0.0) {
       // The wall exerts the torque dU/dtheta about the center: its force acts beside the nearest point.
-      const double height = radii[i] - p.overlap[k];
+      const double height = radii[p.i[k]] - p.overlap[k];
       const double shift = -(1.0 - height * p.per_distance[k]) * slope;
-      push_wall(i, j, px, py, {p.angle[k], nx, ny, p.overlap[k]}, shift);
-      continue;
-    }
-    f[3 * i] += px;
-    f[3 * i + 1] += py;
-    f[3 * j] -= px;
-    f[3 * j + 1] -= py;
-    if (vflag_either) {
-      const double d = 1.0 / p.per_distance[k];
-      ev_tally_xyz(i, j, atom->nlocal, 1, 0.0, 0.0, px, py, 0.0, -nx * d, -ny * d, 0.0);
+      push_wall(p.i[k], p.j[k], px, py, {p.angle[k], centers.nx, centers.ny, p.overlap[k]}, shift);
     }
   }
+  return rest_of_all;
+}
+
+void PairDeformableRing::tally(int k, double px, double py, const NearPairs::Centers &centers,
+                               double rest)
+{
+  const NearPairs &p = balanced->pairs();
+  const int i = p.i[k], j = p.j[k];
+  const bool is_wall = k >= p.wall;
+  if (eflag_atom) {
+    eatom[i] += is_wall ? rest : 0.5 * rest;
+    if (k < p.remote) eatom[p.second(k)] += 0.5 * rest;
+  }
+  if (is_wall || !vflag_either) return;
+  const double d = 1.0 / p.per_distance[k];
+  ev_tally_xyz(i, j, atom->nlocal, 1, 0.0, 0.0, px, py, 0.0, -centers.nx * d, -centers.ny * d, 0.0);
 }
 
 /* ----------------------------------------------------------------------
@@ -457,7 +445,7 @@ void PairDeformableRing::finish_balanced(int i)
     // each of two particles has half of the force along the line of centers
     const int side = pair_sides[c] & 1;
     const double part = other < 0 ? 1.0 : 0.5;
-    Vector2 push = push_of(k, p.centers(k), part, balanced->outline_slope(k, side));
+    Vector2 push = push_of(k, p.force[k], p.centers(k), part, balanced->outline_slope(k, side));
     if (side) push = -push;
     RecordedLine line = {balanced->tilt(k), balanced->half_angle(k)};
     if (side) line.half_angle = -line.half_angle;

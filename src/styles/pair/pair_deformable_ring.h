@@ -79,10 +79,10 @@ class PairDeformableRing : public PairDeformable {
   std::vector<deformable::Contact> contacts;    // of one particle
   std::vector<int> pair_sides;
   void evaluate_balanced(bool new_material);
-  double push_part = 1.0;    // of forces, see DualSolver::Push
-  deformable::Vector2 push_of(int k, const deformable::NearPairs::Centers &, double share,
-                              double slope) const;
-  void push_pairs(int begin, int end, bool is_final);
+  deformable::Vector2 push_of(int k, double force, const deformable::NearPairs::Centers &,
+                              double share, double slope) const;
+  double push_pairs(int begin, int end, double part, bool is_final);    // see DualSolver::Push
+  void tally(int k, double px, double py, const deformable::NearPairs::Centers &, double rest);
   void refuse_pair(int k);
   void finish_balanced(int i);
   void load_contacts_of_pairs();
