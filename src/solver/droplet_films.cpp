@@ -12,12 +12,11 @@ void DropletFilms::set_material(const ForceCall &call, const ContactBatches &b, 
   any_caps = false;
   if (arranged) {
     const std::size_t rows = b.particle.size(), places = b.contacts, all = b.indentation.size();
-    for (auto *const v :
-         {&sine_if, &rise_if, &sine, &rise, &is_cap, &radius_of_film, &curved_by_pressure})
+    for (auto *const v : {&sine_if, &rise_if, &sine, &rise, &is_cap, &curved_by_pressure})
       v->assign(places, 0.0);
+    for (auto *const v : {&pressure, &radius_of_film}) v->assign(all, 0.0);
     lean.assign(places, 1.0);
     lean_log.assign(places, 0.0);
-    pressure.assign(all, 0.0);
     least.assign(all, UNKNOWN);    // of walls: none
     stretch.assign(rows, 1.0);
     cover.assign(rows, 0.0);

@@ -16,6 +16,8 @@
 
 #include "laws/droplet_film.h"
 
+#include <cmath>
+
 namespace deformable {
 
 class DropletFilms : public Films {
@@ -27,9 +29,19 @@ class DropletFilms : public Films {
   double find_bounds(int begin, int end) override;
 
   void add_to(DropletArrays &);
-  void exchange(RemoteSides &r) { r.exchange(least.data(), pressure.data()); }
+  void exchange(RemoteSides &r)
+  {
+    r.exchange(least.data(), pressure.data(), radius_of_film.data());
+  }
 
-  double film_radius(int place) const { return radius_of_film[place]; }
+  // Of a pair: one for both sides, of the mean of their areas.
+  double film_radius(int k) const
+  {
+    const double here = radius_of_film[pairs->side[0][k]];
+    if (k >= pairs->wall) return here;
+    const double there = radius_of_film[pairs->side[1][k]];
+    return std::sqrt(0.5 * (here * here + there * there));
+  }
   double rise_of(int place) const { return rise[place]; }
   // By the place of a droplet in batches: how far it may bulge, over the radius.
   double bulge(std::size_t row) const { return bulges[row]; }

@@ -27,8 +27,8 @@ class DropletSolver : public DualSolver {
   // 2 x the pair, + 1 for its second droplet
   int pair_side(int place) const { return batches.pair_side[place]; }
   double indentation(int place) const { return batches.indentation[place]; }
-  // Where there are films: the radius of that of a contact, or of its facet. And 1 - cos of the angle at which the outline meets it.
-  double film_radius(int place) const { return droplet_films->film_radius(place); }
+  // Where there are films: the radius of that of a pair, or of its facet. And 1 - cos of the angle at which an outline meets it.
+  double film_radius(int k) const { return droplet_films->film_radius(k); }
   double film_rise(int place) const { return droplet_films ? droplet_films->rise_of(place) : 0.0; }
   bool bears(int k) const { return list.pairs.force[k] != 0.0 || is_attached(k); }
   bool is_attached(int k) const { return films && list.pairs.adhesion[k] > 0.0; }

@@ -124,6 +124,13 @@ def test_unlike_doublet(tmp_path):
         assert at(scene, d)[1] == pytest.approx(-slope, abs=1e-9)
 
 
+def test_a_film_has_one_radius(tmp_path):
+    """The middle droplet of a row has another pressure than those at its ends."""
+    row = droplets([[3, 6, 6], [4.9, 6, 6], [6.8, 6, 6]], tmp_path).contacts()
+    assert len(row) == 4
+    assert np.ptp(row[:, 3]) < 1e-9
+
+
 @pytest.mark.parametrize("radii", [1.0, (1.0, 1.3, 0.8, 1.0)])
 def test_forces_of_a_cluster(radii, tmp_path):
     """By the change of the energy: some films are pressed, others pulled."""
@@ -356,6 +363,7 @@ neigh_modify every 1 delay 0 check no
 velocity all create 0.03 4711 loop geom
 velocity all set 0.6 NULL NULL sum yes
 fix move all nve
+fix drag all deformable/friction 0 0 0 film 0.02 1
 timestep 0.05
 compute pair all pair deformable/droplet
 compute contacts all deformable/contact
@@ -380,7 +388,7 @@ def flight(folder, grids, length):
         "adhesion a a 0.2\nadhesion a b 0.15\nadhesion b b 0.05\n"
     )
     script = FLIGHT + "".join(
-        report(n, "pe ke c_attached c_pair[6]", "x y z vx vy vz fx fy fz") for n in STEPS
+        report(n, "pe ke c_attached c_pair[6] f_drag[7]", "x y z vx vy vz fx fy fz") for n in STEPS
     )
     fields = {"particles": "\n".join(lines), "length": length}
     folders = on_grids(script, folder, grids, **fields)
@@ -388,13 +396,14 @@ def flight(folder, grids, length):
 
 
 def test_ranks(tmp_path):
-    """Films, energies and forces are those of one rank, while they come and go across borders."""
+    """Films, energies, drag and forces are those of one rank, also of films across borders."""
     first, second = flight(tmp_path, TWO, 10)
     for found in (first, second):
         assert_same(found, 1e-7, atol=1e-7)
     assert_atoms_change_ranks(first, second)
-    losses = [found["1 1 1"][0][3] for found in (first, second)]
-    assert losses[1] > losses[0] > 0
+    for n in (3, 4):  # by films that attach and are torn, and by those that drag
+        losses = [found["1 1 1"][0][n] for found in (first, second)]
+        assert losses[1] > losses[0] > 0
 
 
 def test_an_empty_rank(tmp_path):

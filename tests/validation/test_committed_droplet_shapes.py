@@ -33,7 +33,7 @@ def test_errors_of_packings_are_those_of_the_page() -> None:
 MOST = {
     clusters.REST: (0.001, 0.01),
     clusters.CENTERS: (0.01, 0.01),
-    clusters.VOLUMES: (0.036, 0.02),
+    clusters.VOLUMES: (0.037, 0.02),
 }
 
 

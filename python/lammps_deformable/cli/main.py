@@ -225,7 +225,7 @@ def compress_command(
         if settings.polydispersity is not None and given.keys() & {"radii", "fraction"}:
             raise ParameterError("give --polydispersity, or --radii and --fraction of two sizes")
         law = settings.contact_law()
-        protocol.check_for(law, recorded=True)
+        protocol.check_for(law, (), recorded=True)
         start = settings.start()
         if MPI.COMM_WORLD.rank == 0:
             make_folder(folder)

@@ -50,6 +50,7 @@ from ..particles.laws import (
     check_sticky_walls,
     filled_area,
     natural_pressure,
+    refuse_adhesion,
     refuse_values_of_particles,
     sticks,
     undeformed,
@@ -643,6 +644,7 @@ class SoftParticles(Engine):
         """Refuse friction, and walls that do not fit."""
         if friction:
             raise ParameterError("soft contacts have no friction: take the law Ring")
+        refuse_adhesion(self.law, packing.walls, " to walls, and soft contacts have none")
         check_fit(packing.walls, packing.box, float(packing.radii.max()))
 
     def opened(self, packing: Packing, friction: Friction | None) -> Packing:

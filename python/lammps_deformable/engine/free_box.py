@@ -61,18 +61,16 @@ def reach(sim: Simulation, name: str, target: float, relax: Callable[[], State])
         ParameterError: it cannot be reached; the message has what was.
     """
     state = relax()
-    scale = _scale(target, state)
     y, slope, last, stalls = _ordinate(name, getattr(state, name), state), 1.0, 0.0, 0
     goal = _ordinate(name, target, state)
     for _ in range(_RELAXATIONS):
-        found = getattr(state, name)
-        if abs(found - target) <= REACHED[name] * scale:
+        if is_reached(name, target, state):
             return state
         stalls = stalls + 1 if not state.converged and abs(last) < _LONGEST else 0
         if stalls == STALLS:
             raise _unreached(name, target, state, STALLED)
         change = (goal - y) / slope
-        if name == "pressure" and found <= 0.0 and not _stick(state):
+        if name == "pressure" and state.pressure <= 0.0 and not _stick(state):
             change = max(goal, 2.0 * last)  # nothing tells how far the onset is
         longest = min(_LONGEST, abs(last) / 2.0 if change * last < 0.0 else np.inf)
         change = float(np.clip(change, -longest, longest))
@@ -86,6 +84,11 @@ def reach(sim: Simulation, name: str, target: float, relax: Callable[[], State])
         if (before > 0.0 or _stick(state)) and (y - before) * change > 0.0:
             slope = float(np.clip((y - before) / change, _FLATTEST, _STEEPEST))
     raise _unreached(name, target, state, f"{_RELAXATIONS} relaxations were not enough")
+
+
+def is_reached(name: str, target: float, state: State) -> bool:
+    """Whether a state has this phi or pressure."""
+    return abs(getattr(state, name) - target) <= REACHED[name] * _scale(target, state)
 
 
 def _ordinate(name: str, value: float, state: State) -> float:

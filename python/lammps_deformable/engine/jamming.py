@@ -202,7 +202,7 @@ def jam(
     expect("law", law, Ring, Sector, Droplet, SoftContact)
     if not isinstance(law, SoftContact):
         check_dimension(law, packing.dimension)
-        refuse_adhesion(law, packing.walls, ", whose packings have no pressure at an onset")
+    refuse_adhesion(law, packing.walls, ", whose packings have no pressure at an onset")
     if pressure is not None:
         pressure = positive("pressure", pressure)
     positive("step", step)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from ..common.errors import StalledWarning, collected, warn
 from ..common.ranks import alone
 from ..particles.laws import SoftContact, natural_pressure
@@ -15,7 +17,8 @@ _PUSHED_OFF = 1e-3
 
 def push_off(packing: Packing) -> Packing:
     """See `Packing.push_off`."""
-    sim = Simulation(packing, SoftContact(), comm=alone())
+    bare = packing.replace(walls=[replace(wall, adhesion=0.0) for wall in packing.walls])
+    sim = Simulation(bare, SoftContact(), comm=alone())
     with sim, collected(StalledWarning):  # with another text
         facet = float(packing.radii.min()) ** (packing.dimension - 1)  # about that of a contact
         pushed = relax_above(
@@ -27,4 +30,4 @@ def push_off(packing: Packing) -> Packing:
             "mean contact force",
             StalledWarning,
         )
-    return pushed.packing
+    return packing.replace(positions=pushed.packing.positions)

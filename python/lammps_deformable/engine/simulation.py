@@ -369,6 +369,7 @@ class Simulation(OneCall):
             phi: packing fraction of the last state, `state.phi`, reached to 1e-9 of it; that of
                 deformable particles is below 1.
             pressure: of the last state, reached to 1e-6 of it [energy/length^d]; not with polygons.
+                0 as of `relax`.
             steps: number of steps.
             tolerance: of each relaxation, at most 0.01 in a record; by default that of `relax`.
             record: folder of the run, made if missing; if not given states are kept in memory. It

@@ -693,12 +693,12 @@ def check_dimension(law: AnyLaw, dimension: int) -> None:
         )
 
 
-def sticks(law: AnyLaw, walls: Sequence[Wall]) -> bool:
+def sticks(law: Jamming, walls: Sequence[Wall]) -> bool:
     """Whether any particles have an adhesion, to each other or to a wall."""
     return law.sticks or any(wall.adhesion > 0.0 for wall in walls)
 
 
-def refuse_adhesion(law: AnyLaw, walls: Sequence[Wall], why: str) -> None:
+def refuse_adhesion(law: Jamming, walls: Sequence[Wall], why: str) -> None:
     """Refuse particles that stick, for what does not know adhesion.
 
     Args:

@@ -15,7 +15,7 @@ import numpy as np
 from ..common.checks import count, expect, finite, positive
 from ..common.errors import ParameterError, UnjammedWarning, warn
 from ..common.ranks import world
-from ..engine.free_box import REACHED, UnreachedError, reach, refuse_polygons, told_at_the_end
+from ..engine.free_box import UnreachedError, check_free, is_reached, reach, told_at_the_end
 from ..particles.laws import Droplet, Ring, Sector, SoftContact
 from .protocol import Protocol, check_tolerance
 
@@ -23,16 +23,17 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
 
     from ..engine.simulation import Simulation
+    from ..particles.walls import Wall
     from ..state.state import State
 
 
-def check_fraction(law: object, name: str, target: float) -> None:
-    """Refuse a phi that no packing has; a pressure must be positive.
+def check_fraction(law: object, target: float) -> None:
+    """Refuse a phi that no packing has.
 
     Raises:
-        ParameterError: with the name.
+        ParameterError: it is not above 0, or is 1 or more.
     """
-    if positive(name, target) >= 1.0 and name == "phi" and not isinstance(law, SoftContact):
+    if positive("phi", target) >= 1.0 and not isinstance(law, SoftContact):
         raise ParameterError(
             f"phi must be below 1, where particles that deform fill the whole box, not {target}"
         )
@@ -60,10 +61,9 @@ def _begun(
     if name in ("strain", "factor"):
         return sim.state(), start
     state = _relaxing(sim, tolerance)()
-    value = getattr(state, name)
-    if abs(value - target) <= REACHED[name] * target:
+    if is_reached(name, target, state):
         start["states"] = 0
-    return state, start | {name: value}
+    return state, start | {name: getattr(state, name)}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -80,8 +80,8 @@ class Compress(Protocol):
         """The one target that is given, and its name."""
         return _one_of({"strain": self.strain, "phi": self.phi, "pressure": self.pressure})
 
-    def check_for(self, law: object, recorded: bool) -> Compress:
-        """The protocol for particles of a law, before there is a simulation.
+    def check_for(self, law: object, walls: tuple[Wall, ...], recorded: bool) -> Compress:
+        """The protocol for particles of a law between walls, before there is a simulation.
 
         Raises:
             ParameterError: none or several targets are given, or one that no packing has.
@@ -95,15 +95,15 @@ class Compress(Protocol):
                 )
             if target == 0.0:
                 raise ParameterError("strain must not be 0: relax the simulation instead")
+        elif name == "pressure":
+            check_free("iso", walls, target, law)
         else:
-            if name == "pressure":
-                refuse_polygons(law)
-            check_fraction(law, name, target)
+            check_fraction(law, target)
         settings: dict[str, Any] = {name: float(target)}
         return replace(self, **settings, tolerance=check_tolerance(self.tolerance, recorded))
 
     def check(self, sim: Simulation, recorded: bool) -> Compress:
-        return self.check_for(sim.law, recorded)
+        return self.check_for(sim.law, sim.walls, recorded)
 
     def begin(self, sim: Simulation) -> tuple[State, dict[str, Any]]:
         return _begun(sim, *self._target, self.steps, self.tolerance)
@@ -202,7 +202,7 @@ class Grow(Protocol):
         expect("the law of a simulation that grows", sim.law, Ring, Sector, Droplet)
         name, target = self._target
         if name == "phi":
-            check_fraction(sim.law, name, target)
+            check_fraction(sim.law, target)
         elif positive("factor", target) == 1.0:
             raise ParameterError("factor must not be 1: relax the simulation instead")
         count("steps", self.steps)

@@ -311,7 +311,7 @@ COLUMNS = {
             ("image", np.int64, 3),  # periodic image of j in the contact, in lattice vectors
             ("distance", float),  # of the centers, or of i from the wall [length]
             ("indentation", float),  # of i [length]
-            ("facet_radius", float),  # of the facet on i, sqrt(F R / (2 pi tension)) [length]
+            ("facet_radius", float),  # of the facet on i, see `State.contacts` [length]
             ("force", float),  # F, the same from both sides [energy/length]
             ("position", float, 3),  # of the middle of the facet [length]
             ("normal", float, 3),  # of the facet, from i to j
@@ -409,11 +409,15 @@ def react(table: ContactTable) -> None:
 
 
 def attached(rows: NDArray[np.float64], dimension: int) -> NDArray[np.int64]:
-    """The contacts that stick, sorted, see `commands.Films`; a wall has its code for an ID."""
+    """The contacts that stick, sorted, see `State.films`; a wall has its code for an ID."""
     told = dict(zip(ROWS[dimension], rows.astype(np.int64).T, strict=True))
     partner = np.where(told["attached"] < 0, told["attached"], told["j"])
     first = (told["attached"] < 0) | (told["attached"] > 0) & (told["i"] <= told["j"])
-    return np.unique(np.column_stack([told["i"], partner])[first], axis=0)
+    pairs = np.column_stack([told["i"], partner])[first]
+    found, count = np.unique(pairs, axis=0, return_counts=True)
+    i, j = found.T
+    # of a film with its own image a particle has both sides
+    return np.repeat(found, np.where(j < 0, 1, np.where(i == j, count // 2, count)), axis=0)
 
 
 def in_order(table: ContactTable) -> ContactTable:

@@ -148,7 +148,8 @@ class State:
         wall_forces: force of the particles on each of `packing.walls`, shape (number of walls, d)
             [energy/length].
         films: contacts that stick, pairs of IDs that count from 1 as in LAMMPS, or an ID and a code
-            below 0 of a wall, shape (M, 2); None without adhesion.
+            below 0 of a wall, shape (M, 2), and as often as it sticks to images of one partner;
+            None without adhesion.
         lost_energy: what particles have lost in motion, where they have attached and let go, and
             where contacts rub and damp: with it, and with `spring_energy`, their energy is
             conserved [energy].
@@ -594,7 +595,8 @@ class State:
         Of droplets, and the first one of soft particles too:
 
         * `normal`: of the facet, from i to j, (d,)
-        * `facet_radius`: sqrt(force R / (2 pi tension)) [length]
+        * `facet_radius`: sqrt(force R / (2 pi tension)); where droplets stick, of the mean of both
+          sides' areas [length]
         * `tilt`: of the film, whose normal is normal + tilt, (3,)
         * `curvature`: of the film, positive where it is convex for i [1/length]
 

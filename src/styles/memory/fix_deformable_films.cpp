@@ -54,24 +54,47 @@ void FixDeformableFilms::who_knows(std::vector<double> &knows) const
   for (int i = 0; i < atom->nlocal; ++i) knows[i] = particles[i].is_known;
 }
 
-// A particle in a small box may have several images of its partner: the one that has moved by less than half of the box.
+// How many other images of what is there are nearer.
+int FixDeformableFilms::nearer_images(const Vector3 &at) const
+{
+  const double *const h = domain->h;
+  const auto last = [](bool periodic) { return periodic ? 1 : 0; };
+  const int nx = last(domain->xperiodic), ny = last(domain->yperiodic),
+            nz = last(domain->zperiodic);
+  int count = 0;
+  for (int a = -nx; a <= nx; ++a)
+    for (int b = -ny; b <= ny; ++b)
+      for (int c = -nz; c <= nz; ++c) {
+        const Vector3 other = {at.x + a * h[0] + b * h[5] + c * h[4], at.y + b * h[1] + c * h[3],
+                               at.z + c * h[2]};
+        count += dot(other, other) < (1.0 - 1e-9) * dot(at, at);
+      }
+  return count;
+}
+
+// A particle in a small box may have several images of its partner: the one that has moved by less than half of the box, or the nearest
+// ones, as many as there are such films.
 bool FixDeformableFilms::is_attached(int i, tagint partner, const Vector3 &at) const
 {
   const double *const h = domain->h_inv;
   const auto is_near = [](bool periodic, double part) {
     return !periodic || std::fabs(part) <= 0.5;
   };
-  const auto is_this = [&](const RememberedFilm &film) {
-    if (film.partner != static_cast<double>(partner)) return false;
+  int of_nearest = 0;
+  for (const RememberedFilm &film : particles[i].rows) {
+    if (film.partner != static_cast<double>(partner)) continue;
     if (partner < 0) return true;
-    const bool anywhere = std::isnan(film.x);
-    const Vector3 d = anywhere ? at : at - Vector3{film.x, film.y, film.z};
-    return is_near(domain->xperiodic, h[0] * d.x + h[5] * d.y + h[4] * d.z) &&
-           is_near(domain->yperiodic, h[1] * d.y + h[3] * d.z) &&
-           is_near(domain->zperiodic, h[2] * d.z);
-  };
-  const std::vector<RememberedFilm> &films = particles[i].rows;
-  return std::any_of(films.begin(), films.end(), is_this);
+    if (std::isnan(film.x)) {
+      ++of_nearest;
+      continue;
+    }
+    const Vector3 d = at - Vector3{film.x, film.y, film.z};
+    if (is_near(domain->xperiodic, h[0] * d.x + h[5] * d.y + h[4] * d.z) &&
+        is_near(domain->yperiodic, h[1] * d.y + h[3] * d.z) &&
+        is_near(domain->zperiodic, h[2] * d.z))
+      return true;
+  }
+  return of_nearest > 0 && nearer_images(at) < of_nearest;
 }
 
 void FixDeformableFilms::forget(int i)

@@ -17,7 +17,8 @@ namespace deformable {
 
 // Both particles of a pair have it.
 struct RememberedFilm {
-  double partner, x, y, z;    // to its center; nan: the nearest image
+  double partner;
+  double x, y, z;    // to its center; nan: the nearest image, of n such films the nearest n
 };
 
 }    // namespace deformable
@@ -53,6 +54,7 @@ class FixDeformableFilms : public deformable::FixPartnerMemory<deformable::Remem
   void go_on_from(const std::vector<double> &sums) override { lost = sums[0]; }
 
  private:
+  int nearer_images(const deformable::Vector3 &at) const;
   void forget(int i);
   double lost = 0.0;
 };

@@ -344,7 +344,7 @@ void PairDeformableDroplet::store_droplet(int i, double energy)
     const int c = solver->place_of_contact(i, n);
     const int k = solver->pair_side(c) >> 1;
     if (!solver->bears(k)) continue;
-    const double force = p.force[k], facet = facet_of(c, i, force), film = PI * facet * facet;
+    const double force = p.force[k], facet = facet_of(k, i), film = PI * facet * facet;
     moment += force * (r - solver->indentation(c));
     area += film;
     more += solver->film_rise(c) * film;
@@ -355,24 +355,20 @@ void PairDeformableDroplet::store_droplet(int i, double energy)
                             droplet_pressure(r, tension, energy, moment), area, solver->load(i)});
 }
 
-double PairDeformableDroplet::facet_of(int place, int i, double force) const
+// The radius of the facet of pair k on droplet i. Where nothing sticks the two facets of a pair have unlike areas, F R/(2 g), if its
+// droplets have unlike pressures.
+double PairDeformableDroplet::facet_of(int k, int i) const
 {
-  return films ? solver->film_radius(place)
-               : facet_radius(force, radii[i], stiffness_of(i).tension);
+  return films ? solver->film_radius(k)
+               : facet_radius(solver->pairs().force[k], radii[i], stiffness_of(i).tension);
 }
 
-// The two facets of a film have unlike areas, F R/(2 g), if its droplets have unlike pressures.
 void PairDeformableDroplet::load_contacts()
 {
   const NearPairs &p = solver->pairs();
   const auto area = [&](int k, int i) {
-    const double facet = facet_radius(p.force[k], radii[i], stiffness_of(i).tension);
+    const double facet = facet_of(k, i);
     return PI * facet * facet;
-  };
-  const auto film_area = [&](int k) {
-    const double here = solver->film_radius(p.side[0][k]),
-                 there = k < p.remote ? solver->film_radius(p.side[1][k]) : here;
-    return 0.5 * PI * (here * here + there * there);
   };
   for (int k = 0; k < p.size; ++k) {
     if (!solver->bears(k)) continue;
@@ -380,10 +376,7 @@ void PairDeformableDroplet::load_contacts()
     const bool is_wall = k >= p.wall;
     loaded.push_back({i, j, is_wall ? -1 : p.second(k), p.normal(k),
                       (radii[i] - solver->indentation(p.side[0][k])) * p.normal(k), p.force[k],
-                      films     ? film_area(k)
-                      : is_wall ? area(k, i)
-                                : 0.5 * (area(k, i) + area(k, j)),
-                      false});
+                      is_wall ? area(k, i) : 0.5 * (area(k, i) + area(k, j)), false});
   }
 }
 
@@ -439,9 +432,9 @@ void PairDeformableDroplet::list_contacts(int groupbit, std::vector<double> &row
         attached = k >= p.wall ? p.j[k] : 1.0;
       }
       rows.insert(rows.end(), {static_cast<double>(atom->tag[i]), static_cast<double>(partner),
-                               solver->indentation(c), facet_of(c, i, force), force, at.x, at.y,
-                               at.z, n.x, n.y, n.z, distance, push.x, push.y, push.z, tilt.x,
-                               tilt.y, tilt.z, k >= p.wall ? 0.0 : film_curvature(i, other)});
+                               solver->indentation(c), facet_of(k, i), force, at.x, at.y, at.z, n.x,
+                               n.y, n.z, distance, push.x, push.y, push.z, tilt.x, tilt.y, tilt.z,
+                               k >= p.wall ? 0.0 : film_curvature(i, other)});
       rows.insert(rows.end(), {angle, attached});
     }
   }

@@ -60,7 +60,7 @@ class PairDeformableDroplet : public PairDeformable {
   void check_energy(double of_overlaps);
   void solve(bool new_material);
   double push(int begin, int end, double part, bool is_final);    // see DualSolver::Push
-  double facet_of(int place, int i, double force) const;
+  double facet_of(int k, int i) const;
   void finish_droplets();
   void load_contacts();
   void store_droplet(int i, double energy);

@@ -9,6 +9,7 @@ import pytest
 
 BOX = (12.0, 12.0, 12.0)
 STICKY = ld.Droplet(adhesion=0.2)
+PLANE = ld.Ring(kA=math.inf, kP=0.0, tension=1.0, contact="curved", adhesion=0.2)
 
 
 def doublet(distance: float, **more: object) -> ld.Packing:
@@ -102,6 +103,26 @@ def test_a_recorded_run_has_what_films_have_lost(tmp_path: Path) -> None:
     assert run[-1].lost_energy == run.table()["lost_energy"][-1] == pytest.approx(lost)
     with run.simulation() as sim:
         assert sim.state().lost_energy == pytest.approx(lost)
+
+
+@pytest.mark.parametrize(("law", "side"), [(STICKY, 4.07), (PLANE, 4.4)], ids=["space", "plane"])
+def test_a_state_has_the_films_with_several_images(law: ld.Droplet | ld.Ring, side: float) -> None:
+    """Two particles in a box so small that both of their films are stretched."""
+    low = law.dimension - 1
+    centers = np.full((2, law.dimension), 6.0)
+    centers[:, low] = 1.0, 2.99
+    box = np.full(law.dimension, 12.0)
+    box[low] = 3.985
+    with ld.Simulation(ld.Packing(centers, 1.0, box), law) as sim:
+        sim.state()
+        sim.deform(sim.box * np.where(np.arange(law.dimension) == low, side / box[low], 1.0))
+        state = sim.state()
+    assert (state.contacts["attached"].sum(), state.contacts["distance"].min() > 2.0) == (4, True)
+    assert state.films.tolist() == [[1, 2], [1, 2]]
+    with ld.Simulation(state, law) as sim:
+        again = sim.state()
+    assert again.energy == pytest.approx(state.energy, rel=1e-9)
+    assert again.films.tolist() == state.films.tolist()
 
 
 def test_what_is_refused() -> None:

@@ -95,3 +95,12 @@ def test_particles_that_stick_to_no_wall() -> None:
         )
         with refused(message):
             ld.Simulation(packing, law)
+    with refused("adhesion to walls, and soft contacts have none"):
+        ld.Simulation(packing, ld.SoftContact())
+    with refused("adhesion, whose packings have no pressure at an onset"):
+        ld.jam(packing)
+
+
+def test_walls_with_adhesion_are_kept_while_particles_are_pushed_off() -> None:
+    start = ld.bidisperse(8, seed=1).between(ld.BoxWall((8, 7), adhesion=0.3))
+    assert start.push_off().walls == start.walls
