@@ -33,47 +33,50 @@ def power(value: float) -> str:
 
 def step() -> list[str]:
     """Times of each law over disks, slow and fast motion; nanoseconds of disks."""
-    older, newer = of("loop_time")["rows"], of("loop_time_curved")["rows"]
-    sizes = sorted({row["n"] for row in newer})
-    sources = (("sector", older), ("radical", older), ("balanced", newer), ("curved", newer))
+    data = of("loop_time")["rows"]
+    sizes = sorted({row["n"] for row in data})
 
-    def both(rows: list[dict], name: str, size: int, **law: str) -> list[float]:
-        found = [select(rows, n=size, motion=motion, **law) for motion in ("slow", "fast")]
+    def both(name: str, size: int, law: str) -> list[float]:
+        found = [select(data, n=size, motion=motion, law=law) for motion in ("slow", "fast")]
         return [row[name] for ((row),) in found]
 
     rows = [
         [
             f"`{law}`",
-            *(
-                "{:.1f}, {:.1f} times".format(
-                    *both(source, "ratio_to_disks", size, law=law, simd="avx512")
-                )
-                for size in sizes
-            ),
+            *("{:.1f}, {:.1f} times".format(*both("ratio_to_disks", n, law)) for n in sizes),
         ]
-        for law, source in sources
+        for law in ("sector", "radical", "balanced", "curved")
     ]
-    disks = [
-        "{:.0f}, {:.0f} ns".format(*both(newer, "ns_per_particle_step", n, law="disk"))
-        for n in sizes
-    ]
+    disks = ["{:.0f}, {:.0f} ns".format(*both("ns_per_particle_step", n, "disk")) for n in sizes]
     return table_of(
         ["slow, fast motion", *(f"N = {count(size)}" for size in sizes)],
         [["disks, `harmonic/cut`", *disks], *rows],
     )
 
 
-def avx2() -> str:
-    rows = select(of("loop_time_avx2")["rows"], law="balanced")
-    ratios = {
-        level: [row["ratio_to_disks"] for row in select(rows, simd=level)]
-        for level in ("avx2", "plain")
-    }
-    told = [f"{min(found):.0f} to {max(found):.0f}" for found in ratios.values()]
+def plain() -> str:
+    ratios = [
+        row["ratio_to_disks"]
+        for row in select(of("loop_time_plain")["rows"], law="balanced", simd="plain")
+    ]
     return (
-        f"With AVX2 `balanced` takes {told[0]} times as long as disks, and {told[1]} times without "
-        "SIMD."
+        f"Without SIMD `balanced` takes {min(ratios):.0f} to {max(ratios):.0f} times as long as "
+        "disks."
     )
+
+
+def threads() -> list[str]:
+    """Time on the clock with two threads over that with one."""
+    data = of("threads")["rows"]
+    sizes = sorted({row["n"] for row in data})
+    rows = []
+    for law in dict.fromkeys(row["law"] for row in data):
+        cells = []
+        for n in sizes:
+            found = [select(data, law=law, n=n, motion=motion) for motion in ("slow", "fast")]
+            cells.append("{:.2f}, {:.2f}".format(*(row["median"][1] for ((row),) in found)))
+        rows.append([f"`{law}`", *cells])
+    return table_of(["threads; slow, fast motion", *(f"N = {count(size)}" for size in sizes)], rows)
 
 
 def many() -> list[str]:
@@ -92,7 +95,7 @@ def many() -> list[str]:
 
 def of_a_step() -> str:
     """What README says of the default law and the exact one."""
-    rows = of("loop_time_curved")["rows"]
+    rows = of("loop_time")["rows"]
     told = []
     for law in ("balanced", "curved"):
         ratios = [row["ratio_to_disks"] for row in select(rows, law=law)]
@@ -104,7 +107,7 @@ def of_a_step() -> str:
 
 
 def memory() -> str:
-    rows = of("loop_time_curved")["rows"]
+    rows = of("loop_time")["rows"]
     largest = max(row["n"] for row in rows)
     disk, balanced, curved = (
         select(rows, n=largest, motion="slow", law=law)[0]["bytes"] / largest
@@ -337,6 +340,7 @@ def minimizers() -> str:
 
 TABLES = (
     step,
+    threads,
     many,
     friction,
     droplets,
@@ -348,7 +352,7 @@ TABLES = (
     reaches,
 )
 SENTENCES = (
-    *(avx2, memory, films, droplets_on_ranks, rubbing, springs, relaxations, statistics),
+    *(plain, memory, films, droplets_on_ranks, rubbing, springs, relaxations, statistics),
     *(polygons, smooth, minimizers),
 )
 PAGES = {PAGE: (TABLES, SENTENCES), FOLDER.parent / "README.md": ((), (of_a_step,))}
