@@ -30,7 +30,7 @@ BUDGETS = {
     "docs/fix_deformable_wall.md": 1580,
     "docs/fix_deformable_friction.md": 1440,
 }
-USUAL, GUIDE, ALL = 1390, 900, 66_300
+USUAL, GUIDE, ALL = 1390, 900, 66_330
 
 # How the code came to be is in the git log. What nobody has read is no source.
 BANNED = (
