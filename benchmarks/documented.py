@@ -33,21 +33,26 @@ def power(value: float) -> str:
 
 def step() -> list[str]:
     """Times of each law over disks, slow and fast motion; nanoseconds of disks."""
-    data = of("loop_time")["rows"]
+    data = of("in_turns")["rows"]
     sizes = sorted({row["n"] for row in data})
 
-    def both(name: str, size: int, law: str) -> list[float]:
+    def both(size: int, law: str) -> list[dict]:
         found = [select(data, n=size, motion=motion, law=law) for motion in ("slow", "fast")]
-        return [row[name] for ((row),) in found]
+        return [row for ((row),) in found]
 
     rows = [
         [
             f"`{law}`",
-            *("{:.1f}, {:.1f} times".format(*both("ratio_to_disks", n, law)) for n in sizes),
+            *(
+                "{:.1f}, {:.1f} times".format(*(row["over_disks"][0] for row in both(n, law)))
+                for n in sizes
+            ),
         ]
         for law in ("sector", "radical", "balanced", "curved")
     ]
-    disks = ["{:.0f}, {:.0f} ns".format(*both("ns_per_particle_step", n, "disk")) for n in sizes]
+    disks = [
+        "{:.0f}, {:.0f} ns".format(*(row["ns"][0] for row in both(n, "radical"))) for n in sizes
+    ]
     return table_of(
         ["slow, fast motion", *(f"N = {count(size)}" for size in sizes)],
         [["disks, `harmonic/cut`", *disks], *rows],
@@ -95,10 +100,10 @@ def many() -> list[str]:
 
 def of_a_step() -> str:
     """What README says of the default law and the exact one."""
-    rows = of("loop_time")["rows"]
+    rows = of("in_turns")["rows"]
     told = []
     for law in ("balanced", "curved"):
-        ratios = [row["ratio_to_disks"] for row in select(rows, law=law)]
+        ratios = [row["over_disks"][0] for row in select(rows, law=law)]
         told.append(f"{min(ratios):.0f} to {max(ratios):.0f}")
     return (
         f"A time step takes {told[0]} times as long as one of soft disks in LAMMPS with the "
@@ -107,15 +112,21 @@ def of_a_step() -> str:
 
 
 def memory() -> str:
-    rows = of("loop_time")["rows"]
-    largest = max(row["n"] for row in rows)
-    disk, balanced, curved = (
-        select(rows, n=largest, motion="slow", law=law)[0]["bytes"] / largest
-        for law in ("disk", "balanced", "curved")
-    )
+    """By the growth of the process from the smallest to the largest packing."""
+    rows = of("in_turns")["rows"]
+    sizes = [row["n"] for row in rows]
+
+    def each(law: str, version: int = 1) -> float:
+        few, many = (
+            select(rows, n=size(sizes), motion="slow", law=law)[0]["bytes"][version]
+            for size in (min, max)
+        )
+        return (many - few) / (max(sizes) - min(sizes)) / 1e3
+
     return (
-        f"Memory a particle, as LAMMPS counts it: {disk / 1e3:.1f} kB with disks, "
-        f"{balanced / 1e3:.1f} kB with `balanced`, {curved / 1e3:.1f} kB with `curved`."
+        f"Memory a particle, of the whole process: {each('balanced', 0):.1f} kB with disks, "
+        f"{each('balanced'):.1f} kB with `balanced`, {each('curved'):.1f} kB with `curved`, "
+        f"{each('droplet'):.1f} kB with droplets."
     )
 
 

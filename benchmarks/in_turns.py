@@ -1,11 +1,13 @@
-"""Is a step faster than before? Several versions of the package and soft disks, side by side.
+"""What does a step cost, and is it faster than before? Versions of the package and soft disks.
 
+    python benchmarks/in_turns.py --out benchmarks/results/in_turns.json
     python benchmarks/in_turns.py BEFORE AFTER [--laws radical droplet] [--sizes 1000 10000 100000]
 
-BEFORE, AFTER: folders that hold a compiled package. Each version has a process of its own with the
-packing of devices.py in motion, and soft disks or spheres have one: they run a few steps in turn,
-so that a machine whose speed drifts does not favor one. A row has nanoseconds per particle and
-step, medians of the times over disks, and medians of the times over the first version.
+BEFORE, AFTER: folders that hold a compiled package; the installed one if none is given. Each
+version has a process of its own with the packing of devices.py in motion, and soft disks or spheres
+have one: they run a few steps in turn, so that a machine whose speed drifts does not favor one. A
+row has nanoseconds of processor time per particle and step, medians of the times over disks, and of
+those over the first version; and the memory of each process at its largest.
 """
 
 from __future__ import annotations
@@ -13,6 +15,7 @@ from __future__ import annotations
 import argparse
 import json
 import os
+import resource
 import statistics
 import subprocess
 import sys
@@ -20,7 +23,9 @@ import tempfile
 import time
 from pathlib import Path
 
+import lammps_deformable
 from devices import IN_SPACE, LAWS, cells, start
+from lammps_deformable.common.versions import machine
 from loop_time import LEVELS, SIZES
 
 TURNS = 30
@@ -34,6 +39,7 @@ def move(folder: Path, law: str, n: int, motion: str) -> None:
         begin = time.process_time()
         lmp.command(f"run {steps.strip()} pre no post no")
         print(time.process_time() - begin, flush=True)
+    print(1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
 
 
 def compare(
@@ -56,8 +62,7 @@ def compare(
         for process, found in zip(processes, seconds, strict=True):
             print(steps, file=process.stdin, flush=True)
             found.append(float(process.stdout.readline()))
-    for process in processes:
-        process.communicate()
+    memory = [float(process.communicate()[0]) for process in processes]
     disks, first = seconds[:2]
 
     def median_over(others: list[float], times: list[float]) -> float:
@@ -71,6 +76,7 @@ def compare(
         "ns": [1e9 / (n * steps) * statistics.median(times) for times in seconds],
         "over_disks": [median_over(disks, times) for times in seconds[1:]],
         "over_first": [median_over(first, times) for times in seconds[2:]],
+        "bytes": memory,
     }
 
 
@@ -79,8 +85,8 @@ def main() -> None:
         _, _, folder, law, n, motion = sys.argv
         return move(Path(folder), law, int(n), motion)
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("versions", nargs="+", help="folders with a compiled package")
-    parser.add_argument("--laws", nargs="+", default=["radical", *LAWS])
+    parser.add_argument("versions", nargs="*", help="folders with a compiled package")
+    parser.add_argument("--laws", nargs="+", default=["sector", "radical", *LAWS])
     parser.add_argument("--sizes", nargs="+", type=int, choices=SIZES, default=list(SIZES)[:3])
     parser.add_argument("--motions", nargs="+", default=["slow", "fast"])
     parser.add_argument("--simd", choices=LEVELS, default=LEVELS[0])
@@ -90,14 +96,16 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         cells(folder, options.laws)
-        versions = [str(Path(version).resolve()) for version in options.versions]
+        installed = Path(lammps_deformable.__file__).parents[1]
+        versions = [str(Path(version).resolve()) for version in options.versions or [installed]]
         for n in options.sizes:
             for motion in options.motions:
                 for law in options.laws:
                     rows.append(compare(folder, versions, law, n, motion, options.simd))
                     print(json.dumps(rows[-1]), flush=True)
     if options.out:
-        options.out.write_text(json.dumps(rows, indent=1) + "\n")
+        result = {"machine": machine(), "rows": rows}
+        options.out.write_text(json.dumps(result, indent=1) + "\n")
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 """What do threads buy? The same packing in motion with 1, 2 ... threads, side by side.
 
-    python benchmarks/threads.py [--threads 1 2] [--laws balanced curved droplet] [--sizes 1000 10000]
+    python benchmarks/threads.py [--threads 1 2] [--laws balanced curved] [--sizes 1000 10000]
 
 The packings and motions of devices.py. Each number of threads has a process of its own; they run a
 few steps in turn, so that a machine whose speed drifts does not favor one. A row has the medians of
