@@ -1,5 +1,6 @@
 """Input scripts and snippets of the documentation run as they are, with the right results."""
 
+import json
 import os
 import re
 import shlex
@@ -400,3 +401,29 @@ def test_thermal_input(tree):
     assert displacement < 0.1**2
     frames = (tree / "examples" / "thermal" / "thermal.lammpstrj").read_text()
     assert frames.count("ITEM: TIMESTEP") == 201
+
+
+DESIGN = """
+import numpy as np
+from moduli import NUMBER, Design
+ratio, gradient = Design().ratio(np.zeros(NUMBER))
+step = 1e-3 * np.sign(gradient)
+high, low = (Design().ratio(sign * step, slopes=False)[0] for sign in (1.0, -1.0))
+print(abs(gradient).sum(), (high - low) / 2e-3)
+"""
+
+
+def test_design(tree):
+    """The gradient of a ratio of moduli; a committed design that met its target."""
+    folder = tree / "examples" / "design"
+    exact, difference = map(float, run(folder, "python", "-c", DESIGN).split())
+    assert exact == pytest.approx(difference, rel=1e-4)
+    results = json.loads((folder / "moduli.json").read_text())
+    assert results["gradient"]["off"] < 1e-3
+    assert results["gradient"]["relaxations"] < 0.25 * results["differences"]["relaxations"]
+
+
+def test_relaxation_in_jax(tree):
+    pytest.importorskip("jax")
+    lines = run(tree / "examples" / "design", "python", "in_jax.py").splitlines()
+    assert lines[-1].startswith("step 5: pressure 0.002000")

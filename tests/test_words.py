@@ -21,8 +21,8 @@ PAGES = sorted(path for folder in FOLDERS for path in ROOT.glob(f"{folder}/*.md"
 # Words of a page at most; of those without a number, of the guide, and of all together.
 BUDGETS = {
     "README.md": 800,
-    "ARCHITECTURE.md": 2100,
-    "CHANGELOG.md": 1330,
+    "ARCHITECTURE.md": 2110,
+    "CHANGELOG.md": 1360,
     "benchmarks/README.md": 1740,
     "docs/theory/droplets.md": 1590,
     "docs/pair_deformable_ring.md": 2155,
@@ -30,7 +30,7 @@ BUDGETS = {
     "docs/fix_deformable_wall.md": 1580,
     "docs/fix_deformable_friction.md": 1440,
 }
-USUAL, GUIDE, ALL = 1390, 900, 66_330
+USUAL, GUIDE, ALL = 1390, 900, 67_400
 
 # How the code came to be is in the git log. What nobody has read is no source.
 BANNED = (

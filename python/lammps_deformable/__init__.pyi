@@ -10,6 +10,7 @@ from .common.errors import FileError as FileError
 from .common.errors import JumpWarning as JumpWarning
 from .common.errors import LackingWarning as LackingWarning
 from .common.errors import LammpsError as LammpsError
+from .common.errors import OpeningWarning as OpeningWarning
 from .common.errors import ParameterError as ParameterError
 from .common.errors import StalledWarning as StalledWarning
 from .common.errors import UndefinedError as UndefinedError
@@ -47,8 +48,9 @@ from .reference.comparison import Comparison as Comparison
 from .reference.comparison import compare as compare
 from .runs.run import Run as Run
 from .runs.run import Table as Table
+from .state.derivatives import Derivatives as Derivatives
 from .state.displacements import LocalStrain as LocalStrain
-from .state.hessian import Hessian as Hessian
+from .state.hessian_matrix import Hessian as Hessian
 from .state.modes import Modes as Modes
 from .state.secondary_contacts import SecondaryOutlines as SecondaryOutlines
 from .state.state import State as State

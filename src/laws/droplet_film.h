@@ -34,34 +34,37 @@ constexpr double LARGEST_FILM_ANGLE = 0.7, MOST_FILM_ANGLE = 1.0, LARGEST_COVER 
 // way without a bound.
 constexpr double TORN = 0.01;
 
-// One side of the film of a pair, or of a wall: s, 1 - C and lambda.
-struct FilmSide {
-  double sine, rise, lean;
+// One side of the film of a pair, or of a wall: s, 1 - C and lambda. T is double, or a number with derivatives.
+template <class T> struct FilmSideOf {
+  T sine, rise, lean;
 
   double angle() const { return std::asin(sine); }
 };
+using FilmSide = FilmSideOf<double>;
 
 // 1 - C of Neumann's triangle: (g_j^2 - (g_f - g_i)^2)/(2 g_f g_i)
-inline double film_rise(double tension_i, double tension_j, double adhesion)
+template <class T> T film_rise(const T &tension_i, const T &tension_j, const T &adhesion)
 {
-  const double film = tension_i + tension_j - adhesion;
-  return std::clamp(adhesion * (2.0 * tension_j - adhesion) / (2.0 * film * tension_i), 0.0, 1.0);
+  const T film = tension_i + tension_j - adhesion;
+  const T rise = adhesion * (2.0 * tension_j - adhesion) / (2.0 * film * tension_i);
+  return rise > 1.0 ? T(1.0) : larger(rise, T(0.0));
 }
 
-inline FilmSide film_side(double radius_i, double tension_i, double radius_j, double tension_j,
-                          double adhesion)
+template <class T>
+FilmSideOf<T> film_side(const T &radius_i, const T &tension_i, const T &radius_j,
+                        const T &tension_j, const T &adhesion)
 {
-  const double rise = film_rise(tension_i, tension_j, adhesion), half = 0.5 * adhesion;
-  const double Ci = 1.0 - film_rise(tension_i, tension_j, half),
-               Cj = 1.0 - film_rise(tension_j, tension_i, half);
-  return {std::sqrt(rise * (2.0 - rise)), rise,
+  const T rise = film_rise(tension_i, tension_j, adhesion), half = 0.5 * adhesion;
+  const T Ci = 1.0 - film_rise(tension_i, tension_j, half),
+          Cj = 1.0 - film_rise(tension_j, tension_i, half);
+  return {root(rise * (2.0 - rise)), rise,
           tension_j * (Cj + Ci * radius_i / radius_j) / (tension_i + tension_j - half)};
 }
 
-inline FilmSide film_side_of_wall(double tension, double adhesion)
+template <class T> FilmSideOf<T> film_side_of_wall(const T &tension, const T &adhesion)
 {
-  const double rise = std::min(adhesion / tension, 1.0);
-  return {std::sqrt(rise * (2.0 - rise)), rise, 1.0};
+  const T part = adhesion / tension, rise = part > 1.0 ? T(1.0) : part;
+  return {root(rise * (2.0 - rise)), rise, T(1.0)};
 }
 
 // 1/sqrt(1 - y) = sum b_i y^i: the first two are exact, the others to 2.8e-5 for angles up to 0.8.

@@ -35,7 +35,12 @@ struct Stiffness {
   // T = gamma + kP (P - P0) of the outline of a ring that has expanded by delta, and dT/dP
   template <class Number> Number line_tension(const Number &delta) const
   {
-    return tension + 2.0 * PI * kP * delta;
+    return line_tension_of<Number>(tension, kP, delta);
+  }
+  template <class Number>
+  static Number line_tension_of(const Number &gamma, const Number &stiffness, const Number &delta)
+  {
+    return gamma + 2.0 * PI * stiffness * delta;
   }
   double perimeter_stiffness(double /* delta */) const { return kP; }
 

@@ -43,7 +43,7 @@ struct Droplet {
     std::vector<Dual> forces(contacts);
     for (std::size_t c = 0; c < contacts; ++c) forces[c] = Dual::variable(f[c], c, contacts);
     const std::vector<double> none(contacts);
-    const LoadedDroplet<Dual> loaded(forces, n, none, none,
+    const LoadedDroplet<Dual> loaded(forces, n, none, std::vector<Dual>(contacts),
                                      std::vector<std::array<Dual, 3>>(contacts));
     std::vector<double> matrix;
     for (const Dual &a : loaded.indentation)
@@ -262,6 +262,28 @@ nb::tuple film_angles(double radius_i, double tension_i, double radius_j, double
   return nb::make_tuple(i.angle(), j.angle(), i.lean, j.lean);
 }
 
+auto film_slopes(double radius_i, double tension_i, double radius_j, double tension_j,
+                 double adhesion)
+{
+  constexpr std::size_t by = 5;
+  const double given[by] = {radius_i, tension_i, radius_j, tension_j, adhesion};
+  Dual x[by];
+  for (std::size_t n = 0; n < by; ++n) {
+    if (n != 3 || !std::isinf(given[n]))
+      require_positive("argument " + std::to_string(n), given[n]);
+    x[n] = Dual::variable(given[n], n, by);
+  }
+  const FilmSideOf<Dual> side = std::isinf(tension_j) ? film_side_of_wall(x[1], x[4])
+                                                      : film_side(x[0], x[1], x[2], x[3], x[4]);
+  std::vector<double> slopes(2 * by);
+  const double cosine = 1.0 - side.rise.value;
+  for (std::size_t n = 0; n < by; ++n) {
+    if (!side.sine.by.empty()) slopes[n] = side.sine.by[n] / cosine;
+    if (!side.lean.by.empty()) slopes[by + n] = side.lean.by[n];
+  }
+  return to_numpy<Matrix>(slopes.data(), {2, by});
+}
+
 nb::tuple curved_film(double force, double pressure_i, double pressure_j, double tension,
                       double angle)
 {
@@ -367,6 +389,27 @@ Raises
 ------
 ValueError
     A pressure that is not positive.
+
+Source: src/laws/droplet_film.h.)");
+
+  m.def("film_slopes", &film_slopes, "radius_i"_a, "tension_i"_a, "radius_j"_a, "tension_j"_a,
+        "adhesion"_a,
+        R"(Derivatives of the contact angle and lambda of side i of `film_angles`.
+
+Parameters
+----------
+radius_i, tension_i, radius_j, tension_j, adhesion : float
+    As of `film_angles`, above 0; an infinite tension_j is a wall.
+
+Returns
+-------
+array, shape (2, 5)
+    Of theta_i and of lambda_i, by the arguments.
+
+Raises
+------
+ValueError
+    A number is not positive.
 
 Source: src/laws/droplet_film.h.)");
 

@@ -111,15 +111,27 @@ nb::tuple droplet_blocks(nb::handle droplets, nb::handle sides)
   EnergyBlocks blocks, facets;
   for_droplets(droplets, sides,
                [&](const std::vector<DropletSide> &of, double radius, double tension) {
-                 add_droplet(of, radius, tension, blocks, facets);
+                 add_droplet(of, radius, tension, blocks, facets, nullptr);
                });
   return nb::make_tuple(blocks, entries_of(facets));
+}
+
+nb::tuple droplet_parameters(nb::handle droplets, nb::handle sides)
+{
+  EnergyBlocks blocks, facets;
+  ParameterBlocks parameters;
+  for_droplets(droplets, sides,
+               [&](const std::vector<DropletSide> &of, double radius, double tension) {
+                 add_droplet(of, radius, tension, blocks, facets, &parameters);
+               });
+  return nb::make_tuple(to_numpy(parameters.gradient), entries_of(parameters));
 }
 
 enum StretchedColumn { STRETCH = DROPLET_COLUMNS, PRESSURE, STRETCHED_COLUMNS };
 enum StretchSideColumn { STRETCH_FORCE, STRETCH_ANGLE, STRETCH_LEAN, STRETCH_SIDE_COLUMNS };
 
-EnergyBlocks stretch_blocks(nb::handle given_droplets, nb::handle given_sides)
+EnergyBlocks stretches(nb::handle given_droplets, nb::handle given_sides,
+                       ParameterBlocks *parameters)
 {
   const Table droplets = table_of("droplets", given_droplets, STRETCHED_COLUMNS),
               sides = table_of("sides", given_sides, STRETCH_SIDE_COLUMNS);
@@ -142,9 +154,21 @@ EnergyBlocks stretch_blocks(nb::handle given_droplets, nb::handle given_sides)
                     of_droplet.push_back({s[STRETCH_FORCE], s[STRETCH_ANGLE], s[STRETCH_LEAN]});
                   }
                   add_stretch(of_droplet, of[DROPLET_RADIUS], of[DROPLET_TENSION], of[STRETCH],
-                              of[PRESSURE], blocks);
+                              of[PRESSURE], blocks, parameters);
                 });
   return blocks;
+}
+
+EnergyBlocks stretch_blocks(nb::handle droplets, nb::handle sides)
+{
+  return stretches(droplets, sides, nullptr);
+}
+
+nb::tuple stretch_parameters(nb::handle droplets, nb::handle sides)
+{
+  ParameterBlocks parameters;
+  stretches(droplets, sides, &parameters);
+  return nb::make_tuple(to_numpy(parameters.gradient), entries_of(parameters));
 }
 
 enum CapColumn {
@@ -158,7 +182,7 @@ enum CapColumn {
   CAP_COLUMNS
 };
 
-EnergyBlocks cap_blocks(nb::handle given)
+EnergyBlocks caps(nb::handle given, ParameterBlocks *parameters)
 {
   const Table films = table_of("films", given, CAP_COLUMNS);
   EnergyBlocks blocks;
@@ -170,9 +194,21 @@ EnergyBlocks cap_blocks(nb::handle given)
       refuse("force of film " + std::to_string(n) + " is not finite");
     require_angle(n, s[CAP_ANGLE]);
     add_cap(s[CAP_FORCE], {s[CAP_P_I], s[CAP_P_J]}, {s[CAP_R_I], s[CAP_R_J]}, s[CAP_TENSION],
-            s[CAP_ANGLE], blocks);
+            s[CAP_ANGLE], blocks, parameters);
   }
   return blocks;
+}
+
+EnergyBlocks cap_blocks(nb::handle films)
+{
+  return caps(films, nullptr);
+}
+
+nb::tuple cap_parameters(nb::handle films)
+{
+  ParameterBlocks parameters;
+  caps(films, &parameters);
+  return nb::make_tuple(to_numpy(parameters.gradient), entries_of(parameters));
 }
 
 auto facets_of_droplets(nb::handle droplets, nb::handle sides)
@@ -202,9 +238,9 @@ void deformable::bind_energy_blocks(nb::module_ &m)
 
   m.def(
       "disk_blocks", &disk_blocks, "vectors"_a, "turn"_a, "contact"_a, "axes"_a = nb::none(),
-      R"(The energy U = o^2/2 of contacts of soft disks or spheres, and its derivatives by their vectors v.
+      R"(The energy U = o^2/2 of contacts of soft disks or spheres, and its derivatives by their vectors v and lengths.
 
-The overlap is o = contact - |v|. With the direction n of v, and the direction c of its part across the axis, dU/dv = -o n and
+The overlap is o = contact - |v|, and dU/dcontact = o. With the direction n of v, and the direction c of its part across the axis, dU/dv = -o n and
 d^2U/dv dv = n n^T - o turn (1 - axis axis^T - c c^T).
 
 Parameters
@@ -221,7 +257,7 @@ axes : array, shape (M, 2) or (M, 3)
 Returns
 -------
 EnergyBlocks
-    The local variables are the components of v of each contact, one contact after the other.
+    The local variables are the components of v, then `contact`, of each contact, one after the other.
 
 Raises
 ------
@@ -310,6 +346,68 @@ ValueError
 
 Source: src/laws/droplet_film.h.)");
 
+  m.def("droplet_parameters", &droplet_parameters, "droplets"_a, "sides"_a,
+        R"(How the energy of `droplet_blocks` depends on parameters, while its local variables stay.
+
+Parameters
+----------
+droplets, sides
+    As of `droplet_blocks`.
+
+Returns
+-------
+array, tuple of array
+    Derivatives of the energy by ln(lambda) and the contact angle of each side of a droplet, then by its radius and tension,
+    and those of its gradient by the same numbers, as rows, columns and values.
+
+Raises
+------
+ValueError
+    As `droplet_blocks`.
+
+Source: src/response/droplet_blocks.h.)");
+
+  m.def(
+      "stretch_parameters", &stretch_parameters, "droplets"_a, "sides"_a,
+      R"(The same of `stretch_blocks`, by the contact angle and lambda of each side, then by radius and tension.
+
+Parameters
+----------
+droplets, sides
+    As of `stretch_blocks`.
+
+Returns
+-------
+array, tuple of array
+    As of `droplet_parameters`.
+
+Raises
+------
+ValueError
+    As `stretch_blocks`.
+
+Source: src/response/droplet_blocks.h.)");
+
+  m.def("cap_parameters", &cap_parameters, "films"_a,
+        R"(The same of `cap_blocks`, by R_i, R_j, the tension and the contact angle of each film.
+
+Parameters
+----------
+films
+    As of `cap_blocks`.
+
+Returns
+-------
+array, tuple of array
+    As of `droplet_parameters`.
+
+Raises
+------
+ValueError
+    As `cap_blocks`.
+
+Source: src/response/droplet_blocks.h.)");
+
   m.def("droplet_facets", &facets_of_droplets, "droplets"_a, "sides"_a,
         R"(Where the facets of droplets are, and how much less films turn at large loads.
 
@@ -362,13 +460,16 @@ template <class Ring> void for_rings(const Table &particles, const Table &sides,
       });
 }
 
-RingBlocks ring_blocks(const std::string &law, nb::handle given_particles, nb::handle given_sides)
+RingBlocks ring_blocks(const std::string &law, nb::handle given_particles, nb::handle given_sides,
+                       bool parameters)
 {
   if (law != "radical" && law != "balanced") refuse("law must be radical or balanced, not " + law);
   const bool radical = law == "radical";
   const Table particles = particles_of(given_particles),
               sides = table_of("sides", given_sides, SIDE_COLUMNS);
   RingBlocks result;
+  result.of_parameters = parameters;
+  const int variables = parameters ? SIDE_VARIABLES : radical ? 2 : 3;
   std::vector<Line> lines;
   for_rings(particles, sides,
             [&](const double *of, const Stiffness &k, std::size_t n, std::size_t end) {
@@ -376,26 +477,27 @@ RingBlocks ring_blocks(const std::string &law, nb::handle given_particles, nb::h
               lines.clear();
               for (; n < end; ++n) {
                 const double *const side = sides.data() + SIDE_COLUMNS * n;
-                const double partner = side[PARTNER];
+                const double partner = side[PARTNER], shift = side[PLACE];
                 const SideVector v = {side[X], side[Y], side[TURN]};
-                lines.push_back(partner == 0.0 ? wall_line(v, radius)
-                                : radical      ? radical_line(v, radius, partner)
-                                               : shifted_line(v, radius, partner, side[PLACE]));
+                lines.push_back(partner == 0.0 ? wall_line(v, radius, shift)
+                                : radical      ? radical_line(v, radius, partner, shift)
+                                               : shifted_line(v, radius, partner, shift));
                 const double a = lines.back().indentation.value;
                 if (!(a < radius) || !std::isfinite(lines.back().angle.value))
                   refuse("side " + std::to_string(n) + " has the indentation " + std::to_string(a) +
                          ": its line must lie before the center of its particle");
               }
-              return add_ring(lines, radical ? 2 : 3, radius - of[SKIN], k, result);
+              return add_ring(lines, variables, radius - of[SKIN], k, result);
             });
   return result;
 }
 
-RingBlocks curved_blocks(nb::handle given_particles, nb::handle given_sides)
+RingBlocks curved_blocks(nb::handle given_particles, nb::handle given_sides, bool parameters)
 {
   const Table particles = particles_of(given_particles),
               sides = table_of("sides", given_sides, CURVED_COLUMNS);
   RingBlocks result;
+  result.of_parameters = parameters;
   std::vector<Line> lines;
   std::vector<BentContact> contacts;
   for_rings(particles, sides,
@@ -410,7 +512,7 @@ RingBlocks curved_blocks(nb::handle given_particles, nb::handle given_sides)
                     refuse("side " + std::to_string(n) + " is not finite");
                 const SideVector v = {side[X], side[Y], side[TURN]};
                 lines.push_back(partner == 0.0
-                                    ? wall_line(v, of[RADIUS])
+                                    ? wall_line(v, of[RADIUS], 0.0)
                                     : turned_line(v, of[RADIUS], partner, 0.0, side[DIRECTED]));
                 contacts.push_back(
                     {side[FORCE], lines.back().angle.value, std::tan(0.5 * side[HALF_ANGLE])});
@@ -430,7 +532,7 @@ void deformable::bind_ring_blocks(nb::module_ &m)
           "dU/da = p L of each side [energy/length], (S,)");
 
   m.def(
-      "ring_blocks", &ring_blocks, "law"_a, "particles"_a, "sides"_a,
+      "ring_blocks", &ring_blocks, "law"_a, "particles"_a, "sides"_a, "parameters"_a = false,
       R"(The energy of particles of the ring laws, and its derivatives by the vectors to their neighbors.
 
 Each side of a contact has a vector v, from the center to that of the neighbor or to the nearest point of a wall.
@@ -450,11 +552,15 @@ sides : array, shape (S, 5)
     Of each side v_x, v_y [length], the turn of `disk_blocks` [1/length], the radius R_j of the neighbor, 0 for a wall
     [length], and the shift s [length]; the sides of the first particle come first. The other side of a contact has the
     opposite shift.
+parameters : bool
+    Whether parameters are variables too, of shapes at given indentations.
 
 Returns
 -------
 RingBlocks
-    The local variables are v_x, v_y, then s (balanced), of each side after the other.
+    The local variables are v_x, v_y, then s (balanced), of each side after the other. With `parameters` those of a particle
+    are v_x, v_y, s, the direction, and the curvature of each of its sides, then R, kA, kP, skin, tension, and the area
+    A0, by which the derivative is the pressure. s moves any line towards the center, and a wall turns by its direction.
 
 Raises
 ------
@@ -464,7 +570,7 @@ ValueError
 
 Source: docs/theory/response.md.)");
 
-  m.def("curved_blocks", &curved_blocks, "particles"_a, "sides"_a,
+  m.def("curved_blocks", &curved_blocks, "particles"_a, "sides"_a, "parameters"_a = false,
         R"(As `ring_blocks`, for curved lines at rest.
 
     a = (R_i + R_j - m.v)/2 + s,   theta = psi,   m = (cos psi, sin psi)
@@ -480,11 +586,13 @@ sides : array, shape (S, 7)
     Of each side v_x, v_y, turn and R_j as for `ring_blocks`, its force [energy/length], psi and its half angle,
     positive where it is convex [rad]. The other side of a contact has the same force, psi + pi and the opposite half
     angle and curvature.
+parameters : bool
+    As for `ring_blocks`.
 
 Returns
 -------
 RingBlocks
-    The local variables are v_x, v_y, s, psi and kappa of each side after the other.
+    The local variables are v_x, v_y, s, psi and kappa of each side after the other, and parameters as of `ring_blocks`.
 
 Raises
 ------

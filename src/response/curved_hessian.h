@@ -6,7 +6,9 @@
 #include "laws/contact_curve.h"
 #include "response/dual.h"
 #include "response/energy_blocks.h"
+#include "response/ring_parameters.h"
 
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <vector>
@@ -20,10 +22,10 @@ struct BentContact {
 
 struct CurvedHessian {
   double energy = 0.0;
-  std::vector<double> curvature;                                 // of the lines
-  std::vector<double> by_indentation, by_angle, by_curvature;    // of U
+  std::vector<double> curvature;                                               // of the lines
+  std::vector<double> by_indentation, by_angle, by_curvature, by_parameter;    // of U
   std::vector<double>
-      block;    // of U by a of the n contacts, then theta, then curvature: (3n)^2 entries
+      block;    // of U by a of the n contacts, then theta, curvature, and parameters if these are variables
 };
 
 // Sums over the contacts of a ring, see contact_curve.h: p (a + delta), sum f G' and excess/sin^2 b of each, and the load.
@@ -69,11 +71,15 @@ RingSums<T> ring_sums(const std::vector<T> &force, const std::vector<T> &angle,
 // theta and kappa; sin b = kappa s, with half the chord s = f/2p + q sin b. So numbers with derivatives give those of
 // the equations, and then W''. With W_ff = A, W_fy = B, W_yy = C for y = (theta, kappa):
 //   U_aa = A^-1,   U_ay = -A^-1 B,   U_yy = B^T A^-1 B - C.
+// Where the parameters of ring_parameters.h are variables, they belong to y. A line of the curvature kappa bends less as r
+// grows: at the same kappa U_r has the further term sum f excess.
 // False: the ring bears nothing, or is not stable.
 inline bool curved_hessian(double radius, const Stiffness &k,
-                           const std::vector<BentContact> &contacts, CurvedHessian &h)
+                           const std::vector<BentContact> &contacts, bool of_parameters,
+                           CurvedHessian &h)
 {
-  const int n = static_cast<int>(contacts.size()), inner = n + 2, outer = 3 * n;
+  const int n = static_cast<int>(contacts.size()), inner = n + 2, lines = 3 * n;
+  const int parameters = of_parameters ? RING_PARAMETERS : 0, outer = lines + parameters;
   const std::size_t all = outer + inner;
   std::vector<double> forces, angles, bends;
   for (const BentContact &c : contacts) {
@@ -103,19 +109,36 @@ inline bool curved_hessian(double radius, const Stiffness &k,
   const Dual p = Dual::variable(ring.pressure, outer, all);
   const Dual delta = Dual::variable(ring.expansion, outer + 1, all);
 
+  const auto parameter = [&](double value, int which) {
+    return of_parameters && std::isfinite(value) ? Dual::variable(value, lines + which, all)
+                                                 : Dual(value);
+  };
+  const Dual r = parameter(radius, OF_RADIUS), kA = parameter(k.kA, OF_KA),
+             kP = parameter(k.kP, OF_KP), gamma = parameter(k.tension, OF_TENSION),
+             more_area = parameter(0.0, OF_AREA);
+
   const RingSums<Dual> sums = ring_sums(force, angle, u);
-  const Dual T = p * (radius + delta) - sums.load.total * (0.5 / PI);
+  const Dual T = p * (r + delta) - sums.load.total * (0.5 / PI);
 
   std::vector<Dual> zero(inner), value(outer);
-  zero[0] = k.conserves_perimeter() ? delta : T - k.line_tension(delta);
-  zero[1] = (p - k.rest_pressure(radius)) / k.kA - sums.load.work / (p * p) +
-            PI * delta * (2.0 * radius + delta);
+  zero[0] = k.conserves_perimeter() ? delta : T - Stiffness::line_tension_of(gamma, kP, delta);
+  zero[1] =
+      (p - gamma / r) / kA - sums.load.work / (p * p) + PI * delta * (2.0 * r + delta) - more_area;
   for (int c = 0; c < n; ++c) {
     zero[2 + c] = sine[c] * (p - curvature[c] * T) - 0.5 * curvature[c] * force[c];
     const Dual half_chord = (0.5 * force[c] + T * sine[c]) / p;
     value[c] = sums.product[c] / p - delta;
     value[n + c] = force[c] * sums.turning[c] / p;
     value[2 * n + c] = -force[c] * sums.sweep[c] * half_chord * half_chord;
+  }
+  h.by_parameter.clear();
+  if (of_parameters) {
+    std::array<Dual, RING_PARAMETERS> by = by_parameters(r, kA, gamma, delta, p);
+    by[OF_RADIUS] += 2.0 * PI * sums.load.shift;
+    for (int k = 0; k < parameters; ++k) {
+      value[lines + k] = -by[k];
+      h.by_parameter.push_back(by[k].value);
+    }
   }
   const auto derivative = [](const Dual &x, int index) { return x.by.empty() ? 0.0 : x.by[index]; };
   std::vector<double> of_inner(inner * inner), response(inner * outer);
@@ -132,7 +155,7 @@ inline bool curved_hessian(double radius, const Stiffness &k,
         entry += derivative(value[r], outer + m) * response[m * outer + c];
     }
 
-  const int others = 2 * n;
+  const int others = outer - n;
   std::vector<double> A(n * n), inverse(n * (n + others), 0.0);    // A^-1 and A^-1 B
   for (int r = 0; r < n; ++r) {
     inverse[r * (n + others) + r] = 1.0;

@@ -30,7 +30,7 @@ template <class T> struct LoadedDroplet {
   }
 
   LoadedDroplet(const std::vector<T> &f, const std::vector<Vector> &n,
-                const std::vector<double> &film, const std::vector<double> &sine,
+                const std::vector<double> &film, const std::vector<T> &sine,
                 const std::vector<Vector> &weight)
       : work(0.0),
         load(0.0),
@@ -263,27 +263,48 @@ struct TurningNormal {
 
 constexpr int DROPLET_VARIABLES = 4;    // v and F of each side
 
+// Derivatives E_t of an energy by parameters t, `gradient`, and those of its first derivatives by the local variables, with a row for
+// each of these and a column for each parameter.
+struct ParameterBlocks : EnergyBlocks {
+  void add(std::size_t variable, double mixed)
+  {
+    row.push_back(static_cast<int>(variable));
+    column.push_back(static_cast<int>(gradient.size()));
+    value.push_back(mixed);
+  }
+  // E_t with its derivatives by the variables from `first` on.
+  void add(std::size_t first, std::size_t size, const Dual &by)
+  {
+    for (std::size_t v = 0; v < std::min(size, by.by.size()); ++v) add(first + v, by.by[v]);
+    gradient.push_back(by.value);
+  }
+};
+
 // L = sum part F o - W(F, n) - sum weight.t of a droplet, whose value and first derivatives leave out the last term:
 //   L_F = part o - a,   L_v = -part F n - (dn/dv) W_n,
 // and their derivatives by those of dual numbers. `facets`: the derivatives of R t, three rows for each side.
+// `parameters`, unless null: ln(lambda) and contact angle of each side, then R and tension g. In units of R and g R the work W depends
+// on these by f = F/(g R) alone,
+//   L_R = g R (sum f a - 2 W),   L_g = R^2 (sum f a - W),   L_ln(lambda) = -g R^2 f^2/(8 pi).
 inline void add_droplet(const std::vector<DropletSide> &sides, double radius, double tension,
-                        EnergyBlocks &blocks, EnergyBlocks &facets)
+                        EnergyBlocks &blocks, EnergyBlocks &facets, ParameterBlocks *parameters)
 {
-  const std::size_t z = sides.size(), V = DROPLET_VARIABLES, size = V * z;
+  const std::size_t z = sides.size(), V = DROPLET_VARIABLES, size = V * z,
+                    all = size + (parameters ? z : 0);
   const double unit = radius * tension, energy = unit * radius;
   const int first = static_cast<int>(blocks.gradient.size()),
             first_row = static_cast<int>(facets.gradient.size());
   using Vector = LoadedDroplet<Dual>::Vector;
-  std::vector<double> film(z), sine(z), local(size * size);
+  std::vector<double> film(z), local(size * size), of_sine(size * z);
   std::vector<Vector> n(z), weight(z);
-  std::vector<Dual> f(z);
+  std::vector<Dual> f(z), sine(z);
   std::vector<TurningNormal> normal;
   for (std::size_t c = 0; c < z; ++c) {
     film[c] = sides[c].film;
-    sine[c] = sides[c].sine;
+    sine[c] = parameters ? Dual::variable(sides[c].sine, size + c, all) : Dual(sides[c].sine);
     for (std::size_t a = 0; a < 3; ++a) weight[c][a] = sides[c].weight[a];
-    f[c] = Dual::variable(sides[c].force, V * c + 3, size) / unit;
-    normal.emplace_back(sides[c].vector, V * c, size);
+    f[c] = Dual::variable(sides[c].force, V * c + 3, all) / unit;
+    normal.emplace_back(sides[c].vector, V * c, all);
     n[c] = normal[c].n;
   }
   const LoadedDroplet<Dual> loaded(f, n, film, sine, weight);
@@ -301,10 +322,12 @@ inline void add_droplet(const std::vector<DropletSide> &sides, double radius, do
     for (std::size_t a = 0; a < V; ++a) {
       blocks.gradient.push_back(slope(alone, a).value);
       const Dual second = slope(loaded, a);
-      std::copy(second.by.begin(), second.by.end(), local.begin() + (V * c + a) * size);
+      const auto end = second.by.begin() + static_cast<std::ptrdiff_t>(size);
+      std::copy(second.by.begin(), end, local.begin() + (V * c + a) * size);
+      if (parameters) std::copy(end, second.by.end(), of_sine.begin() + (V * c + a) * z);
     }
     for (std::size_t a = 0; a < 3; ++a)
-      for (std::size_t along = 0; along < loaded.facet[c][a].by.size(); ++along) {
+      for (std::size_t along = 0; along < std::min(size, loaded.facet[c][a].by.size()); ++along) {
         facets.row.push_back(first_row + static_cast<int>(3 * c + a));
         facets.column.push_back(first + static_cast<int>(along));
         facets.value.push_back(radius * loaded.facet[c][a].by[along]);
@@ -315,6 +338,18 @@ inline void add_droplet(const std::vector<DropletSide> &sides, double radius, do
       local[r * size + c] = local[c * size + r] = 0.5 * (local[r * size + c] + local[c * size + r]);
   blocks.add_block(first, size, local.data());
   facets.gradient.resize(first_row + 3 * z);
+  if (!parameters) return;
+  Dual moment(0.0);
+  for (std::size_t c = 0; c < z; ++c) {
+    moment += f[c] * alone.indentation[c];
+    parameters->add(first, size, -energy * BY_SUM * f[c] * f[c]);
+    const double cosine = std::sqrt(1.0 - sides[c].sine * sides[c].sine);
+    for (std::size_t v = 0; v < size; ++v) parameters->add(first + v, cosine * of_sine[v * z + c]);
+    const bool depends = alone.work.by.size() == all;
+    parameters->gradient.push_back(depends ? -energy * cosine * alone.work.by[size + c] : 0.0);
+  }
+  parameters->add(first, size, unit * (moment - 2.0 * alone.work));
+  parameters->add(first, size, radius * radius * (moment - alone.work));
 }
 
 // A contact of a droplet that has films: its force, and of a film the angle and lambda.
@@ -324,10 +359,11 @@ struct StretchSide {
 
 // What films add to the energy of a droplet, with the stretch L and the pressure P as variables; W is stationary in both.
 // In units of R and g R,
-//   -{sum u(f, P lambda) + P V0 (L^3 - 1) - (L - 1) sum (f - f^2/(8 pi)) - 4 pi (L^2 - 1)}
-// The local variables are F of each side, then L and P.
+//   -{sum u(f, P lambda) + P V0 (L^3 - 1) - (L - 1) sum (f - f^2/(8 pi)) - 4 pi (L^2 - 1)} = -w(f, L, P)
+// The local variables are F of each side, then L and P. `parameters`, unless null: angle and lambda of each side, then R and g, by
+//   E_R = -g R (2 w - sum f w_f),   E_g = -R^2 (w - sum f w_f).
 inline void add_stretch(const std::vector<StretchSide> &sides, double radius, double tension,
-                        double L, double P, EnergyBlocks &blocks)
+                        double L, double P, EnergyBlocks &blocks, ParameterBlocks *parameters)
 {
   constexpr double VOLUME = 4.0 / 3.0 * PI;
   const std::size_t z = sides.size(), size = z + 2, first = blocks.gradient.size();
@@ -352,10 +388,40 @@ inline void add_stretch(const std::vector<StretchSide> &sides, double radius, do
     second(c, z, f * (0.25 / PI) - 1.0);
     second(c, z + 1, lean * u.fP);
     of_PP += lean * lean * u.PP;
+    if (!parameters) continue;
+    const Dual angle = Dual::variable(sides[c].angle, 0, 2), leans = Dual::variable(lean, 1, 2);
+    const Dual part = sin(0.5 * angle), pressure = P * leans;
+    const FilmTerm<Dual> of(f, log(some_force(Dual(f))), pressure, log(pressure), sin(angle),
+                            2.0 * part * part, [](const Dual &x) { return log(x); });
+    const Dual by_P = leans * of.P;
+    for (std::size_t k = 0; k < 2; ++k) {
+      if (of.f.by.size() == 2) {
+        parameters->add(first + c, -radius * of.f.by[k]);
+        parameters->add(first + z + 1, -energy * by_P.by[k]);
+      }
+      parameters->gradient.push_back(of.u.by.size() == 2 ? -energy * of.u.by[k] : 0.0);
+    }
   }
   second(z, z, 6.0 * P * VOLUME * L - 8.0 * PI);
   second(z, z + 1, 3.0 * VOLUME * L * L);
   second(z + 1, z + 1, of_PP);
+  if (parameters) {
+    double moment = 0.0;
+    std::vector<double> moments(size);    // sum f w_f by the variables
+    for (std::size_t c = 0; c < z; ++c) {
+      const double f = sides[c].force / unit;
+      moment += f * by[c];
+      moments[c] += by[c];
+      for (std::size_t v = 0; v < size; ++v) moments[v] += f * block[c * size + v];
+    }
+    const double factors[2] = {unit, radius * radius}, works[2] = {2.0, 1.0};
+    for (int k = 0; k < 2; ++k) {
+      for (std::size_t v = 0; v < size; ++v)
+        parameters->add(first + v,
+                        -factors[k] * (works[k] * by[v] - moments[v]) / (v < z ? unit : 1.0));
+      parameters->gradient.push_back(-factors[k] * (works[k] * work - moment));
+    }
+  }
   const auto scale = [&](std::size_t a) { return a < z ? 1.0 / unit : 1.0; };
   blocks.energy -= energy * work;
   for (std::size_t r = 0; r < size; ++r) {
@@ -366,15 +432,19 @@ inline void add_stretch(const std::vector<StretchSide> &sides, double radius, do
 }
 
 // Minus the further term of a film between droplets of one tension and unlike radii, see CurvedFilm. The local variables are F, and P
-// of both droplets in units of g/R.
+// of both droplets in units of g/R. `parameters`, unless null: both radii, the tension and the contact angle.
 inline void add_cap(double force, const double (&P)[2], const double (&radius)[2], double tension,
-                    double angle, EnergyBlocks &blocks)
+                    double angle, EnergyBlocks &blocks, ParameterBlocks *parameters)
 {
-  const auto variable = [](double x, std::size_t n) { return Dual::variable(x, n, 3); };
-  const double half = std::sin(0.5 * angle), of_P[2] = {tension / radius[0], tension / radius[1]};
-  const CurvedFilm<Dual> film(variable(force, 0), of_P[0] * variable(P[0], 1),
-                              of_P[1] * variable(P[1], 2), Dual(tension), Dual(std::sin(angle)),
-                              Dual(2.0 * half * half), [](const Dual &x) { return log(x); });
+  const std::size_t of_parameters = 4, all = 3 + (parameters ? of_parameters : 0);
+  const auto number = [&](double x, std::size_t n) {
+    return n < all ? Dual::variable(x, n, all) : Dual(x);
+  };
+  const Dual g = number(tension, 5), turned = number(angle, 6), half = sin(0.5 * turned);
+  const Dual of_P[2] = {g / number(radius[0], 3), g / number(radius[1], 4)};
+  const CurvedFilm<Dual> film(number(force, 0), of_P[0] * number(P[0], 1),
+                              of_P[1] * number(P[1], 2), g, sin(turned), 2.0 * half * half,
+                              [](const Dual &x) { return log(x); });
   const Dual by[3] = {film.by_force, of_P[0] * film.by_p_i, of_P[1] * film.by_p_j};
   double block[9];
   const std::size_t first = blocks.gradient.size();
@@ -384,6 +454,10 @@ inline void add_cap(double force, const double (&P)[2], const double (&radius)[2
     for (int c = 0; c < 3; ++c) block[3 * r + c] = -0.5 * (by[r].by[c] + by[c].by[r]);
   }
   blocks.add_block(first, 3, block);
+  for (std::size_t k = 3; k < all; ++k) {
+    for (std::size_t v = 0; v < 3; ++v) parameters->add(first + v, -by[v].by[k]);
+    parameters->gradient.push_back(-film.energy.by[k]);
+  }
 }
 
 }    // namespace deformable

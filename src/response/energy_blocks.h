@@ -83,12 +83,13 @@ struct EnergyBlocks {
 // Adds a contact of soft disks or soft spheres. U = o^2/2 of the overlap o = contact - |v| with a neighbor (contact = R_i + R_j)
 // or a wall (contact = R_i), with the direction n of v, which turns as that of a SideVector or SpaceVector, and the direction c of
 // its part across the axis:
-//   dU/dv = -o n,   d^2U/dv dv = n n^T - o turn (1 - axis axis^T - c c^T).
+//   dU/dv = -o n,   d^2U/dv dv = n n^T - o turn (1 - axis axis^T - c c^T),   dU/dcontact = o.
 template <int dimension>
 inline void add_disk_contact(const double *v, double turn, const double *axis, double contact,
                              EnergyBlocks &result)
 {
-  double n[dimension], c[dimension], block[dimension * dimension];
+  constexpr int size = dimension + 1;
+  double n[dimension], c[dimension], block[size * size];
   double square = 0.0, along = 0.0, round = 0.0;
   for (int a = 0; a < dimension; ++a) square += v[a] * v[a];
   const double length = std::sqrt(square), overlap = contact - length, across = overlap * turn;
@@ -104,14 +105,17 @@ inline void add_disk_contact(const double *v, double turn, const double *axis, d
   for (int a = 0; a < dimension; ++a) {
     result.gradient.push_back(-overlap * n[a]);
     for (int b = 0; b < dimension; ++b) {
-      block[a * dimension + b] = n[a] * n[b];
+      block[a * size + b] = n[a] * n[b];
       if (turn != 0.0)
-        block[a * dimension + b] -=
+        block[a * size + b] -=
             across * ((a == b ? 1.0 : 0.0) - axis[a] * axis[b] - c[a] * c[b] / round);
     }
+    block[a * size + dimension] = block[dimension * size + a] = -n[a];
   }
+  block[dimension * size + dimension] = 1.0;
+  result.gradient.push_back(overlap);
   result.energy += 0.5 * overlap * overlap;
-  result.add_block(first, dimension, block);
+  result.add_block(first, size, block);
 }
 
 }    // namespace deformable

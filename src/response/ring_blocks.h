@@ -9,9 +9,12 @@
 #include "laws/stiffness.h"
 #include "response/curved_hessian.h"
 #include "response/energy_blocks.h"
+#include "response/ring_parameters.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 namespace deformable {
@@ -89,8 +92,9 @@ inline void contact_stiffness(const RingState &ring, int n, const int *active,
 // Contact lines as functions of the centers and of what is free to move in them, to second order.
 
 // Local variables of one side of a contact: the vector v, the shift of the line, its direction and curvature. Laws have
-// the first 2, 3 or 5 of them.
-enum LineVariable { V_X, V_Y, SHIFT, DIRECTION, CURVATURE, LINE_VARIABLES };
+// the first 2, 3 or 5 of them. A curved line depends on the skin of the particle too.
+enum LineVariable { V_X, V_Y, SHIFT, DIRECTION, CURVATURE, THE_SKIN, LINE_VARIABLES };
+constexpr int SIDE_VARIABLES = THE_SKIN;
 
 // A quantity with its derivatives by the local variables.
 struct LineQuantity {
@@ -132,23 +136,26 @@ inline LineQuantity angle_of_vector(const SideVector &v)
   return theta;
 }
 
-// A line at the distance |v|, of a wall: a = R - |v|
-inline Line wall_line(const SideVector &v, double radius)
+// A line at the distance |v|, of a wall: a = R - |v| + shift. The direction is that by which the wall has turned.
+inline Line wall_line(const SideVector &v, double radius, double shift)
 {
-  LineQuantity a = {radius - v.length()};
+  LineQuantity a = {radius - v.length() + shift}, theta = angle_of_vector(v);
   a.by_vector(v, -1.0, 0.0, 0.0, -v.turn, 0.0);
-  return {a, angle_of_vector(v)};
+  a.first[SHIFT] = 1.0;
+  theta.first[DIRECTION] = 1.0;
+  return {a, theta};
 }
 
-// The radical axis: a and da/dd of contact_line,   d^2a/dd^2 = -(R_i^2 - R_j^2)/d^3
-inline Line radical_line(const SideVector &v, double radius_i, double radius_j)
+// The radical axis, moved towards the center: a and da/dd of contact_line,   d^2a/dd^2 = -(R_i^2 - R_j^2)/d^3
+inline Line radical_line(const SideVector &v, double radius_i, double radius_j, double shift)
 {
   const double d = v.length(), per_d = 1.0 / d;
   const ContactLine<double> line = contact_line(d, per_d, radius_i, radius_j);
-  LineQuantity a = {line.indentation};
+  LineQuantity a = {line.indentation + shift};
   const double slope = line.d_indentation;
   const double curvature = -(radius_i - radius_j) * (radius_i + radius_j) * per_d * per_d * per_d;
   a.by_vector(v, slope, 0.0, curvature, slope * v.turn, 0.0);
+  a.first[SHIFT] = 1.0;
   return {a, angle_of_vector(v)};
 }
 
@@ -259,8 +266,51 @@ inline void ring_hessian(const RingState &ring, int n, const int *active, RingHe
           terms.rates * h.rate[c] * h.rate[k];
 }
 
+// The derivatives of U by the parameters of ring_parameters.h, and by these and by y. U is stationary in x = (delta, p), so that
+//   U_yk = U_yx x_k,   U_kl = (U_k)_l + (U_k)_x x_l,   U_xx x_k = -(U_k)_x,
+//   U_ydelta = p r,   U_yp = s,   U_deltadelta = w,   U_deltap = -2 pi q,   U_pp = -1/kA.
+// `gradient`: U_k. Adds rows and columns to h.block.
+inline bool add_parameters(const RingState &ring, int n, RingHessian &h,
+                           std::vector<double> &gradient)
+{
+  constexpr int K = RING_PARAMETERS;
+  const int size = 2 * n, all = size + K;
+  const Stiffness &k = ring.stiffness;
+  double two_pi_q = 2.0 * PI * (ring.radius + ring.expansion), rates = 0.0;
+  for (int m = 0; m < n; ++m) {
+    two_pi_q -= h.gradient[m];
+    rates += h.rate[m];
+  }
+  const double w =
+      ring.pressure * (rates - 2.0 * PI) + 4.0 * PI * PI * k.perimeter_stiffness(ring.expansion);
+  const std::array<Dual, K> by = by_parameters(ring.radius, k, ring.expansion, ring.pressure);
+  std::vector<double> balance = {w, -two_pi_q, -two_pi_q, -1.0 / k.kA}, follow(2 * K);
+  if (k.conserves_perimeter()) balance = {1.0, 0.0, 0.0, -1.0 / k.kA};
+  for (int c = 0; c < K; ++c) {
+    follow[c] = k.conserves_perimeter() ? 0.0 : -by[c].by[K];
+    follow[K + c] = -by[c].by[K + 1];
+  }
+  if (!solve_by_elimination(balance, follow, 2, K)) return false;
+  std::vector<double> block(all * all, 0.0);
+  for (int r = 0; r < size; ++r) {
+    std::copy_n(&h.block[r * size], size, &block[r * all]);
+    for (int c = 0; c < K; ++c)
+      block[r * all + size + c] = block[(size + c) * all + r] =
+          ring.pressure * h.rate[r] * follow[c] + h.gradient[r] * follow[K + c];
+  }
+  for (int r = 0; r < K; ++r) {
+    gradient.push_back(by[r].value);
+    for (int c = 0; c < K; ++c)
+      block[(size + r) * all + size + c] =
+          by[r].by[c] + by[r].by[K] * follow[c] + by[r].by[K + 1] * follow[K + c];
+  }
+  h.block = block;
+  return true;
+}
+
 struct RingBlocks : EnergyBlocks {
-  std::vector<double> force;    // p L of each side
+  std::vector<double> force;     // p L of each side
+  bool of_parameters = false;    // whether these are variables too
 
   // memory
   std::vector<Contact> contacts;
@@ -268,44 +318,64 @@ struct RingBlocks : EnergyBlocks {
   std::vector<int> active;
   std::vector<BentContact> bent;
   std::vector<double> by_quantity, local;
+  std::vector<std::vector<std::pair<int, double>>> entries;    // of quantities, by variables
   Shape shape;
   RingHessian hessian;
   CurvedHessian curved;
 };
 
+// The parameters as variables: those of the table of particles, and the area A0.
+enum ParameterVariable {
+  BY_RADIUS,
+  BY_KA,
+  BY_KP,
+  BY_SKIN,
+  BY_TENSION,
+  BY_AREA,
+  PARAMETER_VARIABLES
+};
+constexpr int VARIABLE_OF_PARAMETER[RING_PARAMETERS] = {BY_RADIUS, BY_KA, BY_KP, BY_TENSION,
+                                                        BY_AREA};
+
 // Adds one particle. The energy of its ring depends on so many quantities y of each active line: its derivatives by them,
 // in `gradient` and `block`, are those of the first quantity of all lines, then of the second one. With so many local
 // variables x of each line,
 //   dU/dx = sum_y U_y dy/dx,   d^2U/dx dx' = sum_yy' U_yy' dy/dx dy'/dx' + sum_y U_y d^2y/dx dx'.
+// Where parameters are variables, the last quantities are those of the ring, and its radius is R less the skin.
 inline void chain_lines(const std::vector<Line> &lines, const std::vector<int> &active,
                         int quantities, int variables, const double *gradient, const double *block,
                         RingBlocks &b)
 {
   const int z = static_cast<int>(lines.size()), n = static_cast<int>(active.size());
-  const int size = z * variables, all = quantities * n;
+  const int of_lines = z * variables, parameters = b.of_parameters ? RING_PARAMETERS : 0;
+  const int size = of_lines + (b.of_parameters ? PARAMETER_VARIABLES : 0);
+  const int all = quantities * n + parameters, count = variables + (b.of_parameters ? 1 : 0);
   const std::size_t first = b.gradient.size();
   b.gradient.resize(first + size);
   b.local.assign(size * size, 0.0);
+  b.entries.resize(all);
+  const auto place = [&](int m, int x) {
+    return x < variables ? active[m] * variables + x : of_lines + BY_SKIN;
+  };
+  for (auto &entries : b.entries) entries.clear();
   for (int m = 0; m < n; ++m)
     for (int q = 0; q < quantities; ++q) {
       const LineQuantity &of = lines[active[m]][q];
-      const int row = active[m] * variables;
-      for (int x = 0; x < variables; ++x) {
-        b.gradient[first + row + x] += gradient[q * n + m] * of.first[x];
-        for (int y = 0; y < variables; ++y)
-          b.local[(row + x) * size + row + y] += gradient[q * n + m] * of.second[x][y];
+      for (int x = 0; x < count; ++x) {
+        if (of.first[x] != 0.0) b.entries[q * n + m].push_back({place(m, x), of.first[x]});
+        for (int y = 0; y < count; ++y)
+          b.local[place(m, x) * size + place(m, y)] += gradient[q * n + m] * of.second[x][y];
       }
-      for (int l = 0; l < n; ++l)
-        for (int r = 0; r < quantities; ++r) {
-          const LineQuantity &to = lines[active[l]][r];
-          const double entry = block[(q * n + m) * all + r * n + l];
-          const int column = active[l] * variables;
-          for (int x = 0; x < variables; ++x) {
-            if (of.first[x] == 0.0) continue;
-            for (int y = 0; y < variables; ++y)
-              b.local[(row + x) * size + column + y] += of.first[x] * entry * to.first[y];
-          }
-        }
+    }
+  for (int k = 0; k < parameters; ++k)
+    b.entries[quantities * n + k].push_back({of_lines + VARIABLE_OF_PARAMETER[k], 1.0});
+  if (parameters) b.entries[quantities * n + OF_RADIUS].push_back({of_lines + BY_SKIN, -1.0});
+  for (int r = 0; r < all; ++r)
+    for (const auto &[x, dx] : b.entries[r]) {
+      b.gradient[first + x] += gradient[r] * dx;
+      for (int c = 0; c < all; ++c)
+        for (const auto &[y, dy] : b.entries[c])
+          b.local[x * size + y] += dx * block[r * all + c] * dy;
     }
   b.add_block(first, size, b.local.data());
 }
@@ -334,15 +404,16 @@ inline bool add_ring(const std::vector<Line> &lines, int variables, double radiu
     if (b.shape.contact[c].length > 0.0) b.active.push_back(c);
   const int n = static_cast<int>(b.active.size());
   const double p = energy.derivative;
-  ring_hessian(
-      {radius, b.shape.perimeter_excess / (2.0 * PI), k, p, contacts, b.shape.contact.data()}, n,
-      b.active.data(), b.hessian);
+  const RingState ring = {
+      radius, b.shape.perimeter_excess / (2.0 * PI), k, p, contacts, b.shape.contact.data()};
+  ring_hessian(ring, n, b.active.data(), b.hessian);
   for (int c = 0; c < z; ++c) b.force.push_back(p * b.shape.contact[c].d_indentation);
   b.by_quantity.resize(2 * n);
   for (int m = 0; m < n; ++m) {
     b.by_quantity[m] = p * b.shape.contact[b.active[m]].d_indentation;
     b.by_quantity[n + m] = p * b.shape.contact[b.active[m]].d_angle;
   }
+  if (b.of_parameters && !add_parameters(ring, n, b.hessian, b.by_quantity)) return false;
   chain_lines(lines, b.active, 2, variables, b.by_quantity.data(), b.hessian.block.data(), b);
   b.energy += energy.value;
   return true;
@@ -363,21 +434,29 @@ inline bool add_curved_ring(std::vector<Line> &lines, const std::vector<BentCont
   }
   CurvedHessian &h = b.curved;
   if (b.bent.empty()) {
-    chain_lines(lines, b.active, 3, LINE_VARIABLES, nullptr, nullptr, b);
+    const RingState free = {radius, 0.0, k, k.rest_pressure(radius), {0, nullptr}, nullptr};
+    for (auto *values : {&b.by_quantity, &b.hessian.block}) values->clear();
+    if (b.of_parameters && !add_parameters(free, 0, b.hessian, b.by_quantity)) return false;
+    chain_lines(lines, b.active, 3, SIDE_VARIABLES, b.by_quantity.data(), b.hessian.block.data(),
+                b);
     return true;
   }
-  if (!curved_hessian(radius, k, b.bent, h)) return false;
+  if (!curved_hessian(radius, k, b.bent, b.of_parameters, h)) return false;
   for (std::size_t m = 0; m < b.active.size(); ++m) {
     LineQuantity &curvature = lines[b.active[m]].curvature;
     if (curvature.first[CURVATURE] == 0.0) continue;    // of a wall
     const double wider = 1.0 + skin * h.curvature[m];
     curvature.first[CURVATURE] = wider * wider;
     curvature.second[CURVATURE][CURVATURE] = 2.0 * skin * wider * wider * wider;
+    curvature.first[THE_SKIN] = h.curvature[m] * h.curvature[m];
+    curvature.second[THE_SKIN][THE_SKIN] = 2.0 * h.curvature[m] * curvature.first[THE_SKIN];
+    curvature.mixed(CURVATURE, THE_SKIN, 2.0 * h.curvature[m] * wider * wider);
   }
   b.by_quantity = h.by_indentation;
   b.by_quantity.insert(b.by_quantity.end(), h.by_angle.begin(), h.by_angle.end());
   b.by_quantity.insert(b.by_quantity.end(), h.by_curvature.begin(), h.by_curvature.end());
-  chain_lines(lines, b.active, 3, LINE_VARIABLES, b.by_quantity.data(), h.block.data(), b);
+  b.by_quantity.insert(b.by_quantity.end(), h.by_parameter.begin(), h.by_parameter.end());
+  chain_lines(lines, b.active, 3, SIDE_VARIABLES, b.by_quantity.data(), h.block.data(), b);
   b.energy += h.energy;
   return true;
 }

@@ -188,11 +188,13 @@ template <class Uniform> void droplet(Uniform uniform)
     sides[c].force = radius * tension * std::pow(10.0, uniform(-12.0, 0.5));
   }
   EnergyBlocks blocks, facets;
-  add_droplet(sides, radius, tension, blocks, facets);
+  ParameterBlocks parameters;
+  add_droplet(sides, radius, tension, blocks, facets, &parameters);
   bool good = std::isfinite(blocks.energy);
   for (const double value : blocks.value) good = good && std::isfinite(value);
   for (const double value : facets.value) good = good && std::isfinite(value);
   for (const double value : blocks.gradient) good = good && std::isfinite(value);
+  for (const double value : parameters.value) good = good && std::isfinite(value);
   require(good, "droplet", {});
 }
 

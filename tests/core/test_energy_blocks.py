@@ -104,6 +104,33 @@ def test_ring(law, stiffness, wall):
     assert found == pytest.approx(second, abs=1e-8 * np.abs(second).max())
 
 
+@pytest.mark.parametrize("stiffness", ["finite", "bubble", "area"])
+@pytest.mark.parametrize("law", VARIABLES)
+def test_parameters(law, stiffness):
+    """kA, kP, skin and tension as variables, beside a wall."""
+    particles, sides = scene(law, stiffness, 0.0, seed=3)
+    blocks = core.ring_blocks(law, particles, sides, parameters=True)
+    alone = core.ring_blocks(law, particles, sides)
+    assert blocks.energy == alone.energy
+    own, size = 5 * 5, blocks.gradient.size
+    assert size == own + 6
+    found = dense(blocks)
+    assert found == pytest.approx(found.T, abs=1e-14 * np.abs(found).max())
+    for column, variable in ((2, 1), (3, 2), (4, 3), (5, 4)):
+        value = particles[0, column]
+        if value in (0.0, INF):
+            continue
+        h = 1e-4 * value
+        ends = [
+            core.ring_blocks(law, particles + step * np.eye(6)[column], sides, parameters=True)
+            for step in (-h, h)
+        ]
+        slope = (ends[1].energy - ends[0].energy) / (2.0 * h)
+        assert blocks.gradient[own + variable] == pytest.approx(slope, rel=1e-6)
+        rates = (ends[1].gradient - ends[0].gradient) / (2.0 * h)
+        assert found[own + variable] == pytest.approx(rates, abs=1e-6 * np.abs(rates).max())
+
+
 def test_contacts_that_bear_nothing_have_no_part():
     particles, sides = scene("radical", "finite", None, seed=1)
     sides[1, :2] *= 1.5
@@ -150,14 +177,17 @@ def test_disks():
     blocks = core.disk_blocks(np.column_stack([x, y]), turns, np.full(3, 1.2))
     overlap, direction = 1.2 - np.hypot(x, y), np.column_stack([x, y]) / np.hypot(x, y)[:, None]
     assert blocks.energy == pytest.approx(0.5 * np.sum(overlap**2))
-    assert blocks.gradient.reshape(3, 2) == pytest.approx(-overlap[:, None] * direction)
+    assert blocks.gradient.reshape(3, 3)[:, :2] == pytest.approx(-overlap[:, None] * direction)
+    assert blocks.gradient[2::3] == pytest.approx(overlap)
     across = direction[:, ::-1] * [-1, 1]
     exact = np.einsum("ca,cb->cab", direction, direction)
     exact -= (overlap * turns)[:, None, None] * np.einsum("ca,cb->cab", across, across)
     found = dense(blocks)
     for c in range(3):
-        assert found[2 * c : 2 * c + 2, 2 * c : 2 * c + 2] == pytest.approx(exact[c])
-    assert np.count_nonzero(found) == 12
+        block = found[3 * c : 3 * c + 3, 3 * c : 3 * c + 3]
+        assert block[:2, :2] == pytest.approx(exact[c])
+        assert block[2] == pytest.approx([*-direction[c], 1.0])
+    assert np.count_nonzero(found) == 27
     with pytest.raises(ValueError, match="vector 0"):
         core.disk_blocks([[0.0, 0.0]], [1.0], [1.0])
     with pytest.raises(ValueError, match="contact"):

@@ -17,9 +17,9 @@ def exactly_balanced() -> Iterator[None]:
     """
     arguments = commands.pair_style_arguments
 
-    def exact(law: AnyLaw) -> str:
+    def exact(law: AnyLaw, threads: int | str | None = None) -> str:
         balances = isinstance(law, Droplet) or law.name in ("balanced", "curved")
-        return arguments(law) + " balance 1e-13 100" * balances
+        return arguments(law, threads) + " balance 1e-13 100" * balances
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(commands, "pair_style_arguments", exact)

@@ -58,6 +58,10 @@ class JumpWarning(UserWarning):
     """Particles move by about half a box from one state to the next, and cannot be followed."""
 
 
+class OpeningWarning(UserWarning):
+    """Contacts are about to open, where derivatives by parameters jump."""
+
+
 class LackingWarning(UserWarning):
     """A file lacks digits or particles that its state depends on."""
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from contextlib import AbstractContextManager
 
     from ..particles.packing import Packing
-    from ..state.hessian import Hessian
+    from ..state.hessian_matrix import Hessian
     from ..state.state import State
     from .simulation import Simulation
 

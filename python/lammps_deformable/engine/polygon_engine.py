@@ -45,7 +45,7 @@ from ..particles.polygons import (
     undeformed,
 )
 from ..state.contacts import POLYGON_COLUMNS, ContactTable, in_order
-from ..state.hessian import factored
+from ..state.hessian_matrix import factored
 from ..state.state import State
 from .engines import Engine
 from .lammps import (

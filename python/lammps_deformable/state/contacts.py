@@ -210,6 +210,14 @@ def bearing(
     return without_rattlers(i, j, number, of_rattlers) | (size > _OPEN * mean)
 
 
+def bears(packing: Packing, table: NDArray[np.void]) -> NDArray[np.bool_]:
+    """See `bearing`; both sides of a contact do, if one does."""
+    kept = bearing(table["i"], table["j"], table["force"], len(packing), packing.dimension)
+    pair = np.flatnonzero(table["j"] >= 0)
+    kept[pair] |= kept[pair[other_side(table[pair])]]
+    return kept
+
+
 def other_side(pairs: NDArray[np.void]) -> Integers:
     """The row of the other side of each contact between particles, shape (S,).
 
@@ -252,7 +260,7 @@ def by_lines(other: Integers, variables: int, signs: Sequence[float]) -> list[An
 
     Args:
         other: the other side of each, -1 for walls, shape (S,).
-        variables: number of local variables of a side; those of its line are the last.
+        variables: number of local variables of a side; those of its line follow the vector.
         signs: of each variable of a line, as the other side sees it.
 
     Returns:
@@ -265,7 +273,7 @@ def by_lines(other: Integers, variables: int, signs: Sequence[float]) -> list[An
     contact, shape = np.tile(np.arange(count), 2), (variables * len(other), count)
     return [
         csr_matrix((np.repeat([1.0, sign], count), (variables * ends + n, contact)), shape=shape)
-        for n, sign in enumerate(signs, start=variables - len(signs))
+        for n, sign in enumerate(signs, start=2)
     ]
 
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from ..particles.packing import Packing
-    from .hessian import Hessian
+    from .hessian_matrix import Hessian
 
 
 Floats = NDArray[np.float64]

@@ -51,8 +51,9 @@ if TYPE_CHECKING:
     from ..particles.packing import Packing
     from ..particles.walls import Wall
     from ..pictures.drawing import Scale
+    from .derivatives import Derivatives
     from .displacements import LocalStrain
-    from .hessian import Hessian
+    from .hessian_matrix import Hessian
     from .modes import Modes
     from .secondary_contacts import SecondaryOutlines
 
@@ -997,6 +998,41 @@ class State:
         """
         expect("rattlers", rattlers, bool)
         return hessian_of(self, rattlers)
+
+    def derivatives(self, by: str | Sequence[str]) -> Derivatives:
+        """Derivatives of what is at rest by parameters, see `Derivatives`.
+
+            state.derivatives(by="radii").jacobian("pressure")  # shape (N,)
+            state.derivatives(by=["kA", "walls"]).vjp(energy=1.0)["walls"]
+
+        The state changes with the parameters so that it stays at rest. Parameters are
+
+            radii         undeformed, shape (N,) [length]
+            kA, kP, skin  of each particle, of `Ring`, shape (N,); sum them over a species
+            tension       of each particle, of `Ring` with finite kP, or `Droplet`, shape (N,)
+            k             of `SoftContact`, shape ()
+            adhesion      of `Droplet` between species, shape (species, species)
+            wall_adhesion of `Droplet` with walls, shape (walls,)
+            gravity       shape (d,), or (species, d) as it was given
+            walls         places of `packing.walls`, shape (walls, d) [length]
+            wall_angles   turns of walls about their origin, or the mean of their corners, shape
+                          (walls,), in space about the axes x, y, z, (walls, 3) [rad]
+            box           lattice vectors as rows, shape (d, d), 0 above the diagonal; centers keep
+                          their places, not their fractions [length]
+
+        Args:
+            by: name of a parameter, or several.
+
+        Warns:
+            OpeningWarning: a contact bears less than 1e-5 of the mean force.
+
+        Raises:
+            ParameterError: there is no such parameter; or the state is not at rest (`residual`
+                above 1e-3); or see `hessian`.
+        """
+        from .derivatives import derivatives_of
+
+        return derivatives_of(self, by)
 
     def modes(self, number: int | None = None, vectors: bool = True) -> Modes:
         """The normal modes of lowest stiffness, without those that have none.

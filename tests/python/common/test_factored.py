@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from lammps_deformable.state.hessian import factored
+from lammps_deformable.state.hessian_matrix import factored
 from scipy.sparse import csr_matrix, diags, random
 
 
