@@ -78,8 +78,8 @@ def threads() -> list[str]:
     for law in dict.fromkeys(row["law"] for row in data):
         cells = []
         for n in sizes:
-            found = [select(data, law=law, n=n, motion=motion) for motion in ("slow", "fast")]
-            cells.append("{:.2f}, {:.2f}".format(*(row["median"][1] for ((row),) in found)))
+            found = [row["median"][1] for row in select(data, law=law, n=n)]
+            cells.append(", ".join(f"{each:.2f}" for each in found))
         rows.append([f"`{law}`", *cells])
     return table_of(["threads; slow, fast motion", *(f"N = {count(size)}" for size in sizes)], rows)
 
@@ -125,8 +125,7 @@ def memory() -> str:
 
     return (
         f"Memory a particle, of the whole process: {each('balanced', 0):.1f} kB with disks, "
-        f"{each('balanced'):.1f} kB with `balanced`, {each('curved'):.1f} kB with `curved`, "
-        f"{each('droplet'):.1f} kB with droplets."
+        f"{each('balanced'):.1f} kB with `balanced`, {each('curved'):.1f} kB with `curved`."
     )
 
 

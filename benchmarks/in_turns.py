@@ -15,7 +15,7 @@ from __future__ import annotations
 import argparse
 import json
 import os
-import resource
+import re
 import statistics
 import subprocess
 import sys
@@ -39,7 +39,8 @@ def move(folder: Path, law: str, n: int, motion: str) -> None:
         begin = time.process_time()
         lmp.command(f"run {steps.strip()} pre no post no")
         print(time.process_time() - begin, flush=True)
-    print(1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
+    (largest,) = re.findall(r"VmHWM:\s*(\d+) kB", Path("/proc/self/status").read_text())
+    print(1024 * int(largest))
 
 
 def compare(

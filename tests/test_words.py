@@ -23,14 +23,14 @@ BUDGETS = {
     "README.md": 800,
     "ARCHITECTURE.md": 2110,
     "CHANGELOG.md": 1360,
-    "benchmarks/README.md": 1740,
+    "benchmarks/README.md": 1780,
     "docs/theory/droplets.md": 1590,
     "docs/pair_deformable_ring.md": 2155,
     "docs/pair_deformable_droplet.md": 1545,
     "docs/fix_deformable_wall.md": 1580,
     "docs/fix_deformable_friction.md": 1440,
 }
-USUAL, GUIDE, ALL = 1390, 900, 67_400
+USUAL, GUIDE, ALL = 1390, 900, 67_440
 
 # How the code came to be is in the git log. What nobody has read is no source.
 BANNED = (

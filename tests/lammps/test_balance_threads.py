@@ -1,4 +1,4 @@
-"""Threads that share the balance of contacts: the same bits for any number, and no harm when idle."""
+"""Threads that share the balance of contacts: the same bits for any number, asleep when idle."""
 
 import os
 import time
@@ -50,8 +50,9 @@ def rings(style, *, boundary="p p p", walls="", species=("small", "large"), coef
 
 def sticky(folder):
     file = folder / "sticky"
-    lines = ["a 0.5 1.0 0 tension 0.05", "b 0.7 1.0 0 tension 0.05", "adhesion a a 0.005"]
-    file.write_text("# UNITS: lj\n" + "\n".join(lines) + "\nadhesion a b 0.005\nadhesion b b 0.005\n")
+    species = "a 0.5 1.0 0 tension 0.05\nb 0.7 1.0 0 tension 0.05\n"
+    pairs = "".join(f"adhesion {pair} 0.005\n" for pair in ("a a", "a b", "b b"))
+    file.write_text("# UNITS: lj\n" + species + pairs)
     return f"pair_coeff * * {file} a b"
 
 
@@ -161,6 +162,11 @@ def test_a_wrong_number(value):
         Scene.packing(PACKINGS[0], f"{BALANCED} threads {value}")
 
 
+def test_radical_has_no_balance():
+    with pytest.raises(Exception, match="threads is for 'contact balanced' and 'curved' only"):
+        Scene.packing(PACKINGS[0], "deformable/ring contact radical threads 2")
+
+
 def test_a_simulation_in_each_of_several_threads(monkeypatch):
     monkeypatch.setenv("DEFORMABLE_TUNING", "threads=2")
     with ThreadPoolExecutor(3) as pool:
@@ -200,9 +206,7 @@ def test_lammps_own_number(tmp_path):
     script = TWO_RANKS.replace("processors 2 1 1", "package omp 2")
     (tmp_path / "in.omp").write_text(script)
     for policy in ("active", "passive"):
-        done = program(
-            "lmp", "-in", "in.omp", "-log", "none", cwd=tmp_path, OMP_WAIT_POLICY=policy
-        )
+        done = program("lmp", "-in", "in.omp", "-log", "none", cwd=tmp_path, OMP_WAIT_POLICY=policy)
         assert done.returncode == 0, done.stdout
         assert f"{min(2, CORES)} thread(s) share" in done.stdout
         spins = policy == "active" and CORES > 1

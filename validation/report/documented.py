@@ -88,7 +88,7 @@ def of_radical() -> str:
 SAID = {
     "radical": (
         '`Ring(contact="radical")`',
-        "comparison: contact lines of the first paper",
+        "comparison: contact lines of Maharana (below)",
     ),
     "balanced": (
         "`Ring()`",
@@ -354,7 +354,7 @@ def limit_in_readme() -> str:
     (reference,) = (row for row in REPORT["pareto"] if row["method"] == "reference")
     return (
         "The reference is polygons of very many vertices; its energy is uncertain by "
-        f"{part(reference['limit_error'])}, so that smaller errors are not told."
+        f"{part(reference['limit_error'])}, so smaller errors cannot be resolved."
     )
 
 

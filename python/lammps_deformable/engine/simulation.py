@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..common.box import lattice_vectors, shown_box
-from ..common.checks import count, expect, positive
+from ..common.checks import count, expect, positive, shown
 from ..common.errors import ParameterError, UndefinedError
 from ..common.ranks import OneCall
 from ..formats.store import Motion
@@ -159,6 +159,8 @@ class Simulation(OneCall):
         expect("law", law, *_ENGINES)
         expect("friction", friction, Friction, type(None))
         self.law, self.comm = law, communicator(comm, (law, friction, gravity, minimizer, threads))
+        if isinstance(threads, str) and threads != "auto":
+            raise ParameterError(f"threads must be a number or 'auto', not {shown(threads)}")
         self.threads = threads if threads == "auto" else count("threads", threads)
         start, state = _parts(self.comm.bcast(packing))  # those of other machines may differ
         self.friction = state.friction if state is not None and friction is None else friction

@@ -86,6 +86,9 @@ void PairDeformableRing::settings(int narg, char **arg)
   if (radical && balance_keyword >= 0)
     error->all(FLERR_WORD(balance_keyword),
                "pair_style deformable/ring balance is for 'contact balanced' and 'curved' only");
+  if (radical && threads > 0)
+    error->all(FLERR,
+               "pair_style deformable/ring threads is for 'contact balanced' and 'curved' only");
   balanced.reset(radical ? nullptr
                          : new RingSolver(lmp, kernels->forces, law == "curved", balance.tolerance,
                                           balance.evaluations));

@@ -58,3 +58,29 @@ def test_a_minimization_ends_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.undo()
         sim.lmp.command("unfix down")
         assert sim.relax().residual <= 1e-6
+
+
+class Late(Exception):
+    """Of a handler; without a message."""
+
+
+def test_exceptions_of_other_signals_arrive() -> None:
+    """As they are, and no minimizer takes them for a failure."""
+
+    def late(*_: object) -> None:
+        raise Late
+
+    packing = ld.bidisperse(20, phi=0.7, seed=1).push_off()
+    former = signal.signal(signal.SIGALRM, late)
+    try:
+        with ld.Simulation(packing, ld.Ring(), comm=MPI.COMM_SELF) as sim:
+            for work in (
+                lambda: sim.run(20_000, timestep=0.01, temperature=1e-6, seed=1),
+                lambda: sim.lmp.command("run 20000"),
+            ):
+                signal.setitimer(signal.ITIMER_REAL, 0.05)
+                with pytest.raises(Late):
+                    work()
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, former)
