@@ -57,7 +57,7 @@ from ..particles.laws import (
 )
 from ..particles.packing import Packing, packing_of_species, with_own_radii
 from ..particles.species_file import species_file
-from ..state.contacts import ROWS, ContactTable, attached, contact_table
+from ..state.contacts import ROWS, ContactTable, Later, attached
 from ..state.rubbing import RUBBING_ROWS, rubbing_table
 from ..state.state import State
 from .lammps import (
@@ -199,7 +199,8 @@ def contacts_of(
     rows: NDArray[np.float64],
     packing: Packing,
     friction: Friction | None,
-) -> tuple[ContactTable, Rubbing | None]:
+    one_force: bool = True,
+) -> tuple[ContactTable | Later, Rubbing | None]:
     """The table of contacts after an evaluation; and what goes on where they rub.
 
     Args:
@@ -208,9 +209,10 @@ def contacts_of(
         rows: of the contacts on all ranks.
         packing: of the particles.
         friction: of the contacts.
+        one_force: see `Later`.
     """
     if friction is None:
-        return contact_table(rows, packing), None
+        return Later(rows, packing, one_force), None
     own = local_array(lmp, FRICTION, RUBBING_ROWS[packing.dimension], fix=True)
     rubbing = np.concatenate(comm.allgather(own))
     table, springs, places = rubbing_table(rows, packing, rubbing, has_films(friction))
@@ -482,7 +484,10 @@ class Rings(Deformables):
         refuse_without_area(area)
         common = self._common(sim, forces, converged)
         rows = np.concatenate(sim.comm.allgather(self._rows))
-        table, rubbing = contacts_of(sim.lmp, sim.comm, rows, common["packing"], sim.friction)
+        one_force = isinstance(self.law, Ring) and self.law.contact != "radical"
+        table, rubbing = contacts_of(
+            sim.lmp, sim.comm, rows, common["packing"], sim.friction, one_force
+        )
         return State(
             **common,
             results={

@@ -8,6 +8,8 @@ the motions of all particles together that no wall resists.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import cached_property
 from itertools import combinations
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -366,6 +368,40 @@ def contact_table(rows: NDArray[np.float64], packing: Packing) -> ContactTable:
     table = sides_of(rows, packing)
     react(table)
     return table
+
+
+@dataclass(frozen=True, eq=False)
+class Later:
+    """The table of contacts, made when it is asked for: most states of a run are never asked.
+
+    Attributes:
+        rows: of compute deformable/contact on all ranks, shape (M, len(ROWS[d])).
+        packing: centers and box at the same time.
+        one_force: whether both sides of a contact have the same one, so that both have rows.
+    """
+
+    rows: Floats
+    packing: Packing
+    one_force: bool
+
+    @cached_property
+    def table(self) -> ContactTable:
+        """See `contact_table`."""
+        table = contact_table(self.rows, self.packing)
+        table.setflags(write=False)
+        return table
+
+    @property
+    def ends(self) -> tuple[Integers, Integers] | None:
+        """Its i and j in any order; None where rows lack sides, or may do: ask the table."""
+        if not self.one_force:
+            return None
+        i, j = self.rows[:, :2].T.astype(np.int64)
+        i, j, pair = i - 1, np.where(j > 0, j - 1, j), j > 0
+        number = len(self.packing)
+        here = np.sort(number * i[pair] + j[pair])
+        there = np.sort(number * j[pair] + i[pair])
+        return (i, j) if np.array_equal(here, there) else None
 
 
 def sides_of(rows: NDArray[np.float64], packing: Packing) -> ContactTable:

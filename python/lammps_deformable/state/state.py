@@ -197,7 +197,8 @@ class State:
     gravity: Floats | None = None
     rubbing: Rubbing | None = None
     unsaved: str = ""
-    _table: ContactTable | None = None  # the contacts where the law has them, see `contacts`
+    # The contacts where the law has them, see `contacts`, or what makes them from rows of LAMMPS.
+    _table: ContactTable | contacts.Later | None = None
     polygons: Any = None
     vertices: tuple[Floats, ...] = ()
     images: NDArray[np.int64] | None = None
@@ -609,6 +610,8 @@ class State:
         * `sliding`: whether friction has its largest value
         * `film_vector`: force of the film on i, (d,) [energy/length]
         """
+        if isinstance(self._table, contacts.Later):
+            return self._table.table
         if self._table is not None:
             return self._table
         if self._evaluate:
@@ -639,17 +642,19 @@ class State:
         return self.packing.dimension - (self.gravity is not None)
 
     @cached_property
-    def _in_network(self) -> NDArray[np.bool_]:
-        """Whether each row of the table belongs to a contact without a rattler."""
-        table = self.contacts
-        number = len(self.packing)
-        return contacts.without_rattlers(table["i"], table["j"], number, self._of_rattlers)
+    def _network(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """Particle and partner of each side of the contacts without rattlers."""
+        ends = self._table.ends if isinstance(self._table, contacts.Later) else None
+        i, j = ends or (self.contacts["i"], self.contacts["j"])
+        kept = contacts.without_rattlers(i, j, len(self.packing), self._of_rattlers)
+        return i[kept], j[kept]
 
-    @property
+    @cached_property
     def network_degree(self) -> NDArray[np.int64]:
         """Number of network contacts of each particle, 0 of rattlers, shape (N,)."""
-        particles = self.contacts["i"][self._in_network]
-        return np.bincount(particles, minlength=len(self.packing))
+        degree = np.bincount(self._network[0], minlength=len(self.packing))
+        degree.setflags(write=False)
+        return degree
 
     @property
     def rattlers(self) -> NDArray[np.bool_]:
@@ -664,12 +669,12 @@ class State:
     def coordination(self) -> float:
         """Mean number z of network contacts of a particle that is no rattler; 0 without any."""
         rigid = int(np.sum(~self.rattlers))
-        return float(np.sum(self._in_network) / rigid) if rigid else 0.0
+        return len(self._network[0]) / rigid if rigid else 0.0
 
     @property
     def network_contacts(self) -> int:
         """Number of active contacts without those of rattlers, each counted once."""
-        wall = self.contacts["j"][self._in_network] < 0
+        wall = self._network[1] < 0
         return int(np.sum(wall) + np.sum(~wall) // 2)
 
     @property

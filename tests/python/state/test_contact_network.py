@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from crystal import crystal
 from lammps_deformable import Ring
-from lammps_deformable.state.contacts import forces_of, isostatic
+from lammps_deformable.state.contacts import Later, forces_of, isostatic
 
 DROPLETS = Ring(kA=np.inf, kP=0.0, tension=1.0, contact="curved")
 
@@ -74,6 +74,33 @@ def test_degrees_and_excess_by_loops(states: list) -> None:
             assert found[threshold] == (expected if particles else 0.0), (n, threshold)
         assert found[0.3] < found[0.0]
         assert found[50.0] == 0.0
+
+
+@pytest.mark.parametrize("law", [Ring(), Ring(contact="radical"), ld.Droplet()])
+def test_ends_are_those_of_the_table(law: ld.Ring | ld.Droplet) -> None:
+    """Where both sides have rows; else nothing is said."""
+    if isinstance(law, ld.Droplet):
+        scenes = [ld.jam(ld.bidisperse(40, dimension=3, seed=2)).packing.at(0.66)]
+    else:
+        between = ld.bidisperse(24, seed=5).between(ld.BoxWall((8, 7)).parts[2:])
+        small = ld.jam(ld.bidisperse(3, seed=1)).packing.at(0.9)
+        scenes = [between.at(0.87).push_off(), small]
+    for packing in scenes:
+        with ld.Simulation(packing, law) as sim:
+            later = sim.state()._table
+        assert isinstance(later, Later)
+        assert (later.ends is not None) == later.one_force
+        if later.ends:
+            pairs = zip(later.table["i"].tolist(), later.table["j"].tolist(), strict=True)
+            assert sorted(zip(*(each.tolist() for each in later.ends), strict=True)) == list(pairs)
+        assert later.one_force == (law != Ring(contact="radical"))
+
+
+def test_ends_are_not_told_where_a_side_lacks() -> None:
+    packing = ld.Packing([[1.0, 1.0], [2.0, 1.0], [3.0, 1.0]], 0.5, (4.0, 4.0))
+    for words, lacks in (((1, 2), True), ((1, 2, 2, 3), True), ((1, 2, 2, 1, 1, -1), False)):
+        rows = np.array(words, float).reshape(-1, 2)
+        assert (Later(rows, packing, True).ends is None) == lacks
 
 
 def test_without_contacts_there_is_no_excess() -> None:
