@@ -3,8 +3,14 @@
 
 #include "python/laws.h"
 
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <cstddef>
+#include <string>
 
 using namespace deformable;
 
@@ -56,6 +62,39 @@ Vector angles(Vectors vector)
   return to_numpy(found);
 }
 
+// A number as Python's repr writes it: the fewest digits that read back exactly.
+void append(std::string &text, double value, bool whole)
+{
+  if (!std::isfinite(value)) {
+    text += std::isnan(value) ? "nan" : value < 0.0 ? "-inf" : "inf";
+    return;
+  }
+  char digits[32];
+  const double size = std::abs(value);
+  const bool fixed = size == 0.0 || (size >= 1e-4 && size < 1e16);
+  const auto end =
+      whole ? std::to_chars(digits, digits + sizeof digits, static_cast<long long>(value)).ptr
+            : std::to_chars(digits, digits + sizeof digits, value,
+                            fixed ? std::chars_format::fixed : std::chars_format::scientific)
+                  .ptr;
+  text.append(digits, end);
+  if (!whole && fixed && std::find(digits, end, '.') == end) text += ".0";
+}
+
+std::string rows_of(Values values, const std::vector<bool> &whole)
+{
+  std::string text;
+  const std::size_t columns = whole.size();
+  if (columns == 0 || values.size() % columns != 0)
+    refuse("values must be rows of " + std::to_string(columns) + " numbers, not " +
+           std::to_string(values.size()) + " numbers");
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    append(text, values.data()[k], whole[k % columns]);
+    text += (k + 1) % columns == 0 ? '\n' : ' ';
+  }
+  return text;
+}
+
 }    // namespace
 
 void deformable::bind_arithmetic(nb::module_ &m)
@@ -77,6 +116,13 @@ ValueError
   m.def(
       "unit_vectors", &unit_vectors, "angle"_a,
       R"((cos, sin) of angles [rad], shape (n, 2), the same to the last bit on every processor.)");
+  m.def(
+      "rows_of", &rows_of, "values"_a, "whole"_a,
+      R"(Text of rows of numbers, as Python's repr writes each: the fewest digits that read back exactly.
+
+Args:
+    values: shape (n, m).
+    whole: which columns have integers, m of them, below 2^53.)");
   m.def(
       "angles", &angles, "vector"_a,
       R"(Angles of vectors, shape (n, 2), from -pi to pi, the same to the last bit on every processor.)");

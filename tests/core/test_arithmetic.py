@@ -1,4 +1,4 @@
-"""Sums and angles whose last digits are the same on every processor."""
+"""Sums and angles with the same last digits on every processor, and rows of numbers as text."""
 
 import math
 
@@ -40,3 +40,23 @@ def test_unit_vectors_and_angles_are_those_of_the_c_library() -> None:
     vectors = core.unit_vectors(angle)
     assert vectors.tolist() == [[math.cos(a), math.sin(a)] for a in angle]
     assert core.angles(vectors).tolist() == [math.atan2(y, x) for x, y in vectors]
+
+
+def test_rows_are_those_of_repr() -> None:
+    rng = np.random.default_rng(3)
+    of_any_bits = rng.integers(0, 2**64, 20_000, np.uint64).view(np.float64)
+    edges = [0.0, -0.0, 1e-4, 1e16, 5e-324, 2.0**53, math.pi, math.inf, -math.inf, math.nan]
+    around = [np.nextafter(x, end) for x in edges for end in (-math.inf, math.inf)]
+    usual = rng.normal(size=10_000) * 10.0 ** rng.integers(-6, 19, 10_000)
+    short = rng.integers(-999, 1000, 1000) / 10.0 ** rng.integers(0, 9, 1000)
+    values = np.concatenate([of_any_bits, edges, around, usual, usual.round(), short, -short])
+    values = values[: len(values) // 3 * 3]
+    rows = [" ".join(map(repr, row)) for row in values.reshape(-1, 3).tolist()]
+    assert core.rows_of(values, [False] * 3).splitlines() == rows
+    whole = [2**53, -(2**53), 0, -1, 31, 2**31 - 1]
+    mixed = np.column_stack([whole, [0.5] * 6, whole]).astype(np.float64)
+    rows = [f"{n} 0.5 {float(n)!r}" for n in whole]
+    assert core.rows_of(mixed, [True, False, False]).splitlines() == rows
+    assert core.rows_of(np.empty((0, 2)), [True, False]) == ""
+    with pytest.raises(ValueError, match="rows of 2 numbers, not 3 numbers"):
+        core.rows_of(np.ones(3), [True, False])

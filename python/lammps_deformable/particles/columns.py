@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import core
 from ..common.checks import positive, shown
 from ..common.errors import ParameterError
 
@@ -172,9 +173,9 @@ def check_radii(radii: float | str | Mapping[Any, float] | None) -> None:
 
 
 def table_rows(*columns: NDArray[Any]) -> list[str]:
-    """Rows of columns, with every digit."""
-    rows = zip(*(column.tolist() for column in columns), strict=True)
-    return [" ".join(map(repr, row)) for row in rows]
+    """Rows of columns of numbers, with every digit."""
+    whole = [column.dtype.kind in "iu" for column in columns]
+    return core.rows_of(np.column_stack(columns).astype(np.float64), whole).splitlines()
 
 
 def axes_of(vectors: NDArray[Any]) -> list[NDArray[Any]]:
