@@ -84,7 +84,7 @@ def test_biaxial(tmp_path: Path) -> None:
 def test_oscillation(tmp_path: Path) -> None:
     """Moduli of the second period and the third are equal, and far from zero."""
     _, _, pressure, storage, loss = rows(run("Oscillation", tmp_path)).T
-    # of the packing that the minimization finds, which oscillations compact at first
+    # of the packing that the minimization finds
     assert pressure == pytest.approx(0.52, abs=0.04)
     assert storage[-1] == pytest.approx(storage[-2], rel=1e-4)
     assert 0.7 < storage[-1] < 1.2

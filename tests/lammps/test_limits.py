@@ -203,7 +203,7 @@ ROWS: dict[str, dict[str, Input | Callable[..., None]]] = {
             after="fix m all nve\nrun_style respa 2 2 inner 1 4.0 5.0 outer 2",
         ),
     },
-    "A Simulation belongs to one thread": {"error": two_threads},
+    "A Simulation is for one Python thread": {"error": two_threads},
     "compute group/group, pair/local": {
         "error": Input(
             "does not support compute group/group",

@@ -64,8 +64,8 @@ class Derivatives:
     def __init__(self, terms: Terms, by: str | Sequence[str]) -> None:
         """Of these parameters; use `State.derivatives`."""
         self._terms, self._single = terms, isinstance(by, str)
-        self.by = (by,) if isinstance(by, str) else tuple(by)
         self.parameters, self.quantities = tuple(terms.parameters), tuple(terms.quantities)
+        self.by = tuple(by) if isinstance(by, Sequence) and not self._single else (by,)
         for name in self.by:
             if name not in self.parameters:
                 there = ", ".join(self.parameters)
@@ -236,7 +236,7 @@ class Derivatives:
     def _quantity(self, name: str) -> Quantity:
         if name not in self.quantities:
             there = ", ".join(self.quantities)
-            raise ParameterError(f"quantities are {there}, not {shown(name)}")
+            raise ParameterError(f"quantity must be of {there}, not {shown(name)}")
         return self._terms.quantities[name]
 
     def _given(self, name: str, values: ArrayLike, shape: tuple[int, ...]) -> Floats:

@@ -52,7 +52,7 @@ LEFT_OUT = {
         for of_solvers in ("factored", "line_response", "project", "response")
     ),
 }
-RESULTS = {"Hessian", "Modes", "Table"}
+RESULTS = {"Derivatives", "Hessian", "Modes", "Table"}
 RESULTS_WITHOUT_ARGUMENTS = {
     *("Cells", "Comparison", "DynamicModulus", "ElasticModuli", "Evolved"),
     *("Iteration", "LocalStrain", "SecondaryOutlines"),
@@ -95,6 +95,7 @@ class Calls:
         self.objects = {
             "DeformablePolygon": ld.DeformablePolygon(),
             "Droplet": ld.Droplet(),
+            "Derivatives": run[0].derivatives("radii"),
             "Hessian": run[0].hessian(),
             "Modes": run[0].modes(),
             "Packing": PACKING,
@@ -108,7 +109,7 @@ class Calls:
         }
         self.valid: dict[str, Any] = {
             "a": [0, 0], "amplitude": 1e-3, "angle": 0.5, "axis": [0, 0, 1], "b": [1, 0],
-            "before": run[0], "bins": 2, "box": PACKING.box, "cells": 2,
+            "before": run[0], "bins": 2, "by": "radii", "box": PACKING.box, "cells": 2,
             "corners": [[0, 0], [1, 0], [0, 1]], "division": 2.0, "f": len, "folder": "run",
             "frequencies": [1.0], "indentation": [0.01, 0.01], "items": ["a"],
             "k": [[2.0 * math.pi / PACKING.box[0, 0], 0.0]],
@@ -140,6 +141,9 @@ class Calls:
                 "path": "run/trajectory.lammpstrj",
                 "species": "run/species.deformable",
             },
+            "Derivatives.jacobian": {"quantity": "pressure"},
+            "Derivatives.jvp": {"radii": np.zeros(len(PACKING))},
+            "Derivatives.vjp": {"pressure": 1.0},
             "Hessian.solve": {"forces": np.zeros(PACKING.positions.size)},
             "Packing.from_file": {"path": "packing.xyz"},
             "Packing.export": {"path": ".xyz"},

@@ -1,6 +1,7 @@
 """States of each law, and after each kind of motion, start simulations of all laws."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cache
 from math import inf
 from typing import Any
@@ -41,8 +42,9 @@ def rests(name: str) -> ld.State:
 
 
 def between_sticky_walls() -> ld.State:
-    walls = ld.Plane((0.0, 0.0), (0.0, 1.0), adhesion=0.2), ld.Plane((0.0, 6.0), (0.0, -1.0))
-    packing = ld.jam(ld.bidisperse(6, seed=2).between(walls).at(0.45)).packing
+    walls = ld.Plane((0.0, 0.0), (0.0, 1.0)), ld.Plane((0.0, 6.0), (0.0, -1.0))
+    free = ld.jam(ld.bidisperse(6, seed=2).between(walls).at(0.45)).packing
+    packing = replace(free, walls=(replace(free.walls[0], adhesion=0.2), free.walls[1]))
     with ld.Simulation(packing, LAWS["droplet"]) as sim:
         state = sim.relax(0.1)
     assert state.films is not None
@@ -71,7 +73,9 @@ def refusal(start: str, law: str) -> str | None:
         return "start from the packing of the state"
     if start == "falling" and law in ("soft", "polygon", "beads"):
         return "has no gravity"
-    if start == "sticky walls" and law in ("ring", "sector", "polygon", "beads"):
+    if start == "sticky walls" and law in ("ring", "sector", "soft", "polygon", "beads"):
+        if law == "soft":
+            return "soft contacts have none"
         return "polygons have no walls" if law in ("polygon", "beads") else "plane 1: adhesion"
     if start == "adhesion" and law in ("polygon", "beads"):
         return "overlap by at most the bead radius"

@@ -295,7 +295,7 @@ def test_errors(packing: ld.Packing) -> None:
     with pytest.raises(ld.ParameterError, match=r"by must be of .*radii.* not 'tension'"):
         state.derivatives(by=["radii", "tension"])
     found = state.derivatives(by="radii")
-    with pytest.raises(ld.ParameterError, match=r"quantities are .*energy.* not 'entropy'"):
+    with pytest.raises(ld.ParameterError, match=r"quantity must be of .*energy.* not 'entropy'"):
         found.jacobian("entropy")
     with pytest.raises(ld.ParameterError, match=r"positions must have shape \(24, 2\)"):
         found.vjp(positions=np.zeros(3))
