@@ -161,7 +161,7 @@ class Simulation(OneCall):
         self.law, self.comm = law, communicator(comm, (law, friction, gravity, minimizer, threads))
         if isinstance(threads, str) and threads != "auto":
             raise ParameterError(f"threads must be a number or 'auto', not {shown(threads)}")
-        self.threads = threads if threads == "auto" else count("threads", threads)
+        self.threads = threads if isinstance(threads, str) else count("threads", threads)
         start, state = _parts(self.comm.bcast(packing))  # those of other machines may differ
         self.friction = state.friction if state is not None and friction is None else friction
         gravity = state.gravity if state is not None and gravity is None else gravity

@@ -65,7 +65,8 @@ class Derivatives:
         """Of these parameters; use `State.derivatives`."""
         self._terms, self._single = terms, isinstance(by, str)
         self.parameters, self.quantities = tuple(terms.parameters), tuple(terms.quantities)
-        self.by = tuple(by) if isinstance(by, Sequence) and not self._single else (by,)
+        names = [by] if isinstance(by, str) or not isinstance(by, Sequence) else by
+        self.by = tuple(names)
         for name in self.by:
             if name not in self.parameters:
                 there = ", ".join(self.parameters)
