@@ -38,8 +38,7 @@ struct ForceCall {
   double smallest = 0.0;        // radius of all
   bool new_list = false;        // the neighbor list is new: particles have other indices
   bool new_material = false;    // a species has changed since the last call
-  bool tallies =
-      false;    // pushes also add to virials or to energies of particles, one after the other
+  bool tallies = false;         // pushes add to virials or energies of particles, one by one
   Refusals *refusals = nullptr;
   const Adhesions *adhesions = nullptr;
   FixDeformableFilms *films = nullptr;    // null: no adhesion

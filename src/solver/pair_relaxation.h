@@ -26,8 +26,9 @@ class PairRelaxation {
   // astray. Returns whether there may be anything between these limits, the same on all ranks.
   bool begin(const Tuning &, double tolerance, double largest_force);
 
-  // Relaxes the pairs whose first ring is in the block, then those that this brings out of balance. Rings of a batch do not change if one of them touches a ring of another rank, which would not learn of it.
-  // Forces and residuals are those after that, to first order in the changes of forces, which are added to steps.
+  // Relaxes the pairs whose first ring is in the block, then those that this brings out of balance. Rings of a batch do not change if
+  // one of them touches a ring of another rank, which would not learn of it. Forces and residuals are those after that, to first
+  // order in the changes of forces, which are added to steps.
   void relax(int block, const ForceKernels &, const BlockLevels &, const NearPairs &,
              const ContactBatches &, const PairArrays &);
 

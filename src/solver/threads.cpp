@@ -35,8 +35,7 @@ struct Threads::Team {
   const pid_t owner = getpid();
   const int count;
   std::vector<std::thread> others;
-  std::atomic<unsigned> job{0},
-      turn{0};    // the number of the last call, and of the last meeting of all
+  std::atomic<unsigned> job{0}, turn{0};    // numbers of the last call, and meeting of all
   std::atomic<int> arrived{0}, asleep{0};
   Call call = nullptr;    // null: threads end
   void *of = nullptr;
