@@ -42,6 +42,7 @@ from .particles.walls import Plane as Plane
 from .particles.walls import PolygonWall as PolygonWall
 from .particles.walls import Segment as Segment
 from .particles.walls import Sphere as Sphere
+from .particles.walls import SurfaceWall as SurfaceWall
 from .protocols.protocol import Protocol as Protocol
 from .protocols.shearing import DynamicModulus as DynamicModulus
 from .reference.comparison import Comparison as Comparison

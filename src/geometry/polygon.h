@@ -62,7 +62,7 @@ inline std::string polygon_planes(std::vector<Point> corners, std::vector<HalfPl
     const double cosine = (b.x - a.x) * (c.x - b.x) + (b.y - a.y) * (c.y - b.y);
     if (!(sine > 0.0))
       return "is not convex at its corner (" + shown_number(b.x) + ", " + shown_number(b.y) +
-             "): divide it into convex polygons, and leave out corners within its sides";
+             "): use a surface, or convex polygons without corners within their sides";
     angle += std::atan2(sine, cosine);
     planes.push_back(left_of(a, b));
   }

@@ -6,6 +6,7 @@
 
 namespace deformable {
 
+static constexpr int MOST_FEATURES = 1 << 23;    // see wall_code
 static constexpr double INFINITE = std::numeric_limits<double>::infinity();
 
 void WallShape::set_planes(const std::vector<HalfPlane> &given)
@@ -59,11 +60,17 @@ std::string Scene::update()
       if (dimension == 2 ? !find_corners(now) : !meet(now.planes))
         return "obstacle '" + wall.name + "' has no surface: its planes leave nothing of it";
       if (dimension == 3) find_ends(now);
+    } else if (shapes[wall.shape].mesh) {
+      place_mesh(shapes[wall.shape], motions[wall.shape], now);
     } else {
       place_body(shapes[wall.shape], now);
     }
     features += now.features;
   }
+  if (features > MOST_FEATURES)
+    return "walls with " + std::to_string(features) + " faces, edges and corners are too many, " +
+           std::to_string(MOST_FEATURES) +
+           " can be told apart: use coarser meshes, or several fixes";
   if (is_first) {
     before = present;
     motions_before = motions;
@@ -102,6 +109,23 @@ void Scene::place_body(const WallShape &shape, Present &now)
     now.middle = shape.center;
     now.radius = shape.radius;
     now.half = {shape.radius, shape.radius, shape.radius};
+  }
+}
+
+// A mesh, and a box around it.
+void Scene::place_mesh(const WallShape &shape, const Motion &place, Present &now)
+{
+  now.mesh = shape.mesh;
+  now.place = place;
+  now.features = shape.mesh->features();
+  const Vector3 half = 0.5 * (shape.mesh->high - shape.mesh->low);
+  now.middle = place.moved(shape.mesh->low + half);
+  now.half = {};
+  for (int axis = 0; axis < 3; ++axis) {
+    Vector3 edge = {};
+    component(edge, axis) = component(half, axis);
+    edge = place.turned(edge);
+    now.half = now.half + Vector3{std::fabs(edge.x), std::fabs(edge.y), std::fabs(edge.z)};
   }
 }
 
@@ -171,9 +195,9 @@ int Scene::first_outside(int axis, double low, double high) const
         (n > 0.0 ? offset > high : -offset < low))
       return index_of(wall);
     const double middle = component(wall.middle, axis);
-    if (wall.kind == Wall::RIM && !wall.is_body && !any_face &&
-        (middle - wall.radius < low || middle + wall.radius > high))
-      return index_of(wall);
+    if (any_face || wall.is_body || (wall.kind != Wall::RIM && wall.kind != Wall::ROOM)) continue;
+    const double half = wall.mesh ? component(wall.half, axis) : wall.radius;
+    if (middle - half < low || middle + half > high) return index_of(wall);
   }
   return -1;
 }
@@ -182,6 +206,7 @@ SurfacePoint Scene::nearest_point(const Present &wall, const Vector3 &from, int 
 {
   const Vector3 x = wall.middle + from;
   if (wall.kind == Wall::FACE) return nearest_on_plane(wall.face, x);
+  if (wall.mesh) return wall.place.moved(wall.mesh->nearest(wall.place.moved_back(x)).point);
   if (wall.kind == Wall::POLYGON) {
     if (wall.edges.empty()) return nearest_on_polyhedron(wall.planes, x);
     const NearestPoint found = nearest_on_polygon(wall.edges, x.x, x.y);
@@ -209,10 +234,15 @@ SurfacePoint Scene::nearest_point(int wall, const Vector3 &x) const
 void Scene::add_force(int feature, const Vector3 &x, double force, const Vector3 &torque,
                       double cutoff)
 {
-  const int wall = wall_of(feature);
-  Vector3 from = x - present[wall].middle;
-  approach(present[wall], cutoff, from);
-  loads.push_back({wall, present[wall].middle + from, force, torque});
+  const int index = wall_of(feature);
+  const Present &wall = present[index];
+  Vector3 from = x - wall.middle;
+  approach(wall, cutoff, from);
+  int part = -1;
+  if (wall.mesh)
+    for (const Mesh::Contact &contact : wall.contacts_at(wall.middle + from, cutoff))
+      if (wall.first_feature + contact.feature == feature) part = contact.part;
+  loads.push_back({index, part, wall.middle + from, force, torque});
 }
 
 // Its change, as walls move, is that of the energy of the particles.
@@ -222,7 +252,10 @@ double Scene::potential(const std::vector<Present> &at) const
   for (const Load &load : loads) {
     int feature = 0;
     const Present &wall = at[load.wall];
-    const SurfacePoint point = nearest_point(wall, load.x - wall.middle, feature);
+    const SurfacePoint point =
+        load.part >= 0
+            ? wall.place.moved(wall.mesh->point_of(load.part, wall.place.moved_back(load.x)))
+            : nearest_point(wall, load.x - wall.middle, feature);
     sum -= load.force * point.height + dot(load.torque, point.n);
   }
   return sum;
@@ -275,15 +308,15 @@ int Scene::wall_of(int feature) const
   return static_cast<int>(after - present.begin()) - 1;
 }
 
-std::vector<std::string> Scene::feature_names() const
+std::vector<Scene::Features> Scene::feature_names() const
 {
-  std::vector<std::string> names;
-  std::map<std::string, int> so_far;    // features of this name
-  for (const Present &wall : present)
-    for (int k = 0; k < wall.features; ++k) {
-      const std::string &name = walls[index_of(wall)].name;
-      names.push_back(name + ", surface " + std::to_string(++so_far[name]));
-    }
+  std::vector<Features> names;
+  std::map<std::string, int> next;
+  for (const Present &wall : present) {
+    int &first = next.insert({walls[index_of(wall)].name, 1}).first->second;
+    names.push_back({walls[index_of(wall)].name, first, wall.features});
+    first += wall.features;
+  }
   return names;
 }
 
@@ -294,6 +327,8 @@ double Scene::memory_usage() const
     for (const Present &wall : *list)
       bytes += static_cast<double>(sizeof(Present) + wall.planes.capacity() * sizeof(HalfSpace) +
                                    wall.edges.capacity() * sizeof(Edge));
+  for (const WallShape &shape : shapes)
+    if (shape.mesh) bytes += shape.mesh->bytes();
   return bytes;
 }
 

@@ -6,34 +6,37 @@
 #ifndef DEFORMABLE_SCENE_H
 #define DEFORMABLE_SCENE_H
 
-#include "geometry/surface.h"
+#include "geometry/mesh.h"
 
 #include <array>
 #include <cmath>
+#include <memory>
 #include <string>
 #include <vector>
 
 namespace deformable {
 
 // A convex set of points, where it is now: half spaces that intersect; a disk or ball; or a body around an axis, whose ends are
-// half spaces too.
+// half spaces too. Or a mesh, which is not convex, before it moves.
 struct WallShape {
   std::vector<HalfSpace> planes;
   Vector3 center{};
   double radius = 0.0;
   bool is_body = false;
   Revolution body{};
+  std::shared_ptr<const Mesh> mesh;
 
-  bool is_round() const { return is_body || planes.empty(); }
+  bool is_round() const { return is_body || (planes.empty() && !mesh); }
   void set_planes(const std::vector<HalfPlane> &);    // in the plane of the particles
   void set_body(const Revolution &);                  // with the planes as its ends
 };
 
-// One wall: a face of a container, the rim of a round container, or an obstacle, round or with faces.
+// One wall: a face of a container, the rim of a round container, an obstacle, round or with faces, or a mesh.
 struct Wall {
-  enum Kind { FACE, RIM, DISK, POLYGON } kind;    // a disk, ball or body; a polygon or polyhedron
-  std::string name;                               // for messages
-  int shape;                                      // of a rim and of a disk
+  // a disk, ball or body; a polygon or polyhedron; a mesh around particles; a mesh between them
+  enum Kind { FACE, RIM, DISK, POLYGON, ROOM, SURFACE } kind;
+  std::string name;    // for messages
+  int shape;           // of a rim, a disk and a mesh
   // of a face and of a polygon: half spaces of shapes; those that face the other way are the outside of a shape
   struct Side {
     int shape, plane;
@@ -47,6 +50,21 @@ struct Motion {
   Vector3 step{};
   double angle = 0.0;
   Vector3 axis = {0.0, 0.0, 1.0};
+
+  Vector3 turned(const Vector3 &v, double sign = 1.0) const
+  {
+    if (angle == 0.0) return v;
+    const double c = std::cos(angle), s = sign * std::sin(angle);
+    return c * v + s * cross(axis, v) + ((1.0 - c) * dot(axis, v)) * axis;
+  }
+  Vector3 moved(const Vector3 &x) const { return turned(x) + step; }
+  Vector3 moved_back(const Vector3 &x) const { return turned(x - step, -1.0); }
+  SurfacePoint moved(SurfacePoint point) const
+  {
+    point.n = turned(point.n);
+    point.t = turned(point.t);
+    return point;
+  }
 };
 
 // A center that a wall refuses: it is there at this height. Or the wall is a round container, and narrower than the particle: then
@@ -99,6 +117,15 @@ class Scene {
         return {index_of(wall), 0.0, wall.room(x)};
       Vector3 from = x - wall.middle;
       if (!approach(wall, cutoff, from)) continue;
+      if (wall.mesh) {
+        const std::vector<Mesh::Contact> contacts = wall.contacts_at(wall.middle + from, cutoff);
+        if (contacts.empty()) continue;
+        const double height = contacts.front().point.height;
+        if (!(height > nearest)) return {index_of(wall), height};
+        for (const Mesh::Contact &contact : contacts)
+          visitor(wall.first_feature + contact.feature, wall.place.moved(contact.point));
+        continue;
+      }
       int feature = wall.first_feature;
       const SurfacePoint point = nearest_point(wall, from, feature);
       if (!(point.height > nearest)) return {index_of(wall), point.height};
@@ -126,11 +153,20 @@ class Scene {
   Vector3 way(int feature, const Vector3 &x) const;
   Vector3 slide{};    // of all walls, along themselves
 
+  int wall_of(int feature) const;
   // The first feature of the wall that this one belongs to.
   int first_feature(int feature) const { return present[wall_of(feature)].first_feature; }
 
-  // What a feature is called, for a memory that outlives this scene.
-  std::vector<std::string> feature_names() const;
+  // What features are called, for a memory that outlives this scene: all of walls with this name, numbers from `first` on.
+  struct Features {
+    std::string name;
+    int first, count;
+    bool operator==(const Features &other) const
+    {
+      return name == other.name && first == other.first && count == other.count;
+    }
+  };
+  std::vector<Features> feature_names() const;
 
   double memory_usage() const;
 
@@ -148,8 +184,19 @@ class Scene {
     std::vector<HalfSpace> planes;    // of a polyhedron
     std::vector<Edge> edges;          // of a polygon
     Revolution body;
+    std::shared_ptr<const Mesh> mesh;
+    Motion place;    // of the mesh
 
-    bool is_obstacle() const { return kind == Wall::DISK || kind == Wall::POLYGON; }
+    bool is_obstacle() const
+    {
+      return kind == Wall::DISK || kind == Wall::POLYGON || kind == Wall::SURFACE;
+    }
+    std::vector<Mesh::Contact> contacts_at(const Vector3 &x, double cutoff) const
+    {
+      std::vector<Mesh::Contact> found;
+      mesh->find_contacts(place.moved_back(x), cutoff, found);
+      return found;
+    }
     // Of a round container: the radius of the ball that fits in at this height, around the axis.
     double room(const Vector3 &x) const
     {
@@ -159,6 +206,7 @@ class Scene {
   };
   struct Load {
     int wall;
+    int part;     // of a mesh
     Vector3 x;    // as its nearest image sees it
     double force;
     Vector3 torque;
@@ -175,8 +223,8 @@ class Scene {
   static void place_body(const WallShape &, Present &);
   static bool find_corners(Present &);
   static void find_ends(Present &);
+  static void place_mesh(const WallShape &, const Motion &, Present &);
   int index_of(const Present &wall) const { return static_cast<int>(&wall - present.data()); }
-  int wall_of(int feature) const;
   // `from`: from its middle. A polygon adds to its first feature.
   static SurfacePoint nearest_point(const Present &, const Vector3 &from, int &feature);
   double potential(const std::vector<Present> &) const;

@@ -1,5 +1,6 @@
 #include "python/laws.h"
 
+#include "geometry/mesh_files.h"
 #include "geometry/scene.h"
 
 #include <cmath>
@@ -80,6 +81,68 @@ void add_cone(SpaceScene &scene, double x, double y, double z, double ax, double
   scene.add(inside ? Wall::RIM : Wall::DISK, "", shape);
 }
 
+// A chain of points in the plane, or three corners of each triangle in space, as rows.
+Mesh mesh_of(int dimension, nb::handle given, bool inside)
+{
+  const Table rows = table_of("corners", given, dimension);
+  std::vector<Vector3> corners;
+  for (std::size_t k = 0; k < rows.shape(0); ++k)
+    corners.push_back({rows(k, 0), rows(k, 1), dimension == 3 ? rows(k, 2) : 0.0});
+  if (dimension == 2) corners = segments_of(corners, inside);
+  if (corners.size() % dimension != 0) refuse("corners must be three of each triangle");
+  Mesh mesh;
+  const std::string problem =
+      mesh.build(dimension, corners, inside, dimension == 2 ? "segment" : "triangle");
+  if (!problem.empty()) refuse(problem);
+  return mesh;
+}
+
+template <class Where> void add_mesh(Where &scene, nb::handle corners, bool inside)
+{
+  WallShape shape;
+  shape.mesh = std::make_shared<Mesh>(mesh_of(scene.dimension, corners, inside));
+  scene.add(inside ? Wall::ROOM : Wall::SURFACE, "", shape);
+}
+
+Matrix rows_of_points(int dimension, const std::vector<Vector3> &points)
+{
+  std::vector<double> values;
+  for (const Vector3 &x : points)
+    for (int axis = 0; axis < dimension; ++axis) values.push_back(component(x, axis));
+  return to_numpy<Matrix>(values.data(), {points.size(), static_cast<std::size_t>(dimension)});
+}
+
+Matrix read_mesh(int dimension, const nb::bytes &given)
+{
+  const std::string bytes(given.c_str(), given.size());
+  std::vector<Vector3> points;
+  const std::string problem = dimension == 2 ? read_chain(bytes, points) : read_stl(bytes, points);
+  if (!problem.empty()) refuse(problem);
+  return rows_of_points(dimension, points);
+}
+
+// A row for each contact of each center within the cutoff: its number, that of the wall, n, height and turn.
+template <class Where> Matrix contacts(Where &scene, nb::handle given, double cutoff)
+{
+  scene.update();
+  const int dimension = scene.dimension;
+  const Table x = table_of("x", given, dimension);
+  constexpr double ANY = -std::numeric_limits<double>::infinity();
+  std::vector<double> values;
+  for (std::size_t k = 0; k < x.shape(0); ++k)
+    scene.visit({x(k, 0), x(k, 1), dimension == 3 ? x(k, 2) : 0.0}, 0.0, ANY, cutoff,
+                [&](int feature, const SurfacePoint &point) {
+                  values.insert(values.end(), {static_cast<double>(k),
+                                               static_cast<double>(scene.wall_of(feature))});
+                  for (int axis = 0; axis < dimension; ++axis)
+                    values.push_back(component(point.n, axis));
+                  values.insert(values.end(), {point.height, point.turn + point.more,
+                                               static_cast<double>(feature)});
+                });
+  const std::size_t columns = dimension + 5;
+  return to_numpy<Matrix>(values.data(), {values.size() / columns, columns});
+}
+
 Matrix nearest(Scene &scene, const std::vector<double> &x, const std::vector<double> &y,
                const std::vector<double> &z)
 {
@@ -95,6 +158,12 @@ Matrix nearest(Scene &scene, const std::vector<double> &x, const std::vector<dou
   const std::size_t columns = scene.dimension + 2;
   return to_numpy<Matrix>(values.data(), {values.size() / columns, columns});
 }
+
+const char *const MESH =
+    R"(A chain of points (n, 2) or triangles (3 n, 3), as rows; a container, or an obstacle or open.)";
+const char *const CONTACTS =
+    R"(All contacts of the centers x (N, d): rows of their number, that of the wall, direction, distance, rotation per
+sideways step, and a number of what is touched.)";
 
 }    // namespace
 
@@ -130,6 +199,17 @@ nan where a side has no end, or is none because other half planes enclose the po
       R"(Half planes (nx, ny, offset) of a convex polygon with these corners, in the order around it.
 
 Two corners are a segment.)");
+  m.def(
+      "read_mesh", &read_mesh, "dimension"_a, "bytes"_a,
+      R"(Points of a chain, or three corners of each triangle of an STL file, from the bytes of a file, as rows.)");
+  m.def(
+      "mesh",
+      [](int dimension, nb::handle corners, bool inside) {
+        const Mesh mesh = mesh_of(dimension, corners, inside);
+        return nb::make_tuple(mesh.volume(), rows_of_points(dimension, mesh.edges()));
+      },
+      "dimension"_a, "corners"_a, "inside"_a,
+      R"(What a mesh encloses, 0 if it is open, and in space both ends of each edge that is not flat, as rows.)");
   nb::class_<PlaneScene>(m, "Scene", R"(Walls of a box of these periods; 0: not periodic.)")
       .def(nb::init<double, double, double>(), "lx"_a, "ly"_a, "xy"_a)
       .def("add_plane", &add_half_plane, "x"_a, "y"_a, "nx"_a, "ny"_a)
@@ -140,6 +220,8 @@ Two corners are a segment.)");
           },
           "x"_a, "y"_a, "radius"_a, "inside"_a, "A circle with particles inside, or a disk.")
       .def("add_polygon", &add_polygon, "x"_a, "y"_a, "See polygon_planes.")
+      .def("add_mesh", &add_mesh<PlaneScene>, "corners"_a, "inside"_a, MESH)
+      .def("contacts", &contacts<PlaneScene>, "x"_a, "cutoff"_a, CONTACTS)
       .def(
           "nearest",
           [](PlaneScene &scene, nb::handle px, nb::handle py) {
@@ -166,6 +248,8 @@ obstacle the distance is negative, there to the nearest side.)");
       .def("add_cone", &add_cone, "x"_a, "y"_a, "z"_a, "ax"_a, "ay"_a, "az"_a, "radius"_a,
            "slope"_a, "inside"_a,
            "Around an axis, whose radius grows by the slope along it; 0: a tube, or a post.")
+      .def("add_mesh", &add_mesh<SpaceScene>, "corners"_a, "inside"_a, MESH)
+      .def("contacts", &contacts<SpaceScene>, "x"_a, "cutoff"_a, CONTACTS)
       .def(
           "nearest",
           [](SpaceScene &scene, nb::handle px, nb::handle py, nb::handle pz) {

@@ -3,6 +3,8 @@
 #include "comm.h"
 #include "lammps.h"
 
+#include <cerrno>
+#include <cstdio>
 #include <cstdlib>
 
 namespace deformable {
@@ -32,6 +34,25 @@ int ranks_of_machine(MPI_Comm world)
   MPI_Comm_size(world, &ranks);
 #endif
   return ranks;
+}
+
+bool read_file(LAMMPS *lmp, const std::string &path, std::string &bytes)
+{
+  int size = -1;
+  bytes.clear();
+  errno = ENOENT;
+  if (FILE *fp = path.empty() ? nullptr : std::fopen(path.c_str(), "rb")) {
+    char buffer[4096];
+    while (const std::size_t n = std::fread(buffer, 1, sizeof buffer, fp)) bytes.append(buffer, n);
+    // fopen opens a folder too, which cannot be read
+    if (!std::ferror(fp)) size = static_cast<int>(bytes.size());
+    std::fclose(fp);
+  }
+  MPI_Bcast(&size, 1, MPI_INT, 0, lmp->world);
+  if (size < 0) return false;
+  bytes.resize(size);
+  MPI_Bcast(bytes.data(), size, MPI_CHAR, 0, lmp->world);
+  return true;
 }
 
 std::string environment(LAMMPS *lmp, const char *name)

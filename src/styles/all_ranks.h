@@ -42,6 +42,10 @@ int ranks_of_machine(MPI_Comm world);
 // The numbers of one rank after the other.
 std::vector<double> of_all_ranks(LAMMPS *, std::vector<double> here);
 
+// What is in a file, which rank 0 reads; the other ranks need no path. Returns false on all ranks if it cannot be read; then errno
+// of rank 0 says why.
+bool read_file(LAMMPS *, const std::string &path, std::string &bytes);
+
 // A variable of the environment of rank 0, which all ranks follow; empty if it is not set.
 std::string environment(LAMMPS *, const char *name);
 

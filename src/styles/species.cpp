@@ -1,6 +1,7 @@
 #include "styles/species.h"
 
 #include "laws/parameter_rules.h"
+#include "styles/all_ranks.h"
 
 #include "comm.h"
 #include "error.h"
@@ -11,7 +12,6 @@
 #include "utils.h"
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -78,30 +78,19 @@ std::string shipped_names()
 
 std::string read_text(LAMMPS *lmp, const std::string &file)
 {
-  std::string text;
-  int size = -1;
+  std::string path, text;
+  bool shipped = false;
   if (lmp->comm->me == 0) {
-    std::string path = utils::get_potential_file_path(file);
-    const bool shipped = path.empty();
+    path = utils::get_potential_file_path(file);
+    shipped = path.empty();
     if (shipped) path = shipped_file(file);
-    errno = ENOENT;
-    if (FILE *fp = path.empty() ? nullptr : std::fopen(path.c_str(), "rb")) {
-      if (shipped) utils::logmesg(lmp, "Species file {} comes with the package: {}\n", file, path);
-      char buffer[4096];
-      while (const std::size_t n = std::fread(buffer, 1, sizeof buffer, fp)) text.append(buffer, n);
-      // fopen opens a folder too, which cannot be read
-      if (!std::ferror(fp)) size = static_cast<int>(text.size());
-      std::fclose(fp);
-    }
   }
-  MPI_Bcast(&size, 1, MPI_INT, 0, lmp->world);
-  if (size < 0) {
+  if (!read_file(lmp, path, text)) {
     const std::string reason = utils::getsyserror();
     lmp->error->all(FLERR, "Cannot open the species file '{}': {}{}", file, reason,
                     shipped_names());
   }
-  text.resize(size);
-  MPI_Bcast(&text[0], size, MPI_CHAR, 0, lmp->world);
+  if (shipped) utils::logmesg(lmp, "Species file {} comes with the package: {}\n", file, path);
   return text;
 }
 

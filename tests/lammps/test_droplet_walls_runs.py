@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from droplet_walls import CUBE, SCENES, SIDE, force_on_walls, region, walled
+from meshes import box, words
 from parallel import TWO, assert_atoms_change_ranks, assert_same, on_grids, report, reported
 
 START = CUBE + 0.02 * np.random.default_rng(5).normal(size=CUBE.shape)
@@ -37,6 +38,12 @@ MACHINES = {
     + region(
         "room cone x 0.01 0.02 2.5 2.33 -1.97 1.97 move v_dx NULL v_dx rotate v_angle 0 0 0 1 1 0"
     ),
+    "a mesh that turns in a mesh": "variable angle equal 0.01*step*dt\n"
+    "variable dx equal 0.05*sin(0.04*step*dt)\nfix room all deformable/wall "
+    + words("room", box((-1.97, -1.96, -1.97), (1.98, 1.98, 1.96)))
+    + "\nfix walls all deformable/wall "
+    + words("surface", box((-0.4, -0.3, -0.9), (0.4, 0.4, 0.9)))
+    + " move v_dx NULL v_dx rotate v_angle 0.1 0 0.05 1 2 3\n",
     "wedges that close": "variable out equal 0.15+0.02*sin(0.05*step*dt)\n"
     + region(f"room {NEAR}", "post union 4 a b c d").replace(
         "region post",

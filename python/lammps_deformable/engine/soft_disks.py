@@ -113,9 +113,10 @@ class Enthalpy:
         self._list(x, scale)
         energy, virial, gradient = self._pairs(x, scale)
         if self._distances:
-            out, height = self._distances(x)
-            overlap = np.maximum(self._radius - scale * height, 0.0)
-            gradient += scale * np.sum(overlap[..., None] * out, axis=0).ravel()
+            reach = float(self._radius.max()) / scale
+            i, _, out, height = self._distances.contacts(x, reach)
+            overlap = np.maximum(self._radius[i] - scale * height, 0.0)
+            np.add.at(gradient.reshape(x.shape), i, scale * overlap[:, None] * out)
             energy += 0.5 * float(np.sum(overlap**2))
             virial += scale * float(np.sum(overlap * height))
         larger = scale**self._dimension

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common.checks import expect
+from ..common.checks import expect, shown
 from ..common.errors import FileError, ParameterError
 from ..common.files import at_home
 from ..particles.laws import Droplet, Ring, pair_matrix, per_species, volumes
@@ -135,7 +135,9 @@ def datafile(state: State) -> str:
     planes: list[Plane] = []
     for wall in packing.walls:
         if not isinstance(wall, Plane) or wall.adhesion:
-            raise ParameterError(f"Surface Evolver gets flat walls without adhesion, not {wall!r}")
+            raise ParameterError(
+                f"Surface Evolver gets flat walls without adhesion, not {shown(wall)}"
+            )
         planes.append(wall)
     if isinstance(law, Ring):
         rigid = np.isinf(law.kA)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ..common.files import comment_lines, rows_in_comments
 from .containers import closed
 from .laws import AnyLaw, Droplet, Ring, sticks
-from .walls import PolygonWall, Wall
+from .walls import PolygonWall, SurfaceWall, Wall
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -106,7 +106,7 @@ def wall_commands(walls: Sequence[Wall]) -> str:
     """Commands for the walls, a fix for each, so that each has its force."""
     lines = []
     for n, wall in enumerate(walls, start=1):
-        count = f"{len(wall.corners)} " if isinstance(wall, PolygonWall) else ""
+        count = f"{len(wall.corners)} " if isinstance(wall, (PolygonWall, SurfaceWall)) else ""
         words = f"{wall._kind} {count}" + " ".join(f"{value:.17g}" for value in wall._values)
         words += f" adhesion {wall.adhesion!r}" * (wall.adhesion > 0.0)
         name = WALL.format(n)

@@ -19,10 +19,22 @@ from numpy.typing import NDArray
 
 from .. import core
 from ..common.box import cartesian, fractional, lengths, widths
+from ..common.checks import shown
 from ..common.errors import ParameterError
-from .walls import Cone, Cylinder, HalfSpace, Plane, PolygonWall, Segment, Sphere, Wall
+from .walls import (
+    Cone,
+    Cylinder,
+    HalfSpace,
+    Plane,
+    PolygonWall,
+    Segment,
+    Sphere,
+    SurfaceWall,
+    Wall,
+)
 
 Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
 
 # Normals that are nearer to a plane than this part of a radian, and parts of a normal: rounding.
 ROUNDING = 1e-12
@@ -249,6 +261,19 @@ class Distances:
         """
         return self._nearest(positions)[..., -1]
 
+    def contacts(
+        self, positions: Floats, reach: float
+    ) -> tuple[Integers, Integers, Floats, Floats]:
+        """All contacts of these positions up to this distance; a `SurfaceWall` may have several.
+
+        Returns:
+            Numbers of positions and of walls, directions, shape (contacts, d), and distances
+            [length].
+        """
+        rows = self._scene.contacts(np.ascontiguousarray(positions), reach)
+        i, wall = rows[:, :2].astype(np.int64).T
+        return i, wall, rows[:, 2:-3], rows[:, -3]
+
     def _nearest(self, positions: Floats) -> Floats:
         shape = self._count, len(positions), self._columns
         found: Floats = self._scene.nearest(*positions.T).reshape(shape)
@@ -295,6 +320,8 @@ def _cut(wall: Wall, box: Floats, height: float, shut: bool, ends: Floats) -> li
     if isinstance(wall, Cone):
         half = wall._radius_at(height)
         return [Sphere(half, tuple(wall._middle[:2]))] if half > 0.0 else None
+    if isinstance(wall, SurfaceWall):
+        return _cut_of_surface(wall, height)
     if not isinstance(wall, (Sphere, Cylinder)):
         raise TypeError(wall)
     if isinstance(wall, Cylinder) and wall.axis == "z":
@@ -317,6 +344,32 @@ def _cut(wall: Wall, box: Floats, height: float, shut: bool, ends: Floats) -> li
             (left, front), (right, back) = low.tolist(), high.tolist()
             corners = ((left, front), (right, front), (right, back), (left, back))
             found.append(PolygonWall(corners))
+    return found if found or not wall.inside else None
+
+
+def _cut_of_surface(wall: SurfaceWall, height: float) -> list[Wall] | None:
+    """Polygons of the plane z = height, and chains where the surface is open."""
+    import shapely
+
+    triangles = np.array(wall.corners)
+    above = triangles[..., 2] > height
+    lines = []
+    for corners, up in zip(triangles, above, strict=True):
+        if up.all() or not up.any():
+            continue
+        alone = int(np.flatnonzero(up == (up.sum() == 1))[0])  # on its side of the plane
+        parts = []
+        for other in (alone + 1, alone + 2):
+            a, b = sorted((corners[alone].tolist(), corners[other % 3].tolist()))
+            part = (height - a[2]) / (b[2] - a[2])
+            parts.append((a[0] + part * (b[0] - a[0]), a[1] + part * (b[1] - a[1])))
+        if parts[0] != parts[1]:
+            lines.append(shapely.LineString(parts))
+    whole, _, loose, _ = shapely.polygonize_full(lines)
+    rings = [polygon.exterior.coords for polygon in whole.geoms]
+    chains = [] if wall.inside else [line.coords for line in loose.geoms]
+    found: list[Wall] = [SurfaceWall(ring, inside=wall.inside) for ring in rings]
+    found += [SurfaceWall(chain) for chain in chains]
     return found if found or not wall.inside else None
 
 
@@ -347,6 +400,8 @@ def _volume(walls: tuple[Wall, ...], rows: tuple[float, ...], area: Area) -> flo
     from scipy.spatial import ConvexHull
 
     box = np.reshape(rows, (3, 3))
+    if any(isinstance(wall, SurfaceWall) for wall in walls):
+        return _beside_surfaces(walls, box, area)
     balls = [wall for wall in walls if isinstance(wall, Sphere) and not wall.inside]
     apart = [ball for ball in balls if _is_apart(ball, walls, box)]
     within = sum(4.0 / 3.0 * np.pi * ball.radius**3 for ball in apart)
@@ -365,6 +420,23 @@ def _volume(walls: tuple[Wall, ...], rows: tuple[float, ...], area: Area) -> flo
             cut = section_between(walls, box, low + half * (1.0 + place))
             total += half * weight * (0.0 if cut is None else _area_at(cut, box[:2, :2], area))
     return total
+
+
+def _beside_surfaces(walls: Sequence[Wall], box: Floats, area: Area) -> float:
+    """The volume that surfaces leave, which cross no other walls."""
+    surfaces = [wall for wall in walls if isinstance(wall, SurfaceWall)]
+    others = tuple(wall for wall in walls if not isinstance(wall, SurfaceWall))
+    within = sum(wall._volume for wall in surfaces if not wall.inside)
+    rooms = [wall._volume for wall in surfaces if wall.inside]
+    if not rooms:
+        return _volume(others, tuple(box.ravel().tolist()), area) - within
+    balls = [wall for wall in others if isinstance(wall, Sphere) and not wall.inside]
+    if len(rooms) > 1 or len(balls) < len(others):
+        raise ParameterError(
+            "the volume between a SurfaceWall with inside=True and other containers or a Cylinder "
+            "is not known: let it be the only container, with a Sphere or a SurfaceWall in it"
+        )
+    return rooms[0] - within - sum(4.0 / 3.0 * np.pi * ball.radius**3 for ball in balls)
 
 
 def _is_apart(ball: Sphere, walls: Sequence[Wall], box: Floats) -> bool:
@@ -440,6 +512,8 @@ def container(walls: Sequence[Wall], box: Floats) -> Any:
     for wall in walls:
         if isinstance(wall, Sphere) and wall.inside:
             room = room.intersection(_round(wall))
+        if isinstance(wall, SurfaceWall) and wall.inside:
+            room = room.intersection(_outline_of(wall))
     if room.area == 0.0:
         raise ParameterError("planes and circles leave no room: they do not overlap")
     return room
@@ -455,10 +529,34 @@ def obstacles(walls: Sequence[Wall], box: Floats) -> list[Any]:
     for wall in walls:
         if wall.inside:
             continue
-        own = _hull(wall.corners) if isinstance(wall, (Segment, PolygonWall)) else _round(wall)
+        own = _shape_of(wall)
         cell = np.where(closed(walls), 0.0, np.floor(fractional(wall._middle, box)))
         solid.append(translate(own, *-cartesian(cell, box)) if cell.any() else own)
     return [translate(shape, *shift) for shape in solid for shift in shifts]
+
+
+def _shape_of(wall: Wall) -> Any:
+    if isinstance(wall, SurfaceWall):
+        return _outline_of(wall)
+    return _hull(wall.corners) if isinstance(wall, (Segment, PolygonWall)) else _round(wall)
+
+
+def _outline_of(wall: SurfaceWall) -> Any:
+    """A polygon, or a line where it is open.
+
+    Raises:
+        ParameterError: it crosses itself.
+    """
+    import shapely
+
+    if not wall._is_closed:
+        return shapely.LineString(wall.corners)
+    polygon = shapely.Polygon(wall.corners)
+    if not polygon.is_valid:
+        raise ParameterError(
+            f"a SurfaceWall that is closed must not cross or touch itself: {shown(wall.corners)}"
+        )
+    return polygon
 
 
 def _hull(points: Any) -> Any:
@@ -574,7 +672,7 @@ def _edges(walls: Sequence[Wall], box: Floats) -> list[Floats]:
         pairs = combinations(ends, 2)
         return [np.stack(both) @ box for both in pairs if np.abs(np.subtract(*both)).sum() == 1.0]
     corners = corners_between(walls, box)
-    flat = [wall for wall in walls if not wall._round_axes]
+    flat = [wall for wall in walls if isinstance(wall, Plane)]
     normals, offsets = half_spaces_between(flat, box, closed(walls, 3))
     if not len(normals):
         return []
@@ -592,6 +690,8 @@ def _outline(wall: Wall, walls: Sequence[Wall], box: Floats, viewer: Floats) -> 
     """Of a round wall, as the viewer sees it, as far as it is in the room."""
     if isinstance(wall, Sphere) and wall.inside:
         lines = [wall._middle + wall.radius * _circle(viewer)]
+    elif isinstance(wall, SurfaceWall):
+        return list(wall._edges)
     elif isinstance(wall, (Cylinder, Cone)):
         lines = _around_axis(wall, walls, box, viewer)
     else:

@@ -71,10 +71,9 @@ class Packing:
             with one value for each species. Particles of a species may have different radii.
         periodic: whether the box repeats along each axis; one value is that of all axes. Where it
             is False the sides of the box, at 0 and at its length, become walls.
-        walls: one wall or several: `Plane`, `Sphere`, `BoxWall`; in the plane `Segment` and
-            `PolygonWall`, in space `Cylinder` and `Cone`. Where a container of planes and round
-            walls closes a direction, the box is not periodic and spans it, whatever is given.
-            Obstacles repeat with the box.
+        walls: one or several: `Plane`, `Sphere`, `BoxWall`, `SurfaceWall`; in the plane `Segment`
+            and `PolygonWall`, in space `Cylinder` and `Cone`. Where a container closes a direction,
+            the box is not periodic and spans it, whatever is given. Obstacles repeat with the box.
         seed: from which positions were drawn, None if they were not.
         species_radii: largest radius of each species, shape (number of species,) [length].
         own_radii: whether particles have radii of their own in LAMMPS, by atom_style sphere.

@@ -8,9 +8,12 @@ writes them for *fix deformable/wall*, whose words are `kind` and `values`.
 from __future__ import annotations
 
 import math
+import os
 from abc import ABC, abstractmethod
 from collections.abc import Iterable
 from dataclasses import KW_ONLY, dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
@@ -19,7 +22,8 @@ from numpy.typing import ArrayLike, NDArray
 from .. import core
 from ..common.box import lengths
 from ..common.checks import as_call, expect, number_or_nan, numbers, positive, shown
-from ..common.errors import ParameterError
+from ..common.errors import FileError, ParameterError
+from ..common.files import reading
 from .laws import wall_adhesion
 
 Floats = NDArray[np.float64]
@@ -578,6 +582,125 @@ class BoxWall(Wall):
         return replace(self, lengths=_scaled(self.lengths, factors), origin=origin)
 
 
+@dataclass(frozen=True, repr=False)
+class SurfaceWall(Wall):
+    """A wall of any outline: a chain of segments in the plane, triangles in space.
+
+        SurfaceWall([(0, 0), (4, 0), (4, 2), (8, 2)])  # a step
+        SurfaceWall("funnel.stl")
+
+    Attributes:
+        corners: points of the chain in their order, shape (n, 2), or three corners of each
+            triangle, shape (n, 3, 3) [length]. Or a file: rows of x and y, or STL if its name ends
+            so. Triangles are joined where their corners have the same numbers.
+        inside: particles are inside, and it is closed. Otherwise particles are outside of what is
+            closed, and touch what is open from both sides. A chain is closed if it ends where it
+            begins; a container is closed in any case.
+
+    Raises:
+        ParameterError: a value is not finite, a segment has no length or a triangle no area, or a
+            container is open.
+        FileError: the file cannot be read.
+    """
+
+    corners: tuple[Any, ...]
+    _: KW_ONLY
+    inside: bool = False  # type: ignore[misc]
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        given: Any = self.corners
+        if isinstance(given, str | os.PathLike):
+            given = _read_mesh(Path(given))
+        found = numbers("corners of a SurfaceWall", given)
+        if found.shape[1:] not in ((2,), (3, 3)):
+            raise ParameterError(
+                "corners of a SurfaceWall must be points (x, y), shape (n, 2), or triangles, "
+                f"shape (n, 3, 3), or a file, not {shown(self.corners)}"
+            )
+        object.__setattr__(self, "corners", _as_tuples(found.tolist()))
+        try:
+            self._edges  # noqa: B018
+        except ValueError as error:
+            raise ParameterError(f"a SurfaceWall {error}") from None
+
+    @cached_property
+    def _measured(self) -> tuple[float, Floats]:
+        return core.mesh(self.dimension, self._rows, self.inside)
+
+    @property
+    def _volume(self) -> float:
+        """Area or volume of what is closed."""
+        return self._measured[0]
+
+    @property
+    def _edges(self) -> Floats:
+        """In space: both ends of each edge that is not flat, shape (m, 2, 3)."""
+        return self._measured[1].reshape(-1, 2, self.dimension)
+
+    @property
+    def dimension(self) -> int:
+        return 3 if isinstance(self.corners[0][0], tuple) else 2
+
+    @property
+    def _kind(self) -> str:
+        return "room" if self.inside else "surface"
+
+    @property
+    def _rows(self) -> Floats:
+        """Points, or three corners of each triangle, one after the other."""
+        return np.array(self.corners).reshape(-1, self.dimension)
+
+    @property
+    def _is_closed(self) -> bool:
+        """Of a chain."""
+        return self.inside or self.corners[0] == self.corners[-1]
+
+    @property
+    def _values(self) -> tuple[float, ...]:
+        return tuple(self._rows.ravel().tolist())
+
+    def _add_to(self, scene: Any) -> None:
+        scene.add_mesh(self._rows, self.inside)
+
+    def _half_spaces(self, around: float = 1.0) -> list[HalfSpace]:
+        if not self.inside:
+            return []
+        half, units = 0.5 * np.ptp(self._rows, axis=0), np.eye(self.dimension)
+        sides = [(n, half @ np.abs(n)) for n in (*units, *-units)]
+        return [(n, float(n @ self._middle + around * size)) for n, size in sides]
+
+    @property
+    def _middle(self) -> Floats:
+        middle: Floats = 0.5 * (self._rows.min(axis=0) + self._rows.max(axis=0))
+        return middle
+
+    @property
+    def _extent(self) -> float:
+        return float(lengths(self._rows - self._middle).max())
+
+    def _stretched(self, *factors: float) -> SurfaceWall:
+        return replace(self, corners=_as_tuples((np.array(self.corners) * factors).tolist()))
+
+
+def _read_mesh(path: Path) -> Floats:
+    """Points of a chain, or triangles, in a file."""
+    dimension = 3 if path.suffix.lower() == ".stl" else 2
+    name = f"corners of a SurfaceWall, file '{path}',"
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise FileError(f"{name} cannot be read: {error.strerror}") from None
+    with reading(name):
+        found: Floats = core.read_mesh(dimension, content)
+    return found if dimension == 2 else found.reshape(-1, 3, 3)
+
+
+def _as_tuples(values: Any) -> Any:
+    """Nested lists as nested tuples."""
+    return tuple(map(_as_tuples, values)) if isinstance(values, list) else values
+
+
 def _scaled(point: Point | Floats, factors: Point) -> Point:
     """A point with its coordinates multiplied by one factor each."""
     return tuple(float(x) * factor for x, factor in zip(point, factors, strict=True))
@@ -603,7 +726,8 @@ def _axis_of(name: str, given: ArrayLike, letters: str) -> Floats:
 
 
 SHAPES: dict[str, type[Wall]] = {
-    each.__name__: each for each in (Plane, Sphere, Cylinder, Cone, Segment, PolygonWall, BoxWall)
+    each.__name__: each
+    for each in (Plane, Sphere, Cylinder, Cone, Segment, PolygonWall, BoxWall, SurfaceWall)
 }
 
 
@@ -636,8 +760,8 @@ def as_walls(given: Wall | Iterable[Wall], dimension: int) -> tuple[Wall, ...]:
             if type(wall).__name__ not in lacking:
                 way_out = f"give its points as ({', '.join('xyz'[:dimension])})"
             raise ParameterError(
-                f"wall {n}, {wall!r}, is a wall in {wall.dimension} dimensions, and the particles "
-                f"have {dimension}: {way_out}"
+                f"wall {n}, {shown(wall)}, is a wall in {wall.dimension} dimensions, and the "
+                f"particles have {dimension}: {way_out}"
             )
         found += wall.parts
     return tuple(found)

@@ -476,8 +476,12 @@ def _frame(packing: Packing) -> Floats:
 
 
 def _obstacles(packing: Packing) -> list[Floats]:
-    """Corners of the obstacles that are drawn; of a segment both ends."""
+    """Corners of the obstacles that are drawn; of a chain there and back."""
     return [
-        np.array(shape.coords if shape.geom_type == "LineString" else shape.exterior.coords)
+        np.array(
+            [*shape.coords, *shape.coords[-2:0:-1]]
+            if shape.geom_type == "LineString"
+            else shape.exterior.coords
+        )
         for shape in obstacles(packing.walls, packing.box)
     ]

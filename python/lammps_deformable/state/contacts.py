@@ -24,7 +24,7 @@ from ..core import unit_vectors
 from ..particles.containers import Distances, closed
 from ..particles.laws import SoftContact
 from ..particles.neighbors import forward, near_pairs
-from ..particles.walls import Cone, Cylinder, Plane, Sphere, Wall
+from ..particles.walls import Cone, Cylinder, Plane, Sphere, SurfaceWall, Wall
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -81,7 +81,7 @@ def _forbidden(wall: Wall) -> list[Floats]:
         return [_turns(np.array(wall._direction)), _moves(wall._middle)]
     if isinstance(wall, Sphere):
         return [_moves(wall._middle)]
-    return [np.eye(3)]  # of one with corners, in the plane
+    return [np.eye(3 if wall.dimension == 2 else 6)]  # of one with corners
 
 
 def _turned(x: Floats) -> Floats:
@@ -150,8 +150,19 @@ def with_walls(packing: Packing, reach: float) -> Sides:
     Raises:
         ParameterError: a particle is at the center of a circle that it reaches.
     """
+    reached = (1.0 + reach) * packing.radii
+    is_surface = np.array([isinstance(wall, SurfaceWall) for wall in packing.walls], dtype=bool)
     _, height = Distances(packing.walls, packing.box)(packing.positions)
-    return at_walls(packing, *np.nonzero((height < (1.0 + reach) * packing.radii).T))
+    found = at_walls(packing, *np.nonzero(((height < reached) & ~is_surface[:, None]).T))
+    if not is_surface.any():
+        return found
+    surfaces = [wall for wall in packing.walls if isinstance(wall, SurfaceWall)]
+    distances = Distances(surfaces, packing.box)
+    i, k, out, apart = distances.contacts(packing.positions, float(reached.max()))
+    vector = apart[:, None] * out
+    more = Sides(i, -1 - np.flatnonzero(is_surface)[k], vector, np.zeros(len(i)), 0.0 * vector)
+    both = joined(found, more.part(apart < reached[i]))
+    return both.part(np.lexsort((-both.j, both.i)))
 
 
 def at_walls(packing: Packing, i: Integers, wall: Integers) -> Sides:

@@ -29,6 +29,7 @@ from ..particles.laws import (
     SoftContact,
     refuse_adhesion,
 )
+from ..particles.walls import SurfaceWall
 from .contacts import (
     ContactTable,
     Sides,
@@ -299,13 +300,19 @@ def check_smooth(state: State) -> None:
 
     Raises:
         UndefinedError: of polygons.
-        ParameterError: they rub, or commands to `lmp` act on contacts.
+        ParameterError: they rub, have a `SurfaceWall`, or commands to `lmp` act on contacts.
     """
     if not isinstance(state.law, SoftContact | Ring | Sector | Droplet):
         raise UndefinedError("polygons have no second derivatives here: take a Ring")
     if state.unsaved:
         raise ParameterError(
             f"second derivatives do not know the {state.unsaved} that were given to lmp"
+        )
+    surfaces = [isinstance(wall, SurfaceWall) for wall in state.packing.walls]
+    if any(surfaces):
+        raise ParameterError(
+            f"wall {surfaces.index(True) + 1} is a SurfaceWall, of which second derivatives are "
+            "not known: take planes, polygons or round walls"
         )
     if state.friction:
         raise ParameterError("friction has no energy, and so no second derivatives of one")

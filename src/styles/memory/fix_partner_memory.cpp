@@ -7,7 +7,10 @@
 #include "modify.h"
 
 #include <algorithm>
+#include <cstdio>
+#include <numeric>
 #include <sstream>
+#include <utility>
 
 namespace deformable {
 
@@ -40,13 +43,29 @@ WallNames WallNames::present(LAMMPS *lmp)
   return names;
 }
 
+int WallNames::Wall::count() const
+{
+  return std::accumulate(features.begin(), features.end(), 0,
+                         [](int sum, const Scene::Features &some) { return sum + some.count; });
+}
+
 bool WallNames::has(double code) const
 {
   const std::size_t wall = wall_of(static_cast<int>(code));
   if (wall >= walls.size()) return false;
-  const std::vector<std::string> &features = walls[wall].features;
-  return features.empty() ||
-         wall_feature_of(static_cast<int>(code)) < static_cast<int>(features.size());
+  return walls[wall].features.empty() ||
+         wall_feature_of(static_cast<int>(code)) < walls[wall].count();
+}
+
+// The name of a feature, and its number among those of this name.
+static std::pair<std::string, int> numbered(const std::vector<Scene::Features> &features,
+                                            int feature)
+{
+  for (const Scene::Features &some : features) {
+    if (feature < some.count) return {some.name, some.first + feature};
+    feature -= some.count;
+  }
+  return {"", 0};
 }
 
 double WallNames::code_in(const WallNames &there, double code) const
@@ -57,12 +76,17 @@ double WallNames::code_in(const WallNames &there, double code) const
                                  [&](const Wall &other) { return other.id == here.id; });
   if (same == there.walls.end()) return 0.0;
   int feature = wall_feature_of(static_cast<int>(code));
-  const bool is_only = here.features.size() == 1 && same->features.size() == 1;
+  const bool is_only = here.count() == 1 && same->count() == 1;
   if (!here.features.empty() && !same->features.empty() && !is_only) {
-    const auto found =
-        std::find(same->features.begin(), same->features.end(), here.features[feature]);
-    if (found == same->features.end()) return 0.0;
-    feature = static_cast<int>(found - same->features.begin());
+    const auto [name, number] = numbered(here.features, feature);
+    int before = 0;
+    feature = -1;
+    for (const Scene::Features &some : same->features) {
+      if (some.name == name && number >= some.first && number < some.first + some.count)
+        feature = before + number - some.first;
+      before += some.count;
+    }
+    if (feature < 0) return 0.0;
   }
   const double found = wall_code(static_cast<int>(same - there.walls.begin()), feature);
   return there.has(found) ? found : 0.0;
@@ -72,20 +96,34 @@ std::string WallNames::name_of(double code) const
 {
   if (!has(code)) return fmt::format("{:g}", code);
   const Wall &wall = walls[wall_of(static_cast<int>(code))];
-  if (wall.features.size() < 2) return "fix " + wall.id;
-  return fmt::format("'{}' of fix {}", wall.features[wall_feature_of(static_cast<int>(code))],
-                     wall.id);
+  if (wall.count() < 2) return "fix " + wall.id;
+  const auto [name, number] = numbered(wall.features, wall_feature_of(static_cast<int>(code)));
+  return fmt::format("'{}, surface {}' of fix {}", name, number, wall.id);
 }
 
+// Features of a wall: its name, and "surface 3" or "surfaces 3 to 8".
 std::string WallNames::text() const
 {
   std::string text = "\n";
   for (const Wall &wall : walls) {
     text += wall.id;
-    for (const std::string &feature : wall.features) text += '\t' + feature;
+    for (const auto &[name, first, count] : wall.features)
+      text += count == 1 ? fmt::format("\t{}, surface {}", name, first)
+                         : fmt::format("\t{}, surfaces {} to {}", name, first, first + count - 1);
     text += '\n';
   }
   return text;
+}
+
+static Scene::Features features_in(const std::string &text)
+{
+  const std::size_t end = text.rfind(", surface");
+  int first = 0, last = 0;
+  if (end == std::string::npos) return {text, 1, 1};
+  if (std::sscanf(text.c_str() + end, ", surfaces %d to %d", &first, &last) == 2)
+    return {text.substr(0, end), first, last - first + 1};
+  std::sscanf(text.c_str() + end, ", surface %d", &first);
+  return {text.substr(0, end), first, 1};
 }
 
 WallNames WallNames::from_text(const std::string &text)
@@ -98,7 +136,8 @@ WallNames WallNames::from_text(const std::string &text)
     std::istringstream words(line);
     Wall wall;
     std::getline(words, wall.id, '\t');
-    for (std::string feature; std::getline(words, feature, '\t');) wall.features.push_back(feature);
+    for (std::string some; std::getline(words, some, '\t');)
+      wall.features.push_back(features_in(some));
     names.walls.push_back(wall);
   }
   return names;

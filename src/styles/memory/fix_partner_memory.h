@@ -7,6 +7,7 @@
 #ifndef DEFORMABLE_FIX_PARTNER_MEMORY_H
 #define DEFORMABLE_FIX_PARTNER_MEMORY_H
 
+#include "geometry/scene.h"
 #include "styles/all_ranks.h"
 #include "styles/lammps_names.h"
 #include "styles/memory/fix_memory.h"
@@ -62,7 +63,8 @@ class WallNames {
  private:
   struct Wall {
     std::string id;
-    std::vector<std::string> features;    // none: the region has not been read yet
+    std::vector<Scene::Features> features;    // none: the region has not been read yet
+    int count() const;
     bool operator==(const Wall &other) const
     {
       return id == other.id && features == other.features;

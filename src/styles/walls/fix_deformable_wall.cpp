@@ -74,7 +74,11 @@ FixDeformableWall::FixDeformableWall(LAMMPS *lmp, int narg, char **arg)
   dynamic_group_allow = 1;
 }
 
-static constexpr const char *KEYWORDS[] = {"adhesion", "shear", "load"};
+// And how many values they have.
+static constexpr struct {
+  const char *name;
+  int values;
+} KEYWORDS[] = {{"adhesion", 1}, {"shear", 2}, {"load", 2}, {"move", 3}, {"rotate", 7}};
 
 /* ----------------------------------------------------------------------
    Keywords come last. Returns the number of words before them.
@@ -84,16 +88,17 @@ int FixDeformableWall::read_keywords(int narg, char **arg)
 {
   const auto is_keyword = [&](const char *word) {
     return std::any_of(std::begin(KEYWORDS), std::end(KEYWORDS),
-                       [&](const char *keyword) { return std::strcmp(word, keyword) == 0; });
+                       [&](const auto &keyword) { return std::strcmp(word, keyword.name) == 0; });
   };
   int first = 4;    // a region may be called adhesion
   while (first < narg && !is_keyword(arg[first])) ++first;
   for (int iarg = first; iarg < narg;) {
     if (!is_keyword(arg[iarg]))
-      error->all(FLERR_WORD(iarg),
-                 "Fix {} deformable/wall: unknown word '{}' after {}: only adhesion w, shear dim v "
-                 "and load F m come last",
-                 id, arg[iarg], arg[first]);
+      error->all(
+          FLERR_WORD(iarg),
+          "Fix {} deformable/wall: unknown word '{}' after {}: only adhesion w, shear dim v, "
+          "load F m, move and rotate come last",
+          id, arg[iarg], arg[first]);
     for (int before = first; before < iarg; ++before)
       if (!std::strcmp(arg[before], arg[iarg]))
         error->all(FLERR_WORD(iarg), "Fix {} deformable/wall: {} is there twice", id, arg[iarg]);
@@ -106,7 +111,9 @@ int FixDeformableWall::read_keywords(int narg, char **arg)
 int FixDeformableWall::read_keyword(int iarg, int narg, char **arg)
 {
   const std::string keyword = arg[iarg];
-  const int values = keyword == "adhesion" ? 1 : 2;
+  const int values = std::find_if(std::begin(KEYWORDS), std::end(KEYWORDS), [&](const auto &each) {
+                       return keyword == each.name;
+                     })->values;
   if (iarg + values >= narg)
     utils::missing_cmd_args(FLERR, "fix deformable/wall " + keyword, error);
   const char *const first = arg[iarg + 1];
@@ -119,6 +126,8 @@ int FixDeformableWall::read_keyword(int iarg, int narg, char **arg)
       error->all(FLERR_WORD(iarg + 1), "Fix {} deformable/wall: shear goes along {}, not '{}'", id,
                  dimension == 2 ? "x or y" : "x, y or z", first);
     require(shear.speed.read("shear", arg[iarg + 2], lmp));
+  } else if (keyword == "move" || keyword == "rotate") {
+    read_ride(iarg, arg);
   } else {
     require(load.force.read("load", first, lmp));
     load.mass = utils::numeric(FLERR, arg[iarg + 2], false, lmp);
@@ -132,7 +141,54 @@ int FixDeformableWall::read_keyword(int iarg, int narg, char **arg)
 }
 
 /* ----------------------------------------------------------------------
-   Whether the walls are such as can slide, or bear a load.
+   As for a region: move v_x v_y v_z, with NULL for none, and
+   rotate v_theta Px Py Pz Rx Ry Rz.
+------------------------------------------------------------------------- */
+
+void FixDeformableWall::read_ride(int iarg, char **arg)
+{
+  ride.is_given = true;
+  if (!std::strcmp(arg[iarg], "move")) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const char *const word = arg[iarg + 1 + axis];
+      if (!std::strcmp(word, "NULL")) continue;
+      require(ride.step[axis].read("move", word, lmp));
+      if (axis == 2 && dimension == 2)
+        error->all(FLERR_WORD(iarg + 3),
+                   "Fix {} deformable/wall: in two dimensions nothing moves along z: use NULL, "
+                   "not '{}'",
+                   id, word);
+    }
+    return;
+  }
+  require(ride.angle.read("rotate", arg[iarg + 1], lmp));
+  double value[6];
+  for (int k = 0; k < 6; ++k) value[k] = utils::numeric(FLERR, arg[iarg + 2 + k], false, lmp);
+  ride.point = {value[0], value[1], dimension == 2 ? 0.0 : value[2]};
+  ride.axis = {value[3], value[4], value[5]};
+  const double size = length(ride.axis);
+  if (!(size > 0.0) || !std::isfinite(size) || !std::isfinite(length(ride.point)))
+    error->all(FLERR_WORD(iarg), "Fix {} deformable/wall: rotate needs a point and an axis, not {}",
+               id, utils::join_words({arg + iarg + 2, arg + iarg + 8}, " "));
+  if (dimension == 2 && (value[3] != 0.0 || value[4] != 0.0))
+    error->all(FLERR_WORD(iarg),
+               "Fix {} deformable/wall: in two dimensions the axis of rotate is along z, 0 0 1",
+               id);
+  ride.axis = (1.0 / size) * ride.axis;
+}
+
+// What is not known yet has not begun.
+Motion FixDeformableWall::ride_now() const
+{
+  const auto value = [](const WallVariable &v) { return v.is_known() ? v.now : 0.0; };
+  Motion motion = {{}, value(ride.angle), ride.axis};
+  motion.step = ride.point - motion.turned(ride.point) +
+                Vector3{value(ride.step[0]), value(ride.step[1]), value(ride.step[2])};
+  return motion;
+}
+
+/* ----------------------------------------------------------------------
+   Whether the walls are such as can slide, bear a load, or ride.
 ------------------------------------------------------------------------- */
 
 void FixDeformableWall::check_keywords(Walls &given) const
@@ -147,6 +203,12 @@ void FixDeformableWall::check_keywords(Walls &given) const
           id);
     given.sources[0].side.is_loaded = true;
   }
+  for (const Wall &wall : given.walls)
+    if (ride.is_given && wall.kind != Wall::ROOM && wall.kind != Wall::SURFACE)
+      error->all(FLERR,
+                 "Fix {} deformable/wall: only a surface or a room has the keywords move and "
+                 "rotate, not '{}': use a region that moves, or a side at a variable",
+                 id, wall.name);
   for (const Wall &wall : given.walls) {
     if (shear.axis < 0) break;
     const bool straight = wall.kind == Wall::FACE;
@@ -206,10 +268,11 @@ void FixDeformableWall::read_region()
 void FixDeformableWall::take(Walls &&found)
 {
   check_keywords(found);
-  found.moves = shear.axis >= 0;
+  found.moves = shear.axis >= 0 || ride.is_given;
   for (const WallSource &source : found.sources) found.moves |= source.moves();
   found.restore(walls.energy_given());
   walls = std::move(found);
+  walls.ride = ride_now();
   require(walls.follow());
 }
 
@@ -257,7 +320,8 @@ void FixDeformableWall::setup(int vflag)
 
 std::vector<WallVariable *> FixDeformableWall::variables()
 {
-  std::vector<WallVariable *> found = {&shear.speed, &load.force};
+  std::vector<WallVariable *> found = {&shear.speed,  &load.force,   &ride.step[0],
+                                       &ride.step[1], &ride.step[2], &ride.angle};
   for (WallSource &source : walls.sources) found.push_back(&source.side.place);
   found.erase(std::remove_if(found.begin(), found.end(),
                              [](const WallVariable *variable) { return !variable->varies(); }),
@@ -314,6 +378,9 @@ void FixDeformableWall::place(bool counts)
   if (shear.axis >= 0) component(walls.slide, shear.axis) = shear.speed.now * update->dt;
   require(load.force.begin_step(lmp, counts));
   if (region) match_region();
+  for (WallVariable *variable : {&ride.step[0], &ride.step[1], &ride.step[2], &ride.angle})
+    require(variable->begin_step(lmp, counts));
+  walls.ride = ride_now();
   require(walls.follow());
   walls.begin_step(counts);
 }
@@ -426,6 +493,8 @@ std::vector<double *> FixDeformableWall::moving_places()
   for (WallSource &source : walls.sources)
     if (source.side.is_loaded || source.side.place.varies())
       found.push_back(&source.side.place.now);
+  for (WallVariable *variable : {&ride.step[0], &ride.step[1], &ride.step[2], &ride.angle})
+    if (variable->varies()) found.push_back(&variable->now);
   return found;
 }
 
@@ -466,6 +535,7 @@ void FixDeformableWall::refuse_center(int i, double radius, const RefusedCenter 
   const double *x = atom->x[i];
   const Wall &wall = walls.walls[refused.wall];
   const bool solid = wall.kind == Wall::DISK || wall.kind == Wall::POLYGON ||
+                     wall.kind == Wall::SURFACE ||
                      (wall.kind == Wall::FACE && wall.sides[0].reversed);
   const std::string name = region_id.empty() ? "'" + wall.name + "'"
                            : wall.name == region_id

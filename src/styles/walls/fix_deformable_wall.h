@@ -1,5 +1,6 @@
 // Walls for deformable particles: fix ID group deformable/wall region-ID [adhesion w] [shear dim v], or words for shapes in the
-// place of the region; one side may bear a load: [load F m].
+// place of the region; one side may bear a load: [load F m]; outlines may move: [move v_x v_y v_z] [rotate v_theta Px Py Pz Rx Ry
+// Rz].
 //
 // The pair style asks this fix for the contacts of a particle with the walls, computes the shape with all
 // contacts of the particle, and returns the forces of the walls. The fix adds them in post_force.
@@ -115,7 +116,7 @@ class FixDeformableWall : public Fix {
     return walls.way(feature, x);
   }
   int first_feature(int feature) const { return walls.first_feature(feature); }
-  std::vector<std::string> feature_names() const { return walls.feature_names(); }
+  std::vector<deformable::Scene::Features> feature_names() const { return walls.feature_names(); }
   void do_work(double energy) { walls.do_work(energy); }
 
  private:
@@ -141,6 +142,13 @@ class FixDeformableWall : public Fix {
     double v = 0.0, pushed = 0.0;    // along the axis of the side; by the particles
   } load;
 
+  // Of outlines, as of a region: they turn by an angle about an axis through a point, then they are displaced.
+  struct {
+    bool is_given = false;
+    deformable::WallVariable step[3], angle;
+    deformable::Vector3 point{}, axis = {0.0, 0.0, 1.0};
+  } ride;
+
   struct WallForce {
     deformable::Vector3 force;
     std::array<double, 6> virial;    // xx, yy, zz, xy, xz, yz
@@ -161,7 +169,9 @@ class FixDeformableWall : public Fix {
   void require(const std::string &problem);
   int read_keywords(int narg, char **arg);
   int read_keyword(int iarg, int narg, char **arg);
+  void read_ride(int iarg, char **arg);
   void check_keywords(deformable::Walls &) const;
+  deformable::Motion ride_now() const;
   std::vector<deformable::WallVariable *> variables();
   void check_places();
   void kick();

@@ -1,5 +1,8 @@
 #include "styles/walls/walls.h"
 
+#include "geometry/mesh_files.h"
+#include "styles/all_ranks.h"
+
 #include "domain.h"
 #include "info.h"
 #include "input.h"
@@ -153,6 +156,7 @@ std::string Walls::follow()
   for (std::size_t k = 0; k < sources.size(); ++k) {
     WallSource &source = sources[k];
     Region *const region = source.region;
+    if (shapes[k].mesh) motions[k] = ride;
     if (source.side.sign != 0) component(motions[k].step, source.side.axis) = source.side.place.now;
     if (!region) continue;
     if (dimension == 2 && region->dz != 0.0 && region->moveflag)
@@ -245,16 +249,51 @@ const Word *find_word(const std::string &name)
 
 }    // namespace
 
+static bool is_mesh(const std::string &word)
+{
+  return word == "surface" || word == "room";
+}
+
 bool Walls::is_word(const std::string &word)
 {
-  return find_word(word) || is_side(word);
+  return find_word(word) || is_side(word) || is_mesh(word);
 }
 
 const char *Walls::known_words(int dimension)
 {
   return dimension == 2
-             ? "'plane', 'circle', 'disk', 'segment', 'polygon', or a side 'xlo' to 'yhi'"
-             : "'plane', 'sphere', 'cylinder', 'cone', 'ball', 'post', or a side 'xlo' to 'zhi'";
+             ? "'plane', 'circle', 'disk', 'segment', 'polygon', 'surface', 'room', or a side "
+               "'xlo' to 'yhi'"
+             : "'plane', 'sphere', 'cylinder', 'cone', 'ball', 'post', 'surface', 'room', or a "
+               "side "
+               "'xlo' to 'zhi'";
+}
+
+// A chain of points in the plane, triangles in space: from a file, or as many numbers as follow.
+std::string Walls::read_mesh(const std::string &label, const std::string &file,
+                             const std::vector<double> &value, bool is_room, LAMMPS *lmp)
+{
+  std::vector<Vector3> points;
+  std::string bytes, problem;
+  const std::string name = file.empty() ? label : label + ", file '" + file + "',";
+  if (file.empty()) {
+    for (std::size_t k = 0; k < value.size(); k += dimension)
+      points.push_back({value[k], value[k + 1], dimension == 3 ? value[k + 2] : 0.0});
+  } else if (!read_file(lmp, file, bytes)) {
+    return name + " cannot be opened: " + utils::getsyserror();
+  } else {
+    problem = dimension == 2 ? read_chain(bytes, points) : read_stl(bytes, points);
+  }
+  if (dimension == 2) points = segments_of(points, is_room);
+  const auto mesh = std::make_shared<Mesh>();
+  if (problem.empty())
+    problem = mesh->build(dimension, points, is_room, dimension == 2 ? "segment" : "triangle");
+  if (!problem.empty()) return name + " " + problem;
+  WallShape shape;
+  shape.mesh = mesh;
+  Scene::add(is_room ? Wall::ROOM : Wall::SURFACE, label, shape);
+  sources.push_back({label});
+  return "";
 }
 
 std::string Walls::read_words(int narg, char **arg, LAMMPS *lmp)
@@ -270,7 +309,19 @@ std::string Walls::read_words(int narg, char **arg, LAMMPS *lmp)
       continue;
     }
     int first = iarg + 1, values = word ? word->numbers[dimension - 2] : 0;
-    if (values == 0)
+    std::string file;
+    if (is_mesh(name)) {
+      const std::string what = dimension == 2 ? "points" : "triangles";
+      if (first == narg) return name + " needs a file, or a number of " + what;
+      if (utils::is_integer(arg[first])) {
+        const int rows = utils::inumeric(FLERR, arg[first++], false, lmp), least = 4 - dimension;
+        if (rows < least)
+          return fmt::format("{}: {} {} are too few, give {} or more", name, rows, what, least);
+        values = std::min(rows, narg) * (dimension == 2 ? 2 : 9);
+      } else {
+        file = arg[first++];
+      }
+    } else if (values == 0)
       return (is_word(name) ? fmt::format("'{}' is no wall in {} dimensions", name, dimension)
                             : "unknown word '" + name + "'") +
              ": it must be " + known_words(dimension) + ", and after them 'shear', 'load'" +
@@ -294,6 +345,11 @@ std::string Walls::read_words(int narg, char **arg, LAMMPS *lmp)
     WallShape shape;
     const std::string label = fmt::format("{} {}", name, walls.size() + 1);
     std::string problem;
+    if (is_mesh(name)) {
+      problem = read_mesh(label, file, value, name == "room", lmp);
+      if (!problem.empty()) return problem;
+      continue;
+    }
     (dimension == 2 ? read_plane_shape : read_space_shape)(name, value, shape, problem);
     if (!problem.empty()) return label + " " + problem;
     Scene::add(shape.is_round()           ? (word->is_obstacle ? Wall::DISK : Wall::RIM)

@@ -86,10 +86,13 @@ class Walls : public Scene {
 
   // Walls from words: xlo place ... zhi place, where the place is a number, EDGE or v_name. At rest, in the plane: plane x y nx ny,
   // circle x y radius, disk x y radius, segment x1 y1 x2 y2, polygon N x1 y1 ... xN yN. In space: plane x y z nx ny nz, sphere
-  // x y z radius, ball x y z radius, cylinder or post x y z ax ay az radius, cone x y z ax ay az radius slope.
+  // x y z radius, ball x y z radius, cylinder or post x y z ax ay az radius, cone x y z ax ay az radius slope. Outlines that move
+  // as `ride` says: surface or room, and a file, or N and the numbers of so many points or triangles.
   std::string read_words(int narg, char **arg, LAMMPS *);
   static bool is_word(const std::string &);    // in the plane or in space
   static const char *known_words(int dimension);
+
+  Motion ride;    // of all meshes
 
   // Sides go where their variables are now; see WallVariable.
   std::string place_sides(LAMMPS *, bool goes_on);
@@ -100,6 +103,8 @@ class Walls : public Scene {
   std::string add(Region *, bool matching, double x, double y);
   std::string add_obstacle(Region *, bool inside, double x, double y);
   std::string check_obstacle(const Wall &) const;
+  std::string read_mesh(const std::string &label, const std::string &file,
+                        const std::vector<double> &value, bool is_room, LAMMPS *);
   std::string add_side(const std::string &word, const std::string &place, LAMMPS *);
   std::string place_side(int shape, LAMMPS *);
 };
