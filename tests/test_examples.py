@@ -423,6 +423,24 @@ def test_design(tree):
     assert results["gradient"]["relaxations"] < 0.25 * results["differences"]["relaxations"]
 
 
+def test_stable_packings():
+    """The table is that of the committed packings; radii are spread as before."""
+    folder = ROOT / "examples" / "design"
+    rows = json.loads((folder / "stable.json").read_text())
+    page = (folder / "README.md").read_text()
+    keys = {"pressure": ".2g", "coordination": ".2f", "lowest": ".3f", "yield_strain": ".3f"}
+    for name in ("compressed", "radii", "as soft"):
+        of = [row for row in rows if row["packing"] == name]
+        cells = [format(np.median([row[key] for row in of]), how) for key, how in keys.items()]
+        assert f"| {' | '.join(cells)} |" in page
+    by_seed = {(row["seed"], row["packing"]): row for row in rows}
+    for seed in range(1, 11):
+        before, after, soft = (by_seed[seed, name] for name in ("compressed", "radii", "as soft"))
+        assert after["spread"] == pytest.approx(before["spread"], rel=1e-9)
+        assert after["pressure"] == pytest.approx(soft["pressure"], rel=2e-6)
+        assert after["yield_strain"] > 2 * max(before["yield_strain"], soft["yield_strain"])
+
+
 def test_relaxation_in_jax(tree):
     pytest.importorskip("jax")
     lines = run(tree / "examples" / "design", "python", "in_jax.py").splitlines()

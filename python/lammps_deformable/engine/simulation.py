@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
@@ -23,6 +24,7 @@ from ..particles.polygons import DeformablePolygon, Walls
 from ..particles.walls import Wall
 from ..state.recorded import motion_of
 from ..state.state import State
+from .breathing import relax_radii
 from .engines import (
     Droplets,
     Rings,
@@ -1056,6 +1058,9 @@ class Simulation(OneCall):
         pressure: float | None = None,
         free: str = "iso",
         max_steps: int | None = None,
+        vary: str | None = None,
+        stiffness: float | None = None,
+        moments: ArrayLike | None = None,
     ) -> State:
         """Minimize the energy until no force exceeds a part of the mean contact force.
 
@@ -1080,6 +1085,13 @@ class Simulation(OneCall):
                 or `tri` the shape, which ends without shear stress.
             max_steps: of the minimizer at most, as a patience; without it ends by itself where
                 forces do not fall any more.
+            vary: `radii`, of `Ring`, `SoftContact` and `Droplet`: particles breathe. With their
+                radii R_i0 at the beginning, energy + stiffness/2 sum (R_i - R_i0)^2 is least over
+                centers and radii, until its derivatives by radii are below the tolerance, too. The
+                packing fraction is kept; the state has the new radii.
+            stiffness: of radii, 0 or above, needed to vary them [energy/length^2].
+            moments: powers m of the radii whose sums are kept as well, 1 if not given; (-3, 1, 6)
+                lets a distribution keep its shape where the stiffness is small.
 
         Returns:
             The relaxed state; its `converged` is false if the tolerance was not reached.
@@ -1104,7 +1116,24 @@ class Simulation(OneCall):
         al., Comput. Mater. Sci. 175, 109584 (2020). L-BFGS: Nocedal, Math. Comp. 35, 773 (1980),
         preconditioned by the springs of contacts.
         """
-        return relax_above(self, tolerance, 0.0, pressure, free, max_steps)
+        if vary is None:
+            for name, given in (("stiffness", stiffness), ("moments", moments)):
+                if given is not None:
+                    raise ParameterError(
+                        f"{name}={shown(given)} is of radii: give vary='radii' too"
+                    )
+            return relax_above(self, tolerance, 0.0, pressure, free, max_steps)
+        if vary != "radii" or stiffness is None or pressure is not None:
+            raise ParameterError(
+                "vary takes 'radii', with a stiffness and without a pressure, not "
+                f"vary={shown(vary)}, stiffness={shown(stiffness)}, pressure={shown(pressure)}"
+            )
+        tolerance = positive("tolerance", self.engine.tolerance if tolerance is None else tolerance)
+        if max_steps is not None:
+            count("max_steps", max_steps)
+        relax = partial(relax_above, self, tolerance)
+        kept = 1.0 if moments is None else moments
+        return relax_radii(self, stiffness, kept, tolerance, max_steps, relax)
 
     def _relaxed(self, tolerance: float, least: float, max_steps: int | None) -> State:
         """The state relaxed in its box."""
