@@ -30,7 +30,7 @@ BUDGETS = {
     "docs/fix_deformable_wall.md": 2015,
     "docs/fix_deformable_friction.md": 1440,
 }
-USUAL, GUIDE, ALL = 1390, 900, 68_250
+USUAL, GUIDE, ALL = 1390, 900, 68_695
 
 # How the code came to be is in the git log. What nobody has read is no source.
 BANNED = (

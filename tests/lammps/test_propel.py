@@ -188,7 +188,7 @@ def test_refused_arguments():
         ("inf 2.0 1", "instead of 'inf'"),
         ("1.0 0.0 1", "tau is '0.0': it must be positive"),
         ("1.0 2.0 -1", "seed is '-1': it must not be negative"),
-        ("1.0 2.0 1 x", "Unknown fix deformable/propel argument 'x' after the seed"),
+        ("1.0 2.0 1 x", "Unknown fix deformable/propel keyword 'x': it must be 'velocity'"),
     ):
         with refuses(message):
             active.run(f"fix propel all deformable/propel {arguments}")

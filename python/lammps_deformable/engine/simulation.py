@@ -68,6 +68,7 @@ if TYPE_CHECKING:
     from lammps import lammps
     from mpi4py import MPI
 
+    from ..protocols.motion import Alignment
     from ..protocols.protocol import Protocol
     from ..runs.run import Run
 
@@ -862,6 +863,7 @@ class Simulation(OneCall):
         inertia: bool = True,
         propulsion: float | None = None,
         persistence: float | None = None,
+        alignment: Alignment | None = None,
         pressure: float | None = None,
         inertial_number: float | None = None,
         tolerance: float | None = None,
@@ -927,6 +929,7 @@ class Simulation(OneCall):
                 need a drag.
             persistence: time tau in which their directions n forget the first one, <n(t).n(0)> =
                 exp(-t/tau), above 0 [time]; infinite for directions that stay.
+            alignment: of directions to velocities, to neighbors or to free space.
             pressure: p, of the state at rest [energy/length^d].
             inertial_number: I, 1e-3 if not given; the smaller, the slower is the compression.
             tolerance: with a pressure, largest force on a particle, and largest torque on it over
@@ -979,6 +982,7 @@ class Simulation(OneCall):
                 inertia=inertia,
                 propulsion=propulsion,
                 persistence=persistence,
+                alignment=alignment,
                 pressure=pressure,
                 inertial_number=inertial_number,
                 tolerance=tolerance,

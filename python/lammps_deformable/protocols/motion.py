@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..common.checks import count, expect, number_or_nan, positive, whole, zero_or_more
+from ..common.checks import count, expect, finite, number_or_nan, positive, whole, zero_or_more
 from ..common.errors import LammpsError, ParameterError, StalledWarning, warn
 from ..core import unit_vectors
 from ..engine.lammps import gather, place, place_velocities, rub_and_spin, run
@@ -56,8 +56,8 @@ _FLATTEN = 1000
 # dr/dt = F/drag + noise, by Euler's method. It draws the noise within a step, not at its ends.
 _BROWNIAN = "fix deformable_move all brownian {temperature!r} {seed} gamma_t {drag!r} rng {rng}"
 
-# Forces along directions that diffuse, as a fix of this package.
-_PROPULSION = "fix deformable_propel all deformable/propel {force!r} {persistence!r} {seed}"
+# Forces along directions that diffuse and align, as a fix of this package.
+_PROPULSION = "fix deformable_propel all deformable/propel {force!r} {persistence!r} {seed}{align}"
 _DIRECTIONS = "f_deformable_propel"
 
 # Parts that a time step takes at most: of the smallest radius, by which a drive moves particles, of
@@ -66,6 +66,55 @@ _MOVED, _PERSISTED, _SETTLED = 0.02, 0.05, 0.02
 
 # LAMMPS takes seeds up to 9e8, and adds the rank to them.
 _SEEDS = 890_000_000
+
+
+@dataclass(frozen=True)
+class Alignment:
+    """How the directions n of particles that propel themselves turn, for `Simulation.run`.
+
+        dn/dt = (n x h) x n + noise,   h = velocity v/|v| + neighbors <n_j> - free sum_c n_c
+
+    In the plane the angle of n turns by |h| sin(angle of h - angle of n). v is the velocity of the
+    particle, <n_j> the mean over its neighbors, n_c the normals of its contacts with particles and
+    walls, away from it. Negative rates turn against.
+
+    Args:
+        velocity: rate toward the own velocity [1/time].
+        neighbors: rate toward the mean direction of neighbors [1/time].
+        distance: of centers, up to which particles are neighbors [length]; if not given, those in
+            contact are.
+        free: rate toward free space, of each contact: contact inhibition of locomotion [1/time].
+
+    Raises:
+        ParameterError: a rate is not finite, a distance not above 0, or has no rate.
+
+    Source: velocity: Lam, Schindler and Dauchot, New J. Phys. 17, 113056 (2015); free space:
+    Zimmermann et al., PNAS 113, 2660 (2016).
+    """
+
+    velocity: float = 0.0
+    neighbors: float = 0.0
+    distance: float | None = None
+    free: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("velocity", "neighbors", "free"):
+            object.__setattr__(self, name, finite(name, getattr(self, name)))
+        if self.distance is not None:
+            object.__setattr__(self, "distance", positive("distance", self.distance))
+            if not self.neighbors:
+                raise ParameterError("a distance is that of neighbors: give their rate too")
+
+    def _words(self) -> str:
+        """Of *fix deformable/propel*."""
+        near = "contact" if self.distance is None else repr(self.distance)
+        values = {"velocity": "", "neighbors": f" {near}", "free": ""}
+        rates = {name: getattr(self, name) for name in values}
+        return "".join(f" {name} {rate!r}{values[name]}" for name, rate in rates.items() if rate)
+
+    def _fastest(self) -> float:
+        """Rate at which a direction turns at most, with six contacts on one side [1/time]."""
+        return abs(self.velocity) + abs(self.neighbors) + 3.0 * abs(self.free)
 
 
 @dataclass(frozen=True)
@@ -80,6 +129,7 @@ class Dynamics:
         propulsion: the part of the drive along directions of their own [energy/length].
         persistence: time for which they propel themselves in about one direction; None if they do
             not [time].
+        alignment: of these directions, if they align.
         part: of the usual time step that is taken, as the box is less damped than the particles.
         limit: time steps are at most this one because of the drive or the drag [time].
         timestep: that a user has given [time].
@@ -92,6 +142,7 @@ class Dynamics:
     drive: float = 0.0
     propulsion: float = 0.0
     persistence: float | None = None
+    alignment: Alignment | None = None
     part: float = 1.0
     limit: float = np.inf
     timestep: float | None = None
@@ -113,6 +164,8 @@ class Dynamics:
                 steps.append(_SETTLED / self.drag)
         if self.persistence is not None:
             steps.append(_PERSISTED * self.persistence)
+        if self.alignment and (rate := self.alignment._fastest()):
+            steps.append(_PERSISTED / rate)
         if self.rubbing:
             steps[0] *= overdamped_part(self.rubbing)
             steps.append(rubbing_step(self.rubbing))
@@ -177,8 +230,9 @@ class Dynamics:
             mover = "fix deformable_move all nve" + sphere * spins
         parts = [mover, *["fix deformable_plane all enforce2d"] * (dimension == 2)]
         if self.persistence is not None:
+            align = self.alignment._words() if self.alignment else ""
             values = {"force": self.propulsion, "persistence": self.persistence, "seed": seed}
-            parts.append(_PROPULSION.format(**values))
+            parts.append(_PROPULSION.format(**values, align=align))
         return "\n".join(parts)
 
 
@@ -359,11 +413,17 @@ class Move(Protocol, name="run"):
     inertia: bool = True
     propulsion: float | None = None
     persistence: float | None = None
+    alignment: Alignment | None = None
     pressure: float | None = None
     inertial_number: float | None = None
     tolerance: float | None = None
     balance: float | None = None
     seed: int | np.random.Generator | None = None
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if isinstance(self.alignment, dict):  # of a recorded run
+            object.__setattr__(self, "alignment", Alignment(**self.alignment))
 
     def check(self, sim: Simulation, recorded: bool) -> Move:
         def checked(check: Callable[[str, Any], float], name: str) -> float | None:
@@ -372,6 +432,7 @@ class Move(Protocol, name="run"):
             return None if value is None else float(check(name, value))
 
         expect("inertia", self.inertia, bool)
+        expect("alignment", self.alignment, Alignment, type(None))
         settings: dict[str, Any] = {
             "steps": count("steps", self.steps),
             "every": None if self.every is None else count("every", self.every),
@@ -421,11 +482,12 @@ class Move(Protocol, name="run"):
                 "with a pressure particles come to rest in a periodic box, where they fall without "
                 "end by gravity: take gravity=(0, 0), or walls and run(drag=)"
             )
-        propelled = self.propulsion is not None or self.persistence is not None
+        own = (self.propulsion, self.persistence, self.alignment)
+        propelled = any(value is not None for value in own)
         if self.temperature or not self.inertia or propelled:
             raise ParameterError(
                 "with a pressure particles come to rest by inertia and drag: leave out "
-                "temperature, inertia=False, propulsion and persistence"
+                "temperature, inertia=False, propulsion, persistence and alignment"
             )
 
     def dynamics(self, sim: Simulation) -> Dynamics:
@@ -445,7 +507,7 @@ class Move(Protocol, name="run"):
             # a loose packing does not tell how stiff contacts become
             diameter = 2.0 * float(sim.state().packing.radii.max())
             return replace(dynamics, drive=pressure * diameter ** (sim.dimension - 1))
-        return _propelled(dynamics, self.propulsion, self.persistence)
+        return _propelled(dynamics, self.propulsion, self.persistence, self.alignment)
 
     @property
     def _every(self) -> int:
@@ -605,20 +667,33 @@ def _rate_under(sim: Simulation, pressure: float) -> float:
     return math.sqrt(2.0 * pressure * float(sim.state().packing.radii.mean()))
 
 
-def _propelled(dynamics: Dynamics, propulsion: float | None, persistence: float | None) -> Dynamics:
+def _propelled(
+    dynamics: Dynamics,
+    propulsion: float | None,
+    persistence: float | None,
+    alignment: Alignment | None,
+) -> Dynamics:
     """The dynamics with a propulsion, if there is one.
 
     Raises:
         ParameterError: one of both values is missing, or there is no drag.
     """
     if propulsion is None and persistence is None:
+        if alignment is not None:
+            raise ParameterError("an alignment turns a propulsion: give one, and its persistence")
         return dynamics
     if propulsion is None or persistence is None:
         raise ParameterError("give propulsion and persistence, or none of them")
     if not dynamics.drag:
         raise ParameterError("with a propulsion particles get faster and faster: give a drag")
     drive = dynamics.drive + propulsion
-    return replace(dynamics, drive=drive, propulsion=propulsion, persistence=persistence)
+    return replace(
+        dynamics,
+        drive=drive,
+        propulsion=propulsion,
+        persistence=persistence,
+        alignment=alignment,
+    )
 
 
 def _with_directions(sim: Simulation, dynamics: Dynamics) -> State:

@@ -10,6 +10,7 @@
 #include "styles/memory/fix_deformable_films.h"
 #include "styles/memory/fix_deformable_restart.h"
 #include "styles/motion/fix_deformable_proliferate.h"
+#include "styles/motion/fix_deformable_propel.h"
 #include "styles/pair/compute_deformable_contact.h"
 #include "styles/refusals.h"
 #include "styles/walls/fix_deformable_wall.h"
@@ -157,7 +158,11 @@ void PairDeformable::init_style()
   for (Fix *fix : modify->get_fix_by_style(FixDeformableProliferate::STYLE))
     proliferations.push_back(static_cast<FixDeformableProliferate *>(fix));
   const std::vector<Fix *> frictions = modify->get_fix_by_style(FixDeformableFriction::STYLE);
-  rubbing = !frictions.empty();
+  const std::vector<Fix *> propulsions = modify->get_fix_by_style(FixDeformablePropel::STYLE);
+  rubbing =
+      !frictions.empty() || std::any_of(propulsions.begin(), propulsions.end(), [](const Fix *fix) {
+        return static_cast<const FixDeformablePropel *>(fix)->needs_contacts();
+      });
   measuring = std::any_of(frictions.begin(), frictions.end(), [](const Fix *fix) {
     return static_cast<const FixDeformableFriction *>(fix)->has_films();
   });

@@ -97,7 +97,7 @@ struct RecordedContact {
   Vector2 push;    // force on the particle from its own energy; from a wall all of it
 };
 
-// A contact that bears a force, for fix deformable/friction.
+// A contact that bears a force, for fix deformable/friction and propel.
 struct LoadedContact {
   int i, j;          // local indices; of a wall its code < 0
   int owned;         // local index of the particle whose image j is, or -1: it is on another rank
@@ -134,8 +134,8 @@ class PairDeformable : public Pair {
   // Contacts of this rank's particles at the last call, if a compute of contacts or outlines is defined.
   std::vector<deformable::RecordedContact> recorded;
 
-  // All contacts of this rank's particles that bear a force at the last call, if a fix deformable/friction is defined.
-  // A contact between two ranks is on both.
+  // All contacts of this rank's particles that bear a force at the last call, if a fix deformable/friction or propel asks for
+  // them. A contact between two ranks is on both.
   std::vector<deformable::LoadedContact> loaded;
   virtual bool slips() const { return true; }    // along its contacts
 

@@ -157,9 +157,22 @@ void PairDeformableSector::repel(const SingleContact &single)
     return std::isinf(s.kA) ? s.kP : s.kA;
   };
 
+  const auto load = [&](double force) {
+    if (rubbing)
+      loaded.push_back({i,
+                        j,
+                        -1,
+                        {nx, ny, 0.0},
+                        middle_of(nx, ny, ri - single.contact.indentation, 0.0),
+                        force,
+                        0.0,
+                        j >= 0});
+  };
+
   if (j < 0) {
     const Energy energy = harmonic(stiffness(i), 1.0 - distance / ri);
     const double force = energy.derivative / ri;
+    load(force);
     push_wall(i, j, -force * nx, -force * ny, single.contact, 0.0);
     record(i, j, single.contact, 0.0, force, {-force * nx, -force * ny}, distance);
     if (eflag_global) eng_vdwl += energy.value;
@@ -172,6 +185,7 @@ void PairDeformableSector::repel(const SingleContact &single)
   const Energy energy = harmonic(0.5 * share * (stiffness(i) + stiffness(j)), 1.0 - distance / sum);
   const double force_per_distance = energy.derivative / (sum * distance);
   const double dx = -distance * nx, dy = -distance * ny;    // from the partner to i
+  load(force_per_distance * distance);
   record(i, j, single.contact, 0.0, force_per_distance * distance / share,
          {force_per_distance * dx, force_per_distance * dy}, distance);
   double *const *const f = atom->f;

@@ -33,6 +33,7 @@ MEANT = {
     },
     "a list": {"frequencies", "items", "source"},
     "a negative number": {
+        *("Alignment.free", "Alignment.neighbors", "Alignment.velocity"),
         "Modes.plot.index",
         "frame",
         "inset",
@@ -126,6 +127,7 @@ class Calls:
         outline = {"angle": [0.5, 2.0], "species": 1}
         curved = {name: [0.1, 0.1] for name in ("force", "half_angle")}
         self.special: dict[str, dict[str, Any]] = {
+            "Alignment": {"neighbors": 1.0},
             "DeformablePolygon.polygons": {"radii": PACKING.radii},
             "Ring.outline": outline | curved,
             "Run.export": {"path": ".pvd"},

@@ -127,6 +127,43 @@ def test_particles_that_push_each_other_keep_their_step() -> None:
     assert states[-1].time > states[-2].time
 
 
+@pytest.mark.parametrize("d", [2, 3])
+def test_alignment(d: int) -> None:
+    """Two that touch turn away from each other, or to each other's direction, by their rates.
+
+    Of an angle phi to a field tan(phi/2) decays by its rate; two that align close theirs by twice
+    the rate. The default step is short against it.
+    """
+    away = np.zeros((2, d))
+    away[:, 0] = -1.0, 1.0
+    pair = ld.Packing(10.0 + 0.9 * away, 1.0, 20.0 * np.eye(d))
+    start = np.zeros((2, d))
+    start[:, :2] = [[0.8, 0.6], [0.0, 1.0]]
+    law = ld.Ring() if d == 2 else ld.Droplet()
+    settings = {"drag": 1.0, "inertia": False, "propulsion": 1e-9, "persistence": np.inf}
+    for alignment, rate in ((ld.Alignment(free=0.5), 0.5), (ld.Alignment(neighbors=0.5), 1.0)):
+        with ld.Simulation(pair, law) as sim:
+            sim.directions = start
+            state = sim.run(60, timestep=1e-4 * np.pi, alignment=alignment, **settings)[-1]
+            assert sim.run(1, alignment=alignment, **settings)[-1].time < state.time + 0.11
+        if alignment.free:
+            old, new = (np.arccos(np.sum(n * away, axis=1)) for n in (start, state.directions))
+        else:
+            old, new = (np.arccos(n[0] @ n[1]) for n in (start, state.directions))
+        decay = np.exp(-rate * state.time)
+        np.testing.assert_allclose(np.tan(new / 2), decay * np.tan(old / 2), rtol=2e-6)
+
+
+def test_neighbors_at_a_distance(free: ld.Packing) -> None:
+    """Particles that are far from each other align; the order of all grows."""
+    flock = ld.Alignment(neighbors=1.0, distance=10.0)
+    with ld.Simulation(free, ld.Ring()) as sim:
+        start, end = sim.run(60, timestep=0.1, seed=1, alignment=flock, inertia=False, **ACTIVE)
+    before, after = (np.linalg.norm(state.directions.mean(axis=0)) for state in (start, end))
+    assert before < 0.1
+    assert after > 3.0 * before
+
+
 def test_refusals(free: ld.Packing) -> None:
     with ld.Simulation(free, ld.Ring()) as sim:
         for values, message in (
@@ -138,3 +175,9 @@ def test_refusals(free: ld.Packing) -> None:
         ):
             with refused(message):
                 sim.run(10, **ACTIVE | values)
+        with refused("an alignment turns a propulsion: give one"):
+            sim.run(10, drag=1.0, alignment=ld.Alignment(free=1.0))
+        with refused("leave out temperature.*alignment"):
+            sim.run(10, pressure=1e-3, alignment=ld.Alignment(free=1.0))
+    with refused("a distance is that of neighbors: give their rate too"):
+        ld.Alignment(distance=1.0)

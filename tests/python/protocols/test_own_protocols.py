@@ -185,7 +185,7 @@ def test_older_parameters_are_read() -> None:
         ),
         (
             lambda sim, **how: sim.run(30, every=10, temperature=1e-6, seed=1, **how),
-            ("propulsion", "persistence", "pressure", "inertial_number", "tolerance"),
+            ("propulsion", "persistence", "alignment", "pressure", "inertial_number", "tolerance"),
             {"look": 10},
         ),
     ],

@@ -37,6 +37,7 @@ PROTOCOLS: dict[str, Callable[..., Any]] = {
         seed=2,
         propulsion=1e-3,
         persistence=10.0,
+        alignment=ld.Alignment(velocity=0.1, neighbors=0.1, free=0.1),
         **how,
     ),
     "soft contacts": lambda sim, **how: sim.shear(0.8, steps=5, **how),
