@@ -159,6 +159,14 @@ template <class A> RubLoss loss(double kt, const Rub<A> &before, const Rub<A> &n
   return {dot(mean, way - change), dot(mean - 0.5 * kt * (before.xi + now.xi), change)};
 }
 
+// The power of the same by the force now, where the sides move by v.
+template <class A> RubLoss power(const Friction &c, const Rub<A> &now, const A &v)
+{
+  const A on_dashpot = now.force - c.kt * now.xi;
+  const A rate = !now.slides ? v : c.gt > 0.0 ? on_dashpot / c.gt : A{};    // dxi/dt
+  return {dot(now.force, v - rate), dot(on_dashpot, rate)};
+}
+
 // A film of the size S, its length in the plane and its area in space, drags its sides against each other by
 //   f = c S |v|^(n-1) v,   0 < n <= 1,
 // along the contact and along its normal. Returns f/v. For n < 1 it grows without bound where the sides come to rest, so that it

@@ -213,13 +213,15 @@ def contacts_of(
     """
     if friction is None:
         return Later(rows, packing, one_force), None
-    own = local_array(lmp, FRICTION, RUBBING_ROWS[packing.dimension], fix=True)
+    columns = RUBBING_ROWS[packing.dimension] + (4 if friction.ledger else 0)
+    own = local_array(lmp, FRICTION, columns, fix=True)
     rubbing = np.concatenate(comm.allgather(own))
     table, springs, places = rubbing_table(rows, packing, rubbing, has_films(friction))
     stored, *lost = (lmp.extract_fix(FRICTION, 0, 1, n) for n in (0, 1, 2, 3, 6))
     omega = gather(lmp, "omega", 3)
     spins = np.ascontiguousarray(omega[:, 2]) if packing.dimension == 2 else omega
-    return table, Rubbing(spins, springs, tuple(lost), stored, places)
+    each = gather(lmp, f"f_{FRICTION}", 4) if friction.ledger else None
+    return table, Rubbing(spins, springs, tuple(lost), stored, places, each)
 
 
 # Iterations without halving the largest force after which a relaxation counts as stalled.
@@ -365,6 +367,8 @@ class Deformables(Engine):
             spins = rubbing.spins
             place(lmp, "omega", spins if spins.ndim == 2 else np.outer(spins, [0.0, 0.0, 1.0]))
             run(lmp, spring_commands(sim.friction, rubbing))
+            if sim.friction and sim.friction.ledger and rubbing.by_particle is not None:
+                place(lmp, f"f_{FRICTION}", rubbing.by_particle)
         if motion.images is not None and motion.images.any():
             place_images(lmp, motion.images)
         sim.time, sim.shear_strain, sim.directions = motion.time, motion.strain, motion.directions

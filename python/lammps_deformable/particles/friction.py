@@ -62,6 +62,8 @@ class Friction:
         restitution: coefficient of restitution e, above 0, 1 at most: it damps in the place of
             `damping`, which is 0 then. Lines of contacts have one force: not with `radical`.
         walls: of contacts with walls, each a number; if not given they are as those of particles.
+        ledger: whether states tell where energy is lost: `State.lost_by_particle`, and the `power`
+            of contacts.
 
     Each of mu to film, and restitution, is a number for all pairs, or a symmetric matrix with a row
     and a column for each species.
@@ -82,6 +84,7 @@ class Friction:
     power: float = 1.0
     restitution: ByPair = 1.0
     walls: Friction | None = None
+    ledger: bool = False
 
     def __post_init__(self) -> None:
         for name in _NAMES:
@@ -92,6 +95,7 @@ class Friction:
             if problem := core.invalid_friction(*[*of_pair, self.power, restitution]):
                 raise ParameterError(problem.replace("damp must", "damping must"))
         expect("walls", self.walls, Friction, type(None))
+        expect("ledger", self.ledger, bool)
         if self.walls and (self.walls._by_species or self.walls.walls):
             raise ParameterError(
                 f"friction with walls has one number for each of {', '.join(_NAMES)}"
@@ -196,6 +200,7 @@ fix deformable_turn all viscous/sphere {rate!r} scale v_deformable_inertia
 
 # Of a trajectory, in the plane and in space.
 _SPIN, _SPINS = ("spin",), ("spin_x", "spin_y", "spin_z")
+_LOST = ("lost_sliding", "lost_dashpots", "lost_damping", "lost_films")
 
 
 class Rubbing(NamedTuple):
@@ -211,6 +216,7 @@ class Rubbing(NamedTuple):
         stored: energy of the springs; known of states only.
         places: of the springs, shape (M, 2 d): the normal of the contact, and the vector from the
             particle to the center of its partner or to the wall; known of states only.
+        by_particle: `lost` of each particle, shape (N, 4); None without a ledger.
     """
 
     spins: NDArray[np.float64]
@@ -218,6 +224,7 @@ class Rubbing(NamedTuple):
     lost: tuple[float, ...] = (0.0,) * _LOSSES
     stored: float = 0.0
     places: NDArray[np.float64] = np.zeros((0, 4))
+    by_particle: NDArray[np.float64] | None = None
 
     @property
     def dimension(self) -> int:
@@ -240,6 +247,8 @@ def friction_commands(friction: Friction | None, species: int) -> str:
     if friction.walls:
         of_walls = values_of_pairs(friction.walls, 1)[0, 0].tolist()
         words.append(f"types * wall{_numbers(of_walls, friction.walls.power)}")
+    if friction.ledger:
+        words.append(" ledger yes")
     return f"fix {FRICTION} all deformable/friction{' '.join(words)}\n"
 
 
@@ -298,7 +307,8 @@ def rubbing_lines(rubbing: Rubbing | None) -> str:
     if rubbing is None:
         return ""
     lost = np.array([rubbing.lost])
-    return comment_lines("spring", rubbing.springs) + comment_lines("lost by friction", lost)
+    text = comment_lines("spring", rubbing.springs) + comment_lines("lost by friction", lost)
+    return text + comment_lines("lost by particle", rubbing.by_particle)
 
 
 def _losses(numbers: Any) -> tuple[float, ...]:
@@ -325,7 +335,10 @@ def rubbing_in(text: str, spins: NDArray[np.float64]) -> Rubbing | None:
     lost = rows_in_comments(text, "lost by friction", 1)
     if springs is None or lost is None:
         return None
-    return Rubbing(spins, springs, _losses(lost.ravel()))
+    each = rows_in_comments(text, "lost by particle", _LOSSES)
+    if each is not None and len(each) != len(spins):
+        raise ValueError(f"it has losses of {len(each)} of {len(spins)} atoms")
+    return Rubbing(spins, springs, _losses(lost.ravel()), by_particle=each)
 
 
 def _columns(spins: NDArray[np.float64]) -> int:
@@ -334,7 +347,7 @@ def _columns(spins: NDArray[np.float64]) -> int:
 
 
 def rubbing_as_json(rubbing: Rubbing | None) -> dict[str, Any]:
-    """All but the spins, which are in a trajectory; nothing without friction."""
+    """All but what is in columns of a trajectory; nothing without friction."""
     if rubbing is None:
         return {}
     return {"springs": rubbing.springs.tolist(), "lost_by_friction": list(rubbing.lost)}
@@ -343,7 +356,7 @@ def rubbing_as_json(rubbing: Rubbing | None) -> dict[str, Any]:
 def rubbing_from_json(
     saved: Mapping[str, Any], columns: Mapping[str, NDArray[np.float64]]
 ) -> Rubbing | None:
-    """The inverse of `rubbing_as_json` and `spin_column`.
+    """The inverse of `rubbing_as_json` and `rubbing_as_columns`.
 
     Raises:
         KeyError, ValueError, TypeError: it is damaged.
@@ -356,28 +369,34 @@ def rubbing_from_json(
     rows = saved["springs"]
     width = len(rows[0]) if rows else _columns(spins)
     springs = np.array(rows, np.float64).reshape(-1, width)
-    return Rubbing(np.ascontiguousarray(spins), springs, _losses(saved["lost_by_friction"]))
+    lost = _losses(saved["lost_by_friction"])
+    each = np.column_stack([columns[name] for name in _LOST]) if _LOST[0] in columns else None
+    return Rubbing(np.ascontiguousarray(spins), springs, lost, by_particle=each)
 
 
-def spin_column(rubbing: Rubbing | None) -> dict[str, NDArray[np.float64]]:
-    """The spins as columns of a trajectory; none without friction."""
+def rubbing_as_columns(rubbing: Rubbing | None) -> dict[str, NDArray[np.float64]]:
+    """Spins, and what particles have lost, as columns of a trajectory; none without friction."""
     if rubbing is None:
         return {}
-    if rubbing.dimension == 2:
-        return {_SPIN[0]: rubbing.spins}
-    return dict(zip(_SPINS, rubbing.spins.T, strict=True))
+    spins = dict(zip(_SPINS, rubbing.spins.T, strict=True)) if rubbing.dimension == 3 else {}
+    found = spins or {_SPIN[0]: rubbing.spins}
+    if rubbing.by_particle is not None:
+        found |= dict(zip(_LOST, rubbing.by_particle.T, strict=True))
+    return found
 
 
 Floats = NDArray[np.float64]
 
 
-def rubbing_columns(dimension: int) -> np.dtype[np.void]:
+def rubbing_columns(dimension: int, ledger: bool = False) -> np.dtype[np.void]:
     """Columns that follow those of contacts that slip freely.
 
     What lies along the contact is a number in the plane, in the direction of the normal turned
     left, and a vector in space. Forces are those on i [energy/length].
     """
     along = () if dimension == 2 else (3,)
+    # lost by sliding, dashpots along and across it, and films; of both sides [energy/time]
+    power = [("power", float, (_LOSSES,))] * ledger
     return np.dtype(
         [
             ("friction", float, along),  # f_t
@@ -385,5 +404,6 @@ def rubbing_columns(dimension: int) -> np.dtype[np.void]:
             ("spring", float, along),  # xi [length]
             ("sliding", bool),  # whether the friction has its largest value
             ("film_vector", float, (dimension,)),  # of the film, along the contact and its normal
+            *power,
         ]
     )

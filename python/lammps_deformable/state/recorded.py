@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..formats.store import TEMPERATURE, Motion, as_columns, save
 from ..particles.commands import SOFT_STEP
-from ..particles.friction import rubbing_step, spin_column
+from ..particles.friction import rubbing_as_columns, rubbing_step
 from ..particles.laws import (
     HOTTEST,
     AnyLaw,
@@ -95,7 +95,7 @@ def particle_values(state: State) -> dict[str, NDArray[Any]]:
     found["rattler"] = state.rattlers.astype(int)
     if isinstance(state.law, SAVED):
         found |= dict(zip(("vx", "vy", "vz"), state.velocities.T, strict=False))
-        found |= {**as_columns(motion_of(state)), **spin_column(state.rubbing)}
+        found |= {**as_columns(motion_of(state)), **rubbing_as_columns(state.rubbing)}
     return found
 
 

@@ -33,15 +33,19 @@ class _Told(NamedTuple):
     sliding: Floats
     film: Floats  # along the contact
     squeezed: Floats  # and along its normal
+    power: Floats  # (M, 4), without a ledger (M, 0)
 
 
 def _told(rows: Floats) -> _Told:
     """Of both dimensions."""
+    dimension = 2 if rows.shape[1] < RUBBING_ROWS[3] else 3
+    rows, power = np.split(rows, [RUBBING_ROWS[dimension]], axis=1)
     c = np.ascontiguousarray(rows.T)
-    if len(c) == RUBBING_ROWS[2]:
-        return _Told(c[0], c[1], c[10], unit_vectors(c[4]), c[6], c[7], c[8], c[9], c[11], c[12])
+    if dimension == 2:
+        n = unit_vectors(c[4])
+        return _Told(c[0], c[1], c[10], n, c[6], c[7], c[8], c[9], c[11], c[12], power)
     n, friction, spring, film = (rows[:, k : k + 3] for k in (5, 9, 13, 18))
-    return _Told(c[0], c[1], c[17], n, friction, c[12], spring, c[16], film, c[21])
+    return _Told(c[0], c[1], c[17], n, friction, c[12], spring, c[16], film, c[21], power)
 
 
 def _normals(table: ContactTable) -> Floats:
@@ -57,14 +61,16 @@ def rubbing_table(
     Args:
         rows: of compute deformable/contact on all ranks.
         packing: centers and box at the same time.
-        rubbing_rows: of fix deformable/friction on all ranks, shape (M, RUBBING_ROWS).
+        rubbing_rows: of fix deformable/friction on all ranks, shape (M, RUBBING_ROWS), with a
+            ledger 4 more.
         films: whether springs come with the forces of films.
 
     Returns:
         The table, whose `force_vector` has all forces; and `springs` and `places` of `Rubbing`.
     """
     plane = packing.dimension == 2
-    sides, of_rubbing = sides_of(rows, packing), rubbing_columns(packing.dimension)
+    ledger = rubbing_rows.shape[1] > RUBBING_ROWS[packing.dimension]
+    sides, of_rubbing = sides_of(rows, packing), rubbing_columns(packing.dimension, ledger)
     table = np.zeros(len(sides), np.dtype(sides.dtype.descr + of_rubbing.descr))
     for name in sides.dtype.names or ():
         table[name] = sides[name]
@@ -78,6 +84,8 @@ def rubbing_table(
     table["friction"][at], table["spring"][at] = told.friction, told.spring
     table["damping"][at], table["sliding"][at] = told.damping, told.sliding
     table["film_vector"][at] = told.squeezed[:, None] * n + film
+    if ledger:
+        table["power"][at] = told.power
     table["force_vector"][at] += told.damping[:, None] * n + friction + table["film_vector"][at]
     react(table)
     _tell_other_sides(table, at)
@@ -99,9 +107,11 @@ def _tell_other_sides(table: ContactTable, known: NDArray[np.int64]) -> None:
     other = other_side(table[pair])
     tell = table["force"] != 0.0
     tell[known] = False
-    for name in ("friction", "damping", "spring", "sliding", "film_vector"):
+    power = ["power"] * ("power" in (table.dtype.names or ()))
+    for name in ("friction", "damping", "spring", "sliding", "film_vector", *power):
         both = table[name][pair]
-        told = both[other] if both.ndim == 1 else -both[other]  # vectors have the other sign
+        is_vector = both.ndim > 1 and name != "power"  # which has the other sign
+        told = -both[other] if is_vector else both[other]
         chosen = tell[pair] if both.ndim == 1 else tell[pair][:, None]
         table[name][pair] = np.where(chosen, told, both)
 

@@ -420,6 +420,16 @@ class State:
         return None if self.rubbing is None else self.rubbing.spins
 
     @property
+    def lost_by_particle(self) -> Floats | None:
+        """What particles have lost since the ledger began, shape (N, 4) [energy].
+
+        By sliding, in the dashpots along contacts and in those along normals, and by films; half of
+        what a contact loses belongs to each side, of one with a wall all. The sums are
+        `rubbing.lost`. None without `Friction(ledger=True)`.
+        """
+        return None if self.rubbing is None else self.rubbing.by_particle
+
+    @property
     def spring_energy(self) -> float:
         """Energy of the springs along contacts, sum of kt xi^2/2; 0 without friction [energy]."""
         return 0.0 if self.rubbing is None else self.rubbing.stored
@@ -944,11 +954,15 @@ class State:
         None, the one with the tilt nearest to the earlier one.
 
         Args:
-            before: state or packing of the same particles.
+            before: state or packing of the same particles; where some have come or gone, a state
+                of those then. They are followed by their labels, and a new one has nan.
 
         Raises:
-            ParameterError: `before` has another number of particles, or walls that close other
-                directions.
+            ParameterError: `before` has another number of particles, which have no labels, or walls
+                that close other directions.
+
+        Warns:
+            AbsentWarning: not all particles are in both states.
         """
         return displacements.displacements(before, self)
 

@@ -73,10 +73,22 @@ template <class V> static ContactPlace<V> narrow(const ContactPlace<Vector3> &p)
   return {narrow<V>(p.r), narrow<V>(p.b), narrow<V>(p.n)};
 }
 
+// Its last two words.
+static bool has_ledger(LAMMPS *lmp, int narg, char **arg)
+{
+  return narg > 7 && std::string(arg[narg - 2]) == "ledger" &&
+         utils::logical(FLERR, arg[narg - 1], false, lmp);
+}
+static int before_ledger(int narg, char **arg)
+{
+  return narg > 7 && std::string(arg[narg - 2]) == "ledger" ? narg - 2 : narg;
+}
+
 FixDeformableFriction::FixDeformableFriction(LAMMPS *lmp, int narg, char **arg)
     : FixPartnerMemory(lmp, narg, arg, STYLE),
       words(utils::join_words({arg + std::min(3, narg), arg + narg}, " ")),
-      coefficients(lmp, narg, arg),
+      ledger(has_ledger(lmp, narg, arg)),
+      coefficients(lmp, before_ledger(narg, arg), arg),
       in_plane(domain->dimension == 2),
       box_rate(lmp)
 {
@@ -87,9 +99,13 @@ FixDeformableFriction::FixDeformableFriction(LAMMPS *lmp, int narg, char **arg)
   energy_global_flag = 1;    // see FixDeformableWall
   virial_global_flag = virial_peratom_flag = thermo_virial = 1;
   local_flag = local_freq = 1;
-  size_local_cols = in_plane ? 13 : 22;
+  size_local_cols = (in_plane ? 13 : 22) + (ledger ? 4 : 0);
   size_local_rows = 0;    // until the first run
   comm_reverse = 6;
+  if (ledger) {
+    peratom_flag = peratom_freq = 1;
+    size_peratom_cols = 4;
+  }
   dynamic_group_allow = 1;
   begin();
 }
@@ -269,10 +285,17 @@ void FixDeformableFriction::rub_all(int vflag)
   linear_film = largest_dashpot = 0.0;
   largest_film =
       deformable::largest_film_constant(lightest, lever(), update->dt, domain->dimension);
+  if (ledger)
+    for (int i = atom->nlocal; i < atom->nlocal + atom->nghost; ++i) particles[i].lost = {};
   in_plane ? rub_contacts<Vector2>() : rub_contacts<Vector3>();
   if (has_films() || coefficients.have_restitution()) check_dashpots();
   sweep();
   if (vflag_atom) comm->reverse_comm(this);
+  if (ledger && dt > 0.0) {
+    blaming = true;
+    comm->reverse_comm(this, 4);
+    blaming = false;
+  }
 
   size_local_rows = static_cast<int>(values.size()) / size_local_cols;
   rows.resize(size_local_rows + 1);
@@ -426,6 +449,7 @@ void FixDeformableFriction::rub(const PairDeformable &pair, const LoadedContact 
   const Speeds<V> now = speeds(sides, w, place, 0.0);
   const double most = deformable::most_friction(c.mu, contact.force);
   Acting<V> next = {{last.rub.xi, {}, false}, 0.0, {}};
+  Losses power = {};
   if (dt > 0.0) {
     Speeds<V> before = is_new ? now : speeds(sides, w, then, dt);
     before.v.along = turn(before.v.along, then.n, place.n);
@@ -434,7 +458,8 @@ void FixDeformableFriction::rub(const PairDeformable &pair, const LoadedContact 
     next.rub = deformable::rub(c, last.rub.xi, way.along, dt, contact.force);
     next.damping = deformable::damping(c.gn, way.normal, dt, contact.force);
     if (c.film > 0.0) next.film = film_force(c, contact.size, 1.0 / dt * way);
-    lose(sides, last, next, 0.5 * (m.kt + c.kt), before, now);
+    const Losses lost = lose(sides, last, next, 0.5 * (m.kt + c.kt), before, now);
+    for (std::size_t k = 0; k < lost.size(); ++k) power[k] = lost[k] / dt;
   } else {
     Along<V> force = is_new ? c.gt * now.v.along : last.rub.force;
     const double size = deformable::size_along(force);
@@ -443,6 +468,7 @@ void FixDeformableFriction::rub(const PairDeformable &pair, const LoadedContact 
     next.damping = std::min(is_new ? c.gn * now.v.normal : m.damping, std::max(contact.force, 0.0));
     next.film = last.film;
     if (is_new && c.film > 0.0) next.film = film_force(c, contact.size, now.v);
+    if (ledger) power = power_of<V>(c, next, now.v);
   }
   m = {partner,
        c.kt,
@@ -456,7 +482,7 @@ void FixDeformableFriction::rub(const PairDeformable &pair, const LoadedContact 
   push(sides, place, next.film + ContactVector<V>{next.rub.force, next.damping});
   output[CONTACTS] += part;
   if (next.rub.slides) output[SLIDES] += part;
-  list_row(i, sides, place, next, contact.force);
+  list_row(i, sides, place, next, contact.force, power);
 }
 
 /* ----------------------------------------------------------------------
@@ -465,7 +491,7 @@ void FixDeformableFriction::rub(const PairDeformable &pair, const LoadedContact 
 
 template <class V>
 inline void FixDeformableFriction::list_row(int i, const Sides &sides, const ContactPlace<V> &place,
-                                            const Acting<V> &a, double force)
+                                            const Acting<V> &a, double force, const Losses &power)
 {
   const V &n = place.n, x = vector<V>(atom->x[sides.particle]) + place.b;
   const double id = static_cast<double>(atom->tag[i]), slide = a.rub.slides ? 1.0 : 0.0;
@@ -482,6 +508,7 @@ inline void FixDeformableFriction::list_row(int i, const Sides &sides, const Con
                    force, f.x,     f.y,    f.z,    a.damping, xi.x,         xi.y, xi.z,
                    slide, wall,    film.x, film.y, film.z,    a.film.normal});
   }
+  if (ledger) values.insert(values.end(), power.begin(), power.end());
 }
 
 /* ----------------------------------------------------------------------
@@ -527,24 +554,49 @@ void FixDeformableFriction::check_dashpots() const
 ------------------------------------------------------------------------- */
 
 template <class V>
-inline void FixDeformableFriction::lose(const Sides &sides, const Acting<V> &before,
-                                        const Acting<V> &now, double kt, const Speeds<V> &v_before,
-                                        const Speeds<V> &v_now, bool ends)
+inline FixDeformableFriction::Losses
+FixDeformableFriction::lose(const Sides &sides, const Acting<V> &before, const Acting<V> &now,
+                            double kt, const Speeds<V> &v_before, const Speeds<V> &v_now, bool ends)
 {
   const double half = 0.5 * dt;
   const Along<V> way = half * (v_before.v.along + v_now.v.along);
   const RubLoss loss = deformable::loss(kt, before.rub, now.rub, way);
-  output[ends ? DASHPOTS : SLIDING] += loss.sliding;
-  output[DASHPOTS] += loss.dashpot;
-  output[DAMPING] += half * (before.damping * v_before.v.normal + now.damping * v_now.v.normal);
-  output[FILMS] += half * (dot(before.film, v_before.v) + dot(now.film, v_now.v));
-  if (sides.partner >= 0 || !pairs.front()->has_wall(sides.partner)) return;
+  const Losses lost = {ends ? 0.0 : loss.sliding, ends ? loss.sliding + loss.dashpot : loss.dashpot,
+                       half * (before.damping * v_before.v.normal + now.damping * v_now.v.normal),
+                       half * (dot(before.film, v_before.v) + dot(now.film, v_now.v))};
+  output[SLIDING] += lost[0];
+  output[DASHPOTS] += lost[1];
+  output[DAMPING] += lost[2];
+  output[FILMS] += lost[3];
+  if (ledger) blame(sides, lost);
+  if (sides.partner >= 0 || !pairs.front()->has_wall(sides.partner)) return lost;
   const ContactVector<V> force_before =
       before.film + ContactVector<V>{before.rub.force, before.damping};
   const ContactVector<V> force_now = now.film + ContactVector<V>{now.rub.force, now.damping};
   pairs.front()
       ->wall(sides.partner)
       .do_work(-half * (dot(force_before, v_before.wall) + dot(force_now, v_now.wall)));
+  return lost;
+}
+
+// By the forces and velocities now.
+template <class V>
+inline FixDeformableFriction::Losses
+FixDeformableFriction::power_of(const Friction &c, const Acting<V> &a,
+                                const ContactVector<V> &v) const
+{
+  const RubLoss rubs = deformable::power(c, a.rub, v.along);
+  return {rubs.sliding, rubs.dashpot, a.damping * v.normal, dot(a.film, v)};
+}
+
+// Half of it to each particle; to one at a wall all.
+void FixDeformableFriction::blame(const Sides &sides, const Losses &lost)
+{
+  const double part = sides.partner < 0 ? 1.0 : 0.5;
+  for (std::size_t k = 0; k < lost.size(); ++k) {
+    particles[sides.rememberer].lost[k] += part * lost[k];
+    if (sides.partner >= 0) particles[sides.partner].lost[k] += part * lost[k];
+  }
 }
 
 /* ----------------------------------------------------------------------
@@ -653,6 +705,15 @@ double FixDeformableFriction::compute_vector(int n)
   return sum_of_ranks(world, output[n]);
 }
 
+void FixDeformableFriction::grow_arrays(int size)
+{
+  FixPartnerMemory::grow_arrays(size);
+  if (!ledger) return;
+  of_particles.resize(size);
+  for (int i = 0; i < size; ++i) of_particles[i] = particles[i].lost.data();
+  array_atom = of_particles.data();
+}
+
 double FixDeformableFriction::memory_usage()
 {
   return FixPartnerMemory::memory_usage() + bytes_of(values, rows);
@@ -758,17 +819,27 @@ void FixDeformableFriction::give_spring(int i, const double *numbers)
 }
 
 /* ----------------------------------------------------------------------
-   Stresses of particles, ghosts included.
+   Stresses of particles, or what they lose, ghosts included.
 ------------------------------------------------------------------------- */
 
 int FixDeformableFriction::pack_reverse_comm(int n, int first, double *buffer)
 {
+  if (blaming) {
+    for (int i = first; i < first + n; ++i)
+      buffer = std::copy_n(particles[i].lost.data(), 4, buffer);
+    return 4 * n;
+  }
   for (int i = first; i < first + n; ++i) buffer = std::copy_n(vatom[i], 6, buffer);
   return 6 * n;
 }
 
 void FixDeformableFriction::unpack_reverse_comm(int n, int *list, double *buffer)
 {
+  if (blaming) {
+    for (int k = 0; k < n; ++k)
+      for (double &lost : particles[list[k]].lost) lost += *buffer++;
+    return;
+  }
   for (int k = 0; k < n; ++k)
     for (int c = 0; c < 6; ++c) vatom[list[k]][c] += *buffer++;
 }

@@ -1,5 +1,6 @@
 // Friction, rotation and damping of contacts, and their films, in the plane and in space:
 //   fix ID group deformable/friction mu kt gt [damp gn] [restitution e] [film c n] [types I J mu kt gt gn ...] ...
+//     [ledger yes]
 //
 // The pair style tells which contacts bear a force, where and along which normal. This fix adds what else acts between their
 // two sides, before ranks sum up the forces on ghosts. Of two particles the rank of the one with the smaller ID does so,
@@ -21,6 +22,7 @@ FixStyle(deformable/friction,FixDeformableFriction);
 #include "styles/friction/friction_coefficients.h"
 #include "styles/memory/fix_partner_memory.h"
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -83,6 +85,7 @@ class FixDeformableFriction : public deformable::FixPartnerMemory<deformable::Re
   bool has_films() const { return coefficients.have_films(); }
 
   double memory_usage() override;
+  void grow_arrays(int) override;
   int pack_reverse_comm(int, int, double *) override;
   void unpack_reverse_comm(int, int *, double *) override;
 
@@ -94,6 +97,7 @@ class FixDeformableFriction : public deformable::FixPartnerMemory<deformable::Re
                                              const deformable::RememberedContact &) const override;
 
  private:
+  const bool ledger;    // whether losses are told by particle and by contact
   deformable::FrictionCoefficients coefficients;
   std::vector<PairDeformable *> pairs;    // several within a hybrid style
   bool told_of_spins = false, told_of_box = false;
@@ -104,11 +108,13 @@ class FixDeformableFriction : public deformable::FixPartnerMemory<deformable::Re
   void find_lightest();
   void check_time_step() const;
 
+  // By sliding, in dashpots along and across contacts, in films.
+  using Losses = std::array<double, 4>;
   enum { STORED, SLIDING, DASHPOTS, DAMPING, CONTACTS, SLIDES, FILMS, OUTPUTS };
   // Of this rank; losses of all runs so far, others of the last call.
   double output[OUTPUTS] = {};
-  std::vector<double> values;    // see array_local
-  std::vector<double *> rows;
+  std::vector<double> values;                  // see array_local
+  std::vector<double *> rows, of_particles;    // the latter: see array_atom
 
   // A particle, which remembers the contact, and its partner. Local indices, of a wall its code < 0.
   struct Sides {
@@ -154,14 +160,19 @@ class FixDeformableFriction : public deformable::FixPartnerMemory<deformable::Re
   deformable::ContactVector<V> film_force(const deformable::Friction &, double size,
                                           deformable::ContactVector<V> v);
   template <class V>
-  void lose(const Sides &, const Acting<V> &before, const Acting<V> &now, double kt,
-            const Speeds<V> &v_before, const Speeds<V> &v_now, bool ends = false);
+  Losses lose(const Sides &, const Acting<V> &before, const Acting<V> &now, double kt,
+              const Speeds<V> &v_before, const Speeds<V> &v_now, bool ends = false);
   template <class V>
   void push(const Sides &, const deformable::ContactPlace<V> &,
             const deformable::ContactVector<V> &);
   template <class V>
+  Losses power_of(const deformable::Friction &, const Acting<V> &,
+                  const deformable::ContactVector<V> &v) const;
+  void blame(const Sides &, const Losses &);
+  bool blaming = false;    // in reverse communication
+  template <class V>
   void list_row(int i, const Sides &, const deformable::ContactPlace<V> &, const Acting<V> &,
-                double force);
+                double force, const Losses &power);
   template <class V> void end(int i, const deformable::RememberedContact &);
   void sweep();
   int words_of_spring() const;

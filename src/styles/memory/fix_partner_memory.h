@@ -17,6 +17,7 @@
 #include "lammps.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <cstring>
 #include <string>
@@ -79,17 +80,27 @@ template <class Row> struct PartnerMemory {
   double id = 0.0;          // its own, as of the last `follow`; 0: it was not there
   double is_known = 0.0;    // 0: its rows may not be all
   std::vector<Row> rows;
+  std::array<double, 4> lost = {};    // energies, of a fix that counts them
 };
 
+// A record has energies where any are lost: fewer numbers than a row.
+template <class Row> bool has_lost(const PartnerMemory<Row> &memory)
+{
+  return memory.lost != std::array<double, 4>{};
+}
 template <class Row> int count_of(const PartnerMemory<Row> &memory)
 {
-  return 2 + count_of(Row{}) * static_cast<int>(memory.rows.size());
+  const int rows = count_of(Row{}) * static_cast<int>(memory.rows.size());
+  return 2 + rows + (has_lost(memory) ? static_cast<int>(memory.lost.size()) : 0);
 }
 template <class Row> void write(const PartnerMemory<Row> &memory, double *numbers)
 {
   numbers[0] = memory.id;
   numbers[1] = memory.is_known;
   std::memcpy(numbers + 2, memory.rows.data(), memory.rows.size() * sizeof(Row));
+  if (has_lost(memory))
+    std::copy(memory.lost.begin(), memory.lost.end(),
+              numbers + 2 + memory.rows.size() * count_of(Row{}));
 }
 template <class Row> void read(PartnerMemory<Row> &memory, const double *numbers, int count)
 {
@@ -97,6 +108,9 @@ template <class Row> void read(PartnerMemory<Row> &memory, const double *numbers
   memory.is_known = numbers[1];
   memory.rows.resize((count - 2) / count_of(Row{}));
   std::memcpy(memory.rows.data(), numbers + 2, memory.rows.size() * sizeof(Row));
+  memory.lost = {};
+  const int read = 2 + count_of(Row{}) * static_cast<int>(memory.rows.size());
+  std::copy(numbers + read, numbers + count, memory.lost.begin());
 }
 
 template <class Row> class FixPartnerMemory : public FixMemory<PartnerMemory<Row>> {
@@ -218,7 +232,12 @@ template <class Row> class FixPartnerMemory : public FixMemory<PartnerMemory<Row
 
   WallNames walls;    // that the codes in rows are of
 
-  void make_room_everywhere() { this->maxexchange = largest_of_ranks(world, Base::maxexchange); }
+  void make_room_everywhere()
+  {
+    if (this->peratom_flag)    // what particles have lost
+      for (int i = 0; i < atom->nlocal; ++i) this->make_room(i);
+    this->maxexchange = largest_of_ranks(world, Base::maxexchange);
+  }
 
   // Calls rename(partner), which may return 0 for one that is gone. Returns how many are.
   template <class Rename> int rename(Rename &&new_name)

@@ -1,5 +1,8 @@
 """Motion where contacts rub, by the settings of a simulation or by a fix of LAMMPS."""
 
+from dataclasses import replace
+from pathlib import Path
+
 import lammps_deformable as ld
 import numpy as np
 import pytest
@@ -27,6 +30,40 @@ def test_particles_turn_and_energy_balances() -> None:
     assert state.rubbing.lost[0] > 0
     sums = [s.kinetic_energy + s.energy + s.spring_energy + s.lost_energy for s in states]
     assert sums == pytest.approx([sums[0]] * 3, rel=1e-3)
+
+
+@pytest.mark.parametrize("d", [2, 3])
+def test_where_energy_is_lost(d: int, tmp_path: Path) -> None:
+    """By particles, from record to record, and the power of contacts; a map of it."""
+    rough = replace(FRICTION, film=1e-3, ledger=True)
+    law = ld.Ring() if d == 2 else ld.Droplet(0.1)
+    start = fluid() if d == 2 else ld.bidisperse(12, phi=0.7, dimension=3, seed=1).push_off()
+    settings = {"temperature": 1e-5, "seed": 1, "every": 100}
+    with ld.Simulation(start, law, friction=rough) as sim:
+        states = sim.run(300, record=tmp_path / "run", **settings)
+        dt = (states[-1].time - states[-2].time) / 100
+        further = sim.run(1, timestep=dt)[-1]
+    read = ld.Run(tmp_path / "run")
+    for state in (*states[1:], *read[1:], further):
+        lost, each = np.array(state.rubbing.lost), state.lost_by_particle
+        assert lost[1:].min() > 0.0
+        np.testing.assert_allclose(each.sum(axis=0), lost, rtol=1e-12)
+        table = state.contacts
+        sides = table[table["i"] < table["j"]]["power"], table[table["i"] > table["j"]]["power"]
+        np.testing.assert_allclose(*(power.sum(axis=0) for power in sides), rtol=1e-12)
+    (more,) = read.simulation().run(1, timestep=dt)[1:]
+    np.testing.assert_allclose(more.lost_by_particle, further.lost_by_particle, 1e-6, 1e-18)
+    step = more.lost_by_particle.sum() - states[-1].lost_by_particle.sum()
+    assert sides[0].sum() * dt == pytest.approx(step, rel=0.05)
+    state.save(tmp_path / "state")
+    saved = ld.Run(tmp_path / "state").simulation().state()
+    np.testing.assert_array_equal(saved.lost_by_particle, state.lost_by_particle)
+    np.testing.assert_array_equal(saved._values("lost_films"), state.lost_by_particle[:, 3])
+    state.plot(color=state.lost_by_particle.sum(axis=1), label="lost")
+    state.to_pandas()
+    with ld.Simulation(fluid(), ld.Ring(), friction=FRICTION) as sim:
+        assert sim.state().lost_by_particle is None
+        assert "power" not in sim.state().contacts.dtype.names
 
 
 def test_motion_that_is_damped() -> None:
