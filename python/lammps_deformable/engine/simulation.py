@@ -768,12 +768,13 @@ class Simulation(OneCall):
 
     def proliferate(
         self,
-        rate: float | Sequence[float],
+        rate: float | Sequence[float] | str,
         *,
         division: float,
         time: float,
         steps: int = 1,
         axis: str = "random",
+        kappa: float | None = None,
         asymmetry: float = 0.1,
         pressure: float | None = None,
         death: float = 0.0,
@@ -800,12 +801,15 @@ class Simulation(OneCall):
             run = sim.proliferate(1.0, division=1.6, time=5.0, steps=20, pressure=0.1)
 
         Args:
-            rate: of growth, a number or one for each species, not negative [1/time].
+            rate: of growth, a number or one for each species, not negative [1/time]; or by place,
+                an atom-style formula of LAMMPS such as "exp(-x/5)".
             division: volume at rest at which a cell divides [length^d].
             time: in all [time].
             steps: number of states, after equal parts of the time.
             axis: on which the two lie, `random`, `long`, that of the outline in the plane, or
                 `stress`, along which the cell is pressed least; without contacts any.
+            kappa: concentration of directions about that axis, by von Mises' density, in space by
+                Fisher's, p ~ exp(kappa cos(angle)); 0 is any direction, without it is the axis.
             asymmetry: shares of the two are drawn between 0.5 (1 - asymmetry) and
                 0.5 (1 + asymmetry), so that cells do not divide at the same time.
             pressure: at which cells do not grow any more [energy/length^d]; without, they always
@@ -828,7 +832,8 @@ class Simulation(OneCall):
             FileError: see `compress`.
 
         Source: growth under pressure: Shraiman, PNAS 102, 3318 (2005), and Basan et al., HFSP J. 3,
-        265 (2009); long axis: Hertwig (1884).
+        265 (2009); long axis: Hertwig (1884); directions about it: Mardia and Jupp,
+        Directional Statistics (2000).
         """
         from ..protocols.proliferation import Proliferate
 
@@ -839,6 +844,7 @@ class Simulation(OneCall):
                 time=time,
                 steps=steps,
                 axis=axis,
+                kappa=kappa,
                 asymmetry=asymmetry,
                 pressure=pressure,
                 death=death,

@@ -2,6 +2,7 @@
 
 #include "styles/all_ranks.h"
 #include "styles/lammps_release.h"
+#include "styles/motion/drawn_directions.h"
 #include "styles/pair/pair_deformable.h"
 
 #include "atom.h"
@@ -9,8 +10,10 @@
 #include "domain.h"
 #include "error.h"
 #include "force.h"
+#include "input.h"
 #include "modify.h"
 #include "update.h"
+#include "variable.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -45,7 +48,10 @@ FixDeformableProliferate::FixDeformableProliferate(LAMMPS *lmp, int narg, char *
   nevery = utils::inumeric(FLERR, arg[3], false, lmp);
   if (nevery <= 0)
     error->all(FLERR_WORD(3), "Fix deformable/proliferate: N is '{}': it must be positive", arg[3]);
-  rate = utils::numeric(FLERR, arg[4], false, lmp);
+  if (utils::strmatch(arg[4], "^v_."))
+    variable = arg[4] + 2;
+  else
+    rate = utils::numeric(FLERR, arg[4], false, lmp);
   if (!(rate >= 0.0))
     error->all(FLERR_WORD(4),
                "Fix deformable/proliferate: the rate is '{}': it must not be negative", arg[4]);
@@ -57,17 +63,21 @@ FixDeformableProliferate::FixDeformableProliferate(LAMMPS *lmp, int narg, char *
   seed = static_cast<std::uint64_t>(number);
   for (int iarg = 7; iarg < narg; iarg += 2) {
     const std::string keyword = arg[iarg];
-    if (keyword != "pressure" && keyword != "axis" && keyword != "asymmetry")
-      error->all(
-          FLERR_WORD(iarg),
-          "Unknown fix deformable/proliferate keyword '{}': it must be 'pressure', 'axis' or "
-          "'asymmetry'",
-          keyword);
+    if (keyword != "pressure" && keyword != "axis" && keyword != "kappa" && keyword != "asymmetry")
+      error->all(FLERR_WORD(iarg),
+                 "Unknown fix deformable/proliferate keyword '{}': it must be 'pressure', 'axis', "
+                 "'kappa' or 'asymmetry'",
+                 keyword);
     if (iarg + 1 >= narg)
       utils::missing_cmd_args(FLERR, "fix deformable/proliferate " + keyword, error);
     const std::string value = arg[iarg + 1];
     if (keyword == "pressure") {
       most_pressure = positive(iarg + 1, "the pressure") / force->nktv2p;
+    } else if (keyword == "kappa") {
+      kappa = utils::numeric(FLERR, arg[iarg + 1], false, lmp);
+      if (!(kappa >= 0.0))
+        error->all(FLERR_WORD(iarg + 1),
+                   "Fix deformable/proliferate: kappa is '{}': it must not be negative", value);
     } else if (keyword == "asymmetry") {
       asymmetry = utils::numeric(FLERR, arg[iarg + 1], false, lmp);
       if (!(asymmetry >= 0.0 && asymmetry < 1.0))
@@ -87,6 +97,12 @@ FixDeformableProliferate::FixDeformableProliferate(LAMMPS *lmp, int narg, char *
                    "'random'");
     }
   }
+  if (kappa < HUGE_VAL && axis == RANDOM)
+    error->all(
+        FLERR,
+        "Fix {} deformable/proliferate: kappa is that of directions about an axis: use 'axis "
+        "stress' or 'axis long'",
+        id);
   if (!atom->radius_flag)
     error->all(
         FLERR,
@@ -128,7 +144,20 @@ void FixDeformableProliferate::init()
 
   refuse_respa(lmp, id, "deformable/proliferate");
   next_reneighbor = (update->ntimestep / nevery + 1) * nevery;
+  find_variable();
   find_last_id();
+}
+
+void FixDeformableProliferate::find_variable()
+{
+  if (variable.empty()) return;
+  variable_index = input->variable->find(variable.c_str());
+  if (variable_index < 0 ||
+      !(input->variable->atomstyle(variable_index) || input->variable->equalstyle(variable_index)))
+    error->all(FLERR,
+               "Fix {} deformable/proliferate: v_{} needs an atom-style variable: use 'variable {} "
+               "atom ...'",
+               id, variable, variable);
 }
 
 void FixDeformableProliferate::find_last_id()
@@ -155,9 +184,32 @@ void FixDeformableProliferate::setup(int)
 
 void FixDeformableProliferate::final_integrate()
 {
+  if (!variable.empty() && update->ntimestep + 1 == next_reneighbor) find_rates();
   if (!needs_contacts()) return;
   if (has_pressure() || axis == STRESS) find_stresses();
   if (axis == LONG) find_moments();
+}
+
+void FixDeformableProliferate::find_rates()
+{
+  std::vector<double> rates(atom->nlocal);
+  modify->clearstep_compute();
+  if (input->variable->atomstyle(variable_index))
+    input->variable->compute_atom(variable_index, igroup, rates.data(), 1, 0);
+  else
+    rates.assign(rates.size(), input->variable->compute_equal(variable_index));
+  modify->addstep_compute(next_reneighbor + nevery - 1);
+  refusals.check([&] {
+    for (int i = 0; i < atom->nlocal; ++i) {
+      if (!(atom->mask[i] & groupbit)) continue;
+      if (!(rates[i] >= 0.0 && std::isfinite(rates[i])))
+        refuse(
+            "Fix {} deformable/proliferate: v_{} gives atom {} the rate {}: it must be finite and "
+            "not negative",
+            id, variable, atom->tag[i], rates[i]);
+      particles[i].rate = rates[i];
+    }
+  });
 }
 
 static std::unordered_map<tagint, int> local_indices(const Atom &atom)
@@ -230,8 +282,9 @@ void FixDeformableProliferate::grow(int i)
   const int d = domain->dimension;
   const double size = deformable::size_of(atom->radius[i], d),
                pressure = mean_pressure(particles[i].stress, size, d);
+  const double free = variable.empty() ? rate : particles[i].rate;
   const double growth =
-      deformable::growth_rate(rate, pressure, most_pressure) * nevery * update->dt;
+      deformable::growth_rate(free, pressure, most_pressure) * nevery * update->dt;
   atom->radius[i] *= std::exp(growth / d);
   if (atom->rmass) atom->rmass[i] *= std::exp(growth);
 }
@@ -243,6 +296,8 @@ Vector3 FixDeformableProliferate::axis_of(int i, CountedRandom &random) const
   std::optional<Vector3> found;
   if (axis == LONG) found = long_axis(particles[i].moments);
   if (axis == STRESS) found = stretched_axis(particles[i].stress, domain->dimension);
+  if (found && kappa < HUGE_VAL)
+    return plane ? drawn_in_plane(*found, kappa, random) : drawn_in_space(*found, kappa, random);
   if (found) return *found;
   const Vector3 v = {random.gaussian(), random.gaussian(), plane ? 0.0 : random.gaussian()};
   return v / length(v);

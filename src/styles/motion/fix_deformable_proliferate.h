@@ -1,5 +1,5 @@
 // Particles that grow and divide: fix ID group deformable/proliferate N rate division seed [pressure P]
-// [axis random|stress|long] [asymmetry a]
+// [axis random|stress|long] [kappa k] [asymmetry a]
 
 #ifdef FIX_CLASS
 // clang-format off
@@ -18,6 +18,7 @@ FixStyle(deformable/proliferate,FixDeformableProliferate);
 
 #include <cmath>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 namespace deformable {
@@ -27,6 +28,7 @@ namespace deformable {
 struct Pressed {
   SymmetricTensor stress;     // sum of f h n n over contacts, h their distance
   SymmetricTensor moments;    // of the outline
+  double rate;                // of a variable
 };
 
 }    // namespace deformable
@@ -54,10 +56,13 @@ class FixDeformableProliferate : public deformable::FixMemory<deformable::Presse
  private:
   enum Axis { RANDOM, STRESS, LONG };
 
-  double rate, division;
+  double rate = 0.0, division;
+  std::string variable;    // in place of the rate
+  int variable_index = -1;
   std::uint64_t seed;
   double most_pressure = HUGE_VAL;
   Axis axis = RANDOM;
+  double kappa = HUGE_VAL;    // of directions about the axis
   double asymmetry = 0.0;
   double divisions = 0.0;
   tagint last_id =
@@ -67,6 +72,8 @@ class FixDeformableProliferate : public deformable::FixMemory<deformable::Presse
   void find_last_id();
   void find_stresses();
   void find_moments();
+  void find_variable();
+  void find_rates();
 
   void grow(int i);
   deformable::Vector3 axis_of(int i, deformable::CountedRandom &) const;

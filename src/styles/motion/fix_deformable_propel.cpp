@@ -2,7 +2,7 @@
 
 #include "laws/vector3.h"
 #include "styles/lammps_release.h"
-#include "styles/motion/counted_random.h"
+#include "styles/motion/drawn_directions.h"
 #include "styles/pair/pair_deformable.h"
 #include "styles/refusals.h"
 
@@ -27,45 +27,23 @@ using namespace FixConst;
 
 namespace {
 
-// How directions in space diffuse in a time step: n turns by the angle theta toward any side, with the density of
-// cos(theta)
-//   kappa exp(kappa (cos(theta) - 1))/(1 - exp(-2 kappa)),   <cos(theta)> = coth(kappa) - 1/kappa = exp(-dt/tau),
+// How directions in space diffuse in a time step: n turns toward any side by Fisher's density, with
+//   <cos(theta)> = coth(kappa) - 1/kappa = exp(-dt/tau),
 // so that <n(t).n(0)> is that of diffusion for any dt. <(3 (n(t).n(0))^2 - 1)/2> decays at its rate 3/tau to the
-// order (dt/tau)^2.
-// Source: R. A. Fisher, Proc. R. Soc. Lond. A 217, 295 (1953).
-class TurnInSpace {
- public:
-  explicit TurnInSpace(double persisted)
-  {
-    const double less = -std::expm1(-persisted), c = 1.0 - less;
-    kappa = std::max(c * (3.0 - c * c) / (less * (1.0 + c)), 1e-8);    // to a few per cent
-    if (kappa > 50.0) {
-      kappa = 1.0 / less;    // coth = 1
-      return;
-    }
-    constexpr int STEPS = 6;    // of Newton's method; four are enough
-    constexpr double SMALL = 1e-2;
-    for (int n = 0; n < STEPS && kappa > SMALL; ++n) {
-      const double over = 1.0 / kappa, rise = 1.0 / std::sinh(kappa);
-      kappa += (c - 1.0 / std::tanh(kappa) + over) / (over * over - rise * rise);
-    }
+// order (dt/tau)^2. Returns kappa.
+double concentration_of(double persisted)
+{
+  const double less = -std::expm1(-persisted), c = 1.0 - less;
+  double kappa = std::max(c * (3.0 - c * c) / (less * (1.0 + c)), 1e-8);    // to a few per cent
+  if (kappa > 50.0) return 1.0 / less;                                      // coth = 1
+  constexpr int STEPS = 6;    // of Newton's method; four are enough
+  constexpr double SMALL = 1e-2;
+  for (int n = 0; n < STEPS && kappa > SMALL; ++n) {
+    const double over = 1.0 / kappa, rise = 1.0 / std::sinh(kappa);
+    kappa += (c - 1.0 / std::tanh(kappa) + over) / (over * over - rise * rise);
   }
-
-  Vector3 operator()(const Vector3 &n, CountedRandom &random) const
-  {
-    const double less = -std::log1p(std::expm1(-2.0 * kappa) * random.uniform()) / kappa,
-                 angle = 2.0 * PI * random.uniform();
-    const Vector3 axis = std::fabs(n.x) < 0.5 ? Vector3{1, 0, 0} : Vector3{0, 1, 0};
-    const Vector3 out = across(axis, n), beside = cross(n, out);
-    const double sine = std::sqrt(std::max(less * (2.0 - less), 0.0)) / length(out);
-    const Vector3 turned =
-        (1.0 - less) * n + sine * (std::cos(angle) * out + std::sin(angle) * beside);
-    return (1.0 / length(turned)) * turned;
-  }
-
- private:
-  double kappa;
-};
+  return kappa;
+}
 
 // The unit vector n after a time x/|h| in the field h, of dn/dt = (n x h) x n: the tangent of half of its angle to h decays by
 // exp(-x). It is a boost of n along h,
@@ -182,14 +160,14 @@ void FixDeformablePropel::push(double dt)
   if (dt > 0.0 && aligns()) align(dt);
   const bool in_space = columns == 3;
   const double persisted = dt / persistence, angle_per_deviation = std::sqrt(2.0 * persisted);
-  const TurnInSpace turned(persisted > 0.0 ? persisted : 1.0);
+  const double kappa = in_space && persisted > 0.0 ? concentration_of(persisted) : 0.0;
   for (int i = 0; i < atom->nlocal; ++i) {
     if (!(atom->mask[i] & groupbit)) continue;
     double *const n = direction_of(i);
     if (persisted > 0.0) {
       CountedRandom random(seed, atom->tag[i], update->ntimestep);
       if (in_space) {
-        const Vector3 now = turned({n[0], n[1], n[2]}, random);
+        const Vector3 now = drawn_in_space({n[0], n[1], n[2]}, kappa, random);
         std::copy_n(&now.x, 3, n);
       } else {
         const double angle = std::atan2(n[1], n[0]) + angle_per_deviation * random.gaussian();

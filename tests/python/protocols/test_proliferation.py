@@ -9,12 +9,14 @@ import pytest
 from lammps_deformable.protocols.proliferation import (
     Proliferate,
     divide,
+    drawn_about,
     growth,
     long_axes,
     stretched_axes,
 )
 from lammps_deformable.state.labels import divided
 from refusals import refused
+from scipy.special import ive
 
 CELL = ld.Ring(kA=20.0, kP=2.0, tension=1.0)
 NEVER = 100.0  # size at which cells divide
@@ -155,6 +157,40 @@ def test_daughters_lie_on_the_axis(squeezed: ld.State, axis: str) -> None:
     assert two.clones.tolist() == [0, 1, 2, 0, 1, 2]
     apart = two.positions[:3] - two.positions[3:]
     assert np.abs(apart) == pytest.approx(np.tile([0.0, 0.5 / math.sqrt(2.0)], (3, 1)), abs=1e-6)
+
+
+@pytest.mark.parametrize("d", [2, 3])
+@pytest.mark.parametrize("kappa", [0.0, 0.7, 12.0])
+def test_directions_about_an_axis(d: int, kappa: float) -> None:
+    """<cos 2 theta> = I2/I0, or <cos theta> = coth kappa - 1/kappa, at five standard errors."""
+    axis = np.array([0.6, 0.8, 0.0])[:d]
+    drawn = drawn_about(np.tile(axis, (3000, 1)), kappa, np.random.default_rng(1))
+    np.testing.assert_allclose(np.linalg.norm(drawn, axis=1), 1.0, rtol=1e-12)
+    cosine = drawn @ axis
+    values = 2.0 * cosine**2 - 1.0 if d == 2 else cosine
+    expected = ive(2, kappa) / ive(0, kappa)
+    if d == 3:
+        expected = 1.0 / np.tanh(kappa) - 1.0 / kappa if kappa else 0.0
+    assert abs(values.mean() - expected) < 5.0 * values.std() / np.sqrt(3000)
+
+
+def test_rates_by_place() -> None:
+    """Free cells grow by a formula of their places, as they do in *fix deformable/proliferate*."""
+    places = [[2.0, 2.0], [6.0, 2.0], [10.0, 2.0]]
+    with ld.Simulation(ld.Packing(places, 0.5, [12.0, 4.0]), ld.Ring()) as sim:
+        grown = sim.proliferate("exp(-x/4)", division=9.0, time=0.5, steps=2)[-1]
+        rate = np.exp(-np.array(places)[:, 0] / 4.0)
+        np.testing.assert_allclose(grown.radii, 0.5 * np.exp(0.25 * rate), rtol=1e-12)
+        for rate, message in (
+            ("3 - x", "rate = '3 - x' is -3 at particle 1: not a rate"),
+            ("exp(", r"rate = 'exp\(' is no atom-style formula"),
+        ):
+            with refused(message):
+                sim.proliferate(rate, division=9.0, time=0.5)
+        with refused("kappa is that of directions about an axis"):
+            sim.proliferate(1.0, division=9.0, time=0.5, kappa=1.0)
+        with refused("kappa must not be negative"):
+            sim.proliferate(1.0, division=9.0, time=0.5, axis="long", kappa=-1.0)
 
 
 @pytest.mark.parametrize("axis", ["random", "long", "stress"])
