@@ -22,15 +22,15 @@ PAGES = sorted(path for folder in FOLDERS for path in ROOT.glob(f"{folder}/*.md"
 BUDGETS = {
     "README.md": 800,
     "ARCHITECTURE.md": 2110,
-    "CHANGELOG.md": 1390,
+    "CHANGELOG.md": 1360,
     "benchmarks/README.md": 1780,
     "docs/theory/droplets.md": 1590,
     "docs/pair_deformable_ring.md": 2155,
     "docs/pair_deformable_droplet.md": 1545,
     "docs/fix_deformable_wall.md": 2015,
-    "docs/fix_deformable_friction.md": 1440,
+    "docs/fix_deformable_friction.md": 1560,
 }
-USUAL, GUIDE, ALL = 1390, 900, 68_695
+USUAL, GUIDE, ALL = 1390, 900, 68_990
 
 # How the code came to be is in the git log. What nobody has read is no source.
 BANNED = (

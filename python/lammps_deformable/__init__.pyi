@@ -3,6 +3,7 @@
 import pathlib
 
 from . import core as core
+from .common.errors import AbsentWarning as AbsentWarning
 from .common.errors import BeyondModelWarning as BeyondModelWarning
 from .common.errors import CallError as CallError
 from .common.errors import DeformableError as DeformableError

@@ -58,6 +58,10 @@ class JumpWarning(UserWarning):
     """Particles move by about half a box from one state to the next, and cannot be followed."""
 
 
+class AbsentWarning(UserWarning):
+    """Particles are in some states and not in others: how many can be followed."""
+
+
 class OpeningWarning(UserWarning):
     """Contacts are about to open, where derivatives by parameters jump."""
 

@@ -483,13 +483,16 @@ class Run(Sequence[State]):
         you like.
 
         Returns:
-            Shape (number of states, N, d) [length].
+            Shape (number of states, N, d) [length]. Where particles come and go N is that of all
+            labels, in their order, and nan stands where a particle is not there.
 
         Raises:
-            ParameterError: there are no states, or one has other numbers of particles.
+            ParameterError: there are no states, or one has other numbers of particles, without
+                labels.
 
         Warns:
             JumpWarning: states that count nothing, of soft disks, are too far apart.
+            AbsentWarning: not all particles are in all states.
         """
         return unwrapped(self)
 
@@ -497,6 +500,8 @@ class Run(Sequence[State]):
         self, lags: Sequence[int] | None = None
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Mean squared displacement <|r(t0 + t) - r(t0)|^2> over particles and starts t0.
+
+        Where particles come and go, over those that are there both times.
 
         Args:
             lags: numbers of frames; by default all up to half of the run.

@@ -1,6 +1,7 @@
 """What particles did between two states: displacements, local strains and D^2_min.
 
-Periodic images and boxes that changed are taken into account.
+Periodic images and boxes that changed are taken into account. Where particles come and go they are
+followed by their labels, as long as they are there.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from numpy.typing import NDArray
 
 from ..common.box import cartesian, fractional, nearest_image
 from ..common.checks import shown, whole
-from ..common.errors import JumpWarning, ParameterError, warn
+from ..common.errors import AbsentWarning, JumpWarning, ParameterError, warn
 from ..particles.containers import closed
 from ..particles.neighbors import pairs_within
 from ..particles.packing import Packing
@@ -66,14 +67,65 @@ def _unflipped(old: Floats, box: Floats, added: float) -> Floats:
     return box
 
 
+def _labels(name: str, state: Any) -> NDArray[np.int64]:
+    """Their numbers where no particle has come or gone, as in a packing."""
+    number, labels = len(packing_of(name, state)), getattr(state, "labels", None)
+    return np.arange(number) if labels is None else np.asarray(labels)
+
+
+def followed(
+    before: State | Packing, now: State | Packing
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Numbers before and now of the particles that are there both times.
+
+    Raises:
+        ParameterError: the numbers of particles differ, and there are no labels.
+
+    Warns:
+        AbsentWarning: not all are.
+    """
+    old, new = _labels("before", before), _labels("now", now)
+    unknown = all(getattr(state, "labels", None) is None for state in (before, now))
+    if unknown and len(old) != len(new):
+        raise ParameterError(
+            f"before has {len(old)} particles and this state {len(new)}: particles without labels "
+            "can only be followed between states with the same ones"
+        )
+    if isinstance(before, Packing) and getattr(now, "labels", None) is not None:
+        raise ParameterError(
+            "particles have come or gone, and a Packing does not tell which it has: give the state "
+            "before"
+        )
+    if np.array_equal(old, new):
+        return np.arange(len(old)), np.arange(len(new))
+    common, i, j = np.intersect1d(old, new, return_indices=True)
+    if len(common) < max(len(old), len(new)):
+        warn(
+            f"{len(common)} particles are followed, which are in both states, of {len(old)} before "
+            f"and {len(new)} now",
+            AbsentWarning,
+        )
+    return i, j
+
+
+def _of_now(number: int, rows: NDArray[np.int64], values: Floats) -> Floats:
+    """Values of these particles among so many; nan of others."""
+    found = np.full((number, *values.shape[1:]), np.nan)
+    found[rows] = values
+    return found
+
+
 def nonaffine(before: State | Packing, now: State) -> Floats:
     """See `State.nonaffine`."""
+    i, j = followed(before, now)
+    return _of_now(len(packing_of("now", now)), j, _beside(before, now, i, j))
+
+
+def _beside(
+    before: State | Packing, now: State, i: NDArray[np.int64], j: NDArray[np.int64]
+) -> Floats:
+    """The nonaffine displacements of particles with the numbers i before and j now."""
     old, new = packing_of("before", before), packing_of("now", now)
-    if len(old) != len(new):
-        raise ParameterError(
-            f"before has {len(old)} particles and this state {len(new)}: particles can only be "
-            "followed between states with the same ones"
-        )
     if old.dimension != new.dimension:
         raise ParameterError(f"before has {old.dimension} dimensions, this state {new.dimension}")
     shut = closed(new.walls, new.dimension)
@@ -81,28 +133,32 @@ def nonaffine(before: State | Packing, now: State) -> Floats:
         raise ParameterError(
             "before and this state are between other walls, which close other directions"
         )
-    moved = new.positions - affine(before, now, old.positions)
+    moved = new.positions[j] - affine(before, now, old.positions[i])
     return nearest_image(moved, new.box, shut)
 
 
 def displacements(before: State | Packing, now: State) -> Floats:
     """See `State.displacements`."""
-    moved = nonaffine(before, now)
-    start = packing_of("before", before).positions
-    return affine(before, now, start) - start + moved
+    i, j = followed(before, now)
+    start = packing_of("before", before).positions[i]
+    moved = affine(before, now, start) - start + _beside(before, now, i, j)
+    return _of_now(len(packing_of("now", now)), j, moved)
 
 
 def unwrapped(states: Iterable[State]) -> Floats:
     """See `Run.unwrapped`."""
     found: list[Floats] = []
+    labels: list[NDArray[np.int64]] = []
     former: State | None = None
     farthest, last = 0.0, 0
     for number, state in enumerate(states):
         packing = packing_of("a state", state)
-        if found and len(packing) != len(found[0]):
+        labels.append(_labels("a state", state))
+        known = getattr(state, "labels", None) is not None
+        if found and not known and len(packing) != len(found[0]):
             raise ParameterError(
                 f"the first state has {len(found[0])} particles and state {number} {len(packing)}: "
-                "particles can only be followed between states with the same ones"
+                "particles without labels can only be followed between states with the same ones"
             )
         images = getattr(state, "images", None)
         if images is not None:
@@ -125,7 +181,18 @@ def unwrapped(states: Iterable[State]) -> Floats:
         )
     if not found:
         raise ParameterError("unwrapped positions need at least one state")
-    return np.array(found)
+    if all(np.array_equal(each, labels[0]) for each in labels):
+        return np.array(found)
+    every = np.unique(np.concatenate(labels))
+    places = np.full((len(found), len(every), found[0].shape[1]), np.nan)
+    for place, own, each in zip(places, labels, found, strict=True):
+        place[np.searchsorted(every, own)] = each
+    always = np.isfinite(places[:, :, 0]).all(axis=0).sum()
+    warn(
+        f"{always} of {len(every)} particles are in all states: others are nan where they are not",
+        AbsentWarning,
+    )
+    return places
 
 
 def mean_squared_displacement(
@@ -149,10 +216,12 @@ def mean_squared_displacement(
         )
     # a run that is turned round goes back in time
     step = abs(float(steps.mean())) if len(steps) and steps[0] else 1.0
-    squares = [
-        np.mean(np.sum((places[lag:] - places[: number - lag]) ** 2, axis=2)) for lag in chosen
-    ]
-    return step * np.array(chosen, dtype=np.float64), np.array(squares)
+    means = []
+    for lag in chosen:
+        squares = np.sum((places[lag:] - places[: number - lag]) ** 2, axis=2)
+        there = np.isfinite(squares)
+        means.append(np.mean(squares[there]) if there.any() else np.nan)
+    return step * np.array(chosen, dtype=np.float64), np.array(means)
 
 
 def _part_of_box(moved: Floats, packing: Packing) -> float:
@@ -172,7 +241,8 @@ class LocalStrain(NamedTuple):
 
     Attributes:
         gradient: of the displacement, du_a/dx_b, that fits the motion of the neighbors best, shape
-            (N, d, d); nan where all neighbors are on one line, or in one plane.
+            (N, d, d); nan where all neighbors are on one line, or in one plane, and of a particle
+            that was not there before.
         d2min: D^2_min, the sum over neighbors of the squared distance from that fit, shape (N,)
             [length^2].
         neighbors: their number, shape (N,).
@@ -190,8 +260,11 @@ class LocalStrain(NamedTuple):
 
 def local_strain(before: State | Packing, now: State, r_max: float) -> LocalStrain:
     """See `State.local_strain`."""
-    beside, start = nonaffine(before, now), packing_of("before", before)
+    start, (old, new) = packing_of("before", before), followed(before, now)
+    beside = _of_now(len(start), old, _beside(before, now, old, new))
     i, j, shift = pairs_within(start, r_max)
+    both = np.isfinite(beside[i, 0] + beside[j, 0])
+    i, j, shift = i[both], j[both], shift[both]
     v = start.positions[j] + shift - start.positions[i]
     w = affine(before, now, v) + beside[j] - beside[i]
     i, v, w = np.concatenate([i, j]), np.concatenate([v, -v]), np.concatenate([w, -w])
@@ -209,7 +282,11 @@ def local_strain(before: State | Packing, now: State, r_max: float) -> LocalStra
     d2min = np.zeros(number)
     np.add.at(d2min, i, np.sum(left**2, axis=1))
     d2min[flat] = np.nan
-    return LocalStrain(gradient, d2min, np.bincount(i, minlength=number))
+    size = len(packing_of("now", now))
+    neighbors = np.zeros(size, np.int64)
+    neighbors[new] = np.bincount(i, minlength=number)[old]
+    fit, rest = _of_now(size, new, gradient[old]), _of_now(size, new, d2min[old])
+    return LocalStrain(fit, rest, neighbors)
 
 
 def usual_distance(packing: Packing) -> float:
