@@ -29,7 +29,7 @@ def rows(log: str) -> np.ndarray:
 
 
 def test_scripts_are_short() -> None:
-    assert len(RECIPES) == 6
+    assert len(RECIPES) == 7
     assert {name for name, script in RECIPES.items() if script.count("\n") > 25} == set()
 
 
@@ -50,6 +50,15 @@ def test_warnings(name: str, tmp_path: Path) -> None:
     for words in ("beyond the model", "no room"):
         assert (words in log) == (words in text) == (words in WARNINGS.get(name, ()))
     assert log.count("WARNING") == len(WARNINGS.get(name, ()))
+
+
+def test_tissue(tmp_path: Path) -> None:
+    """It orders, and moves as one."""
+    _, order, contacts, x, y = rows(run("A tissue that crawls", tmp_path)).T
+    assert order[0] < 0.1
+    assert order[3:] == pytest.approx(0.95, abs=0.05)
+    assert contacts == pytest.approx(contacts[0], rel=0.02)
+    assert np.hypot(x[-1] - x[2], y[-1] - y[2]) == pytest.approx(0.03 * 120, rel=0.1)
 
 
 def test_silo(tmp_path: Path) -> None:

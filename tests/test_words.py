@@ -27,10 +27,11 @@ BUDGETS = {
     "docs/theory/droplets.md": 1590,
     "docs/pair_deformable_ring.md": 2155,
     "docs/pair_deformable_droplet.md": 1545,
+    "docs/lammps_recipes.md": 1430,
     "docs/fix_deformable_wall.md": 2015,
     "docs/fix_deformable_friction.md": 1560,
 }
-USUAL, GUIDE, ALL = 1390, 900, 68_990
+USUAL, GUIDE, ALL = 1390, 900, 69_190
 
 # How the code came to be is in the git log. What nobody has read is no source.
 BANNED = (
