@@ -354,7 +354,7 @@ def limit_in_readme() -> str:
     (reference,) = (row for row in REPORT["pareto"] if row["method"] == "reference")
     return (
         "The reference is polygons of very many vertices; its energy is uncertain by "
-        f"{part(reference['limit_error'])}, so smaller errors cannot be resolved."
+        f"{part(reference['limit_error'])}."
     )
 
 
