@@ -29,9 +29,9 @@ BUDGETS = {
     "docs/pair_deformable_droplet.md": 1545,
     "docs/lammps_recipes.md": 1430,
     "docs/fix_deformable_wall.md": 2015,
-    "docs/fix_deformable_friction.md": 1560,
+    "docs/fix_deformable_friction.md": 1565,
 }
-USUAL, GUIDE, ALL = 1390, 900, 69_190
+USUAL, GUIDE, ALL = 1390, 900, 69_193
 
 # How the code came to be is in the git log. What nobody has read is no source.
 BANNED = (

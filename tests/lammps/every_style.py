@@ -67,9 +67,16 @@ SCENES = {
     "wall in space": space("fix w all deformable/wall plane 0 0.1 0 0 1 0"),
     "wall under load": scene(BALANCED, "ring", "fix w all deformable/wall ylo 0.1 load 0.1 10.0"),
     "friction": scene(BALANCED, "ring", ROWS, FRICTION, spheres=True),
+    "friction with a ledger": scene(BALANCED, "ring", f"{FRICTION} ledger yes", spheres=True),
     "friction, radical": scene(RADICAL, "ring", FRICTION, spheres=True),
     "friction in space": space(FRICTION, spheres=True),
     "propel": scene(BALANCED, "ring", "fix crawl all deformable/propel 0.1 2.0 4711"),
+    "propel and align": scene(
+        RADICAL, "ring", "fix crawl all deformable/propel 0.1 2.0 1 neighbors 0.5 contact free 0.3"
+    ),
+    "propel and align in space": space(
+        "fix crawl all deformable/propel 0.1 2.0 1 velocity 0.4 neighbors 0.5 3.0"
+    ),
     "propel in space": space("fix crawl all deformable/propel 0.1 2.0 4711"),
     "divide": scene(
         f"{BALANCED} radius atom", "cell", OF_ATOMS, GROW.format(axis="long"), spheres=True
