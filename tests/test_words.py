@@ -22,16 +22,16 @@ PAGES = sorted(path for folder in FOLDERS for path in ROOT.glob(f"{folder}/*.md"
 BUDGETS = {
     "README.md": 800,
     "ARCHITECTURE.md": 2110,
-    "CHANGELOG.md": 1360,
+    "CHANGELOG.md": 1380,
     "benchmarks/README.md": 1780,
     "docs/theory/droplets.md": 1590,
     "docs/pair_deformable_ring.md": 2155,
     "docs/pair_deformable_droplet.md": 1545,
     "docs/lammps_recipes.md": 1430,
-    "docs/fix_deformable_wall.md": 2015,
+    "docs/fix_deformable_wall.md": 2060,
     "docs/fix_deformable_friction.md": 1565,
 }
-USUAL, GUIDE, ALL = 1390, 900, 69_193
+USUAL, GUIDE, ALL = 1390, 900, 69_363
 
 # How the code came to be is in the git log. What nobody has read is no source.
 BANNED = (

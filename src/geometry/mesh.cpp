@@ -12,10 +12,17 @@
 
 namespace deformable {
 
-// Elements that turn by less than 31.8 degrees make a smooth joint: minus the cosine between their directions m.
-static constexpr double SMOOTH = 0.85;
+// Elements that turn by less than 6 degrees make a smooth joint, those that turn by less than 32 degrees a blunt one: minus the cosine
+// between their directions m.
+static constexpr double SMOOTH = 0.9945, BLUNT = 0.85;
+// Elements in a plane that is narrower than this part of the cutoff are facets: their blunt joints count as smooth.
+static constexpr double FACET = 0.5;
+// Planes go on beyond sharp corners as far as this many cutoffs from there.
+static constexpr double BEYOND = 1.9;
 // Of sines, and of lengths against the largest: rounding.
 static constexpr double FLAT = 1e-9, THIN = 1e-10;
+// Corners are one that are nearer to each other than this part of the size: numbers in single precision.
+static constexpr double MERGED = 1e-7;
 // Contacts at points that are nearer to each other than this part of the height are one.
 static constexpr double SAME = 1e-9;
 
@@ -26,8 +33,7 @@ static std::string shown_point(int dimension, const Vector3 &x)
 }
 
 /* ----------------------------------------------------------------------
-   Elements, their sides and corners. Corners are shared where their numbers
-   agree.
+   Elements, their sides and corners.
 ------------------------------------------------------------------------- */
 
 std::string Mesh::build(int given_dimension, const std::vector<Vector3> &points, bool is_container,
@@ -48,33 +54,61 @@ std::string Mesh::build(int given_dimension, const std::vector<Vector3> &points,
   return "";
 }
 
+// Numbers of the corners that these points are, in `corners`: those in a cell of a grid that the point is in, or almost in.
+std::vector<int> Mesh::merge(const std::vector<Vector3> &points)
+{
+  constexpr double CELL = 1e3;    // tolerances
+  double size = 0.0;
+  for (const Vector3 &x : points) size = std::max(size, length(x - points[0]));
+  const double same = MERGED * size, cell = same > 0.0 ? CELL * same : 1.0;
+  std::map<std::array<double, 3>, std::vector<int>> grid;
+  std::vector<int> found;
+  for (const Vector3 &x : points) {
+    const auto first_near = [&] {
+      const auto cell_of = [&](double at) { return std::floor(at / cell); };
+      for (double i = cell_of(x.x - same); i <= cell_of(x.x + same); ++i)
+        for (double j = cell_of(x.y - same); j <= cell_of(x.y + same); ++j)
+          for (double k = cell_of(x.z - same); k <= cell_of(x.z + same); ++k) {
+            const auto there = grid.find({i, j, k});
+            if (there == grid.end()) continue;
+            for (const int corner : there->second)
+              if (length(corners[corner].x - x) <= same) return corner;
+          }
+      grid[{cell_of(x.x), cell_of(x.y), cell_of(x.z)}].push_back(static_cast<int>(corners.size()));
+      corners.push_back({x, {}, {}, false, false, {}, {}});
+      return static_cast<int>(corners.size()) - 1;
+    };
+    found.push_back(first_near());
+  }
+  return found;
+}
+
 std::string Mesh::read_elements(const std::vector<Vector3> &points, const std::string &row)
 {
   if (points.empty()) return "has no " + row;
-  std::map<std::array<double, 3>, int> known_corners;
+  for (std::size_t k = 0; k < points.size(); ++k)
+    if (!std::isfinite(length(points[k])))
+      return "has a corner of " + row + " " + std::to_string(k / dimension + 1) +
+             " that is not finite: " + shown_point(dimension, points[k]);
+  const std::vector<int> merged = merge(points);
   std::map<std::array<int, 2>, int> known_sides;
   for (std::size_t first = 0; first < points.size(); first += dimension) {
     const int index = static_cast<int>(elements.size());
     const std::string name = row + " " + std::to_string(index + 1);
     Element e{};
     for (int k = 0; k < dimension; ++k) {
-      const Vector3 &x = points[first + k];
-      if (!std::isfinite(x.x + x.y + x.z))
-        return "has a corner of " + name + " that is not finite: " + shown_point(dimension, x);
-      const auto [found, is_new] = known_corners.insert(
-          {{x.x + 0.0, x.y + 0.0, x.z + 0.0}, static_cast<int>(corners.size())});
-      if (is_new) corners.push_back({x, {}, {}, false, false, {}, {}});
-      e.corner[k] = found->second;
+      e.corner[k] = merged[first + k];
       corners[e.corner[k]].elements.push_back(index);
     }
-    const Vector3 a = points[first], ab = points[first + 1] - a;
+    const auto point = [&](int k) { return corners[e.corner[k % dimension]].x; };
+    const Vector3 a = point(0), ab = point(1) - a;
     e.at = a;
     if (dimension == 2) {
       if (!(length(ab) > 0.0))
         return "has no length at " + name + ": both of its ends are " + shown_point(2, a);
       e.n = (1.0 / length(ab)) * Vector3{-ab.y, ab.x, 0.0};
     } else {
-      const Vector3 ac = points[first + 2] - a, bc = ac - ab, area = cross(ab, ac);
+      const Vector3 ac = point(2) - a, bc = ac - ab, area = cross(ab, ac);
       const double longest = std::max({dot(ab, ab), dot(ac, ac), dot(bc, bc)});
       if (!(length(area) > THIN * longest))
         return "has no area at " + name + ": its corners " + shown_point(3, a) + ", " +
@@ -92,8 +126,7 @@ std::string Mesh::read_elements(const std::vector<Vector3> &points, const std::s
         side.corner[0] = ends[0];
         side.corner[1] = ends[1];
         const Vector3 edge = corners[ends[1]].x - corners[ends[0]].x;
-        side.size = length(edge);
-        if (dimension == 3) side.along = (1.0 / side.size) * edge;
+        if (dimension == 3) side.along = (1.0 / length(edge)) * edge;
         for (int end = 0; end < dimension - 1; ++end)
           corners[ends[end]].sides.push_back(static_cast<int>(sides.size()));
         sides.push_back(side);
@@ -101,7 +134,7 @@ std::string Mesh::read_elements(const std::vector<Vector3> &points, const std::s
       Side &side = sides[e.side[k] = found->second];
       side.elements.push_back(index);
       side.place.push_back(k);
-      const Vector3 inward = points[first + (k + dimension - 1) % dimension] - corners[ends[0]].x,
+      const Vector3 inward = point(k + dimension - 1) - corners[ends[0]].x,
                     in = dimension == 2 ? inward : across(inward, side.along);
       e.in[k] = (1.0 / length(in)) * in;
     }
@@ -114,6 +147,19 @@ std::string Mesh::read_elements(const std::vector<Vector3> &points, const std::s
    What is joined: elements in one plane, and what a contact rolls along without
    an end, on either side.
 ------------------------------------------------------------------------- */
+
+// Length of a segment, area of a triangle.
+double Mesh::size_of(const Element &e) const
+{
+  const Vector3 ab = corners[e.corner[1]].x - e.at, ac = corners[e.corner[dimension - 1]].x - e.at;
+  return dimension == 2 ? length(ab) : 0.5 * length(cross(ab, ac));
+}
+
+static constexpr double FAR = std::numeric_limits<double>::infinity();
+static Vector3 least(const Vector3 &a, const Vector3 &b)
+{
+  return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)};
+}
 
 static int root_of(std::vector<int> &parent, int k)
 {
@@ -131,12 +177,16 @@ static void unite(std::vector<int> &parent, int a, int b)
 void Mesh::join()
 {
   const int n = static_cast<int>(elements.size());
-  std::vector<int> key(2 * n), plane(n);    // key: of front and back of each
-  std::iota(key.begin(), key.end(), 0);
+  std::vector<int> key[2], plane(n);    // key: of front and back of each
+  for (std::vector<int> &each : key) {
+    each.resize(2 * n);
+    std::iota(each.begin(), each.end(), 0);
+  }
   std::iota(plane.begin(), plane.end(), 0);
   for (Side &side : sides) {
     const int first = side.elements[0];
-    if (side.elements.size() == 1) unite(key, 2 * first, 2 * first + 1);    // around an end
+    if (side.elements.size() == 1)    // around an end
+      for (std::vector<int> &each : key) unite(each, 2 * first, 2 * first + 1);
     if (side.elements.size() != 2) continue;
     const int second = side.elements[1];
     const Element &e = elements[first], &f = elements[second];
@@ -146,21 +196,34 @@ void Mesh::join()
                f_turns = dot(axis, cross(other, f.n)) > 0.0;
     const bool is_narrow = e_turns == (dot(axis, cross(m, other)) > 0.0);    // in front of e
     const bool is_smooth = -dot(m, other) > SMOOTH;
+    side.is_blunt = -dot(m, other) > BLUNT;
     side.is_turned = e_turns == f_turns;
     side.is_flat = length(m + other) < FLAT;
     for (const int back : {0, 1}) {
-      const bool is_concave = is_narrow == (back == 0);
-      side.is_sharp[back] = is_concave && !is_smooth;
+      side.is_concave[back] = is_narrow == (back == 0);
+      side.is_sharp[back] = side.is_concave[back] && !is_smooth;
       has_sharp = has_sharp || side.is_sharp[back];
-      if (!side.is_sharp[back])
-        unite(key, 2 * first + back, 2 * second + (side.is_turned ? 1 - back : back));
+      const int there = 2 * second + (side.is_turned ? 1 - back : back);
+      if (!side.is_sharp[back]) unite(key[0], 2 * first + back, there);
+      if (!side.is_sharp[back] || side.is_blunt) unite(key[1], 2 * first + back, there);
     }
     if (side.is_flat) unite(plane, first, second);
   }
+  std::vector<double> area(n, 0.0);
+  std::vector<Vector3> lowest(n, {FAR, FAR, FAR}), highest(n, {-FAR, -FAR, -FAR});
   for (int k = 0; k < n; ++k) {
-    elements[k].plane = root_of(plane, k);
-    for (const int back : {0, 1}) elements[k].key[back] = root_of(key, 2 * k + back);
+    Element &e = elements[k];
+    e.plane = root_of(plane, k);
+    for (const int facets : {0, 1})
+      for (const int back : {0, 1}) e.key[facets][back] = root_of(key[facets], 2 * k + back);
+    area[e.plane] += size_of(e);
+    for (int c = 0; c < dimension; ++c) {
+      lowest[e.plane] = least(lowest[e.plane], corners[e.corner[c]].x);
+      highest[e.plane] = -least(-highest[e.plane], -corners[e.corner[c]].x);
+    }
   }
+  for (Element &e : elements)
+    e.width = area[e.plane] / (dimension == 2 ? 1.0 : length(highest[e.plane] - lowest[e.plane]));
 }
 
 /* ----------------------------------------------------------------------
@@ -196,10 +259,7 @@ std::string Mesh::find_solid(bool is_container, const std::string &row)
         }
         has_inside = has_inside && facing[other] == turned;
       }
-      const Vector3 ab = corners[e.corner[1]].x - corners[e.corner[0]].x,
-                    ac = corners[e.corner[dimension - 1]].x - corners[e.corner[0]].x;
-      const double area = dimension == 2 ? length(ab) : 0.5 * length(cross(ab, ac));
-      const double part = area * dot(e.n, e.at - origin);
+      const double part = size_of(e) * dot(e.n, e.at - origin);
       volume += facing[body[at]] * part;
       size += std::fabs(part);
     }
@@ -257,16 +317,14 @@ void Mesh::look_at_corners()
 void Mesh::grow_tree(int begin, int end)
 {
   constexpr int LEAF = 4;
-  constexpr double FAR = std::numeric_limits<double>::infinity();
   const int node = static_cast<int>(tree.size());
   tree.push_back({{FAR, FAR, FAR}, {-FAR, -FAR, -FAR}, begin, end, 0});
   for (int k = begin; k < end; ++k)
-    for (int c = 0; c < dimension; ++c)
-      for (int axis = 0; axis < 3; ++axis) {
-        const double x = component(corners[elements[order[k]].corner[c]].x, axis);
-        component(tree[node].low, axis) = std::min(component(tree[node].low, axis), x);
-        component(tree[node].high, axis) = std::max(component(tree[node].high, axis), x);
-      }
+    for (int c = 0; c < dimension; ++c) {
+      const Vector3 &x = corners[elements[order[k]].corner[c]].x;
+      tree[node].low = least(tree[node].low, x);
+      tree[node].high = -least(-tree[node].high, -x);
+    }
   if (end - begin <= LEAF) return;
   const Vector3 size = tree[node].high - tree[node].low;
   const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
@@ -416,8 +474,7 @@ Mesh::Contact Mesh::contact_at(int part, const Vector3 &x) const
       facing = k;
     }
   }
-  const Element &e = elements[facing];
-  return {e.key[dot(e.n, point.n) > 0.0 ? 1 : 0], part, point};
+  return {0, part, facing, point};
 }
 
 Mesh::Contact Mesh::nearest(const Vector3 &x) const
@@ -441,11 +498,17 @@ void Mesh::find_contacts(const Vector3 &x, double cutoff, std::vector<Contact> &
   found.clear();
   std::vector<int> beside;
   Near nearest = {-1, {}, cutoff * cutoff};
-  double square = nearest.square / (has_sharp ? 1.0 - SMOOTH * SMOOTH : 1.0);    // see go_on
+  double square = (has_sharp ? BEYOND * BEYOND : 1.0) * nearest.square;
   const auto add = [&](int part) {
     const Contact contact = contact_at(part, x);
     if (std::fabs(contact.point.height) < cutoff) found.push_back(contact);
   };
+  const double facet = FACET * cutoff;
+  const auto key_of = [&](const Contact &c, bool of_facets) {
+    const Element &e = elements[c.element];
+    return e.key[of_facets][dot(e.n, c.point.n) > 0.0 ? 1 : 0];
+  };
+  const auto is_facet = [&](const Contact &c) { return elements[c.element].width < facet; };
   visit(x, square, [&](int k) {
     const Near near = nearest_on(k, x);
     if (!(near.square < square)) return;
@@ -472,8 +535,9 @@ void Mesh::find_contacts(const Vector3 &x, double cutoff, std::vector<Contact> &
   for (const Contact &contact : std::vector<Contact>(found)) {
     const double same = SAME * std::fabs(contact.point.height);
     if (std::none_of(found.begin(), found.begin() + kept, [&](const Contact &nearer) {
-          return (nearer.feature == contact.feature &&
-                  dot(nearer.point.n, contact.point.n) > SMOOTH) ||
+          const bool facets = is_facet(nearer) || is_facet(contact);
+          return (key_of(nearer, facets) == key_of(contact, facets) &&
+                  dot(nearer.point.n, contact.point.n) > (facets ? BLUNT : SMOOTH)) ||
                  length(foot(nearer) - foot(contact)) <= same;
         }))
       found[kept++] = contact;
@@ -484,41 +548,57 @@ void Mesh::find_contacts(const Vector3 &x, double cutoff, std::vector<Contact> &
     found.erase(std::remove_if(found.begin() + 1, found.end(),
                                [](const Contact &c) { return c.point.height < 0.0; }),
                 found.end());
-  const std::vector<Contact> feet = found;
-  for (const int k : beside) go_on(k, x, cutoff, feet, found);
+  for (std::size_t before = 0; before < found.size();) {
+    before = found.size();
+    for (const int k : beside) go_on(k, x, cutoff, found);
+  }
   std::vector<int> features;    // of several that are joined each has one of its own
-  for (const Contact &contact : found) features.push_back(contact.feature);
+  for (Contact &contact : found)
+    features.push_back(contact.feature = key_of(contact, is_facet(contact)));
   for (Contact &contact : found)
     if (std::count(features.begin(), features.end(), contact.feature) > 1)
       contact.feature = first_part + contact.part;
 }
 
 /* ----------------------------------------------------------------------
-   An element beyond a sharp corner with another one, as long as the foot is in
-   that one's plane. There x is farther from the corner than from the plane, by a
-   factor below one over the sine between both.
+   An element beyond a sharp side with another one, as long as that one has a
+   contact in its plane, where the foot is or as it goes on, too. It ends where
+   the side ends, but in the corner of a pit.
 ------------------------------------------------------------------------- */
 
-void Mesh::go_on(int element, const Vector3 &x, double cutoff, const std::vector<Contact> &feet,
-                 std::vector<Contact> &found) const
+// Whether all sides that meet in a corner are concave, or flat.
+bool Mesh::is_pit(const Corner &corner, const Vector3 &x) const
 {
-  const int count = static_cast<int>(elements.size());
-  const auto has_foot = [&](const std::vector<Contact> &contacts, int plane) {
-    return std::any_of(contacts.begin(), contacts.end(), [&](const Contact &c) {
-      return c.part < count && elements[c.part].plane == plane;
+  return std::all_of(corner.sides.begin(), corner.sides.end(), [&](int s) {
+    const Side &side = sides[s];
+    return side.elements.size() == 2 &&
+           (side.is_flat || side.is_concave[!is_front(elements[side.elements[0]], x)]);
+  });
+}
+
+void Mesh::go_on(int element, const Vector3 &x, double cutoff, std::vector<Contact> &found) const
+{
+  const auto is_there = [&](int plane) {
+    return std::any_of(found.begin(), found.end(), [&](const Contact &c) {
+      return c.part == c.element && elements[c.part].plane == plane;
     });
   };
   const Element &e = elements[element];
-  if (has_foot(found, e.plane)) return;
+  if (is_there(e.plane)) return;
   for (int k = 0; k < dimension; ++k) {
     const Side &side = sides[e.side[k]];
     if (side.elements.size() != 2 || inside(e, k, x) > 0.0) continue;
-    if (dimension == 3 && !(beyond(side, 0, x) >= 0.0 && beyond(side, 1, x) > 0.0)) continue;
+    bool is_beside = true;
+    for (const int end : {0, 1})
+      is_beside = is_beside && (dimension == 2 || beyond(side, end, x) >= 0.0 ||
+                                is_pit(corners[side.corner[end]], x));
+    if (!is_beside) continue;
     const Element &first = elements[side.elements[0]], &second = elements[side.elements[1]];
     const bool is_back = !is_front(first, x);
     if (!side.is_sharp[is_back] || is_front(second, x) != (is_back == side.is_turned)) continue;
-    const int other = side.elements[side.elements[0] == element ? 1 : 0];
-    if (!has_foot(feet, elements[other].plane)) continue;
+    const Element &other = side.elements[0] == element ? second : first;
+    if (side.is_blunt && std::min(e.width, other.width) < FACET * cutoff) continue;
+    if (!is_there(other.plane)) continue;
     const Contact contact = contact_at(element, x);
     if (std::fabs(contact.point.height) < cutoff) found.push_back(contact);
     return;

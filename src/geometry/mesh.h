@@ -7,9 +7,9 @@
 // s <= 0 for all elements that meet in it. In space it is also a corner, where e.(x - p) <= 0 for all edges e away from it.
 // Elements and sides share these numbers, so that the joint of two elements in one plane has one contact, to the last bit.
 //
-// Two elements that make a sharp corner around the particle, by more than SMOOTH, go on beyond their side as long as the foot is
-// in the other one: each is a plane, as faces of a container are, and the energy has no step. Where they make a blunt one, as
-// facets of a round surface do, only the nearest one counts.
+// Two elements that make a corner around the particle go on beyond it as long as the other one has a contact: each is a plane, as
+// faces of a container are, and forces have no step. If they turn by less than SMOOTH, or are narrow facets and turn by less than
+// BLUNT, only the nearest one counts: then the energy has none.
 
 #ifndef DEFORMABLE_MESH_H
 #define DEFORMABLE_MESH_H
@@ -31,6 +31,7 @@ class Mesh {
   struct Contact {
     int feature;    // for memories: the same one as long as the contact rolls on over smooth joints and around convex ones
     int part;       // where it is: an element, a side or a corner
+    int element;    // there, which faces the center most
     SurfacePoint point;
   };
   // All contacts within the cutoff, the nearest one first. If a closed surface has the center on its wrong side, its height is
@@ -52,21 +53,24 @@ class Mesh {
     int corner[3], side[3];
     Vector3 in[3];    // m of its sides
     Vector3 n, at;    // unit normal; a corner
-    int key[2];       // the feature of its front, where n points, and of its back
-    int plane;        // elements in one plane that are joined have the same one
-    int solid;        // 1: particles must be in front; -1: behind; 0: where they are
+    int key
+        [2]
+        [2];    // the feature, if blunt joints are corners and if they are smooth, of the front, where n points, and the back
+    double width;    // of its plane
+    int plane;       // elements in one plane that are joined have the same one
+    int solid;       // 1: particles must be in front; -1: behind; 0: where they are
   };
   // Where elements meet; in space with both of its ends.
   struct Side {
     int corner[2];
     Vector3 along;
-    double size;
     std::vector<int> elements;
     std::vector<int> place;    // which of their sides it is
     bool is_flat = false;
-    // of two elements: whether both fronts are on different sides of the surface; whether they make a sharp corner around what is
-    // in front of the first one, and around what is behind it
-    bool is_turned = false, is_sharp[2] = {false, false};
+    // of two elements: whether both fronts are on different sides of the surface; whether they make a concave corner, and a sharp
+    // one, around what is in front of the first one, and around what is behind it
+    bool is_turned = false, is_blunt = false;
+    bool is_concave[2] = {false, false}, is_sharp[2] = {false, false};
     Vector3 away{};    // from the solid, the sum over its elements
   };
   struct Corner {
@@ -118,7 +122,9 @@ class Mesh {
   }
   bool is_front(const Element &e, const Vector3 &x) const { return dot(e.n, x - e.at) >= 0.0; }
 
+  std::vector<int> merge(const std::vector<Vector3> &points);
   std::string read_elements(const std::vector<Vector3> &, const std::string &row);
+  double size_of(const Element &) const;
   void join();
   std::string find_solid(bool is_container, const std::string &row);
   void look_at_corners();
@@ -128,8 +134,8 @@ class Mesh {
   bool is_minimum(const Side &, const Vector3 &x) const;
   bool is_minimum(int corner, const Vector3 &x) const;
   Contact contact_at(int part, const Vector3 &x) const;
-  void go_on(int element, const Vector3 &x, double cutoff, const std::vector<Contact> &feet,
-             std::vector<Contact> &) const;
+  bool is_pit(const Corner &, const Vector3 &x) const;
+  void go_on(int element, const Vector3 &x, double cutoff, std::vector<Contact> &) const;
 };
 
 }    // namespace deformable

@@ -8,7 +8,7 @@ from droplets import EXACT as DROPLETS
 from laws import EXACT, LAWS, two_laws
 from meshes import CROSS, box, closed, floor, turned, words, write_stl
 from obstacles import ROOM, kinetic, scene_of, total
-from parallel import TWO, assert_same, on_grids, report, reported
+from parallel import FEW, assert_same, on_grids, report, reported
 from scene import SPECIES as UNITS
 from scene import Scene
 from turns import in_turn
@@ -121,6 +121,71 @@ def test_joints_of_triangles_are_not_felt(tmp_path):
     np.testing.assert_allclose(*paths, rtol=0, atol=1e-10)
 
 
+@two_laws
+@pytest.mark.parametrize("corners", [6, 16, 60])
+def test_energy_in_a_polygon(law, corners):
+    """Over sharp corners with two contacts, and smooth joints, where one is handed on."""
+    angle = 2 * np.pi * np.arange(corners) / corners + 0.1
+    room = words("room", 4 * np.c_[np.cos(angle), np.sin(angle)])
+    scene = scene_of([[0, -2.9]], ["unit"], EXACT[law], f"fix wall all deformable/wall {room}\n")
+    scene.run("velocity all set 0.2 0.05 0\nfix pull all gravity 0.01 vector 0 -1 0\n")
+    scene.run("fix move all nve\ntimestep 0.005\nrun 0")
+    found, elastic = [], []
+    for _ in range(50):
+        scene.run("run 200 post no")
+        found.append(total(scene) + 0.01 * scene.x[0, 1])
+        elastic.append(scene.lmp.get_thermo("pe"))
+    assert max(elastic) > 3e-3
+    assert np.ptp(found) < 3e-5
+
+
+def hills(x):
+    return -1.3 + 0.25 * np.sin(1.7 * x[..., 0]) * np.cos(1.3 * x[..., 1])
+
+
+def test_energy_over_hills(tmp_path):
+    """A droplet that rolls over hundreds of triangles; the error falls with the time step."""
+    errors = []
+    for step in (0.02, 0.005):
+        mesh = words("surface", floor(7.9, 12, hills))
+        scene = walled(np.array([[-1.3, -0.9, -0.1]]), mesh, tmp_path)
+        scene.run("velocity all set 0.1 0.07 0\nfix pull all gravity 0.02 vector 0 0 -1\n")
+        scene.run(f"fix move all nve\ntimestep {step}\nrun 0")
+        found = []
+        for _ in range(40):
+            scene.run(f"run {round(0.6 / step)} post no")
+            kinetic_energy = 0.5 * (scene.gather("v") ** 2).sum()
+            found.append(scene.energy + kinetic_energy + 0.02 * scene.x[0, 2])
+        errors.append(np.ptp(found))
+    assert errors[0] < 5e-5
+    assert errors[1] < 0.25 * errors[0]
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_films_on_joints(dimension, tmp_path):
+    """A drop that sticks to a mesh of a plane, and is pulled along it, is one on the plane."""
+    pull = "fix pull all addforce 0.03 0.01 0\nfix drag all viscous 0.1\nfix move all nve\n"
+    found = []
+    if dimension == 2:
+        (tmp_path / "species").write_text("a 1.0 2.0 0 tension 1.0\n")
+        chain = np.c_[np.linspace(-9, 9, 82), np.zeros(82)]
+        for walls in (words("surface", chain), "plane 0 0 0 1"):
+            commands = f"fix wall all deformable/wall {walls} adhesion 0.3\n{pull}"
+            law, coeff = "deformable/ring contact curved", f"pair_coeff * * {tmp_path}/species a"
+            scene = scene_of([[0.0, 0.9]], ["a"], law, commands, coeff=coeff)
+            scene.run("timestep 0.05\nrun 400")
+            found.append([*scene.x[0], scene.lmp.get_thermo("pe")])
+    else:
+        mesh = turned(floor(7.9, 20, lambda x: 0 * x[..., 0] - 1))
+        for walls in (words("surface", mesh), "plane 0 0 -1 0 0 1"):
+            x = np.array([[0.0, 0.0, -0.1]])
+            scene = walled(x, f"{walls} adhesion 0.1", tmp_path, style=DROPLETS, more=pull)
+            scene.run("timestep 0.05\nrun 400")
+            found.append([*scene.x[0], scene.energy])
+    assert found[0][0] > 0.5
+    np.testing.assert_allclose(*found, rtol=0, atol=1e-9)
+
+
 STAIRS = np.array([(-8, 0), (-2, 0), (-2, -1.3), (1, -1.3), (1, -2.6), (8, -2.6)], float)
 
 
@@ -204,9 +269,6 @@ def test_forces_are_the_gradient(law):
 def test_forces_of_triangles_are_the_gradient(tmp_path):
     """Of droplets over hills, at edges and corners of the mesh."""
 
-    def hills(x):
-        return -1.3 + 0.25 * np.sin(1.7 * x[..., 0]) * np.cos(1.3 * x[..., 1])
-
     mesh = words("surface", floor(7.0, 5, hills))
     x = CUBE[::2] * [1, 1, 0] + 0.05 * np.random.default_rng(2).normal(size=(4, 3)) - [0, 0, 0.25]
 
@@ -263,7 +325,7 @@ def test_ranks(tmp_path):
     commands = COMMANDS + report(0, scalars, "x y fx fy")
     commands += "velocity all create 0.01 5 loop geom\nfix move all nve/sphere disc\n"
     commands += "timestep 0.02\n" + report(60, scalars, "x y fx fy")
-    folders = on_grids(commands, tmp_path, TWO, **fields)
+    folders = on_grids(commands, tmp_path, FEW, **fields)
     before, after = (reported(folders, steps) for steps in (0, 60))
     assert_same(before, 1e-9, atol=1e-9)
     assert_same(after, 1e-8, atol=1e-8)

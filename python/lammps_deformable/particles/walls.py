@@ -592,7 +592,7 @@ class SurfaceWall(Wall):
     Attributes:
         corners: points of the chain in their order, shape (n, 2), or three corners of each
             triangle, shape (n, 3, 3) [length]. Or a file: rows of x and y, or STL if its name ends
-            so. Triangles are joined where their corners have the same numbers.
+            so. Triangles are joined where their corners agree to 1e-7 of the size.
         inside: particles are inside, and it is closed. Otherwise particles are outside of what is
             closed, and touch what is open from both sides. A chain is closed if it ends where it
             begins; a container is closed in any case.
