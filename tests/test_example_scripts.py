@@ -218,3 +218,14 @@ def test_emulsion_jams_and_becomes_dense(tmp_path: Path) -> None:
         assert pressure == pytest.approx(hexagonal, rel=0.1)
         assert z[-1] == pytest.approx(6.0, abs=1e-9)
     assert (tmp_path / "emulsion.png").stat().st_size > 10_000
+
+
+def test_funnel(tmp_path: Path) -> None:
+    """Its volume is exact, and it carries all that is in it."""
+    pytest.importorskip("matplotlib")
+    shutil.copy(EXAMPLES / "funnel" / "funnel.py", tmp_path)
+    printed = text("python", "funnel.py", cwd=tmp_path).splitlines()
+    expected = (EXAMPLES / "funnel" / "funnel.log").read_text().splitlines()
+    assert printed[0] == expected[0]
+    assert float(printed[1].split()[-4]) == pytest.approx(1.0, abs=1e-3)
+    assert (tmp_path / "funnel.png").stat().st_size > 10_000
