@@ -29,12 +29,13 @@ def rows(log: str) -> np.ndarray:
 
 
 def test_scripts_are_short() -> None:
-    assert len(RECIPES) == 7
+    assert len(RECIPES) == 8
     assert {name for name, script in RECIPES.items() if script.count("\n") > 25} == set()
 
 
 # Words of the page beside a recipe, and of the warnings that LAMMPS prints.
 WARNINGS = {
+    "Steady shear": {"beyond the model", "no room"},
     "Biaxial compression": {"beyond the model"},
     "Oscillation": {"beyond the model", "no room"},
     "An emulsion in SI units": {"beyond the model"},
@@ -50,6 +51,25 @@ def test_warnings(name: str, tmp_path: Path) -> None:
     for words in ("beyond the model", "no room"):
         assert (words in log) == (words in text) == (words in WARNINGS.get(name, ()))
     assert log.count("WARNING") == len(WARNINGS.get(name, ()))
+
+
+def test_steady_shear(tmp_path: Path) -> None:
+    """The stress rises, and then goes up and down."""
+    _, strain, stress, pressure = rows(run("Steady shear", tmp_path)).T
+    steady = stress[strain > 0.25]
+    assert stress[0] < 0.3 * steady.mean()
+    assert steady.mean() == pytest.approx(0.08, rel=0.15)
+    assert np.ptp(steady) < 0.8 * steady.mean()
+    assert pressure[strain > 0.25] == pytest.approx(0.68, rel=0.05)
+
+
+def test_drag_of_droplets_in_water() -> None:
+    """The numbers of docs/units.md."""
+    page = (PAGE.parent / "units.md").read_text()
+    mass, drag = 4 / 3 * np.pi * 1e-5**3 * 1000.0, 6 * np.pi * 1e-3 * 1e-5
+    unit = (mass * 5e-3) ** 0.5
+    assert f"6 π η R = {drag:.1e}".replace("e-0", "e-") in page
+    assert f"sqrt(m γ) = {unit:.1e} kg/s: `drag={drag / unit:.1f}`".replace("e-0", "e-") in page
 
 
 def test_tissue(tmp_path: Path) -> None:

@@ -27,11 +27,11 @@ BUDGETS = {
     "docs/theory/droplets.md": 1590,
     "docs/pair_deformable_ring.md": 2155,
     "docs/pair_deformable_droplet.md": 1545,
-    "docs/lammps_recipes.md": 1430,
+    "docs/lammps_recipes.md": 1620,
     "docs/fix_deformable_wall.md": 2060,
     "docs/fix_deformable_friction.md": 1565,
 }
-USUAL, GUIDE, ALL = 1390, 900, 69_363
+USUAL, GUIDE, ALL = 1390, 900, 69_687
 
 # How the code came to be is in the git log. What nobody has read is no source.
 BANNED = (

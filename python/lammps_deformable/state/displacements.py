@@ -79,11 +79,15 @@ def followed(
     """Numbers before and now of the particles that are there both times.
 
     Raises:
-        ParameterError: the numbers of particles differ, and there are no labels.
+        ParameterError: the numbers of particles differ, and there are no labels; or one is of the
+            plane and the other one of space.
 
     Warns:
         AbsentWarning: not all are.
     """
+    there, here = packing_of("before", before).dimension, packing_of("now", now).dimension
+    if there != here:
+        raise ParameterError(f"before has {there} dimensions, this state {here}")
     old, new = _labels("before", before), _labels("now", now)
     unknown = all(getattr(state, "labels", None) is None for state in (before, now))
     if unknown and len(old) != len(new):
@@ -126,8 +130,6 @@ def _beside(
 ) -> Floats:
     """The nonaffine displacements of particles with the numbers i before and j now."""
     old, new = packing_of("before", before), packing_of("now", now)
-    if old.dimension != new.dimension:
-        raise ParameterError(f"before has {old.dimension} dimensions, this state {new.dimension}")
     shut = closed(new.walls, new.dimension)
     if closed(old.walls, old.dimension) != shut:
         raise ParameterError(
