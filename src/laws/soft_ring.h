@@ -63,7 +63,8 @@ DEFORMABLE_INLINE T expansion_of(const BranchOf<T> &branch, T radius, T ratio, M
     far = select(open & beyond, delta, far);
     near = select(open & !beyond, delta, near);
     const T next = delta - f / (spring + 2.0 * PI * q * q - e * deficit), step = next - delta;
-    const M inside = (smaller(near, far) <= next) & (next <= larger(near, far));
+    const M above = next >= smaller(near, far), below = next <= larger(near, far);
+    const M inside = above & below;
     delta = select(open, select(inside, next, 0.5 * (near + far)), delta);
     open &= !(inside & (magnitude(step) <= CLOSE * magnitude(delta)));
   }
