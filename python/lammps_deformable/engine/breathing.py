@@ -28,7 +28,6 @@ from ..particles.laws import Droplet, Ring, SoftContact
 from ..state.derivatives import Derivatives
 from ..state.law_terms import terms_of
 from .free_box import told_at_the_end
-from .relax import largest_force_told
 from .soft_disks import minimize
 
 if TYPE_CHECKING:
@@ -95,7 +94,7 @@ class Radii:
         moments: others.
 
     Raises:
-        ParameterError: a moment is 0 or given twice, or the sums leave the radii no freedom.
+        ParameterError: a moment is 0, or the sums leave the radii no freedom.
     """
 
     def __init__(self, start: Floats, dimension: int, moments: ArrayLike) -> None:
@@ -195,8 +194,11 @@ def _minimize(
             UnjammedWarning,
         )
     elif not relaxed:
-        told = largest_force_told(slope / force, "the mean contact force", tolerance)
-        warn(f"radii stalled: by a radius, {told}", StalledWarning)
+        warn(
+            f"radii stalled: the largest derivative of the energy by one is {slope / force:.2g} of "
+            f"the mean contact force, not {tolerance:g}",
+            StalledWarning,
+        )
     return replace(state, converged=state.converged and relaxed)
 
 

@@ -110,7 +110,7 @@ def test_free_radii_undo_a_little_compression() -> None:
 
 def test_few_steps_are_told() -> None:
     with ld.Simulation(start_of(), ld.Ring()) as sim:
-        with pytest.warns(ld.StalledWarning, match="radii stalled: by a radius, the largest force"):
+        with pytest.warns(ld.StalledWarning, match="radii stalled: the largest derivative"):
             state = sim.relax(vary="radii", stiffness=0.01, max_steps=1)
         assert not state.converged
         with warnings.catch_warnings():
