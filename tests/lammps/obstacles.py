@@ -1,5 +1,6 @@
 """Scenes of walls that point at particles, and their energies."""
 
+import numpy as np
 from laws import LAWS
 from scene import Scene
 
@@ -45,3 +46,22 @@ def energies(scene, calls, steps):
         scene.run(f"run {steps} post no")
         found.append(total(scene))
     return found
+
+
+def given(scene, fix="wall"):
+    """The work of walls so far."""
+    return scene.lmp.extract_fix(fix, 0, 0)
+
+
+def assert_walls_do_the_work(scene, part):
+    """Total energy changes by the work of the walls, which is as large as the energy."""
+    scene.run("velocity all create 0.002 125\nfix move all nve\ntimestep 0.0125\nrun 0")
+    assert given(scene) == 0
+    before, found, most = total(scene), [], 0.0
+    for _ in range(10):
+        scene.run("run 3200 post no")
+        found.append(total(scene) + given(scene))
+        most = max(most, abs(given(scene)))
+    assert most > 0.1 * before
+    scale = max(kinetic(scene), before, most)
+    assert np.abs(np.array(found) - before).max() < part * scale

@@ -7,7 +7,7 @@ from droplet_walls import CUBE, walled
 from droplets import EXACT as DROPLETS
 from laws import EXACT, LAWS, two_laws
 from meshes import CROSS, box, closed, floor, turned, words, write_stl
-from obstacles import ROOM, kinetic, scene_of, total
+from obstacles import ROOM, assert_walls_do_the_work, given, scene_of, total
 from parallel import FEW, assert_same, on_grids, report, reported
 from scene import SPECIES as UNITS
 from scene import Scene
@@ -17,10 +17,6 @@ SPECIES = ["large", "unit"] * 4
 X = [[-3.2, -3], [-1, -3], [1.2, -3], [3.1, -2.9], [-3.0, 3], [-1, 3], [1.2, 3], [3.1, 2.9]]
 PLANES = "plane -4 -4 1 0 plane -4 -4 0 1 plane 4 4 -1 0 plane 4 4 0 -1"
 SQUARE = np.array([(-4, -4), (4, -4), (4, 4), (-4, 4)], float)
-
-
-def given(scene, fix="wall"):
-    return scene.lmp.extract_fix(fix, 0, 0)
 
 
 def assert_same_state(one, other, rtol=1e-10):
@@ -229,15 +225,7 @@ def test_energy_that_moving_outlines_take(machine, law):
     walls = f"{variables}fix wall all deformable/wall {moving}\n"
     walls += f"fix room all deformable/wall {words('room', SQUARE * 1.1)}\n"
     scene = scene_of(X, SPECIES, law, walls)
-    scene.run("velocity all create 0.002 125\nfix move all nve\ntimestep 0.0125\nrun 0")
-    assert given(scene) == 0
-    before, found, most = total(scene), [], 0.0
-    for _ in range(10):
-        scene.run("run 3200 post no")
-        found.append(total(scene) + given(scene))
-        most = max(most, abs(given(scene)))
-    assert most > 0.1 * before  # the walls do work
-    assert np.abs(np.array(found) - before).max() < 2e-4 * max(kinetic(scene), before, most)
+    assert_walls_do_the_work(scene, 2e-4)
 
 
 def test_moved_outline_is_the_outline_there():

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from laws import two_laws
-from obstacles import kinetic, scene_of, total
+from obstacles import assert_walls_do_the_work, given, scene_of
 from turns import in_turn
 
 X = [[-3.2, -3], [-1, -3], [1.2, -3], [3.1, -2.9], [-3.0, 3], [-1, 3], [1.2, 3], [3.1, 2.9]]
@@ -58,24 +58,11 @@ MACHINES = {
 }
 
 
-def given(scene):
-    return scene.lmp.extract_fix("wall", 0, 0)
-
-
 @pytest.mark.parametrize(("machine", "law"), in_turn(MACHINES, ["radical", "balanced"]))
 def test_energy_that_walls_take(machine, law):
     """Total energy changes by the work of the walls, which is as large as the energy."""
     scene = scene_of(X, SPECIES, law, MACHINES[machine])
-    scene.run("velocity all create 0.002 125\nfix move all nve\ntimestep 0.0125\nrun 0")
-    assert given(scene) == 0
-    before, found, most = total(scene), [], 0.0
-    for _ in range(10):
-        scene.run("run 3200 post no")
-        found.append(total(scene) + given(scene))
-        most = max(most, abs(given(scene)))
-    assert most > 0.1 * before  # the walls do work
-    scale = max(kinetic(scene), before, most)
-    assert np.abs(np.array(found) - before).max() < 1e-4 * scale
+    assert_walls_do_the_work(scene, 1e-4)
 
 
 def test_work_is_part_of_econserve():
