@@ -45,7 +45,7 @@ class Derivatives:
 
         energy            as `State.energy`, shape ()
         pressure          as `State.pressure`, shape ()
-        pressure_tensor   shape (d, d)
+        pressure_tensor   shape (d, d), not of droplets between walls
         positions         shape (N, d)
         forces            of contacts, as the column `force` of `State.contacts`, shape (rows,)
         volumes           shape (N,)

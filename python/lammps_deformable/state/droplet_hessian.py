@@ -249,6 +249,17 @@ class DropletContacts:
     chain: Any
     strains: Floats
 
+    @property
+    def films(self) -> int:
+        """The first local variable of `core.stretch_blocks`."""
+        return SIDE_VARIABLES * len(self.sides.i) + TURN_VARIABLES * len(self.first)
+
+    @property
+    def caps(self) -> int:
+        """The first local variable of `core.cap_blocks`."""
+        assert self.stretches is not None
+        return self.films + len(self.stretches.kept) + 2 * len(self.stretches.wet)
+
     def hessian(self) -> Hessian:
         """By centers, forces, L and P."""
         return Hessian(self.packing, self.blocks, self.chain, self.strains)

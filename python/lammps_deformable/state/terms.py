@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from ..common.box import fractional
 from ..particles.containers import box_between, closed, free_room
+from ..particles.laws import volumes
 from ..particles.walls import Cone, Cylinder, Wall
 from .contacts import Sides
 from .hessian_matrix import Hessian
@@ -205,6 +206,12 @@ def diagonal(values: Floats) -> Any:
     return diags(values).tocsr()
 
 
+def volumes_of_radii(packing: Packing, terms: Terms) -> None:
+    """Add volumes that do not change but with the radii."""
+    surface = packing.dimension * volumes(packing.radii, packing.dimension) / packing.radii
+    terms.quantity("volumes", (len(packing),), explicit={"radii": diagonal(surface)})
+
+
 def with_places(state: State, terms: Terms, force: tuple[Any, Any], turned: Any = None) -> Terms:
     """Add walls, box and gravity; energy, positions, forces and pressure.
 
@@ -272,36 +279,81 @@ def with_places(state: State, terms: Terms, force: tuple[Any, Any], turned: Any 
     of_row = (None if each is None else row @ each for each in force)
     terms.quantity("forces", (len(state.contacts),), *of_row)
 
-    # minus the symmetric part of sum v g / V; a strain would turn walls, too
-    room, unit = packing.volume, np.eye(dimension)
-    both = np.einsum("am,bn->abmn", unit, unit)
-    both = 0.5 * (both + both.transpose(1, 0, 2, 3)).reshape(dimension**2, dimension, dimension)
-
-    def stress(entries: Floats) -> Any:
-        row = np.arange(dimension**2)[:, None, None]
-        return terms.of_local(entries / -room, row, rows, dimension**2)
-
-    by_gradient = stress(np.einsum("mab,sa->msb", both, sides.vector))
-    by_vector = stress(np.einsum("mab,sb,sac->msc", both, g, _to_nearest(sides)))
-    by_gradient = by_gradient if terms.follow is None else by_gradient @ terms.follow.T
-    pressure = by_gradient @ terms.gradient
-    if not walls:
-        boxed = {"box": _csr(np.outer(pressure, _room_change(packing, "box")) / -room)}
-        terms.quantity("pressure_tensor", unit.shape, by_gradient, by_vector, explicit=boxed)
-    mean = sparse(1.0 / dimension, 0, (dimension + 1) * axes, (1, dimension**2))
-
-    # vectors to walls turn with these
-    turning = np.zeros((walls, spins))
-    np.add.at(turning, of_wall, np.einsum("sa,kab,sb->sk", g[wall], turns, sides.vector[wall]))
-
-    def of_room(name: str) -> Callable[[], Any]:
-        more = turning.ravel() / dimension if name == "wall_angles" else 0.0
-        change = partial(_room_change, packing, name)
-        return lambda: _csr((mean @ pressure * change() + more)[None] / -room)
-
-    explicit = {name: of_room(name) for name in ("walls", "wall_angles", "box")}
-    terms.quantity("pressure", (), mean @ by_gradient, mean @ by_vector, explicit=explicit)
+    _add_pressure(packing, terms, turned)
     return terms
+
+
+def _add_pressure(packing: Packing, terms: Terms, turned: Any) -> None:
+    """Add the pressure and its tensor, minus the derivative by a strain e of particles and walls.
+
+    Vectors v to neighbors change by e v. A wall at the distance h, with the normal n toward it, is
+    shifted and turns: for its side v changes by e v + h (1 - n n) e^T n, and n turns by -(1 - n n)
+    e^T n.
+    """
+    sides, number, dimension = terms.sides, len(terms.sides.i), packing.dimension
+    room, unit, turns = packing.volume, np.eye(dimension), _turns(dimension)
+    walls, spins, wall = len(packing.walls), len(turns), terms.sides.j < 0
+    g, h = terms.pull[terms.vectors], sides.distance[:, None, None]
+    n = sides.vector / h[:, 0]
+    torque = np.zeros((number, spins))
+    if turned is not None:
+        torque = (turned.T @ terms.gradient).reshape(number, spins) * wall[:, None]
+
+    def both(part: str, *given: Floats) -> Floats:
+        """Symmetric in a and b, (S, ab, ...)."""
+        found = np.einsum(part, *given)
+        found = 0.5 * (found + found.swapaxes(1, 2))
+        return found.reshape(number, dimension**2, *found.shape[3:])
+
+    on_wall = wall[:, None, None]
+    by_g = both("sa,bc->sabc", sides.vector, unit)
+    more = by_g - both("sa,sb,sc->sabc", sides.vector, n, n)
+    by_g += np.where(on_wall, more, 0.0)
+    by_torque = np.where(on_wall, -both("sa,kbc,sc->sabk", n, turns, n), 0.0)
+
+    along, near = np.sum(n * g, axis=1), _to_nearest(sides)
+    by_normal = 2.0 * (both("sb,ac->sabc", g, unit) - both("s,sb,ac->sabc", along, n, unit))
+    by_normal = h * (by_normal - both("sa,sb,sc->sabc", n, n, g))
+    by_normal -= both("sk,kbd,sd,ac->sabc", torque, turns, n, unit)
+    by_normal -= both("sk,sa,kbc->sabc", torque, n, turns)
+    by_height = 2.0 * both("sa,sb->sab", n, g) - both("s,sa,sb->sab", along, n, n)
+    turn = (near - n[:, :, None] * n[:, None, :]) / h
+    to_wall = by_normal @ turn + by_height[:, :, None] * n[:, None, :]
+    by_v = np.where(on_wall, to_wall, both("sb,sac->sabc", g, near))
+
+    row, count = np.arange(dimension**2)[:, None], dimension**2
+    by_gradient = terms.of_local(by_g / -room, row, terms.vectors[:, None], count)
+    by_vector = terms.of_local(by_v / -room, row, terms.vectors[:, None], count)
+    if terms.follow is not None:
+        by_gradient = by_gradient @ terms.follow.T
+    if turned is not None:
+        side = spins * np.arange(number)[:, None, None] + np.arange(spins)
+        of_torque = sparse(by_torque, row, side, (count, spins * number))
+        by_gradient = by_gradient + of_torque @ turned.T / -room
+    stress = by_gradient @ terms.gradient
+
+    turning = np.zeros((walls, count, spins))
+    spun = np.einsum("smc,kcd,sd->smk", by_normal, turns, n)
+    np.add.at(turning, -1 - sides.j[wall], spun[wall])
+    turned_walls = turning.transpose(1, 0, 2).reshape(count, -1)
+
+    def by_room(name: str, weights: Any) -> Callable[[], Any]:
+        def found() -> Any:
+            change = np.outer(stress, _room_change(packing, name))
+            if name == "wall_angles":
+                change += turned_walls
+            return weights @ _csr(change / -room)
+
+        return found
+
+    def add(name: str, shape: tuple[int, ...], weights: Any) -> None:
+        explicit = {by: by_room(by, weights) for by in ("walls", "wall_angles", "box")}
+        terms.quantity(name, shape, weights @ by_gradient, weights @ by_vector, explicit=explicit)
+
+    # blocks of droplets do not know normals of walls, which turn
+    if not walls or terms.follow is None:
+        add("pressure_tensor", unit.shape, sparse(1.0, row, row, (count, count)))
+    add("pressure", (), sparse(unit.ravel() / dimension, 0, row[:, 0], (1, count)))
 
 
 def _to_nearest(sides: Sides) -> Floats:

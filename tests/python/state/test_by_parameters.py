@@ -187,7 +187,7 @@ def test_droplets_of_one_tension_have_caps() -> None:
     state = at_rest(space(2, 0.70), law)
     change = directions(state, {"radii": (12,)})["radii"]
     rates = state.derivatives(by="radii").jvp(radii=change)
-    ask = "energy", "pressure"
+    ask = "energy", "pressure", "pressures"
     far, near = (difference(state, law, None, "radii", change, STEP / n, ask) for n in (1, 2))
     for quantity in ask:
         exact = (4.0 * near[quantity] - far[quantity]) / 3.0
