@@ -8,6 +8,7 @@ from pathlib import Path
 
 import test_atom_stiffness as values
 import test_boxes as boxes
+import test_droplet_works_with as space
 import test_films_at_touch as films
 import test_outlines as outlines
 import test_restart as files
@@ -68,6 +69,17 @@ def test_rows():
     text = PAGE.read_text().split("## With droplets in three dimensions")[0]
     rows = [line.split(" | ")[0] for line in text.splitlines() if line[:2] == "| "]
     cells = [re.sub("[|`*]", "", cell).strip() for cell in rows]
-    listed = [name for cell in cells if cell != "command" for name in cell.split(", ")]
+    marked = [name for cell in cells if cell != "command" for name in cell.split(", ")]
+    listed = [name.removesuffix("°") for name in marked]
     tested = [*fresh.FIXES, *fresh.COMMANDS, *refusals.REFUSED, *outputs.GRIDS, *OTHERS]
     assert sorted(listed) == sorted(set(tested))
+
+
+def test_droplets():
+    """Each command that is tried with them has the mark, or a row of its own."""
+    plane, droplets = PAGE.read_text().split("## With droplets in three dimensions")
+    marked = set(re.findall(r"([^|,]+)°", re.sub("[`*]", "", plane)))
+    own = re.sub("[`*]", "", droplets.split("##")[0])
+    tried = [*space.FIXES, *space.COMMANDS]
+    known = {name.strip() for name in marked}
+    assert [name for name in tried if name not in known and name not in own] == []

@@ -96,13 +96,11 @@ def lost() -> str:
 
 
 def longer() -> str:
-    """Differences of laws with the same sizes, and by how much another level moves them."""
+    """Differences of laws with the same sizes."""
     told = [crystals.shown(*apart(law, "disks", 0.94, 4096)) for law in LAWS[1:]]
-    small = [crystals.shown(*apart("droplets", "disks", 0.94, number)) for number in (256, 1024)]
     return (
         "With the same sizes at phi = 0.94 and N = 4096, rings lose their order later than disks "
-        f"by {told[0]}, soft rings by {told[1]}, droplets by {told[2]}. For droplets the "
-        f"difference is {small[0]} at N = 256 and {small[1]} at N = 1024."
+        f"by {told[0]}, soft rings by {told[1]}, droplets by {told[2]}."
     )
 
 
@@ -145,53 +143,13 @@ def elastic() -> str:
     )
 
 
-def returned() -> str:
-    """Order at the end."""
-    ends = {law: crystals.column(of(law, 0.94, 256), "psi6", "down")[:, -1] for law in LAWS}
-    told = [f"{crystals.shown(*crystals.mean(end))} ({law})" for law, end in ends.items()]
-    return f"At eta = 0, N = 256 and phi = 0.94 psi_6 is then {', '.join(told)}."
-
-
-def compressed() -> str:
-    """Largest change of the mean psi_6 from phi = 0.92 to 0.98 and back."""
-    change: dict[bool, list[float]] = {True: [], False: []}
-    for law in LAWS:
-        for eta in crystals.SPREADS:
-            psi = [
-                row["psi6"]
-                for row in RESULT["compressions"]
-                if (row["law"], row["eta"]) == (law, eta)
-            ]
-            first, *_, last = np.mean(psi, axis=0)
-            change[eta == 0.3].append(abs(last - first))
-    return (
-        "Compression from phi = 0.92 to 0.98 and back changes the mean psi_6 by at most "
-        f"{max(change[True]):.3f} at eta = 0.3, and by up to {max(change[False]):.2f} at 0.4 and "
-        "0.5."
-    )
-
-
-def levels() -> str:
-    """How far lines of psi_6 = 0.7, 0.6 or 0.4 are from that of 1/2."""
-    apart = {
-        key: max(abs(half(*key, level) - half(*key)) for level in LEVELS)
-        for key in GROUPS
-        if key[1] == 0.94
-    }
-    return (
-        f"Another level of psi_6, 0.4 to 0.7, shifts the values at phi = 0.94 by up to "
-        f"{max(apart.values()):.2f}."
-    )
-
-
 def took() -> str:
     return f"takes {crystals.seconds(RESULT) / 60.0:.0f} minutes of processor time"
 
 
-LEVELS = (0.7, 0.6, 0.4)
 TABLES = (table,)
 SENTENCES = (
     *(answer, linear, logarithm, opened, lost, longer, energies),
-    *(elastic, returned, compressed, levels, took),
+    *(elastic, took),
 )
 PAGES = {PAGE: (TABLES, SENTENCES)}

@@ -84,21 +84,6 @@ def sheared() -> str:
     )
 
 
-def bulks() -> str:
-    over = [k / g for k, g in zip(of_both("bulk"), of_both("shear"), strict=True)]
-    low, high = sorted(f"{each[-1]:.0f}" for each in over)
-    told = low if low == high else f"{low} to {high}"
-    return f"At 0.85 it is {told} times the shear modulus, of both kinds."
-
-
-def loose() -> str:
-    first = [p["rows"][n]["pressure"] for p in PACKINGS for n in range(len(emulsion.ABOVE))]
-    return (
-        f"{sum(p < LOOSE for p in first)} of {len(first)} states so close to jamming lose all "
-        "pressure."
-    )
-
-
 def near_jamming() -> str:
     told = []
     for kind in emulsion.KINDS:
@@ -120,10 +105,9 @@ def loads() -> str:
 
 def orders() -> str:
     last = [at_phi(kind, "order")[-1] for kind in emulsion.KINDS]
-    most = max(row["order"] for row in rows())
     return (
         f"They do not crystallize: the mean of Steinhardt's q6 at 0.85 is {last[0]:.3f} and "
-        f"{last[1]:.3f}, and {most:.3f} at most; in fcc it is 0.575."
+        f"{last[1]:.3f}; in fcc it is 0.575."
     )
 
 
@@ -144,16 +128,13 @@ def weights() -> str:
     return (
         f"Means of {count} columns of {NUMBER} droplets. phi is that of the pressures in "
         f"periodic boxes to {np.abs(off).max():.3f}, where errors are up to {error[2].max():.3f}. "
-        f"The stress along the height is the weight below to {100.0 * borne.max():.0f} %, as "
-        "droplets of a slab are those with their center in it. One diameter is left out at each "
-        "end, where droplets lie in layers. The largest load is "
-        f"{max(one['load'] for one in COLUMNS):.2f}."
+        f"The stress along the height is the weight below to {100.0 * borne.max():.0f} %."
     )
 
 
 SENTENCES = (
-    *(onsets, pressures, shears, sheared, bulks),
-    *(near_jamming, loose, loads, orders, yields, weights),
+    *(onsets, pressures, shears, sheared),
+    *(near_jamming, loads, orders, yields, weights),
 )
 YIELDS = json.loads((FOLDER / "yielding_256.json").read_text())
 

@@ -116,28 +116,11 @@ def of_size(law: str, wanted: float) -> dict[str, Any]:
 
 def rings() -> str:
     """What the text says of rings beside disks."""
-    levels = {
-        law: [row["plateau"] for row in VIBRATIONS["summary"] if row["law"] == law]
-        for law in ("radical", "disk")
-    }
-    high, low = (f"{min(level):.2f} to {max(level):.2f}" for level in levels.values())
     near, far = (
         np.divide(*(row["shear_modulus"] / row["bulk_modulus"] for row in rows))
-        for rows in ([of_size(law, x) for law in levels] for x in (1e-3, 1e-2))
+        for rows in ([of_size(law, x) for law in ("radical", "disk")] for x in (1e-3, 1e-2))
     )
-    below = {
-        (row["law"], row["number"], row["wanted"]): row["boson_peak"] / row["omega_star"]
-        for row in VIBRATIONS["summary"]
-        if row["omega_star"] and row["boson_peak"]
-    }
-    inner = [ratio for (*_, x), ratio in below.items() if x <= 0.01]
-    outer = [ratio for (*_, x), ratio in below.items() if x > 0.01]
-    return (
-        f"The plateau of rings is at D = {high}, that of disks at {low}. "
-        f"G/K of rings is {near:.2f} of that of disks at x = 1e-3, and {far:.2f} "
-        f"at 1e-2. The boson peak is at {min(inner):.2f} to {max(inner):.2f} of `omega*` up to "
-        f"x = 0.01, and at {min(outer):.2f} to {max(outer):.2f} above."
-    )
+    return f"G/K of rings is {near:.2f} of that of disks at x = 1e-3, and {far:.2f} at 1e-2."
 
 
 def units() -> str:

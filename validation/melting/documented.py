@@ -91,37 +91,12 @@ def hexatic() -> str:
     )
 
 
-def defects() -> str:
-    names = ("bound", "dislocations", "disclinations")
-    crystal, hot, liquid = (
-        [1e3 * number(name, temperature) for name in names] for temperature in (0.075, 0.0775, 0.08)
-    )
-    return (
-        f"Among 1000 particles there are {crystal[0]:.1f} bound and {crystal[1]:.1f} single "
-        f"dislocations at 0.075, {hot[0]:.1f} and {hot[1]:.1f} at 0.0775, and {liquid[0]:.1f} and "
-        f"{liquid[1]:.1f} at 0.08. Disclinations grow from {crystal[2]:.1f} over {hot[2]:.1f} to "
-        f"{liquid[2]:.1f}."
-    )
-
-
 def slow() -> str:
     late = results.late(at(1024, "random", 0.075))
     forgotten, whole = results.memory(late), results.LEG * len(late)
     return (
         f"1024 cooled droplets at 0.075 forget their order within a time of {forgotten:.0f}, and "
         f"the run has {whole / forgotten:.0f} such times."
-    )
-
-
-def isotherm() -> str:
-    phis = (0.89, 0.9, 0.92, 0.93)
-    p = [
-        results.value(results.stages(RESULT)[256, phi, "crystal", 1, 0.075], "p")[0] for phi in phis
-    ]
-    rise = np.diff(p) / np.diff(phis) / 100.0
-    return (
-        f"For each hundredth of phi it rises by {rise[0]:.3f} from 0.89 to 0.90, by {rise[1]:.3f} "
-        f"from 0.90 to 0.92, and by {rise[2]:.3f} from 0.92 to 0.93."
     )
 
 
@@ -181,7 +156,7 @@ def took() -> str:
 
 TABLES = (table,)
 SENTENCES = (
-    *(melts, unbinds, exponents, hexatic, defects, slow, isotherm),
+    *(melts, unbinds, exponents, hexatic, slow),
     *(quenched, gases, settings, took),
 )
 PAGES = {PAGE: (TABLES, SENTENCES)}

@@ -7,7 +7,6 @@ from typing import Any
 
 from validation.documented import table_of
 from validation.report.accuracy import (
-    CONVERGED,
     energy_errors,
     fastest_as_good,
     label,
@@ -208,16 +207,12 @@ def single_rings() -> str:
         ]
         for walls in ("stick", "slip")
     )
-    steiner = " and ".join(
-        largest("I_ring_kP_inf_steiner", walls="slip", **polygon) for polygon in irregular
-    )
     return (
         "In regular polygons both laws have the same I, at most "
         f"{largest('I_sector', polygon='regular', n_v=188)}. In the asymmetric triangle and "
         f"quadrangle each is right where its contacts are those of the walls. If walls stick, I of "
         f"`sector` is at most {stick[0]}, and that of the ring law {stick[1]}. If they slip, I of "
-        f"`sector` is at most {slip[0]}, and that of the ring law {slip[1]}; about the Steiner "
-        f"point of the beads, which is the center of this law, it is {steiner}."
+        f"`sector` is at most {slip[0]}, and that of the ring law {slip[1]}."
     )
 
 
@@ -230,21 +225,16 @@ def springs() -> str:
     }
     return (
         f"At a = 0.05 I of `sector` falls from {at[1.0, 'I_sector']} at kL = 1 to "
-        f"{at[1e3, 'I_sector']} at 1e3 and {at[1e5, 'I_sector']} at 1e5; beyond, only the spacing "
-        f"of the beads remains, L0^2/24 = 1.7e-5. The ring law takes the stiffness of the springs: "
-        f"its I is {at[1.0, 'I_ring']} at kL = 1 and {at[1e3, 'I_ring']} at 1e3."
+        f"{at[1e3, 'I_sector']} at 1e3 and {at[1e5, 'I_sector']} at 1e5, as in the paper. The "
+        f"ring law takes the stiffness of the springs: its I is {at[1.0, 'I_ring']} at kL = 1 and "
+        f"{at[1e3, 'I_ring']} at 1e3."
     )
 
 
 def exact_limit() -> str:
-    """How the area deficits of beads tend to that of a smooth ring."""
-    number, stiffness = ([row[name] for row in REPORT["limit"]] for name in ("rate_n_v", "rate_kP"))
+    """How near the area deficits of beads come to that of a smooth ring."""
     off = max(abs(row["error_n_v"][-1]) for row in REPORT["limit"])
-    return (
-        f"The error is a power of the number of beads, {min(number):.2f} to {max(number):.2f}, and "
-        f"of kP, {min(stiffness):.2f} to {max(stiffness):.2f}. 384 beads of infinite stiffness "
-        f"have S to {100.0 * off:.2f} %."
-    )
+    return f"384 beads of infinite stiffness have S to {100.0 * off:.2f} %."
 
 
 def speed() -> str:
@@ -254,25 +244,6 @@ def speed() -> str:
         f"The compression takes {seconds:g} s of processor time with bead polygons, and "
         f"{row['seconds']:.2g} s with `radical, kP inf`."
     )
-
-
-def compression_table() -> list[str]:
-    """Energy of balanced over that of smooth polygons of 160 vertices that have converged."""
-    own = [
-        row
-        for row in REPORT["smooth"]
-        if (row["law"], row["n_v"], row["own"]) == ("balanced", 160, True)
-    ]
-    strains = list(dict.fromkeys(row["strain"] for row in own))
-    rows = []
-    for seed in dict.fromkeys(row["seed"] for row in own):
-        ratios = {
-            row["strain"]: f"{row['energy_ratio']:.3f}" if row["residual"] <= CONVERGED else "–"
-            for row in own
-            if row["seed"] == seed
-        }
-        rows.append([f"seed {seed}", *(ratios[strain] for strain in strains)])
-    return table_of(["strain", *map(percent, strains)], rows)
 
 
 def worst(case: str, quantity: str) -> float:
@@ -310,14 +281,6 @@ def sizes() -> str:
     return (
         "Packings with sizes up to 1 : 10 relax until the largest force is "
         f"{power(worst('sizes', 'residual'))} of the mean contact force."
-    )
-
-
-def near_contacts() -> str:
-    return (
-        "Two contacts 1e-6 rad apart change S by "
-        f"{power(worst('contacts 1e-6', 'change'))}; contacts 1e-12 R from the deepest possible "
-        f"have the exact S to {power(worst('contacts 1e-12', 'error'))}."
     )
 
 
@@ -389,16 +352,15 @@ PAGES = {
     ROOT / "README.md": ((short_table,), (speed_in_readme, limit_in_readme)),
     ROOT / "docs/accuracy.md": (
         (accuracy_table,),
-        (speed_up, uncertainty, of_balanced, of_curved, of_radical, exact_in_mixtures),
+        (speed_up, uncertainty, of_balanced, of_curved, of_radical),
     ),
     ROOT / "docs/guide/polygons.md": ((), (in_twenty_packings,)),
     ROOT / "docs/paper.md": (
         (packing_table, mixture_table),
         (single_rings, springs, exact_limit, speed, exact_in_mixtures),
     ),
-    ROOT / "docs/theory/numerics.md": ((compression_table,), ()),
     ROOT / "docs/stability.md": (
         (),
-        (drift, stiffnesses, sizes, near_contacts, sector_fails),
+        (drift, stiffnesses, sizes, sector_fails),
     ),
 }
