@@ -343,22 +343,16 @@ def test_contacts_snippet(tmp_path):
     assert 0.0 < largest.min() < largest.max() < 0.1
 
 
-def test_droplets_snippets(tmp_path):
-    """Both scripts of the page come to rest; pushed apart, droplets end within the model."""
-    logs = []
-    for script in snippets("docs/pair_deformable_droplet.md", "lammps"):
-        (tmp_path / "in.droplets").write_text(script)
-        logs.append(run(tmp_path, "mpiexec", "-n", "2", "lmp", "-in", "in.droplets"))
-    moved, relaxed = logs
+def test_droplets_snippet(tmp_path):
+    """The script of the page comes to rest, and moves at constant energy."""
+    (script,) = snippets("docs/pair_deformable_droplet.md", "lammps")
+    (tmp_path / "in.droplets").write_text(script)
+    moved = run(tmp_path, "mpiexec", "-n", "2", "lmp", "-in", "in.droplets")
     _, _, kinetic, total, _ = table(moved, ["Step", "PotEng", "KinEng"])
     # the error of velocity Verlet is 1 % of it at this time step
     assert np.abs(total - total[0]).max() < 0.05 * kinetic[0]
-    _, energy, pressure, beyond, _ = table(relaxed, ["Step", "PotEng", "Press"])
-    assert (moved + relaxed).count("Stopping criterion = force tolerance") == 3
+    assert moved.count("Stopping criterion = force tolerance") == 1
     assert "WARNING" not in moved
-    assert (np.diff(energy) < 0.0).all()
-    assert beyond[-1] == 0
-    assert 0.0 < pressure[-1] < 0.2
 
 
 def commands(page):

@@ -38,14 +38,13 @@ WARNINGS = {
     "Steady shear": {"beyond the model", "no room"},
     "Biaxial compression": {"beyond the model"},
     "Oscillation": {"beyond the model", "no room"},
-    "An emulsion in SI units": {"beyond the model"},
 }
 
 
 @pytest.mark.parametrize("name", RECIPES)
 def test_warnings(name: str, tmp_path: Path) -> None:
     """The page names each, and no more."""
-    steps = {"An emulsion in SI units": None, "Oscillation": 4000}.get(name, 10)
+    steps = {"Oscillation": 4000}.get(name, 10)
     log = " ".join(line for line in run(name, tmp_path, steps=steps).splitlines() if "WARN" in line)
     text = " ".join(PAGE.read_text().partition(f"## {name}\n")[2].partition("```")[0].split())
     for words in ("beyond the model", "no room"):
@@ -118,19 +117,6 @@ def test_oscillation(tmp_path: Path) -> None:
     assert storage[-1] == pytest.approx(storage[-2], rel=1e-4)
     assert 0.7 < storage[-1] < 1.2
     assert 0 < loss[-1] < 0.3 * storage[-1]
-
-
-def test_emulsion(tmp_path: Path) -> None:
-    """No pressure below random close packing; then that of the study, in the units of the page.
-
-    Contacts may be left that bear no more than the tolerance, 5e-14 N: some 1e-5 Pa.
-    """
-    log = run("An emulsion in SI units", tmp_path)
-    found = dict(re.findall(r"^phi = (\S+): (\S+) Pa", log, re.MULTILINE))
-    pressure = [float(value) for value in found.values()]
-    assert max(pressure[:2]) < 1e-3
-    assert (np.diff(pressure[1:]) > 0).all()
-    assert float(found["0.85"]) == pytest.approx(134, rel=0.06)
 
 
 def test_chain(tmp_path: Path) -> None:

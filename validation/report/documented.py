@@ -269,14 +269,6 @@ def drift() -> str:
     )
 
 
-def stiffnesses() -> str:
-    return (
-        "For kA = 1e-6 to 1e6 energies over kA are the same to "
-        f"{power(worst('kA', 'energy'))}, and for kP/kA = 1e-6 to 1e12 they tend to those of "
-        "kP = inf as they should."
-    )
-
-
 def sizes() -> str:
     return (
         "Packings with sizes up to 1 : 10 relax until the largest force is "
@@ -361,6 +353,6 @@ PAGES = {
     ),
     ROOT / "docs/stability.md": (
         (),
-        (drift, stiffnesses, sizes, sector_fails),
+        (drift, sizes, sector_fails),
     ),
 }
