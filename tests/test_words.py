@@ -21,17 +21,19 @@ PAGES = sorted(path for folder in FOLDERS for path in ROOT.glob(f"{folder}/*.md"
 # Words of a page at most; of those without a number, of the guide, and of all together.
 BUDGETS = {
     "README.md": 800,
-    "ARCHITECTURE.md": 2110,
-    "CHANGELOG.md": 1380,
+    "ARCHITECTURE.md": 1760,
     "benchmarks/README.md": 1780,
-    "docs/theory/droplets.md": 1590,
-    "docs/pair_deformable_ring.md": 2155,
-    "docs/pair_deformable_droplet.md": 1545,
-    "docs/lammps_recipes.md": 1620,
-    "docs/fix_deformable_wall.md": 2060,
-    "docs/fix_deformable_friction.md": 1565,
+    "docs/theory/contacts.md": 1250,
+    "docs/theory/droplets.md": 1485,
+    "docs/theory/laws.md": 1155,
+    "docs/pair_deformable_ring.md": 2025,
+    "docs/pair_deformable_droplet.md": 1320,
+    "docs/lammps_recipes.md": 1295,
+    "docs/fix_deformable_wall.md": 1815,
+    "docs/fix_deformable_friction.md": 1405,
+    "docs/works_with.md": 1260,
 }
-USUAL, GUIDE, ALL = 1390, 900, 69_687
+USUAL, GUIDE, ALL = 1070, 850, 61_900
 
 # How the code came to be is in the git log. What nobody has read is no source.
 BANNED = (
