@@ -10,7 +10,7 @@ contacts, and depends on parameters t. With the matrix M = E_zz of `Hessian`, fo
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -29,6 +29,10 @@ Floats = NDArray[np.float64]
 
 # A contact is about to open where its force is below this part of the mean.
 _OPENING = 1e-5
+
+# Quantities that need other states, without walls.
+_MODULI = ("moduli", "shear_modulus", "bulk_modulus")
+_Moduli = Callable[[Terms], Mapping[str, Quantity]]
 
 
 class Derivatives:
@@ -50,7 +54,11 @@ class Derivatives:
         forces            of contacts, as the column `force` of `State.contacts`, shape (rows,)
         volumes           shape (N,)
         pressures         shape (N,), not of soft contacts
+        moduli            `tensor` of `State.moduli`, without walls, shape (d, d, d, d)
+        shear_modulus     shape (), and bulk_modulus
 
+    Third derivatives of the energy, for moduli, are differences of M and E_zt at strains of 1e-5
+    or less, of the fourth order: they agree with differences of relaxed states to about 1e-7.
     Motions without a stiffness are left out of positions, as of `Hessian.solve`, and contacts of
     rattlers bear nothing.
 
@@ -61,10 +69,14 @@ class Derivatives:
         quantities: names of all that it has.
     """
 
-    def __init__(self, terms: Terms, by: str | Sequence[str]) -> None:
-        """Of these parameters; use `State.derivatives`."""
-        self._terms, self._single = terms, isinstance(by, str)
+    def __init__(
+        self, terms: Terms, by: str | Sequence[str], moduli: _Moduli | None = None
+    ) -> None:
+        """Of these parameters, and with these quantities of moduli; use `State.derivatives`."""
+        self._terms, self._moduli, self._single = terms, moduli, isinstance(by, str)
         self.parameters, self.quantities = tuple(terms.parameters), tuple(terms.quantities)
+        if moduli:
+            self.quantities += _MODULI
         names = [by] if isinstance(by, str) or not isinstance(by, Sequence) else by
         self.by = tuple(names)
         for name in self.by:
@@ -93,7 +105,7 @@ class Derivatives:
 
         Raises:
             ParameterError: there is no such quantity, or its shape is another one; or the packing
-                does not resist, see `Hessian.solve`.
+                does not resist, see `Hessian.solve`; or moduli jump, as contacts open or close.
         """
         found = self._pulled(
             {
@@ -106,7 +118,7 @@ class Derivatives:
         )
 
     def jvp(self, **tangents: ArrayLike) -> dict[str, Floats]:
-        """Changes of all quantities with the parameters, with one linear system.
+        """Changes of all quantities but moduli with the parameters, with one linear system.
 
             state.derivatives(by="radii").jvp(radii=change)["positions"]
 
@@ -125,7 +137,7 @@ class Derivatives:
         given = {
             name: self._given(name, rates, self.shapes[name]) for name, rates in tangents.items()
         }
-        found = self._pushed(given, self.quantities)
+        found = self._pushed(given, [each for each in self.quantities if each not in _MODULI])
         return {
             name: each[:, 0].reshape(self._terms.quantities[name].shape)
             for name, each in found.items()
@@ -238,6 +250,9 @@ class Derivatives:
         if name not in self.quantities:
             there = ", ".join(self.quantities)
             raise ParameterError(f"quantity must be of {there}, not {shown(name)}")
+        if name not in self._terms.quantities:
+            assert self._moduli is not None
+            self._terms.quantities.update(self._moduli(self._terms))
         return self._terms.quantities[name]
 
     def _given(self, name: str, values: ArrayLike, shape: tuple[int, ...]) -> Floats:
@@ -251,13 +266,13 @@ class Derivatives:
         return found[self.by[0]] if self._single else found
 
 
-def derivatives_of(state: State, by: str | Sequence[str]) -> Derivatives:
-    """See `State.derivatives`."""
+def derivatives_of(state: State, by: str | Sequence[str], moduli: _Moduli) -> Derivatives:
+    """See `State.derivatives`; `moduli` makes quantities of a state without walls."""
     check_smooth(state)
     terms = terms_of(state)
     check_at_rest(state.residual)
     _warn_of_opening(terms)
-    return Derivatives(terms, by)
+    return Derivatives(terms, by, None if state.walls else moduli)
 
 
 def _warn_of_opening(terms: Terms) -> None:

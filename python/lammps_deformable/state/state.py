@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -1049,9 +1049,10 @@ class State:
             ParameterError: there is no such parameter; or the state is not at rest (`residual`
                 above 1e-3); or see `hessian`.
         """
+        from ..engine.third_derivatives import moduli_quantities
         from .derivatives import derivatives_of
 
-        return derivatives_of(self, by)
+        return derivatives_of(self, by, partial(moduli_quantities, self))
 
     def modes(self, number: int | None = None, vectors: bool = True) -> Modes:
         """The normal modes of lowest stiffness, without those that have none.

@@ -111,17 +111,23 @@ def directions(state: ld.State, shapes: Mapping[str, tuple[int, ...]]) -> dict[s
 
 def value(state: ld.State, quantity: str) -> np.ndarray:
     """The numbers of a quantity."""
+    if quantity == "moduli":
+        return state.moduli().tensor
     return state.contacts["force"] if quantity == "forces" else np.asarray(getattr(state, quantity))
 
 
-def difference(state: ld.State, law, gravity, name: str, change, step: float, quantities) -> dict:
+def differences(state: ld.State, law, gravity, name: str, change, quantities) -> dict:
     """Rates of quantities by states at rest."""
-    low, high = (with_change(state, law, gravity, name, s * step * change) for s in (-1.0, 1.0))
 
-    def rate(quantity: str) -> np.ndarray:
-        return (value(high, quantity) - value(low, quantity)) / (2.0 * step)
+    def after(step: float) -> dict:
+        low, high = (with_change(state, law, gravity, name, s * step * change) for s in (-1.0, 1.0))
+        return {each: (value(high, each) - value(low, each)) / (2.0 * step) for each in quantities}
 
-    return {quantity: rate(quantity) for quantity in quantities}
+    far = after(STEP)
+    if name not in STEEP:
+        return far
+    near = after(0.5 * STEP)
+    return {each: (4.0 * near[each] - rate) / 3.0 for each, rate in far.items()}
 
 
 def agrees(state: ld.State, law, gravity=None, leave: str = "", tolerance: float = 1e-6) -> None:
@@ -134,10 +140,7 @@ def agrees(state: ld.State, law, gravity=None, leave: str = "", tolerance: float
         if not change.size or not change.any():
             continue
         rates = found.jvp(**{name: change})
-        exact = difference(state, law, gravity, name, change, STEP, rates)
-        if name in STEEP:
-            near = difference(state, law, gravity, name, change, 0.5 * STEP, rates)
-            exact = {key: (4.0 * near[key] - far) / 3.0 for key, far in exact.items()}
+        exact = differences(state, law, gravity, name, change, rates)
         exact["positions"] = project(exact["positions"].ravel())
         rates["positions"] = project(rates["positions"].ravel())
         for quantity, rate in rates.items():
@@ -188,10 +191,29 @@ def test_droplets_of_one_tension_have_caps() -> None:
     change = directions(state, {"radii": (12,)})["radii"]
     rates = state.derivatives(by="radii").jvp(radii=change)
     ask = "energy", "pressure", "pressures"
-    far, near = (difference(state, law, None, "radii", change, STEP / n, ask) for n in (1, 2))
+    exact = differences(state, law, None, "radii", change, ask)
     for quantity in ask:
-        exact = (4.0 * near[quantity] - far[quantity]) / 3.0
-        assert rates[quantity] == pytest.approx(exact, rel=1e-6)
+        assert rates[quantity] == pytest.approx(exact[quantity], rel=1e-6)
+
+
+@pytest.mark.parametrize("name", ["soft", "radical", "balanced", "curved", "space", "films"])
+def test_moduli(packing: ld.Packing, name: str) -> None:
+    adhesion = ((0.1, 0.06), (0.06, 0.08)) if name == "films" else 0.0
+    law = LAWS.get(name, ld.Droplet((1.0, 1.3), adhesion=adhesion))
+    state = at_rest(packing if name in LAWS else space(3, 0.71), law)
+    by = [each for each in state.derivatives("radii").parameters if each != "gravity"]
+    found = state.derivatives(by=by)
+    table = found.jacobian("moduli")
+    for each, change in directions(state, found.shapes).items():
+        if not change.any():
+            continue
+        rate = np.tensordot(table[each], change, change.ndim)
+        exact = differences(state, law, None, each, change, ["moduli"])["moduli"]
+        assert rate == pytest.approx(exact, abs=1e-6 * np.abs(rate).max()), each
+    slopes = found.vjp(shear_modulus=2.0, bulk_modulus=-1.0, pressure=0.5)["radii"]
+    bulk = np.einsum("aaccn->n", table["radii"]) / state.dimension**2
+    exact = 2.0 * table["radii"][0, 1, 0, 1] - bulk + 0.5 * found.jacobian("pressure")["radii"]
+    assert slopes == pytest.approx(exact, rel=1e-9, abs=1e-11 * np.abs(exact).max())
 
 
 def test_droplets_on_sticky_walls() -> None:
@@ -234,6 +256,13 @@ def test_scaling(packing: ld.Packing, name: str) -> None:
             rates = {key: units[key][power] * each for key, each in values.items()}
             scale, exact = np.abs(numbers).max(), powers[power] * numbers
             assert found.jvp(**rates)[quantity] == pytest.approx(exact, abs=1e-10 * scale)
+    moduli, table = value(state, "moduli"), found.jacobian("moduli")
+    for power, exact in ((0, moduli), (1, -d * moduli)):
+        rate = sum(
+            units[key][power] * np.tensordot(table[key], each, np.ndim(each))
+            for key, each in values.items()
+        )
+        assert rate == pytest.approx(exact, abs=1e-7 * np.abs(moduli).max())
 
 
 def test_walls_that_move_together() -> None:
