@@ -435,7 +435,8 @@ def test_stable_packings():
         assert after["yield_strain"] > 2 * max(before["yield_strain"], soft["yield_strain"])
 
 
-def test_relaxation_in_jax(tree):
-    pytest.importorskip("jax")
-    lines = run(tree / "examples" / "design", "python", "in_jax.py").splitlines()
+@pytest.mark.parametrize("library", ["jax", "torch"])
+def test_relaxation_with_a_gradient(tree, library):
+    pytest.importorskip(library)
+    lines = run(tree / "examples" / "design", "python", f"in_{library}.py").splitlines()
     assert lines[-1].startswith("step 5: pressure 0.002000")

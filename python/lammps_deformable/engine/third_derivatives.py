@@ -177,13 +177,11 @@ def _slopes(start: Terms, here: Terms, centers: Floats) -> dict[str, Floats]:
     moved = here.chain[:, :size] @ centers + strains
     moved -= lines @ here.hessian.line_response(lines.T @ (here.local @ moved))
     slopes = here.local @ moved
-    on_centers = here.chain.T @ slopes
-    on_centers[size:] = 0.0
     by_parameters = {
         name: each.local.T @ slopes + each.explicit.T @ moved
         for name, each in here.parameters.items()
     }
-    return {"centers": on_centers, "strain": strains.T @ slopes, **by_parameters}
+    return {"centers": here.chain.T @ slopes, "strain": strains.T @ slopes, **by_parameters}
 
 
 def _by_box(

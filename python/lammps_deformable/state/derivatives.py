@@ -58,7 +58,8 @@ class Derivatives:
         shear_modulus     shape (), and bulk_modulus
 
     Third derivatives of the energy, for moduli, are differences of M and E_zt at strains of 1e-5
-    or less, of the fourth order: they agree with differences of relaxed states to about 1e-7.
+    or less, of the fourth order, with an error of about 1e-8.
+
     Motions without a stiffness are left out of positions, as of `Hessian.solve`, and contacts of
     rattlers bear nothing.
 
