@@ -1,8 +1,5 @@
 """Friction beside other commands of LAMMPS, those that docs/works_with.md names."""
 
-import re
-from pathlib import Path
-
 import numpy as np
 import pytest
 from grains import Grains
@@ -38,13 +35,6 @@ COMMANDS = {
     "reset_timestep": (NVE, "run 20\nreset_timestep 0\n"),
     "neigh_modify exclude": (NVE, "group a id 1:8\nneigh_modify exclude group a a\n"),
 }
-
-
-def test_rows():
-    """The page names each of them."""
-    text = (Path(__file__).parents[2] / "docs" / "works_with.md").read_text()
-    listed = re.sub("[`*]", "", text.split("## With friction")[1])
-    assert [name for name in COMMANDS if name not in listed] == []
 
 
 @pytest.mark.parametrize("name", COMMANDS)

@@ -1,6 +1,6 @@
 """The tables of docs/works_with.md have a row for each command that is tested, and no other.
 
-The last section, of smooth polygons, is tested in test_edge_works_with.py.
+Marks and the last sections are of droplets, friction and smooth polygons.
 """
 
 import re
@@ -9,7 +9,9 @@ from pathlib import Path
 import test_atom_stiffness as values
 import test_boxes as boxes
 import test_droplet_works_with as space
+import test_edge_works_with as edges
 import test_films_at_touch as films
+import test_friction_works_with as rubbing
 import test_outlines as outlines
 import test_restart as files
 import test_works_with as fresh
@@ -19,6 +21,15 @@ import test_works_with_outputs as outputs
 import test_works_with_plane as plane
 import test_works_with_refusals as refusals
 
+MARKS = "°ᶠᵖ"
+OF_EDGES = {
+    "fix npt, tilted",
+    "fix deform, flips",
+    "change_box, tilted",
+    "neighbor nsq",
+    "run every",
+    "pair_modify",
+}
 PAGE = Path(__file__).parents[2] / "docs" / "works_with.md"
 OTHERS = {
     "fix property/atom": values.test_as_a_fresh_run,
@@ -70,16 +81,22 @@ def test_rows():
     rows = [line.split(" | ")[0] for line in text.splitlines() if line[:2] == "| "]
     cells = [re.sub("[|`*]", "", cell).strip() for cell in rows]
     marked = [name for cell in cells if cell != "command" for name in cell.split(", ")]
-    listed = [name.removesuffix("°") for name in marked]
+    listed = [name.rstrip(MARKS) for name in marked]
     tested = [*fresh.FIXES, *fresh.COMMANDS, *refusals.REFUSED, *outputs.GRIDS, *OTHERS]
     assert sorted(listed) == sorted(set(tested))
 
 
-def test_droplets():
-    """Each command that is tried with them has the mark, or a row of its own."""
-    plane, droplets = PAGE.read_text().split("## With droplets in three dimensions")
-    marked = set(re.findall(r"([^|,]+)°", re.sub("[`*]", "", plane)))
-    own = re.sub("[`*]", "", droplets.split("##")[0])
-    tried = [*space.FIXES, *space.COMMANDS]
-    known = {name.strip() for name in marked}
-    assert [name for name in tried if name not in known and name not in own] == []
+def test_marks():
+    """Each command that is tried beside them has the mark, or a row in their section."""
+    plane, droplets, polygons, friction = re.split("^## With .*", PAGE.read_text(), flags=re.M)
+    names = {
+        "°": (droplets, [*space.FIXES, *space.COMMANDS]),
+        "ᶠ": (friction, [*rubbing.COMMANDS]),
+        "ᵖ": (polygons, [name for name in edges.COMMANDS if name not in OF_EDGES]),
+    }
+    for mark, (rows, tried) in names.items():
+        found = re.findall(rf"([^|,{MARKS}]+)[{MARKS}]*{mark}", re.sub("[`*]", "", plane))
+        known = {name.strip() for name in found}
+        own = re.sub("[`*]", "", rows)
+        assert [name for name in tried if name not in known and name not in own] == []
+        assert len(known) > 15

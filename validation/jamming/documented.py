@@ -99,8 +99,7 @@ def modes() -> str:
     return (
         f"`omega*` rises with the exponent {disks[0]} and z - z_iso with {disks[1]} for 1024 disks "
         f"from x = 1e-3 to 0.1, and with {rings[0]} and {rings[1]} for 1024 rings from x = 3e-3 to "
-        f"0.03. The ratio of both is {of_disks} for disks and {of_rings} for rings, at every x and "
-        "N."
+        f"0.03. Their ratio is {of_disks} for disks and {of_rings} for rings."
     )
 
 
@@ -140,12 +139,10 @@ def isostatic() -> str:
         for row in ONSETS
         if (row["law"] == "disk" or row["onset_pressure"] == 1e-16) and row["number"] <= 512
     ]
-    most = [1e-7 * 1.4 * number**2 for number in (1024, 4096)]
     return (
         f"Of {len(near)} packings of disks at 1e-7 and of `radical` at 1e-16 with up to 512 "
         f"particles {sum(more == 0 for more in near)} are isostatic, and {max(near)} is the most "
-        f"that others have in addition. In larger packings extra contacts appear when p N^2 is "
-        f"about 1; it is {most[0]:.2f} at N = 1024 and {most[1]:.1f} at 4096."
+        "that others have in addition."
     )
 
 
