@@ -296,7 +296,9 @@ def test_page_of_doublet_has_the_numbers_of_its_log() -> None:
         (folder / "README.md").read_text(),
         blocks((folder / "doublet.log").read_text()),
     )
-    assert (of_page(page) == cycle[:, :7]).all()
+    shown = cycle[np.isin(cycle[:, 1], (0.3, 0.5)), :7]
+    assert len(shown) == 4
+    assert (of_page(page) == shown).all()
 
 
 def check_wetting(printed: str) -> None:

@@ -89,9 +89,7 @@ def lost() -> str:
     return (
         f"Disks lose their order at eta = {min(disks):.2f} to {max(disks):.2f}, at every phi and "
         f"N. At phi = 0.92 all laws lose it at {min(loose):.2f} to {max(loose):.2f}, because "
-        "particles are nearly round there. Droplets at phi = 0.97 keep it up to "
-        f"{half('droplets', 0.97, 1024):.2f} (N = 1024) and {half('droplets', 0.97, 256):.2f} "
-        "(N = 256)."
+        "particles are nearly round there."
     )
 
 

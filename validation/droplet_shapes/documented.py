@@ -43,7 +43,7 @@ def of_packings() -> str:
 
 
 TABLES = (
-    crystals.markdown(CRYSTALS).splitlines,
+    crystals.markdown(CRYSTALS[1::2]).splitlines,
     STRAINED.splitlines,
     packings.markdown(PACKINGS).splitlines,
     clusters.markdown(CLUSTERS).splitlines,

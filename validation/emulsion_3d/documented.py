@@ -76,14 +76,6 @@ def strained() -> list[tuple[float, float]]:
     return [(row["sheared"], row["simple"]) for row in rows() if "sheared" in row]
 
 
-def sheared() -> str:
-    difference = max(abs(strain - simple) for strain, simple in strained())
-    return (
-        f"{len(strained())} states that were sheared by 1e-4 or less and relaxed again have moduli "
-        f"within {difference:.0e} γ/R32 of those by linear response."
-    )
-
-
 def near_jamming() -> str:
     told = []
     for kind in emulsion.KINDS:
@@ -133,7 +125,7 @@ def weights() -> str:
 
 
 SENTENCES = (
-    *(onsets, pressures, shears, sheared),
+    *(onsets, pressures, shears),
     *(near_jamming, loads, orders, yields, weights),
 )
 YIELDS = json.loads((FOLDER / "yielding_256.json").read_text())
