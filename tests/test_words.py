@@ -21,19 +21,20 @@ PAGES = sorted(path for folder in FOLDERS for path in ROOT.glob(f"{folder}/*.md"
 # Words of a page at most; of those without a number, of the guide, and of all together.
 BUDGETS = {
     "README.md": 800,
-    "ARCHITECTURE.md": 1760,
+    "ARCHITECTURE.md": 1610,
     "benchmarks/README.md": 1780,
     "docs/theory/contacts.md": 1250,
-    "docs/theory/droplets.md": 1485,
-    "docs/theory/laws.md": 1155,
+    "docs/theory/droplets.md": 1475,
+    "docs/theory/laws.md": 1140,
+    "docs/theory/lines.md": 1055,
     "docs/pair_deformable_ring.md": 2025,
-    "docs/pair_deformable_droplet.md": 1320,
-    "docs/lammps_recipes.md": 1295,
-    "docs/fix_deformable_wall.md": 1815,
+    "docs/pair_deformable_droplet.md": 1305,
+    "docs/lammps_recipes.md": 1270,
+    "docs/fix_deformable_wall.md": 1810,
     "docs/fix_deformable_friction.md": 1405,
-    "docs/works_with.md": 1260,
+    "docs/works_with.md": 1165,
 }
-USUAL, GUIDE, ALL = 1070, 850, 61_900
+USUAL, GUIDE, ALL = 990, 820, 60_000
 
 # How the code came to be is in the git log. What nobody has read is no source.
 BANNED = (
