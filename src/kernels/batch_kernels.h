@@ -58,12 +58,12 @@ constexpr int MOST_IN_BATCH = 8;
 using BatchKernel = void (*)(BlockParticle *const *particles, int count, Place *places,
                              bool shapes);
 
-// A front of a Cholesky factor, see fronts.cpp: its columns from those of the matrix, and what they subtract from the rows and
-// columns after them; and both halves of a solution, where y has the numbers of the columns, then those of the rows below. Behind y,
-// and behind the last column, are FRONT_MARGIN numbers more.
+// A front of a Cholesky factor, see fronts.cpp: its columns from those of the matrix, and what they subtract from `left`, a square
+// matrix of the rows below; and both halves of a solution, where y has the numbers of the columns, then those of the rows below. Behind
+// y, and behind the last column, are FRONT_MARGIN numbers more.
 constexpr int FRONT_MARGIN = 8;
 struct FrontKernels {
-  void (*factorize)(float *matrix, int width, int height);
+  void (*factorize)(float *lower, int width, int height, float *left);
   void (*forward)(const float *lower, int width, int height, float *y);
   void (*backward)(const float *lower, int width, int height, float *y);
 };

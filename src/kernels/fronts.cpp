@@ -13,12 +13,21 @@ namespace deformable::DEFORMABLE_LEVEL {
 
 extern const FrontKernels front_kernels;
 
-DEFORMABLE_LANE_FUNCTION void subtract(float *from, float factor, const float *v, int size)
+// from - sum_k v_k[0] v_k, one after the other, of columns v_k that are `height` numbers apart.
+template <int COLUMNS>
+DEFORMABLE_LANE_FUNCTION void subtract(float *from, const float *v, std::size_t height, int size)
 {
+  float factor[COLUMNS];
+  for (int k = 0; k < COLUMNS; ++k) factor[k] = v[k * height];
   int n = 0;
-  for (; n + FLOATS <= size; n += FLOATS)
-    store_floats(from + n, load<Floats>(from + n) - factor * load<Floats>(v + n));
-  for (; n < size; ++n) from[n] -= factor * v[n];
+  for (; n + FLOATS <= size; n += FLOATS) {
+    Floats left = load<Floats>(from + n);
+#pragma GCC unroll 8
+    for (int k = 0; k < COLUMNS; ++k) left = left - factor[k] * load<Floats>(v + k * height + n);
+    store_floats(from + n, left);
+  }
+  for (; n < size; ++n)
+    for (int k = 0; k < COLUMNS; ++k) from[n] -= factor[k] * v[k * height + n];
 }
 
 // The same sum on every level. Behind b are FRONT_MARGIN zeros.
@@ -33,16 +42,30 @@ DEFORMABLE_LANE_FUNCTION float product(const float *a, const float *b, int size)
   return ((part[0] + part[4]) + (part[2] + part[6])) + ((part[1] + part[5]) + (part[3] + part[7]));
 }
 
-static void factorize_front(float *matrix, int width, int height)
+// A few columns are subtracted from all later ones at once, which are then read and written less often.
+static void factorize_front(float *lower, int width, int height, float *left)
 {
-  for (int c = 0; c < width; ++c) {
-    float *const column = matrix + static_cast<std::size_t>(c) * height;
-    const float inverse = 1.0F / std::sqrt(column[c]);
-    for (int r = c + 1; r < height; ++r) column[r] *= inverse;
-    column[c] = inverse;
-    for (int s = c + 1; s < height; ++s)
-      subtract(matrix + static_cast<std::size_t>(s) * height + s, column[s], column + s,
-               height - s);
+  constexpr int PANEL = 4;
+  const std::size_t all = height, below = height - width;
+  for (int begin = 0; begin < width; begin += PANEL) {
+    const int end = std::min(begin + PANEL, width);
+    const float *const panel = lower + begin * all;
+    for (int c = begin; c < end; ++c) {
+      float *const column = lower + c * all;
+      const float inverse = 1.0F / std::sqrt(column[c]);
+      for (int r = c + 1; r < height; ++r) column[r] *= inverse;
+      column[c] = inverse;
+      for (int s = c + 1; s < end; ++s)
+        subtract<1>(lower + s * all + s, column + s, all, height - s);
+    }
+    for (int s = end; s < height; ++s) {
+      float *const from = s < width ? lower + s * all + s : left + (s - width) * (below + 1);
+      if (end - begin == PANEL)
+        subtract<PANEL>(from, panel + s, all, height - s);
+      else
+        for (int k = 0; k < end - begin; ++k)
+          subtract<1>(from, panel + k * all + s, all, height - s);
+    }
   }
 }
 

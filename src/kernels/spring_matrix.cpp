@@ -168,8 +168,7 @@ void SpringMatrix::factorize_fronts()
 {
   const int D = dimension, n = static_cast<int>(fronts.size());
   std::vector<int> front_of(size), last_child(n, -1), sibling(n, -1), local(size), seen(size, -1);
-  std::vector<std::vector<float>> left(n);    // the rows below, as a square matrix
-  std::vector<float> whole;
+  std::vector<std::vector<float>> left(n);
   for (int f = 0; f < n; ++f)
     for (int k = fronts[f].begin; k < fronts[f].end; ++k) front_of[k] = f;
   rows.clear();
@@ -196,10 +195,15 @@ void SpringMatrix::factorize_fronts()
     const int height = front.height = width + D * (front.last_row - front.first_row);
     highest = std::max<std::size_t>(highest, height);
 
-    // columns of height numbers each, the lower triangle only
-    whole.assign(static_cast<std::size_t>(height) * height, 0.0F);
+    // columns of height numbers each, the lower triangle only, and the rows below as a square matrix
+    const std::size_t below = height - width;
+    front.at = lower.size();
+    lower.resize(front.at + static_cast<std::size_t>(width) * height);
+    left[f].assign(below * below, 0.0F);
+    float *const own = lower.data() + front.at, *const rest = left[f].data();
     const auto at = [&](int row, int col) -> float & {
-      return whole[static_cast<std::size_t>(col) * height + row];
+      return col < width ? own[static_cast<std::size_t>(col) * height + row]
+                         : rest[(col - width) * below + row - width];
     };
     for (int k = begin; k < end; ++k) {
       for (int t = 0; t < D * D; ++t)
@@ -214,21 +218,17 @@ void SpringMatrix::factorize_fronts()
       const int side_length = D * (of.last_row - of.first_row);
       const float *column_of_child = left[child].data();
       for (int c = of.first_row; c < of.last_row; ++c)
-        for (int s = 0; s < D; ++s, column_of_child += side_length)
+        for (int s = 0; s < D; ++s, column_of_child += side_length) {
+          float *const to = &at(0, local[rows[c]] + s);
           for (int r = c; r < of.last_row; ++r)
             for (int t = 0; t < D; ++t)
-              at(local[rows[r]] + t, local[rows[c]] + s) +=
-                  column_of_child[D * (r - of.first_row) + t];
+              to[local[rows[r]] + t] += column_of_child[D * (r - of.first_row) + t];
+        }
       left[child] = {};
     }
 
-    kernels.factorize(whole.data(), width, height);
-    front.at = lower.size();
-    lower.insert(lower.end(), whole.begin(),
-                 whole.begin() + static_cast<std::size_t>(width) * height);
+    kernels.factorize(own, width, height, rest);
     if (front.first_row == front.last_row) continue;
-    for (int c = width; c < height; ++c)
-      left[f].insert(left[f].end(), &at(width, c), &at(width, c) + height - width);
     const int parent = front_of[rows[front.first_row]];
     sibling[f] = last_child[parent];
     last_child[parent] = f;
