@@ -40,6 +40,18 @@ double dot_of(Values a, Values b)
   return dot(a.data(), b.data(), a.size());
 }
 
+using Changing = nb::ndarray<double, nb::c_contig, nb::device::cpu>;
+
+void axpy(Changing y, double a, Values x)
+{
+  if (y.size() != x.size())
+    refuse("y and x must have as many numbers, not " + std::to_string(y.size()) + " and " +
+           std::to_string(x.size()));
+  double *const to = y.data();
+  const double *const from = x.data();
+  for (std::size_t k = 0; k < x.size(); ++k) to[k] += a * from[k];
+}
+
 // From long double: in double the C library has a version with fused multiply-adds, and one without.
 Matrix unit_vectors(nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu> angle)
 {
@@ -105,6 +117,18 @@ Parameters
 ----------
 a, b : arrays of the same size
     Of any shape, taken in the order of their memory.
+
+Raises
+------
+ValueError
+    Arrays of different sizes.)");
+  m.def("axpy", &axpy, "y"_a, "a"_a, "x"_a, R"(y += a x in place, without the memory of a product.
+
+Parameters
+----------
+y, x : arrays of the same size
+    Of any shape, taken in the order of their memory.
+a : float
 
 Raises
 ------

@@ -30,9 +30,18 @@ def test_arrays_of_any_shape_and_order_of_memory() -> None:
     assert core.dot(a.T, b.T) == in_eight_parts(a.T.copy(), b.T.copy())
 
 
+def test_a_product_is_added_in_place() -> None:
+    y, x = np.random.default_rng(3).normal(size=(2, 11))
+    expected = y + -0.3 * x
+    core.axpy(y, -0.3, x)
+    assert np.array_equal(y, expected)
+
+
 def test_other_sizes_are_refused() -> None:
     with pytest.raises(ValueError, match="as many numbers, not 2 and 3"):
         core.dot(np.ones(2), np.ones(3))
+    with pytest.raises(ValueError, match="as many numbers, not 2 and 3"):
+        core.axpy(np.ones(2), 1.0, np.ones(3))
 
 
 def test_unit_vectors_and_angles_are_those_of_the_c_library() -> None:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from .. import core
 from ..common.box import fractional, lengths
-from ..core import dot, norm
+from ..core import axpy, dot, norm
 from ..particles.containers import Distances, free_room, stretched
 from ..particles.neighbors import near_pairs
 from ..particles.packing import Packing
@@ -488,7 +488,7 @@ def _direction(
     q, weights = -gradient, []
     for step, change, inverse in reversed(steps):
         weights.append(inverse * dot(step, q))
-        q -= weights[-1] * change
+        axpy(q, -weights[-1], change)
     if precondition is not None:
         q = precondition(q)
     elif steps:
@@ -497,7 +497,7 @@ def _direction(
     else:
         q *= _FIRST
     for (step, change, inverse), weight in zip(steps, reversed(weights), strict=True):
-        q += (weight - inverse * dot(change, q)) * step
+        axpy(q, weight - inverse * dot(change, q), step)
     return q
 
 
