@@ -18,6 +18,10 @@
 
 namespace deformable {
 
+// What LargestAndSums has of an evaluation.
+enum { ERROR, LARGEST_FORCE, LEFT, NO_SHAPE, OF_LINE };
+enum { NORM2, WEIGHTS, SLOPE };
+
 static Tuning with_environment(const Tuning &tuned, LAMMPS *lmp)
 {
   try {
@@ -883,14 +887,16 @@ Evaluation DualSolver::run(const Steps &steps, Evaluation *of_planned)
   found.assign(blocks.count(), {});
   sweep(steps);
   if (steps.back().stage == Stage::RESIDUAL) ++summary.evaluations;
-  if (of_planned) {
-    ++summary.evaluations;
-    *of_planned = sum_up(found_before);
-  }
+  if (of_planned) ++summary.evaluations;
+  LargestAndSums both[] = {sum_up(found), of_planned ? sum_up(found_before) : LargestAndSums()};
+  if (comm->nprocs > 1) combine_ranks(world, both, of_planned ? 2 : 1);
+  Evaluation now = evaluation_of(both[0]);
   const auto takes = [](const Step &step) { return step.stage == Stage::STEP; };
-  const bool has_step = std::any_of(steps.begin(), steps.end(), takes);
-  Evaluation now = sum_up(found, has_step ? &step_slope : nullptr);
-  if (of_planned) now.exists &= of_planned->exists;
+  if (std::any_of(steps.begin(), steps.end(), takes)) step_slope = both[0].sum[SLOPE];
+  if (of_planned) {
+    *of_planned = evaluation_of(both[1]);
+    now.exists &= of_planned->exists;
+  }
   return now;
 }
 
@@ -1003,34 +1009,31 @@ void DualSolver::OfBlock::add(const Residuals &r, double part)
   weights += part * r.weights;
 }
 
-// Of all blocks and ranks.
-Evaluation DualSolver::sum_up(const std::vector<OfBlock> &of_blocks, double *slope) const
+LargestAndSums DualSolver::sum_up(const std::vector<OfBlock> &of_blocks)
 {
-  double largest[5] = {}, sum[3] = {};
+  LargestAndSums all;
   for (const OfBlock &of : of_blocks) {
-    largest[0] = std::max(largest[0], of.error);
-    largest[1] = std::max(largest[1], of.force);
-    largest[2] = std::max(largest[2], of.left);
-    largest[3] = std::max(largest[3], of.exists ? 0.0 : 1.0);
-    largest[4] = std::max(largest[4], of.line);
-    sum[0] += of.norm2;
-    sum[1] += of.weights;
-    sum[2] += of.slope;
+    const double largest[] = {of.error, of.force, of.left, of.exists ? 0.0 : 1.0, of.line};
+    for (int k = 0; k < 5; ++k) all.largest[k] = std::max(all.largest[k], largest[k]);
+    all.sum[NORM2] += of.norm2;
+    all.sum[WEIGHTS] += of.weights;
+    all.sum[SLOPE] += of.slope;
   }
-  if (comm->nprocs > 1) {
-    MPI_Allreduce(MPI_IN_PLACE, largest, 5, MPI_DOUBLE, MPI_MAX, world);
-    MPI_Allreduce(MPI_IN_PLACE, sum, 3, MPI_DOUBLE, MPI_SUM, world);
-  }
+  return all;
+}
+
+Evaluation DualSolver::evaluation_of(const LargestAndSums &all)
+{
   // Overlaps are not known better than this.
   constexpr double ROUNDING = 8.0 * std::numeric_limits<double>::epsilon();
+  const double left = all.largest[LEFT];
   Evaluation now;
-  now.imbalance = largest[2] <= ROUNDING ? 0.0 : largest[0];
-  now.line_imbalance = largest[4];
-  now.force = std::max(largest[1], std::isinf(largest[2]) ? largest[2] : 0.0);
-  now.exists = largest[3] == 0.0 && std::isfinite(now.force);
-  now.norm2 = sum[0];
-  now.weights = sum[1];
-  if (slope) *slope = sum[2];
+  now.imbalance = left <= ROUNDING ? 0.0 : all.largest[ERROR];
+  now.line_imbalance = all.largest[OF_LINE];
+  now.force = std::max(all.largest[LARGEST_FORCE], std::isinf(left) ? left : 0.0);
+  now.exists = all.largest[NO_SHAPE] == 0.0 && std::isfinite(now.force);
+  now.norm2 = all.sum[NORM2];
+  now.weights = all.sum[WEIGHTS];
   return now;
 }
 

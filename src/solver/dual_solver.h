@@ -42,6 +42,7 @@
 #include "solver/pair_relaxation.h"
 #include "solver/threads.h"
 #include "solver/tuning.h"
+#include "styles/all_ranks.h"
 #include "styles/lammps_names.h"
 
 #include <algorithm>
@@ -290,7 +291,8 @@ class DualSolver : protected Pointers {
   Evaluation evaluate();
   void work(const Step &, int block, RingBatches &);
   void exchange_after(const Step &);
-  Evaluation sum_up(const std::vector<OfBlock> &, double *slope = nullptr) const;
+  static LargestAndSums sum_up(const std::vector<OfBlock> &);
+  static Evaluation evaluation_of(const LargestAndSums &);
   double step_slope = 0.0;    // of the dual energy along the last step, where that began
   Outcome outcome = Outcome::NONE;
   void move(double from, double to);

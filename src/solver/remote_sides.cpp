@@ -40,29 +40,26 @@ void RemoteSides::to_ghosts(std::vector<double> &by_particle)
   comm->forward_comm_array(1, each.data());
 }
 
-// So many items of each place.
-template <class Item>
-void RemoteSides::send(const std::vector<Item> &sent, std::vector<Item> &received, int items)
+void RemoteSides::send(const void *from, void *to, int bytes_of_place)
 {
-  const int size = items * static_cast<int>(sizeof(Item));
+  const auto *const outgoing = static_cast<const char *>(from);
+  auto *const incoming = static_cast<char *>(to);
+  const std::size_t size = bytes_of_place;
   std::vector<MPI_Request> requests;
   requests.reserve(messages.size());
   for (const Message &m : messages) {
     if (m.received == 0) continue;
     MPI_Request request;
-    MPI_Irecv(received.data() + static_cast<std::size_t>(items) * m.first_received,
-              size * m.received, MPI_BYTE, m.rank, 0, world, &request);
+    MPI_Irecv(incoming + size * m.first_received, bytes_of_place * m.received, MPI_BYTE, m.rank, 0,
+              world, &request);
     requests.push_back(request);
   }
   for (const Message &m : messages)
     if (m.sent > 0)
-      MPI_Send(sent.data() + static_cast<std::size_t>(items) * m.first_sent, size * m.sent,
-               MPI_BYTE, m.rank, 0, world);
+      MPI_Send(outgoing + size * m.first_sent, bytes_of_place * m.sent, MPI_BYTE, m.rank, 0, world);
   for (MPI_Request &request : requests)    // LAMMPS' stubs have no MPI_STATUSES_IGNORE
     MPI_Wait(&request, MPI_STATUS_IGNORE);
 }
-
-template void RemoteSides::send(const std::vector<double> &, std::vector<double> &, int);
 
 void RemoteSides::match(std::vector<Candidate> &candidates)
 {
@@ -100,7 +97,7 @@ void RemoteSides::match(std::vector<Candidate> &candidates)
     sent_at[c] = next[pair.rank]++;
     of_this_rank[sent_at[c]] = {atom->tag[pair.i], atom->tag[pair.j], pair.x, pair.past};
   }
-  send(of_this_rank, of_others, 1);
+  send(of_this_rank.data(), of_others.data(), sizeof(Record));
 
   std::vector<int> order(to_receive);
   std::iota(order.begin(), order.end(), 0);
@@ -129,8 +126,8 @@ void RemoteSides::match(std::vector<Candidate> &candidates)
   candidates.resize(kept);
   sent_at.resize(kept);
 
-  sent.assign(static_cast<std::size_t>(MOST_ARRAYS) * to_send, 0.0);
-  received.assign(static_cast<std::size_t>(MOST_ARRAYS) * to_receive, 0.0);
+  sent.assign(static_cast<std::size_t>(MOST_BYTES) * to_send, 0);
+  received.assign(static_cast<std::size_t>(MOST_BYTES) * to_receive, 0);
 }
 
 }    // namespace deformable

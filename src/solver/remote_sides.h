@@ -8,6 +8,7 @@
 #include "solver/near_pairs.h"
 #include "styles/lammps_names.h"
 
+#include <cstring>
 #include <vector>
 
 namespace deformable {
@@ -70,27 +71,27 @@ class RemoteSides : protected Pointers {
     int rank, sent, first_sent, received, first_received;
   };
   std::vector<Message> messages;
-  std::vector<int> sent_at, received_at;    // places of each pair
-  static constexpr int MOST_ARRAYS = 4;     // that are exchanged at once
-  std::vector<double> sent, received;       // of each place: the values of all arrays
+  std::vector<int> sent_at, received_at;                   // places of each pair
+  static constexpr int MOST_BYTES = 4 * sizeof(double);    // of a pair that are exchanged at once
+  std::vector<char> sent, received;    // of each place: the values of all arrays
 
-  template <class Item> void send(const std::vector<Item> &sent, std::vector<Item> &received,
-                                  int items);
+  void send(const void *sent, void *received, int bytes_of_place);
 
+  // As they are: those in single precision take half of the bytes.
   template <class... Number> void exchange_of(const int *of_pairs, int end, Number *...values)
   {
-    constexpr int ARRAYS = sizeof...(Number);
-    static_assert(ARRAYS <= MOST_ARRAYS, "`sent` has room for so many");
+    constexpr std::size_t BYTES = (sizeof(Number) + ...);
+    static_assert(BYTES <= MOST_BYTES, "`sent` has room for so many");
     if (messages.empty()) return;
     const int pairs = static_cast<int>(sent_at.size());
     for (int c = 0; c < pairs; ++c) {
-      double *to = sent.data() + ARRAYS * sent_at[c];
-      ((*to++ = values[of_pairs[c]]), ...);
+      char *to = sent.data() + BYTES * sent_at[c];
+      ((std::memcpy(to, &values[of_pairs[c]], sizeof(Number)), to += sizeof(Number)), ...);
     }
-    send(sent, received, ARRAYS);
+    send(sent.data(), received.data(), BYTES);
     for (int c = 0; c < pairs; ++c) {
-      const double *from = received.data() + ARRAYS * received_at[c];
-      ((values[end + c] = static_cast<Number>(*from++)), ...);
+      const char *from = received.data() + BYTES * received_at[c];
+      ((std::memcpy(&values[end + c], from, sizeof(Number)), from += sizeof(Number)), ...);
     }
   }
 };

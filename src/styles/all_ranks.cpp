@@ -22,6 +22,33 @@ std::vector<double> of_all_ranks(LAMMPS *lmp, std::vector<double> here)
   return all;
 }
 
+static void combine_two(void *in, void *in_and_out, int *count, MPI_Datatype *)
+{
+  const auto *const from = static_cast<const LargestAndSums *>(in);
+  auto *const to = static_cast<LargestAndSums *>(in_and_out);
+  for (int n = 0; n < *count; ++n) {
+    for (int k = 0; k < 5; ++k) to[n].largest[k] = std::max(to[n].largest[k], from[n].largest[k]);
+    for (int k = 0; k < 3; ++k) to[n].sum[k] += from[n].sum[k];
+  }
+}
+
+void combine_ranks(MPI_Comm world, LargestAndSums *each, int count)
+{
+  static_assert(sizeof(LargestAndSums) == 8 * sizeof(double), "it is sent as it is");
+  static const MPI_Datatype type = [] {
+    MPI_Datatype made;
+    MPI_Type_contiguous(8, MPI_DOUBLE, &made);
+    MPI_Type_commit(&made);
+    return made;
+  }();
+  static const MPI_Op operation = [] {
+    MPI_Op made;
+    MPI_Op_create(combine_two, 1, &made);
+    return made;
+  }();
+  MPI_Allreduce(MPI_IN_PLACE, each, count, type, operation, world);
+}
+
 int ranks_of_machine(MPI_Comm world)
 {
   int ranks;

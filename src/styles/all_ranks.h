@@ -36,6 +36,12 @@ template <class Number> Number smallest_of_ranks(MPI_Comm world, Number here)
   return reduced(world, here, MPI_MIN);
 }
 
+// Combined over ranks in one message, in place.
+struct LargestAndSums {
+  double largest[5] = {}, sum[3] = {};
+};
+void combine_ranks(MPI_Comm world, LargestAndSums *each, int count);
+
 // How many ranks share this machine.
 int ranks_of_machine(MPI_Comm world);
 
