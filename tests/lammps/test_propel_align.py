@@ -70,6 +70,26 @@ def test_velocity_against_noise(dimension):
         assert values.mean() == pytest.approx(expected, abs=error)
 
 
+def test_inertia_slows_the_decay_of_aligned_directions():
+    """Directions diffuse with D/(1 + k m/gamma)^2, as the velocity turns behind them.
+
+    For small D angles are linear: phi' = k (psi - phi) + noise, psi' = (gamma/m) (phi - psi), so
+    (gamma/m) phi + k psi has no drift.
+    """
+    tau, number, gap, steps = 100.0, 4000, 20.0, 600
+    atoms = f"create_atoms 1 random {number} 4711 box\n"
+    for rate in (0.0, 1.5):
+        active = Active(atoms + propel(f"velocity {rate}", tau, force=1.0))
+        active.run(f"fix move all nve\nfix drag all viscous 1.0\ntimestep {gap / steps}")
+        active.run(f"run {steps} post no")
+        before = active.directions
+        active.run(f"run {steps} post no")
+        cosines = np.sum(before * active.directions, axis=1)
+        decay = np.exp(-gap / (tau * (1.0 + rate) ** 2))
+        error = 5 * cosines.std() / np.sqrt(number) + 0.005
+        assert cosines.mean() == pytest.approx(decay, abs=error)
+
+
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_order_of_many_neighbors(dimension):
     """R = I1(x)/I0(x), x = k R/D, or coth x - 1/x; none above D = k/d."""
