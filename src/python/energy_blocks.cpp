@@ -106,23 +106,23 @@ void for_droplets(nb::handle given_droplets, nb::handle given_sides, Use &&use)
       });
 }
 
-nb::tuple droplet_blocks(nb::handle droplets, nb::handle sides)
+nb::tuple droplet_blocks(nb::handle droplets, nb::handle sides, bool turning)
 {
   EnergyBlocks blocks, facets;
   for_droplets(droplets, sides,
                [&](const std::vector<DropletSide> &of, double radius, double tension) {
-                 add_droplet(of, radius, tension, blocks, facets, nullptr);
+                 add_droplet(of, radius, tension, turning, blocks, facets, nullptr);
                });
   return nb::make_tuple(blocks, entries_of(facets));
 }
 
-nb::tuple droplet_parameters(nb::handle droplets, nb::handle sides)
+nb::tuple droplet_parameters(nb::handle droplets, nb::handle sides, bool turning)
 {
   EnergyBlocks blocks, facets;
   ParameterBlocks parameters;
   for_droplets(droplets, sides,
                [&](const std::vector<DropletSide> &of, double radius, double tension) {
-                 add_droplet(of, radius, tension, blocks, facets, &parameters);
+                 add_droplet(of, radius, tension, turning, blocks, facets, &parameters);
                });
   return nb::make_tuple(to_numpy(parameters.gradient), entries_of(parameters));
 }
@@ -267,7 +267,7 @@ ValueError
 Source: docs/theory/response.md.)");
 
   m.def(
-      "droplet_blocks", &droplet_blocks, "droplets"_a, "sides"_a,
+      "droplet_blocks", &droplet_blocks, "droplets"_a, "sides"_a, "turning"_a = false,
       R"(The dual energy of droplets, and its derivatives by the vectors to their neighbors and by their forces.
 
 L = sum part F o - W(F, n), with W of `droplet`, the overlap o and the direction n of the vector v. Films that may turn are not in
@@ -283,11 +283,13 @@ sides : array, shape (S, 15)
     F [energy/length], which is positive where the angle is 0, the contact angle of a film that sticks [rad], and three numbers w: the
     second derivatives have the further term -g R^2 w.t, with the place R t of the facet beside the line of centers. The sides of the
     first droplet come first. Of droplets with films W is the part W_0 of the law; `stretch_blocks` has the other one.
+turning : bool
+    Whether turns of sides about their droplet, with v, are variables too, as of a wall that turns.
 
 Returns
 -------
 EnergyBlocks, tuple of array
-    The local variables are v_x, v_y, v_z and F of each side after the other. The derivatives of R t by them, as rows, columns and
+    The local variables are v_x, v_y, v_z and F, then angles about x, y and z, of each side after the other. The derivatives of R t by them, as rows, columns and
     values: three rows for each side.
 
 Raises
@@ -346,12 +348,12 @@ ValueError
 
 Source: src/laws/droplet_film.h.)");
 
-  m.def("droplet_parameters", &droplet_parameters, "droplets"_a, "sides"_a,
+  m.def("droplet_parameters", &droplet_parameters, "droplets"_a, "sides"_a, "turning"_a = false,
         R"(How the energy of `droplet_blocks` depends on parameters, while its local variables stay.
 
 Parameters
 ----------
-droplets, sides
+droplets, sides, turning
     As of `droplet_blocks`.
 
 Returns

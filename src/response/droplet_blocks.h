@@ -261,7 +261,14 @@ struct TurningNormal {
   Dual per_distance;
 };
 
-constexpr int DROPLET_VARIABLES = 4;    // v and F of each side
+// v and F of each side, and a turn of its normal.
+constexpr int DROPLET_VARIABLES = 4, TURNING_VARIABLES = DROPLET_VARIABLES + 3;
+
+// A vector b that turns by small angles a becomes b + a x b.
+template <class T> std::array<T, 3> crossed(const std::array<T, 3> &a, const std::array<T, 3> &b)
+{
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
 
 // Derivatives E_t of an energy by parameters t, `gradient`, and those of its first derivatives by the local variables, with a row for
 // each of these and a column for each parameter.
@@ -283,20 +290,23 @@ struct ParameterBlocks : EnergyBlocks {
 // L = sum part F o - W(F, n) - sum weight.t of a droplet, whose value and first derivatives leave out the last term:
 //   L_F = part o - a,   L_v = -part F n - (dn/dv) W_n,
 // and their derivatives by those of dual numbers. `facets`: the derivatives of R t, three rows for each side.
+// `turning`: each side turns about the droplet by angles w, which are variables too. v turns with it:  n = R(w) n(v),
+//   L_v = -part F n(v) - (dn/dv) R^-1 W_n,   L_w = -(M + M x w/2),   M = n x W_n
 // `parameters`, unless null: ln(lambda) and contact angle of each side, then R and tension g. In units of R and g R the work W depends
 // on these by f = F/(g R) alone,
 //   L_R = g R (sum f a - 2 W),   L_g = R^2 (sum f a - W),   L_ln(lambda) = -g R^2 f^2/(8 pi).
 inline void add_droplet(const std::vector<DropletSide> &sides, double radius, double tension,
-                        EnergyBlocks &blocks, EnergyBlocks &facets, ParameterBlocks *parameters)
+                        bool turning, EnergyBlocks &blocks, EnergyBlocks &facets,
+                        ParameterBlocks *parameters)
 {
-  const std::size_t z = sides.size(), V = DROPLET_VARIABLES, size = V * z,
-                    all = size + (parameters ? z : 0);
+  const std::size_t z = sides.size(), V = turning ? TURNING_VARIABLES : DROPLET_VARIABLES,
+                    size = V * z, all = size + (parameters ? z : 0);
   const double unit = radius * tension, energy = unit * radius;
   const int first = static_cast<int>(blocks.gradient.size()),
             first_row = static_cast<int>(facets.gradient.size());
   using Vector = LoadedDroplet<Dual>::Vector;
   std::vector<double> film(z), local(size * size), of_sine(size * z);
-  std::vector<Vector> n(z), weight(z);
+  std::vector<Vector> n(z), weight(z), turn(z);
   std::vector<Dual> f(z), sine(z);
   std::vector<TurningNormal> normal;
   for (std::size_t c = 0; c < z; ++c) {
@@ -306,6 +316,11 @@ inline void add_droplet(const std::vector<DropletSide> &sides, double radius, do
     f[c] = Dual::variable(sides[c].force, V * c + 3, all) / unit;
     normal.emplace_back(sides[c].vector, V * c, all);
     n[c] = normal[c].n;
+    if (!turning) continue;
+    for (std::size_t a = 0; a < 3; ++a)
+      turn[c][a] = Dual::variable(0.0, V * c + DROPLET_VARIABLES + a, all);
+    const Vector step = crossed(turn[c], normal[c].n);
+    for (std::size_t a = 0; a < 3; ++a) n[c][a] += step[a];
   }
   const LoadedDroplet<Dual> loaded(f, n, film, sine, weight);
   const LoadedDroplet<Dual> alone(f, n, film, sine, std::vector<Vector>(z, Vector{}));
@@ -316,8 +331,17 @@ inline void add_droplet(const std::vector<DropletSide> &sides, double radius, do
     const auto slope = [&](const LoadedDroplet<Dual> &droplet, std::size_t variable) {
       if (variable == 3)
         return part * (sides[c].overlap - normal[c].farther) - radius * droplet.indentation[c];
-      return -part * unit * f[c] * n[c][variable] -
-             energy * normal[c].turned(droplet.by_normal[c])[variable];
+      Vector by = droplet.by_normal[c];
+      if (variable > 3) {
+        const std::size_t axis = variable - DROPLET_VARIABLES;
+        const Vector torque = crossed(n[c], by), half = crossed(torque, turn[c]);
+        return -energy * (torque[axis] + 0.5 * half[axis]);
+      }
+      if (turning) {
+        const Vector back = crossed(turn[c], by);
+        for (std::size_t a = 0; a < 3; ++a) by[a] -= back[a];
+      }
+      return -part * unit * f[c] * normal[c].n[variable] - energy * normal[c].turned(by)[variable];
     };
     for (std::size_t a = 0; a < V; ++a) {
       blocks.gradient.push_back(slope(alone, a).value);

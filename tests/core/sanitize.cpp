@@ -189,7 +189,7 @@ template <class Uniform> void droplet(Uniform uniform)
   }
   EnergyBlocks blocks, facets;
   ParameterBlocks parameters;
-  add_droplet(sides, radius, tension, blocks, facets, &parameters);
+  add_droplet(sides, radius, tension, true, blocks, facets, &parameters);
   bool good = std::isfinite(blocks.energy);
   for (const double value : blocks.value) good = good && std::isfinite(value);
   for (const double value : facets.value) good = good && std::isfinite(value);

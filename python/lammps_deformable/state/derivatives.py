@@ -49,7 +49,7 @@ class Derivatives:
 
         energy            as `State.energy`, shape ()
         pressure          as `State.pressure`, shape ()
-        pressure_tensor   shape (d, d), not of droplets between walls
+        pressure_tensor   shape (d, d)
         positions         shape (N, d)
         forces            of contacts, as the column `force` of `State.contacts`, shape (rows,)
         volumes           shape (N,)

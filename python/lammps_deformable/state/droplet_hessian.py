@@ -49,9 +49,10 @@ Parameters = tuple[Floats, tuple[NDArray[np.int32], NDArray[np.int32], Floats]]
 _SETTLED, _STEPS = 1e-8, 20
 
 # Local variables of a side of a droplet, the vector and the force, which is the same from both
-# sides; of a facet that turns, its force, the way w = (R t)_i - (R t)_j, and the logarithm of
-# D_i D_j; of a film that is a cap, its force, and the pressures of both sides.
-SIDE_VARIABLES, TURN_VARIABLES, CAP_VARIABLES = 4, 5, 3
+# sides; of one that turns, three angles too; of a facet that turns, its force, the way w = (R t)_i
+# - (R t)_j, and the logarithm of D_i D_j; of a film that is a cap, its force, and the pressures of
+# both sides.
+SIDE_VARIABLES, TURNING_VARIABLES, TURN_VARIABLES, CAP_VARIABLES = 4, 7, 5, 3
 
 # ln D of a droplet over the sum of its forces over R and tension.
 DAMPING = -core.droplet_decay / 4.0 / (8.0 * np.pi)
@@ -217,15 +218,16 @@ class DropletContacts:
 
     Attributes:
         packing: the droplets.
+        variables: number of local variables of a side.
         droplets: number of sides, radius and tension, shape (N, 3).
         sides: both sides of each contact between droplets, one of a contact with a wall, S.
         other: the other side of each, a wall's own, shape (S,).
         rows: of `core.droplet_blocks`, shape (S, 15).
         first: one side of each contact between droplets, shape (M,).
         facets: place R t of the facet of each side, and D of its droplet, shape (S, 4).
-        places: derivatives of R t by the local variables of the sides, sparse, shape (3S, 4S).
+        places: derivatives of R t by the local variables of the sides, sparse, (3S, variables S).
         turns: the blocks of the M facets that turn.
-        of_turns: their local variables by those of the sides, sparse, shape (5M, 4S).
+        of_turns: their local variables by those of the sides, sparse, (5M, variables S).
         stuck: contact angle and lambda of the film of each side, 0 and 1 without, shape (S, 2).
         stretches: what these films add; None without.
         blocks: of all.
@@ -234,6 +236,7 @@ class DropletContacts:
     """
 
     packing: Packing
+    variables: int
     droplets: Floats
     sides: Sides
     other: Integers
@@ -252,7 +255,7 @@ class DropletContacts:
     @property
     def films(self) -> int:
         """The first local variable of `core.stretch_blocks`."""
-        return SIDE_VARIABLES * len(self.sides.i) + TURN_VARIABLES * len(self.first)
+        return self.variables * len(self.sides.i) + TURN_VARIABLES * len(self.first)
 
     @property
     def caps(self) -> int:
@@ -265,11 +268,19 @@ class DropletContacts:
         return Hessian(self.packing, self.blocks, self.chain, self.strains)
 
 
-def contacts_of_droplets(state: State, law: Droplet, rattlers: bool) -> DropletContacts:
+def contacts_of_droplets(
+    state: State, law: Droplet, rattlers: bool, turning: bool = False
+) -> DropletContacts:
     """The dual energy is stationary in the forces, which take the place of lines here.
 
     A wall does not move, and its contact has one side. So its other side is itself here: the film
     is flat, and does not turn.
+
+    Args:
+        state: with the contacts.
+        law: its law.
+        rattlers: whether their contacts count.
+        turning: whether turns of sides are local variables, see `core.droplet_blocks`.
     """
     from scipy.sparse import csr_matrix, hstack, vstack
 
@@ -298,11 +309,12 @@ def contacts_of_droplets(state: State, law: Droplet, rattlers: bool) -> DropletC
     facets = droplet_facets(droplets, rows)
     way, damping = facets[:, :3] - facets[other, :3], facets[:, 3] * facets[other, 3]
     rows[:, -3:] = (force / (gamma * radius) * damping / radii)[:, None] * way
-    blocks, (row, column, value) = droplet_blocks(droplets, rows)
+    blocks, (row, column, value) = droplet_blocks(droplets, rows, turning)
 
     first = np.flatnonzero(other > np.arange(count))
     turns = _Turns(force[first], way[first], damping[first], radii[first])
-    size, variable = SIDE_VARIABLES * count, SIDE_VARIABLES * np.arange(count)
+    variables = TURNING_VARIABLES if turning else SIDE_VARIABLES
+    size, variable = variables * count, variables * np.arange(count)
     places = csr_matrix((value, (row, column)), shape=(3 * count, size))
     on = [places[3 * first + axis] - places[3 * other[first] + axis] for axis in range(3)]
     one = csr_matrix((np.ones(count), (np.arange(count), variable + 3)), shape=(count, size))
@@ -317,8 +329,8 @@ def contacts_of_droplets(state: State, law: Droplet, rattlers: bool) -> DropletC
 
     _, contact = np.unique(np.minimum(other, np.arange(count)), return_inverse=True)
     forces = csr_matrix((np.ones(count), (variable + 3, contact)), shape=(size, count - len(first)))
-    chain = hstack([by_centers(sides, len(packing), SIDE_VARIABLES), forces], format="csr")
-    strains = by_strains(sides, SIDE_VARIABLES)
+    chain = hstack([by_centers(sides, len(packing), variables), forces], format="csr")
+    strains = by_strains(sides, variables)
     chain, strains = vstack([chain, of_turns @ chain]), np.vstack([strains, of_turns @ strains])
     parts: list[Any] = [blocks, turns]
     stretches = None
@@ -332,6 +344,7 @@ def contacts_of_droplets(state: State, law: Droplet, rattlers: bool) -> DropletC
         parts.append(stretches.blocks())
     return DropletContacts(
         packing,
+        variables,
         droplets,
         sides,
         other,

@@ -37,9 +37,9 @@ _FORCE, _OVERLAP, _PART = 3, 7, 8
 
 def of_droplets(state: State, law: Droplet) -> Terms:
     """Radii, tensions and adhesions enter by `_Stays`, by overlaps and by facets."""
-    found = contacts_of_droplets(state, law, rattlers=False)
-    sides, blocks = found.sides, Blocks.of(found.blocks)
-    first, count = SIDE_VARIABLES * np.arange(len(sides.i)), len(sides.i)
+    found = contacts_of_droplets(state, law, rattlers=False, turning=bool(state.walls))
+    sides, blocks, count = found.sides, Blocks.of(found.blocks), len(found.sides.i)
+    first = found.variables * np.arange(count)
     terms = Terms.of(found.packing, blocks, found.chain, found.strains, sides, first)
     terms.forces = found.rows[:, -5]
     _follow_turns(terms, found)
@@ -49,7 +49,8 @@ def of_droplets(state: State, law: Droplet) -> Terms:
     _pressures(state, terms, found, stays, by)
     volumes_of_radii(found.packing, terms)
     force = terms.of_local(1.0, np.arange(count), first + _FORCE, count)
-    return with_places(state, terms, force=(None, force))
+    angles = first[:, None] + np.arange(SIDE_VARIABLES, found.variables)
+    return with_places(state, terms, force=(None, force), angles=angles)
 
 
 @dataclass
@@ -92,7 +93,8 @@ class _Stays:
             return terms.by_local(value, start + row, columns[column], stays.size)
 
         columns = _with_ends((film, angle), i, (radius, tension))
-        by, entries = core.droplet_parameters(found.droplets, found.rows)
+        turning = found.variables > SIDE_VARIABLES
+        by, entries = core.droplet_parameters(found.droplets, found.rows, turning)
         stays.mixed = mixed(0, columns, entries)
         stays.energy = sparse(by, _with_ends((i, i), i, (each, each)), columns, size)
         stays.of_caps = sparse(0.0, 0, 0, size)
@@ -175,7 +177,7 @@ def _parameters(
     packing, sides, number = found.packing, found.sides, len(found.packing)
     local, explicit, turned = _turns_by_parameters(terms, found)
     part, force = found.rows[:, _PART], terms.forces
-    push = SIDE_VARIABLES * np.arange(len(sides.i)) + _FORCE
+    push = found.variables * np.arange(len(sides.i)) + _FORCE
     pair = np.flatnonzero(sides.j >= 0)
     explicit["radii"] += terms.by_local(part, push, sides.i, number)
     explicit["radii"] += terms.by_local(part[pair], push[pair], sides.j[pair], number)
@@ -216,15 +218,15 @@ def _pressures(
     number, count = len(found.packing), len(of)
     R, G = found.droplets[:, 1:].T
     F, g = terms.forces, terms.gradient
-    size = SIDE_VARIABLES * count
-    push = SIDE_VARIABLES * np.arange(count) + _FORCE
+    size = found.variables * count
+    push = found.variables * np.arange(count) + _FORCE
     overlap, part = found.rows[:, _OVERLAP], found.rows[:, _PART]
 
     def table(values: Any, droplets: Any, columns: Any) -> Any:
         return terms.of_local(values, droplets, columns, number)
 
     by_gradient = table(-F, of, push)
-    by_local = table(2.0 * g[:size], np.repeat(of, SIDE_VARIABLES), np.arange(size))
+    by_local = table(2.0 * g[:size], np.repeat(of, found.variables), np.arange(size))
     by_local += table(R[of] - part * overlap - g[push], of, push)
     out = (part * F / sides.distance)[:, None] * sides.vector
     by_local += table(out, of[:, None], terms.vectors)
@@ -240,7 +242,7 @@ def _pressures(
         pull[end], damp[end] = sign * g[way], g[start + 4]
     axes = 3 * np.arange(count)[:, None] + np.arange(3)
     moved = (sparse(pull, of[:, None], axes, (number, 3 * count)) @ found.places).tocoo()
-    by_force = moved.col % SIDE_VARIABLES == _FORCE
+    by_force = moved.col % found.variables == _FORCE
     by_local -= table(moved.data[by_force], moved.row[by_force], moved.col[by_force])
     damped = np.bincount(of, damp, number) * DAMPING / (G * R)
     by_local -= table(damped[of], of, push)
@@ -293,7 +295,7 @@ def _follow_turns(terms: Terms, found: DropletContacts) -> None:
     from scipy.sparse import eye
 
     of_turns, size = found.of_turns.tocoo(), len(terms.gradient)
-    start = SIDE_VARIABLES * len(found.sides.i)
+    start = found.variables * len(found.sides.i)
     follow = terms.by_local(of_turns.data, start + of_turns.row, of_turns.col, size)
     terms.follow = (eye(size) + follow).tocsr()
 
@@ -308,7 +310,7 @@ def _turns_by_parameters(
     """
     first, sides, droplets, number = found.first, found.sides, found.droplets, len(found.packing)
     j = sides.i[found.other]
-    R, G, size = droplets[:, 1], droplets[:, 2], SIDE_VARIABLES * len(sides.i)
+    R, G, size = droplets[:, 1], droplets[:, 2], found.variables * len(sides.i)
     rows = size + TURN_VARIABLES * np.arange(len(first))[:, None] + np.arange(TURN_VARIABLES)
     g, ends = terms.gradient[rows], (sides.i[first], j[first])
     log_damping = np.zeros(number)
@@ -316,7 +318,7 @@ def _turns_by_parameters(
     radii = (R[ends[0]] + R[ends[1]])[:, None]
     local, explicit = {}, {}
     of_log = sum(np.bincount(end, g[:, 4], number) for end in ends)
-    push = SIDE_VARIABLES * np.arange(len(sides.i)) + 3
+    push = found.variables * np.arange(len(sides.i)) + 3
     for name, values in (("radii", R), ("tension", G)):
         local[name] = sum(
             terms.by_local(-(log_damping / values)[end], rows[:, 4], end, number) for end in ends

@@ -79,8 +79,7 @@ def _of_rings(state: State, law: Ring) -> Terms:
     terms.quantity("volumes", (number,), volume, explicit=diagonals)
     terms.quantity("pressures", (number,), terms.of_local(1.0, each, of["area"], number))
     force = terms.of_local(1.0, np.arange(count), shift, count)
-    turned = terms.by_local(1.0, first + _DIRECTION, np.arange(count), count)
-    return with_places(state, terms, force=(force, None), turned=turned)
+    return with_places(state, terms, force=(force, None), angles=first[:, None] + _DIRECTION)
 
 
 def _radii_of_rings(

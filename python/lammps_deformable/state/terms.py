@@ -212,15 +212,17 @@ def volumes_of_radii(packing: Packing, terms: Terms) -> None:
     terms.quantity("volumes", (len(packing),), explicit={"radii": diagonal(surface)})
 
 
-def with_places(state: State, terms: Terms, force: tuple[Any, Any], turned: Any = None) -> Terms:
+def with_places(
+    state: State, terms: Terms, force: tuple[Any, Any], angles: Integers | None = None
+) -> Terms:
     """Add walls, box and gravity; energy, positions, forces and pressure.
 
     Args:
         state: at rest.
         terms: to which they are added.
         force: of each side, by changes of g and q, sparse, shape (S, V) each.
-        turned: q_t by the angle of the normal of a side, for each of the axes about which a wall
-            turns, sparse, shape (V, S axes).
+        angles: local variables that are angles of the normal of a side, about each of the axes
+            about which a wall turns, shape (S, axes).
     """
     packing, sides, rows = state.packing, terms.sides, terms.vectors
     number, dimension, walls = len(packing), packing.dimension, len(packing.walls)
@@ -235,26 +237,24 @@ def with_places(state: State, terms: Terms, force: tuple[Any, Any], turned: Any 
     moved = terms.by_vectors(1.0, rows[wall], columns, dimension * walls)
     terms.parameter("walls", (walls, dimension), moved)
 
-    def by_angles(vectors: Floats) -> Any:
+    def turned(vectors: Floats) -> tuple[Any, Any, Any, int]:
         """W u for each wall side's u, by the angles of the walls."""
         entries = np.einsum("kab,sb->sak", turns, vectors)
         columns = spins * of_wall[:, None, None] + np.arange(spins)
-        return terms.by_local(entries, rows[wall][:, :, None], columns, spins * walls)
+        return entries, rows[wall][:, :, None], columns, spins * walls
 
     # a wall that turns about its middle is, seen from the wall, a particle that turns back
     out = packing.positions[sides.i[wall]] - image[wall] @ packing.box - _middles(packing)[of_wall]
-    local = by_angles(out)
-    if turned is not None:
-        side = (spins * wall[:, None] + np.arange(spins)).ravel()
-        columns = (spins * of_wall[:, None] + np.arange(spins)).ravel()
-        local += turned @ sparse(1.0, side, columns, (spins * len(sides.i), spins * walls))
+    local = terms.by_vectors(*turned(out))
+    if angles is not None and len(wall):
+        columns = spins * of_wall[:, None] + np.arange(spins)
+        local += terms.by_vectors(1.0, angles[wall], columns, spins * walls)
     shape = (walls,) if dimension == 2 else (walls, spins)
-    # planes along which the box is periodic cannot turn, nor cylinders and cones, and normals of
-    # droplets not alone
+    # planes along which the box is periodic cannot turn, nor cylinders and cones
     enclosed = all(closed(packing.walls, dimension)) or not any(w.inside for w in packing.walls)
     upright = any(isinstance(wall, Cylinder | Cone) for wall in packing.walls)
-    if enclosed and not upright and terms.follow is None:
-        terms.parameter("wall_angles", shape, local, by_angles(g[wall]))
+    if enclosed and not upright:
+        terms.parameter("wall_angles", shape, local, terms.by_local(*turned(g[wall])))
 
     columns = dimension * axes[:, None] + axes
     steps = image[:, :, None] * (axes[:, None] >= axes)  # the box has no others
@@ -279,11 +279,11 @@ def with_places(state: State, terms: Terms, force: tuple[Any, Any], turned: Any 
     of_row = (None if each is None else row @ each for each in force)
     terms.quantity("forces", (len(state.contacts),), *of_row)
 
-    _add_pressure(packing, terms, turned)
+    _add_pressure(packing, terms, angles)
     return terms
 
 
-def _add_pressure(packing: Packing, terms: Terms, turned: Any) -> None:
+def _add_pressure(packing: Packing, terms: Terms, angles: Integers | None) -> None:
     """Add the pressure and its tensor, minus the derivative by a strain e of particles and walls.
 
     Vectors v to neighbors change by e v. A wall at the distance h, with the normal n toward it, is
@@ -296,8 +296,8 @@ def _add_pressure(packing: Packing, terms: Terms, turned: Any) -> None:
     g, h = terms.pull[terms.vectors], sides.distance[:, None, None]
     n = sides.vector / h[:, 0]
     torque = np.zeros((number, spins))
-    if turned is not None:
-        torque = (turned.T @ terms.gradient).reshape(number, spins) * wall[:, None]
+    if angles is not None and walls:
+        torque = np.where(wall[:, None], terms.pull[angles], 0.0)
 
     def both(part: str, *given: Floats) -> Floats:
         """Symmetric in a and b, (S, ab, ...)."""
@@ -324,12 +324,13 @@ def _add_pressure(packing: Packing, terms: Terms, turned: Any) -> None:
     row, count = np.arange(dimension**2)[:, None], dimension**2
     by_gradient = terms.of_local(by_g / -room, row, terms.vectors[:, None], count)
     by_vector = terms.of_local(by_v / -room, row, terms.vectors[:, None], count)
+    if angles is not None and walls:
+        by_gradient += terms.of_local(by_torque / -room, row, angles[:, None], count)
+        if spins > 1:  # a torque is by turns after those that are variables
+            after = 0.5 * np.einsum("smk,lkn,sn->sml", by_torque, turns, torque)
+            by_vector += terms.of_local(after / -room, row, angles[:, None], count)
     if terms.follow is not None:
         by_gradient = by_gradient @ terms.follow.T
-    if turned is not None:
-        side = spins * np.arange(number)[:, None, None] + np.arange(spins)
-        of_torque = sparse(by_torque, row, side, (count, spins * number))
-        by_gradient = by_gradient + of_torque @ turned.T / -room
     stress = by_gradient @ terms.gradient
 
     turning = np.zeros((walls, count, spins))
@@ -350,9 +351,7 @@ def _add_pressure(packing: Packing, terms: Terms, turned: Any) -> None:
         explicit = {by: by_room(by, weights) for by in ("walls", "wall_angles", "box")}
         terms.quantity(name, shape, weights @ by_gradient, weights @ by_vector, explicit=explicit)
 
-    # blocks of droplets do not know normals of walls, which turn
-    if not walls or terms.follow is None:
-        add("pressure_tensor", unit.shape, sparse(1.0, row, row, (count, count)))
+    add("pressure_tensor", unit.shape, sparse(1.0, row, row, (count, count)))
     add("pressure", (), sparse(unit.ravel() / dimension, 0, row[:, 0], (1, count)))
 
 
