@@ -459,7 +459,7 @@ void FixDeformableFriction::rub(const PairDeformable &pair, const LoadedContact 
     next.damping = deformable::damping(c.gn, way.normal, dt, contact.force);
     if (c.film > 0.0) next.film = film_force(c, contact.size, 1.0 / dt * way);
     const Losses lost = lose(sides, last, next, 0.5 * (m.kt + c.kt), before, now);
-    for (std::size_t k = 0; k < lost.size(); ++k) power[k] = lost[k] / dt;
+    for (std::size_t k = 0; k < lost.size() && ledger; ++k) power[k] = lost[k] / dt;
   } else {
     Along<V> force = is_new ? c.gt * now.v.along : last.rub.force;
     const double size = deformable::size_along(force);
@@ -508,7 +508,8 @@ inline void FixDeformableFriction::list_row(int i, const Sides &sides, const Con
                    force, f.x,     f.y,    f.z,    a.damping, xi.x,         xi.y, xi.z,
                    slide, wall,    film.x, film.y, film.z,    a.film.normal});
   }
-  if (ledger) values.insert(values.end(), power.begin(), power.end());
+  if (!ledger) return;
+  for (const double each : power) values.push_back(each);
 }
 
 /* ----------------------------------------------------------------------
