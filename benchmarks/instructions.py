@@ -1,6 +1,6 @@
 """Instructions per particle and step of the contact laws, of one or several checkouts.
 
-    python benchmarks/instructions.py CHECKOUT [CHECKOUT ...]
+    python benchmarks/instructions.py CHECKOUT [CHECKOUT ...] [--scenes sector radical]
 
 Valgrind counts the instructions of a short run of LAMMPS at constant energy, less those of a run of
 no steps. Counts do not depend on how busy a machine is, so that differences of a part of a percent
@@ -10,6 +10,7 @@ but not AVX-512.
 
 from __future__ import annotations
 
+import argparse
 import json
 import os
 import re
@@ -18,12 +19,16 @@ import sys
 import tempfile
 from pathlib import Path
 
-STEPS = 1000
-SPECIES = {
-    "kP inf": "small 0.5 1.0 inf\nlarge 0.7 1.0 inf\n",
-    "kP 5": "small 0.5 1.0 5.0\nlarge 0.7 1.0 5.0\n",
+STEPS = 100  # `sector` heats up
+RUBS = "fix rub all deformable/friction 0.3 0.5 0.05"
+SCENES = {  # pair style, kP, other commands
+    "sector": ("deformable/sector", "inf", ""),
+    "radical": ("deformable/ring contact radical", "inf", ""),
+    "radical, kP = 5": ("deformable/ring contact radical", "5.0", ""),
+    "balanced": ("deformable/ring contact balanced", "inf", ""),
+    "balanced, kP = 5": ("deformable/ring contact balanced", "5.0", ""),
+    "friction": ("deformable/ring contact radical", "inf", RUBS),
 }
-LAWS = ("radical", "balanced")
 SCRIPT = """
 units lj
 dimension 2
@@ -33,11 +38,12 @@ create_box 2 box
 create_atoms 1 box
 set group all type/fraction 2 0.5 12345
 mass * 1.0
-pair_style deformable/ring contact {law}
+pair_style {style}
 pair_coeff * * species small large
 min_style fire
 minimize 0 1e-3 100 200
 velocity all create 1e-6 12345
+{commands}
 fix move all nve
 fix plane all enforce2d
 timestep 0.1
@@ -83,12 +89,23 @@ def run(checkout: Path, script: str, species: str) -> tuple[int, str]:
     return int(count.replace(",", "")), last
 
 
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("checkouts", nargs="+", type=Path)
+    parser.add_argument("--scenes", nargs="+", choices=SCENES, default=list(SCENES))
+    options = parser.parse_args()
+    for scene in options.scenes:
+        style, kp, commands = SCENES[scene]
+        species = f"small 0.5 1.0 {kp}\nlarge 0.7 1.0 {kp}\n"
+        for path in (checkout.resolve() for checkout in options.checkouts):
+            start, end = (
+                run(path, SCRIPT.format(style=style, commands=commands, steps=steps), species)
+                for steps in (0, STEPS)
+            )
+            number = int(end[1].split()[0])
+            each = (end[0] - start[0]) / STEPS / number
+            print(f"{scene}: {each:.1f}, {end[1]}, {path}", flush=True)
+
+
 if __name__ == "__main__":
-    for law in LAWS:
-        for name, species in SPECIES.items():
-            for checkout in sys.argv[1:]:
-                path = Path(checkout).resolve()
-                start, _ = run(path, SCRIPT.format(law=law, steps=0), species)
-                end, energy = run(path, SCRIPT.format(law=law, steps=STEPS), species)
-                number = int(energy.split()[0])
-                print(f"{law}, {name}: {(end - start) / STEPS / number:.1f}, {energy}, {checkout}")
+    main()
