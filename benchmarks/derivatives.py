@@ -5,8 +5,9 @@
 
 Random packings at rest. A row has the seconds of processor time of `state.hessian`, of one
 `hessian.solve` for forces on all particles, of `state.derivatives(by="radii")`, and of
-`vjp(pressure=1.0)`, which is the derivative of the pressure by all radii; `solves` is the last one
-over that of `hessian.solve`. Rows of other laws and sizes stay in the file.
+`vjp(pressure=1.0)`, which is the derivative of the pressure by all radii; `again` are those of one
+more `vjp`, as the factor is kept, and `solves` is the first one over that of `hessian.solve`. Rows
+of other laws and sizes stay in the file.
 """
 
 from __future__ import annotations
@@ -52,6 +53,7 @@ def row(name: str, size: int) -> dict[str, float | str | int]:
         solve, _ = timed(lambda: hessian.solve(pull))
         tables, found = timed(lambda: state.derivatives(by="radii"))
         vjp, _ = timed(lambda: found.vjp(pressure=1.0))
+        again, _ = timed(lambda: found.vjp(energy=1.0, positions=pull.reshape(size, dimension)))
     return {
         "law": name,
         "particles": size,
@@ -59,6 +61,7 @@ def row(name: str, size: int) -> dict[str, float | str | int]:
         "solve": round(solve, 3),
         "derivatives": round(tables, 3),
         "vjp": round(vjp, 3),
+        "again": round(again, 3),
         "solves": round(vjp / solve, 2),
     }
 

@@ -210,7 +210,7 @@ class Hessian:
         right[: self.size] = self.project(right[: self.size])
         solution, remainder = np.zeros_like(right), right
         size = before = float(np.abs(right).max(initial=0.0))
-        inverse = self.factored(_SHIFT * self.scale)
+        inverse = self._inverse
         for _ in range(_CORRECTIONS):
             if before <= _REMAINDER * size:
                 return solution
@@ -228,6 +228,10 @@ class Hessian:
                 "against each other has no stiffness, as below jamming"
             )
         return solution
+
+    @cached_property
+    def _inverse(self) -> Callable[[Floats], Floats]:
+        return self.factored(_SHIFT * self.scale)
 
     def factored(self, shift: float) -> Callable[[Floats], Floats]:
         """Product with the inverse of M, after a stiffness is added to all centers.

@@ -295,6 +295,23 @@ def test_walls_that_move_together() -> None:
     assert rates["pressure"] == pytest.approx(0.0, abs=1e-10)
 
 
+def test_walls_that_turn_together() -> None:
+    """Droplets turn with them, and the pressure tensor does."""
+    start = ld.bidisperse(12, sizes=(0.5, 0.6), dimension=3, seed=2)
+    start = start.between(ld.BoxWall((3.0, 2.8, 2.6), adhesion=0.06)).push_off().at(0.7)
+    state = at_rest(start, ld.Droplet(adhesion=0.05))
+    found = state.derivatives(by=["walls", "wall_angles"])
+    axis = np.array([0.3, -0.2, 0.5])
+    moved = np.array([np.cross(axis, wall.origin) for wall in state.walls])
+    rates = found.jvp(walls=moved, wall_angles=np.tile(axis, (6, 1)))
+    for quantity in ("forces", "pressures"):
+        scale = np.abs(value(state, quantity)).max()
+        assert rates[quantity] == pytest.approx(0.0, abs=1e-10 * scale)
+    turn = np.einsum("k,kab->ab", axis, _turns(3)) @ state.pressure_tensor
+    scale = np.abs(state.pressure_tensor).max()  # times that of the room, which is a difference
+    assert rates["pressure_tensor"] == pytest.approx(turn + turn.T, abs=1e-7 * scale)
+
+
 def test_both_ways_agree(packing: ld.Packing) -> None:
     """Tables by quantities, by parameters, and one combination of both."""
     state = at_rest(packing, LAWS["balanced"])
