@@ -32,7 +32,7 @@ export PYTHONDONTWRITEBYTECODE :=
 
 demo: $(VENV)/installed
 	@$(BIN)/deformable compress --number 128 --strain 0.06 --steps 10 --seed 1 --out demo --overwrite
-	@$(BIN)/deformable report --number 16 --out demo/report --overwrite
+	@$(BIN)/deformable report --number 8 --out demo/report --overwrite
 
 test: $(VENV)/installed-test
 	@$(BIN)/python -m pytest -q -n $(JOBS) --dist loadfile --no-loadscope-reorder -m "not slow" tests
