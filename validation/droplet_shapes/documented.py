@@ -37,7 +37,7 @@ def of_weights() -> str:
 def of_packings() -> str:
     errors = [100.0 * abs(row["energy"] / row["exact energy"] - 1.0) for row in PACKINGS]
     return (
-        f"In three dimensions energies of {len(errors)} packings of `Droplet`, to phi = 0.85, are "
+        f"In 3D, energies of {len(errors)} packings of `Droplet`, to phi = 0.85, are "
         f"off by {statistics.median(errors):.2f} % in the median and {max(errors):.1f} % at most"
     )
 

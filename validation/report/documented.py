@@ -87,15 +87,15 @@ def of_radical() -> str:
 SAID = {
     "radical": (
         '`Ring(contact="radical")`',
-        "comparison: contact lines of Maharana (below)",
+        "for comparison: contact lines of [Maharana](docs/citing.md)",
     ),
     "balanced": (
         "`Ring()`",
-        "the default: straight lines where both particles press equally",
+        "the default: straight lines, placed so that both particles press equally",
     ),
     "curved": (
         '`Ring(contact="curved")`',
-        "exact in the plane without friction: foam, mixtures, adhesion",
+        "exact shapes in 2D without friction: foam, mixtures, adhesion",
     ),
 }
 
@@ -122,9 +122,9 @@ def short_table() -> list[str]:
     told = energy_error(polygons["energy_error"]), seconds(polygons["seconds"])
     number = polygons["vertices"]
     cells.append(
-        [label(polygons), f"comparison: deformable polygons with {number} vertices", *told]
+        [label(polygons), f"for comparison: our deformable polygons, {number} vertices", *told]
     )
-    return table_of(["law", "for", f"error of the energy at {at}", "time"], cells)
+    return table_of(["law", "for", f"error of the energy of deformation at {at}", "time"], cells)
 
 
 def packing_table() -> list[str]:
@@ -308,7 +308,8 @@ def speed_in_readme() -> str:
 def limit_in_readme() -> str:
     (reference,) = (row for row in REPORT["pareto"] if row["method"] == "reference")
     return (
-        "The reference is polygons of very many vertices; its energy is uncertain by "
+        "The reference is deformable polygons, extrapolated to very many vertices; its energy is "
+        "uncertain by "
         f"{part(reference['limit_error'])}."
     )
 
