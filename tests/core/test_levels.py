@@ -1,6 +1,7 @@
 """Levels of SIMD instructions: which are compiled, and what other processors say."""
 
 import os
+import platform
 import re
 import shutil
 import subprocess
@@ -78,7 +79,8 @@ def test_a_level_that_is_asked_for(level, words, tmp_path):
 
 def test_all_levels_are_tested():
     """`make test` compiles all levels; of another build this would pass without a comparison."""
-    flags = Path("/proc/cpuinfo").read_text().split() if Path("/proc/cpuinfo").exists() else []
+    known = platform.machine() == "x86_64" and Path("/proc/cpuinfo").exists()
+    flags = Path("/proc/cpuinfo").read_text().split() if known else []
     expected = {"plain"} | {"avx2"} & set(flags) | {"avx512"} & {f[:6] for f in flags}
     assert set(core.simd_levels()) >= expected, "compile with -D DEFORMABLE_SIMD_LEVELS=all"
 
