@@ -291,7 +291,8 @@ struct ParameterBlocks : EnergyBlocks {
 //   L_F = part o - a,   L_v = -part F n - (dn/dv) W_n,
 // and their derivatives by those of dual numbers. `facets`: the derivatives of R t, three rows for each side.
 // `turning`: each side turns about the droplet by angles w, which are variables too. v turns with it:  n = R(w) n(v),
-//   L_v = -part F n(v) - (dn/dv) R^-1 W_n,   L_w = -(M + M x w/2),   M = n x W_n
+//   L_v = -part F n(v) - (dn/dv) R^-1 W_n,   L_w = -n x W_n
+// The last one is by a further turn: the symmetric part of its derivatives by w is that of the second derivatives by w.
 // `parameters`, unless null: ln(lambda) and contact angle of each side, then R and tension g. In units of R and g R the work W depends
 // on these by f = F/(g R) alone,
 //   L_R = g R (sum f a - 2 W),   L_g = R^2 (sum f a - W),   L_ln(lambda) = -g R^2 f^2/(8 pi).
@@ -334,8 +335,7 @@ inline void add_droplet(const std::vector<DropletSide> &sides, double radius, do
       Vector by = droplet.by_normal[c];
       if (variable > 3) {
         const std::size_t axis = variable - DROPLET_VARIABLES;
-        const Vector torque = crossed(n[c], by), half = crossed(torque, turn[c]);
-        return -energy * (torque[axis] + 0.5 * half[axis]);
+        return -energy * crossed(n[c], by)[axis];
       }
       if (turning) {
         const Vector back = crossed(turn[c], by);
