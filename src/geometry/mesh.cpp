@@ -430,8 +430,9 @@ SurfacePoint Mesh::point_of(int part, const Vector3 &x) const
   const int side = part - part_of_side(0), corner = part - part_of_corner(0);
   if (side < 0) {
     const Element &e = elements[part];
-    const double above = dot(e.n, x - e.at), sign = above < 0.0 ? -1.0 : 1.0;
-    return {-sign * e.n, e.solid * sign < 0.0 ? -std::fabs(above) : std::fabs(above), 0.0, 0.0, {}};
+    const double above = dot(e.n, x - e.at);
+    const double out = e.solid != 0 ? e.solid : above < 0.0 ? -1.0 : 1.0;
+    return {-out * e.n, out * above, 0.0, 0.0, {}};
   }
   Vector3 foot, along, away;
   bool is_line = false;
@@ -453,8 +454,8 @@ SurfacePoint Mesh::point_of(int part, const Vector3 &x) const
     away = c.away;
   }
   const Vector3 to = foot - x;
-  const double distance = length(to), turn = 1.0 / distance;
-  const double height = dot(away, to) > 0.0 ? -distance : distance;
+  const double distance = length(to), height = dot(away, to) > 0.0 ? -distance : distance;
+  const double turn = 1.0 / height;
   return {turn * to, height, turn, is_line ? -turn : 0.0, along};
 }
 
@@ -530,7 +531,7 @@ void Mesh::find_contacts(const Vector3 &x, double cutoff, std::vector<Contact> &
   if (nearest.part < 0) return;
   add(nearest.part);
   std::sort(found.begin(), found.end(), is_before);
-  const auto foot = [](const Contact &c) { return std::fabs(c.point.height) * c.point.n; };
+  const auto foot = [](const Contact &c) { return c.point.height * c.point.n; };
   std::size_t kept = 0;
   for (const Contact &contact : std::vector<Contact>(found)) {
     const double same = SAME * std::fabs(contact.point.height);

@@ -5,7 +5,7 @@ derivatives need only how centers x follow each argument to first order (the 2n 
 
     d^3U/de de' dt = D (dE/dt + dx/dt dE/dx),    D = derivative along (e, x_e) and (e', x_e')
 
-The derivative along (e, x_e) is that of `state.terms`. Along (e', x_e') it is a difference of the
+The derivative along (e, x_e) is that of `Terms`. Along (e', x_e') it is a difference of the
 fourth order between states that LAMMPS evaluates, where lines of contacts are at rest.
 
 Source: X. Gonze and J.-P. Vigneron, Phys. Rev. B 39, 13120 (1989).

@@ -6,6 +6,7 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 from lammps_deformable import Droplet, FileError, ParameterError, Ring, SurfaceWall
+from lammps_deformable.particles.containers import Distances
 from meshes import CROSS, box, closed, turned, write_stl
 from programs import output
 
@@ -70,6 +71,23 @@ def test_box_of_triangles_is_a_box(tmp_path: Path) -> None:
     )
     assert one.plot().figure is not None
     assert len(one.plot(slice=0.5 * one.box[2, 2]).collections) >= 1
+
+
+@pytest.mark.parametrize("inside", [True, False])
+@pytest.mark.parametrize("place", ["face", "edge", "corner"])
+def test_a_center_in_the_solid_is_pushed_back(place: str, inside: bool) -> None:
+    """Its height is negative, and the direction to the wall that of a center on the other side."""
+    low, high = (-1.0, -1.0, -1.0), (1.0, 1.0, 1.0)
+    room = Distances([SurfaceWall(box(low, high), inside=inside)], 10 * np.eye(3))
+    out = {"face": (0, 0, 1), "edge": (0, 1, 1), "corner": (1, 1, 1)}[place]
+    part = 0.05 if inside else -0.05
+    x = np.where(out, 1 + part * np.array(out), (0.3, -0.2, 0.0))
+    _, _, (direction, *_), (height, *_) = room.contacts(x[None], 0.5)
+    foot = x + height * direction
+    assert height < 0
+    if inside or place == "face":  # from within an obstacle the nearest point is on a face
+        np.testing.assert_allclose(foot, np.where(out, 1.0, x), rtol=0, atol=1e-12)
+    assert np.abs(foot).max() == pytest.approx(1.0, abs=1e-12)
 
 
 def test_soft_particles_touch_all_parts() -> None:
