@@ -75,8 +75,8 @@ def test_exceptions_of_other_signals_arrive() -> None:
     try:
         with ld.Simulation(packing, ld.Ring(), comm=MPI.COMM_SELF) as sim:
             for work in (
-                lambda: sim.run(20_000, timestep=0.01, temperature=1e-6, seed=1),
-                lambda: sim.lmp.command("run 20000"),
+                lambda: sim.run(2_000_000, timestep=0.01, temperature=1e-6, seed=1),
+                lambda: sim.lmp.command("run 2000000"),
             ):
                 signal.setitimer(signal.ITIMER_REAL, 0.05)
                 with pytest.raises(Late):
