@@ -31,7 +31,7 @@ def power(value: float) -> str:
     return f"{value:.1e}".replace("e-0", "e-").replace("e+00", "")
 
 
-def over_disks(row: dict, rows: list[dict]) -> float:
+def over_fastest(row: dict, rows: list[dict]) -> float:
     """Over the fastest soft ones of that size: their time depends on where their memory is."""
     spheres = row["law"] == "droplet"
     same = (r for r in rows if (r["law"] == "droplet") == spheres and r["n"] == row["n"])
@@ -51,7 +51,7 @@ def step() -> list[str]:
         [
             f"`{law}`",
             *(
-                "{:.1f}, {:.1f} times".format(*(over_disks(row, data) for row in both(n, law)))
+                "{:.1f}, {:.1f} times".format(*(over_fastest(row, data) for row in both(n, law)))
                 for n in sizes
             ),
         ]
@@ -110,7 +110,7 @@ def of_a_step() -> str:
     rows = of("in_turns")["rows"]
     told = []
     for law in ("balanced", "curved"):
-        ratios = [over_disks(row, rows) for row in select(rows, law=law)]
+        ratios = [over_fastest(row, rows) for row in select(rows, law=law)]
         told.append(f"{min(ratios):.0f} to {max(ratios):.0f}")
     return (
         f"A time step takes {told[0]} times as long as one of soft disks in LAMMPS with the "

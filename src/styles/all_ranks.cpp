@@ -3,9 +3,11 @@
 #include "comm.h"
 #include "lammps.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstdlib>
+#include <iterator>
 
 namespace deformable {
 
@@ -27,17 +29,18 @@ static void combine_two(void *in, void *in_and_out, int *count, MPI_Datatype *)
   const auto *const from = static_cast<const LargestAndSums *>(in);
   auto *const to = static_cast<LargestAndSums *>(in_and_out);
   for (int n = 0; n < *count; ++n) {
-    for (int k = 0; k < 5; ++k) to[n].largest[k] = std::max(to[n].largest[k], from[n].largest[k]);
-    for (int k = 0; k < 3; ++k) to[n].sum[k] += from[n].sum[k];
+    for (std::size_t k = 0; k < std::size(to->largest); ++k)
+      to[n].largest[k] = std::max(to[n].largest[k], from[n].largest[k]);
+    for (std::size_t k = 0; k < std::size(to->sum); ++k) to[n].sum[k] += from[n].sum[k];
   }
 }
 
+// Its type and operation live as long as the process: LAMMPS may be closed after MPI has ended.
 void combine_ranks(MPI_Comm world, LargestAndSums *each, int count)
 {
-  static_assert(sizeof(LargestAndSums) == 8 * sizeof(double), "it is sent as it is");
   static const MPI_Datatype type = [] {
     MPI_Datatype made;
-    MPI_Type_contiguous(8, MPI_DOUBLE, &made);
+    MPI_Type_contiguous(sizeof(LargestAndSums) / sizeof(double), MPI_DOUBLE, &made);
     MPI_Type_commit(&made);
     return made;
   }();

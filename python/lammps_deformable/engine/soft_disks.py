@@ -511,7 +511,7 @@ def _search(
         new, gradient = function(there)
         flatter = dot(gradient, direction)
         if new <= value + _DECREASE * part * slope or (
-            abs(flatter) <= _SLOPE * abs(slope) and new <= value * (1.0 + _ROUNDING)
+            abs(flatter) <= _SLOPE * abs(slope) and new <= value + _ROUNDING * abs(value)
         ):
             return there, new, gradient
         # where the slope, taken as linear, is zero

@@ -459,7 +459,8 @@ void FixDeformableFriction::rub(const PairDeformable &pair, const LoadedContact 
     next.damping = deformable::damping(c.gn, way.normal, dt, contact.force);
     if (c.film > 0.0) next.film = film_force(c, contact.size, 1.0 / dt * way);
     const Losses lost = lose(sides, last, next, 0.5 * (m.kt + c.kt), before, now);
-    for (std::size_t k = 0; k < lost.size() && ledger; ++k) power[k] = lost[k] / dt;
+    if (ledger)
+      for (std::size_t k = 0; k < lost.size(); ++k) power[k] = lost[k] / dt;
   } else {
     Along<V> force = is_new ? c.gt * now.v.along : last.rub.force;
     const double size = deformable::size_along(force);
@@ -509,6 +510,7 @@ inline void FixDeformableFriction::list_row(int i, const Sides &sides, const Con
                    slide, wall,    film.x, film.y, film.z,    a.film.normal});
   }
   if (!ledger) return;
+  // a second insert would be one too many for the compiler to inline: rows without a ledger would cost more
   for (const double each : power) values.push_back(each);
 }
 

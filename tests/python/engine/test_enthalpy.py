@@ -6,7 +6,7 @@ import lammps_deformable as ld
 import numpy as np
 import pytest
 from contact_laws import simulate
-from lammps_deformable.engine.soft_disks import Enthalpy, relax_at_pressure
+from lammps_deformable.engine.soft_disks import Enthalpy, minimize, relax_at_pressure
 from lammps_deformable.particles.containers import closed
 from lammps_deformable.particles.neighbors import near_pairs
 
@@ -129,3 +129,20 @@ def test_relaxation_at_a_pressure(name: str) -> None:
     assert found.packing.box / found.packing.box[0, 0] == pytest.approx(
         packing.box / packing.box[0, 0], rel=1e-12
     )
+
+
+@pytest.mark.parametrize("offset", [1.0, -1.0])
+def test_a_minimizer_knows_rounding_of_any_sign(offset: float) -> None:
+    """Where rounding hides that the value falls, the slope tells: a potential may be negative."""
+    stiffness = np.array([1.0, 3.0, 10.0])
+
+    def function(z: np.ndarray) -> tuple[float, np.ndarray]:
+        rounding = 1e-13 * np.cos(1e12 * z.sum())
+        return offset + 0.5 * float(stiffness @ z**2) + rounding, stiffness * z
+
+    def relaxed(gradient: np.ndarray) -> bool:
+        return float(np.abs(gradient).max()) < 1e-12
+
+    z, found = minimize(function, np.full(3, 1e-6), relaxed, 1.0, 200)
+    assert found
+    assert np.abs(z).max() < 1e-12
